@@ -1,0 +1,39 @@
+# `make run` and `make test` are all one needs; both set up whatever is missing first.
+.DEFAULT_GOAL := help
+.PHONY: help run test setup lint format clean
+
+PY := .venv/bin/python
+
+# An environment that was moved or copied here, or that lost its Python, is made anew.
+STALE := $(shell test -x $(PY) && test "$$(cat .venv/.ready 2>/dev/null)" = "$(CURDIR)" \
+	|| rm -f .venv/.ready)
+
+help: ## what there is to do
+	@sed -n 's/^\([a-z]*\):.*## /  make \1	/p' Makefile | expand -t 18
+	@echo "  make run CASE=spotlight            one case; several in quotes; more options in ARGS"
+	@echo "  make test ARGS='-k stencil -x'     some of the tests"
+
+run: .venv/.ready ## run every case and write the report
+	@$(PY) -m shaderlab run $(if $(CASE),$(CASE),--all) $(ARGS)
+
+test: .venv/.ready ## run every test
+	@$(PY) -m pytest $(ARGS)
+
+lint: .venv/.ready ## style and types
+	@$(PY) -m ruff check .
+	@$(PY) -m ruff format --check .
+	@$(PY) -m mypy
+
+format: .venv/.ready ## make the style right
+	@$(PY) -m ruff check --fix .
+	@$(PY) -m ruff format .
+
+setup: .venv/.ready ## only what run and test set up: .venv, packages, an OpenGL driver
+	@echo "setup: ready in .venv"
+
+.venv/.ready: pyproject.toml constraints.txt .ci/setup .ci/system .ci/opengl.py
+	@.ci/setup
+
+clean: ## remove everything that was made here, .venv and reports too
+	rm -rf .venv reports .cache build dist .hypothesis .mypy_cache .pytest_cache .ruff_cache
+	find . -name __pycache__ -prune -exec rm -rf {} +

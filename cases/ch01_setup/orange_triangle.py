@@ -1,0 +1,86 @@
+"""The first triangle: three corners, one colour, and the whole pipeline behind them.
+
+The corners are given in normalised device coordinates, where the window reaches from −1 to 1 on
+both axes. Each pixel whose centre lies inside the triangle gets the fragment shader's colour. In
+an 8-bit framebuffer every channel is rounded to a whole number of 255ths; 0.5 falls exactly
+between 127 and 128, and a driver may store either.
+
+Look at: how many pixels there are. The triangle covers 1/8 of the 2 × 2 square's half, that is
+1/16 of the window: 32400 of 720 × 720. And at the two ways in which the notes' text of this very
+shader does not compile.
+"""
+
+import numpy as np
+
+from shaderlab import (
+    Case,
+    Erratum,
+    Mesh,
+    Pixel,
+    Target,
+    compile_fails,
+    computed,
+    coverage,
+    formula,
+    mesh_pass,
+    value,
+)
+from shaderlab.glslmath import vec4
+from shaderlab.reference.transforms import signed_area
+
+CORNERS = np.array([(-0.5, 0.0, 0.0), (0.5, 0.0, 0.0), (0.0, 0.5, 0.0)])
+
+
+def orange():
+    """The notes' colour: full red, half green, a fifth of blue."""
+    return vec4(1.0, 0.5, 0.2, 1.0)
+
+
+case = Case(
+    title="An orange triangle",
+    section="1.2.2",
+    math=r"\text{FragColor} = (1,\ 0.5,\ 0.2,\ 1)",
+    passes=mesh_pass(
+        "ch01_setup/orange_triangle.vert",
+        "ch01_setup/orange_triangle.frag",
+        Mesh(attributes={"aPos": CORNERS}),
+        target=Target(size=(720, 720), colors={"FragColor": "rgba8"}, clear=(0.2, 0.3, 0.3, 1.0)),
+    ),
+    expect=[
+        coverage(32400, name="pixels covered"),
+        formula("FragColor", orange, name="every pixel is orange"),
+        value("FragColor", at=Pixel(360, 400), equals=(1.0, 0.5, 0.2, 1.0), digits=6),
+        computed(
+            "share of the window",
+            lambda: signed_area(CORNERS) / 4.0,
+            equals=0.0625,
+            digits=4,
+            note="the window is 2 × 2 in device coordinates",
+        ),
+        compile_fails(
+            "ch01_setup/errata/version_330_core.frag",
+            (1, "'#version' : bad profile name; use es, core, or compatibility"),
+            (1, "'#version' : bad tokens following profile -- expected newline"),
+            name="#version 330_core is refused",
+        ),
+        compile_fails(
+            "ch01_setup/errata/trailing_zero.frag",
+            (7, "syntax error, unexpected INTCONSTANT"),
+            name="a trailing 0 is refused",
+        ),
+    ],
+    errata=[
+        Erratum(
+            section="1.2.2",
+            says="#version 330_core",
+            truth="number and profile are two words: #version 330 core",
+            proof="#version 330_core is refused",
+        ),
+        Erratum(
+            section="1.2.2",
+            says="the shader's text ends in }0",
+            truth="nothing may follow the closing brace but further declarations",
+            proof="a trailing 0 is refused",
+        ),
+    ],
+)

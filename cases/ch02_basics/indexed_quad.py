@@ -1,0 +1,76 @@
+"""Four vertices, two triangles: an index buffer lets triangles share corners.
+
+The indices 0, 1, 3 and 1, 2, 3 name each triangle's corners. The quad looks exactly as if all six
+corners had been sent, but the vertex shader runs on four only.
+
+Look at: the shared edge, which has neither a gap nor a pixel drawn twice: 129600 of 720 × 720
+pixels are a quarter of the window. And at the order of the corners: both triangles run clockwise,
+so with OpenGL's default front face (counter-clockwise) culling back faces leaves nothing at all.
+"""
+
+import numpy as np
+
+from shaderlab import (
+    Case,
+    Mesh,
+    Output,
+    State,
+    Target,
+    computed,
+    coverage,
+    exact,
+    mesh_pass,
+)
+from shaderlab.reference.transforms import signed_area
+
+CORNERS = np.array([(0.5, 0.5, 0.0), (0.5, -0.5, 0.0), (-0.5, -0.5, 0.0), (-0.5, 0.5, 0.0)])
+INDICES = np.array([0, 1, 3, 1, 2, 3])
+
+INDEXED = Mesh(attributes={"aPos": CORNERS}, indices=INDICES)
+PLAIN = Mesh(attributes={"aPos": CORNERS[INDICES]})
+
+
+def drawn(name, mesh, **state):
+    """One pass over the whole window with this mesh and this fixed-function state."""
+    return mesh_pass(
+        "ch02_basics/indexed_quad.vert",
+        "ch02_basics/indexed_quad.frag",
+        mesh,
+        name=name,
+        target=Target(size=(720, 720), clear=(0.2, 0.3, 0.3, 1.0)),
+        state=State(**state),
+    )
+
+
+case = Case(
+    title="An indexed quad",
+    section="2.2.7",
+    math=r"A = \tfrac12 \sum_i (x_i\,y_{i+1} - x_{i+1}\,y_i)",
+    passes=(
+        *drawn("indexed", INDEXED),
+        *drawn("plain", PLAIN),
+        *drawn("cull-back", INDEXED, cull="back", front_face="ccw"),
+        *drawn("cull-back-cw", INDEXED, cull="back", front_face="cw"),
+    ),
+    picture="indexed.FragColor",
+    expect=[
+        coverage(129600, pass_name="indexed", name="pixels covered"),
+        exact("indexed.FragColor", Output("plain", "FragColor"), name="same as six vertices"),
+        coverage(0, pass_name="cull-back", name="culled when counter-clockwise is front"),
+        coverage(129600, pass_name="cull-back-cw", name="kept when clockwise is front"),
+        computed(
+            "signed area of 0, 1, 3",
+            lambda: signed_area(CORNERS[INDICES[:3]]),
+            equals=-0.5,
+            digits=6,
+            note="negative: clockwise",
+        ),
+        computed(
+            "signed area of 1, 2, 3",
+            lambda: signed_area(CORNERS[INDICES[3:]]),
+            equals=-0.5,
+            digits=6,
+            note="negative: clockwise",
+        ),
+    ],
+)

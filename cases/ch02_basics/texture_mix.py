@@ -1,0 +1,78 @@
+"""Two textures on one quad: mix(a, b, w) takes 1 − w of the first and w of the second.
+
+Each sampler reads from a texture unit of its own. With a weight of 0.2 the crate shows through
+the emblem that is painted on it; over red and blue it gives (0.8, 0, 0.2).
+
+Look at: the sun, which is only faintly there, and how it takes the place of the wood in the curve
+over the weight, in a straight line from one texture to the other.
+"""
+
+import numpy as np
+
+from shaderlab import (
+    Case,
+    Mesh,
+    Pixel,
+    Texture,
+    Variant,
+    assets,
+    formula,
+    mesh_pass,
+    sweep,
+    value,
+)
+from shaderlab.glslmath import mix
+from shaderlab.sampling import texture
+
+
+def mixed(texture1, texture2, TexCoords, mixValue):
+    """a·(1 − w) + b·w, texel by texel."""
+    return mix(texture(texture1, TexCoords), texture(texture2, TexCoords), mixValue)
+
+
+def one_texel(*color):
+    """A texture that has the same colour everywhere."""
+    return Texture(image=assets.solid(color))
+
+
+RED, BLUE = one_texel(1.0, 0.0, 0.0, 1.0), one_texel(0.0, 0.0, 1.0, 1.0)
+
+case = Case(
+    title="Mixing two textures",
+    section="2.4.6",
+    math=r"\operatorname{mix}(a, b, w) = a\,(1 - w) + b\,w",
+    passes=mesh_pass(
+        "ch02_basics/texture_mix.vert",
+        "ch02_basics/texture_mix.frag",
+        Mesh(**assets.quad(size=1.8)).only("aPos", "aTexCoords"),
+        uniforms={"mixValue": 0.2},
+        textures={
+            "texture1": Texture(image=assets.crate),
+            "texture2": Texture(image=assets.emblem),
+        },
+    ),
+    expect=[formula("FragColor", mixed)],
+    variants=[
+        Variant("crate and emblem"),
+        Variant("half and half", {"mixValue": 0.5}),
+        Variant(
+            "red and blue",
+            {"texture1": RED, "texture2": BLUE},
+            expect=[
+                value("FragColor", at=Pixel(32, 32), equals=(0.8, 0.0, 0.2, 1.0), digits=6),
+                sweep(
+                    "FragColor",
+                    mixed,
+                    over="mixValue",
+                    values=np.linspace(0.0, 1.0, 21),
+                    at={"TexCoords": (0.5, 0.5)},
+                ),
+            ],
+        ),
+        Variant(
+            "weight 0 is the first",
+            {"texture1": RED, "texture2": BLUE, "mixValue": 0.0},
+            expect=[value("FragColor", at=Pixel(32, 32), equals=(1.0, 0.0, 0.0, 1.0), digits=6)],
+        ),
+    ],
+)

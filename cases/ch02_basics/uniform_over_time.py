@@ -1,0 +1,70 @@
+"""A uniform that changes with time: the program computes a colour, the shader shows it.
+
+The green channel swings as sin(t)/2 + 0.5. A sine runs from −1 to 1; halved and raised by a half
+it fits a colour's range from 0 to 1. The program sends `ourColor` before each draw. A uniform
+arrives as it was sent, to the bit; a sine computed in the shader itself is only promised to be
+within 2⁻¹¹.
+
+Look at: the bead, which is filled with the uniform of that moment, riding on the curve.
+"""
+
+from math import pi, sin
+
+import numpy as np
+
+from shaderlab import Case, Ramp, Rules, Variant, exact, formula, fullscreen, sweep, value
+from shaderlab.reference.waves import pulse
+
+FRAMES = [
+    ("0", 0.0, 0.5),
+    ("1", 1.0, 0.920735),
+    ("2", 2.0, 0.954649),
+    ("3", 3.0, 0.570560),
+    ("π÷2", pi / 2, 1.0),
+    ("3π÷2", 3 * pi / 2, 0.0),
+]
+
+# Past π the specification promises nothing of a sine; the conformance suite allows |t|·2⁻¹².
+LATER = Rules(trig_outside="scaled")
+
+
+def our_color(time):
+    """What the notes' render loop sends."""
+    return (0.0, sin(time) / 2.0 + 0.5, 0.0, 1.0)
+
+
+def frame(name, time, green):
+    """The picture at one moment, with the figure the notes' formula gives then."""
+    color = our_color(time)
+    return Variant(
+        f"t = {name}",
+        {"time": time, "ourColor": color},
+        expect=[
+            exact("FragColor", np.float32(color), name="the uniform arrives exactly"),
+            value("green", at={"time": time}, equals=green, digits=6, rules=LATER),
+        ],
+    )
+
+
+moment = {"time": 0.0, "ourColor": our_color(0.0)}
+
+case = Case(
+    title="A uniform over time",
+    section="2.3.4",
+    math=r"g(t) = \tfrac12 \sin t + \tfrac12",
+    passes=(
+        *fullscreen(
+            "ch02_basics/uniform_over_time_picture.frag",
+            name="picture",
+            domain={"place": Ramp((-0.4, -0.3), (7.1, 0.0), (0.0, 1.6))},
+            uniforms=moment,
+        ),
+        *fullscreen("ch02_basics/uniform_over_time.frag", domain={}, uniforms=moment),
+    ),
+    picture="picture.FragColor",
+    expect=[
+        formula("green", pulse, rules=LATER),
+        sweep("green", pulse, over="time", values=np.linspace(0.0, 2 * pi, 65), rules=LATER),
+    ],
+    variants=[frame(*row) for row in FRAMES],
+)

@@ -1,0 +1,68 @@
+"""Model, view, projection: three matrices take a vertex from its mesh to the screen.
+
+The model matrix halves the quad and tilts it by −55° around x, the view matrix steps back by
+three units, the perspective matrix sees 45° from bottom to top. Read the product from the right:
+the model acts first. What leaves the vertex shader is still four numbers; the hardware divides by
+the last one, w, which is the distance in front of the camera, and so far things become small.
+
+Look at: the grid's lines. They are parallel on the quad and meet in the distance. The picture
+shows a quad of seven times the size from the same place; the numbers are the notes' own.
+"""
+
+from math import radians
+
+from shaderlab import Case, Depth, Mesh, State, Target, assets, formula, mesh_pass, value
+from shaderlab.reference.transforms import (
+    clip_position,
+    device_position,
+    perspective,
+    rotate,
+    scale,
+    translate,
+)
+
+
+def tilted(name, size):
+    """A quad scaled to `size`, tilted away from a camera three units off."""
+    return mesh_pass(
+        "ch03_transforms/mvp.vert",
+        "ch03_transforms/mvp.frag",
+        Mesh(**assets.quad()).only("aPos", "aTexCoords"),
+        name=name,
+        uniforms={
+            "model": rotate(radians(-55.0), (1.0, 0.0, 0.0)) @ scale(size),
+            "view": translate((0.0, 0.0, -3.0)),
+            "projection": perspective(radians(45.0), 4.0 / 3.0, 0.1, 100.0),
+        },
+        target=Target(size=(640, 480), depth="depth24", clear=(0.55, 0.65, 0.75, 1.0)),
+        state=State(depth=Depth()),
+    )
+
+
+case = Case(
+    title="Model, view, projection",
+    section="3.4",
+    math=r"\mathbf{c} = P\,V\,M\,(x, y, z, 1)^{\mathsf T}, \qquad "
+    r"\mathbf{n} = (c_x, c_y, c_z)\,/\,c_w",
+    passes=(*tilted("picture", 3.5), *tilted("notes", 0.5)),
+    picture="picture.FragColor",
+    expect=[
+        formula("gl_Position", clip_position),
+        formula("Ndc", device_position),
+        formula("picture.gl_Position", clip_position),
+        value(
+            "gl_Position",
+            at={"aPos": (0.5, 0.5, 0.0)},
+            equals=(0.452665, 0.346184, 3.011004, 3.204788),
+            digits=6,
+            name="clip coordinates of the corner",
+        ),
+        value(
+            "Ndc",
+            at={"aPos": (0.5, 0.5, 0.0)},
+            equals=(0.141246, 0.108021, 0.939533),
+            digits=6,
+            name="device coordinates of the corner",
+        ),
+    ],
+)

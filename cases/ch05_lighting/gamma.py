@@ -1,0 +1,119 @@
+"""Gamma: a display does not show twice the light for twice the number.
+
+A pixel value v becomes roughly v^2.2 of the display's light, which spends the 256 steps where the
+eye can tell them apart. A shader calculates with light, so its result has to be encoded at the
+end, by the power 1/2.2 or by the exact sRGB curve. An sRGB framebuffer does the latter by itself,
+and an sRGB texture undoes it when it is read: all 256 codes come back, whoever did which half.
+
+Look at: the stripes, at full size and from a few steps away. The dithered ones mix black and white
+pixels, so their light is right on any display, whatever its curve. The middle stripe is encoded
+and matches them; the outer ones are raw numbers, and too dark. Half of the pixels white is a grey
+of 188, not of 128.
+"""
+
+import numpy as np
+
+from shaderlab import (
+    Case,
+    Ramp,
+    State,
+    Target,
+    Texture,
+    across,
+    assets,
+    computed,
+    exact,
+    formula,
+    fullscreen,
+    sweep,
+    up,
+    value,
+)
+from shaderlab.glslmath import vec4
+from shaderlab.reference.gamma import gamma_encode, srgb_decode, srgb_encode
+from shaderlab.reference.opinions import srgb_by_colour_science
+
+CODES = np.arange(256) / 255.0
+ALL_CODES = np.stack([CODES, CODES, CODES, np.ones(256)], axis=-1)[None]
+CODE_BY_CODE = np.rint(ALL_CODES * 255.0).astype(np.uint8)
+
+SRGB_TEXTURE = Texture(image=ALL_CODES, format="srgb8_alpha8")
+BLACK_AND_WHITE = Texture(
+    image=assets.checker(size=2, cells=2, dark=(0, 0, 0, 1), light=(1, 1, 1, 1)),
+    format="srgb8_alpha8",
+    filter=("linear", "linear"),
+)
+SRGB_FRAMEBUFFER = {
+    "target": Target(size=(256, 16), colors={"FragColor": "srgb8_alpha8"}),
+    "state": State(srgb=True),
+}
+
+
+def decode(linear):
+    """The shader puts the same ramp through the way back."""
+    return srgb_decode(linear)
+
+
+def half_of_the_light():
+    """A chessboard of black and white, from far away."""
+    return vec4(0.5, 0.5, 0.5, 1.0)
+
+
+case = Case(
+    title="Gamma correction",
+    section="5.8",
+    math=r"v = c^{1/2.2}, \qquad v_{\mathrm{sRGB}} = \begin{cases} 12.92\,c & c \le 0.0031308 \\"
+    r" 1.055\,c^{1/2.4} - 0.055 & \text{otherwise} \end{cases}",
+    passes=(
+        *fullscreen(
+            "ch05_lighting/gamma_picture.frag",
+            name="picture",
+            domain={"linear": across(0.0, 1.0), "stripe": up(0.0, 5.0)},
+        ),
+        *fullscreen(
+            "ch05_lighting/gamma_framebuffer.frag",
+            name="framebuffer",
+            domain={"code": across(0.0, 256.0)},
+            **SRGB_FRAMEBUFFER,
+        ),
+        *fullscreen(
+            "ch05_lighting/gamma_encoded.frag",
+            name="texture",
+            textures={"image": SRGB_TEXTURE},
+            target=Target(size=(256, 16), colors={"FragColor": "rgba8"}),
+        ),
+        *fullscreen(
+            "ch05_lighting/gamma_texture.frag",
+            name="there-and-back",
+            textures={"image": SRGB_TEXTURE},
+            **SRGB_FRAMEBUFFER,
+        ),
+        *fullscreen(
+            "ch05_lighting/gamma_texture.frag",
+            name="dither",
+            domain={"TexCoords": Ramp((0.5, 0.5))},
+            textures={"image": BLACK_AND_WHITE},
+            **SRGB_FRAMEBUFFER,
+        ),
+        *fullscreen(
+            "ch05_lighting/gamma.frag",
+            domain={"linear": across(0.0, 1.0)},
+            uniforms={"gamma": 2.2},
+        ),
+    ),
+    picture="picture.FragColor",
+    expect=[
+        formula("power", gamma_encode),
+        formula("srgb", srgb_encode, also={"colour-science": srgb_by_colour_science}),
+        formula("decoded", decode),
+        value("power", at={"linear": 0.5}, equals=0.729740, digits=6, name="half, by the power"),
+        value("srgb", at={"linear": 0.5}, equals=0.735357, digits=6, name="half, by sRGB"),
+        sweep("power", gamma_encode, over="linear", values=np.linspace(0.005, 1.0, 64)),
+        sweep("srgb", srgb_encode, over="linear", values=np.linspace(0.0005, 1.0, 64)),
+        exact("framebuffer.FragColor", CODE_BY_CODE, name="an sRGB framebuffer encodes"),
+        exact("texture.FragColor", CODE_BY_CODE, name="an sRGB texture decodes"),
+        exact("there-and-back.FragColor", CODE_BY_CODE, name="both together change nothing"),
+        formula("dither.FragColor", half_of_the_light, name="half of the pixels white"),
+        computed("… is a grey of", lambda: 255.0 * srgb_encode(0.5), equals=188.0, digits=0),
+    ],
+)

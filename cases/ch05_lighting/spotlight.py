@@ -1,0 +1,114 @@
+"""A spotlight with a soft edge: I = clamp((θ − γ) / (φ − γ), 0, 1), and all three are cosines.
+
+θ belongs to the ray from the lamp to the fragment, φ to the inner cone, γ to the outer one. The
+ratio is 1 on the inner cone and 0 on the outer one; the clamp takes care of everything inside and
+outside. A uniform `cutOff` has to hold a cosine, and a cosine of degrees: whoever forgets to
+convert to radians gets a number that looks like one and lies on another cone.
+
+Look at: the beam from the side, in dusty air. Amber lines are the inner cone, blue lines the
+outer one, and on the grey arc, one unit from the lamp, lie the points of the table.
+"""
+
+from math import cos, radians, sin
+
+from shaderlab import (
+    Case,
+    Erratum,
+    Ramp,
+    Variant,
+    computed,
+    formula,
+    fullscreen,
+    value,
+)
+from shaderlab.reference.spotlight import ratio_of_cosines, spot_intensity, spot_ratio
+
+# The lamp hangs at the origin and points along −z; the picture is a slice with z upward.
+LIGHT = {"light.position": (0.0, 0.0, 0.0), "light.direction": (0.0, 0.0, -1.0)}
+SLICE = Ramp((-0.8, 0.0, -1.45), (1.6, 0.0, 0.0), (0.0, 0.0, 1.6))
+
+
+def cone(inner, outer):
+    """The two cut-offs as the shader wants them."""
+    return {"light.cutOff": cos(radians(inner)), "light.outerCutOff": cos(radians(outer))}
+
+
+def on_arc(degrees):
+    """The point one unit from the lamp, so many degrees off its axis."""
+    return (sin(radians(degrees)), 0.0, -cos(radians(degrees)))
+
+
+def row(degrees, notes, ratio, intensity):
+    """The unclamped and the clamped figure at one angle, beside what the notes print."""
+    at, note = {"FragPos": on_arc(degrees)}, f"the notes print {notes}"
+    return [
+        value("ratio", at=at, equals=ratio, digits=6, name=f"ratio at {degrees}°", note=note),
+        value("intensity", at=at, equals=intensity, digits=6, name=f"intensity at {degrees}°"),
+    ]
+
+
+def wide():
+    """The notes' rows for the cone of 25° and 35°: angle, their figure, ratio, intensity."""
+    table = [
+        (30, "0.56", 0.537811, 0.537811),
+        (26, "0.89", 0.913789, 0.913789),
+        (14, "1.67", 1.734179, 1.0),
+        (34, "0.11", 0.113424, 0.113424),
+        (50, "−2.0", -2.023555, 0.0),
+    ]
+    return [expectation for entries in table for expectation in row(*entries)]
+
+
+def narrow():
+    """The notes' row for the cone of 12.5° and 17.5°, whose cosine they took of radians."""
+    return [
+        *row(15, "0.29", 0.540717, 0.540717),
+        computed("cos 12.5°", lambda: cos(radians(12.5)), equals=0.976296, digits=6),
+        computed(
+            "cos(12.5 rad)", lambda: cos(12.5), equals=0.9978, digits=4, note="the notes' 0.9978"
+        ),
+        computed(
+            "with the notes' cosine",
+            lambda: ratio_of_cosines(cos(radians(15.0)), cos(12.5), cos(radians(17.5))),
+            equals=0.277,
+            digits=3,
+            note="rounding on the way made it 0.29",
+        ),
+    ]
+
+
+passes = (
+    *fullscreen(
+        "ch05_lighting/spotlight_picture.frag",
+        name="picture",
+        domain={"FragPos": SLICE},
+        uniforms={**LIGHT, **cone(25.0, 35.0)},
+    ),
+    *fullscreen(
+        "ch05_lighting/spotlight.frag",
+        domain={"FragPos": SLICE},
+        uniforms={**LIGHT, **cone(25.0, 35.0)},
+    ),
+)
+
+case = Case(
+    title="Spotlight with a soft edge",
+    section="5.5.3",
+    math=r"I = \operatorname{clamp}\!\left(\frac{\cos\theta - \cos\gamma}"
+    r"{\cos\varphi - \cos\gamma},\ 0,\ 1\right)",
+    passes=passes,
+    picture="picture.FragColor",
+    expect=[formula("ratio", spot_ratio), formula("intensity", spot_intensity)],
+    variants=[
+        Variant("25° and 35°", cone(25.0, 35.0), expect=wide()),
+        Variant("12.5° and 17.5°", cone(12.5, 17.5), expect=narrow()),
+    ],
+    errata=[
+        Erratum(
+            section="5.5.3",
+            says="θ = 15°, φ = 12.5°, γ = 17.5°: cos φ = 0.9978, I = 0.29",
+            truth="0.9978 is the cosine of 12.5 radians; cos 12.5° = 0.976296 and I = 0.540717",
+            proof="ratio at 15°",
+        )
+    ],
+)

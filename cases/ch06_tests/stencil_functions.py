@@ -1,0 +1,92 @@
+"""The eight stencil functions: pass where `(reference & mask) func (stored & mask)` holds.
+
+Reference and mask come from glStencilFunc, the stored value from the buffer, and the mask is
+applied to both before they are compared. A mask of 0 therefore does not switch the test off: it
+compares 0 with 0, which EQUAL, LEQUAL, GEQUAL and ALWAYS pass and the other four do not.
+
+Look at: the table, exhaustive over two bits. From left to right stand NEVER, LESS, EQUAL, LEQUAL,
+GREATER, NOTEQUAL, GEQUAL and ALWAYS, from bottom to top the masks 0, 1, 2 and 3. In each block of
+4 × 4 fields the stored value grows to the right and the reference upward: with the full mask LESS
+is a triangle and EQUAL the diagonal.
+"""
+
+import numpy as np
+
+from shaderlab import Case, Cell, Draw, Erratum, Mesh, Pass, State, Stencil, Target, assets, exact
+from shaderlab.reference.depth_stencil import FUNCTIONS, stencil_passes
+
+VALUES = range(4)  # references, stored values and masks: all there are in two bits
+FUNCS = tuple(FUNCTIONS)
+COLUMNS, ROWS = len(FUNCS) * len(VALUES), len(VALUES) * len(VALUES)
+
+SQUARE = Mesh(**assets.quad()).only("aPos")
+
+
+def strip(fields, verdict, stencil, cell):
+    """A draw over a strip of fields that writes `verdict` where the stencil test passes."""
+    return Draw(
+        vertex="ch06_tests/truth_table.vert",
+        fragment="ch06_tests/truth_table.frag",
+        mesh=SQUARE,
+        uniforms={"depth": 0.0, "fields": fields, "verdict": verdict},
+        state=State(stencil=stencil, cell=cell),
+    )
+
+
+# First every column gets its stored value, and a red field; then each function, mask and
+# reference draws one row of its block in green, over all four stored values at once.
+stored = [
+    strip(
+        (1, ROWS),
+        0.0,
+        Stencil(reference=column % len(VALUES), depth_pass="replace"),
+        Cell(column=column, row=0, columns=COLUMNS, rows=1),
+    )
+    for column in range(COLUMNS)
+]
+tests = [
+    strip(
+        (len(VALUES), 1),
+        1.0,
+        Stencil(func=func, reference=reference, mask=mask),
+        Cell(column=block, row=mask * len(VALUES) + reference, columns=len(FUNCS), rows=ROWS),
+    )
+    for block, func in enumerate(FUNCS)
+    for mask in VALUES
+    for reference in VALUES
+]
+
+
+def passes(column, row):
+    """What the reference says of one field of the table."""
+    block, stored_value = divmod(column, len(VALUES))
+    mask, reference = divmod(row, len(VALUES))
+    return stencil_passes(FUNCS[block], reference, stored_value, mask)
+
+
+truth = np.array([[[passes(c, r)] for c in range(COLUMNS)] for r in range(ROWS)], np.float32)
+
+# With the mask 0 alone: what passes does not depend on reference and stored value any more.
+mask_zero = {func: stencil_passes(func, 3, 1, 0) for func in FUNCS}
+
+case = Case(
+    title="The stencil functions",
+    section="6.1.1",
+    math=r"\text{pass} \iff (\mathit{ref} \mathbin{\&} \mathit{mask})\ \mathit{func}\ "
+    r"(\mathit{stored} \mathbin{\&} \mathit{mask})",
+    passes=(
+        Pass(
+            target=Target(size=(768, 384), depth="depth24_stencil8"),
+            draws=(*stored, *tests),
+        ),
+    ),
+    expect=[exact("passed", truth, name="8 functions × 4 references × 4 stored × 4 masks")],
+    errata=[
+        Erratum(
+            section="6.1.1",
+            says="a mask of 0 switches the stencil test off",
+            truth="0 is compared with 0: EQUAL, LEQUAL, GEQUAL and ALWAYS pass, the others fail",
+            proof="8 functions × 4 references × 4 stored × 4 masks",
+        )
+    ],
+)

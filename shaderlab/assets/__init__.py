@@ -1,0 +1,24 @@
+"""Meshes and textures as NumPy arrays, for cases that need something to look at.
+
+A mesh is a mapping that `Mesh` takes as it is: `Mesh(**assets.sphere())`. A texture is an array
+(height, width, channels) in 0…1 whose row 0 is the bottom one: `Texture(image=assets.crate)`.
+"""
+
+from .meshes import Geometry, cube, joined, moved, plane, quad, sphere, torus
+from .textures import brick_wall, checker, crate, emblem, solid
+
+__all__ = [
+    "Geometry",
+    "brick_wall",
+    "checker",
+    "crate",
+    "cube",
+    "emblem",
+    "joined",
+    "moved",
+    "plane",
+    "quad",
+    "solid",
+    "sphere",
+    "torus",
+]

@@ -1,0 +1,13 @@
+"""Acceptance intervals for 32-bit shader arithmetic: what a conforming device may answer.
+
+A formula evaluated on bands gives, for every value, the interval of results that the precision
+tables of GLSL and Vulkan allow. A measured value outside is a failure on any conforming device;
+inside, no device can be blamed. GLSL's functions for bands are in `shaderlab.glslmath`.
+"""
+
+from shaderlab.bands.allowed import Allowed
+from shaderlab.bands.band import Band
+from shaderlab.bands.rules import Rules
+from shaderlab.bands.truth import Truth
+
+__all__ = ["Allowed", "Band", "Rules", "Truth"]

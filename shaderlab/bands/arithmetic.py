@@ -1,0 +1,260 @@
+"""Sums, products and quotients of bands, with what rearranging them may add.
+
+Every band carries `mag`, the sum of the absolute values of the terms it is made of. A compiler
+that turns a·b + a·c into a·(b + c), or back, rounds at the size of the terms, not of their sum,
+and rounds where the formula as written happens to be exact. So:
+
+- one sum or product of plain values (inputs, constants, what functions return) is rounded once;
+  nothing can be rearranged yet, but it has a `mag` from now on;
+- a sum of two plain values remembers one step of `mag` as its `slack`, paid as soon as it is
+  added to or multiplied with something (a·(b + c) may become a·b + a·c);
+- each further sum, product or quotient rounds by a step of its `mag` more.
+
+A plain band has no `mag` of its own (None: its own absolute value), and pays nothing.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from shaderlab.bands.rounding import (
+    LARGEST,
+    RELATIVE_STEP,
+    SMALLEST_NORMAL,
+    Flags,
+    Floats,
+    is_power_of_two,
+    two_sum,
+    widened_by_ulps,
+)
+
+if TYPE_CHECKING:
+    from shaderlab.bands.band import Band
+
+DIVISION_ULPS = 2.5
+LARGEST_DIVISOR = 2.0**126
+
+
+@np.errstate(all="ignore")
+def add(a: Band, b: Band) -> Band:
+    """a + b, correctly rounded in either direction."""
+    a_lo, a_hi = a.settled()
+    b_lo, b_hi = b.settled()
+    lo, lost_lo = two_sum(a_lo, b_lo)
+    if a_lo is a_hi and b_lo is b_hi:
+        hi, lost_hi = lo, lost_lo
+    else:
+        hi, lost_hi = two_sum(a_hi, b_hi)
+    nan = None
+    if not (np.isfinite(lo).all() and np.isfinite(hi).all()):
+        nan = ((a_hi == np.inf) & (b_lo == -np.inf)) | ((a_lo == -np.inf) & (b_hi == np.inf))
+    if not a.rules.rearrange:
+        return a.made(lo, hi, b, residue=(lost_lo, lost_hi), nan=nan)
+    mag_a, mag_b = a.mag, b.mag
+    mag = mag_a + mag_b
+    # Adding an exact zero is no sum: no compiler keeps it.
+    step = np.where((mag_a > 0.0) & (mag_b > 0.0), RELATIVE_STEP * mag, 0.0)
+    slack = None
+    if a.is_plain and b.is_plain:
+        slack = step
+    else:
+        lo, hi = _moved_out(
+            lo, hi, step, (a_lo >= 0.0) & (b_lo >= 0.0), (a_hi <= 0.0) & (b_hi <= 0.0)
+        )
+    return a.made(lo, hi, b, residue=(lost_lo, lost_hi), nan=nan, mag=mag, slack=slack)
+
+
+def _moved_out(
+    lo: Floats, hi: Floats, step: Floats, not_negative: Flags, not_positive: Flags
+) -> tuple[Floats, Floats]:
+    """Bounds moved out by a step, which does not take a result past zero that can't have its sign.
+
+    Operands of one sign, once settled, are further from zero than any rearrangement can err.
+    """
+    out_lo, out_hi = lo - step, hi + step
+    return (
+        np.where(not_negative, np.maximum(out_lo, 0.0), out_lo),
+        np.where(not_positive, np.minimum(out_hi, 0.0), out_hi),
+    )
+
+
+def _product_bounds(
+    a_lo: Floats, a_hi: Floats, b_lo: Floats, b_hi: Floats
+) -> tuple[Floats, Floats]:
+    """The hull of the products of the ends. Exact: 24 + 24 bits fit into float64."""
+    if b_lo is b_hi:
+        a_lo, a_hi, b_lo, b_hi = b_lo, b_hi, a_lo, a_hi
+    first = a_lo * b_lo
+    if b_lo is b_hi:
+        if a_lo is a_hi:
+            return first, first
+        second = a_hi * b_lo
+        return np.fmin(first, second), np.fmax(first, second)
+    second = a_lo * b_hi
+    lo, hi = np.fmin(first, second), np.fmax(first, second)
+    if a_lo is a_hi:
+        return lo, hi
+    third, fourth = a_hi * b_lo, a_hi * b_hi
+    # fmin, fmax: 0·inf beside finite products adds a NaN, not a bound.
+    return np.fmin(lo, np.fmin(third, fourth)), np.fmax(hi, np.fmax(third, fourth))
+
+
+def _zero_times_infinity(
+    a_lo: Floats, a_hi: Floats, b_lo: Floats, b_hi: Floats
+) -> Flags:
+    a_zero = (a_lo <= 0.0) & (a_hi >= 0.0)
+    b_zero = (b_lo <= 0.0) & (b_hi >= 0.0)
+    a_infinite = np.isinf(a_lo) | np.isinf(a_hi)
+    b_infinite = np.isinf(b_lo) | np.isinf(b_hi)
+    found: Flags = (a_zero & b_infinite) | (b_zero & a_infinite)
+    return found
+
+
+@np.errstate(all="ignore")
+def multiply(a: Band, b: Band) -> Band:
+    """a · b, correctly rounded in either direction; a value times itself is not negative."""
+    if a is b:
+        return square(a)
+    for scale, other in ((a, b), (b, a)):
+        if scale.lo is scale.hi and scale.is_plain and scale.lo.size <= 16 and is_power_of_two(
+            scale.lo
+        ):
+            return _scaled(other, scale)
+    a_lo, a_hi = a.settled()
+    b_lo, b_hi = b.settled()
+    lo, hi = _product_bounds(a_lo, a_hi, b_lo, b_hi)
+    nan = None
+    if not (np.isfinite(lo).all() and np.isfinite(hi).all()):
+        nan = _zero_times_infinity(a_lo, a_hi, b_lo, b_hi)
+    if not a.rules.rearrange:
+        return a.made(lo, hi, b, nan=nan)
+    mag = a.mag * b.mag
+    if a.is_plain and b.is_plain:
+        return a.made(lo, hi, b, nan=nan, mag=mag)
+    step = RELATIVE_STEP * mag
+    lo, hi = _moved_out(lo, hi, step, lo >= 0.0, hi <= 0.0)
+    return a.made(lo, hi, b, nan=nan, mag=mag)
+
+
+def _scaled(a: Band, scale: Band) -> Band:
+    """a · ±2^k: nothing is rounded, so a pending slack stays pending."""
+    lo, hi = _product_bounds(a.lo, a.hi, scale.lo, scale.lo)
+    nan = None
+    if not (np.isfinite(lo).all() and np.isfinite(hi).all()):
+        nan = _zero_times_infinity(a.lo, a.hi, scale.lo, scale.lo)
+    factor = np.abs(scale.lo)
+    return a.made(
+        lo,
+        hi,
+        scale,
+        nan=nan,
+        mag=None if a.own_mag is None else a.own_mag * factor,
+        slack=None if a.slack is None else a.slack * factor,
+    )
+
+
+@np.errstate(all="ignore")
+def square(a: Band) -> Band:
+    """a · a for one and the same value: never negative, and no compiler expands (b + c)²."""
+    if a.lo is a.hi:
+        product = a.lo * a.lo
+        return a.made(product, product, mag=np.minimum(product, LARGEST) if a.rules.rearrange else None)
+    low, high = a.lo * a.lo, a.hi * a.hi
+    straddles = (a.lo < 0.0) & (a.hi > 0.0)
+    lo, hi = np.where(straddles, 0.0, np.minimum(low, high)), np.maximum(low, high)
+    if not a.rules.rearrange:
+        return a.made(lo, hi)
+    step = 0.0 if a.is_plain else RELATIVE_STEP * hi
+    return a.made(np.maximum(lo - step, 0.0), hi + step, mag=np.minimum(hi, LARGEST))
+
+
+@np.errstate(all="ignore")
+def divide(a: Band, b: Band) -> Band:
+    """a / b within 2.5 ULP where 2^-126 ≤ |b| ≤ 2^126; anything elsewhere."""
+    a_lo, a_hi = a.settled()
+    smallest = np.minimum(np.abs(b.lo), np.abs(b.hi))
+    outside = (
+        (smallest < SMALLEST_NORMAL)
+        | (np.maximum(np.abs(b.lo), np.abs(b.hi)) > LARGEST_DIVISOR)
+        | ((b.lo <= 0.0) & (b.hi >= 0.0))
+    )
+    exact_divisor = b.lo is b.hi
+    b_lo, b_hi = b.lo, b.hi
+    if outside.any():
+        b_lo = np.where(outside, 1.0, b_lo)
+        b_hi = b_lo if exact_divisor else np.where(outside, 1.0, b_hi)
+        smallest = np.where(outside, 1.0, smallest)
+    low, high = a_lo / b_lo, a_hi / b_lo
+    lo, hi = np.minimum(low, high), np.maximum(low, high)
+    if not exact_divisor:
+        low, high = a_lo / b_hi, a_hi / b_hi
+        lo, hi = np.minimum(lo, np.minimum(low, high)), np.maximum(hi, np.maximum(low, high))
+    lo, hi = widened_by_ulps(lo, hi, DIVISION_ULPS, DIVISION_ULPS)
+    if a.own_mag is None:
+        return a.made(lo, hi, b, anything=outside)
+    mag = a.own_mag / smallest
+    step = DIVISION_ULPS * RELATIVE_STEP * mag
+    lo, hi = _moved_out(lo, hi, step, lo >= 0.0, hi <= 0.0)
+    return a.made(lo, hi, b, anything=outside, mag=mag)
+
+
+@np.errstate(all="ignore")
+def sum_last(a: Band) -> Band:
+    """The sum over the last axis (kept, with size 1), its terms added in any order."""
+    if a.shape[-1] == 1:
+        return a
+    a_lo, a_hi = a.settled()
+    lo, lost_lo = _running_sum(a_lo)
+    hi, lost_hi = (lo, lost_lo) if a_lo is a_hi else _running_sum(a_hi)
+    nan = None
+    if not (np.isfinite(lo).all() and np.isfinite(hi).all()):
+        rises = (a_hi == np.inf).sum(axis=-1, keepdims=True)
+        falls = (a_lo == -np.inf).sum(axis=-1, keepdims=True)
+        both = ((a_hi == np.inf) & (a_lo == -np.inf)).sum(axis=-1, keepdims=True)
+        nan = rises * falls > both
+    terms = a.mag
+    mag = terms.sum(axis=-1, keepdims=True)
+    count = (terms > 0.0).sum(axis=-1, keepdims=True)
+    step = RELATIVE_STEP * mag
+    # All partial sums but the last, which `made` rounds, may each lose a step.
+    between = np.maximum(count - 2, 0) * step
+    lo, hi = _moved_out(
+        lo, hi, between, a_lo.min(-1, keepdims=True) >= 0.0, a_hi.max(-1, keepdims=True) <= 0.0
+    )
+    rearranged = a.rules.rearrange
+    return a.flags_over_last().made(
+        lo,
+        hi,
+        residue=(lost_lo, lost_hi),
+        nan=nan,
+        mag=mag if rearranged else None,
+        slack=np.where(count >= 2, step, 0.0) if rearranged else None,
+    )
+
+
+def _running_sum(values: Floats) -> tuple[Floats, Floats]:
+    total = values[..., 0:1]
+    lost = np.zeros(1)
+    for j in range(1, values.shape[-1]):
+        total, residue = two_sum(total, values[..., j : j + 1])
+        lost = lost + residue
+    return total, lost
+
+
+@np.errstate(all="ignore")
+def union(a: Band, b: Band) -> Band:
+    """What either of two legal ways to compute one value may give."""
+    lo, hi = np.minimum(a.lo, b.lo), np.maximum(a.hi, b.hi)
+    if a.own_mag is None and b.own_mag is None:
+        return a.made(lo, hi, b)
+    slack_a = 0.0 if a.slack is None else a.slack
+    slack_b = 0.0 if b.slack is None else b.slack
+    return a.made(
+        lo,
+        hi,
+        b,
+        mag=np.maximum(a.mag, b.mag),
+        slack=np.maximum(slack_a, slack_b) if a.slack is not None or b.slack is not None else None,
+    )

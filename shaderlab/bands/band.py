@@ -1,0 +1,343 @@
+"""The band: per value, the interval that a conforming device's float32 result may lie in."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from shaderlab.bands import formats
+from shaderlab.bands.allowed import Allowed, contains, widths
+from shaderlab.bands.operators import Operators
+from shaderlab.bands.rounding import LARGEST, Flags, Floats, down, flushed, up
+from shaderlab.bands.rules import Rules
+from shaderlab.bands.truth import Truth
+from shaderlab.errors import FormulaError
+
+_DEFAULT = Rules()
+_NO = np.zeros((), dtype=np.bool_)
+_YES = np.ones((), dtype=np.bool_)
+
+
+class Band(Operators):
+    """An interval for every value of an array, on the float32 grid, rounded outward.
+
+    The last axis is the vector's components, always: a per-pixel float is (N, 1), a uniform
+    float (1,), a uniform vec3 (3,), a mat4 (4, 4) with m[row, column]. Arithmetic with plain
+    numbers and arrays takes those as literals of the shader (see `literal`). GLSL's functions are
+    in `shaderlab.glslmath`; NumPy's raise `FormulaError`, as do `if band` and `float(band)`.
+
+    Attributes:
+        lo, hi: float64 arrays; -inf and inf where the value may be infinite.
+        rules: what was allowed for. Two bands of different rules don't mix.
+
+    >>> x = Band.exact([0.1])
+    >>> float((x * 0.5).lo[0]) == float((x * 0.5).hi[0]) == float(np.float32(0.1)) / 2
+    True
+    >>> third = Band.exact([1.0]) / 3.0
+    >>> third.contains(np.float32(1 / 3)), third.contains(np.float32(0.3334))
+    (array([ True]), array([False]))
+    """
+
+    __slots__ = ("_anything", "_mag", "_nan", "_undecided", "hi", "lo", "rules", "slack")
+
+    def __init__(
+        self,
+        lo: Floats,
+        hi: Floats,
+        rules: Rules,
+        flags: tuple[Any, Any, Any] = (_NO, _NO, _NO),
+        mag: Floats | None = None,
+        slack: Floats | None = None,
+    ) -> None:
+        # `lo is hi` marks exact values, and lets the arithmetic do half of the work. Flags that
+        # are nowhere set are 0-d.
+        self.lo = lo
+        self.hi = hi
+        self.rules = rules
+        self._nan, self._anything, self._undecided = flags
+        self._mag = mag
+        self.slack = slack
+
+    @classmethod
+    def exact(cls, values: ArrayLike, rules: Rules = _DEFAULT) -> Band:
+        """The float32 values that the shader got: `values`, rounded to float32 once.
+
+        A denormal includes zero where the rules let it flush; for NaN anything is legal.
+        """
+        with np.errstate(all="ignore"):
+            got = np.atleast_1d(np.asarray(values, dtype=np.float32)).astype(np.float64)
+        return cls._leaf(got, got, rules)
+
+    @classmethod
+    def between(cls, lo: ArrayLike, hi: ArrayLike, rules: Rules = _DEFAULT) -> Band:
+        """Any float32 from `lo` to `hi`, both rounded outward.
+
+        Raises:
+            FormulaError: where lo > hi.
+        """
+        low, high = np.broadcast_arrays(
+            np.atleast_1d(np.asarray(lo, dtype=np.float64)),
+            np.atleast_1d(np.asarray(hi, dtype=np.float64)),
+        )
+        if (low > high).any():
+            raise FormulaError("a band's lower bound lies above its upper bound")
+        with np.errstate(all="ignore"):
+            return cls._leaf(down(low), up(high), rules)
+
+    @classmethod
+    def literal(cls, value: ArrayLike, rules: Rules = _DEFAULT) -> Band:
+        """A constant of the shader's source: exact if it is a float32, else both neighbours.
+
+        A Python number that needs more than nine digits, such as 1.0 / 2.2, was computed; the
+        shader computes it in float32, so it has 3 ULP on either side.
+        """
+        given = np.atleast_1d(np.asarray(value, dtype=np.float64))
+        with np.errstate(all="ignore"):
+            low, high = down(given), up(given)
+        if (low == high).all():
+            return cls._leaf(low, low, rules)
+        if given.size <= 16:
+            computed = np.reshape([float(f"{x:.9g}") != x for x in given.flat], given.shape)
+            wide = np.where(computed & (low != high), 2.0 * (high - low), 0.0)
+            low, high = down(low - wide), up(high + wide)
+        return cls._leaf(low, high, rules)
+
+    @classmethod
+    def _leaf(cls, lo: Floats, hi: Floats, rules: Rules) -> Band:
+        unknown = np.isnan(lo) | np.isnan(hi)
+        flags: tuple[Any, Any, Any] = (_NO, _NO, _NO)
+        if unknown.any():
+            lo, hi = np.where(unknown, -np.inf, lo), np.where(unknown, np.inf, hi)
+            flags = (unknown, unknown, _NO)
+        if rules.flush:
+            lo, hi = flushed(lo, hi)
+        return cls(lo, hi, rules, flags)
+
+    def made(
+        self,
+        lo: Floats,
+        hi: Floats,
+        *others: Band,
+        residue: tuple[Floats, Floats] | None = None,
+        nan: Any = None,
+        anything: Any = None,
+        mag: Floats | None = None,
+        slack: Floats | None = None,
+    ) -> Band:
+        """A result of this band (and others) with real bounds lo, hi: rounded outward, flagged.
+
+        For the functions that compute with bands, not for formulas.
+        """
+        below, above = (None, None) if residue is None else residue
+        if lo is hi and below is above:
+            rounded_lo = down(lo, below)
+            rounded_hi = up(hi, above)
+            if (rounded_lo == rounded_hi).all():
+                rounded_hi = rounded_lo
+        else:
+            rounded_lo, rounded_hi = down(lo, below), up(hi, above)
+        if self.rules.flush:
+            rounded_lo, rounded_hi = flushed(rounded_lo, rounded_hi)
+        flag_nan, flag_any, flag_und = self._nan, self._anything, self._undecided
+        for other in others:
+            flag_nan = flag_nan | other._nan
+            flag_any = flag_any | other._anything
+            flag_und = flag_und | other._undecided
+        if nan is not None and nan.any():
+            flag_nan = flag_nan | nan
+            rounded_lo = np.where(np.isnan(rounded_lo), -np.inf, rounded_lo)
+            rounded_hi = np.where(np.isnan(rounded_hi), np.inf, rounded_hi)
+        if anything is not None and anything.any():
+            flag_nan, flag_any = flag_nan | anything, flag_any | anything
+            rounded_lo = np.where(anything, -np.inf, rounded_lo)
+            rounded_hi = np.where(anything, np.inf, rounded_hi)
+        flags = (flag_nan, flag_any, flag_und)
+        return Band(rounded_lo, rounded_hi, self.rules, flags, mag, slack)
+
+    def chosen(
+        self,
+        condition: Truth,
+        other: Band,
+        lo: Floats,
+        hi: Floats,
+        mag: Floats | None,
+        slack: Floats | None,
+    ) -> Band:
+        """The result of a choice between this band and another: flags follow the side taken."""
+        may_this, may_other = ~condition.all_false, ~condition.all_true
+        flags = (
+            (self._nan & may_this) | (other._nan & may_other),
+            (self._anything & may_this) | (other._anything & may_other),
+            (self._undecided & may_this) | (other._undecided & may_other) | condition.undecided,
+        )
+        return Band(lo, hi, self.rules, flags, mag, slack)
+
+    def flags_over_last(self) -> Band:
+        """A band that only carries this one's flags, each joined over the last axis."""
+        flags = (
+            flag if flag.ndim == 0 else np.broadcast_to(flag, self.shape).any(-1, keepdims=True)
+            for flag in (self._nan, self._anything, self._undecided)
+        )
+        nothing = self.lo[..., 0:1]
+        return Band(nothing, nothing, self.rules, tuple(flags))  # type: ignore[arg-type]
+
+    def settled(self) -> tuple[Floats, Floats]:
+        """The bounds once a pending slack is paid (see `arithmetic`)."""
+        if self.slack is None:
+            return self.lo, self.hi
+        return self.lo - self.slack, self.hi + self.slack
+
+    def opaque(self) -> Band:
+        """The same values, forgotten that they are sums: nothing distributes over them."""
+        flags = (self._nan, self._anything, self._undecided)
+        return Band(self.lo, self.hi, self.rules, flags)
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether this is no sum, so that there is nothing to rearrange."""
+        return self._mag is None
+
+    @property
+    def own_mag(self) -> Floats | None:
+        """`mag`, or None where it is only the values' own size."""
+        return self._mag
+
+    @property
+    def mag(self) -> Floats:
+        """The sum of the absolute values of the terms that this value is made of."""
+        if self._mag is not None:
+            return self._mag
+        size: Floats = np.minimum(np.maximum(np.abs(self.lo), np.abs(self.hi)), LARGEST)
+        return size
+
+    @property
+    def nan(self) -> Flags:
+        """Where the value may be NaN."""
+        return np.broadcast_to(self._nan, self.shape)
+
+    @property
+    def may_be_nan(self) -> Flags:
+        """`nan`, 0-d if it is so nowhere."""
+        flags: Flags = self._nan
+        return flags
+
+    @property
+    def undecided(self) -> Flags:
+        """Where a branch that led here went both ways."""
+        return np.broadcast_to(self._undecided, self.shape)
+
+    @property
+    def vacuous(self) -> Flags:
+        """Where anything is legal, here or in something that this value was computed from."""
+        everything: Flags = self._anything | ((self.lo == -np.inf) & (self.hi == np.inf))
+        return np.broadcast_to(everything, self.shape)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        return self.lo.shape
+
+    @property
+    def ndim(self) -> int:
+        return self.lo.ndim
+
+    def __getitem__(self, index: Any) -> Band:
+        return self.mapped(lambda array: np.asarray(array[index]))
+
+    def mapped(self, function: Callable[[Any], Any]) -> Band:
+        """The same values elsewhere: `function` only moves array elements about."""
+
+        def moved(array: Any) -> Any:
+            return function(np.broadcast_to(array, self.shape))
+
+        lo = moved(self.lo)
+        return Band(
+            lo,
+            lo if self.lo is self.hi else moved(self.hi),
+            self.rules,
+            tuple(
+                flag if flag.ndim == 0 else moved(flag)
+                for flag in (self._nan, self._anything, self._undecided)
+            ),
+            None if self._mag is None else moved(self._mag),
+            None if self.slack is None else moved(self.slack),
+        )
+
+    def contains(self, measured: ArrayLike) -> Flags:
+        """Whether each measured float32 is legal: NaN only where it may be, Inf only at an end."""
+        return contains(self.lo, self.hi, self._nan, measured)
+
+    def widths(self, measured: ArrayLike) -> Floats:
+        """How far each measured value is from the middle, in half widths: at most 1 inside.
+
+        A band of one value has half its ULP as the half width, but 0 at the value itself. A band
+        without an end has no middle: 0 inside, 1 + the distance in ULP beyond its other end. NaN
+        is 0 where it is legal and inf where it is not.
+        """
+        return widths(self.lo, self.hi, self._nan, measured)
+
+    def quantise(self, fmt: str, *, tolerance: float | None = None) -> Allowed:
+        """What reading these values back from a render target of this format may give.
+
+        See `formats.quantise` for the formats, their units and their tolerances.
+        """
+        return formats.quantise(self, fmt, tolerance)
+
+    def __repr__(self) -> str:
+        if self.lo.size <= 4:
+            return f"Band({self.lo.tolist()} … {self.hi.tolist()})"
+        return f"Band(shape={self.shape})"
+
+    @staticmethod
+    def joined(parts: Sequence[Band], axis: int) -> Band:
+        """Bands one after the other along an axis, the other axes broadcast; same rules."""
+        fields = []
+        for name in ("lo", "hi", "nan", "_anything", "undecided", "mag", "_own_slack"):
+            arrays = [np.broadcast_to(getattr(part, name), part.shape) for part in parts]
+            fields.append(concatenated(arrays, axis))
+        lo, hi, nan, anything, undecided, mag, slack = fields
+        if all(part.lo is part.hi for part in parts):
+            hi = lo
+        sums = any(not part.is_plain for part in parts)
+        pending = any(part.slack is not None for part in parts)
+        return Band(
+            lo,
+            hi,
+            parts[0].rules,
+            tuple(flag if flag.any() else _NO for flag in (nan, anything, undecided)),  # type: ignore[arg-type]
+            mag if sums else None,
+            slack if pending else None,
+        )
+
+    @property
+    def _own_slack(self) -> Floats:
+        return np.zeros(()) if self.slack is None else self.slack
+
+    def lift(self, other: Any) -> Band:
+        """`other` as a band of this one's rules."""
+        if isinstance(other, Band):
+            if other.rules != self.rules:
+                raise FormulaError(
+                    f"bands of different rules in one formula: {self.rules} and {other.rules}"
+                )
+            return other
+        if isinstance(other, Truth):
+            raise FormulaError(
+                "a condition is not a number", remedy="choose with glslmath.where(condition, a, b)"
+            )
+        return Band.literal(other, self.rules)
+
+
+def concatenated(arrays: Sequence[Any], axis: int) -> Any:
+    """NumPy's concatenate, along a negative axis, the axes other than that one broadcast."""
+    ndim = max(max(array.ndim for array in arrays), -axis)
+    shapes = [(1,) * (ndim - array.ndim) + array.shape for array in arrays]
+    along = ndim + axis
+    common = np.broadcast_shapes(*(s[:along] + (1,) + s[along + 1 :] for s in shapes))
+    wide = [
+        np.broadcast_to(array, common[:along] + (shape[along],) + common[along + 1 :])
+        for array, shape in zip(arrays, shapes, strict=True)
+    ]
+    return np.concatenate(wide, axis=along)

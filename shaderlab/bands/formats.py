@@ -1,0 +1,133 @@
+"""What a render target's format makes of a band: the values that reading it back may give."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from shaderlab.bands.allowed import Allowed
+from shaderlab.bands.rounding import Floats
+from shaderlab.errors import FormulaError, nearest
+
+if TYPE_CHECKING:
+    from shaderlab.bands.band import Band
+
+_HALF_LARGEST = 65504.0
+_HALF_SMALLEST_NORMAL = 2.0**-14
+
+Bounds = tuple[Floats, Floats]
+
+
+def srgb_encode(linear: Floats) -> Floats:
+    """The sRGB curve (IEC 61966-2-1; OpenGL 4.6, 17.3.7) of values in [0, 1].
+
+    >>> round(float(srgb_encode(np.array(0.5))), 6)
+    0.735357
+    """
+    curved = 1.055 * np.power(np.maximum(linear, 0.0031308), 1.0 / 2.4) - 0.055
+    return np.where(linear <= 0.0031308, 12.92 * linear, curved)
+
+
+def _codes(lo: Floats, hi: Floats, largest: float, tolerance: float) -> Bounds:
+    """The integer codes within `tolerance` of a value in [0, 1]."""
+    # A device multiplies by `largest` in float32: two roundings of the product.
+    give = tolerance + largest * 2.0**-23
+    low = np.ceil(lo * largest - give)
+    high = np.floor(hi * largest + give)
+    return np.clip(low, 0.0, largest), np.clip(high, 0.0, largest)
+
+
+def _unorm8(lo: Floats, hi: Floats, tolerance: float) -> Bounds:
+    return _codes(lo, hi, 255.0, tolerance)
+
+
+def _srgb8(lo: Floats, hi: Floats, tolerance: float) -> Bounds:
+    return _codes(srgb_encode(lo), srgb_encode(hi), 255.0, tolerance)
+
+
+def _depth16(lo: Floats, hi: Floats, tolerance: float) -> Bounds:
+    low, high = _codes(lo, hi, 65535.0, tolerance)
+    return _as_read(low / 65535.0, high / 65535.0)
+
+
+def _depth24(lo: Floats, hi: Floats, tolerance: float) -> Bounds:
+    low, high = _codes(lo, hi, 16777215.0, tolerance)
+    return _as_read(low / 16777215.0, high / 16777215.0)
+
+
+def _as_read(lo: Floats, hi: Floats) -> Bounds:
+    """Codes read back as float32 may be off by an ULP of the division."""
+    return np.maximum(lo * (1.0 - 2.0**-23), 0.0), np.minimum(hi * (1.0 + 2.0**-23), 1.0)
+
+
+def _depth32f(lo: Floats, hi: Floats, tolerance: float) -> Bounds:
+    return lo, hi
+
+
+def _half(lo: Floats, hi: Floats, tolerance: float) -> Bounds:
+    """The halves next to a value, on either side; beyond 65504 that or infinity."""
+    low, high = lo.astype(np.float16), hi.astype(np.float16)
+    low = np.where(low > lo, np.nextafter(low, np.float16(-np.inf)), low).astype(np.float64)
+    high = np.where(high < hi, np.nextafter(high, np.float16(np.inf)), high).astype(np.float64)
+    low = np.where((low > 0.0) & (low < _HALF_SMALLEST_NORMAL), 0.0, low)
+    high = np.where((high < 0.0) & (high > -_HALF_SMALLEST_NORMAL), 0.0, high)
+    # A shader's own infinity may be stored as the largest half, as anything else too large may.
+    return np.minimum(low, _HALF_LARGEST), np.maximum(high, -_HALF_LARGEST)
+
+
+def _float32(lo: Floats, hi: Floats, tolerance: float) -> Bounds:
+    return lo, hi
+
+
+# Per format: its rule, whether it clamps to [0, 1], its tolerance and code size as read back.
+_FORMATS: dict[str, tuple[Callable[[Floats, Floats, float], Bounds], bool, float, float]] = {
+    "rgba8": (_unorm8, True, 0.5, 1.0),
+    "unorm8": (_unorm8, True, 0.5, 1.0),
+    "srgb8": (_srgb8, True, 0.6, 1.0),
+    "rgba16f": (_half, False, 0.0, 0.0),
+    "rgba32f": (_float32, False, 0.0, 0.0),
+    "depth16": (_depth16, True, 1.0, 1.0 / 65535.0),
+    "depth24": (_depth24, True, 1.0, 1.0 / 16777215.0),
+    "depth32f": (_depth32f, True, 0.0, 0.0),
+}
+
+
+@np.errstate(all="ignore")
+def quantise(band: Band, fmt: str, tolerance: float | None = None) -> Allowed:
+    """The interval of values that reading `band` back from a target of format `fmt` may give.
+
+    Args:
+        band: what the fragment shader put out.
+        fmt: and the units that come back:
+
+            - `"rgba8"`, `"unorm8"`: codes 0…255, of the value clamped to [0, 1], rounded to
+              nearest, a tie either way (OpenGL 4.6, 2.3.5.2);
+            - `"srgb8"`: codes 0…255 of the sRGB-encoded value;
+            - `"rgba16f"`: halves as floats, rounded either way, denormals maybe flushed;
+            - `"rgba32f"`: the band itself;
+            - `"depth16"`, `"depth24"`: the code over its largest, in [0, 1]; `"depth32f"`:
+              clamped to [0, 1].
+        tolerance: how many codes a stored code may be away from the value, instead of the
+            format's own: 0.5 for `rgba8`; 0.6 for `srgb8` (the Direct3D 11.3 functional
+            specification's bound for float to sRGB); 1 for `depth16` and `depth24`, which may
+            truncate.
+
+    Raises:
+        FormulaError: for a format that there is not.
+    """
+    if fmt not in _FORMATS:
+        raise FormulaError(
+            f"no rule for reading back the format {fmt!r}", remedy=nearest(fmt, _FORMATS)
+        )
+    rule, clamps, own_tolerance, unit = _FORMATS[fmt]
+    lo, hi = band.lo, band.hi
+    nan = band.nan
+    if clamps:
+        # A NaN is stored as any code; it never comes back.
+        lo = np.where(nan, 0.0, np.clip(lo, 0.0, 1.0))
+        hi = np.where(nan, 1.0, np.clip(hi, 0.0, 1.0))
+        nan = np.zeros_like(nan)
+    lo, hi = rule(lo, hi, own_tolerance if tolerance is None else tolerance)
+    return Allowed(lo, hi, nan, band.vacuous, band.undecided, unit)

@@ -1,0 +1,214 @@
+"""Roots, exponentials and trigonometry of bands, with the errors that the tables allow.
+
+Source: the OpenGL Shading Language 4.60 (Khronos), 4.7.1 "Range and Precision"; the Vulkan
+specification (Khronos), "Precision and Operation of SPIR-V Instructions".
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from shaderlab.bands import arithmetic, stepwise
+from shaderlab.bands.rounding import (
+    LARGEST,
+    SMALLEST_NORMAL,
+    Flags,
+    Floats,
+    down,
+    ulp,
+    up,
+    widened_by_ulps,
+)
+from shaderlab.errors import FormulaError
+
+if TYPE_CHECKING:
+    from shaderlab.bands.band import Band
+
+INVERSESQRT_ULPS = 2.0
+ARC_ULPS = 4096.0
+TRIG_ERROR = 2.0**-11
+# asin and acos may err as much as sin and cos: Vulkan's 4096 ULP shrink with the angle, but GLSL
+# alone promises nothing, and Mesa's polynomial for OpenGL is off by 2^-12 around ½.
+ARC_ERROR = TRIG_ERROR
+LOG_ERROR_NEAR_ONE = 2.0**-21
+LOG_ULPS = 3.0
+# float32(π) lies above π; whoever writes π means the range to include it.
+_PI_32 = float(np.float32(np.pi))
+
+
+def _evaluated(a: Band, function: Any, safe: Floats | None = None) -> tuple[Floats, Floats]:
+    """The function at both ends (of `safe` values); once only where they are the same."""
+    lo: Floats = function(a.lo)
+    return lo, lo if a.lo is a.hi else function(a.hi)
+
+
+@np.errstate(all="ignore")
+def inversesqrt(a: Band) -> Band:
+    """1/√a within 2 ULP; a ≤ 0 is undefined."""
+    lo, hi = _inversesqrt_bounds(a.lo, a.hi)
+    return a.made(lo, hi, anything=a.lo <= 0.0)
+
+
+def _inversesqrt_bounds(a_lo: Floats, a_hi: Floats) -> tuple[Floats, Floats]:
+    lo = 1.0 / np.sqrt(np.maximum(a_hi, 0.0))
+    hi = lo if a_lo is a_hi else 1.0 / np.sqrt(np.maximum(a_lo, 0.0))
+    return widened_by_ulps(lo, hi, INVERSESQRT_ULPS, INVERSESQRT_ULPS)
+
+
+@np.errstate(all="ignore")
+def sqrt(a: Band) -> Band:
+    """√a as 1/inversesqrt(a), so 2 ULP and then 2.5; a < 0 is undefined, and √0 is 0."""
+    root_lo, root_hi = _inversesqrt_bounds(a.lo, a.hi)
+    lo, hi = 1.0 / up(root_hi), 1.0 / down(root_lo)
+    ulps = arithmetic.DIVISION_ULPS
+    lo, hi = widened_by_ulps(lo, np.minimum(hi, LARGEST), ulps, ulps)
+    lo = np.where(a.lo <= 0.0, 0.0, lo)
+    hi = np.where(a.hi <= 0.0, 0.0, np.where(a.hi == np.inf, np.inf, hi))
+    return a.made(lo, hi, anything=a.lo < 0.0)
+
+
+@np.errstate(all="ignore")
+def exponential(a: Band, function: Any) -> Band:
+    """exp or exp2 within (3 + 2·|a|) ULP, and not negative."""
+    lo, hi = _evaluated(a, function)
+    ulps_lo = 3.0 + 2.0 * np.minimum(np.abs(a.lo), LARGEST)
+    ulps_hi = 3.0 + 2.0 * np.minimum(np.abs(a.hi), LARGEST)
+    lo, hi = widened_by_ulps(lo, hi, ulps_lo, ulps_hi)
+    # The true value is positive however small: the last step above zero stays legal.
+    return a.made(np.maximum(lo, 0.0), np.maximum(hi, 2.0**-149))
+
+
+@np.errstate(all="ignore")
+def logarithm(a: Band, function: Any) -> Band:
+    """log or log2: 2^-21 absolute where ½ ≤ a ≤ 2, 3 ULP elsewhere; a ≤ 0 is undefined."""
+    lo, hi = _log_bounds(a.lo, a.hi, function)
+    return a.made(lo, hi, anything=a.lo <= 0.0)
+
+
+def _log_bounds(a_lo: Floats, a_hi: Floats, function: Any) -> tuple[Floats, Floats]:
+    lo: Floats = function(np.maximum(a_lo, 0.0))
+    hi: Floats = lo if a_lo is a_hi else function(np.maximum(a_hi, 0.0))
+    error_lo = np.where((a_lo >= 0.5) & (a_lo <= 2.0), LOG_ERROR_NEAR_ONE, LOG_ULPS * ulp(lo))
+    if a_lo is a_hi:
+        error = error_lo
+    else:
+        error_hi = np.where((a_hi >= 0.5) & (a_hi <= 2.0), LOG_ERROR_NEAR_ONE, LOG_ULPS * ulp(hi))
+        error = np.maximum(error_lo, error_hi)
+        # Just inside ½ and 2 more is allowed than just outside.
+        crosses = ((a_lo < 0.5) & (a_hi >= 0.5)) | ((a_lo <= 2.0) & (a_hi > 2.0))
+        error = np.where(crosses, np.maximum(error, LOG_ERROR_NEAR_ONE), error)
+    error = error * (1.0 + 2.0**-20)
+    return lo - error, hi + error
+
+
+@np.errstate(all="ignore")
+def power(x: Band, y: Band) -> Band:
+    """x^y as exp2(y·log2 x). Undefined for x < 0, and for x = 0 with y ≤ 0.
+
+    At x = 0, y > 0 the result is exp2(-inf) = 0; because a denormal x is as good as zero, all of
+    x in [0, 2^-126] is taken together.
+    """
+    x_lo, x_hi = np.broadcast_arrays(x.lo, x.hi)
+    reaches_zero = x_lo < SMALLEST_NORMAL
+    undefined = (x_lo < 0.0) | (reaches_zero & (y.lo <= 0.0))
+    logs = _log_bounds(
+        np.maximum(x_lo, SMALLEST_NORMAL), np.maximum(x_hi, SMALLEST_NORMAL), np.log2
+    )
+    logarithms = x.made(*logs)
+    result = exponential(arithmetic.multiply(y, logarithms), np.exp2)
+    zero = np.zeros(1)
+    if reaches_zero.any():
+        return result.made(np.where(reaches_zero, zero, result.lo), result.hi, anything=undefined)
+    return result.made(result.lo, result.hi, anything=undefined)
+
+
+def _contains_turn(lo: Floats, hi: Floats, phase: float) -> Flags:
+    """Whether phase + 2πk lies between the bounds for some integer k."""
+    turns: Flags = np.floor((hi - phase) / (2 * np.pi)) >= np.ceil((lo - phase) / (2 * np.pi))
+    return turns
+
+
+@np.errstate(all="ignore")
+def wave(a: Band, function: Any, crest: float) -> Band:
+    """sin (crest π/2) or cos (crest 0): 2^-11 absolute in [-π, π], beyond as the rules say."""
+    first, last = _evaluated(a, function)
+    lo, hi = np.minimum(first, last), np.maximum(first, last)
+    if a.lo is not a.hi:
+        hi = np.where(_contains_turn(a.lo, a.hi, crest), 1.0, hi)
+        lo = np.where(_contains_turn(a.lo, a.hi, crest + np.pi), -1.0, lo)
+    size = np.maximum(np.abs(a.lo), np.abs(a.hi))
+    outside = ~(size <= _PI_32)
+    if a.rules.spec == "glsl":
+        return a.made(lo, hi, anything=np.ones_like(outside))
+    error: Any = TRIG_ERROR
+    if outside.any():
+        if a.rules.trig_outside == "error":
+            raise FormulaError(
+                f"sin or cos of up to {size.max():g}: their precision is stated in [-π, π] only",
+                remedy='bring the angle into [-π, π], or use Rules(trig_outside="scaled")',
+            )
+        if a.rules.trig_outside == "scaled":
+            error = np.where(outside, size * 2.0**-12, TRIG_ERROR)
+            outside = ~np.isfinite(size)
+    return a.made(lo - error, hi + error, anything=outside)
+
+
+@np.errstate(all="ignore")
+def arctangent(a: Band) -> Band:
+    """atan(a) within 4096 ULP."""
+    lo, hi = widened_by_ulps(*_evaluated(a, np.arctan), ARC_ULPS, ARC_ULPS)
+    return a.made(lo, hi, anything=_unspecified(a))
+
+
+@np.errstate(all="ignore")
+def arctangent2(y: Band, x: Band) -> Band:
+    """atan(y, x) within 4096 ULP; undefined at the origin. On the cut either ±π is legal."""
+    lo, hi = _angles(y.lo, y.hi, x.lo, x.hi)
+    on_cut = (y.lo <= 0.0) & (y.hi >= 0.0) & (x.lo < 0.0)
+    lo, hi = np.where(on_cut, -np.pi, lo), np.where(on_cut, np.pi, hi)
+    lo, hi = widened_by_ulps(lo, hi, ARC_ULPS, ARC_ULPS)
+    origin = (y.lo <= 0.0) & (y.hi >= 0.0) & (x.lo <= 0.0) & (x.hi >= 0.0)
+    return y.made(lo, hi, x, anything=origin | _unspecified(y))
+
+
+def _angles(y_lo: Floats, y_hi: Floats, x_lo: Floats, x_hi: Floats) -> tuple[Floats, Floats]:
+    """The angles of a box that the cut does not cross: monotone along each edge."""
+    corners = [np.arctan2(y + 0.0, x) for y in (y_lo, y_hi) for x in (x_lo, x_hi)]
+    return (
+        np.minimum(np.minimum(corners[0], corners[1]), np.minimum(corners[2], corners[3])),
+        np.maximum(np.maximum(corners[0], corners[1]), np.maximum(corners[2], corners[3])),
+    )
+
+
+def _unspecified(a: Band) -> Flags:
+    """GLSL alone leaves the precision of the trigonometric functions undefined."""
+    return np.full(a.shape, a.rules.spec == "glsl")
+
+
+def _opposite(a: Band) -> Band:
+    """√(1 - a²), the other leg of a right triangle, of a in [-1, 1]."""
+    one = a.lift(1.0)
+    rest = arithmetic.add(one, stepwise.negative(arithmetic.square(a)))
+    return sqrt(stepwise.larger(rest, a.lift(0.0)))
+
+
+@np.errstate(all="ignore")
+def arcsine(a: Band) -> Band:
+    """asin(a): as atan(a, √(1 - a²)), 4096 ULP or 2^-11 absolute; undefined for |a| > 1."""
+    leg = _opposite(a)
+    lo, hi = _angles(a.lo, a.hi, leg.lo, leg.hi)
+    wide_lo, wide_hi = widened_by_ulps(lo, hi, ARC_ULPS, ARC_ULPS)
+    lo, hi = np.minimum(wide_lo, lo - ARC_ERROR), np.maximum(wide_hi, hi + ARC_ERROR)
+    return a.made(lo, hi, anything=(a.lo < -1.0) | (a.hi > 1.0) | _unspecified(a))
+
+
+@np.errstate(all="ignore")
+def arccosine(a: Band) -> Band:
+    """acos(a): as atan(√(1 - a²), a), 4096 ULP or 2^-11 absolute; undefined for |a| > 1."""
+    leg = _opposite(a)
+    lo, hi = _angles(leg.lo, leg.hi, a.lo, a.hi)
+    wide_lo, wide_hi = widened_by_ulps(lo, hi, ARC_ULPS, ARC_ULPS)
+    lo, hi = np.minimum(wide_lo, lo - ARC_ERROR), np.maximum(wide_hi, hi + ARC_ERROR)
+    return a.made(lo, hi, anything=(a.lo < -1.0) | (a.hi > 1.0) | _unspecified(a))

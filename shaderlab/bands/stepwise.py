@@ -1,0 +1,89 @@
+"""The exact functions: negation, absolute value, rounding to integers, smaller and larger of two,
+comparison and choice. None of them rounds; min, max and choice pass NaN on.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from shaderlab.bands.rounding import Floats
+from shaderlab.bands.truth import Truth
+
+if TYPE_CHECKING:
+    from shaderlab.bands.band import Band
+
+
+def negative(a: Band) -> Band:
+    lo = -a.hi
+    return a.made(lo, lo if a.lo is a.hi else -a.lo, mag=a.own_mag, slack=a.slack)
+
+
+def absolute(a: Band) -> Band:
+    low, high = np.abs(a.lo), np.abs(a.hi)
+    if a.lo is a.hi:
+        return a.made(low, low)
+    straddles = (a.lo < 0.0) & (a.hi > 0.0)
+    return a.made(np.where(straddles, 0.0, np.minimum(low, high)), np.maximum(low, high))
+
+
+def monotone(a: Band, rounding: Any) -> Band:
+    """A non-decreasing exact function such as floor: its values at both ends."""
+    lo: Floats = rounding(a.lo)
+    return a.made(lo, lo if a.lo is a.hi else rounding(a.hi))
+
+
+def rounded(a: Band) -> Band:
+    """GLSL's round: a half goes in the direction the device likes."""
+    return a.made(np.ceil(a.lo - 0.5), np.floor(a.hi + 0.5))
+
+
+def smaller(a: Band, b: Band) -> Band:
+    """min(a, b); where one may be NaN either operand may come out."""
+    return _chosen(np.minimum(a.lo, b.lo), np.minimum(a.hi, b.hi), a, b)
+
+
+def larger(a: Band, b: Band) -> Band:
+    """max(a, b); where one may be NaN either operand may come out."""
+    return _chosen(np.maximum(a.lo, b.lo), np.maximum(a.hi, b.hi), a, b)
+
+
+def _chosen(lo: Floats, hi: Floats, a: Band, b: Band) -> Band:
+    for maybe_nan, other in ((a, b), (b, a)):
+        if maybe_nan.may_be_nan.any():
+            lo = np.where(maybe_nan.may_be_nan, np.minimum(lo, other.lo), lo)
+            hi = np.where(maybe_nan.may_be_nan, np.maximum(hi, other.hi), hi)
+    return a.made(lo, hi, b)
+
+
+def less(a: Band, b: Band) -> Truth:
+    """a < b, of the settled bounds: a compiler may move a term to the other side."""
+    a_lo, a_hi = a.settled()
+    b_lo, b_hi = b.settled()
+    known = ~(a.may_be_nan | b.may_be_nan)
+    return Truth((a_hi < b_lo) & known, (a_lo >= b_hi) & known, a.rules)
+
+
+def equal(a: Band, b: Band) -> Truth:
+    """a == b: true only where both are one and the same single value."""
+    a_lo, a_hi = a.settled()
+    b_lo, b_hi = b.settled()
+    known = ~(a.may_be_nan | b.may_be_nan)
+    same = (a_lo == b_lo) & (a_hi == b_hi) & (a_lo == a_hi)
+    return Truth(same & known, ((a_hi < b_lo) | (b_hi < a_lo)) & known, a.rules)
+
+
+def select(condition: Truth, a: Band, b: Band) -> Band:
+    """a where the condition holds, b where it does not, the hull of both where undecided."""
+    yes, no = condition.all_true, condition.all_false
+    lo = np.where(yes, a.lo, np.where(no, b.lo, np.minimum(a.lo, b.lo)))
+    hi = np.where(yes, a.hi, np.where(no, b.hi, np.maximum(a.hi, b.hi)))
+    mag = slack = None
+    if a.own_mag is not None or b.own_mag is not None:
+        mag = np.where(yes, a.mag, np.where(no, b.mag, np.maximum(a.mag, b.mag)))
+    if a.slack is not None or b.slack is not None:
+        slack_a = np.zeros(1) if a.slack is None else a.slack
+        slack_b = np.zeros(1) if b.slack is None else b.slack
+        slack = np.where(yes, slack_a, np.where(no, slack_b, np.maximum(slack_a, slack_b)))
+    return a.chosen(condition, b, lo, hi, mag, slack)

@@ -1,0 +1,186 @@
+"""Giving a reference formula its inputs, found by its parameters' names.
+
+`light.constant` is the parameter light_constant, `lights[0].position` is lights_0_position, and
+all of `lights[i].position` together are the list lights_position. An array uniform is a list.
+"""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from shaderlab.bands import Band, Rules
+from shaderlab.errors import FormulaError, ShaderlabError, nearest
+from shaderlab.frame import Array, Bindings, Texels
+from shaderlab.records import SourceText
+from shaderlab.sampling import Sampler
+
+Reference = Callable[..., Any]
+_INDEXED = re.compile(r"\[(\d+)\]")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Inputs:
+    """Everything a reference may ask for, by GLSL name.
+
+    Attributes:
+        shared: what is the same for all judged values, as the shader got it: uniforms and
+            constants, shaped (components,) or (rows, columns).
+        each: what differs from one judged value to the next, shaped (count, components).
+        decimal: some of both in float64, as the case wrote them.
+        textures: by sampler name.
+        arrays: names in `shared` whose first axis is a GLSL array's.
+    """
+
+    shared: Mapping[str, Array]
+    each: Mapping[str, Array] = field(default_factory=dict)
+    decimal: Mapping[str, Array] = field(default_factory=dict)
+    textures: Mapping[str, Texels] = field(default_factory=dict)
+    arrays: frozenset[str] = frozenset()
+
+    @classmethod
+    def of(
+        cls,
+        bindings: Bindings,
+        *,
+        each: Mapping[str, Array],
+        given: Mapping[str, Any],
+        decimal: Mapping[str, Array] | None = None,
+    ) -> Inputs:
+        """A draw's bindings, with what differs from value to value, and a check's own constants
+        (which win over uniforms of the same name)."""
+        constants = {name: np.atleast_1d(np.asarray(v, np.float64)) for name, v in given.items()}
+        rounded = {name: value.astype(np.float32) for name, value in constants.items()}
+        return cls(
+            shared={**bindings.uniforms, **rounded},
+            each=each,
+            decimal={**bindings.decimal, **constants, **(decimal or {})},
+            textures=bindings.textures,
+            arrays=bindings.arrays - constants.keys(),
+        )
+
+    @property
+    def exact(self) -> dict[str, Array]:
+        """Both kinds of input together."""
+        return {**self.shared, **self.each}
+
+    def parameters(self) -> dict[str, list[str]]:
+        """The GLSL names behind each parameter name; several for a list of struct members."""
+        found: dict[str, list[str]] = {}
+        for name in (*self.exact, *self.textures):
+            found.setdefault(parameter_name(name), []).append(name)
+            if _INDEXED.search(name):
+                found.setdefault(parameter_name(_INDEXED.sub("", name)), []).append(name)
+        return found
+
+    def at(self, index: int, names: Sequence[str]) -> dict[str, tuple[float, ...]]:
+        """The values of some inputs for judged value `index`, for showing."""
+        shown = {name: self.each[name][index] for name in names if name in self.each}
+        shown |= {n: self.shared[n] for n in names if n in self.shared and n not in shown}
+        return {n: tuple(float(x) for x in v) for n, v in shown.items() if v.ndim == 1}
+
+
+def parameter_name(glsl_name: str) -> str:
+    """The Python parameter that stands for a GLSL name.
+
+    >>> parameter_name("pointLights[2].position")
+    'pointLights_2_position'
+    """
+    return re.sub(r"\W+", "_", glsl_name).strip("_")
+
+
+def wanted(reference: Reference, inputs: Inputs) -> dict[str, list[str]]:
+    """The GLSL names that each of the reference's parameters asks for.
+
+    Raises:
+        FormulaError: a parameter without a default matches nothing; lists what there is.
+    """
+    known = inputs.parameters()
+    asked = {}
+    for parameter in inspect.signature(reference).parameters.values():
+        if parameter.name in known:
+            asked[parameter.name] = known[parameter.name]
+        elif parameter.default is parameter.empty:
+            raise FormulaError(
+                f"{reference.__name__}() asks for {parameter.name!r}, which the shader lacks",
+                file=source_of(reference).file,
+                line=source_of(reference).line,
+                remedy=nearest(parameter.name, known),
+            )
+    return asked
+
+
+def evaluate(reference: Reference, inputs: Inputs, *, rules: Rules | None, decimal: bool) -> Any:
+    """The reference's value: a Band under `rules`, or a float64 array without them.
+
+    With `decimal`, inputs are taken as the case wrote them, before they became float32.
+
+    Raises:
+        FormulaError: the reference asks for something unknown, or fails; names its file and line.
+    """
+
+    exact = inputs.exact
+
+    def convert(name: str) -> Any:
+        if name in inputs.textures:
+            return Sampler(inputs.textures[name], rules)
+        values = (inputs.decimal if decimal and name in inputs.decimal else exact)[name]
+        pieces = list(values) if name in inputs.arrays else [values]
+        made = [_number(piece, rules) for piece in pieces]
+        return made if name in inputs.arrays else made[0]
+
+    arguments = {}
+    for parameter, names in wanted(reference, inputs).items():
+        several = len(names) > 1 or parameter != parameter_name(names[0])
+        arguments[parameter] = [convert(n) for n in names] if several else convert(names[0])
+    try:
+        with np.errstate(all="ignore"):
+            return reference(**arguments)
+    except ShaderlabError as error:
+        place = source_of(reference)
+        raise FormulaError(
+            f"{reference.__name__}(): {error.message}",
+            file=error.file or place.file,
+            line=error.line or place.line,
+            remedy=error.remedy,
+        ) from error
+    except Exception as error:
+        raise _located(reference, error) from error
+
+
+def source_of(reference: Reference) -> SourceText:
+    """Where a formula stands, and its text."""
+    target = inspect.unwrap(reference)
+    while hasattr(target, "func"):
+        target = target.func
+    try:
+        lines, line = inspect.getsourcelines(target)
+        file = inspect.getsourcefile(target) or "?"
+    except (OSError, TypeError):
+        return SourceText(file="?", line=0, language="python", text=repr(reference))
+    return SourceText(file=file, line=max(line, 1), language="python", text="".join(lines))
+
+
+def _located(reference: Reference, error: Exception) -> FormulaError:
+    """The foreign error with the line of the formula's own file where it happened."""
+    place = source_of(reference)
+    line, trace = place.line, error.__traceback__
+    while trace is not None:
+        if trace.tb_frame.f_code.co_filename == place.file:
+            line = trace.tb_lineno
+        trace = trace.tb_next
+    return FormulaError(
+        f"{reference.__name__}() fails: {type(error).__name__}: {error}",
+        file=place.file,
+        line=line,
+        remedy="references use + − * / and the functions of shaderlab.glslmath only",
+    )
+
+
+def _number(values: Array, rules: Rules | None) -> Any:
+    return values.astype(np.float64) if rules is None else Band.exact(values, rules)

@@ -1,0 +1,98 @@
+"""The command line. Each command is a module of its own, imported when it is called."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import sys
+from typing import Any
+
+import click
+
+from ..errors import ShaderlabError, UsageError
+
+USAGE = 2
+FAILED = 1
+INTERRUPTED = 130
+
+COMMANDS = {
+    "list": "listing",
+    "run": "running",
+    "compile": "compiling",
+    "report": "reporting",
+    "doctor": "examining",
+}
+
+
+class Commands(click.Group):
+    """Finds a command's module only when it is needed, so that `list` stays quick."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
+        if name not in COMMANDS:
+            return None
+        module = importlib.import_module(f".{COMMANDS[name]}", __name__)
+        command: click.Command = module.command
+        return command
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        if args and args[0] not in COMMANDS and not args[0].startswith("-"):
+            from ..errors import nearest
+
+            raise click.UsageError(f"No such command {args[0]!r}; {nearest(args[0], COMMANDS)}")
+        return super().resolve_command(ctx, args)
+
+    def invoke(self, ctx: click.Context) -> Any:
+        try:
+            return super().invoke(ctx)
+        except ShaderlabError as error:
+            if ctx.params.get("debug"):
+                raise
+            click.echo(f"shaderlab: {error}", err=True)
+            ctx.exit(USAGE if isinstance(error, UsageError) else FAILED)
+        except KeyboardInterrupt:
+            click.echo("\nshaderlab: interrupted", err=True)
+            ctx.exit(INTERRUPTED)
+
+
+@click.command(
+    cls=Commands,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+)
+@click.version_option(None, "-V", "--version", package_name="shaderlab", message="%(version)s")
+@click.option(
+    "--debug", is_flag=True, envvar="SHADERLAB_DEBUG", help="Show a traceback for every error."
+)
+def cli(debug: bool) -> None:
+    """Make shader formulas testable: run GLSL without a GPU or a screen, hold every pixel against
+    a Python formula, and see it all in one HTML page.
+
+    \b
+    Start here:
+      shaderlab doctor                    is everything there?
+      shaderlab list                      what cases there are
+      shaderlab run attenuation           one of them, judged
+      shaderlab run --all --open          all of them, then the report in a browser
+      shaderlab run ./my_case.py          a case file of your own
+      shaderlab compile my_shaders/       only ask the compilers
+      pytest my_cases/                    the same cases as tests
+
+    Exit code: 0 all passed, 1 something failed, 2 wrong usage.
+    """
+
+
+def main() -> None:
+    """Run the command line on `sys.argv`; never returns."""
+    for stream in (sys.stdout, sys.stderr):
+        reconfigure = getattr(stream, "reconfigure", None)
+        if reconfigure is not None:
+            reconfigure(errors="replace")  # a terminal without ✓ gets a "?", not a traceback
+    try:
+        cli(prog_name="shaderlab")
+    except BrokenPipeError:  # `shaderlab list | head`
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+        sys.exit(FAILED)

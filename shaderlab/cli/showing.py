@@ -1,0 +1,161 @@
+"""How `shaderlab run` looks in a terminal, and in a file or a CI log."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Protocol
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.table import Table
+
+from ..records import Record, Run
+from ..terminal import MARKS, failed, failure, label, shown_path, summary
+
+STYLES = {"pass": "green", "unsupported": "yellow"}
+HEARTBEAT = 10.0
+
+
+class Reporter(Protocol):
+    """What is told of a run while it goes on."""
+
+    def starts(self, case_id: str, variant: str) -> None:
+        """A scene is about to run."""
+
+    def ends(self, record: Record) -> None:
+        """A scene has run."""
+
+
+class Show:
+    """Everything `run` prints. With `to_stderr`, standard output stays free for data."""
+
+    def __init__(self, to_stderr: bool = False) -> None:
+        self.console = Console(
+            file=sys.stderr if to_stderr else sys.stdout, highlight=False, soft_wrap=True
+        )
+
+    @contextmanager
+    def progress(self, total: int) -> Iterator[Reporter]:
+        """A live line on a terminal; elsewhere a plain line for a failure and now and then."""
+        if not self.console.is_terminal:
+            yield _Plain(self.console, total)
+            return
+        columns = (
+            TextColumn("{task.description}"),
+            BarColumn(bar_width=30),
+            MofNCompleteColumn(),
+            TimeElapsedColumn(),
+        )
+        with Progress(*columns, console=self.console, transient=True) as progress:
+            yield _Live(progress, total)
+
+    def outcomes(self, run: Run) -> None:
+        """A table of all cases, each failure in full, one line that sums up."""
+        self.console.print(_table(run.records))
+        for record in run.records:
+            if failed(record):
+                self.console.print()
+                for line in failure(record):
+                    style = "red" if line.lstrip().startswith(MARKS["fail"]) else None
+                    self.console.print(line, style=style, markup=False)
+        self.console.print()
+        bad = any(failed(record) for record in run.records)
+        self.console.print(
+            summary(run.records, run.seconds), style="bold red" if bad else "bold green"
+        )
+        renderer = run.driver.get("renderer")
+        if renderer:
+            self.console.print(f"on {renderer}", style="dim", markup=False)
+
+    def where(self, page: Path) -> None:
+        """Where the report is."""
+        self.console.print(f"report: {shown_path(page)}", markup=False)
+
+
+class _Live:
+    def __init__(self, progress: Progress, total: int) -> None:
+        self._progress = progress
+        self._task = progress.add_task("", total=total)
+
+    def starts(self, case_id: str, variant: str) -> None:
+        name = label(case_id, variant).replace("[", r"\[")
+        self._progress.update(self._task, description=f"{name:<32}")
+
+    def ends(self, record: Record) -> None:
+        self._progress.advance(self._task)
+
+
+class _Plain:
+    def __init__(self, console: Console, total: int) -> None:
+        self._console = console
+        self._total = total
+        self._done = 0
+        self._next = time.monotonic() + HEARTBEAT
+
+    def starts(self, case_id: str, variant: str) -> None:
+        if time.monotonic() >= self._next:
+            self._next = time.monotonic() + HEARTBEAT
+            self._say(f"{self._done} of {self._total} done; running {label(case_id, variant)}")
+
+    def ends(self, record: Record) -> None:
+        self._done += 1
+        if failed(record):
+            self._say(f"{record.status}: {label(record.id, record.variant)}")
+
+    def _say(self, line: str) -> None:
+        self._console.print(line, markup=False)
+
+
+def _table(records: tuple[Record, ...]) -> Table:
+    """One row a case; a variant that did not pass gets a row of its own."""
+    table = Table(box=None, pad_edge=False, header_style="dim")
+    table.add_column("")
+    table.add_column("case", overflow="fold")
+    for heading in ("section", "variants", "checks", "worst", "seconds"):
+        table.add_column(heading, justify="right")
+    table.add_column("compiled")
+    cases: dict[tuple[str, str], list[Record]] = {}
+    for record in records:
+        cases.setdefault((record.id, record.file), []).append(record)
+    for group in cases.values():
+        passed = [r for r in group if r.status == "pass"]
+        if passed:
+            _add_row(table, passed[0].id, passed, f"{len(passed)}/{len(group)}")
+        for record in group:
+            if record.status != "pass":
+                _add_row(table, label(record.id, record.variant), [record], "")
+    return table
+
+
+def _add_row(table: Table, name: str, group: list[Record], variants: str) -> None:
+    outcomes = [outcome for record in group for outcome in record.expectations]
+    good = sum(outcome.status == "pass" for outcome in outcomes)
+    widths = [o.worst.widths for o in outcomes if o.worst is not None]
+    status = group[0].status
+    style = STYLES.get(status, "red")
+    table.add_row(
+        f"[{style}]{MARKS[status]}[/]",
+        name.replace("[", r"\["),
+        group[0].section,
+        variants,
+        f"{good}/{len(outcomes)}" if outcomes else status,
+        f"{max(widths):.3g}" if widths else "",
+        f"{sum(record.seconds for record in group):.2f}",
+        _compiled(group),
+    )
+
+
+def _compiled(group: list[Record]) -> str:
+    """The compile targets, those that refused marked."""
+    verdicts: dict[str, set[str]] = {}
+    for record in group:
+        for target, verdict in record.compile.items():
+            verdicts.setdefault(target, set()).add(verdict)
+    return " ".join(
+        f"[green]{target}[/]" if said <= {"ok", "pass"} else f"[red]{target}: {'/'.join(said)}[/]"
+        for target, said in verdicts.items()
+    )

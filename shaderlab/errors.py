@@ -1,0 +1,101 @@
+"""The one tree of errors: each says what is wrong, where, and what to do about it.
+
+Errors of other libraries are translated into these at the border where they are met, so that
+whoever catches `ShaderlabError` has caught everything the lab itself can raise.
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+from pathlib import Path
+
+
+class ShaderlabError(Exception):
+    """Base of all errors of the lab.
+
+    Args:
+        message: what is wrong, in one sentence.
+        file: the file that the reader has to open, where there is one.
+        line: the line in it, counted from 1.
+        remedy: what to do about it.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        *,
+        file: str | Path | None = None,
+        line: int | None = None,
+        remedy: str | None = None,
+    ) -> None:
+        self.message = message
+        self.file = None if file is None else str(file)
+        self.line = line
+        self.remedy = remedy
+        super().__init__(str(self))
+
+    def __str__(self) -> str:
+        place = "" if self.file is None else self.file
+        if place and self.line is not None:
+            place += f":{self.line}"
+        text = f"{place}: {self.message}" if place else self.message
+        return f"{text}\n  → {self.remedy}" if self.remedy else text
+
+    def __reduce__(self) -> tuple[object, ...]:
+        # Keyword-only arguments do not survive the default pickling; errors cross processes.
+        return _rebuild, (type(self), self.message, self.file, self.line, self.remedy)
+
+
+class CaseError(ShaderlabError):
+    """A case file, or the data in it, is wrong."""
+
+
+class ShaderError(ShaderlabError):
+    """A shader file can't be read, included, compiled or linked, or its interface doesn't fit."""
+
+
+class DriverError(ShaderlabError):
+    """No OpenGL driver, one that lacks what was asked for, or a GL error nobody expected."""
+
+
+class UnsupportedError(DriverError):
+    """This driver truly lacks a feature that the case needs; the message names the feature."""
+
+
+class FormulaError(ShaderlabError):
+    """A reference formula asks for an input that is not there, or fails on the inputs it got."""
+
+
+class AssetError(ShaderlabError):
+    """A mesh or an image can't be read or is not what its use requires."""
+
+
+class UsageError(ShaderlabError):
+    """The command line asks for something that does not exist."""
+
+
+def _rebuild(
+    kind: type[ShaderlabError],
+    message: str,
+    file: str | None,
+    line: int | None,
+    remedy: str | None,
+) -> ShaderlabError:
+    return kind(message, file=file, line=line, remedy=remedy)
+
+
+def nearest(word: str, choices: Iterable[str]) -> str:
+    """A remedy for a misspelt word: the right spellings nearest to it, or all there are.
+
+    >>> nearest("uniform", ["uniforms", "textures"])
+    'did you mean uniforms?'
+    """
+    known = list(dict.fromkeys(choices))
+    close = difflib.get_close_matches(word, known, n=3, cutoff=0.6)
+    if close:
+        return f"did you mean {' or '.join(close)}?"
+    if not known:
+        return "there are none to choose from"
+    shown = ", ".join(known[:24]) + (", …" if len(known) > 24 else "")
+    return f"there is: {shown}"

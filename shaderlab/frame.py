@@ -1,0 +1,102 @@
+"""What running a case gave: named arrays, nothing that still needs a device.
+
+Pictures have shape (height, width, components), row 0 at the bottom, column 0 at the left, so
+that `values[y, x]` is the pixel whose centre is (x + 0.5, y + 0.5) in window coordinates.
+Everything that a shader read is here too, as the very values it got: float32 for floats, integer
+arrays for integers. Single numbers keep a last axis of one component.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[Any]
+PassDraw = tuple[str, int]
+
+
+@dataclass(frozen=True)
+class Image:
+    """One attachment, read back in its own components and type; `format` as in `Target`."""
+
+    values: Array
+    format: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fragments:
+    """What one draw's fragment shader got, at each pixel where it was the last to write.
+
+    `covered` has shape (height, width); `inputs` and `frag_coord` (x, y, z, 1/w) have one more
+    axis and mean something only where `covered` is true.
+    """
+
+    covered: npt.NDArray[np.bool_]
+    frag_coord: Array
+    inputs: Mapping[str, Array]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Samples:
+    """Inputs and outputs of single invocations: vertices, or a program run on given inputs.
+
+    All arrays have shape (count, components). `decimal` holds inputs as the case writes them,
+    in float64, before they were rounded to float32.
+    """
+
+    inputs: Mapping[str, Array]
+    outputs: Mapping[str, Array]
+    decimal: Mapping[str, Array] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Texels:
+    """A texture's contents as exact values, and how it is sampled."""
+
+    values: Array
+    filter: tuple[str, str]
+    wrap: tuple[str, str]
+    border: tuple[float, float, float, float]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Bindings:
+    """The uniforms and textures of one draw, by GLSL name.
+
+    `uniforms` are the float32 or integer values that the shader got, `decimal` the float64 values
+    that the case wrote; `arrays` names those that are GLSL arrays (their first axis counts).
+    """
+
+    uniforms: Mapping[str, Array] = field(default_factory=dict)
+    decimal: Mapping[str, Array] = field(default_factory=dict)
+    textures: Mapping[str, Texels] = field(default_factory=dict)
+    arrays: frozenset[str] = frozenset()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Frame:
+    """All that one scene gave.
+
+    Attributes:
+        images: attachments by (pass, output).
+        order: the passes' names in the order they ran.
+        bindings: uniforms and textures by (pass, draw).
+        fragments: captured fragment inputs by (pass, draw), where they were asked for.
+        vertices: captured vertices by (pass, draw), where they were asked for.
+        probes: by the expectation's index, the program run on the inputs it gave.
+        passed: samples that passed all tests by (pass, draw), where they were asked for.
+        gl_errors: GL errors by (pass, draw); only draws that raised any have an entry.
+    """
+
+    images: Mapping[tuple[str, str], Image]
+    order: tuple[str, ...]
+    bindings: Mapping[PassDraw, Bindings]
+    fragments: Mapping[PassDraw, Fragments] = field(default_factory=dict)
+    vertices: Mapping[PassDraw, Samples] = field(default_factory=dict)
+    probes: Mapping[int, Samples] = field(default_factory=dict)
+    passed: Mapping[PassDraw, int] = field(default_factory=dict)
+    gl_errors: Mapping[PassDraw, tuple[int, ...]] = field(default_factory=dict)

@@ -1,0 +1,93 @@
+"""Opening OpenGL without a screen, and saying what was opened.
+
+Embedded Mesa (llvmpipe, a software driver) is the default, because it is the same everywhere;
+`SHADERLAB_DRIVER` chooses another: "softpipe", or "default" for the machine's own driver.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from shaderlab.errors import DriverError, UsageError, nearest
+
+SOFTWARE = ("llvmpipe", "softpipe")
+DRIVERS = (*SOFTWARE, "default")
+INSTALL = (
+    "Debian/Ubuntu: apt-get install libegl1 libgl1-mesa-dri · Fedora: dnf install "
+    "mesa-libEGL mesa-dri-drivers · Arch: pacman -S mesa · or run `shaderlab doctor`"
+)
+REQUIRED_VERSION = 330
+
+
+@dataclass(frozen=True)
+class Device:
+    """An open context (`moderngl.Context`), with what the driver says of itself."""
+
+    context: Any
+    info: Mapping[str, str]
+
+    @property
+    def version(self) -> int:
+        """OpenGL version as an integer: 450 for 4.5."""
+        return int(self.context.version_code)
+
+    def close(self) -> None:
+        """Give the context back."""
+        self.context.release()
+
+
+def open_device(driver: str | None = None) -> Device:
+    """Open an OpenGL core context on EGL.
+
+    Args:
+        driver: one of DRIVERS; None reads SHADERLAB_DRIVER, then takes "llvmpipe". The choice
+            holds for the process: Mesa reads it once.
+
+    Raises:
+        DriverError: there is no EGL, no driver, or none that offers OpenGL 3.3.
+        UsageError: `driver` is not one of DRIVERS.
+    """
+    chosen = driver or os.environ.get("SHADERLAB_DRIVER") or "llvmpipe"
+    if chosen not in DRIVERS:
+        raise UsageError(f"unknown driver {chosen!r}", remedy=nearest(chosen, DRIVERS))
+    if chosen in SOFTWARE:
+        os.environ["LIBGL_ALWAYS_SOFTWARE"] = "1"
+        os.environ["GALLIUM_DRIVER"] = chosen
+    os.environ.setdefault("EGL_PLATFORM", "surfaceless")
+    os.environ.setdefault("PYOPENGL_PLATFORM", "egl")
+    import moderngl
+
+    try:
+        context = moderngl.create_context(standalone=True, backend="egl", require=REQUIRED_VERSION)
+    except Exception as error:  # moderngl raises plain Exception for whatever EGL says
+        raise DriverError(f"no OpenGL 3.3 context on EGL ({error})", remedy=INSTALL) from error
+    return Device(context, _describe(context))
+
+
+def probe() -> Mapping[str, str]:
+    """Open a device, read what it is, close it. Raises DriverError as `open_device` does."""
+    device = open_device()
+    try:
+        return device.info
+    finally:
+        device.close()
+
+
+def _describe(context: Any) -> Mapping[str, str]:
+    info = context.info
+    import OpenGL
+
+    OpenGL.ERROR_CHECKING = False  # the runner drains errors itself, once a draw
+    from OpenGL import GL
+
+    return {
+        "renderer": str(info["GL_RENDERER"]),
+        "vendor": str(info["GL_VENDOR"]),
+        "version": str(info["GL_VERSION"]),
+        "glsl": GL.glGetString(GL.GL_SHADING_LANGUAGE_VERSION).decode(errors="replace"),
+        "max_texture_size": str(info["GL_MAX_TEXTURE_SIZE"]),
+        "max_samples": str(info["GL_MAX_SAMPLES"]),
+    }

@@ -1,0 +1,117 @@
+"""From a draw to a compiled program: sources read, stages generated, interface known. No device."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from shaderlab.errors import CaseError, ShaderError
+from shaderlab.gl import bind, formats, stages
+from shaderlab.glsl.compile import TARGETS, Compiled, compile_program
+from shaderlab.glsl.sources import Shaders, Source
+from shaderlab.glsl.spirv import Interface
+from shaderlab.model import Draw, Pass
+
+
+@dataclass(frozen=True, kw_only=True)
+class PreparedDraw:
+    """A draw with its program compiled.
+
+    `sources` are all stages, generated ones too; `authored` those of them that are files.
+    """
+
+    draw: Draw
+    sources: tuple[Source, ...]
+    authored: tuple[Source, ...]
+    compiled: Compiled
+
+    @property
+    def interface(self) -> Interface:
+        """What the program declares. Raises ShaderError if it does not compile for OpenGL."""
+        if self.compiled.interface is None:
+            self.compiled.require()
+            raise ShaderError("the program has no OpenGL interface", file=self.authored[0].path)
+        return self.compiled.interface
+
+    def text(self, stage: str) -> str | None:
+        """One stage's text after includes, or None where the program has no such stage."""
+        return next((s.text for s in self.sources if s.stage == stage), None)
+
+
+class Preparer:
+    """Prepares draws, reading each file and compiling each program once.
+
+    Args:
+        shaders: where shader files are found.
+    """
+
+    def __init__(self, shaders: Shaders) -> None:
+        self._shaders = shaders
+        self._loaded: dict[str, Source] = {}
+        self._compiled: dict[tuple[Source, ...], Compiled] = {}
+
+    def prepare(self, draw: Draw) -> PreparedDraw:
+        """Read, complete and compile a draw's program for every target.
+
+        Raises:
+            ShaderError: a file can't be read or included. A shader that does not compile raises
+                nothing here: its verdicts say so.
+            CaseError: a domain does not fit the fragment shader's inputs, or a mesh its vertex
+                stage.
+        """
+        authored = tuple(self._load(name) for name in draw.shaders)
+        sources = authored
+        if draw.domain is not None:
+            interface = self.compile(authored).interface
+            if interface is not None:
+                bind.check_domain(draw, interface.varyings)
+                sources = (self._domain_stage(authored[0], interface), *authored)
+        compiled = self.compile(sources)
+        if draw.mesh is not None and compiled.interface is not None:
+            bind.check_attributes(draw, compiled.interface)
+        return PreparedDraw(draw=draw, sources=sources, authored=authored, compiled=compiled)
+
+    def refusal(self, name: str) -> Compiled:
+        """What the plain GLSL compiler says of one shader file alone."""
+        return compile_program((self._load(name),), ("glsl",))
+
+    def compile(self, sources: tuple[Source, ...]) -> Compiled:
+        """A program's verdicts for every target, from memory if it was compiled before."""
+        if sources not in self._compiled:
+            self._compiled[sources] = compile_program(sources, TARGETS)
+        return self._compiled[sources]
+
+    def _load(self, name: str) -> Source:
+        if name not in self._loaded:
+            self._loaded[name] = self._shaders.load(name)
+        return self._loaded[name]
+
+    def _domain_stage(self, fragment: Source, interface: Interface) -> Source:
+        version = stages.version_line(fragment.text)
+        text = stages.domain_vertex(version, interface.varyings.values())
+        return self._shaders.from_text(text, "vertex", "<domain>")
+
+
+def pass_colors(description: Pass, draws: tuple[PreparedDraw, ...]) -> Mapping[str, str]:
+    """The pass's colour attachments: format by output name, in the order of their locations.
+
+    Raises:
+        CaseError: the target names an output that none of its programs writes.
+    """
+    outputs = {
+        variable.name: variable.type
+        for draw in draws
+        for variable in sorted(
+            draw.interface.outputs.values(), key=lambda v: (v.location is None, v.location or 0)
+        )
+    }
+    asked = description.target.colors
+    if asked is None:
+        return {name: formats.for_output(kind) for name, kind in outputs.items()}
+    for name in asked:
+        if name not in outputs:
+            raise CaseError(
+                f"pass {description.name!r}: its target has a colour {name!r}, "
+                f"but its shaders write {', '.join(outputs) or 'nothing'}"
+            )
+    return asked

@@ -1,0 +1,100 @@
+"""Linking programs on the driver, once each, and drawing with them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from shaderlab.errors import ShaderError
+from shaderlab.frame import Array
+from shaderlab.gl.device import Device
+from shaderlab.model import Mesh
+
+PRIMITIVES = {
+    "points": 0x0000,
+    "lines": 0x0001,
+    "line_strip": 0x0003,
+    "triangles": 0x0004,
+    "triangle_strip": 0x0005,
+    "triangle_fan": 0x0006,
+}
+
+
+class Programs:
+    """Linked programs by their stages' text, so that equal ones are linked once."""
+
+    def __init__(self, device: Device) -> None:
+        self._device = device
+        self._linked: dict[tuple[Any, ...], Any] = {}
+
+    def link(self, stages: Mapping[str, str], *, feedback: Sequence[str] = ()) -> Any:
+        """A `moderngl.Program` of these stages (text by "vertex", "geometry", "fragment").
+
+        `feedback` are the vertex outputs to be captured by transform feedback.
+
+        Raises:
+            ShaderError: the driver refuses the program.
+        """
+        key = (tuple(sorted(stages.items())), tuple(feedback))
+        if key not in self._linked:
+            self._linked[key] = self._link(stages, feedback)
+        return self._linked[key]
+
+    def _link(self, stages: Mapping[str, str], feedback: Sequence[str]) -> Any:
+        import moderngl
+
+        try:
+            return self._device.context.program(
+                vertex_shader=stages["vertex"],
+                fragment_shader=stages.get("fragment"),
+                geometry_shader=stages.get("geometry"),
+                varyings=tuple(feedback),
+            )
+        except moderngl.Error as error:
+            raise ShaderError(f"the driver refuses the program: {str(error).strip()}") from error
+
+
+def output_locations(program: Any, names: Iterable[str]) -> dict[str, int]:
+    """Where the linked program writes each of its fragment outputs; −1 for one it has not."""
+    from OpenGL import GL
+
+    return {name: int(GL.glGetFragDataLocation(program.glo, name.encode())) for name in names}
+
+
+def set_uniforms(program: Any, values: Mapping[str, Array]) -> list[str]:
+    """Upload uniforms; matrices are transposed into GLSL's columns-first order.
+
+    Returns the names that the driver does not know: declared, but with no effect on any output.
+    """
+    inactive = []
+    for name, array in values.items():
+        member = program.get(name, None)
+        if member is None:
+            inactive.append(name)
+            continue
+        matrix = member.dimension in (4, 6, 8, 9, 12, 16) and array.ndim >= 2
+        data = np.ascontiguousarray(np.swapaxes(array, -1, -2) if matrix else array)
+        count = getattr(member, "array_length", 1)
+        member.write(data.reshape(-1)[: count * member.dimension].tobytes())
+    return inactive
+
+
+def vertex_array(device: Device, program: Any, mesh: Mesh | None) -> Any:
+    """A vertex array of `mesh` for `program`, or one without attributes for None."""
+    context = device.context
+    if mesh is None:
+        return context.vertex_array(program, [])
+    content = []
+    for name, array in mesh.attributes.items():
+        if program.get(name, None) is None:
+            continue  # declared, but the driver found that it has no effect
+        kind = {"f": "f", "i": "i", "u": "u"}[array.dtype.kind]
+        buffer = context.buffer(np.ascontiguousarray(array))
+        content.append((buffer, f"{array.shape[1]}{kind}", name))
+    if mesh.indices is None:
+        return context.vertex_array(program, content)
+    return context.vertex_array(
+        program, content, index_buffer=context.buffer(mesh.indices), index_element_size=4
+    )

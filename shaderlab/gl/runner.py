@@ -1,0 +1,215 @@
+"""Running a scene's passes, and reading back what they drew."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from shaderlab.errors import CaseError, ShaderError, nearest
+from shaderlab.frame import Array, Bindings, Image, PassDraw
+from shaderlab.gl import bind, formats, state, textures
+from shaderlab.gl.device import Device
+from shaderlab.gl.prepare import PreparedDraw, pass_colors
+from shaderlab.gl.programs import PRIMITIVES, Programs, output_locations, set_uniforms, vertex_array
+from shaderlab.gl.target import RenderTarget
+from shaderlab.model import Output, Pass, Scene, Texture
+
+Size = tuple[int, int]
+Prepared = Mapping[str, tuple[PreparedDraw, ...]]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Drawn:
+    """What one run of a scene's passes gave. `inactive` are uniforms without any effect."""
+
+    images: Mapping[tuple[str, str], Image]
+    bindings: Mapping[PassDraw, Bindings]
+    passed: Mapping[PassDraw, int]
+    gl_errors: Mapping[PassDraw, tuple[int, ...]]
+    inactive: frozenset[str] = field(default_factory=frozenset)
+
+
+class Runner:
+    """Runs scenes on one device; programs are kept from one scene to the next."""
+
+    def __init__(self, device: Device) -> None:
+        self.device = device
+        self.programs = Programs(device)
+        device.context.gc_mode = "auto"
+
+    @contextmanager
+    def session(self, scene: Scene, prepared: Prepared, size: Size) -> Iterator[Session]:
+        """A scene to be drawn and captured; its device memory is given back at the end.
+
+        Args:
+            scene: what to draw.
+            prepared: each pass's draws, compiled.
+            size: (width, height) for targets that do not say.
+        """
+        with ExitStack() as stack:
+            yield Session(self, scene, prepared, size, stack)
+
+
+class Session:
+    """One scene on the device: its targets and textures, kept until the scene is through."""
+
+    def __init__(
+        self, runner: Runner, scene: Scene, prepared: Prepared, size: Size, stack: ExitStack
+    ) -> None:
+        self.runner = runner
+        self.scene = scene
+        self.prepared = prepared
+        self.images: dict[tuple[str, str], Image] = {}
+        self.bindings: dict[PassDraw, Bindings] = {}
+        self._size = size
+        self._stack = stack
+        self._targets: dict[str, RenderTarget] = {}
+        self._uploaded: dict[int, tuple[Array, Any]] = {}
+        self._passed: dict[PassDraw, int] = {}
+        self._gl_errors: dict[PassDraw, tuple[int, ...]] = {}
+        self._inactive: set[str] = set()
+
+    def run(self, *, count: Iterable[PassDraw] = ()) -> Drawn:
+        """Draw all passes in order; `count` names draws whose passed samples are to be counted.
+
+        Raises:
+            CaseError, ShaderError, UnsupportedError: see the modules that find them.
+        """
+        for description in self.scene.passes:
+            self._run_pass(description, frozenset(count))
+        return Drawn(
+            images=self.images,
+            bindings=self.bindings,
+            passed=self._passed,
+            gl_errors=self._gl_errors,
+            inactive=frozenset(self._inactive),
+        )
+
+    def extent(self, description: Pass) -> Size:
+        """The size in pixels of a pass's target."""
+        return description.target.size or self._size
+
+    def _run_pass(self, description: Pass, count: frozenset[PassDraw]) -> None:
+        """Draw one pass, then read its colour attachments."""
+        prepared = self.prepared[description.name]
+        colors = pass_colors(description, prepared)
+        extent = self.extent(description)
+        target = RenderTarget(self.runner.device, description.target, colors, extent)
+        self._stack.callback(target.release)
+        self._targets[description.name] = target
+        target.clear()
+        for index, draw in enumerate(prepared):
+            key = (description.name, index)
+            self.bindings[key] = self.bind(draw)
+            self._draw(key, draw, target, counted=key in count)
+        target.resolve()
+        for name in colors:
+            image = target.read(name)
+            if description.target.colors is None:
+                # There is no three-component attachment: drop what the shader never wrote.
+                kind = prepared[-1].interface.outputs[name].type
+                image = Image(image.values[..., : formats.components_of(kind)], image.format)
+            self.images[description.name, name] = image
+
+    def bind(self, draw: PreparedDraw) -> Bindings:
+        """The draw's uniforms and textures as the shader will get them."""
+        return bind.bind(draw.draw, draw.interface, self._values)
+
+    def use(self, program: Any, draw: PreparedDraw, bindings: Bindings) -> None:
+        """Set the program's uniforms and bind its textures."""
+        ramps = {}
+        if draw.draw.domain is not None:
+            ramps = bind.ramp_uniforms(draw.draw, draw.interface.varyings)
+        set_uniforms(program, ramps)
+        self._inactive.update(set_uniforms(program, bindings.uniforms))
+        for unit, (name, source) in enumerate(draw.draw.textures.items()):
+            sampler = program.get(name, None)
+            if sampler is None:
+                self._inactive.add(name)
+                continue
+            sampler.value = unit
+            self._texture(source).use(unit)
+
+    def _draw(
+        self, key: PassDraw, draw: PreparedDraw, target: RenderTarget, *, counted: bool
+    ) -> None:
+        stages = {s.stage: s.text for s in draw.sources}
+        try:
+            program = self.runner.programs.link(stages)
+        except ShaderError as error:
+            raise ShaderError(
+                error.message, file=draw.authored[-1].path, remedy=error.remedy
+            ) from error
+        self.use(program, draw, self.bindings[key])
+        vao = vertex_array(self.runner.device, program, draw.draw.mesh)
+        target.bind(output_locations(program, target.colors))
+        state.apply(draw.draw.state, target.size)
+        drain_errors()
+        if counted:
+            query = self.runner.device.context.query(samples=True)
+            with query:
+                submit(vao, program, draw)
+            self._passed[key] = int(query.samples)
+        else:
+            submit(vao, program, draw)
+        errors = drain_errors()
+        if errors:
+            self._gl_errors[key] = errors
+
+    def _values(self, source: Texture | Output) -> Array:
+        if isinstance(source, Output):
+            return self._image(source).values
+        return self._upload(source)[0]
+
+    def _texture(self, source: Texture | Output) -> Any:
+        if isinstance(source, Output):
+            self._image(source)
+            return self._targets[source.pass_name].textures[source.name]
+        return self._upload(source)[1]
+
+    def _upload(self, texture: Texture) -> tuple[Array, Any]:
+        if id(texture) not in self._uploaded:
+            values = textures.texel_values(texture, Path(self.scene.case.file).parent)
+            made = textures.upload(self.runner.device, texture, values)
+            self._stack.callback(made.release)
+            self._uploaded[id(texture)] = (values, made)
+        return self._uploaded[id(texture)]
+
+    def _image(self, source: Output) -> Image:
+        key = (source.pass_name, source.name)
+        if key not in self.images:
+            known = [f"{p}.{n}" for p, n in self.images]
+            raise CaseError(
+                f"no earlier pass gives {source.pass_name}.{source.name}",
+                remedy=nearest(f"{source.pass_name}.{source.name}", known),
+            )
+        return self.images[key]
+
+
+def submit(vao: Any, program: Any, draw: PreparedDraw) -> None:
+    """Issue the draw call itself."""
+    from OpenGL import GL
+
+    description = draw.draw
+    mode = PRIMITIVES[description.mesh.primitive if description.mesh else "triangles"]
+    count = 3 if description.mesh is None else description.mesh.vertices
+    if not description.vertex_array:
+        GL.glUseProgram(program.glo)
+        GL.glBindVertexArray(0)
+        GL.glDrawArrays(mode, 0, count)
+        return
+    vertices = -1 if description.mesh is not None else count
+    vao.render(mode, vertices=vertices, instances=description.instances)
+
+
+def drain_errors() -> tuple[int, ...]:
+    """All GL errors raised since the last call, oldest first."""
+    from OpenGL import GL
+
+    errors = []
+    while (code := GL.glGetError()) != GL.GL_NO_ERROR and len(errors) < 16:
+        errors.append(int(code))
+    return tuple(errors)

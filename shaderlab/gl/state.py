@@ -1,0 +1,113 @@
+"""Setting OpenGL's fixed-function state from a `State`.
+
+moderngl has no stencil, no separate write masks and no constant blend colour, so all of it is set
+through PyOpenGL on the same context. `apply` sets every state it knows, each time: a draw gets
+exactly what it says, whatever ran before it.
+"""
+
+from __future__ import annotations
+
+from shaderlab.model import Blend, Cell, Depth, State, Stencil
+from shaderlab.model.state import BLEND_EQUATIONS, BLEND_FACTORS, COMPARISONS, STENCIL_OPERATIONS
+
+# OpenGL 4.5 core profile, glcorearb.h: the enumerations' numbers in the order of our names.
+_COMPARISON = dict(zip(COMPARISONS, range(0x0200, 0x0208), strict=True))
+_STENCIL_OPERATION = dict(
+    zip(
+        STENCIL_OPERATIONS,
+        (0x1E00, 0, 0x1E01, 0x1E02, 0x8507, 0x1E03, 0x8508, 0x150A),
+        strict=True,
+    )
+)
+_EQUATION = dict(zip(BLEND_EQUATIONS, (0x8006, 0x800A, 0x800B, 0x8007, 0x8008), strict=True))
+_FACTOR = dict(
+    zip(
+        BLEND_FACTORS,
+        (0, 1, 0x0300, 0x0301, 0x0306, 0x0307, 0x0302, 0x0303, 0x0304, 0x0305,
+         0x8001, 0x8002, 0x8003, 0x8004, 0x0308),
+        strict=True,
+    )
+)  # fmt: skip
+_FACE = {"front": 0x0404, "back": 0x0405, "front_and_back": 0x0408}
+_WINDING = {"cw": 0x0900, "ccw": 0x0901}
+
+
+def apply(state: State, size: tuple[int, int]) -> None:
+    """Make the current context's state what `state` says, for a target of `size` pixels."""
+    from OpenGL import GL
+
+    _confine(state.cell, size)
+    _depth(state.depth)
+    _stencil(state.stencil)
+    _blend(state.blend)
+    _switch(GL.GL_CULL_FACE, state.cull is not None)
+    if state.cull is not None:
+        GL.glCullFace(_FACE[state.cull])
+    GL.glFrontFace(_WINDING[state.front_face])
+    GL.glColorMask(*state.color_mask)
+    _switch(GL.GL_FRAMEBUFFER_SRGB, state.srgb)
+
+
+def rectangle(cell: Cell, size: tuple[int, int]) -> tuple[int, int, int, int]:
+    """The cell's pixels as (x, y, width, height); neighbouring cells share no pixel and no gap.
+
+    >>> rectangle(Cell(column=1, row=0, columns=3, rows=8), (64, 64))
+    (21, 0, 21, 8)
+    """
+    x, right = (size[0] * k // cell.columns for k in (cell.column, cell.column + 1))
+    y, top = (size[1] * k // cell.rows for k in (cell.row, cell.row + 1))
+    return x, y, right - x, top - y
+
+
+def _switch(capability: int, on: bool) -> None:
+    from OpenGL import GL
+
+    (GL.glEnable if on else GL.glDisable)(capability)
+
+
+def _confine(cell: Cell | None, size: tuple[int, int]) -> None:
+    from OpenGL import GL
+
+    box = (0, 0, *size) if cell is None else rectangle(cell, size)
+    GL.glViewport(*box)
+    GL.glScissor(*box)
+    _switch(GL.GL_SCISSOR_TEST, cell is not None)
+
+
+def _depth(depth: Depth | None) -> None:
+    from OpenGL import GL
+
+    _switch(GL.GL_DEPTH_TEST, depth is not None)
+    if depth is not None:
+        GL.glDepthFunc(_COMPARISON[depth.func])
+    GL.glDepthMask(depth is None or depth.write)
+
+
+def _stencil(stencil: Stencil | None) -> None:
+    from OpenGL import GL
+
+    _switch(GL.GL_STENCIL_TEST, stencil is not None)
+    if stencil is None:
+        GL.glStencilMask(0xFF)
+        return
+    GL.glStencilFunc(_COMPARISON[stencil.func], stencil.reference, stencil.mask)
+    operations = (stencil.fail, stencil.depth_fail, stencil.depth_pass)
+    GL.glStencilOp(*(_STENCIL_OPERATION[word] for word in operations))
+    GL.glStencilMask(stencil.write_mask)
+
+
+def _blend(blend: Blend | None) -> None:
+    from OpenGL import GL
+
+    _switch(GL.GL_BLEND, blend is not None)
+    if blend is None:
+        return
+    GL.glBlendFuncSeparate(
+        _FACTOR[blend.source],
+        _FACTOR[blend.destination],
+        _FACTOR[blend.source_alpha or blend.source],
+        _FACTOR[blend.destination_alpha or blend.destination],
+    )
+    equation = blend.equation
+    GL.glBlendEquationSeparate(_EQUATION[equation], _EQUATION[blend.equation_alpha or equation])
+    GL.glBlendColor(*blend.constant)

@@ -1,0 +1,161 @@
+"""Render targets: a framebuffer with its attachments, cleared, drawn into, and read back."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from shaderlab.errors import UnsupportedError
+from shaderlab.frame import Image
+from shaderlab.gl import formats
+from shaderlab.gl.device import Device
+from shaderlab.model import Target
+
+_COMPLETE = 0x8CD5
+
+
+class RenderTarget:
+    """The attachments of one pass at one size, on the device.
+
+    Args:
+        device: where to make them.
+        target: sizes, clear values, depth format, samples.
+        colors: format by output name, in the order of the outputs' locations.
+        size: (width, height) in pixels.
+
+    Raises:
+        UnsupportedError: the driver can't make such a target; the message says which.
+    """
+
+    def __init__(
+        self, device: Device, target: Target, colors: Mapping[str, str], size: tuple[int, int]
+    ) -> None:
+        limit = device.context.info["GL_MAX_TEXTURE_SIZE"]
+        if max(size) > limit:
+            raise UnsupportedError(
+                f"a target of {size[0]} × {size[1]}: this driver ends at {limit}"
+            )
+        if target.samples > device.context.max_samples:
+            raise UnsupportedError(
+                f"{target.samples} samples: this driver offers {device.context.max_samples}"
+            )
+        self.size = size
+        self.colors = dict(colors)
+        self._device = device
+        self._target = target
+        self.textures = {name: self._texture(word) for name, word in colors.items()}
+        self._sampled = [
+            self._texture(w, target.samples) for w in colors.values() if target.samples
+        ]
+        self._resolved = self._framebuffer(list(self.textures.values()))
+        self._drawn = self._framebuffer(self._sampled) if target.samples else self._resolved
+        self._depth: int | None = None
+        if target.depth is not None:
+            self._depth = _attach_depth(self._drawn, target.depth, size, target.samples)
+
+    def release(self) -> None:
+        """Give all of its memory on the device back; the target is of no use afterwards."""
+        from OpenGL import GL
+
+        for framebuffer in {self._drawn, self._resolved}:
+            framebuffer.release()
+        for texture in (*self.textures.values(), *self._sampled):
+            texture.release()
+        if self._depth is not None:
+            GL.glDeleteRenderbuffers(1, [self._depth])
+
+    def clear(self) -> None:
+        """Bind the target and set every attachment to its clear value, unmasked."""
+        from OpenGL import GL
+
+        self.bind({name: index for index, name in enumerate(self.colors)})
+        GL.glDisable(GL.GL_SCISSOR_TEST)
+        GL.glDisable(GL.GL_FRAMEBUFFER_SRGB)
+        GL.glColorMask(True, True, True, True)
+        GL.glDepthMask(True)
+        GL.glStencilMask(0xFF)
+        for index, word in enumerate(self.colors.values()):
+            if formats.COLOR[word].integer:
+                values = np.array(self._target.clear, np.int32)
+                GL.glClearBufferiv(GL.GL_COLOR, index, values)
+            else:
+                GL.glClearBufferfv(GL.GL_COLOR, index, np.array(self._target.clear, np.float32))
+        if self._target.depth is not None:
+            depth = np.array([self._target.clear_depth], np.float32)
+            GL.glClearBufferfv(GL.GL_DEPTH, 0, depth)
+            if formats.DEPTH[self._target.depth][1]:
+                stencil = np.array([self._target.clear_stencil], np.int32)
+                GL.glClearBufferiv(GL.GL_STENCIL, 0, stencil)
+
+    def bind(self, locations: Mapping[str, int]) -> None:
+        """Draw into this target from now on, with a program that writes its outputs at these
+        locations; outputs without an attachment here go nowhere."""
+        from OpenGL import GL
+
+        self._drawn.use()
+        attachments = {
+            locations[name]: GL.GL_COLOR_ATTACHMENT0 + index
+            for index, name in enumerate(self.colors)
+            if locations.get(name, -1) >= 0
+        }
+        count = max(attachments, default=-1) + 1
+        buffers = [attachments.get(location, GL.GL_NONE) for location in range(count)]
+        GL.glDrawBuffers(count, np.array(buffers, np.uint32))
+
+    def resolve(self) -> None:
+        """Average the samples into the textures, if there are several a pixel."""
+        if self._drawn is self._resolved:
+            return
+        from OpenGL import GL
+
+        width, height = self.size
+        GL.glDisable(GL.GL_SCISSOR_TEST)
+        for index in range(len(self.colors)):
+            GL.glBindFramebuffer(GL.GL_READ_FRAMEBUFFER, self._drawn.glo)
+            GL.glBindFramebuffer(GL.GL_DRAW_FRAMEBUFFER, self._resolved.glo)
+            GL.glReadBuffer(GL.GL_COLOR_ATTACHMENT0 + index)
+            GL.glDrawBuffer(GL.GL_COLOR_ATTACHMENT0 + index)
+            box = (0, 0, width, height)
+            GL.glBlitFramebuffer(*box, *box, GL.GL_COLOR_BUFFER_BIT, GL.GL_NEAREST)
+
+    def read(self, name: str) -> Image:
+        """One colour attachment in its own components and type, row 0 at the bottom."""
+        word = self.colors[name]
+        kind = formats.COLOR[word]
+        values = np.empty((self.size[1], self.size[0], kind.components), kind.numpy)
+        self.textures[name].read_into(values, alignment=1)
+        return Image(values, word)
+
+    def _texture(self, word: str, samples: int = 0) -> Any:
+        kind = formats.COLOR[word]
+        texture = self._device.context.texture(
+            self.size, kind.components, dtype=kind.dtype, samples=samples,
+            **({} if kind.internal is None else {"internal_format": kind.internal}),
+        )  # fmt: skip
+        if not samples:
+            texture.filter = (self._device.context.NEAREST,) * 2
+        return texture
+
+    def _framebuffer(self, textures: list[Any]) -> Any:
+        if not textures:
+            return self._device.context.framebuffer(self._device.context.renderbuffer(self.size))
+        return self._device.context.framebuffer(textures)
+
+
+def _attach_depth(framebuffer: Any, word: str, size: tuple[int, int], samples: int) -> int:
+    from OpenGL import GL
+
+    internal, has_stencil = formats.DEPTH[word]
+    framebuffer.use()
+    buffer = GL.glGenRenderbuffers(1)
+    GL.glBindRenderbuffer(GL.GL_RENDERBUFFER, buffer)
+    GL.glRenderbufferStorageMultisample(GL.GL_RENDERBUFFER, samples, internal, *size)
+    point = GL.GL_DEPTH_STENCIL_ATTACHMENT if has_stencil else GL.GL_DEPTH_ATTACHMENT
+    GL.glFramebufferRenderbuffer(GL.GL_FRAMEBUFFER, point, GL.GL_RENDERBUFFER, buffer)
+    status = GL.glCheckFramebufferStatus(GL.GL_FRAMEBUFFER)
+    if status != _COMPLETE:
+        GL.glDeleteRenderbuffers(1, [buffer])
+        raise UnsupportedError(f"a framebuffer with {word} (status 0x{status:04X})")
+    return int(buffer)

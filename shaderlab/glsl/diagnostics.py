@@ -1,0 +1,141 @@
+"""From the compiler's logs to diagnostics at the author's own file and line."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+
+from shaderlab.glsl.reading import without_comments
+from shaderlab.glsl.sources import Source
+from shaderlab.records import Diagnostic, Severity
+
+_MESSAGE = re.compile(r"^(?P<severity>(?:INTERNAL )?ERROR|WARNING|NOTE): (?P<rest>.*)$")
+_PLACED = re.compile(r"^(?P<string>-?\d+):(?P<line>\d+): (?:'(?P<token>.*?)' : )?(?P<message>.*)$")
+_LINKING = re.compile(r"^Linking (?P<stages>.+?) stages?: (?P<message>.*)$", re.DOTALL)
+# What the log adds of its own: a count, and a note after the error that ended the compile.
+_COUNT = re.compile(r"^\d+ compilation errors\.  No code generated\.$")
+_TERMINATED = "compilation terminated"
+_SEVERITIES: dict[str, Severity] = {"WARNING": "warning", "NOTE": "info"}
+_LAYOUT = re.compile(r"\blayout\s*\([^)]*\)")
+_STAGE_WORDS = {
+    "vertex": "vertex",
+    "tessellation control": "tess_control",
+    "tessellation evaluation": "tess_evaluation",
+    "geometry": "geometry",
+    "fragment": "fragment",
+    "compute": "compute",
+}
+
+
+def of_stage(log: str, source: Source) -> tuple[Diagnostic, ...]:
+    """The diagnostics in the log of compiling one stage, each named once, in the log's order."""
+    found: dict[Diagnostic, None] = {}
+    for severity, rest in _entries(log):
+        placed = _PLACED.match(rest)
+        if _COUNT.match(rest):
+            continue
+        if placed is None:
+            found[_unplaced(severity, rest.strip(), source)] = None
+        elif placed["message"].strip() != _TERMINATED:
+            file, line = source.place(int(placed["line"]))
+            found[
+                Diagnostic(
+                    file=file,
+                    line=line,
+                    severity=severity,
+                    message=_worded(placed["token"] or "", placed["message"]),
+                    token=placed["token"] or "",
+                )
+            ] = None
+    return tuple(found)
+
+
+def of_link(log: str, sources: Sequence[Source]) -> tuple[Diagnostic, ...]:
+    """The diagnostics in the log of linking stages, placed at declarations where they name one.
+
+    The link's messages carry no lines. Where one shows a declaration, such as `" vec3 normal"`,
+    the last stage that it is found in gives the file and line.
+    """
+    found: dict[Diagnostic, None] = {}
+    for severity, rest in _entries(log):
+        linking = _LINKING.match(rest)
+        stages = _stages(linking["stages"]) if linking else ()
+        involved = [s for s in sources if s.stage in stages] or list(sources)
+        token, (file, line) = _declared_in(rest, involved)
+        found[
+            Diagnostic(file=file, line=line, severity=severity, message=rest.strip(), token=token)
+        ] = None
+    return tuple(found)
+
+
+def declaration(source: Source, name: str, kind: str = "") -> tuple[int, str] | None:
+    """Where a global name is declared, and how: its line in `source.text` from 1, and the text.
+
+    Args:
+        name: the declared name, without array brackets.
+        kind: a word that must stand before it, such as "in" or "uniform"; any by default.
+    """
+    code = re.sub(r"^[ \t]*#.*$", "", without_comments(source.text), flags=re.MULTILINE)
+    for match in re.finditer(rf"\b{re.escape(name)}\b", code):
+        start = max(code.rfind(mark, 0, match.start()) for mark in ";{}") + 1
+        head = code[start : match.start()]
+        bare = _LAYOUT.sub("", head)
+        words = re.findall(r"\w+", bare)
+        if words and not set("=(.").intersection(bare) and (not kind or kind in words):
+            line = code.count("\n", 0, match.start()) + 1
+            return line, f"{head.strip()} {name}"
+    return None
+
+
+def has_errors(diagnostics: Sequence[Diagnostic]) -> bool:
+    """Whether any of them is an error."""
+    return any(d.severity == "error" for d in diagnostics)
+
+
+def _entries(log: str) -> Iterator[tuple[Severity, str]]:
+    """Each message with the indented lines that belong to it."""
+    severity: Severity = "error"
+    rows: list[str] = []
+    for row in [*log.split("\n"), "NOTE: "]:
+        start = _MESSAGE.match(row)
+        if start is None:
+            if rows and row.strip():
+                rows.append(row)
+            continue
+        if rows:
+            yield severity, "\n".join(rows)
+        severity = _SEVERITIES.get(start["severity"], "error")
+        rows = [start["rest"]]
+
+
+def _unplaced(severity: Severity, rest: str, source: Source) -> Diagnostic:
+    """A message without a line; those about the version belong to its line."""
+    file, line = source.path, None
+    if "version" in rest:
+        match = re.search(r"^[ \t]*#[ \t]*version\b", without_comments(source.text), re.MULTILINE)
+        if match:
+            file, line = source.place(source.text.count("\n", 0, match.start()) + 1)
+    message = rest.removeprefix("#version: ")
+    return Diagnostic(file=file, line=line, severity=severity, message=message, token="")
+
+
+def _worded(token: str, message: str) -> str:
+    text = message.strip()
+    return f"'{token}' : {text}" if token else text
+
+
+def _stages(words: str) -> tuple[str, ...]:
+    return tuple(stage for word, stage in _STAGE_WORDS.items() if word in words)
+
+
+def _declared_in(message: str, sources: Sequence[Source]) -> tuple[str, tuple[str, int | None]]:
+    """The name that a link message is about and the place of its declaration."""
+    shown = re.findall(r'"[^"]*?(\w+)(?:\[[^"]*)?"', message)
+    listed = re.findall(r"^\s+(\w+)[(:]", message, re.MULTILINE)
+    for name in [*reversed(shown), *listed]:
+        for source in reversed(sources):
+            found = declaration(source, name)
+            if found:
+                return name, source.place(found[0])
+    last: str = sources[-1].path
+    return "", (last, None)

@@ -1,0 +1,114 @@
+"""Texts that would take the compiler down, found before it sees them.
+
+glslang and SPIRV-Tools recurse over expressions and blocks, so a text deep enough overflows the
+C stack or keeps the validator busy for minutes. The limits are far above what people write and
+well below what an 8 MiB stack holds.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from shaderlab.glsl.frontend import preprocess
+from shaderlab.glsl.reading import version_of, without_comments
+from shaderlab.glsl.sources import Source
+from shaderlab.records import Diagnostic
+
+MAX_NESTING = 200
+MAX_OPERATORS = 5000
+
+_OPERATORS = "+-*/%<>=&|^!~,"
+_TOKEN = re.compile(r"\w+|[(){}\[\];?\n]|[-+*/%<>=&|^!~,]")
+_BRANCHES = frozenset(["if", "else", "for", "while", "do", "switch", "?"])
+_MINIMUM = {"opengl": (330, "OpenGL"), "vulkan": (140, "Vulkan"), "vulkan-strict": (140, "Vulkan")}
+
+
+def too_deep(source: Source) -> Diagnostic | None:
+    """An error for a text whose nesting or whose longest expression no compiler survives."""
+    code = without_comments(source.text)
+    if "#" in code and re.search(r"#[ \t]*define", code):
+        code = preprocess(source) or code  # a few macros can stand for thousands of operators
+    if _is_small(code):
+        return None
+    for line, nesting, operators in _depths(code):
+        if nesting > MAX_NESTING:
+            what = f"nests deeper than {MAX_NESTING} levels"
+        elif operators > MAX_OPERATORS:
+            what = f"has a statement of more than {MAX_OPERATORS} operators"
+        else:
+            continue
+        file, place = source.place(line)
+        message = f"{what}, which overflows the compiler's stack"
+        return Diagnostic(file=file, line=place, severity="error", message=message)
+    return None
+
+
+def too_old(source: Source, target: str) -> Diagnostic | None:
+    """glslang's error for a `#version` too old for SPIR-V.
+
+    Below these versions glslang can't parse its own built-in functions, and prints all of them
+    to the process's standard output.
+    """
+    if target not in _MINIMUM:
+        return None
+    minimum, name = _MINIMUM[target]
+    code = without_comments(source.text)
+    version, profile = version_of(code) or (110, "")
+    if version >= minimum or profile == "es" or version == 100:
+        return None
+    rows = code.split("\n")
+    at = next((i for i, row in enumerate(rows, start=1) if re.match(r"\s*#\s*version\b", row)), 1)
+    file, line = source.place(at)
+    message = f"Desktop shaders for {name} SPIR-V require version {minimum} or higher"
+    return Diagnostic(file=file, line=line, severity="error", message=message)
+
+
+def _is_small(code: str) -> bool:
+    """Whether the whole text has fewer signs and words than one statement may have."""
+    branches = sum(map(code.count, ("{", "(", "[", "?", "if", "else", "for", "while", "do")))
+    return branches <= MAX_NESTING and sum(map(code.count, _OPERATORS)) <= MAX_OPERATORS
+
+
+def _depths(code: str) -> Iterator[tuple[int, int, int]]:
+    """For each step into the text: its line, how deep it nests, operators in the expression."""
+    line, branches, before = 1, 0, ";"
+    inside = [_Bracket(is_list=False)]
+    for match in _TOKEN.finditer(code):
+        token = match.group()
+        if token == "\n":
+            line += 1
+            continue
+        here = inside[-1]
+        if before in ";}":
+            branches = here.operators = 0
+            here.chain = here.chain + 1 if token == "else" else 0
+        if token in "([{":
+            branches = 0 if token == "{" else branches
+            inside.append(_Bracket(is_list=_opens_list(token, before)))
+        elif token in ")]}":
+            del inside[max(len(inside) - 1, 1) :]
+        elif token in _BRANCHES:
+            branches += 1
+        elif token == "," and here.is_list:
+            here.operators = 0
+        elif token in _OPERATORS:
+            here.operators += 1
+        before = token
+        yield line, len(inside) + sum(b.chain for b in inside) + branches, inside[-1].operators
+
+
+@dataclass
+class _Bracket:
+    """An open bracket: whether its commas separate a list, how many `else`s the chain of
+    branches in it has so far, and how many operators the expression in it."""
+
+    is_list: bool
+    chain: int = 0
+    operators: int = 0
+
+
+def _opens_list(token: str, before: str) -> bool:
+    """Whether commas after the bracket separate arguments or elements, not operands."""
+    return before[-1].isalnum() or before in "]_" if token == "(" else before in "=,({"

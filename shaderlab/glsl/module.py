@@ -1,0 +1,152 @@
+"""A SPIR-V module's words as declarations: names, decorations, types, constants, variables.
+
+Layout and numbers: Khronos, SPIR-V Specification 1.6, sections 2.3 and 3.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from shaderlab.errors import ShaderError
+
+MAGIC = 0x07230203
+
+
+class Op:
+    """The opcodes that declarations and their uses are made of."""
+
+    NAME, MEMBER_NAME, ENTRY_POINT, EXECUTION_MODE = 5, 6, 15, 16
+    TYPE_VOID, TYPE_BOOL, TYPE_INT, TYPE_FLOAT, TYPE_VECTOR, TYPE_MATRIX = 19, 20, 21, 22, 23, 24
+    TYPE_IMAGE, TYPE_SAMPLER, TYPE_SAMPLED_IMAGE = 25, 26, 27
+    TYPE_ARRAY, TYPE_RUNTIME_ARRAY, TYPE_STRUCT, TYPE_POINTER = 28, 29, 30, 32
+    CONSTANT, CONSTANT_COMPOSITE, SPEC_CONSTANT = 43, 44, 50
+    SPEC_CONSTANT_COMPOSITE = 51
+    FUNCTION, FUNCTION_END, FUNCTION_CALL = 54, 56, 57
+    VARIABLE, ACCESS_CHAIN, IN_BOUNDS_ACCESS_CHAIN = 59, 65, 66
+    ARRAY_LENGTH, DECORATE, MEMBER_DECORATE = 68, 71, 72
+
+
+class Decoration:
+    """The decorations that interfaces are read from."""
+
+    BLOCK, BUFFER_BLOCK, ROW_MAJOR, COLUMN_MAJOR = 2, 3, 4, 5
+    ARRAY_STRIDE, MATRIX_STRIDE, BUILT_IN, NO_PERSPECTIVE, FLAT = 6, 7, 11, 13, 14
+    PATCH, CENTROID, SAMPLE = 15, 16, 17
+    LOCATION, COMPONENT, INDEX, BINDING, DESCRIPTOR_SET, OFFSET = 30, 31, 32, 33, 34, 35
+
+
+class Storage:
+    """The storage classes of global variables."""
+
+    UNIFORM_CONSTANT, INPUT, UNIFORM, OUTPUT = 0, 1, 2, 3
+    PUSH_CONSTANT, ATOMIC_COUNTER, STORAGE_BUFFER = 9, 10, 12
+
+
+@dataclass(frozen=True)
+class Instruction:
+    """One instruction: its opcode, its operand words, where its first word is."""
+
+    op: int
+    words: tuple[int, ...]
+    at: int
+
+
+@dataclass
+class Module:
+    """What a module declares, by id.
+
+    Attributes:
+        decorations: id → decoration → its literal words; `member_decorations` by (id, member).
+        types: id → the OpType… instruction; operands as in the specification, less the id.
+        variables: id → (pointed-to type, storage class).
+        decoration_words: (id, decoration) → index of its first literal in the module's words.
+        body: the instructions inside functions.
+    """
+
+    words: tuple[int, ...]
+    names: dict[int, str] = field(default_factory=dict)
+    member_names: dict[tuple[int, int], str] = field(default_factory=dict)
+    decorations: dict[int, dict[int, tuple[int, ...]]] = field(default_factory=dict)
+    member_decorations: dict[tuple[int, int], dict[int, tuple[int, ...]]] = field(
+        default_factory=dict
+    )
+    decoration_words: dict[tuple[int, int], int] = field(default_factory=dict)
+    types: dict[int, Instruction] = field(default_factory=dict)
+    pointers: dict[int, tuple[int, int]] = field(default_factory=dict)
+    constants: dict[int, int] = field(default_factory=dict)
+    composites: dict[int, tuple[int, ...]] = field(default_factory=dict)
+    variables: dict[int, tuple[int, int]] = field(default_factory=dict)
+    modes: dict[int, tuple[int, ...]] = field(default_factory=dict)
+    body: list[Instruction] = field(default_factory=list)
+
+    def decorated(self, id_: int, decoration: int) -> tuple[int, ...] | None:
+        """A decoration's literals (empty for one without), or None where it is absent."""
+        return self.decorations.get(id_, {}).get(decoration)
+
+    def number(self, id_: int, decoration: int) -> int | None:
+        """A decoration's only literal, or None where it is absent."""
+        literals = self.decorated(id_, decoration)
+        return literals[0] if literals else None
+
+    def member(self, id_: int, index: int) -> Mapping[int, tuple[int, ...]]:
+        """The decorations of a struct's member."""
+        return self.member_decorations.get((id_, index), {})
+
+
+def parse(data: bytes) -> Module:
+    """The declarations of a module.
+
+    Raises:
+        ShaderError: the bytes are not a SPIR-V module.
+    """
+    if len(data) < 20 or len(data) % 4:
+        raise ShaderError(f"not a SPIR-V module: {len(data)} bytes")
+    order = "<" if data[:4] == struct.pack("<I", MAGIC) else ">"
+    words = struct.unpack(f"{order}{len(data) // 4}I", data)
+    if words[0] != MAGIC:
+        raise ShaderError(f"not a SPIR-V module: it begins with 0x{words[0]:08x}")
+    module = Module(words)
+    at, in_function = 5, False
+    while at < len(words):
+        count, op = words[at] >> 16, words[at] & 0xFFFF
+        if count == 0 or at + count > len(words):
+            raise ShaderError(f"not a SPIR-V module: broken instruction at word {at}")
+        instruction = Instruction(op, words[at + 1 : at + count], at)
+        in_function = in_function or op == Op.FUNCTION
+        if in_function:
+            module.body.append(instruction)
+        else:
+            _declare(module, instruction)
+        at += count
+    return module
+
+
+def _declare(module: Module, instruction: Instruction) -> None:
+    op, words, at = instruction.op, instruction.words, instruction.at
+    if op == Op.NAME:
+        module.names[words[0]] = _string(words[1:])
+    elif op == Op.MEMBER_NAME:
+        module.member_names[words[0], words[1]] = _string(words[2:])
+    elif op == Op.DECORATE:
+        module.decorations.setdefault(words[0], {})[words[1]] = words[2:]
+        module.decoration_words[words[0], words[1]] = at + 3
+    elif op == Op.MEMBER_DECORATE:
+        module.member_decorations.setdefault((words[0], words[1]), {})[words[2]] = words[3:]
+    elif op == Op.EXECUTION_MODE:
+        module.modes[words[1]] = words[2:]
+    elif op == Op.TYPE_POINTER:
+        module.pointers[words[0]] = (words[2], words[1])
+    elif Op.TYPE_VOID <= op <= Op.TYPE_STRUCT:
+        module.types[words[0]] = Instruction(op, words[1:], at)
+    elif op in (Op.CONSTANT, Op.SPEC_CONSTANT):
+        module.constants[words[1]] = words[2]
+    elif op in (Op.CONSTANT_COMPOSITE, Op.SPEC_CONSTANT_COMPOSITE):
+        module.composites[words[1]] = words[2:]
+    elif op == Op.VARIABLE:
+        module.variables[words[1]] = module.pointers[words[0]]
+
+
+def _string(words: tuple[int, ...]) -> str:
+    return struct.pack(f"<{len(words)}I", *words).split(b"\0")[0].decode("utf-8", "replace")

@@ -1,0 +1,89 @@
+"""Reading a shader file into text, and looking at GLSL text without its comments."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from shaderlab.errors import ShaderError
+
+# A quoted include path may hold "//"; everything else that looks like a comment is one.
+_COMMENT = re.compile(
+    r'"[^"\n]*"|(?P<line>//(?:\\\n|[^\n])*)|(?P<block>/\*.*?(?:\*/|\Z))', re.DOTALL
+)
+_WIDE = {b"\xff\xfe": "UTF-16", b"\xfe\xff": "UTF-16"}
+
+
+def read_shader(path: Path) -> str:
+    """The file's text with "\\n" line ends and no byte order mark.
+
+    Raises:
+        ShaderError: no such file, a directory, unreadable, empty, or not UTF-8.
+    """
+    if path.is_dir():
+        raise ShaderError("is a directory, not a shader", file=path, remedy="name a file in it")
+    try:
+        data = path.read_bytes()
+    except FileNotFoundError:
+        raise ShaderError("no such shader file", file=path) from None
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise ShaderError(f"can't read the shader: {reason}", file=path) from error
+    return normalise(decode(data, path), path)
+
+
+def decode(data: bytes, path: str | Path) -> str:
+    """UTF-8 bytes as text, less a byte order mark.
+
+    Raises:
+        ShaderError: the bytes are not UTF-8; the message names the first bad byte's offset.
+    """
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        offset = error.start
+        guess = _WIDE.get(data[:2])
+        raise ShaderError(
+            f"is not UTF-8: byte {offset} is 0x{data[offset]:02x}"
+            + (f" (it looks like {guess})" if guess else ""),
+            file=path,
+            line=None if guess else data.count(b"\n", 0, offset) + 1,
+            remedy="save the file as UTF-8",
+        ) from None
+
+
+def normalise(text: str, path: str | Path) -> str:
+    """Text with "\\n" line ends, refused where no compiler could see all of it.
+
+    Raises:
+        ShaderError: the text is empty or holds a NUL character, at which compilers stop reading.
+    """
+    text = text.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n")
+    if not text.strip():
+        raise ShaderError("the shader is empty", file=path)
+    nul = text.find("\0")
+    if nul >= 0:
+        raise ShaderError(
+            "holds a NUL character, at which compilers stop reading",
+            file=path,
+            line=text.count("\n", 0, nul) + 1,
+            remedy="delete it",
+        )
+    return text
+
+
+def without_comments(text: str) -> str:
+    """The text with every comment blanked out, all other characters where they were."""
+    return _COMMENT.sub(_blank, text)
+
+
+def _blank(match: re.Match[str]) -> str:
+    if match.lastgroup is None:
+        return match.group()
+    return re.sub(r"[^\n]", " ", match.group())
+
+
+def version_of(code: str) -> tuple[int, str] | None:
+    """The `#version` of comment-free text as (330, "core"), or None where it gives none."""
+    match = re.search(r"^[ \t]*#[ \t]*version[ \t]+(\d+)[ \t]*(\w*)", code, re.MULTILINE)
+    return (int(match.group(1)), match.group(2)) if match else None

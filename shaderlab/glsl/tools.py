@@ -1,0 +1,95 @@
+"""SPIRV-Tools: validating and disassembling modules."""
+
+from __future__ import annotations
+
+import ctypes as c
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+
+from shaderlab.errors import ShaderError, nearest
+from shaderlab.glsl.library import SpirvDiagnostic, SpirvText, spirv_tools
+
+# spv_target_env.
+_ENVIRONMENTS: Mapping[str, int] = {
+    "spv1.0": 0,
+    "vulkan1.0": 1,
+    "opengl4.5": 9,
+    "vulkan1.1": 18,
+    "vulkan1.2": 23,
+    "vulkan1.3": 25,
+}
+_NO_HEADER, _INDENT, _FRIENDLY_NAMES = 1 << 5, 1 << 3, 1 << 6
+
+
+def validate(module: bytes, env: str) -> str | None:
+    """SPIRV-Tools' message about an invalid module, or None where it is valid.
+
+    Args:
+        module: SPIR-V as bytes, four a word.
+        env: "opengl4.5", "vulkan1.0" … "vulkan1.3" or "spv1.0".
+
+    Raises:
+        ShaderError: no such environment, or the library is missing.
+    """
+    if env not in _ENVIRONMENTS:
+        raise ShaderError(
+            f"no such SPIR-V environment: {env!r}", remedy=nearest(env, _ENVIRONMENTS)
+        )
+    tools = spirv_tools()
+    message = c.POINTER(SpirvDiagnostic)()
+    with _context(env) as context:
+        binary = _Binary(module)
+        status = tools.spvValidateBinary(context, binary.words, binary.count, c.byref(message))
+        try:
+            if status == 0:
+                return None
+            return message.contents.error.decode() if message else f"invalid ({status})"
+        finally:
+            tools.spvDiagnosticDestroy(message)
+
+
+def disassemble(module: bytes) -> str:
+    """The module as SPIR-V assembly with readable names.
+
+    Raises:
+        ShaderError: the bytes are not a SPIR-V module, or the library is missing.
+    """
+    tools = spirv_tools()
+    text, message = c.POINTER(SpirvText)(), c.POINTER(SpirvDiagnostic)()
+    with _context("spv1.0") as context:
+        binary = _Binary(module)
+        status = tools.spvBinaryToText(
+            context,
+            binary.words,
+            binary.count,
+            _NO_HEADER | _INDENT | _FRIENDLY_NAMES,
+            c.byref(text),
+            c.byref(message),
+        )
+        try:
+            if status != 0:
+                why = message.contents.error.decode() if message else f"status {status}"
+                raise ShaderError(f"not a SPIR-V module: {why}")
+            return c.string_at(text.contents.text, text.contents.length).decode()
+        finally:
+            tools.spvTextDestroy(text)
+            tools.spvDiagnosticDestroy(message)
+
+
+class _Binary:
+    """A module's words where a C function can read them; a last half word is dropped."""
+
+    def __init__(self, module: bytes) -> None:
+        self.count = len(module) // 4
+        self._buffer = c.create_string_buffer(module, max(len(module), 4))
+        self.words = c.cast(self._buffer, c.c_void_p)
+
+
+@contextmanager
+def _context(env: str) -> Iterator[int]:
+    tools = spirv_tools()
+    context = tools.spvContextCreate(_ENVIRONMENTS[env])
+    try:
+        yield context
+    finally:
+        tools.spvContextDestroy(context)

@@ -1,0 +1,97 @@
+"""Comparisons and choice: GLSL's relational functions (GLSL 4.60, 8.7) and its ternary operator.
+
+On bands a condition is a `Truth`: true, false, or undecided, value by value.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shaderlab.bands import Band, Truth, stepwise
+from shaderlab.bands.truth import as_truth
+from shaderlab.glslmath.dispatch import Condition, Value, bands, number
+
+
+def where(condition: Condition, a: Value, b: Value) -> Value:
+    """GLSL's `condition ? a : b`, value by value; the condition broadcasts over components.
+
+    A band's undecided condition gives the hull of both sides, and marks it undecided.
+
+    >>> float(where(0.5 < 1.0, 2.0, 3.0))
+    2.0
+    """
+    lifted = bands(a, b)
+    if lifted is None and isinstance(condition, Truth) and condition.rules is not None:
+        lifted = [Band.literal(a, condition.rules), Band.literal(b, condition.rules)]
+    if lifted is None:
+        if isinstance(condition, Truth):
+            condition = condition.all_true
+        chosen: Value = np.where(condition, number(a), number(b))
+        return chosen[()]
+    return stepwise.select(as_truth(condition), *lifted)
+
+
+def isnan(x: Value) -> Condition:
+    """Whether x is NaN; undecided for a band that may be."""
+    lifted = bands(x)
+    if lifted is None:
+        return np.isnan(x)
+    nan = lifted[0].nan
+    return Truth(np.zeros_like(nan), ~nan, lifted[0].rules)
+
+
+def isinf(x: Value) -> Condition:
+    """Whether x is infinite; undecided for a band that may be."""
+    lifted = bands(x)
+    if lifted is None:
+        return np.isinf(x)
+    a = lifted[0]
+    always = (a.lo == a.hi) & np.isinf(a.lo) & ~a.nan
+    never = np.isfinite(a.lo) & np.isfinite(a.hi)
+    return Truth(always, never, a.rules)
+
+
+def lessThan(x: Value, y: Value) -> Condition:
+    """x < y, component by component."""
+    return number(x) < number(y)
+
+
+def lessThanEqual(x: Value, y: Value) -> Condition:
+    """x ≤ y, component by component."""
+    return number(x) <= number(y)
+
+
+def greaterThan(x: Value, y: Value) -> Condition:
+    """x > y, component by component."""
+    return number(x) > number(y)
+
+
+def greaterThanEqual(x: Value, y: Value) -> Condition:
+    """x ≥ y, component by component."""
+    return number(x) >= number(y)
+
+
+def equal(x: Value, y: Value) -> Condition:
+    """x == y, component by component."""
+    return number(x) == number(y)
+
+
+def notEqual(x: Value, y: Value) -> Condition:
+    """x != y, component by component."""
+    return number(x) != number(y)
+
+
+def any(x: Condition) -> Condition:
+    """Whether a component holds; the last axis stays with size 1."""
+    return x.any() if isinstance(x, Truth) else np.any(np.atleast_1d(x), axis=-1, keepdims=True)
+
+
+def all(x: Condition) -> Condition:
+    """Whether all components hold; the last axis stays with size 1."""
+    return x.all() if isinstance(x, Truth) else np.all(np.atleast_1d(x), axis=-1, keepdims=True)
+
+
+def not_(x: Condition) -> Condition:
+    """Where x does not hold (GLSL's `not` and `!`)."""
+    return ~x if isinstance(x, Truth) else np.logical_not(x)
+

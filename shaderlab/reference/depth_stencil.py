@@ -1,0 +1,42 @@
+"""The comparisons of the depth and the stencil test.
+
+Source: "The OpenGL Graphics System: A Specification", version 3.3 core, section 4.1.4 (stencil)
+and 4.1.5 (depth). The incoming value stands on the left: LESS passes where incoming < stored.
+"""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable, Mapping
+
+FUNCTIONS: Mapping[str, Callable[[float, float], bool]] = {
+    "never": lambda incoming, stored: False,
+    "less": operator.lt,
+    "equal": operator.eq,
+    "lequal": operator.le,
+    "greater": operator.gt,
+    "notequal": operator.ne,
+    "gequal": operator.ge,
+    "always": lambda incoming, stored: True,
+}
+"""The eight comparisons, by OpenGL's names in lower case."""
+
+
+def depth_passes(func: str, incoming: float, stored: float) -> bool:
+    """Whether a fragment at window depth `incoming` (0…1) passes against the `stored` one.
+
+    >>> depth_passes("less", 0.4, 0.5), depth_passes("less", 0.5, 0.5)
+    (True, False)
+    """
+    return bool(FUNCTIONS[func](incoming, stored))
+
+
+def stencil_passes(func: str, reference: int, stored: int, mask: int) -> bool:
+    """Whether `(reference & mask) func (stored & mask)`; all of them 0…255.
+
+    A mask of 0 does not switch the test off: it compares 0 with 0.
+
+    >>> stencil_passes("less", 1, 2, 0xFF), stencil_passes("less", 1, 2, 0x00)
+    (True, False)
+    """
+    return bool(FUNCTIONS[func](reference & mask, stored & mask))

@@ -1,0 +1,59 @@
+"""Transfer curves between light (linear) and the numbers a display expects (encoded).
+
+Source of the sRGB curve: IEC 61966-2-1:1999, "Default RGB colour space – sRGB", section 5.2,
+with the constants as OpenGL 3.3 core prints them (sections 3.8.16 and 4.1.8).
+"""
+
+from __future__ import annotations
+
+from ..glslmath import Value, pow, where
+
+
+def gamma_encode(linear: Value, gamma: Value) -> Value:
+    """c^(1/γ): the plain power curve.
+
+    Args:
+        linear: light, above 0 (GLSL leaves pow(0, y) open) up to 1.
+        gamma: γ, 2.2 for a display that is described by one number.
+
+    Returns:
+        The encoded value in 0…1.
+
+    >>> print(f"{gamma_encode(0.5, 2.2).item():.6f}")
+    0.729740
+    """
+    return pow(linear, 1.0 / gamma)
+
+
+def srgb_encode(linear: Value) -> Value:
+    """From light to sRGB: 12.92·c up to 0.0031308, then 1.055·c^(1/2.4) − 0.055.
+
+    Args:
+        linear: light, above 0 up to 1.
+
+    Returns:
+        The encoded value in 0…1.
+
+    >>> print(f"{srgb_encode(0.5).item():.6f}")
+    0.735357
+    """
+    straight = 12.92 * linear
+    curved = 1.055 * pow(linear, 1.0 / 2.4) - 0.055
+    return where(linear <= 0.0031308, straight, curved)
+
+
+def srgb_decode(encoded: Value) -> Value:
+    """From sRGB back to light: c/12.92 up to 0.04045, then ((c + 0.055)/1.055)^2.4.
+
+    Args:
+        encoded: in 0…1.
+
+    Returns:
+        Light in 0…1.
+
+    >>> print(f"{srgb_decode(128.0 / 255.0).item():.6f}")
+    0.215861
+    """
+    straight = encoded / 12.92
+    curved = pow((encoded + 0.055) / 1.055, 2.4)
+    return where(encoded <= 0.04045, straight, curved)

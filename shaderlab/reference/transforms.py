@@ -1,0 +1,162 @@
+"""Matrices of the transform chain in float64, and the chain itself.
+
+Matrices are written as mathematics writes them: rows first, points are columns, `A @ B` does B
+first. Angles are radians. Spaces are OpenGL's: right-handed, the viewer looks down −z, and clip
+space runs from −w to w on each axis.
+
+Sources: "The OpenGL Graphics System: A Specification", version 1.0 (M. Segal, K. Akeley, 1992),
+section 2.9.2 (translate, scale, rotate, frustum, ortho); the "OpenGL Utility Library" manual,
+version 1.3 (1998), gluPerspective and gluLookAt.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ..glslmath import Value, mul, swizzle, vec4
+
+Matrix = npt.NDArray[np.float64]
+Vector = Sequence[float] | npt.NDArray[Any]
+
+
+def translate(offset: Vector) -> Matrix:
+    """Moves points (w = 1) by `offset`; directions (w = 0) stay.
+
+    >>> (translate((1, 2, 3)) @ (0, 0, 0, 1)).tolist()
+    [1.0, 2.0, 3.0, 1.0]
+    """
+    matrix = np.eye(4)
+    matrix[:3, 3] = offset
+    return matrix
+
+
+def scale(factors: Vector | float) -> Matrix:
+    """Stretches along x, y, z; one number does it evenly.
+
+    >>> (scale((1, 2, 3)) @ (1, 1, 1, 1)).tolist()
+    [1.0, 2.0, 3.0, 1.0]
+    """
+    matrix = np.eye(4)
+    matrix[:3, :3] = np.diag(np.broadcast_to(np.asarray(factors, float), (3,)))
+    return matrix
+
+
+def rotate(angle: float, axis: Vector) -> Matrix:
+    """Turns by `angle` radians around `axis`, counter-clockwise for whom the axis points at.
+
+    R = cos φ·I + (1 − cos φ)·u uᵀ + sin φ·[u]ₓ, u the unit axis (O. Rodrigues, 1840).
+
+    >>> (rotate(math.radians(90), (0, 0, 1)) @ (1, 0, 0, 1)).round(12).tolist()
+    [0.0, 1.0, 0.0, 1.0]
+    """
+    u = _unit("rotate: axis", axis)
+    crossed = np.array([[0.0, -u[2], u[1]], [u[2], 0.0, -u[0]], [-u[1], u[0], 0.0]])
+    matrix = np.eye(4)
+    matrix[:3, :3] = (
+        math.cos(angle) * np.eye(3)
+        + (1.0 - math.cos(angle)) * np.outer(u, u)
+        + math.sin(angle) * crossed
+    )
+    return matrix
+
+
+def look_at(eye: Vector, target: Vector, up: Vector = (0.0, 1.0, 0.0)) -> Matrix:
+    """The view matrix of a camera at `eye` that looks at `target`.
+
+    >>> (look_at((0, 0, 3), (0, 0, 0)) @ (0, 0, 0, 1)).tolist()
+    [0.0, 0.0, -3.0, 1.0]
+    """
+    forward = _unit("look_at: target − eye", np.subtract(target, eye))
+    side = _unit("look_at: forward × up", np.cross(forward, up))
+    matrix = np.eye(4)
+    matrix[:3, :3] = side, np.cross(side, forward), -forward
+    return np.asarray(matrix @ translate(-np.asarray(eye, float)))
+
+
+def perspective(fovy: float, aspect: float, near: float, far: float) -> Matrix:
+    """Perspective projection with a vertical opening of `fovy` radians, 0 < near < far.
+
+    z = −near lands on depth −1, z = −far on +1 (after the division by w).
+
+    >>> perspective(math.radians(45), 4 / 3, 0.1, 100.0)[2].round(6).tolist()
+    [0.0, 0.0, -1.002002, -0.2002]
+    """
+    if not 0.0 < near < far:
+        raise ValueError(f"perspective: need 0 < near < far, not near={near}, far={far}")
+    focal = 1.0 / math.tan(fovy / 2.0)
+    matrix = np.zeros((4, 4))
+    matrix[0, 0] = focal / aspect
+    matrix[1, 1] = focal
+    matrix[2, 2] = (far + near) / (near - far)
+    matrix[2, 3] = 2.0 * far * near / (near - far)
+    matrix[3, 2] = -1.0
+    return matrix
+
+
+def orthographic(
+    left: float, right: float, bottom: float, top: float, near: float, far: float
+) -> Matrix:
+    """Parallel projection of a box onto −1…1; z = −near lands on −1, z = −far on +1.
+
+    >>> (orthographic(-10, 10, -10, 10, 1, 7.5) @ (10, -10, -1, 1)).tolist()
+    [1.0, -1.0, -1.0, 1.0]
+    """
+    low = np.array([left, bottom, -near], float)
+    high = np.array([right, top, -far], float)
+    matrix = np.eye(4)
+    matrix[:3, :3] = np.diag(2.0 / (high - low))
+    matrix[:3, 3] = -(high + low) / (high - low)
+    return matrix
+
+
+def normal_matrix(model: Matrix) -> Matrix:
+    """What normals go through where points go through `model`: the inverse transpose, 3 × 3.
+
+    >>> normal_matrix(scale((1, 2, 4))).diagonal().tolist()
+    [1.0, 0.5, 0.25]
+    """
+    return np.asarray(np.linalg.inv(np.asarray(model, float)[:3, :3]).T)
+
+
+def clip_position(aPos: Value, model: Value, view: Value, projection: Value) -> Value:
+    """From a mesh's own space to clip space: projection · (view · (model · (x, y, z, 1))).
+
+    Args:
+        aPos: positions, (…, 3).
+        model, view, projection: 4 × 4.
+
+    Returns:
+        (…, 4), before the division by w.
+    """
+    return mul(projection, mul(view, mul(model, vec4(aPos, 1.0))))
+
+
+def device_position(aPos: Value, model: Value, view: Value, projection: Value) -> Value:
+    """Normalised device coordinates: `clip_position` divided by its w, (…, 3)."""
+    clip = clip_position(aPos, model, view, projection)
+    return swizzle(clip, "xyz") / swizzle(clip, "w")
+
+
+def signed_area(points: Vector) -> float:
+    """A polygon's area in the plane, positive where its corners run counter-clockwise.
+
+    Source: the shoelace formula, C. F. Gauss, 1795.
+
+    >>> signed_area([(0, 0), (1, 0), (0, 1)])
+    0.5
+    """
+    x, y = np.asarray(points, float)[:, :2].T
+    return float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y) / 2.0)
+
+
+def _unit(what: str, vector: Vector | npt.NDArray[Any]) -> Matrix:
+    array = np.asarray(vector, float)
+    length = float(np.linalg.norm(array))
+    if length == 0.0:
+        raise ValueError(f"{what} has no direction")
+    return array / length

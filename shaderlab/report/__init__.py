@@ -1,0 +1,11 @@
+"""Records as something to read: the HTML page, JUnit XML, and JSON.
+
+This room sees records, errors and pictures only: never a case, a shader or a device. Jinja,
+Pygments, latex2mathml and cattrs are loaded when a function needs them.
+"""
+
+from .html import write
+from .junit import write_junit
+from .store import load, public_json, save
+
+__all__ = ["load", "public_json", "save", "write", "write_junit"]

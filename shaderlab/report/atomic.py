@@ -1,0 +1,34 @@
+"""Text files that are written whole or not at all."""
+
+from __future__ import annotations
+
+import os
+import secrets
+from pathlib import Path
+
+from ..errors import ShaderlabError
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write UTF-8 text; a file that was there stays as it is unless all of it was written.
+
+    Missing folders are made. Lone surrogates (file names in another encoding) are written as
+    question marks.
+
+    Raises:
+        ShaderlabError: the folder or the file can't be written.
+    """
+    temporary = path.with_name(f".{path.name}.{secrets.token_hex(6)}.tmp")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            temporary.write_bytes(text.encode("utf-8", errors="replace"))
+            os.replace(temporary, path)
+        finally:
+            temporary.unlink(missing_ok=True)
+    except OSError as error:
+        raise ShaderlabError(
+            f"can't write the file ({error.strerror or error})",
+            file=path,
+            remedy="check that the folder may be written to and has room",
+        ) from error

@@ -1,0 +1,134 @@
+"""Records put together as the report shows them: variants into cases, cases into chapters."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from ..records import Record, Run, Status
+
+# Worst first: a case has the first of these that one of its variants has.
+STATUSES: tuple[Status, ...] = ("crash", "timeout", "error", "fail", "unsupported", "pass")
+
+STATUS_WORDS: dict[Status, str] = {
+    "crash": "crashed",
+    "timeout": "timed out",
+    "error": "error",
+    "fail": "failed",
+    "unsupported": "unsupported",
+    "pass": "passed",
+}
+
+CHAPTERS: dict[int, str] = {
+    1: "Set-up",
+    2: "Basics",
+    3: "Transforms",
+    4: "Spaces",
+    5: "Lighting",
+    6: "Per-fragment tests",
+    7: "Maps",
+    8: "Performance techniques",
+    9: "Antialiasing",
+    10: "Buffers",
+    11: "Window system",
+    12: "OBJ models",
+    13: "Skybox",
+    14: "Point clouds",
+    0: "Your own",
+}
+
+
+@dataclass(frozen=True)
+class CaseGroup:
+    """All records of one case, in the order they ran; there is at least one."""
+
+    id: str
+    records: tuple[Record, ...]
+
+    @property
+    def first(self) -> Record:
+        """The record that speaks for the case: title, section, lesson and formula are its."""
+        return self.records[0]
+
+    @property
+    def status(self) -> Status:
+        """The worst of the variants' statuses."""
+        return worst(record.status for record in self.records)
+
+    @property
+    def chapter(self) -> int:
+        """The chapter its section lies in; 0 for a case of one's own."""
+        head = re.match(r"\s*(\d{1,4})", self.first.section)
+        number = int(head.group(1)) if head else 0
+        return number if number in CHAPTERS else 0
+
+
+@dataclass(frozen=True)
+class Totals:
+    """What was done, in numbers. `cases` and `variants` count statuses."""
+
+    cases: Counter[Status]
+    variants: Counter[Status]
+    expectations: int
+    judged: int
+    outside: int
+    programs: int
+    targets: tuple[str, ...]
+    refused: int
+
+    @property
+    def good(self) -> bool:
+        """Something was checked, and all that ran has passed."""
+        return self.expectations > 0 and not self.bad and self.cases["pass"] > 0
+
+    @property
+    def bad(self) -> int:
+        """Cases that failed, in whichever way; an unsupported one has not."""
+        return sum(self.cases[status] for status in STATUSES if status not in PASSABLE)
+
+
+PASSABLE: tuple[Status, ...] = ("unsupported", "pass")
+
+
+def worst(statuses: Iterable[Status]) -> Status:
+    """The worst of some statuses; "pass" of none."""
+    present = set(statuses)
+    return next((status for status in STATUSES if status in present), "pass")
+
+
+def group_cases(records: Sequence[Record]) -> list[CaseGroup]:
+    """One group a case id, ordered by chapter and section, equal sections as they ran."""
+    by_id: dict[str, list[Record]] = {}
+    for record in records:
+        by_id.setdefault(record.id, []).append(record)
+    groups = [CaseGroup(id, tuple(members)) for id, members in by_id.items()]
+    return sorted(groups, key=_place)
+
+
+def _place(group: CaseGroup) -> tuple[int, list[int]]:
+    first_section = group.first.section.split(",")[0]
+    numbers = [int(n) for n in re.findall(r"\d{1,9}", first_section)]
+    return list(CHAPTERS).index(group.chapter), numbers
+
+
+def total(run: Run, cases: Sequence[CaseGroup]) -> Totals:
+    """Everything counted once; a program that several variants share is one program."""
+    outcomes = [outcome for record in run.records for outcome in record.expectations]
+    programs = {
+        (program.files, program.sources): program.verdicts
+        for record in run.records
+        for program in record.programs
+    }
+    verdicts = [verdict for group in programs.values() for verdict in group]
+    return Totals(
+        cases=Counter(case.status for case in cases),
+        variants=Counter(record.status for record in run.records),
+        expectations=len(outcomes),
+        judged=sum(outcome.judged for outcome in outcomes),
+        outside=sum(outcome.outside for outcome in outcomes),
+        programs=len(programs),
+        targets=tuple(dict.fromkeys(verdict.target for verdict in verdicts)),
+        refused=sum(not verdict.ok for verdict in verdicts),
+    )

@@ -1,0 +1,127 @@
+"""The report as one self-contained HTML file that asks nothing of any network."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from .. import pictures
+from ..records import Run
+from . import markup, text
+from .atomic import write_text
+from .grouping import STATUS_WORDS, STATUSES
+from .inline import Pictures
+from .page import build
+
+if TYPE_CHECKING:
+    from jinja2 import Environment
+
+FILE_NAME = "index.html"
+
+# In this order; each is one file of the package's style folder.
+_STYLES = ("base", "front", "overview", "case", "check", "chart", "code", "print")
+_SCRIPTS = ("filter", "open")
+
+
+def write(run: Run, folder: str | Path) -> Path:
+    """Write `folder`/index.html from a run whose pictures lie in `folder`; return its path.
+
+    The page is one file: pictures, styles and scripts are in it, and its own security policy
+    forbids everything else. A report that was there stays unless the new one was all written.
+
+    Raises:
+        ShaderlabError: the file can't be written. A picture that is missing is only noted.
+    """
+    target = Path(folder)
+    page = build(run, Pictures(target))
+    style = _together("style", _STYLES, "css")
+    script = _together("script", _SCRIPTS, "js")
+    html = _environment().get_template("page.html.j2").render(
+        page=page,
+        run=run,
+        style=style,
+        script=script,
+        style_hash=_hash(style),
+        script_hash=_hash(script),
+    )
+    path = target / FILE_NAME
+    write_text(path, html)
+    return path
+
+
+def _together(folder: str, names: tuple[str, ...], suffix: str) -> str:
+    root = files(__package__).joinpath(folder)
+    parts = [root.joinpath(f"{name}.{suffix}").read_text(encoding="utf-8") for name in names]
+    # Browsers hash what stands between the tags after line ends are normalised.
+    return "\n".join(parts).replace("\r\n", "\n")
+
+
+def _hash(source: str) -> str:
+    digest = hashlib.sha256(source.encode("utf-8")).digest()
+    return "sha256-" + base64.b64encode(digest).decode("ascii")
+
+
+@cache
+def _environment() -> Environment:
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    environment = Environment(
+        loader=PackageLoader(__package__, "templates"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        finalize=_finalize,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    for function in (
+        text.count,
+        text.day,
+        text.duration,
+        text.figure,
+        text.plural,
+        text.share,
+        text.short,
+        markup.code_spans,
+    ):
+        environment.filters[function.__name__] = function
+    environment.globals.update(
+        statuses=STATUSES,
+        words=STATUS_WORDS,
+        chart_size=_chart_size(),
+        colours={
+            "low": _css(pictures.BAND_LOW),
+            "middle": _css(pictures.BAND_MIDDLE),
+            "high": _css(pictures.BAND_HIGH),
+            "outside": [_css(colour) for colour in pictures.OUTSIDE],
+            "uncovered": _css(pictures.UNCOVERED),
+        },
+    )
+    return environment
+
+
+def _finalize(value: Any) -> Any:
+    """What every `{{ … }}` goes through before it is escaped."""
+    if isinstance(value, str) and not hasattr(value, "__html__"):
+        return text.clean(value)
+    return value
+
+
+def _css(colour: tuple[int, int, int]) -> str:
+    return "#{:02x}{:02x}{:02x}".format(*colour)
+
+
+def _chart_size() -> dict[str, float]:
+    from . import chart
+
+    names = ("WIDTH", "HEIGHT", "LEFT", "RIGHT", "TOP", "BOTTOM", "STRIP_TOP", "STRIP_BOTTOM")
+    size = {name.lower(): getattr(chart, name) for name in names}
+    height = chart.STRIP_BOTTOM - chart.STRIP_TOP
+    size["band_top"] = chart.STRIP_TOP + height * (chart.FURTHEST - 1) / (2 * chart.FURTHEST)
+    size["band_height"] = height / chart.FURTHEST
+    return size
+
+

@@ -1,0 +1,121 @@
+"""JUnit XML, for the test panels of CI systems: a suite per case, a test per expectation."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+from ..records import Outcome, Record, Run
+from .atomic import write_text
+from .grouping import group_cases
+from .text import clean, figure
+
+# What a status is called in the schema: nothing (passed), failure, error, or skipped.
+_TAGS = {
+    "pass": None,
+    "fail": "failure",
+    "error": "error",
+    "timeout": "error",
+    "crash": "error",
+    "unsupported": "skipped",
+}
+
+
+def write_junit(run: Run, path: str | Path) -> Path:
+    """Write `run` as JUnit XML to `path` and return it.
+
+    Each case is a `testsuite`, each expectation of each variant a `testcase`. A record whose
+    status none of its expectations accounts for (it crashed, timed out, did not compile, or has
+    no expectations) gets a test of its own, "run".
+
+    Raises:
+        ShaderlabError: the file can't be written.
+    """
+    root = ET.Element("testsuites", name="shaderlab", time=_seconds(run.seconds))
+    totals = [0, 0, 0, 0]
+    for case in group_cases(run.records):
+        suite = ET.SubElement(root, "testsuite", name=clean(case.id), timestamp=clean(run.started))
+        for record in case.records:
+            _add_record(suite, record)
+        counts = _count(suite)
+        _set_counts(suite, counts)
+        suite.set("time", _seconds(sum(record.seconds for record in case.records)))
+        totals = [a + b for a, b in zip(totals, counts, strict=True)]
+    _set_counts(root, totals)
+    ET.indent(root)
+    target = Path(path)
+    text = ET.tostring(root, encoding="unicode")
+    write_text(target, f'<?xml version="1.0" encoding="UTF-8"?>\n{text}\n')
+    return target
+
+
+def _add_record(suite: ET.Element, record: Record) -> None:
+    tests = len(record.expectations)
+    explained = any(_TAGS[o.status] == _TAGS[record.status] for o in record.expectations)
+    alone = not explained
+    seconds = record.seconds / (tests + alone)
+    if alone:
+        test = _test(suite, record, "run", seconds)
+        _verdict(test, _TAGS[record.status], record.message or record.status, record.message)
+    for outcome in record.expectations:
+        test = _test(suite, record, outcome.name, seconds)
+        message = outcome.message or outcome.status
+        _verdict(test, _TAGS[outcome.status], message, _details(outcome))
+
+
+def _test(suite: ET.Element, record: Record, name: str, seconds: float) -> ET.Element:
+    return ET.SubElement(
+        suite,
+        "testcase",
+        classname=clean(record.id),
+        name=clean(f"{record.variant}: {name}"),
+        file=clean(record.file),
+        time=_seconds(seconds),
+    )
+
+
+def _verdict(test: ET.Element, tag: str | None, message: str, details: str) -> None:
+    if tag is None:
+        return
+    lines = clean(message).strip().splitlines()
+    verdict = ET.SubElement(test, tag, message=lines[0] if lines else "")
+    verdict.text = clean(details)
+
+
+def _details(outcome: Outcome) -> str:
+    lines = [outcome.message]
+    if outcome.judged:
+        lines.append(f"{outcome.outside} of {outcome.judged} values outside their band")
+    worst = outcome.worst
+    if worst is not None:
+        place = "" if worst.pixel is None else f" at pixel ({worst.pixel[0]}, {worst.pixel[1]})"
+        lines.append(f"worst value{place}, component {worst.component}:")
+        for label in ("measured", "reference", "low", "high"):
+            values = ", ".join(figure(v) for v in getattr(worst, label))
+            lines.append(f"  {label:<9} {values}")
+        lines.append(f"  {figure(worst.ulp)} ULP, {figure(worst.widths)} half band widths")
+        for name, inputs in worst.inputs.items():
+            lines.append(f"  {name} = {', '.join(figure(v) for v in inputs)}")
+    for row in outcome.rows:
+        if not row.ok:
+            lines.append(f"{row.label}: expected {row.expected}, measured {row.measured}")
+    lines.extend(f"{s.file}:{s.line}" for s in outcome.sources)
+    return "\n".join(line for line in lines if line)
+
+
+def _count(suite: ET.Element) -> list[int]:
+    tests = list(suite)
+    return [len(tests)] + [
+        sum(test.find(tag) is not None for test in tests)
+        for tag in ("failure", "error", "skipped")
+    ]
+
+
+def _set_counts(element: ET.Element, counts: list[int]) -> None:
+    for name, number in zip(("tests", "failures", "errors", "skipped"), counts, strict=True):
+        element.set(name, str(number))
+
+
+def _seconds(value: float) -> str:
+    return f"{value if math.isfinite(value) else 0.0:.6f}"

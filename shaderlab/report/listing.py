@@ -1,0 +1,90 @@
+"""Sources as numbered, highlighted lines, with compilers' messages under the lines they mean."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+from ..records import Diagnostic, SourceText
+from .text import clean
+
+if TYPE_CHECKING:
+    from markupsafe import Markup
+
+
+@dataclass(frozen=True)
+class Line:
+    """One line: its number in the file, its anchor, its HTML, and the messages about it."""
+
+    number: int
+    anchor: str
+    html: Markup
+    messages: tuple[Diagnostic, ...]
+
+
+@dataclass(frozen=True)
+class Listing:
+    """A source ready to print. `variants` says which variants use it, empty for all of them."""
+
+    file: str
+    language: str
+    anchor: str
+    lines: tuple[Line, ...]
+    variants: tuple[str, ...] = ()
+
+    @property
+    def place(self) -> str:
+        """File and first line, as editors understand it."""
+        return f"{self.file}:{self.lines[0].number}" if self.lines else self.file
+
+    @property
+    def has_messages(self) -> bool:
+        """Whether a compiler said anything about it."""
+        return any(line.messages for line in self.lines)
+
+    def anchor_of(self, file: str, line: int) -> str | None:
+        """The anchor of a line of a file, if it is in this listing."""
+        index = line - self.lines[0].number if self.lines else -1
+        if file != self.file or not 0 <= index < len(self.lines):
+            return None
+        return self.lines[index].anchor
+
+
+def listing(
+    source: SourceText,
+    anchor: str,
+    diagnostics: Iterable[Diagnostic] = (),
+    variants: tuple[str, ...] = (),
+) -> Listing:
+    """`source` with those of `diagnostics` that speak of its file, each said once."""
+    by_line: dict[int, list[Diagnostic]] = {}
+    for message in dict.fromkeys(diagnostics):
+        if message.file == source.file and message.line is not None:
+            by_line.setdefault(message.line, []).append(message)
+    lines = [
+        Line(number, f"{anchor}-L{number}", html, tuple(by_line.get(number, ())))
+        for number, html in enumerate(_highlighted(source.text, source.language), source.line)
+    ]
+    return Listing(source.file, source.language, anchor, tuple(lines), variants)
+
+
+def _highlighted(text: str, language: str) -> list[Markup]:
+    from markupsafe import Markup
+    from pygments import highlight
+
+    lexer, formatter = _tools(language)
+    # The formatter closes its spans at each line's end, so lines can be taken apart.
+    code = highlight(clean(text).expandtabs(4).rstrip("\n") + "\n", lexer, formatter)
+    return [Markup(line) for line in code.removesuffix("\n").split("\n")]
+
+
+@cache
+def _tools(language: str) -> tuple[Any, Any]:
+    from pygments.formatters import HtmlFormatter
+    from pygments.lexers import GLShaderLexer, PythonLexer
+
+    lexer = PythonLexer if language == "python" else GLShaderLexer
+    # stripnl would take blank first lines away and so shift every number.
+    return lexer(stripnl=False, ensurenl=False), HtmlFormatter(nowrap=True, classprefix="t-")

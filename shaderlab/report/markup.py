@@ -1,0 +1,80 @@
+"""Lessons and formulas as HTML: a little Markdown, and LaTeX as MathML."""
+
+from __future__ import annotations
+
+import html
+import re
+from functools import cache
+from typing import TYPE_CHECKING
+from xml.etree import ElementTree as ET
+
+from .text import clean
+
+if TYPE_CHECKING:
+    from markdown_it import MarkdownIt
+    from markupsafe import Markup
+
+_ELEMENT = re.compile(r"m[a-z]+")
+# Everything else (links, styles, handlers) is dropped.
+_ATTRIBUTES = frozenset(
+    {"accent", "display", "displaystyle", "fence", "form", "largeop", "linethickness"}
+    | {"lspace", "mathvariant", "maxsize", "minsize", "movablelimits", "rspace", "scriptlevel"}
+    | {"separator", "stretchy", "symmetric", "width", "height", "depth", "voffset"}
+    | {"columnalign", "columnlines", "columnspacing", "rowlines", "rowspacing"}
+)
+
+
+def lesson(text: str) -> Markup:
+    """A docstring as HTML: paragraphs, lists, `code`, and indented blocks, nothing else."""
+    from markupsafe import Markup
+
+    return Markup(_markdown().render(clean(text)))
+
+
+def code_spans(text: str) -> Markup:
+    """One line of text with its `code` marked up."""
+    from markupsafe import Markup
+
+    return Markup(_markdown().renderInline(clean(text)))
+
+
+def formula(latex: str) -> Markup:
+    """LaTeX as a block of MathML; what can't be converted is shown as it is written."""
+    from markupsafe import Markup
+
+    source = clean(latex).strip()
+    if not source:
+        return Markup("")
+    plain = Markup('<pre class="tex">{}</pre>').format(source)
+    from latex2mathml.converter import convert_to_element
+
+    try:
+        element = convert_to_element(source, display="block")
+        safe = _only_mathml(element)
+    except Exception:  # the converter's errors have no common base
+        return plain
+    return plain if safe is None else Markup(ET.tostring(safe, encoding="unicode"))
+
+
+@cache
+def _markdown() -> MarkdownIt:
+    from markdown_it import MarkdownIt
+
+    return MarkdownIt("zero").enable(["list", "backticks", "code", "entity", "escape"])
+
+
+def _only_mathml(element: ET.Element) -> ET.Element | None:
+    """A copy with nothing in it but MathML's presentation elements; None if there was more."""
+    tag = element.tag.rsplit("}", 1)[-1]
+    if not _ELEMENT.fullmatch(tag) or tag in ("maction", "mglyph"):
+        return None
+    copy = ET.Element(tag, {k: v for k, v in element.items() if k in _ATTRIBUTES})
+    # The converter leaves character references for a later stage to resolve.
+    copy.text = html.unescape(element.text) if element.text else None
+    copy.tail = html.unescape(element.tail) if element.tail else None
+    for child in element:
+        part = _only_mathml(child)
+        if part is None:
+            return None
+        copy.append(part)
+    return copy

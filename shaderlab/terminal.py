@@ -1,0 +1,152 @@
+"""Records as lines of plain text: what a failure looks like, in a shell and in pytest alike."""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+
+from .records import Diagnostic, Outcome, Record, Worst
+
+DEFAULT_VARIANT = "default"
+MARKS: Mapping[str, str] = {
+    "pass": "✓",
+    "fail": "✗",
+    "error": "✗",
+    "crash": "✗",
+    "timeout": "✗",
+    "unsupported": "–",
+}
+_CONTROLS = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")  # what could steer a terminal
+MOST_ROWS = 12
+MOST_DIAGNOSTICS = 10
+
+
+def label(case_id: str, variant: str) -> str:
+    """How one variant is called everywhere: `attenuation[50]`, or `gamma` without variants."""
+    return case_id if variant == DEFAULT_VARIANT else f"{case_id}[{variant}]"
+
+
+def failed(record: Record) -> bool:
+    """Whether a record makes a run fail; lacking a feature of the driver does not."""
+    return record.status not in ("pass", "unsupported")
+
+
+def place(file: str, line: int | None = None) -> str:
+    """`file:line`, relative to the current folder where that is shorter."""
+    shown = file
+    if os.path.isabs(file):
+        try:
+            shown = min(file, os.path.relpath(file), key=len)
+        except ValueError:  # another drive
+            shown = file
+    return shown if line is None else f"{shown}:{line}"
+
+
+def diagnostic_line(found: Diagnostic) -> str:
+    """`file:line: error: message`, the form that editors jump from."""
+    return f"{place(found.file, found.line)}: {found.severity}: {found.message}"
+
+
+def failure(record: Record) -> list[str]:
+    """Everything to know about a record that did not pass, most telling first."""
+    lines = [f"{MARKS[record.status]} {label(record.id, record.variant)} · {record.title}"]
+    lines += [f"  {place(record.file)}"] if record.file else []
+    if record.status not in ("fail", "pass"):
+        lines += _indented(f"{record.status}: {record.message}", 2)
+    elif record.message:
+        lines += _indented(record.message, 2)
+    lines += _refusals(record)
+    for outcome in record.expectations:
+        if outcome.status != "pass":
+            lines += ["", *_outcome(outcome)]
+    return [_CONTROLS.sub("\ufffd", line) for line in lines]
+
+
+def _refusals(record: Record) -> Iterator[str]:
+    """The compilers' messages, once each: several targets tend to say the same."""
+    seen: set[str] = set()
+    for program in record.programs:
+        for verdict in program.verdicts:
+            if verdict.ok:
+                continue
+            said = [diagnostic_line(d) for d in verdict.diagnostics if d.severity == "error"]
+            new = [line for line in said if line not in seen]
+            seen.update(new)
+            if new or not said:
+                yield f"  refused as {verdict.target}:"
+                yield from (f"    {line}" for line in new[:MOST_DIAGNOSTICS])
+
+
+def _outcome(outcome: Outcome) -> Iterator[str]:
+    yield f"  {MARKS[outcome.status]} {outcome.name} ({outcome.kind})"
+    if outcome.message:
+        yield from _indented(outcome.message, 4)
+    if outcome.judged:
+        share = f"{outcome.outside} of {outcome.judged} values outside"
+        yield f"    {share}" + (f", {outcome.undecided:.1%} undecided" if outcome.undecided else "")
+    if outcome.worst is not None:
+        yield from (f"    {line}" for line in _worst(outcome.worst))
+    wrong = [row for row in outcome.rows if not row.ok]
+    for row in wrong[:MOST_ROWS]:
+        note = f" ({row.note})" if row.note else ""
+        yield f"    {row.label}: expected {row.expected}, measured {row.measured}{note}"
+    if len(wrong) > MOST_ROWS:
+        yield f"    … and {len(wrong) - MOST_ROWS} more"
+    for source in outcome.sources:
+        what = "formula" if source.language == "python" else "shader"
+        yield f"    {what:<10} {place(source.file, source.line)}"
+
+
+def _worst(worst: Worst) -> Iterator[str]:
+    where = "worst value"
+    if worst.pixel is not None:
+        where = f"worst pixel ({worst.pixel[0]}, {worst.pixel[1]})"
+    if len(worst.measured) > 1:
+        where += f", component {'rgba'[worst.component] if worst.component < 4 else '?'}"
+    yield f"{where}: {_distance(worst)}"
+    yield f"  measured   {numbers(worst.measured)}"
+    yield f"  reference  {numbers(worst.reference)}"
+    yield f"  band       {_bands(worst.low, worst.high)}"
+    for name, values in worst.inputs.items():
+        yield f"  {name} = {numbers(values)}"
+
+
+def _distance(worst: Worst) -> str:
+    if math.isnan(worst.widths):
+        return "not a number"
+    return f"{worst.widths:.3g} half band widths and {worst.ulp:.3g} ulp from the reference"
+
+
+def numbers(values: Sequence[float]) -> str:
+    """A number, or a vector in parentheses, to the nine digits that tell float32 values apart."""
+    shown = [f"{float(value):.9g}" for value in values]
+    return shown[0] if len(shown) == 1 else f"({', '.join(shown)})"
+
+
+def _bands(low: Sequence[float], high: Sequence[float]) -> str:
+    return ", ".join(f"[{numbers([a])}, {numbers([b])}]" for a, b in zip(low, high, strict=True))
+
+
+def _indented(text: str, by: int) -> list[str]:
+    return [" " * by + line for line in text.splitlines()]
+
+
+def summary(records: Iterable[Record], seconds: float) -> str:
+    """`12 cases: 40 passed, 2 failed in 3.1 s`, counting variants."""
+    counts: dict[str, int] = {}
+    cases = set()
+    for record in records:
+        cases.add((record.id, record.file))
+        counts[record.status] = counts.get(record.status, 0) + 1
+    words = {"pass": "passed", "fail": "failed", "error": "in error", "crash": "crashed"}
+    parts = [f"{counts[s]} {words.get(s, s)}" for s in MARKS if counts.get(s)]
+    noun = "case" if len(cases) == 1 else "cases"
+    return f"{len(cases)} {noun}: {', '.join(parts) or 'nothing run'} in {seconds:.1f} s"
+
+
+def shown_path(path: Path) -> str:
+    """A path as a person would type it from here."""
+    return place(str(path))

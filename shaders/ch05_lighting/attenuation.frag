@@ -1,0 +1,16 @@
+#version 330 core
+#include "lib/attenuation.glsl"
+
+in float distance;   // from the light, left to right
+in float fraction;   // of the light, bottom to top
+
+uniform Light light;
+
+layout (location = 0) out float factor;   // light left at `distance`
+layout (location = 1) out float reach;    // distance at which `fraction` is left
+
+void main()
+{
+    factor = attenuation(light, distance);
+    reach = reachOf(light, fraction);
+}

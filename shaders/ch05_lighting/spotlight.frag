@@ -1,0 +1,15 @@
+#version 330 core
+#include "lib/spotlight.glsl"
+
+in vec3 FragPos;
+
+uniform Light light;
+
+layout (location = 0) out float intensity;
+layout (location = 1) out float ratio;
+
+void main()
+{
+    ratio = spotRatio(light, FragPos);
+    intensity = clamp(ratio, 0.0, 1.0);
+}

@@ -1,0 +1,20 @@
+// Small strokes for pictures that people look at; no formula is judged through these.
+
+// 1 on the curve where `value` is 0, `width` pixels wide, with soft edges.
+float line(float value, float width)
+{
+    float pixels = abs(value) / max(fwidth(value), 1.0e-12);
+    return 1.0 - smoothstep(0.5 * width - 0.5, 0.5 * width + 0.5, pixels);
+}
+
+// 0 and 1 on the fields of a chessboard of unit squares.
+float chessboard(vec2 place)
+{
+    return mod(floor(place.x) + floor(place.y), 2.0);
+}
+
+// Light as the numbers a display expects.
+vec3 encoded(vec3 light)
+{
+    return pow(clamp(light, 1.0e-6, 1.0), vec3(1.0 / 2.2));
+}

@@ -1,0 +1,172 @@
+"""What tests share: the checkout's folder, records to show, and a lab that draws nothing."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from shaderlab.records import Diagnostic, Outcome, ProgramRecord, Record, SourceText, Verdict, Worst
+
+
+@pytest.fixture(scope="session")
+def repository() -> Path:
+    """The checkout that these tests are part of."""
+    return Path(__file__).resolve().parent.parent
+
+
+@pytest.fixture
+def passing() -> Record:
+    """A record of a case that passes."""
+    return Record(
+        id="lamp",
+        variant="default",
+        title="A lamp",
+        section="5.1",
+        lesson="",
+        formula="",
+        file="cases/lamp.py",
+        status="pass",
+        seconds=0.25,
+        compile={"glsl": "ok", "opengl": "ok", "vulkan": "ok"},
+        expectations=(Outcome(name="factor", kind="formula", status="pass", judged=4096),),
+    )
+
+
+@pytest.fixture
+def failing(passing: Record) -> Record:
+    """A record of the same case, one pixel of which is far off."""
+    worst = Worst(
+        pixel=(3, 17),
+        component=1,
+        measured=(0.5, 0.25),
+        reference=(0.5, 0.125),
+        low=(0.4999, 0.1249),
+        high=(0.5001, 0.1251),
+        ulp=8388608.0,
+        widths=1250.0,
+        inputs={"distance": (2.5,), "light_constant": (1.0,)},
+    )
+    sources = (
+        SourceText(file="reference/lamp.py", line=12, language="python", text="return 1"),
+        SourceText(file="shaders/lamp.frag", line=7, language="glsl", text="factor = 2.0;"),
+    )
+    outcome = Outcome(
+        name="factor",
+        kind="formula",
+        status="fail",
+        judged=4096,
+        outside=47,
+        worst=worst,
+        sources=sources,
+    )
+    return dataclasses.replace(passing, variant="50", status="fail", expectations=(outcome,))
+
+
+@pytest.fixture
+def refused(passing: Record) -> Record:
+    """A record of a case whose shader no compiler takes."""
+    said = Diagnostic(
+        file="shaders/lamp.frag", line=7, severity="error", message="'x' : undeclared identifier"
+    )
+    verdicts = tuple(
+        Verdict(target=target, ok=False, diagnostics=(said,)) for target in ("glsl", "vulkan")
+    )
+    program = ProgramRecord(files=("shaders/lamp.frag",), sources=(), verdicts=verdicts)
+    return dataclasses.replace(
+        passing,
+        status="error",
+        message="the program does not compile",
+        programs=(program,),
+        compile={"glsl": "fail", "vulkan": "fail"},
+        expectations=(),
+    )
+
+
+class FakeLab:
+    """Stands in for `shaderlab.pipeline.Lab`: every scene passes but those named in `answers`."""
+
+    def __init__(self, answers: Mapping[str, Record], template: Record, log: list[Any]) -> None:
+        self._answers = answers
+        self._template = template
+        self._log = log
+        self.driver = {"renderer": "none", "vendor": "none", "version": "0", "glsl": "0"}
+        self.versions = {"numpy": "0"}
+
+    def __enter__(self) -> FakeLab:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        self._log.append("closed")
+
+    def run(self, scene: Any) -> Record:
+        self._log.append(f"{scene.case.id}[{scene.variant}]")
+        template = self._answers.get(scene.variant) or self._answers.get(scene.case.id)
+        return dataclasses.replace(
+            template or self._template,
+            id=scene.case.id,
+            variant=scene.variant,
+            title=scene.case.title,
+            file=scene.case.file,
+        )
+
+
+@pytest.fixture
+def fake_lab(
+    monkeypatch: pytest.MonkeyPatch, passing: Record
+) -> Callable[[Mapping[str, Record]], list[Any]]:
+    """Call it with answers by variant or case id; returns the log of options and scenes."""
+
+    def install(answers: Mapping[str, Record]) -> list[Any]:
+        log: list[Any] = []
+
+        def lab(options: Any = None) -> FakeLab:
+            log.append(options)
+            return FakeLab(answers, passing, log)
+
+        monkeypatch.setattr("shaderlab.pipeline.Lab", lab)
+        return log
+
+    return install
+
+
+CASE_FILE = '''\
+"""A lamp fades with distance."""
+
+from shaderlab import Case, Variant, exact, fullscreen
+
+case = Case(
+    title="A lamp",
+    section="5.1",
+    passes=fullscreen("lamp.frag", uniforms={"reach": 1.0}),
+    variants=[Variant("near", {"reach": 1.0}), Variant("far", {"reach": 50.0})],
+    expect=[exact("FragColor", (1.0, 0.5, 0.25, 1.0))],
+)
+'''
+
+LAMP_SHADER = """\
+#version 330 core
+out vec4 FragColor;
+uniform float reach;
+
+void main()
+{
+    FragColor = vec4(1.0, 0.5, 0.25, min(reach, 1.0));
+}
+"""
+
+
+@pytest.fixture
+def case_folder(tmp_path: Path) -> Path:
+    """A folder with one case, `lamp` (variants near and far), and its shader."""
+    folder = tmp_path / "my_cases"
+    folder.mkdir()
+    (folder / "lamp.py").write_text(CASE_FILE)
+    (folder / "lamp.frag").write_text(LAMP_SHADER)
+    return folder

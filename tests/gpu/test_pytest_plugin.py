@@ -1,0 +1,126 @@
+"""`pytest my_cases/` in a folder of someone else's: what is collected, run and shown.
+
+The first half needs no device (a stand-in lab is put in by a conftest); the last tests draw.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+STAND_IN = """
+import dataclasses, os
+import shaderlab.pipeline
+from shaderlab.records import Outcome, Record, Worst
+
+WORST = Worst(pixel=(3, 17), component=0, measured=(0.5,), reference=(0.25,), low=(0.2,),
+              high=(0.3,), ulp=9.0, widths=5.0, inputs={"distance": (2.5,)})
+BAD = Outcome(name="factor", kind="formula", status="fail", judged=9, outside=4, worst=WORST)
+
+class Lab:
+    def __init__(self, options=None):
+        print("lab opened in", os.getpid())
+    def run(self, scene):
+        status = {"far": "fail", "mars": "unsupported"}.get(scene.variant, "pass")
+        return Record(id=scene.case.id, variant=scene.variant, title=scene.case.title, section="",
+                      lesson="", formula="", file=scene.case.file, status=status,
+                      message="no red light" if status == "unsupported" else "",
+                      expectations=(BAD,) if status == "fail" else ())
+    def close(self):
+        print("lab closed")
+
+shaderlab.pipeline.Lab = Lab
+"""
+
+
+@pytest.fixture
+def cases(pytester: pytest.Pytester, case_folder: Path) -> pytest.Pytester:
+    """A pytester whose folder holds the case `lamp` and the stand-in lab."""
+    for file in case_folder.iterdir():
+        (pytester.path / file.name).write_text(file.read_text())
+    pytester.makeconftest(STAND_IN)
+    return pytester
+
+
+def test_each_variant_is_an_item(cases: pytest.Pytester) -> None:
+    result = cases.runpytest_subprocess("--collect-only", "-q")
+    result.stdout.fnmatch_lines(["lamp.py::lamp[[]near]", "lamp.py::lamp[[]far]"])
+    assert result.ret == 0
+
+
+def test_a_failure_shows_what_run_shows(cases: pytest.Pytester) -> None:
+    result = cases.runpytest_subprocess()
+    result.assert_outcomes(passed=1, failed=1)
+    result.stdout.fnmatch_lines(
+        [
+            "*lamp[[]far]*A lamp",
+            "*factor (formula)",
+            "*4 of 9 values outside",
+            "*worst pixel (3, 17): *",
+            "*measured   0.5",
+            "*distance = 2.5",
+        ]
+    )
+    result.stdout.no_fnmatch_line("*Traceback*")
+    result.stdout.no_fnmatch_line("*pytest_plugin.py*")
+
+
+def test_selecting_and_stopping(cases: pytest.Pytester) -> None:
+    cases.runpytest_subprocess("-k", "near").assert_outcomes(passed=1, deselected=1)
+    (cases.path / "alamp.py").write_text((cases.path / "lamp.py").read_text())
+    cases.runpytest_subprocess("-x").assert_outcomes(passed=1, failed=1)
+    cases.runpytest_subprocess("lamp.py::lamp[far]").assert_outcomes(failed=1)
+
+
+def test_one_lab_a_process_and_none_unless_needed(cases: pytest.Pytester) -> None:
+    result = cases.runpytest_subprocess("-s")
+    assert result.stdout.str().count("lab opened") == 1
+    assert result.stdout.str().count("lab closed") == 1
+    quiet = cases.runpytest_subprocess("-s", "--collect-only")
+    assert "lab opened" not in quiet.stdout.str()
+
+
+def test_xdist(cases: pytest.Pytester) -> None:
+    result = cases.runpytest_subprocess("-n", "2")
+    result.assert_outcomes(passed=1, failed=1)
+    result.stdout.fnmatch_lines(["*worst pixel (3, 17)*"])
+
+
+def test_unsupported_is_skipped_with_its_reason(cases: pytest.Pytester) -> None:
+    file = cases.path / "lamp.py"
+    file.write_text(file.read_text().replace('"far"', '"mars"'))
+    result = cases.runpytest_subprocess("-rs")
+    result.assert_outcomes(passed=1, skipped=1)
+    result.stdout.fnmatch_lines(["*no red light*"])
+
+
+def test_other_files_are_left_alone(cases: pytest.Pytester) -> None:
+    cases.makepyfile(
+        helper="raise SystemExit('a helper was imported')",
+        broken_tool="def (:",
+        test_own="def test_own(): pass",
+    )
+    cases.runpytest_subprocess("-k", "not far").assert_outcomes(passed=2, deselected=1)
+
+
+def test_a_wrong_case_file_is_one_message(cases: pytest.Pytester) -> None:
+    file = cases.path / "lamp.py"
+    file.write_text(file.read_text().replace("section=", "sektion="))
+    result = cases.runpytest_subprocess()
+    result.assert_outcomes(errors=1)
+    result.stdout.fnmatch_lines(["*lamp.py*sektion*"])
+    result.stdout.no_fnmatch_line("*importlib*")
+
+
+def test_a_case_is_really_drawn_and_judged(pytester: pytest.Pytester, case_folder: Path) -> None:
+    pytester.runpytest_subprocess(case_folder).assert_outcomes(passed=2)
+    shader = case_folder / "lamp.frag"
+    shader.write_text(shader.read_text().replace("0.25", "0.26"))
+    result = pytester.runpytest_subprocess(case_folder, "-n", "2")
+    result.assert_outcomes(failed=2)
+    result.stdout.fnmatch_lines(["*FragColor (exact)"])
+
+
+def test_a_case_given_by_its_file_runs_once(pytester: pytest.Pytester, case_folder: Path) -> None:
+    pytester.runpytest_subprocess(case_folder / "lamp.py").assert_outcomes(passed=2)

@@ -1,0 +1,55 @@
+"""Importing is cheap and touches no device: what is heavy is imported where it is used.
+
+Modules are looked at rather than clocks: a slow machine fails no test, a careless import does.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+from shaderlab.cli import COMMANDS
+
+DEVICE = {"moderngl", "glcontext", "OpenGL"}
+HEAVY = {"colour", "OpenImageIO", "jinja2", "pygments", "latex2mathml", "trimesh", "scipy", "glm"}
+PRINTING = {"rich", "markdown_it"}
+
+
+def modules_after(statement: str) -> set[str]:
+    """Names of top-level modules loaded in a fresh interpreter by running `statement`."""
+    show = "print('\\n' + ' '.join({name.split('.')[0] for name in sys.modules}))"
+    code = f"import sys\n{statement}\n{show}"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    return set(done.stdout.splitlines()[-1].split())
+
+
+@pytest.mark.parametrize(
+    "statement",
+    [
+        "import shaderlab",
+        "import shaderlab.glslmath, shaderlab.assets, shaderlab.reference",
+        "import shaderlab.glsl, shaderlab.records",
+        "import shaderlab.pipeline",
+    ],
+)
+def test_importing_loads_nothing_heavy(statement: str) -> None:
+    loaded = modules_after(statement)
+    assert not loaded & (DEVICE | HEAVY | PRINTING | {"click", "pytest", "cattrs"})
+
+
+def test_the_pytest_plugin_costs_other_peoples_tests_little() -> None:
+    new = modules_after("import shaderlab.pytest_plugin") - modules_after("import pytest")
+    assert not new & (DEVICE | HEAVY | PRINTING | {"click", "cattrs"})
+
+
+def test_listing_cases_loads_nothing_heavy() -> None:
+    statement = "from shaderlab.cli import cli\ncli(['list'], standalone_mode=False)"
+    assert not modules_after(statement) & (DEVICE | HEAVY | PRINTING | {"pytest", "cattrs"})
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_help_opens_no_device(command: str) -> None:
+    statement = f"from shaderlab.cli import cli\ncli(['{command}', '-h'], standalone_mode=False)"
+    assert not modules_after(statement) & (DEVICE | HEAVY)

@@ -1,0 +1,60 @@
+"""Where the command line writes: run folders, the pointer to the latest, JSON files."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from shaderlab.cli.files import find_latest, latest, new_run_folder, report_folder, write_json
+from shaderlab.errors import UsageError
+
+
+def test_runs_that_start_together_get_folders_of_their_own(tmp_path: Path) -> None:
+    folders = [new_run_folder(tmp_path / "reports") for _ in range(5)]
+    assert len(set(folders)) == 5
+    assert all(folder.is_dir() for folder in folders)
+
+
+def test_latest_follows_the_last_run(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="no run"):
+        find_latest(tmp_path)
+    for name in ("1", "2"):
+        folder = tmp_path / name
+        folder.mkdir()
+        (folder / "run.json").write_text("{}")
+        latest(folder)
+        assert find_latest(tmp_path) == folder
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["1", "2", "latest"]
+    (tmp_path / "latest").unlink()
+    assert find_latest(tmp_path).name == "2"
+
+
+def test_latest_leaves_a_real_folder_alone(tmp_path: Path) -> None:
+    (tmp_path / "latest").mkdir()
+    (tmp_path / "latest" / "kept").write_text("")
+    (tmp_path / "1").mkdir()
+    latest(tmp_path / "1")
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["1", "latest"]
+    assert (tmp_path / "latest" / "kept").exists()
+
+
+def test_what_cannot_be_written_is_wrong_usage(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    for attempt in (
+        lambda: new_run_folder(tmp_path / "file"),
+        lambda: report_folder(tmp_path / "file"),
+        lambda: write_json([], str(tmp_path / "file" / "out.json")),
+        lambda: write_json([], str(tmp_path)),
+    ):
+        with pytest.raises(UsageError, match=r"folder|can't write"):
+            attempt()
+
+
+def test_json_replaces_the_file_whole(tmp_path: Path) -> None:
+    file = tmp_path / "out.json"
+    file.write_text("x" * 10_000)
+    write_json([{"a": "½"}], str(file))
+    assert json.loads(file.read_text(encoding="utf-8")) == [{"a": "½"}]
+    assert [path.name for path in tmp_path.iterdir()] == ["out.json"]

@@ -1,0 +1,81 @@
+"""The command line's other commands, its help, and how it says what is wrong."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import CliRunner
+
+from shaderlab.catalogue import Catalogue
+from shaderlab.cli import COMMANDS, cli
+from shaderlab.errors import CaseError, UsageError
+
+
+def call(*args: str) -> Any:
+    return CliRunner().invoke(cli, args)
+
+
+def test_list_json_has_the_documented_fields() -> None:
+    entries = json.loads(call("list", "--json").stdout)
+    assert [entry["id"] for entry in entries] == [case.id for case in Catalogue.shipped().cases]
+    for entry in entries:
+        assert list(entry) == ["id", "section", "title", "variants", "file"]
+        assert entry["variants"] and all(isinstance(name, str) for name in entry["variants"])
+        assert Path(entry["file"]).is_file()
+
+
+def test_list_names_every_case_once() -> None:
+    output = call("list").output
+    for case in Catalogue.shipped().cases:
+        assert output.count(f"  {case.id} ") == 1
+
+
+def test_list_of_one_chapter() -> None:
+    entries = json.loads(call("list", "--chapter", "5", "--json").stdout)
+    assert entries and all(entry["section"].startswith("5.") for entry in entries)
+    nothing = call("list", "--chapter", "99")
+    assert nothing.exit_code == 2 and "there is" in nothing.output
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_explains_itself(command: str) -> None:
+    result = call(command, "--help")
+    assert result.exit_code == 0
+    assert f"Usage: cli {command}" in result.output
+    assert "Examples:" in result.output or "Exit code" in result.output
+
+
+def test_help_teaches() -> None:
+    result = call("--help")
+    assert result.exit_code == 0
+    assert "shaderlab run attenuation" in result.output
+    for command in COMMANDS:
+        assert f"  {command}" in result.output
+
+
+def test_a_misspelt_command_is_corrected() -> None:
+    result = call("complie")
+    assert result.exit_code == 2
+    assert "compile" in result.output
+
+
+@pytest.mark.parametrize(
+    ("error", "code"),
+    [(UsageError("not there", remedy="look"), 2), (CaseError("bad", file="a.py", line=3), 1)],
+)
+def test_errors_are_one_block_unless_debugging(
+    monkeypatch: pytest.MonkeyPatch, error: Exception, code: int
+) -> None:
+    def fail(cls: type) -> None:
+        raise error
+
+    monkeypatch.setattr(Catalogue, "shipped", classmethod(fail))
+    result = call("list")
+    assert result.exit_code == code
+    assert result.stderr == f"shaderlab: {error}\n"
+    assert call("--debug", "list").exception is error
+    monkeypatch.setenv("SHADERLAB_DEBUG", "1")
+    assert call("list").exception is error

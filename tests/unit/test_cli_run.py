@@ -1,0 +1,217 @@
+"""`shaderlab run`, with a lab that draws nothing: what is selected, printed, written, returned."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import CliRunner, Result
+
+from shaderlab.cli import cli
+from shaderlab.records import Record
+
+Install = Callable[[Mapping[str, Record]], list[Any]]
+
+
+@pytest.fixture
+def shaderlab(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Callable[..., Result]:
+    """Calls the command line in an empty folder; anything but a clean exit is an error."""
+    monkeypatch.chdir(tmp_path)
+
+    def call(*args: str | Path) -> Result:
+        result = CliRunner().invoke(cli, [str(arg) for arg in args])
+        if result.exception is not None and not isinstance(result.exception, SystemExit):
+            raise result.exception
+        return result
+
+    return call
+
+
+def ran(log: list[Any]) -> list[str]:
+    return [entry for entry in log if isinstance(entry, str) and entry != "closed"]
+
+
+def test_a_case_file_runs_every_variant_and_reports(
+    shaderlab: Callable[..., Result], case_folder: Path, fake_lab: Install, tmp_path: Path
+) -> None:
+    log = fake_lab({})
+    result = shaderlab("run", case_folder / "lamp.py")
+    assert result.exit_code == 0, result.output
+    assert ran(log) == ["lamp[near]", "lamp[far]"]
+    assert log[-1] == "closed"
+    assert "1 case: 2 passed" in result.output
+    page = tmp_path / "reports" / "latest" / "index.html"
+    assert page.is_file()
+    assert result.output.splitlines()[-1].startswith("report: reports/")
+
+
+def test_a_folder_stands_for_its_case_files(
+    shaderlab: Callable[..., Result], case_folder: Path, fake_lab: Install
+) -> None:
+    log = fake_lab({})
+    (case_folder / "helper.py").write_text("raise SystemExit('helpers are not imported')\n")
+    assert shaderlab("run", case_folder).exit_code == 0
+    assert ran(log) == ["lamp[near]", "lamp[far]"]
+
+
+def test_one_variant(
+    shaderlab: Callable[..., Result], case_folder: Path, fake_lab: Install
+) -> None:
+    log = fake_lab({})
+    assert shaderlab("run", case_folder / "lamp.py", "--variant", "far").exit_code == 0
+    assert ran(log) == ["lamp[far]"]
+
+
+def test_a_failure_shows_the_worst_pixel_and_where_to_look(
+    shaderlab: Callable[..., Result], case_folder: Path, fake_lab: Install, failing: Record
+) -> None:
+    fake_lab({"far": failing})
+    result = shaderlab("run", case_folder / "lamp.py")
+    assert result.exit_code == 1
+    for part in (
+        "lamp[far]",
+        "47 of 4096 values outside",
+        "worst pixel (3, 17), component g",
+        "measured   (0.5, 0.25)",
+        "reference  (0.5, 0.125)",
+        "[0.1249, 0.1251]",
+        "distance = 2.5",
+        "formula    reference/lamp.py:12",
+        "shader     shaders/lamp.frag:7",
+        "1 passed, 1 failed",
+    ):
+        assert part in result.output, part
+
+
+@pytest.mark.parametrize("status", ["fail", "error", "crash", "timeout"])
+def test_whatever_went_wrong_exits_1(
+    shaderlab: Callable[..., Result],
+    case_folder: Path,
+    fake_lab: Install,
+    passing: Record,
+    status: Any,
+) -> None:
+    fake_lab({"far": dataclasses.replace(passing, status=status, message="went wrong")})
+    result = shaderlab("run", case_folder / "lamp.py")
+    assert result.exit_code == 1
+    assert "went wrong" in result.output
+
+
+def test_unsupported_is_no_failure_unless_nothing_else_ran(
+    shaderlab: Callable[..., Result], case_folder: Path, fake_lab: Install, passing: Record
+) -> None:
+    fake_lab({"far": dataclasses.replace(passing, status="unsupported", message="no tessellation")})
+    assert shaderlab("run", case_folder / "lamp.py").exit_code == 0
+    assert shaderlab("run", case_folder / "lamp.py", "--variant", "far").exit_code == 1
+
+
+def test_compilers_messages_are_shown_once(
+    shaderlab: Callable[..., Result], case_folder: Path, fake_lab: Install, refused: Record
+) -> None:
+    fake_lab({"lamp": refused})
+    result = shaderlab("run", case_folder / "lamp.py", "--variant", "near")
+    assert result.exit_code == 1
+    message = "shaders/lamp.frag:7: error: 'x' : undeclared identifier"
+    assert result.output.count(message) == 1
+
+
+def test_json_goes_to_the_file(
+    shaderlab: Callable[..., Result], case_folder: Path, fake_lab: Install, tmp_path: Path
+) -> None:
+    fake_lab({})
+    assert shaderlab("run", case_folder / "lamp.py", "--json", "deep/out.json").exit_code == 0
+    data = json.loads((tmp_path / "deep" / "out.json").read_text())
+    assert set(data) >= {"driver", "seconds", "cases"}
+    assert [(c["id"], c["variant"], c["status"]) for c in data["cases"]] == [
+        ("lamp", "near", "pass"),
+        ("lamp", "far", "pass"),
+    ]
+
+
+def test_json_on_stdout_is_all_that_is_there(
+    shaderlab: Callable[..., Result], case_folder: Path, fake_lab: Install
+) -> None:
+    fake_lab({})
+    result = shaderlab("run", case_folder / "lamp.py", "--json", "-")
+    assert len(json.loads(result.stdout)["cases"]) == 2
+    assert "2 passed" in result.stderr
+
+
+def test_junit(
+    shaderlab: Callable[..., Result], case_folder: Path, fake_lab: Install, tmp_path: Path
+) -> None:
+    fake_lab({})
+    assert shaderlab("run", case_folder / "lamp.py", "--junit", "out.xml").exit_code == 0
+    assert "<testcase" in (tmp_path / "out.xml").read_text()
+
+
+def test_the_report_goes_where_it_is_asked_to(
+    shaderlab: Callable[..., Result], case_folder: Path, fake_lab: Install, tmp_path: Path
+) -> None:
+    log = fake_lab({})
+    result = shaderlab("run", case_folder / "lamp.py", "--report", "here", "--size", "128")
+    assert result.exit_code == 0
+    assert (tmp_path / "here" / "index.html").is_file()
+    assert not (tmp_path / "reports").exists()
+    assert log[0].size == 128 and Path(log[0].folder) == Path("here")
+
+
+def test_a_replaced_shader_is_handed_on(
+    shaderlab: Callable[..., Result], case_folder: Path, fake_lab: Install, tmp_path: Path
+) -> None:
+    log = fake_lab({})
+    (tmp_path / "mine.frag").write_text("void main() {}\n")
+    run = ("run", case_folder / "lamp.py", "--shader")
+    assert shaderlab(*run, "lamp.frag=mine.frag").exit_code == 0
+    assert dict(log[0].shaders) == {"lamp.frag": Path("mine.frag")}
+    assert shaderlab(*run, "lamp.frag").exit_code == 2
+    assert shaderlab(*run, "lamp.frag=gone.frag").exit_code == 2
+
+
+def test_two_cases_of_one_id_do_not_run_together(
+    shaderlab: Callable[..., Result], case_folder: Path, fake_lab: Install
+) -> None:
+    fake_lab({})
+    (case_folder / "more").mkdir()
+    (case_folder / "more" / "lamp.py").write_text((case_folder / "lamp.py").read_text())
+    result = shaderlab("run", case_folder)
+    assert result.exit_code == 2
+    assert "also that of" in result.output
+
+
+@pytest.mark.parametrize(
+    ("args", "hint"),
+    [
+        ((), "--all"),
+        (("nowhere/lamp.py",), "no such file"),
+        (("atenuation",), "attenuation"),
+        (("attenuation[51]",), "[5"),
+        (("attenuation", "--variant", "nothing"), "there is"),
+        (("--size", "0", "attenuation"), "1<=x<=4096"),
+        (("--no-such-option",), "--no-such-option"),
+    ],
+)
+def test_wrong_usage_exits_2_with_a_hint(
+    shaderlab: Callable[..., Result], fake_lab: Install, args: tuple[str, ...], hint: str
+) -> None:
+    fake_lab({})
+    result = shaderlab("run", *args)
+    assert result.exit_code == 2
+    assert "Traceback" not in result.output
+    assert hint.strip("[") in result.output
+
+
+def test_a_wrong_case_file_is_one_message(
+    shaderlab: Callable[..., Result], case_folder: Path, fake_lab: Install
+) -> None:
+    fake_lab({})
+    file = case_folder / "lamp.py"
+    file.write_text(file.read_text().replace("Variant(", "Variannt("))
+    result = shaderlab("run", file)
+    assert result.exit_code == 1
+    assert "lamp.py" in result.output and "Traceback" not in result.output
+    assert not (case_folder.parent / "reports").exists()

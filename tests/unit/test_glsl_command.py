@@ -1,0 +1,200 @@
+"""The lab's verdicts, messages and modules against the command-line compiler's own."""
+
+import os
+import random
+import re
+import subprocess
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+
+from shaderlab.glsl import Shaders, Source, compile_program
+from shaderlab.glsl.frontend import ENVIRONMENTS, check, link
+from shaderlab.glsl.library import GLSLANG_WHEEL, find
+
+VERTEX = """#version 330 core
+layout (location = 0) in vec3 aPos;
+layout (location = 1) in vec3 aNormal;
+layout (location = 2) in vec2 aTexCoords;
+out vec3 FragPos;
+out vec3 Normal;
+out vec2 TexCoords;
+uniform mat4 model;
+uniform mat4 view;
+uniform mat4 projection;
+
+void main()
+{
+    FragPos = vec3(model * vec4(aPos, 1.0));
+    Normal = mat3(transpose(inverse(model))) * aNormal;
+    TexCoords = aTexCoords;
+    gl_Position = projection * view * vec4(FragPos, 1.0);
+}
+"""
+FRAGMENT = """#version 330 core
+out vec4 FragColor;
+struct Light {
+    vec3 position;
+    vec3 diffuse;
+    float constant;
+    float linear;
+};
+in vec2 TexCoords;
+in vec3 Normal;
+in vec3 FragPos;
+uniform vec3 viewPos;
+uniform Light lights[2];
+uniform sampler2D diffuseMap;
+
+vec3 lit(Light light, vec3 normal)
+{
+    vec3 direction = normalize(light.position - FragPos);
+    float diff = max(dot(normal, direction), 0.0);
+    float reach = length(light.position - FragPos);
+    return light.diffuse * diff / (light.constant + light.linear * reach);
+}
+
+void main()
+{
+    vec3 normal = normalize(Normal);
+    vec3 result = vec3(0.0);
+    for (int i = 0; i < 2; i++) {
+        result += lit(lights[i], normal);
+    }
+    FragColor = vec4(result * texture(diffuseMap, TexCoords).rgb, 1.0);
+}
+"""
+GEOMETRY = """#version 330 core
+layout (points) in;
+layout (line_strip, max_vertices = 2) out;
+in vec3 tint[];
+out vec3 shade;
+void main() {
+    shade = tint[0];
+    gl_Position = gl_in[0].gl_Position; EmitVertex();
+    gl_Position += vec4(0.1); EmitVertex();
+    EndPrimitive();
+}
+"""
+COMPUTE = """#version 430 core
+layout (local_size_x = 64) in;
+layout (std430, binding = 0) buffer Data { float values[]; };
+void main() { values[gl_GlobalInvocationID.x] *= 2.0; }
+"""
+SHORT_VERTEX = """#version 330 core
+in vec3 a;
+out vec3 tint;
+void main() { tint = a; gl_Position = vec4(a, 1.0); }
+"""
+SHORT_FRAGMENT = "#version 330 core\nin vec3 shade;\nout vec4 c;\nvoid main() { c = shade.rgbb; }\n"
+
+PROGRAMS = [
+    {"frag": FRAGMENT},
+    {"vert": VERTEX},
+    {"vert": VERTEX, "frag": FRAGMENT},
+    {"vert": SHORT_VERTEX, "geom": GEOMETRY, "frag": SHORT_FRAGMENT},
+    {"comp": COMPUTE},
+]
+STAGES = {"vert": "vertex", "frag": "fragment", "geom": "geometry", "comp": "compute"}
+
+
+def run_command(arguments: Sequence[str], folder: Path) -> str:
+    library = find(GLSLANG_WHEEL, "libglslang.so").parent
+    command = library.parent / "bin" / "glslangValidator"
+    done = subprocess.run(  # noqa: S603
+        [command, *arguments],
+        cwd=folder,
+        env={**os.environ, "LD_LIBRARY_PATH": str(library)},
+        capture_output=True,
+        check=False,
+        timeout=60,
+    )
+    assert done.returncode >= 0, f"the command died of signal {-done.returncode}"
+    return done.stdout.decode("utf-8", "replace")
+
+
+def mutants(text: str, count: int, seed: int) -> list[str]:
+    """The text with a token deleted, doubled, swapped or misspelt; comment-free, so all count."""
+    rng = random.Random(seed)  # noqa: S311
+    first, _, body = text.partition("\n")
+    tokens = re.findall(r"\s+|\w+|.", body)
+    places = [i for i, token in enumerate(tokens) if token.strip()]
+    found = []
+    while len(found) < count:
+        new = list(tokens)
+        at = rng.choice(places)
+        kind = rng.randrange(4)
+        if kind == 0:
+            new[at] = ""
+        elif kind == 1:
+            new[at] += " " + new[at]
+        elif kind == 2:
+            other = rng.choice(places)
+            new[at], new[other] = new[other], new[at]
+        else:
+            new[at] = "é" if rng.random() < 0.1 else new[at] + "x"
+        found.append(first + "\n" + "".join(new))
+    return found
+
+
+def test_plain_messages_are_the_commands_own(tmp_path: Path) -> None:
+    texts = [*mutants(VERTEX, 40, 1), *mutants(FRAGMENT, 60, 2), VERTEX, FRAGMENT]
+    texts += ["void main() { gl_FragColor = vec4(1); }\n", "#version 330_core\nvoid main() {}\n"]
+    sources = []
+    for number, text in enumerate(texts):
+        stage = "vert" if "gl_Position" in text else "frag"
+        name = f"m{number:03}.{stage}"
+        (tmp_path / name).write_text(text)
+        sources.append(Shaders([]).from_text(text, STAGES[stage], name))
+    printed = run_command(["-d", *(source.name for source in sources)], tmp_path)
+    theirs = dict(re.findall(r"^(m\d+\.\w+)\n(.*?)(?=^m\d+\.|\Z)", printed, re.M | re.S))
+    rejected = 0
+    for source in sources:
+        checked = check(source)
+        rejected += not checked.ok
+        ours = checked.log if not checked.ok or "WARNING" in checked.log else ""
+        theirs_here = theirs[source.name].strip()
+        assert theirs_here in ("", ours.strip()), source.name
+        assert bool(theirs_here) == bool(ours.strip()), source.name
+    assert 50 < rejected < len(sources) - 2
+
+
+@pytest.mark.parametrize("target", ["opengl", "vulkan"])
+@pytest.mark.parametrize("program", PROGRAMS, ids=lambda p: "+".join(p))
+def test_modules_are_the_commands_own(
+    tmp_path: Path, program: dict[str, str], target: str
+) -> None:
+    sources = _sources(program, tmp_path)
+    flags = ["-G"] if target == "opengl" else ["-V", "-R"]
+    run_command([*flags, "--aml", "--amb", *(s.name for s in sources)], tmp_path)
+    ours = link(sources, ENVIRONMENTS[target]).modules
+    for extension in program:
+        theirs = (tmp_path / f"{extension}.spv").read_bytes()
+        assert ours[STAGES[extension]] == theirs, extension
+    if len(program) == 1:
+        assert compile_program(sources).spirv[target] == ours
+
+
+def test_link_messages_are_the_commands_own(tmp_path: Path) -> None:
+    wrong = [
+        {"vert": VERTEX, "frag": FRAGMENT.replace("in vec3 Normal", "in vec4 Normal")},
+        {"vert": VERTEX.replace("void main", "void mane")},
+        {"frag": FRAGMENT.replace("vec3 lit(Light light, vec3 normal)\n{", "vec3 lit(Light, vec3);\nvoid f(Light light, vec3 normal) {").replace("return light", "light")},
+        {"geom": "#version 330 core\nvoid main() {}\n"},
+    ]
+    for number, program in enumerate(wrong):
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        sources = _sources(program, folder)
+        printed = run_command(["-d", "-l", *(s.name for s in sources)], folder)
+        ours = link(sources, ENVIRONMENTS["glsl"])
+        assert not ours.ok, number
+        assert ours.log.strip() in printed, number
+        assert ours.log.strip() or any(ours.stage_logs.values()), number
+
+
+def _sources(program: dict[str, str], folder: Path) -> list[Source]:
+    for extension, text in program.items():
+        (folder / f"p.{extension}").write_text(text)
+    return [Shaders([folder]).load(f"p.{extension}") for extension in program]

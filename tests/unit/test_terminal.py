@@ -1,0 +1,61 @@
+"""How results read as text: the same lines in a shell and in pytest."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from pathlib import Path
+
+import pytest
+
+from shaderlab.records import Record
+from shaderlab.terminal import failure, label, numbers, place, summary
+
+
+def test_labels() -> None:
+    assert label("gamma", "default") == "gamma"
+    assert label("attenuation", "50") == "attenuation[50]"
+
+
+def test_float32_neighbours_read_differently() -> None:
+    assert numbers([0.1]) == "0.1"
+    assert numbers([1.0, 2.5]) == "(1, 2.5)"
+    assert numbers([0.100000001490116]) != numbers([0.100000008940697])
+    assert numbers([math.nan]) == "nan"
+
+
+def test_places_are_relative_where_that_is_shorter(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert place(str(tmp_path / "a" / "b.frag"), 3) == "a/b.frag:3"
+    assert place("lib/light.glsl") == "lib/light.glsl"
+    assert place("/x.frag", 1) == "/x.frag:1"
+
+
+def test_only_what_failed_is_told(failing: Record, passing: Record) -> None:
+    both = dataclasses.replace(failing, expectations=failing.expectations + passing.expectations)
+    text = "\n".join(failure(both))
+    assert text.count("(formula)") == 1
+    assert text == "\n".join(failure(failing))
+
+
+def test_a_shaders_text_cannot_steer_the_terminal(passing: Record) -> None:
+    evil = dataclasses.replace(passing, status="error", message="\x1b[2Jgone\x07")
+    assert not any(c in line for line in failure(evil) for c in "\x1b\x07")
+
+
+def test_a_long_table_is_cut(failing: Record) -> None:
+    from shaderlab.records import Row
+
+    rows = tuple(Row(label=f"r{i}", expected="1", measured="2", ok=i % 2 == 0) for i in range(60))
+    outcome = dataclasses.replace(failing.expectations[0], rows=rows)
+    lines = failure(dataclasses.replace(failing, expectations=(outcome,)))
+    assert sum("expected 1, measured 2" in line for line in lines) == 12
+    assert any("and 18 more" in line for line in lines)
+
+
+def test_summary_counts_variants_by_outcome(passing: Record, failing: Record) -> None:
+    other = dataclasses.replace(passing, id="sun")
+    text = summary([passing, failing, other], 3.14)
+    assert text == "2 cases: 2 passed, 1 failed in 3.1 s"
