@@ -8,6 +8,9 @@ PY := .venv/bin/python
 STALE := $(shell test -x $(PY) && test "$$(cat .venv/.ready 2>/dev/null)" = "$(CURDIR)" \
 	|| rm -f .venv/.ready)
 
+# Several processes where there are several cores; a file's tests stay in one of them.
+PARALLEL = -n auto --maxprocesses 8 --dist loadscope
+
 help: ## what there is to do
 	@sed -n 's/^\([a-z]*\):.*## /  make \1	/p' Makefile | expand -t 18
 	@echo "  make run CASE=spotlight            one case; several in quotes; more options in ARGS"
@@ -17,7 +20,7 @@ run: .venv/.ready ## run every case and write the report
 	@$(PY) -m shaderlab run $(if $(CASE),$(CASE),--all) $(ARGS)
 
 test: .venv/.ready ## run every test
-	@$(PY) -m pytest $(ARGS)
+	@$(PY) -m pytest $(PARALLEL) $(ARGS)
 
 lint: .venv/.ready ## style and types
 	@$(PY) -m ruff check .

@@ -56,13 +56,18 @@ def failure(record: Record) -> list[str]:
     lines += [f"  {place(record.file)}"] if record.file else []
     if record.status not in ("fail", "pass"):
         lines += _indented(f"{record.status}: {record.message}", 2)
-    elif record.message:
+    elif record.message and not _said_below(record):
         lines += _indented(record.message, 2)
     lines += _refusals(record)
     for outcome in record.expectations:
         if outcome.status != "pass":
             lines += ["", *_outcome(outcome)]
     return [_CONTROLS.sub("\ufffd", line) for line in lines]
+
+
+def _said_below(record: Record) -> bool:
+    """Whether the record's message only repeats that of an outcome."""
+    return any(o.message and o.message in record.message for o in record.expectations)
 
 
 def _refusals(record: Record) -> Iterator[str]:
@@ -84,9 +89,8 @@ def _outcome(outcome: Outcome) -> Iterator[str]:
     yield f"  {MARKS[outcome.status]} {outcome.name} ({outcome.kind})"
     if outcome.message:
         yield from _indented(outcome.message, 4)
-    if outcome.judged:
-        share = f"{outcome.outside} of {outcome.judged} values outside"
-        yield f"    {share}" + (f", {outcome.undecided:.1%} undecided" if outcome.undecided else "")
+    elif outcome.judged:
+        yield f"    {outcome.outside} of {outcome.judged} values outside"
     if outcome.worst is not None:
         yield from (f"    {line}" for line in _worst(outcome.worst))
     wrong = [row for row in outcome.rows if not row.ok]

@@ -153,11 +153,12 @@ case = Case(
 LAMP_SHADER = """\
 #version 330 core
 out vec4 FragColor;
+in vec2 TexCoords;
 uniform float reach;
 
 void main()
 {
-    FragColor = vec4(1.0, 0.5, 0.25, min(reach, 1.0));
+    FragColor = vec4(1.0, 0.5, 0.25, min(reach + TexCoords.x, 1.0));
 }
 """
 

@@ -5,9 +5,9 @@ both axes. Each pixel whose centre lies inside the triangle gets the fragment sh
 an 8-bit framebuffer every channel is rounded to a whole number of 255ths; 0.5 falls exactly
 between 127 and 128, and a driver may store either.
 
-Look at: how many pixels there are. The triangle covers 1/8 of the 2 × 2 square's half, that is
-1/16 of the window: 32400 of 720 × 720. And at the two ways in which the notes' text of this very
-shader does not compile.
+Look at: how many pixels there are. The triangle's area is ¼ and the window's is 2 × 2, so it covers
+1/16 of the window: 32400 of 720 × 720 pixels. And at the two ways in which the notes' text of this
+very shader does not compile.
 """
 
 import numpy as np

@@ -13,6 +13,7 @@ from shaderlab import (
     Case,
     Mesh,
     Pixel,
+    Target,
     Texture,
     Variant,
     assets,
@@ -28,6 +29,11 @@ from shaderlab.sampling import texture
 def mixed(texture1, texture2, TexCoords, mixValue):
     """a·(1 − w) + b·w, texel by texel."""
     return mix(texture(texture1, TexCoords), texture(texture2, TexCoords), mixValue)
+
+
+def handed_on(aTexCoords):
+    """What the vertex shader does with texture coordinates: nothing."""
+    return aTexCoords
 
 
 def one_texel(*color):
@@ -50,8 +56,9 @@ case = Case(
             "texture1": Texture(image=assets.crate),
             "texture2": Texture(image=assets.emblem),
         },
+        target=Target(clear=(0.2, 0.3, 0.3, 1.0)),
     ),
-    expect=[formula("FragColor", mixed)],
+    expect=[formula("TexCoords", handed_on), formula("FragColor", mixed)],
     variants=[
         Variant("crate and emblem"),
         Variant("half and half", {"mixValue": 0.5}),

@@ -20,8 +20,8 @@ FRAMES = [
     ("1", 1.0, 0.920735),
     ("2", 2.0, 0.954649),
     ("3", 3.0, 0.570560),
-    ("π÷2", pi / 2, 1.0),
-    ("3π÷2", 3 * pi / 2, 0.0),
+    ("1.5708 (π÷2)", pi / 2, 1.0),
+    ("4.7124 (3π÷2)", 3 * pi / 2, 0.0),
 ]
 
 # Past π the specification promises nothing of a sine; the conformance suite allows |t|·2⁻¹².
@@ -31,6 +31,11 @@ LATER = Rules(trig_outside="scaled")
 def our_color(time):
     """What the notes' render loop sends."""
     return (0.0, sin(time) / 2.0 + 0.5, 0.0, 1.0)
+
+
+def sent(ourColor):
+    """What arrives is what was sent."""
+    return ourColor
 
 
 def frame(name, time, green):
@@ -64,6 +69,14 @@ case = Case(
     picture="picture.FragColor",
     expect=[
         formula("green", pulse, rules=LATER),
+        value(
+            "FragColor",
+            at={"ourColor": (0.25, 0.5, 0.75, 1.0)},
+            equals=(0.25, 0.5, 0.75, 1.0),
+            digits=6,
+            reference=sent,
+            name="another colour arrives as well",
+        ),
         sweep("green", pulse, over="time", values=np.linspace(0.0, 2 * pi, 65), rules=LATER),
     ],
     variants=[frame(*row) for row in FRAMES],

@@ -6,7 +6,7 @@ the model acts first. What leaves the vertex shader is still four numbers; the h
 the last one, w, which is the distance in front of the camera, and so far things become small.
 
 Look at: the grid's lines. They are parallel on the quad and meet in the distance. The picture
-shows a quad of seven times the size from the same place; the numbers are the notes' own.
+shows a larger quad from the same place; the numbers are the notes' own.
 """
 
 from math import radians
@@ -44,7 +44,7 @@ case = Case(
     section="3.4",
     math=r"\mathbf{c} = P\,V\,M\,(x, y, z, 1)^{\mathsf T}, \qquad "
     r"\mathbf{n} = (c_x, c_y, c_z)\,/\,c_w",
-    passes=(*tilted("picture", 3.5), *tilted("notes", 0.5)),
+    passes=(*tilted("picture", 2.2), *tilted("notes", 0.5)),
     picture="picture.FragColor",
     expect=[
         formula("gl_Position", clip_position),

@@ -39,9 +39,11 @@ from shaderlab.reference.transforms import (
     normal_matrix,
     perspective,
     translate,
+    world_normal,
+    world_position,
 )
 
-EYE, LAMP = (0.0, 1.3, 4.4), (0.0, 1.1, 0.4)
+EYE, LAMP = (0.0, 1.5, 4.6), (0.0, 1.1, 0.4)
 MODEL = translate((0.0, 0.0, 0.0))
 STILL_LIFE = Mesh(
     **assets.joined(
@@ -61,8 +63,8 @@ def half(column, blinn):
         uniforms={
             "model": MODEL,
             "normalMatrix": normal_matrix(MODEL),
-            "view": look_at(EYE, (0.0, 0.35, 0.0)),
-            "projection": perspective(radians(60.0), 0.5, 0.1, 20.0),
+            "view": look_at(EYE, (0.0, 0.0, 0.9)),
+            "projection": perspective(radians(42.0), 0.5, 0.1, 20.0),
             "lightPos": LAMP,
             "viewPos": EYE,
             "shininess": 8.0,
@@ -92,8 +94,8 @@ def blinn_over_slope(slope, lightDir, shininess):
     return lobes.blinn(vec3(0.0, 1.0, 0.0), lightDir, vec3(slope, 1.0, 0.0), shininess)
 
 
-# The viewer from 85° on the mirrored side to 85° on the light's own side.
-SLOPES = np.tan(np.radians(np.linspace(-85.0, 85.0, 70)))
+# The viewer from 72° on the mirrored side to 72° on the light's own side.
+SLOPES = np.tan(np.radians(np.linspace(-72.0, 72.0, 70)))
 
 
 def past_the_edge(blinn):
@@ -129,6 +131,8 @@ case = Case(
     picture="picture.FragColor",
     expect=[
         formula("picture.gl_Position", clip_position),
+        formula("picture.FragPos", world_position),
+        formula("picture.Normal", world_normal),
         formula("picture.specular", mirrored, draw=0, name="Phong, left half"),
         formula("picture.specular", halfway, draw=1, name="Blinn, right half"),
         formula("phong", phong_over_slope),

@@ -6,9 +6,10 @@ end, by the power 1/2.2 or by the exact sRGB curve. An sRGB framebuffer does the
 and an sRGB texture undoes it when it is read: all 256 codes come back, whoever did which half.
 
 Look at: the stripes, at full size and from a few steps away. The dithered ones mix black and white
-pixels, so their light is right on any display, whatever its curve. The middle stripe is encoded
-and matches them; the outer ones are raw numbers, and too dark. Half of the pixels white is a grey
-of 188, not of 128.
+dots, so their light is right on any display, whatever its curve. The middle stripe is encoded and
+matches them; the outer ones are raw numbers, and too dark. Half of the dots white is a grey of
+188, not of 128. (A picture made smaller mixes numbers instead of light, and then the outer stripes
+seem to match: the very mistake that this case is about.)
 """
 
 import numpy as np
@@ -52,6 +53,12 @@ SRGB_FRAMEBUFFER = {
 def decode(linear):
     """The shader puts the same ramp through the way back."""
     return srgb_decode(linear)
+
+
+def around(threshold):
+    """The whole range, and more closely the place where the line meets the curve."""
+    near = threshold * np.linspace(0.94, 1.3, 24)
+    return np.sort(np.concatenate([np.geomspace(0.0005, 1.0, 64), near]))
 
 
 def half_of_the_light():
@@ -109,7 +116,8 @@ case = Case(
         value("power", at={"linear": 0.5}, equals=0.729740, digits=6, name="half, by the power"),
         value("srgb", at={"linear": 0.5}, equals=0.735357, digits=6, name="half, by sRGB"),
         sweep("power", gamma_encode, over="linear", values=np.linspace(0.005, 1.0, 64)),
-        sweep("srgb", srgb_encode, over="linear", values=np.linspace(0.0005, 1.0, 64)),
+        sweep("srgb", srgb_encode, over="linear", values=around(0.0031308), log_x=True),
+        sweep("decoded", decode, over="linear", values=around(0.04045), log_x=True),
         exact("framebuffer.FragColor", CODE_BY_CODE, name="an sRGB framebuffer encodes"),
         exact("texture.FragColor", CODE_BY_CODE, name="an sRGB texture decodes"),
         exact("there-and-back.FragColor", CODE_BY_CODE, name="both together change nothing"),

@@ -9,18 +9,23 @@ Look at: the beam from the side, in dusty air. Amber lines are the inner cone, b
 outer one, and on the grey arc, one unit from the lamp, lie the points of the table.
 """
 
-from math import cos, radians, sin
+from math import cos, radians, sin, tan
+
+import numpy as np
 
 from shaderlab import (
     Case,
     Erratum,
     Ramp,
     Variant,
+    across,
     computed,
     formula,
     fullscreen,
+    sweep,
     value,
 )
+from shaderlab.glslmath import vec3
 from shaderlab.reference.spotlight import ratio_of_cosines, spot_intensity, spot_ratio
 
 # The lamp hangs at the origin and points along −z; the picture is a slice with z upward.
@@ -36,6 +41,12 @@ def cone(inner, outer):
 def on_arc(degrees):
     """The point one unit from the lamp, so many degrees off its axis."""
     return (sin(radians(degrees)), 0.0, -cos(radians(degrees)))
+
+
+def below(tangent, light_position, light_direction, light_cutOff, light_outerCutOff):
+    """The intensity along a straight line one unit below the lamp."""
+    place = light_position + vec3(tangent, 0.0, -1.0)
+    return spot_intensity(place, light_position, light_direction, light_cutOff, light_outerCutOff)
 
 
 def row(degrees, notes, ratio, intensity):
@@ -85,6 +96,12 @@ passes = (
         uniforms={**LIGHT, **cone(25.0, 35.0)},
     ),
     *fullscreen(
+        "ch05_lighting/spotlight_edge.frag",
+        name="edge",
+        domain={"tangent": across(-1.0, 1.0)},
+        uniforms={**LIGHT, **cone(25.0, 35.0)},
+    ),
+    *fullscreen(
         "ch05_lighting/spotlight.frag",
         domain={"FragPos": SLICE},
         uniforms={**LIGHT, **cone(25.0, 35.0)},
@@ -98,7 +115,17 @@ case = Case(
     r"{\cos\varphi - \cos\gamma},\ 0,\ 1\right)",
     passes=passes,
     picture="picture.FragColor",
-    expect=[formula("ratio", spot_ratio), formula("intensity", spot_intensity)],
+    expect=[
+        formula("ratio", spot_ratio),
+        formula("intensity", spot_intensity),
+        sweep(
+            "edge.intensity",
+            below,
+            over="tangent",
+            values=[tan(radians(angle)) for angle in np.linspace(-45.0, 45.0, 121)],
+            name="from edge to edge",
+        ),
+    ],
     variants=[
         Variant("25° and 35°", cone(25.0, 35.0), expect=wide()),
         Variant("12.5° and 17.5°", cone(12.5, 17.5), expect=narrow()),

@@ -4,10 +4,10 @@ Depth runs from 0 at the near plane to 1 at the far one, so LESS, the default, k
 nearer. Two fragments of the very same depth are no rare accident: draw a surface twice, once for
 each light, and it takes EQUAL or LEQUAL to let the second time through.
 
-Look at: the table. Its columns are a fragment nearer than, equal to and farther than the stored
-depth of ½; its rows, from the bottom, NEVER, LESS, EQUAL, LEQUAL, GREATER, NOTEQUAL, GEQUAL and
-ALWAYS. Each field is one draw: first the whole table in red, then one green field at a time, which
-the depth test lets through or not.
+Look at: the table. Its columns are NEVER, LESS, EQUAL, LEQUAL, GREATER, NOTEQUAL, GEQUAL and
+ALWAYS; its rows, from the bottom, a fragment nearer than, equal to and farther than the stored
+depth of ½. Each field is one draw: first the whole table in red, then one green field at a time,
+which the depth test lets through or not.
 """
 
 import numpy as np
@@ -17,7 +17,7 @@ from shaderlab.reference.depth_stencil import FUNCTIONS, depth_passes
 
 NEARER, EQUAL, FARTHER = -0.5, 0.0, 0.5  # z in device coordinates: 0 is a depth of ½
 DEPTHS = (NEARER, EQUAL, FARTHER)
-COLUMNS, ROWS = len(DEPTHS), len(FUNCTIONS)
+COLUMNS, ROWS = len(FUNCTIONS), len(DEPTHS)
 
 SQUARE = Mesh(**assets.quad()).only("aPos")
 
@@ -28,7 +28,7 @@ def field(depth, verdict, state, fields=(1, 1)):
         vertex="ch06_tests/truth_table.vert",
         fragment="ch06_tests/truth_table.frag",
         mesh=SQUARE,
-        uniforms={"depth": depth, "fields": fields, "verdict": verdict},
+        uniforms={"depth": depth, "fields": fields, "verdict": verdict, "block": 72.0},
         state=state,
     )
 
@@ -42,15 +42,15 @@ tests = [
             depth=Depth(func=func), cell=Cell(column=column, row=row, columns=COLUMNS, rows=ROWS)
         ),
     )
-    for row, func in enumerate(FUNCTIONS)
-    for column, depth in enumerate(DEPTHS)
+    for column, func in enumerate(FUNCTIONS)
+    for row, depth in enumerate(DEPTHS)
 ]
-truth = np.array([[[depth_passes(f, z, EQUAL)] for z in DEPTHS] for f in FUNCTIONS], np.float32)
+truth = np.array([[[depth_passes(f, z, EQUAL)] for f in FUNCTIONS] for z in DEPTHS], np.float32)
 
 case = Case(
     title="The depth functions",
     section="6.2.1",
     math=r"\text{pass} \iff z_{\text{incoming}}\ \mathit{func}\ z_{\text{stored}}",
-    passes=(Pass(target=Target(size=(288, 384), depth="depth24"), draws=(stored, *tests)),),
+    passes=(Pass(target=Target(size=(576, 216), depth="depth24"), draws=(stored, *tests)),),
     expect=[exact("passed", truth, name="8 functions × nearer, equal, farther")],
 )

@@ -28,7 +28,7 @@ def strip(fields, verdict, stencil, cell):
         vertex="ch06_tests/truth_table.vert",
         fragment="ch06_tests/truth_table.frag",
         mesh=SQUARE,
-        uniforms={"depth": 0.0, "fields": fields, "verdict": verdict},
+        uniforms={"depth": 0.0, "fields": fields, "verdict": verdict, "block": 96.0},
         state=State(stencil=stencil, cell=cell),
     )
 

@@ -55,9 +55,7 @@ def contains(lo: Floats, hi: Floats, nan: Any, measured: ArrayLike) -> Flags:
 
 
 @np.errstate(all="ignore")
-def widths(
-    lo: Floats, hi: Floats, nan: Any, measured: ArrayLike, unit: float = 0.0
-) -> Floats:
+def widths(lo: Floats, hi: Floats, nan: Any, measured: ArrayLike, unit: float = 0.0) -> Floats:
     """How far measured values are from the middle, in half widths (1 = on a bound)."""
     value = np.asarray(measured, dtype=np.float64)
     bounded = np.isfinite(lo) & np.isfinite(hi)

@@ -55,7 +55,7 @@ def add(a: Band, b: Band) -> Band:
     mag_a, mag_b = a.mag, b.mag
     mag = mag_a + mag_b
     # Adding an exact zero is no sum: no compiler keeps it.
-    step = np.where((mag_a > 0.0) & (mag_b > 0.0), RELATIVE_STEP * mag, 0.0)
+    step = np.where((mag_a > 0.0) & (mag_b > 0.0), _step(mag), 0.0)
     slack = None
     if a.is_plain and b.is_plain:
         slack = step
@@ -64,6 +64,11 @@ def add(a: Band, b: Band) -> Band:
             lo, hi, step, (a_lo >= 0.0) & (b_lo >= 0.0), (a_hi <= 0.0) & (b_hi <= 0.0)
         )
     return a.made(lo, hi, b, residue=(lost_lo, lost_hi), nan=nan, mag=mag, slack=slack)
+
+
+def _step(mag: Floats) -> Floats:
+    """What one rounding among terms of this size may change; a denormal term may be flushed."""
+    return np.where(mag > 0.0, np.maximum(RELATIVE_STEP * mag, SMALLEST_NORMAL), 0.0)
 
 
 def _moved_out(
@@ -78,6 +83,15 @@ def _moved_out(
         np.where(not_negative, np.maximum(out_lo, 0.0), out_lo),
         np.where(not_positive, np.minimum(out_hi, 0.0), out_hi),
     )
+
+
+def _signs(lo: Floats, hi: Floats, mag: Floats) -> tuple[Flags, Flags]:
+    """Where a product of settled operands keeps its sign, however its terms are distributed.
+
+    Not among denormals: flushing one of two terms of opposite signs may leave the other's sign.
+    """
+    safe = (mag >= SMALLEST_NORMAL / RELATIVE_STEP) | (mag == 0.0)
+    return (lo >= 0.0) & safe, (hi <= 0.0) & safe
 
 
 def _product_bounds(
@@ -101,9 +115,7 @@ def _product_bounds(
     return np.fmin(lo, np.fmin(third, fourth)), np.fmax(hi, np.fmax(third, fourth))
 
 
-def _zero_times_infinity(
-    a_lo: Floats, a_hi: Floats, b_lo: Floats, b_hi: Floats
-) -> Flags:
+def _zero_times_infinity(a_lo: Floats, a_hi: Floats, b_lo: Floats, b_hi: Floats) -> Flags:
     a_zero = (a_lo <= 0.0) & (a_hi >= 0.0)
     b_zero = (b_lo <= 0.0) & (b_hi >= 0.0)
     a_infinite = np.isinf(a_lo) | np.isinf(a_hi)
@@ -118,8 +130,11 @@ def multiply(a: Band, b: Band) -> Band:
     if a is b:
         return square(a)
     for scale, other in ((a, b), (b, a)):
-        if scale.lo is scale.hi and scale.is_plain and scale.lo.size <= 16 and is_power_of_two(
-            scale.lo
+        if (
+            scale.lo is scale.hi
+            and scale.is_plain
+            and scale.lo.size <= 16
+            and is_power_of_two(scale.lo)
         ):
             return _scaled(other, scale)
     a_lo, a_hi = a.settled()
@@ -133,8 +148,7 @@ def multiply(a: Band, b: Band) -> Band:
     mag = a.mag * b.mag
     if a.is_plain and b.is_plain:
         return a.made(lo, hi, b, nan=nan, mag=mag)
-    step = RELATIVE_STEP * mag
-    lo, hi = _moved_out(lo, hi, step, lo >= 0.0, hi <= 0.0)
+    lo, hi = _moved_out(lo, hi, _step(mag), *_signs(lo, hi, mag))
     return a.made(lo, hi, b, nan=nan, mag=mag)
 
 
@@ -151,7 +165,7 @@ def _scaled(a: Band, scale: Band) -> Band:
         scale,
         nan=nan,
         mag=None if a.own_mag is None else a.own_mag * factor,
-        slack=None if a.slack is None else a.slack * factor,
+        slack=None if a.slack is None else _step(a.slack * factor / RELATIVE_STEP),
     )
 
 
@@ -160,13 +174,15 @@ def square(a: Band) -> Band:
     """a · a for one and the same value: never negative, and no compiler expands (b + c)²."""
     if a.lo is a.hi:
         product = a.lo * a.lo
-        return a.made(product, product, mag=np.minimum(product, LARGEST) if a.rules.rearrange else None)
+        return a.made(
+            product, product, mag=np.minimum(product, LARGEST) if a.rules.rearrange else None
+        )
     low, high = a.lo * a.lo, a.hi * a.hi
     straddles = (a.lo < 0.0) & (a.hi > 0.0)
     lo, hi = np.where(straddles, 0.0, np.minimum(low, high)), np.maximum(low, high)
     if not a.rules.rearrange:
         return a.made(lo, hi)
-    step = 0.0 if a.is_plain else RELATIVE_STEP * hi
+    step = 0.0 if a.is_plain else _step(hi)
     return a.made(np.maximum(lo - step, 0.0), hi + step, mag=np.minimum(hi, LARGEST))
 
 
@@ -195,8 +211,7 @@ def divide(a: Band, b: Band) -> Band:
     if a.own_mag is None:
         return a.made(lo, hi, b, anything=outside)
     mag = a.own_mag / smallest
-    step = DIVISION_ULPS * RELATIVE_STEP * mag
-    lo, hi = _moved_out(lo, hi, step, lo >= 0.0, hi <= 0.0)
+    lo, hi = _moved_out(lo, hi, DIVISION_ULPS * _step(mag), *_signs(lo, hi, mag))
     return a.made(lo, hi, b, anything=outside, mag=mag)
 
 
@@ -217,7 +232,7 @@ def sum_last(a: Band) -> Band:
     terms = a.mag
     mag = terms.sum(axis=-1, keepdims=True)
     count = (terms > 0.0).sum(axis=-1, keepdims=True)
-    step = RELATIVE_STEP * mag
+    step = _step(mag)
     # All partial sums but the last, which `made` rounds, may each lose a step.
     between = np.maximum(count - 2, 0) * step
     lo, hi = _moved_out(
@@ -249,12 +264,7 @@ def union(a: Band, b: Band) -> Band:
     lo, hi = np.minimum(a.lo, b.lo), np.maximum(a.hi, b.hi)
     if a.own_mag is None and b.own_mag is None:
         return a.made(lo, hi, b)
-    slack_a = 0.0 if a.slack is None else a.slack
-    slack_b = 0.0 if b.slack is None else b.slack
-    return a.made(
-        lo,
-        hi,
-        b,
-        mag=np.maximum(a.mag, b.mag),
-        slack=np.maximum(slack_a, slack_b) if a.slack is not None or b.slack is not None else None,
-    )
+    slack = None
+    if a.slack is not None or b.slack is not None:
+        slack = np.maximum(0.0 if a.slack is None else a.slack, 0.0 if b.slack is None else b.slack)
+    return a.made(lo, hi, b, mag=np.maximum(a.mag, b.mag), slack=slack)

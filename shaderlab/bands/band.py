@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -179,7 +179,7 @@ class Band(Operators):
         """A band that only carries this one's flags, each joined over the last axis."""
         flags = (
             flag if flag.ndim == 0 else np.broadcast_to(flag, self.shape).any(-1, keepdims=True)
-            for flag in (self._nan, self._anything, self._undecided)
+            for flag in self.flags
         )
         nothing = self.lo[..., 0:1]
         return Band(nothing, nothing, self.rules, tuple(flags))  # type: ignore[arg-type]
@@ -192,8 +192,12 @@ class Band(Operators):
 
     def opaque(self) -> Band:
         """The same values, forgotten that they are sums: nothing distributes over them."""
-        flags = (self._nan, self._anything, self._undecided)
-        return Band(self.lo, self.hi, self.rules, flags)
+        return Band(self.lo, self.hi, self.rules, self.flags)
+
+    @property
+    def flags(self) -> tuple[Any, Any, Any]:
+        """May be NaN, may be anything, undecided; each 0-d if it is so nowhere."""
+        return self._nan, self._anything, self._undecided
 
     @property
     def is_plain(self) -> bool:
@@ -257,10 +261,7 @@ class Band(Operators):
             lo,
             lo if self.lo is self.hi else moved(self.hi),
             self.rules,
-            tuple(
-                flag if flag.ndim == 0 else moved(flag)
-                for flag in (self._nan, self._anything, self._undecided)
-            ),
+            tuple(flag if flag.ndim == 0 else moved(flag) for flag in self.flags),
             None if self._mag is None else moved(self._mag),
             None if self.slack is None else moved(self.slack),
         )
@@ -290,31 +291,6 @@ class Band(Operators):
             return f"Band({self.lo.tolist()} … {self.hi.tolist()})"
         return f"Band(shape={self.shape})"
 
-    @staticmethod
-    def joined(parts: Sequence[Band], axis: int) -> Band:
-        """Bands one after the other along an axis, the other axes broadcast; same rules."""
-        fields = []
-        for name in ("lo", "hi", "nan", "_anything", "undecided", "mag", "_own_slack"):
-            arrays = [np.broadcast_to(getattr(part, name), part.shape) for part in parts]
-            fields.append(concatenated(arrays, axis))
-        lo, hi, nan, anything, undecided, mag, slack = fields
-        if all(part.lo is part.hi for part in parts):
-            hi = lo
-        sums = any(not part.is_plain for part in parts)
-        pending = any(part.slack is not None for part in parts)
-        return Band(
-            lo,
-            hi,
-            parts[0].rules,
-            tuple(flag if flag.any() else _NO for flag in (nan, anything, undecided)),  # type: ignore[arg-type]
-            mag if sums else None,
-            slack if pending else None,
-        )
-
-    @property
-    def _own_slack(self) -> Floats:
-        return np.zeros(()) if self.slack is None else self.slack
-
     def lift(self, other: Any) -> Band:
         """`other` as a band of this one's rules."""
         if isinstance(other, Band):
@@ -328,16 +304,3 @@ class Band(Operators):
                 "a condition is not a number", remedy="choose with glslmath.where(condition, a, b)"
             )
         return Band.literal(other, self.rules)
-
-
-def concatenated(arrays: Sequence[Any], axis: int) -> Any:
-    """NumPy's concatenate, along a negative axis, the axes other than that one broadcast."""
-    ndim = max(max(array.ndim for array in arrays), -axis)
-    shapes = [(1,) * (ndim - array.ndim) + array.shape for array in arrays]
-    along = ndim + axis
-    common = np.broadcast_shapes(*(s[:along] + (1,) + s[along + 1 :] for s in shapes))
-    wide = [
-        np.broadcast_to(array, common[:along] + (shape[along],) + common[along + 1 :])
-        for array, shape in zip(arrays, shapes, strict=True)
-    ]
-    return np.concatenate(wide, axis=along)

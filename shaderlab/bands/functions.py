@@ -12,6 +12,7 @@ import numpy as np
 
 from shaderlab.bands import arithmetic, stepwise
 from shaderlab.bands.rounding import (
+    FLOAT64_ERROR,
     LARGEST,
     SMALLEST_NORMAL,
     Flags,
@@ -99,8 +100,7 @@ def _log_bounds(a_lo: Floats, a_hi: Floats, function: Any) -> tuple[Floats, Floa
         # Just inside ½ and 2 more is allowed than just outside.
         crosses = ((a_lo < 0.5) & (a_hi >= 0.5)) | ((a_lo <= 2.0) & (a_hi > 2.0))
         error = np.where(crosses, np.maximum(error, LOG_ERROR_NEAR_ONE), error)
-    error = error * (1.0 + 2.0**-20)
-    return lo - error, hi + error
+    return lo - (error + FLOAT64_ERROR * np.abs(lo)), hi + (error + FLOAT64_ERROR * np.abs(hi))
 
 
 @np.errstate(all="ignore")

@@ -18,6 +18,9 @@ LARGEST = (2.0 - 2.0**-23) * 2.0**127
 # the float64 rounding of the bound itself.
 RELATIVE_STEP = 2.0**-23 * (1.0 + 2.0**-20)
 
+# More than float64's own relative error in a quotient, a root or an elementary function.
+FLOAT64_ERROR = 2.0**-50
+
 _EXPONENT_BITS = np.int64(0x7FF0_0000_0000_0000)
 _FRACTION_BITS = np.int64(0x000F_FFFF_FFFF_FFFF)
 
@@ -86,9 +89,8 @@ def widened_by_ulps(
     lo: Floats, hi: Floats, ulps_lo: Floats | float, ulps_hi: Floats | float
 ) -> tuple[Floats, Floats]:
     """Bounds moved out by so many ULP; a bound does not move past zero, and zero stays zero."""
-    # The 2^-20 pays for float64's rounding of lo and hi.
-    out_lo = ulps_lo * ulp(lo) * (1.0 + 2.0**-20)
-    out_hi = ulps_hi * ulp(hi) * (1.0 + 2.0**-20)
+    out_lo = ulps_lo * ulp(lo) + FLOAT64_ERROR * np.minimum(np.abs(lo), LARGEST)
+    out_hi = ulps_hi * ulp(hi) + FLOAT64_ERROR * np.minimum(np.abs(hi), LARGEST)
     # An ULP doubles past a power of two: a value above `lo`, just past one, may err further
     # below than `lo` itself.
     down_lo = lo - np.where(lo > 0.0, np.clip(out_hi, out_lo, 2.0 * out_lo), out_lo)

@@ -136,7 +136,7 @@ def judge_band(
 
     return Banded(
         measured=measured.astype(np.float64),
-        reference=spread(in_format(np.asarray(exact, np.float64), format)),
+        reference=in_format(spread(np.asarray(exact, np.float64)), format),
         low=spread(allowed.lo),
         high=spread(allowed.hi),
         inside=spread(allowed.contains(measured)),
@@ -216,7 +216,7 @@ def in_format(values: Array, format: str) -> Array:
         from shaderlab.reference.gamma import srgb_encode
 
         linear = np.clip(values, 0.0, 1.0)
-        encoded = np.asarray(srgb_encode(linear))
+        encoded = np.array(srgb_encode(linear))
         encoded[..., 3:] = linear[..., 3:]
         return encoded * 255.0
     return values

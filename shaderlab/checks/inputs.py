@@ -53,13 +53,17 @@ class Inputs:
         decimal: Mapping[str, Array] | None = None,
     ) -> Inputs:
         """A draw's bindings, with what differs from value to value, and a check's own constants
-        (which win over uniforms of the same name)."""
+        (which win over uniforms that the same parameter would ask for)."""
+
+        def kept(names: Mapping[str, Array]) -> dict[str, Array]:
+            return {n: v for n, v in names.items() if parameter_name(n) not in given}
+
         constants = {name: np.atleast_1d(np.asarray(v, np.float64)) for name, v in given.items()}
         rounded = {name: value.astype(np.float32) for name, value in constants.items()}
         return cls(
-            shared={**bindings.uniforms, **rounded},
-            each=each,
-            decimal={**bindings.decimal, **constants, **(decimal or {})},
+            shared={**kept(bindings.uniforms), **rounded},
+            each=kept(each),
+            decimal={**kept(bindings.decimal), **constants, **(decimal or {})},
             textures=bindings.textures,
             arrays=bindings.arrays - constants.keys(),
         )

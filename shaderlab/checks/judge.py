@@ -15,7 +15,7 @@ from shaderlab.checks.banded import (
     rounds_to,
     second_opinions,
 )
-from shaderlab.checks.inputs import Inputs
+from shaderlab.checks.inputs import Inputs, evaluate
 from shaderlab.checks.judgement import Judgement, shown
 from shaderlab.errors import CaseError, nearest
 from shaderlab.frame import Array, Frame, Image, PassDraw
@@ -172,8 +172,6 @@ def _value(expectation: Value, index: int, scene: Scene, frame: Frame) -> Judgem
     if reference is None:
         return _measured_figure(expectation, index, scene, frame)
     banded, inputs = _probe(expectation, reference, index, scene, frame)
-    from shaderlab.checks.inputs import evaluate
-
     computed = evaluate(reference, inputs, rules=None, decimal=True)
     agrees = rounds_to(computed, expectation.equals, expectation.digits)
     status, message = banded.verdict()
@@ -256,7 +254,8 @@ def _pixel(image: Image, at: Pixel) -> Array:
     height, width = image.values.shape[:2]
     if not (0 <= at.x < width and 0 <= at.y < height):
         raise CaseError(f"{at} lies outside the {width} × {height} target")
-    return image.values[at.y, at.x]
+    found: Array = image.values[at.y, at.x]
+    return found
 
 
 def _label(expectation: Value) -> str:

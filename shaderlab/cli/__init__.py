@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import importlib
-import os
 import sys
 from typing import Any
 
 import click
 
-from ..errors import ShaderlabError, UsageError
+from ..errors import ShaderlabError, UsageError, nearest
 
 USAGE = 2
 FAILED = 1
@@ -41,8 +40,6 @@ class Commands(click.Group):
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
         if args and args[0] not in COMMANDS and not args[0].startswith("-"):
-            from ..errors import nearest
-
             raise click.UsageError(f"No such command {args[0]!r}; {nearest(args[0], COMMANDS)}")
         return super().resolve_command(ctx, args)
 
@@ -91,8 +88,4 @@ def main() -> None:
         reconfigure = getattr(stream, "reconfigure", None)
         if reconfigure is not None:
             reconfigure(errors="replace")  # a terminal without ✓ gets a "?", not a traceback
-    try:
-        cli(prog_name="shaderlab")
-    except BrokenPipeError:  # `shaderlab list | head`
-        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
-        sys.exit(FAILED)
+    cli(prog_name="shaderlab")

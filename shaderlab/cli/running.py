@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import datetime
 import time
 from collections.abc import Sequence
@@ -84,6 +85,7 @@ def command(
     run_folder = new_run_folder() if folder is None else report_folder(Path(folder))
     show = Show(to_stderr=json_file == "-")
     run = _run(scenes, size, run_folder, replacements, show)
+    interrupted = len(run.records) < len(scenes)
     show.outcomes(run)
     page = _write(run, run_folder, json_file, junit_file)
     if default_place:
@@ -91,8 +93,11 @@ def command(
     show.where(page)
     if open_report:
         click.launch(page.resolve().as_uri())
-    none_ran = all(record.status == "unsupported" for record in run.records)
-    if none_ran or any(failed(record) for record in run.records):
+    if interrupted:
+        raise KeyboardInterrupt
+    if any(failed(record) for record in run.records) or not any(
+        record.status == "pass" for record in run.records
+    ):
         raise SystemExit(1)
 
 
@@ -111,11 +116,12 @@ def _run(
     records: list[Record] = []
     options = Options(size=size, folder=folder, shaders=shaders)
     with Lab(options) as lab, show.progress(len(scenes)) as progress:
-        for scene in scenes:
-            progress.starts(scene.case.id, scene.variant)
-            record = lab.run(scene)
-            records.append(record)
-            progress.ends(record)
+        with contextlib.suppress(KeyboardInterrupt):  # what is done is reported all the same
+            for scene in scenes:
+                progress.starts(scene.case.id, scene.variant)
+                record = lab.run(scene)
+                records.append(record)
+                progress.ends(record)
         driver, versions = lab.driver, lab.versions
     return Run(
         driver=driver,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 import time
 from collections.abc import Iterator
@@ -114,8 +115,9 @@ def _table(records: tuple[Record, ...]) -> Table:
     """One row a case; a variant that did not pass gets a row of its own."""
     table = Table(box=None, pad_edge=False, header_style="dim")
     table.add_column("")
-    table.add_column("case", overflow="fold")
-    for heading in ("section", "variants", "checks", "worst", "seconds"):
+    table.add_column("case", no_wrap=True)
+    table.add_column("section")
+    for heading in ("variants", "checks", "of band", "seconds"):
         table.add_column(heading, justify="right")
     table.add_column("compiled")
     cases: dict[tuple[str, str], list[Record]] = {}
@@ -143,19 +145,28 @@ def _add_row(table: Table, name: str, group: list[Record], variants: str) -> Non
         group[0].section,
         variants,
         f"{good}/{len(outcomes)}" if outcomes else status,
-        f"{max(widths):.3g}" if widths else "",
+        _share(max(widths)) if widths else "",
         f"{sum(record.seconds for record in group):.2f}",
         _compiled(group),
     )
 
 
+def _share(widths: float) -> str:
+    """How much of its band the worst value uses: 100 % is the edge."""
+    if not math.isfinite(widths) or widths >= 100:
+        return "> 9999 %"
+    return "< 1 %" if 0 < widths < 0.01 else f"{100 * widths:.0f} %"
+
+
 def _compiled(group: list[Record]) -> str:
-    """The compile targets, those that refused marked."""
-    verdicts: dict[str, set[str]] = {}
-    for record in group:
-        for target, verdict in record.compile.items():
-            verdicts.setdefault(target, set()).add(verdict)
-    return " ".join(
-        f"[green]{target}[/]" if said <= {"ok", "pass"} else f"[red]{target}: {'/'.join(said)}[/]"
-        for target, said in verdicts.items()
-    )
+    """How many targets accept, and the names of those that refuse."""
+    refusing = {
+        target
+        for record in group
+        for target, verdict in record.compile.items()
+        if verdict not in ("ok", "pass")
+    }
+    targets = {target for record in group for target in record.compile}
+    if refusing:
+        return f"[red]not {', '.join(sorted(refusing))}[/]"
+    return f"[green]{len(targets)}/{len(targets)}[/]" if targets else ""

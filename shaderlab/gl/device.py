@@ -61,7 +61,8 @@ def open_device(driver: str | None = None) -> Device:
     import moderngl
 
     try:
-        context = moderngl.create_context(standalone=True, backend="egl", require=REQUIRED_VERSION)
+        options: Any = {"standalone": True, "backend": "egl"}  # mistyped in moderngl's stubs
+        context = moderngl.create_context(require=REQUIRED_VERSION, **options)
     except Exception as error:  # moderngl raises plain Exception for whatever EGL says
         raise DriverError(f"no OpenGL 3.3 context on EGL ({error})", remedy=INSTALL) from error
     return Device(context, _describe(context))

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from shaderlab.errors import CaseError, ShaderError
+from shaderlab.errors import CaseError, ShaderError, nearest
 from shaderlab.gl import bind, formats, stages
 from shaderlab.glsl.compile import TARGETS, Compiled, compile_program
 from shaderlab.glsl.sources import Shaders, Source
@@ -92,19 +92,24 @@ class Preparer:
         return self._shaders.from_text(text, "vertex", "<domain>")
 
 
-def pass_colors(description: Pass, draws: tuple[PreparedDraw, ...]) -> Mapping[str, str]:
-    """The pass's colour attachments: format by output name, in the order of their locations.
-
-    Raises:
-        CaseError: the target names an output that none of its programs writes.
-    """
-    outputs = {
+def output_types(draws: Iterable[PreparedDraw]) -> dict[str, str]:
+    """The GLSL type of each fragment output of a pass, in the order of their locations."""
+    return {
         variable.name: variable.type
         for draw in draws
         for variable in sorted(
             draw.interface.outputs.values(), key=lambda v: (v.location is None, v.location or 0)
         )
     }
+
+
+def pass_colors(description: Pass, draws: tuple[PreparedDraw, ...]) -> Mapping[str, str]:
+    """The pass's colour attachments: format by output name.
+
+    Raises:
+        CaseError: the target names an output that none of its programs writes.
+    """
+    outputs = output_types(draws)
     asked = description.target.colors
     if asked is None:
         return {name: formats.for_output(kind) for name, kind in outputs.items()}
@@ -112,6 +117,7 @@ def pass_colors(description: Pass, draws: tuple[PreparedDraw, ...]) -> Mapping[s
         if name not in outputs:
             raise CaseError(
                 f"pass {description.name!r}: its target has a colour {name!r}, "
-                f"but its shaders write {', '.join(outputs) or 'nothing'}"
+                f"but its shaders write {', '.join(outputs) or 'nothing'}",
+                remedy=nearest(name, outputs),
             )
     return asked

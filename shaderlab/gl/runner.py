@@ -12,7 +12,7 @@ from shaderlab.errors import CaseError, ShaderError, nearest
 from shaderlab.frame import Array, Bindings, Image, PassDraw
 from shaderlab.gl import bind, formats, state, textures
 from shaderlab.gl.device import Device
-from shaderlab.gl.prepare import PreparedDraw, pass_colors
+from shaderlab.gl.prepare import PreparedDraw, output_types, pass_colors
 from shaderlab.gl.programs import PRIMITIVES, Programs, output_locations, set_uniforms, vertex_array
 from shaderlab.gl.target import RenderTarget
 from shaderlab.model import Output, Pass, Scene, Texture
@@ -110,7 +110,7 @@ class Session:
             image = target.read(name)
             if description.target.colors is None:
                 # There is no three-component attachment: drop what the shader never wrote.
-                kind = prepared[-1].interface.outputs[name].type
+                kind = output_types(prepared)[name]
                 image = Image(image.values[..., : formats.components_of(kind)], image.format)
             self.images[description.name, name] = image
 
@@ -209,7 +209,7 @@ def drain_errors() -> tuple[int, ...]:
     """All GL errors raised since the last call, oldest first."""
     from OpenGL import GL
 
-    errors = []
+    errors: list[int] = []
     while (code := GL.glGetError()) != GL.GL_NO_ERROR and len(errors) < 16:
         errors.append(int(code))
     return tuple(errors)

@@ -7,8 +7,15 @@
 from shaderlab.glsl.compile import TARGETS, Compiled, compile_program
 from shaderlab.glsl.library import versions
 from shaderlab.glsl.sources import STAGES, Shaders, Source
-from shaderlab.glsl.spirv import Block, Interface, Member, Variable, reflect
-from shaderlab.glsl.tools import disassemble, validate
+from shaderlab.glsl.spirv import (
+    Block,
+    Interface,
+    Member,
+    Variable,
+    disassemble,
+    reflect,
+    validate,
+)
 
 __all__ = [
     "STAGES",

@@ -11,6 +11,7 @@ from shaderlab.glsl import guards
 from shaderlab.glsl.diagnostics import has_errors, of_link, of_stage
 from shaderlab.glsl.frontend import ENVIRONMENTS, Linked, check, link
 from shaderlab.glsl.interstage import match_locations, unwritten_inputs
+from shaderlab.glsl.lifting import lift_samplers
 from shaderlab.glsl.sources import STAGES, Source
 from shaderlab.glsl.spirv import Interface, reflect
 from shaderlab.glsl.tools import validate
@@ -79,6 +80,9 @@ class _Result:
 def compile_program(stages: Sequence[Source], targets: Sequence[str] = TARGETS) -> Compiled:
     """Compiles and links one program's stages for each target.
 
+    For "vulkan", samplers are first lifted out of uniform structs, where Vulkan allows none; an
+    "info" diagnostic says so.
+
     A program that plain GLSL rejects is not given to the SPIR-V targets, which can crash on it;
     they are reported as failed for the same reasons.
 
@@ -126,7 +130,7 @@ def _in_order(stages: Sequence[Source], targets: Sequence[str]) -> list[Source]:
     for one, other in pairwise(ordered):
         if one.stage == other.stage:
             raise ShaderError(
-                f"a program has one {one.stage} stage; {one.name} is another", file=other.path
+                f"a program has one {one.stage} stage; {other.name} is another", file=other.path
             )
     if ordered[-1].stage == "compute" and len(ordered) > 1:
         raise ShaderError(
@@ -138,9 +142,9 @@ def _in_order(stages: Sequence[Source], targets: Sequence[str]) -> list[Source]:
 
 
 def _plain(sources: Sequence[Source]) -> _Result:
-    deep = tuple(d for d in map(guards.too_deep, sources) if d)
-    if deep:
-        return _Result(deep, "", {})
+    deadly = tuple(d for d in map(guards.fatal, sources) if d)
+    if deadly:
+        return _Result(deadly, "", {})
     diagnostics: list[Diagnostic] = []
     log = ""
     failed = False
@@ -160,9 +164,12 @@ def _spirv(sources: Sequence[Source], target: str) -> _Result:
     old = tuple(d for d in (guards.too_old(source, target) for source in sources) if d)
     if old:
         return _Result(old, "", {})
+    notes: tuple[Diagnostic, ...] = ()
+    if target == "vulkan":
+        sources, notes = lift_samplers(sources)
     linked = link(sources, ENVIRONMENTS[target])
     log = "".join(linked.stage_logs.values()) + linked.log
-    diagnostics = _of_linked(linked, sources)
+    diagnostics = (*notes, *_of_linked(linked, sources))
     if has_errors(diagnostics):
         return _Result(diagnostics, log, {})
     # Validated before it is read, since glslang can make modules that nothing can read.

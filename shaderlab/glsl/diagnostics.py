@@ -10,7 +10,9 @@ from shaderlab.glsl.sources import Source
 from shaderlab.records import Diagnostic, Severity
 
 _MESSAGE = re.compile(r"^(?P<severity>(?:INTERNAL )?ERROR|WARNING|NOTE): (?P<rest>.*)$")
-_PLACED = re.compile(r"^(?P<string>-?\d+):(?P<line>\d+): (?:'(?P<token>.*?)' : )?(?P<message>.*)$")
+_PLACED = re.compile(
+    r"^(?P<string>-?\d+):(?P<line>\d+): (?:'(?P<token>.*?)' : )?(?P<message>.*)$", re.DOTALL
+)
 _LINKING = re.compile(r"^Linking (?P<stages>.+?) stages?: (?P<message>.*)$", re.DOTALL)
 # What the log adds of its own: a count, and a note after the error that ended the compile.
 _COUNT = re.compile(r"^\d+ compilation errors\.  No code generated\.$")
@@ -99,7 +101,7 @@ def _entries(log: str) -> Iterator[tuple[Severity, str]]:
     for row in [*log.split("\n"), "NOTE: "]:
         start = _MESSAGE.match(row)
         if start is None:
-            if rows and row.strip():
+            if rows and row.startswith((" ", "\t")) and row.strip():
                 rows.append(row)
             continue
         if rows:

@@ -143,9 +143,7 @@ class _Parsed:
 
 
 @contextmanager
-def _created(
-    lib: Glslang, source: Source, environment: Environment
-) -> Iterator[tuple[int, Input]]:
+def _created(lib: Glslang, source: Source, environment: Environment) -> Iterator[tuple[int, Input]]:
     text = source.text.encode()  # kept alive until the shader is deleted
     given = Input(
         language=_GLSL,

@@ -21,28 +21,22 @@ MAX_OPERATORS = 5000
 
 _OPERATORS = "+-*/%<>=&|^!~,"
 _TOKEN = re.compile(r"\w+|[(){}\[\];?\n]|[-+*/%<>=&|^!~,]")
+_BLOCK = re.compile(r"\b(?:uniform|buffer|in|out)\s+(\w+)\s*\{")
 _BRANCHES = frozenset(["if", "else", "for", "while", "do", "switch", "?"])
 _MINIMUM = {"opengl": (330, "OpenGL"), "vulkan": (140, "Vulkan"), "vulkan-strict": (140, "Vulkan")}
 
 
-def too_deep(source: Source) -> Diagnostic | None:
-    """An error for a text whose nesting or whose longest expression no compiler survives."""
+def fatal(source: Source) -> Diagnostic | None:
+    """An error for a text that takes the compiler's process down, or None."""
     code = without_comments(source.text)
-    if "#" in code and re.search(r"#[ \t]*define", code):
+    if re.search(r"#[ \t]*define", code):
         code = preprocess(source) or code  # a few macros can stand for thousands of operators
-    if _is_small(code):
+    found = _redefined_block(code) or (None if _is_small(code) else _too_deep(code))
+    if found is None:
         return None
-    for line, nesting, operators in _depths(code):
-        if nesting > MAX_NESTING:
-            what = f"nests deeper than {MAX_NESTING} levels"
-        elif operators > MAX_OPERATORS:
-            what = f"has a statement of more than {MAX_OPERATORS} operators"
-        else:
-            continue
-        file, place = source.place(line)
-        message = f"{what}, which overflows the compiler's stack"
-        return Diagnostic(file=file, line=place, severity="error", message=message)
-    return None
+    token, message, line = found
+    file, place = source.place(line)
+    return Diagnostic(file=file, line=place, severity="error", message=message, token=token)
 
 
 def too_old(source: Source, target: str) -> Diagnostic | None:
@@ -63,6 +57,28 @@ def too_old(source: Source, target: str) -> Diagnostic | None:
     file, line = source.place(at)
     message = f"Desktop shaders for {name} SPIR-V require version {minimum} or higher"
     return Diagnostic(file=file, line=line, severity="error", message=message)
+
+
+def _redefined_block(code: str) -> tuple[str, str, int] | None:
+    """A block's name used again for an array with an initialiser, which crashes glslang 13."""
+    for block in _BLOCK.finditer(code):
+        name = block.group(1)
+        again = re.compile(rf"\b{name}\s*(\[[^\]]*\]\s*)+=").search(code, block.end())
+        if again:
+            return name, f"'{name}' : redefinition", code.count("\n", 0, again.start()) + 1
+    return None
+
+
+def _too_deep(code: str) -> tuple[str, str, int] | None:
+    for line, nesting, operators in _depths(code):
+        if nesting > MAX_NESTING:
+            what = f"nests deeper than {MAX_NESTING} levels"
+        elif operators > MAX_OPERATORS:
+            what = f"has a statement of more than {MAX_OPERATORS} operators"
+        else:
+            continue
+        return "", f"{what}, which overflows the compiler's stack", line
+    return None
 
 
 def _is_small(code: str) -> bool:

@@ -16,7 +16,7 @@ from shaderlab.glsl.reading import version_of, without_comments
 from shaderlab.glsl.roots import File, OutsideError, Roots, inside
 
 MAX_DEPTH = 64
-MAX_CHARACTERS = 4_000_000
+MAX_INCLUDES = 1000
 
 _DIRECTIVE = re.compile(r"[ \t]*#[ \t]*(include|pragma|line|extension)\b[ \t]*(.*)")
 _PATH = re.compile(r'"([^"]*)"[ \t]*|<([^>]*)>[ \t]*')
@@ -57,12 +57,11 @@ class _Output:
     rows: list[str] = field(default_factory=list)
     places: list[tuple[str, int]] = field(default_factory=list)
     parts: dict[str, str] = field(default_factory=dict)
-    size: int = 0
+    includes: int = 0
 
     def add(self, row: str, place: tuple[str, int]) -> None:
         self.rows.append(row)
         self.places.append(place)
-        self.size += len(row) + 1
 
 
 def expand(file: File, roots: Roots) -> Expanded:
@@ -98,8 +97,8 @@ def _expand(file: File, roots: Roots, outer: _Site | None, out: _Output, version
         said = _LINE.fullmatch(rest) if kind == "line" else None
         if kind == "include":
             site = _Site(file, number, outer)
+            _check_count(site, out)
             _expand(_included(rest, site, roots), roots, site, out, version)
-            _check_size(site, out)
         elif kind == "extension" and rest.split(":")[0].strip() in _INCLUDE_EXTENSIONS:
             out.add("", place)  # drivers that lack the extension would refuse it
         elif said:
@@ -170,12 +169,13 @@ def _guard(file: File, codes: list[str]) -> str | None:
     )
 
 
-def _check_size(site: _Site, out: _Output) -> None:
-    if out.size > MAX_CHARACTERS:
+def _check_count(site: _Site, out: _Output) -> None:
+    out.includes += 1
+    if out.includes > MAX_INCLUDES:
         raise _error(
-            f"the text grows past {MAX_CHARACTERS} characters by its includes",
+            f"includes more than {MAX_INCLUDES} times in all",
             site,
-            "add #pragma once to files that are included many times",
+            "include files that are needed in many places once, from the main file",
         )
 
 

@@ -14,8 +14,8 @@ from shaderlab.glsl.diagnostics import declaration
 from shaderlab.glsl.module import MAGIC, Decoration, Module, Storage, parse
 from shaderlab.glsl.numbering import interface_name, numbers, share
 from shaderlab.glsl.sources import STAGES, Source
-from shaderlab.glsl.spirv import stage_variables
 from shaderlab.glsl.types import slots
+from shaderlab.glsl.variables import stage_variables
 from shaderlab.records import Diagnostic
 
 
@@ -26,14 +26,15 @@ def match_locations(modules: Mapping[str, bytes], sources: Sequence[Source]) -> 
     sampler and block one location and one binding in all stages. Numbers that the author wrote
     stay; where all agree already, the modules are returned as they are.
     """
+    if len(modules) == 1:
+        return dict(modules)
     parsed = {stage: parse(data) for stage, data in modules.items()}
     words = {stage: list(module.words) for stage, module in parsed.items()}
     order = [stage for stage in STAGES if stage in parsed]
     for giver, taker in pairwise(order):
         _give(parsed[giver], parsed[taker], words[giver], words[taker])
-    if len(order) > 1:
-        for places in numbers(parsed):
-            share(places, words, sources)
+    for places in numbers(parsed):
+        share(places, words, sources)
     return {
         stage: data if tuple(words[stage]) == parsed[stage].words else _pack(words[stage], data)
         for stage, data in modules.items()

@@ -11,9 +11,7 @@ from pathlib import Path
 from shaderlab.errors import ShaderError, nearest
 from shaderlab.glsl.reading import normalise, read_shader
 
-_SHADER_SUFFIXES = re.compile(
-    r"\.(vert|vs|frag|fs|geom|gs|tesc|tcs|tese|tes|comp|cs|glsl|inc|h)"
-)
+_SHADER_SUFFIXES = re.compile(r"\.(vert|vs|frag|fs|geom|gs|tesc|tcs|tese|tes|comp|cs|glsl|inc|h)")
 
 
 @dataclass(frozen=True)

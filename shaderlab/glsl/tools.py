@@ -54,6 +54,8 @@ def disassemble(module: bytes) -> str:
     Raises:
         ShaderError: the bytes are not a SPIR-V module, or the library is missing.
     """
+    if len(module) % 4:
+        raise ShaderError(f"not a SPIR-V module: {len(module)} bytes are no whole words")
     tools = spirv_tools()
     text, message = c.POINTER(SpirvText)(), c.POINTER(SpirvDiagnostic)()
     with _context("spv1.0") as context:

@@ -94,4 +94,3 @@ def all(x: Condition) -> Condition:
 def not_(x: Condition) -> Condition:
     """Where x does not hold (GLSL's `not` and `!`)."""
     return ~x if isinstance(x, Truth) else np.logical_not(x)
-

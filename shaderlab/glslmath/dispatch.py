@@ -28,9 +28,7 @@ def bands(*values: Value) -> list[Band] | None:
     return None
 
 
-def applied(
-    plain: Callable[..., Any], banded: Callable[..., Band | Truth], *values: Value
-) -> Any:
+def applied(plain: Callable[..., Any], banded: Callable[..., Band | Truth], *values: Value) -> Any:
     """`banded` of the values as bands if one is a band, else `plain` of them as float64."""
     lifted = bands(*values)
     if lifted is not None:

@@ -21,9 +21,7 @@ def mul(m: Value, v: Value) -> Value:
     array([[ 0.,  1.],
            [-1.,  0.]])
     """
-    return applied(
-        lambda m, v: np.matmul(m, v[..., None])[..., 0], matrices.times_vector, m, v
-    )
+    return applied(lambda m, v: np.matmul(m, v[..., None])[..., 0], matrices.times_vector, m, v)
 
 
 def matmul(a: Value, b: Value) -> Value:

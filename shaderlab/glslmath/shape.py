@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from shaderlab.bands import Band
-from shaderlab.bands.band import concatenated
+from shaderlab.bands.joining import concatenated, joined
 from shaderlab.errors import FormulaError
 from shaderlab.glslmath.dispatch import Value, bands
 
@@ -18,7 +18,7 @@ def stacked(parts: Sequence[Value], axis: int) -> Value:
     """Values one after the other along an axis, the other axes broadcast."""
     lifted = bands(*parts)
     if lifted is not None:
-        return Band.joined(lifted, axis)
+        return joined(lifted, axis)
     return concatenated([np.atleast_1d(np.asarray(part, np.float64)) for part in parts], axis)
 
 
@@ -26,10 +26,10 @@ def _vector(size: int, parts: Sequence[Value]) -> Value:
     name = f"vec{size}"
     if not parts:
         raise FormulaError(f"{name} needs at least one value")
-    joined = stacked(parts, -1)
-    got = joined.shape[-1]
+    together = stacked(parts, -1)
+    got = together.shape[-1]
     if got == 1:
-        return joined[..., [0] * size]
+        return together[..., [0] * size]
     # GLSL takes what it needs of the last argument, but no argument may be left over.
     last = np.shape(parts[-1])[-1:] or (1,) if not isinstance(parts[-1], Band) else parts[-1].shape
     if got < size or got - last[-1] >= size:
@@ -37,7 +37,7 @@ def _vector(size: int, parts: Sequence[Value]) -> Value:
             f"{name} of {got} components in {len(parts)} arguments",
             remedy=f"give it {size} components, or one number for all of them",
         )
-    return joined[..., :size]
+    return together[..., :size]
 
 
 def vec2(*parts: Value) -> Value:

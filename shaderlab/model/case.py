@@ -73,11 +73,12 @@ class Case:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "passes", tuple(self.passes))
-        _check_unique("pass", [p.name for p in self.passes])
-        _check_unique("variant", [v.name for v in self.variants])
+        _check_unique("passes", [p.name for p in self.passes])
+        _check_unique("variants", [v.name for v in self.variants])
         if not self.passes:
             raise CaseError("Case: there are no passes; see shaderlab.fullscreen")
-        if not self.expect and not all(v.expect for v in self.variants or [Variant("")]):
+        checked = bool(self.variants) and all(v.expect for v in self.variants)
+        if not self.expect and not checked:
             raise CaseError("Case: expect is empty, so nothing could fail")
 
     @property
@@ -171,8 +172,4 @@ def _changed(passes: tuple[Pass, ...], variant: Variant) -> tuple[Pass, ...]:
 def _check_unique(what: str, names: list[str]) -> None:
     for name in names:
         if names.count(name) > 1:
-            raise CaseError(
-                f"two {what}es are called {name!r}"
-                if what == "pass"
-                else f"two {what}s are called {name!r}"
-            )
+            raise CaseError(f"two {what} are called {name!r}")

@@ -182,7 +182,7 @@ def _encoded(linear: NDArray[np.float64]) -> Bytes:
     """Linear light as sRGB bytes: the library gives its maps linear, screens want them encoded."""
     light = np.clip(linear, 0.0, 1.0)
     encoded = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
-    return np.rint(encoded * 255).astype(np.uint8)
+    return np.asarray(np.rint(encoded * 255), dtype=np.uint8)
 
 
 def _finite_range(values: NDArray[Any]) -> tuple[float, float]:

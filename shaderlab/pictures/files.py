@@ -127,22 +127,23 @@ def thumbnail(path: str | Path, side: int) -> bytes:
     Raises:
         AssetError: the picture can't be read.
     """
-    import OpenImageIO as oiio
-
     source = Path(path)
-    picture = oiio.ImageBuf(str(source))
-    if picture.has_error or not picture.spec().width:
-        raise _damaged(source, picture.geterror())
-    spec = picture.spec()
-    scale = side / max(spec.width, spec.height)
+    pixels = load(source)
+    height, width = pixels.shape[:2]
+    scale = side / max(height, width)
     if scale >= 1:
         return source.read_bytes()
-    width, height = (max(1, round(n * scale)) for n in (spec.width, spec.height))
-    small = oiio.ImageBufAlgo.resize(picture, roi=oiio.ROI(0, width, 0, height))
+    # Each new pixel is the mean of its own block: quick, and no colour rings around an edge.
+    for axis, length in ((0, height), (1, width)):
+        count = max(1, round(length * scale))
+        starts = np.arange(count) * length // count
+        blocks = np.diff(starts, append=length)
+        shape = (-1, 1, 1) if axis == 0 else (1, -1, 1)
+        sums = np.add.reduceat(pixels, starts, axis=axis, dtype=np.float32)
+        pixels = sums / blocks.reshape(shape).astype(np.float32)
     with tempfile.TemporaryDirectory(prefix="shaderlab-") as folder:
         copy = Path(folder) / "small.png"
-        if small.has_error or not small.write(str(copy), "uint8"):
-            raise _damaged(source, small.geterror())
+        save_png(copy, np.rint(pixels * 255).astype(np.uint8))
         return copy.read_bytes()
 
 

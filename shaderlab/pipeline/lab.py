@@ -160,9 +160,8 @@ class Lab:
                     found = Judgement(outcome=outcome)
             with draft.timed("picture"):
                 seen = book.judged(f"{index}-{expectation.name}", found.pictures)
-            draft.add(
-                replace(found.outcome, images=seen.files, captions=seen.captions), found.curve
-            )
+            outcome = replace(found.outcome, images=seen.files, captions=seen.captions)
+            draft.add(outcome, found.curve, getattr(expectation, "output", ""))
 
     def _portrait(self, scene: Scene, prepared: Prepared, draft: write_up.Draft) -> None:
         if self.options.folder is None:

@@ -33,7 +33,10 @@ def plan(scene: Scene, prepared: Prepared) -> Plan:
     Raises:
         CaseError: one names a pass, a draw or an output that does not exist.
     """
-    fragments, vertices, counted, probes = set(), set(), set(), []
+    fragments: set[PassDraw] = set()
+    vertices: set[PassDraw] = set()
+    counted: set[PassDraw] = set()
+    probes: list[int] = []
     for index, expectation in enumerate(scene.expect):
         if isinstance(expectation, Coverage):
             counted.add(draw_key(scene, expectation.pass_name, expectation.draw))

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import os
+import re
 import time
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
+
+import numpy as np
 
 from shaderlab.checks.judgement import shown
 from shaderlab.errors import ShaderlabError
@@ -72,10 +75,12 @@ class Draft:
         for name in sorted(names):
             self._notices.append(f"uniform {name} is declared but inactive: it changes no output")
 
-    def add(self, outcome: Outcome, curve: Curve | None) -> None:
-        """Note one expectation's outcome."""
-        where = tuple(replace(s, file=near(s.file)) for s in outcome.sources)
-        self._outcomes.append(replace(outcome, sources=(*where, *self._shader_of(outcome))))
+    def add(self, outcome: Outcome, curve: Curve | None, output: str) -> None:
+        """Note one expectation's outcome; `output` is the shader output it is about, or ""."""
+        where = [replace(s, file=near(s.file)) for s in outcome.sources]
+        if where and output:
+            where += self._assignments(output.rpartition(".")[2])
+        self._outcomes.append(replace(outcome, sources=tuple(where)))
         if curve is not None:
             self._curves.append(curve)
 
@@ -125,18 +130,16 @@ class Draft:
             return "fail"
         return "pass"
 
-    def _shader_of(self, outcome: Outcome) -> tuple[SourceText, ...]:
-        """The shader that writes the judged output, at the line of its assignment."""
-        if not outcome.sources:
-            return ()
-        name = outcome.name.rpartition(".")[2]
+    def _assignments(self, output: str) -> list[SourceText]:
+        """The last line in a shader that assigns to `output`, of the program that ran last."""
+        assigns = re.compile(rf"\b{re.escape(output)}(\.\w+)?\s*[-+*/]?=(?!=)")
         for program in reversed(self._programs.values()):
             for source in reversed(program.sources):
-                lines = source.text.splitlines()
-                for number, line in enumerate(lines, 1):
-                    if line.split("//")[0].strip().startswith((f"{name} =", f"{name}=")):
-                        return (replace(source, line=number, text=line.strip()),)
-        return ()
+                lines = [line.split("//")[0] for line in source.text.splitlines()]
+                hits = [n for n, line in enumerate(lines, 1) if assigns.search(line)]
+                if hits:
+                    return [replace(source, line=hits[-1], text=lines[hits[-1] - 1].strip())]
+        return []
 
 
 def near(path: str) -> str:
@@ -200,10 +203,11 @@ def _spelt(value: object) -> str:
             if any(v != 0.0 for v in _numbers(step)):
                 ends.append(f"{label} {shown(step)}")
         return " + ".join(ends)
-    return shown(value)
+    try:
+        return shown(value)
+    except (TypeError, ValueError):  # no numbers: the record says so elsewhere
+        return repr(value)
 
 
 def _numbers(value: object) -> list[float]:
-    import numpy as np
-
     return [float(v) for v in np.ravel(np.asarray(value, np.float64))]

@@ -30,6 +30,11 @@ def phong(normal: Value, light_direction: Value, view_direction: Value, shinines
 
     Returns:
         0…1, (…, 1).
+
+    >>> from shaderlab.glslmath import vec3
+    >>> up, aside = vec3(0.0, 0.0, 1.0), vec3(0.6, 0.0, 0.8)
+    >>> print(f"{phong(up, aside, up, 2.0).item():.6f}")
+    0.640000
     """
     mirrored = reflect(-normalize(light_direction), normalize(normal))
     return lobe(dot(mirrored, normalize(view_direction)), shininess)
@@ -39,11 +44,21 @@ def blinn(normal: Value, light_direction: Value, view_direction: Value, shinines
     """(N·H)ˢ with H halfway between light and viewer: never cut off while both see the surface.
 
     Args and returns: as `phong`.
+
+    >>> from shaderlab.glslmath import vec3
+    >>> up, aside = vec3(0.0, 0.0, 1.0), vec3(0.6, 0.0, 0.8)
+    >>> print(f"{blinn(up, aside, up, 2.0).item():.6f}")
+    0.900000
     """
     halfway = normalize(normalize(light_direction) + normalize(view_direction))
     return lobe(dot(normalize(normal), halfway), shininess)
 
 
 def diffuse(normal: Value, light_direction: Value) -> Value:
-    """Lambert's law: max(N·L, 0). Source: J. H. Lambert, "Photometria", 1760."""
+    """Lambert's law: max(N·L, 0). Source: J. H. Lambert, "Photometria", 1760.
+
+    >>> from shaderlab.glslmath import vec3
+    >>> print(f"{diffuse(vec3(0.0, 0.0, 1.0), vec3(1.2, 1.0, 2.0)).item():.6f}")
+    0.788110
+    """
     return max(dot(normalize(normal), normalize(light_direction)), 0.0)

@@ -19,6 +19,11 @@ def spot_cosine(FragPos: Value, light_position: Value, light_direction: Value) -
 
     Returns:
         cos θ in −1…1, (…, 1).
+
+    >>> import numpy as np
+    >>> fragment, lamp, axis = np.eye(3)[0], np.zeros(3), np.array([1.0, 0.0, -1.0])
+    >>> print(f"{spot_cosine(fragment, lamp, axis).item():.6f}")
+    0.707107
     """
     light_dir = normalize(light_position - FragPos)
     return dot(light_dir, normalize(-light_direction))
@@ -47,7 +52,13 @@ def spot_ratio(
     light_cutOff: Value,
     light_outerCutOff: Value,
 ) -> Value:
-    """`ratio_of_cosines` at a fragment: above 1 inside the inner cone, negative outside."""
+    """`ratio_of_cosines` at a fragment: above 1 inside the inner cone, negative outside.
+
+    >>> import numpy as np
+    >>> lamp, down = np.zeros(3), np.array([0.0, 0.0, -1.0])
+    >>> print(f"{spot_ratio(np.array([0.6, 0.0, -0.8]), lamp, down, 0.9, 0.7).item():.6f}")
+    0.500000
+    """
     theta = spot_cosine(FragPos, light_position, light_direction)
     return ratio_of_cosines(theta, light_cutOff, light_outerCutOff)
 
@@ -59,6 +70,12 @@ def spot_intensity(
     light_cutOff: Value,
     light_outerCutOff: Value,
 ) -> Value:
-    """I = clamp((θ − γ) / (φ − γ), 0, 1): the share of the spot's light, 0…1."""
+    """I = clamp((θ − γ) / (φ − γ), 0, 1): the share of the spot's light, 0…1.
+
+    >>> import numpy as np
+    >>> lamp, down = np.zeros(3), np.array([0.0, 0.0, -1.0])
+    >>> print(f"{spot_intensity(np.array([0.8, 0.0, -0.6]), lamp, down, 0.9, 0.7).item():.6f}")
+    0.000000
+    """
     ratio = spot_ratio(FragPos, light_position, light_direction, light_cutOff, light_outerCutOff)
     return clamp(ratio, 0.0, 1.0)

@@ -132,12 +132,39 @@ def clip_position(aPos: Value, model: Value, view: Value, projection: Value) -> 
 
     Returns:
         (…, 4), before the division by w.
+
+    >>> view, projection = translate((0, 0, -3)), perspective(math.radians(45), 1.0, 0.1, 100.0)
+    >>> clip_position(np.array([0.5, 0.5, 0.0]), np.eye(4), view, projection).round(6).tolist()
+    [1.207107, 1.207107, 2.805806, 3.0]
     """
     return mul(projection, mul(view, mul(model, vec4(aPos, 1.0))))
 
 
+def world_position(aPos: Value, model: Value) -> Value:
+    """From a mesh's own space to the world's: the first three of model · (x, y, z, 1).
+
+    >>> world_position(np.array([1.0, 0.0, 0.0]), translate((1, 2, 3))).tolist()
+    [2.0, 2.0, 3.0]
+    """
+    return swizzle(mul(model, vec4(aPos, 1.0)), "xyz")
+
+
+def world_normal(aNormal: Value, normalMatrix: Value) -> Value:
+    """Normals through the matrix that `normal_matrix` makes; of any length afterwards.
+
+    >>> world_normal(np.array([1.0, 1.0, 0.0]), normal_matrix(scale((1, 2, 1)))).tolist()
+    [1.0, 0.5, 0.0]
+    """
+    return mul(normalMatrix, aNormal)
+
+
 def device_position(aPos: Value, model: Value, view: Value, projection: Value) -> Value:
-    """Normalised device coordinates: `clip_position` divided by its w, (…, 3)."""
+    """Normalised device coordinates: `clip_position` divided by its w, (…, 3).
+
+    >>> view, projection = translate((0, 0, -3)), perspective(math.radians(45), 1.0, 0.1, 100.0)
+    >>> device_position(np.array([0.5, 0.5, 0.0]), np.eye(4), view, projection).round(6).tolist()
+    [0.402369, 0.402369, 0.935269]
+    """
     clip = clip_position(aPos, model, view, projection)
     return swizzle(clip, "xyz") / swizzle(clip, "w")
 

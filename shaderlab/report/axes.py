@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+_SMALLEST, _LARGEST = 1e-307, 1e308
+
 
 @dataclass(frozen=True)
 class Axis:
@@ -51,11 +53,12 @@ def axis(
         return None
     low, high = min(shown), max(shown)
     if log:
-        spread = (high / low) ** margin if high > low else 2.0
-        return Axis(low / spread, high * spread, start, stop, log=True)
+        decades = (math.log10(high) - math.log10(low)) * margin if high > low else 0.3
+        return Axis(
+            max(low * 10**-decades, _SMALLEST), min(high * 10**decades, _LARGEST), start, stop, True
+        )
     pad = (high / 2 - low / 2) * 2 * margin if high > low else abs(high) * 0.1 or 1.0
-    limit = 1.7e308
-    return Axis(max(low - pad, -limit), min(high + pad, limit), start, stop)
+    return Axis(max(low - pad, -_LARGEST), min(high + pad, _LARGEST), start, stop)
 
 
 def _linear_ticks(low: float, high: float, about: int) -> list[float]:

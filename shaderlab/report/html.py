@@ -13,9 +13,9 @@ from .. import pictures
 from ..records import Run
 from . import markup, text
 from .atomic import write_text
+from .build import build
 from .grouping import STATUS_WORDS, STATUSES
 from .inline import Pictures
-from .page import build
 
 if TYPE_CHECKING:
     from jinja2 import Environment

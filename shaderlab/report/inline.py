@@ -31,6 +31,7 @@ class Pictures:
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder.resolve()
+        self._thumbnails: dict[tuple[str, int], Picture] = {}
 
     def full(self, name: str) -> Picture:
         """The picture file `name` (relative to the folder), small ones enlarged."""
@@ -42,7 +43,13 @@ class Pictures:
         return _picture(data, name)
 
     def small(self, name: str, side: int) -> Picture:
-        """The same as a thumbnail of at most `side` pixels."""
+        """The same as a thumbnail of at most `side` pixels; each is made once."""
+        key = (name, side)
+        if key not in self._thumbnails:
+            self._thumbnails[key] = self._small(name, side)
+        return self._thumbnails[key]
+
+    def _small(self, name: str, side: int) -> Picture:
         try:
             data = pictures.thumbnail(self._inside(name), side)
         except (OSError, ValueError, AssetError) as error:

@@ -21,7 +21,7 @@ void main()
     color = mix(color, vec3(0.85), 0.5 * line(place.x - time, 1.0));
 
     // The bead is where we are now, filled with the uniform itself.
-    vec2 bead = (place - vec2(time, ourColor.g)) * vec2(0.2, 1.0);
+    vec2 bead = (place - vec2(time, ourColor.g)) * vec2(0.2254, 1.0);
     float away = length(bead) - 0.075;
     if (away < 0.0)
         color = ourColor.rgb;

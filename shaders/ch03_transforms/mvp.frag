@@ -9,11 +9,11 @@ void main()
 {
     vec2 place = TexCoords * 8.0;
     vec3 color = mix(vec3(0.16, 0.22, 0.30), vec3(0.86, 0.80, 0.68), chessboard(place));
-    vec2 toGrid = place - floor(place + 0.5);
-    float grid = max(line(toGrid.x, 1.5), line(toGrid.y, 1.5));
+    vec2 wave = sin(3.14159265 * place);   // 0 on the grid's lines
+    float grid = max(line(wave.x, 1.5), line(wave.y, 1.5));
     color = mix(color, vec3(0.95, 0.55, 0.20), grid);
 
     // The farther away, the more of the air between.
-    float away = clamp((1.0 / gl_FragCoord.w - 2.6) * 1.2, 0.0, 1.0);
+    float away = clamp((1.0 / gl_FragCoord.w - 2.1) / 1.8, 0.0, 1.0);
     FragColor = vec4(mix(color, vec3(0.55, 0.65, 0.75), 0.6 * away), 1.0);
 }

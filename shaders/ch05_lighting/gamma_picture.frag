@@ -21,7 +21,8 @@ float threshold(ivec2 pixel)
 void main()
 {
     float light = (floor(linear * 16.0) + 0.5) / 16.0;
-    float dithered = step(threshold(ivec2(gl_FragCoord.xy)), light);
+    // Dots of 2 × 2 pixels, so that they survive a picture that is shown a little smaller.
+    float dithered = step(threshold(ivec2(gl_FragCoord.xy) / 2), light);
 
     // Five stripes: raw, dithered, encoded, dithered, raw.
     float shown = dithered;

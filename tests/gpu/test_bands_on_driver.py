@@ -26,6 +26,12 @@ ROOT = Path(__file__).resolve().parents[2]
 
 Formula = Callable[..., Any]
 
+VERTEX_SHADER = """#version 330 core
+    void main() {
+        vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1);
+        gl_Position = vec4(corner * 4.0 - 1.0, 0.0, 1.0);
+    }"""
+
 # GLSL over the vec4 inputs `a` and `b`, and the same as a formula. Grouped by the inputs' domain.
 UNIT: dict[str, Formula] = {
     "a * b": lambda a, b: a * b,
@@ -39,9 +45,7 @@ UNIT: dict[str, Formula] = {
     "(a + 0.3) * 0.7 - 0.21": lambda a, b: (a + 0.3) * 0.7 - 0.21,
     "(a + b) * (a - b)": lambda a, b: (a + b) * (a - b),
     "a + 0.1 + b + 0.2 - a": lambda a, b: a + 0.1 + b + 0.2 - a,
-    "1.0 / (1.0 + 0.09 * a + 0.032 * a * a)": lambda a, b: (
-        1.0 / (1.0 + 0.09 * a + 0.032 * a * a)
-    ),
+    "1.0 / (1.0 + 0.09 * a + 0.032 * a * a)": lambda a, b: 1.0 / (1.0 + 0.09 * a + 0.032 * a * a),
     "a / (a + 1.0)": lambda a, b: a / (a + 1.0),
     "mix(a, b, b.yzwx)": lambda a, b: g.mix(a, b, g.swizzle(b, "yzwx")),
     "smoothstep(0.2, 0.8, a)": lambda a, b: g.smoothstep(0.2, 0.8, a),
@@ -92,18 +96,14 @@ ANGLES: dict[str, Formula] = {
     "vec4(max(dot(normalize(a - b), normalize(b)), 0.0))": lambda a, b: g.vec4(
         g.max(g.dot(g.normalize(a - b), g.normalize(b)), 0.0)
     ),
-    "vec4(cross(a.xyz, b.xyz), 1.0)": lambda a, b: g.vec4(
-        g.cross(a[..., :3], b[..., :3]), 1.0
-    ),
+    "vec4(cross(a.xyz, b.xyz), 1.0)": lambda a, b: g.vec4(g.cross(a[..., :3], b[..., :3]), 1.0),
     "reflect(a, normalize(b))": lambda a, b: g.reflect(a, g.normalize(b)),
     "refract(normalize(a), normalize(b), 0.66)": lambda a, b: g.refract(
         g.normalize(a), g.normalize(b), 0.66
     ),
     "faceforward(a, b, a.wzyx)": lambda a, b: g.faceforward(a, b, g.swizzle(a, "wzyx")),
     "vec4(inverse(mat3(a.xyz, b.xyz, a.wzx)) * b.xyz, 0.0)": lambda a, b: g.vec4(
-        g.mul(
-            g.inverse(g.mat3(a[..., :3], b[..., :3], g.swizzle(a, "wzx"))), b[..., :3]
-        ),
+        g.mul(g.inverse(g.mat3(a[..., :3], b[..., :3], g.swizzle(a, "wzx"))), b[..., :3]),
         0.0,
     ),
     "vec4(determinant(mat2(a.xy, b.xy)))": lambda a, b: g.vec4(
@@ -126,6 +126,35 @@ RATIOS: dict[str, Formula] = {
     "asin(a)": lambda a, b: g.asin(a),
     "acos(a)": lambda a, b: g.acos(a),
 }
+
+
+def random_expressions(count: int, seed: int) -> dict[str, Formula]:
+    """Sums and products that a compiler may rearrange: text that is GLSL and Python at once."""
+    rng = np.random.default_rng(seed)
+
+    def expression(depth: int) -> str:
+        if depth == 0 or rng.random() < 0.15:
+            # No bare constants: the compiler folds those in float32, Python in float64.
+            return str(rng.choice(["a", "b", "c", "d", "0.1 * a", "2.0 * b"]))
+        inner = [expression(depth - 1) for _ in range(3)]
+        patterns = [
+            *("({0} + {1})", "({0} - {1})", "(({0}) * ({1}))", "({0} * {1} + {0} * {2})"),
+            *("(({0} + {1}) - {0})", "({0} * (1.0 - {1}) + {2} * {1})", "({0} * {1} - {2} * {1})"),
+            *("max({0}, {1})", "mix({0}, {1}, {2})", "(({0} + 0.1) * 0.7)"),
+        ]
+        return str(rng.choice(patterns)).format(*inner)
+
+    names = {"max": g.max, "mix": g.mix}
+
+    def formula(text: str) -> Formula:
+        def run(a: Any, b: Any) -> Any:
+            moved = {"c": g.swizzle(a, "yzwx"), "d": g.swizzle(b, "wzyx")}
+            return eval(text, names | moved | {"a": a, "b": b})
+
+        return run
+
+    texts = [f"(a * {expression(3)} + b)" for _ in range(count)]
+    return {text: formula(text) for text in texts}
 
 
 def inputs(group: str, seed: int) -> np.ndarray:
@@ -151,16 +180,10 @@ def inputs(group: str, seed: int) -> np.ndarray:
 
 def drawn(context: Any, expressions: list[str], a: np.ndarray, b: np.ndarray) -> list[np.ndarray]:
     """What the driver makes of up to eight expressions, as (SIZE², 4) arrays."""
-    outputs = "".join(
-        f"layout(location = {i}) out vec4 out{i};\n" for i in range(len(expressions))
-    )
+    outputs = "".join(f"layout(location = {i}) out vec4 out{i};\n" for i in range(len(expressions)))
     body = "".join(f"    out{i} = {text};\n" for i, text in enumerate(expressions))
     program = context.program(
-        vertex_shader="""#version 330 core
-            void main() {
-                vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1);
-                gl_Position = vec4(corner * 4.0 - 1.0, 0.0, 1.0);
-            }""",
+        vertex_shader=VERTEX_SHADER,
         fragment_shader=f"""#version 330 core
             uniform sampler2D first;
             uniform sampler2D second;
@@ -168,6 +191,8 @@ def drawn(context: Any, expressions: list[str], a: np.ndarray, b: np.ndarray) ->
             void main() {{
                 vec4 a = texelFetch(first, ivec2(gl_FragCoord.xy), 0);
                 vec4 b = texelFetch(second, ivec2(gl_FragCoord.xy), 0);
+                vec4 c = a.yzwx;
+                vec4 d = b.wzyx;
                 {body}
             }}""",
     )
@@ -187,13 +212,61 @@ def drawn(context: Any, expressions: list[str], a: np.ndarray, b: np.ndarray) ->
     return pictures
 
 
+def stored(context: Any, values: np.ndarray) -> dict[str, np.ndarray]:
+    """Values written to targets of several formats, as they come back, (SIZE², 1) each."""
+    formats = {"rgba8": ("f1", None), "srgb8": ("f1", 0x8C43), "rgba16f": ("f2", None)}
+    program = context.program(
+        vertex_shader=VERTEX_SHADER,
+        fragment_shader="""#version 330 core
+            uniform sampler2D values;
+            out vec4 colour;
+            void main() {
+                colour = texelFetch(values, ivec2(gl_FragCoord.xy), 0);
+                gl_FragDepth = clamp(colour.r, 0.0, 1.0);  // softpipe doesn't clamp by itself
+            }""",
+    )
+    wide = np.repeat(values.reshape(-1, 1), 4, axis=1)
+    context.texture((SIZE, SIZE), 4, wide.astype(np.float32).tobytes(), dtype="f4").use(0)
+    array = context.vertex_array(program, [])
+    depth = context.depth_texture((SIZE, SIZE))
+    read = {}
+    for name, (dtype, internal) in formats.items():
+        options = {} if internal is None else {"internal_format": internal}
+        target = context.texture((SIZE, SIZE), 4, dtype=dtype, **options)
+        framebuffer = context.framebuffer([target], depth)
+        framebuffer.use()
+        context.enable_direct(0x8DB9)  # GL_FRAMEBUFFER_SRGB
+        context.enable(context.DEPTH_TEST)
+        context.depth_func = "1"
+        array.render(vertices=3)
+        picture = np.empty((SIZE * SIZE, 4), {"f1": np.uint8, "f2": np.float16}[dtype])
+        framebuffer.read_into(picture, components=4, dtype=dtype)
+        read[name] = picture[:, 0:1].astype(np.float64)
+    read["depth24"] = np.frombuffer(depth.read(), np.float32).reshape(-1, 1).astype(np.float64)
+    return read
+
+
+def judged_formats(context: Any) -> dict[str, Any]:
+    """Per format: stored values outside what its rule allows, and the share of sharp ones."""
+    values = np.linspace(-0.1, 1.1, SIZE * SIZE).astype(np.float32)
+    found = {}
+    for fmt, measured in stored(context, values).items():
+        allowed = Band.exact(values[:, None]).quantise(fmt)
+        found[fmt] = {
+            "outside": int((~allowed.contains(measured)).sum()),
+            "outside if shifted": float((~allowed.contains(np.roll(measured, 99))).mean()),
+        }
+    return found
+
+
 def survey() -> dict[str, Any]:
     """Per expression: values outside, share of vacuous and undecided, the worst in half widths."""
     import moderngl
 
     context = moderngl.create_context(standalone=True, backend="egl")
     found: dict[str, Any] = {}
-    groups = {"unit": UNIT, "angles": ANGLES, "positive": POSITIVE, "ratios": RATIOS}
+    random = random_expressions(48, seed=7)
+    groups = {"unit": UNIT | random, "angles": ANGLES, "positive": POSITIVE, "ratios": RATIOS}
     for group, formulas in groups.items():
         a, b = inputs(group, 1), inputs(group, 2)
         band_a, band_b = Band.exact(a, RULES), Band.exact(b, RULES)
@@ -219,7 +292,11 @@ def survey() -> dict[str, Any]:
                         float(np.broadcast_to(band.hi, measured.shape).flat[worst]),
                     ],
                 }
-    return {"renderer": context.info["GL_RENDERER"], "found": found}
+    return {
+        "renderer": context.info["GL_RENDERER"],
+        "found": found,
+        "formats": judged_formats(context),
+    }
 
 
 @pytest.mark.parametrize("driver", ["llvmpipe", "softpipe"])
@@ -238,6 +315,9 @@ def test_nothing_a_driver_computes_is_outside(driver: str) -> None:
         pytest.skip(f"this machine renders with {answer['renderer']}")
     outside = {text: found for text, found in answer["found"].items() if found["outside"]}
     assert not outside, f"{answer['renderer']}: {outside}"
+    for fmt, found in answer["formats"].items():
+        assert not found["outside"], f"{answer['renderer']} stores {fmt}: {found}"
+        assert found["outside if shifted"] > 0.8, f"the rule of {fmt} could not fail"
     vacuous = {text: f["vacuous"] for text, f in answer["found"].items() if f["vacuous"] > 0.01}
     assert not vacuous, "a band that allows everything has shown nothing"
 

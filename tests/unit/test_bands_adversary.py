@@ -85,7 +85,8 @@ class Device:
         return self.within_ulps(1.0 / np.sqrt(x), 2.0)
 
     def sqrt(self, x: np.ndarray) -> np.ndarray:
-        return np.where(x == 0.0, 0.0, self.div(np.ones(1), self.inversesqrt(np.maximum(x, 1e-30))))
+        root = self.inversesqrt(np.where(x == 0.0, 1.0, x))
+        return np.where(x == 0.0, 0.0, self.div(np.ones(1), root))
 
     def exp2(self, x: np.ndarray) -> np.ndarray:
         return self.within_ulps(np.exp2(x), 3.0 + 2.0 * np.abs(x))
@@ -123,8 +124,6 @@ def trees(names: tuple[str, ...], unary: tuple[str, ...]) -> st.SearchStrategy[T
         ),
         max_leaves=8,
     )
-
-
 
 
 def on_bands(tree: Tree, inputs: list[Band]) -> Any:
@@ -242,14 +241,14 @@ def assert_inside(tree: Tree, run: Tree, seed: int, mode: str, rules: Rules) -> 
     assert not outside.any(), (tree, run, band.lo[outside], measured[outside], band.hi[outside])
 
 
-@settings(max_examples=250, deadline=None)
+@settings(max_examples=250, deadline=None, derandomize=True)
 @given(tree=trees(BINARY, UNARY), seed=st.integers(0, 2**32 - 1))
 def test_no_error_that_the_rules_allow_leaves_the_band(tree: Tree, seed: int) -> None:
     assert_inside(tree, tree, seed, "either", Rules(rearrange=False))
     assert_inside(tree, tree, seed, "either", Rules())
 
 
-@settings(max_examples=400, deadline=None)
+@settings(max_examples=400, deadline=None, derandomize=True)
 @given(
     tree=trees(("add", "sub", "mul", "add"), ()),
     seed=st.integers(0, 2**32 - 1),

@@ -68,7 +68,8 @@ def test_both_neighbours_of_the_exact_result_and_nothing_else(name: str) -> None
         if lo == hi:
             assert exact == Fraction(lo)
         else:
-            assert F32(hi) == np.nextafter(F32(lo), F32(np.inf)), "one step wide"
+            with np.errstate(over="ignore"):
+                assert F32(hi) == np.nextafter(F32(lo), F32(np.inf)), "one step wide"
 
 
 def test_division_allows_two_and_a_half_ulp_and_no_more() -> None:

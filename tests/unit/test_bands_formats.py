@@ -37,11 +37,11 @@ def test_every_code_comes_back_as_itself_and_nothing_else() -> None:
 
 
 @pytest.mark.parametrize(
-    ("value", "code"), [(0.0, 0), (1.0, 255), (0.5, 188), (0.2140411, 127.5), (0.002, 6.59)]
+    ("value", "code"), [(0.0, 0), (1.0, 255), (0.5, 187.516), (0.2140411, 127.5), (0.002, 6.59)]
 )
 def test_srgb_codes(value: float, code: float) -> None:
     lowest, highest = codes(value, "srgb8")
-    assert lowest == np.ceil(code - 0.6) and highest == np.floor(code + 0.6)
+    assert lowest == np.ceil(code - 0.7) and highest == np.floor(code + 0.7)
 
 
 def test_the_tolerance_is_a_parameter() -> None:
@@ -76,9 +76,9 @@ def test_depth_is_a_code_over_its_largest(fmt: str, largest: int) -> None:
     allowed = Band.exact(depth).quantise(fmt)
     stored = np.rint(depth.astype(np.float64) * largest)
     assert allowed.contains((stored / largest).astype(np.float32)).all()
-    assert allowed.contains((np.floor(depth.astype(np.float64) * largest) / largest)).all()
+    assert allowed.contains(np.floor(depth.astype(np.float64) * largest) / largest).all()
     assert not allowed.contains((stored + 4) / largest).any()
-    assert codes(1.5, fmt) == (1.0 - (1.0 - codes(1.0, fmt)[0]), 1.0)
+    assert codes(1.5, fmt) == codes(1.0, fmt) and codes(1.5, fmt)[1] == 1.0
     assert codes(-1.0, fmt)[0] == 0.0
 
 

@@ -1,4 +1,4 @@
-"""What would lose a band's interval raises instead, and says what to use; choices have three values."""
+"""What would lose a band's interval raises and says what to use; choices have three values."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def test_misuse_raises_and_names_the_way_out(misuse: Callable[[], Any]) -> None:
 
 
 def test_power_names_glslmath_pow() -> None:
-    with pytest.raises(FormulaError, match="glslmath.pow"):
+    with pytest.raises(FormulaError, match=r"glslmath\.pow"):
         X**2
 
 

@@ -96,7 +96,7 @@ def test_a_slip_in_lighting_is_outside() -> None:
     def shinier(*inputs: Any) -> Any:
         return blinn_phong(*inputs, shininess=32.3)
 
-    assert mean_outside(blinn_phong, shinier, *scene()) > 0.9
+    assert mean_outside(blinn_phong, shinier, *scene()) > 0.85
 
 
 def test_a_dropped_max_is_outside_wherever_it_matters() -> None:

@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 from click.testing import CliRunner, Result
 
+from shaderlab import pipeline
 from shaderlab.cli import cli
 from shaderlab.records import Record
 
@@ -107,6 +108,30 @@ def test_unsupported_is_no_failure_unless_nothing_else_ran(
     fake_lab({"far": dataclasses.replace(passing, status="unsupported", message="no tessellation")})
     assert shaderlab("run", case_folder / "lamp.py").exit_code == 0
     assert shaderlab("run", case_folder / "lamp.py", "--variant", "far").exit_code == 1
+
+
+def test_an_interrupted_run_reports_what_it_did(
+    shaderlab: Callable[..., Result],
+    case_folder: Path,
+    fake_lab: Install,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    fake_lab({})
+    lab = pipeline.Lab()
+    run = type(lab).run
+
+    def interrupt(self: Any, scene: Any) -> Record:
+        if scene.variant == "far":
+            raise KeyboardInterrupt
+        record: Record = run(self, scene)
+        return record
+
+    monkeypatch.setattr(type(lab), "run", interrupt)
+    result = shaderlab("run", case_folder / "lamp.py")
+    assert result.exit_code == 130
+    assert "1 case: 1 passed" in result.output and "interrupted" in result.output
+    assert (tmp_path / "reports" / "latest" / "index.html").is_file()
 
 
 def test_compilers_messages_are_shown_once(

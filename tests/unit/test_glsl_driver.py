@@ -1,8 +1,11 @@
 """What the modules declare against what a driver reports of the same program."""
 
+import os
 from collections.abc import Iterator, Mapping
+from typing import Any
 
 import moderngl
+import numpy as np
 import pytest
 
 from shaderlab.glsl import Interface, Shaders, compile_program
@@ -159,10 +162,11 @@ void main() {
 
 
 @pytest.fixture(scope="module")
-def context() -> Iterator[moderngl.Context]:
+def context() -> Iterator[Any]:
     try:
-        made = moderngl.create_context(standalone=True, backend="egl", require=430)
-    except Exception as error:  # noqa: BLE001 - moderngl raises plain Exception
+        create: Any = moderngl.create_context  # its stubs type keywords of back ends wrongly
+        made = create(standalone=True, backend="egl", require=430)
+    except Exception as error:  # moderngl raises plain Exception
         pytest.skip(f"no OpenGL driver here: {error}")
     yield made
     made.release()
@@ -176,14 +180,14 @@ def interface(program: Mapping[str, str]) -> Interface:
     return compiled.interface
 
 
-def linked(context: moderngl.Context, program: Mapping[str, str]) -> moderngl.Program:
+def linked(context: Any, program: Mapping[str, str]) -> Any:
     names = {s: f"{s}_shader" for s in ("vertex", "geometry", "fragment")}
     return context.program(**{names[stage]: text for stage, text in program.items()})
 
 
 @pytest.mark.parametrize("program", [LIT, BLOCKS, FEEDBACK], ids=["lit", "blocks", "geometry"])
 def test_active_uniforms_are_declared_with_the_drivers_types(
-    context: moderngl.Context, program: Mapping[str, str]
+    context: Any, program: Mapping[str, str]
 ) -> None:
     ours = interface(program)
     members = linked(context, program)
@@ -199,7 +203,7 @@ def test_active_uniforms_are_declared_with_the_drivers_types(
     }
 
 
-def test_unused_uniforms_are_declared_and_said_to_be_unused(context: moderngl.Context) -> None:
+def test_unused_uniforms_are_declared_and_said_to_be_unused(context: Any) -> None:
     ours = interface(LIT)
     assert not ours.uniforms["inactive"].used
     assert "inactive" not in linked(context, LIT)
@@ -209,9 +213,7 @@ def test_unused_uniforms_are_declared_and_said_to_be_unused(context: moderngl.Co
 
 
 @pytest.mark.parametrize("program", [LIT, BLOCKS, FEEDBACK], ids=["lit", "blocks", "geometry"])
-def test_attributes_are_the_drivers(
-    context: moderngl.Context, program: Mapping[str, str]
-) -> None:
+def test_attributes_are_the_drivers(context: Any, program: Mapping[str, str]) -> None:
     ours = interface(program)
     members = linked(context, program)
     theirs = [members[name] for name in members if isinstance(members[name], moderngl.Attribute)]
@@ -240,7 +242,7 @@ def test_explicit_locations_and_interpolation_are_kept() -> None:
     assert (ours.outputs["unset"].type, ours.outputs["unset"].components) == ("uint", 1)
 
 
-def test_blocks_have_the_drivers_size_and_std140_offsets(context: moderngl.Context) -> None:
+def test_blocks_have_the_drivers_size_and_std140_offsets(context: Any) -> None:
     ours = interface(BLOCKS)
     members = linked(context, BLOCKS)
     for name in ("Matrices", "Mixed"):
@@ -275,7 +277,7 @@ def test_blocks_have_the_drivers_size_and_std140_offsets(context: moderngl.Conte
 
 
 def test_varying_blocks_are_named_as_transform_feedback_names_them(
-    context: moderngl.Context,
+    context: Any,
 ) -> None:
     ours = interface(BLOCKS)
     assert set(ours.varyings) == set(ours.vertex_outputs) == {"Out.normal", "Out.uv"}
@@ -283,7 +285,7 @@ def test_varying_blocks_are_named_as_transform_feedback_names_them(
     context.program(vertex_shader=BLOCKS["vertex"], varyings=sorted(ours.vertex_outputs))
 
 
-def test_the_geometry_stages_outputs_are_what_is_rasterised(context: moderngl.Context) -> None:
+def test_the_geometry_stages_outputs_are_what_is_rasterised(context: Any) -> None:
     ours = interface(FEEDBACK)
     assert set(ours.vertex_outputs) == {"shade"}
     assert (ours.vertex_outputs["shade"].type, ours.vertex_outputs["shade"].array) == ("vec3", None)
@@ -294,7 +296,7 @@ def test_the_geometry_stages_outputs_are_what_is_rasterised(context: moderngl.Co
     )
 
 
-def test_a_compute_program_has_a_size_and_blocks(context: moderngl.Context) -> None:
+def test_a_compute_program_has_a_size_and_blocks(context: Any) -> None:
     text = (
         "#version 430 core\nlayout (local_size_x = 8, local_size_y = 4) in;\n"
         "layout (std430, binding = 1) buffer Data { vec4 items[]; };\nuniform float gain;\n"
@@ -307,3 +309,79 @@ def test_a_compute_program_has_a_size_and_blocks(context: moderngl.Context) -> N
     assert {name for name in members if isinstance(members[name], moderngl.Uniform)} == set(
         ours.uniforms
     )
+
+
+CROSSED = {
+    "vertex": """#version 430 core
+out vec2 uv;
+out vec3 tint;
+uniform vec3 base;
+uniform float unlike[3];
+void main() {
+    uv = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0;
+    tint = base + unlike[1];
+    gl_Position = vec4(uv, 0.0, 1.0);
+}
+""",
+    "fragment": """#version 430 core
+in vec3 tint;
+in vec2 uv;
+uniform float gain;
+uniform vec3 base;
+out vec4 c;
+void main() { c = vec4(tint * gain - base, uv.x + 1.0); }
+""",
+}
+
+
+def test_a_driver_runs_the_modules_and_gets_the_varyings_and_uniforms_right(context: Any) -> None:
+    """glslang alone would give `uv` the location of `tint`, and `base` that of `gain`."""
+    if "GL_ARB_gl_spirv" not in context.extensions:
+        pytest.skip("this driver takes no SPIR-V")
+    sources = [Shaders([]).from_text(text, stage, stage) for stage, text in CROSSED.items()]
+    compiled = compile_program(sources)
+    compiled.require()
+    assert compiled.interface is not None
+    pixels = _draw(context, compiled.spirv["opengl"], compiled.interface)
+    # tint = (1, 2, 3) + 0.5, times 2, less (1, 2, 3); the last is uv.x + 1 at a pixel's middle.
+    expected = np.broadcast_to(np.array([2.0, 3.0, 4.0], np.float32), (4, 4, 3))
+    np.testing.assert_array_equal(pixels[..., :3], expected)
+    middles = np.array([0.25, 0.75, 1.25, 1.75], np.float32)
+    np.testing.assert_allclose(pixels[..., 3], np.broadcast_to(middles, (4, 4)), rtol=1e-6)
+
+
+def _draw(context: Any, modules: Mapping[str, bytes], interface: Interface) -> Any:
+    os.environ.setdefault("PYOPENGL_PLATFORM", "egl")  # read when OpenGL is first imported
+    from OpenGL import GL
+    from OpenGL.GL.ARB import gl_spirv
+
+    kinds = {"vertex": GL.GL_VERTEX_SHADER, "fragment": GL.GL_FRAGMENT_SHADER}
+    program = GL.glCreateProgram()
+    for stage, module in modules.items():
+        shader = GL.glCreateShader(kinds[stage])
+        words = np.frombuffer(module, np.uint8)
+        handles = np.array([shader], np.uint32)
+        GL.glShaderBinary(
+            1, handles, gl_spirv.GL_SHADER_BINARY_FORMAT_SPIR_V_ARB, words, words.size
+        )
+        gl_spirv.glSpecializeShaderARB(shader, b"main", 0, None, None)
+        assert GL.glGetShaderiv(shader, GL.GL_COMPILE_STATUS), GL.glGetShaderInfoLog(shader)
+        GL.glAttachShader(program, shader)
+    GL.glLinkProgram(program)
+    assert GL.glGetProgramiv(program, GL.GL_LINK_STATUS), GL.glGetProgramInfoLog(program)
+    place = {name: uniform.location for name, uniform in interface.uniforms.items()}
+    target = context.simple_framebuffer((4, 4), components=4, dtype="f4")
+    target.use()
+    GL.glUseProgram(program)
+    GL.glUniform3f(place["base"], 1.0, 2.0, 3.0)
+    GL.glUniform1f(place["gain"], 2.0)
+    GL.glUniform1fv(place["unlike"], 3, np.array([9.0, 0.5, 9.0], np.float32))
+    vertices = GL.glGenVertexArrays(1)
+    GL.glBindVertexArray(vertices)
+    GL.glDrawArrays(GL.GL_TRIANGLES, 0, 3)
+    pixels = np.frombuffer(target.read(components=4, dtype="f4"), np.float32).reshape(4, 4, 4)
+    GL.glDeleteVertexArrays(1, [vertices])
+    GL.glUseProgram(0)
+    GL.glDeleteProgram(program)
+    target.release()
+    return pixels

@@ -74,7 +74,8 @@ def test_an_include_is_expanded_and_every_line_keeps_its_author(tmp_path: Path) 
 def test_an_error_in_an_included_file_names_that_file(tmp_path: Path) -> None:
     write(
         tmp_path,
-        main_frag='#version 330 core\n#include "lib/a.glsl"\nout vec4 c;\nvoid main() { c = v(); }\n',
+        main_frag='#version 330 core\n#include "lib/a.glsl"\n'
+        "out vec4 c;\nvoid main() { c = v(); }\n",
         lib__a_glsl="\n\nvec4 v() { return wrong; }\n",
     )
     compiled = compile_program([Shaders([tmp_path]).load("main.frag")])

@@ -1,4 +1,4 @@
-"""GLSL's functions: right on plain numbers, and their bands hold the truth and the errors allowed."""
+"""GLSL's functions: right on plain numbers; their bands hold the truth and the errors allowed."""
 
 from __future__ import annotations
 
@@ -36,7 +36,11 @@ ALLOWED: dict[str, tuple[np.ndarray, Callable[[Any], Any], Callable[[Any, Any], 
     "sin": (uniform(-math.pi, math.pi), mpmath.sin, lambda x, f: 2.0**-11),
     "cos": (uniform(-math.pi, math.pi), mpmath.cos, lambda x, f: 2.0**-11),
     "exp": (uniform(-60, 60), mpmath.exp, lambda x, f: (3 + 2 * abs(x)) * ulp(f)),
-    "exp2": (uniform(-90, 90), lambda x: mpmath.power(2, x), lambda x, f: (3 + 2 * abs(x)) * ulp(f)),
+    "exp2": (
+        uniform(-90, 90),
+        lambda x: mpmath.power(2, x),
+        lambda x, f: (3 + 2 * abs(x)) * ulp(f),
+    ),
     "log": (
         np.concatenate([near_one(), log_uniform(-100, 100)]),
         mpmath.log,
@@ -68,7 +72,7 @@ def test_a_band_holds_the_truth_and_all_of_the_allowed_error_but_not_more(name: 
 @pytest.mark.parametrize(
     ("name", "inputs", "truth", "relative"),
     [
-        ("sqrt", log_uniform(-100, 100), mpmath.sqrt, 1e-6),
+        ("sqrt", log_uniform(-100, 100), mpmath.sqrt, 1.2e-6),
         ("tan", uniform(-1.2, 1.2), mpmath.tan, 0.1),
         ("asin", uniform(-1, 1), mpmath.asin, 0.1),
         ("acos", uniform(-1, 0.99), mpmath.acos, 0.1),
@@ -213,7 +217,7 @@ def test_the_float64_value_of_a_formula_is_inside_its_own_band(name: str) -> Non
 def test_plain_numbers_need_no_arrays_and_no_warnings() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        assert 1.0 / (1.0 + 0.09 * 50.0 + 0.032 * 50.0 * 50.0) == pytest.approx(0.011695906)
+        assert pytest.approx(0.011695906) == 1.0 / (1.0 + 0.09 * 50.0 + 0.032 * 50.0 * 50.0)
         assert g.mix(0.0, 10.0, 0.2) == 2.0 and g.clamp(3, 0, 1) == 1.0
         assert math.isnan(g.sqrt(-1.0)) and g.log(0.0) == -math.inf
         assert g.inversesqrt(0.0) == math.inf and math.isnan(g.mod(1.0, 0.0))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import doctest
 import importlib
+import inspect
 import pkgutil
 
 import pytest
@@ -29,6 +30,20 @@ def test_there_are_worked_values() -> None:
     tried = {name: doctest.testmod(importlib.import_module(name)).attempted for name in MODULES}
     without = {name for name, number in tried.items() if number == 0}
     assert without == set()
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_every_formula_has_a_worked_value(name: str) -> None:
+    module = importlib.import_module(name)
+    without = [
+        member
+        for member, function in inspect.getmembers(module, inspect.isfunction)
+        if name.startswith("shaderlab.reference.")
+        and function.__module__ == name
+        and not member.startswith("_")
+        and ">>>" not in (function.__doc__ or "")
+    ]
+    assert without == []
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,153 @@
+"""Lays a run out as a page: each case with everything that belongs to it, in reading order."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from ..records import Outcome, Record, Run
+from . import markup
+from .chart import chart
+from .grouping import CHAPTERS, CaseGroup, group_cases, total
+from .inline import Picture, Pictures
+from .listing import Listing
+from .page import CaseView, ChapterView, Check, Page, Plate, VariantView
+from .sources import anchor_of, compiled, listings
+from .text import Anchors
+from .worst import worst_panel
+
+THUMBNAIL = 240
+# Up to so many figures are shown in one table for the whole case, more in each variant's.
+_FIGURES_TOGETHER = 60
+_KINDS = {"glsl": "shader", "python": "formula"}
+
+
+def build(run: Run, pictures: Pictures) -> Page:
+    """Lay a run out as a page."""
+    anchors = Anchors()
+    groups = group_cases(run.records)
+    cases = tuple(_case(group, anchors, pictures) for group in groups)
+    chapters = []
+    for number, name in CHAPTERS.items():
+        members = tuple(case for case in cases if case.group.chapter == number)
+        if members:
+            chapters.append(ChapterView(number, name, anchors.new(f"chapter-{number}"), members))
+    return Page(run, total(run, groups), tuple(chapters), cases)
+
+
+def _case(group: CaseGroup, anchors: Anchors, pictures: Pictures) -> CaseView:
+    first = group.first
+    anchor = anchors.new("case", group.id)
+    several = len(group.records) > 1
+    glsl, python = listings(group, anchor)
+    figures = tuple(
+        (record.variant if several else "", row)
+        for record in group.records
+        for outcome in record.expectations
+        for row in outcome.rows
+    )
+    together = len(figures) <= _FIGURES_TOGETHER
+    return CaseView(
+        group=group,
+        anchor=anchor,
+        status=group.status,
+        lesson=markup.lesson(first.lesson),
+        formula=markup.formula(first.formula),
+        thumbnail=_thumbnail(group, pictures),
+        plates=tuple(
+            _plate(pictures, record, name, file, several)
+            for record in group.records
+            for name, file in record.images.items()
+        ),
+        charts=tuple(
+            (record.variant if several else "", chart(curve))
+            for record in group.records
+            for curve in record.curves
+        ),
+        figures=figures if together else (),
+        errata=tuple(dict.fromkeys(note for record in group.records for note in record.errata)),
+        compiled=compiled(group),
+        glsl=glsl,
+        python=python,
+        variants=tuple(
+            _variant(
+                record,
+                anchors.new(anchor, record.variant),
+                (*glsl, *python),
+                pictures,
+                anchors,
+                own_figures=not together,
+            )
+            for record in group.records
+        ),
+    )
+
+
+def _variant(
+    record: Record,
+    anchor: str,
+    texts: Sequence[Listing],
+    pictures: Pictures,
+    anchors: Anchors,
+    *,
+    own_figures: bool,
+) -> VariantView:
+    checks = tuple(
+        _check(record, outcome, anchors.new(anchor, outcome.name), texts, pictures)
+        for outcome in record.expectations
+    )
+    return VariantView(record, anchor, checks, own_figures)
+
+
+def _check(
+    record: Record, outcome: Outcome, anchor: str, texts: Sequence[Listing], pictures: Pictures
+) -> Check:
+    plates = tuple(
+        Plate(
+            name=name,
+            alt=f"{name}: {outcome.name} of {record.title}, {record.variant}",
+            caption=outcome.captions.get(name, ""),
+            picture=pictures.full(file),
+        )
+        for name, file in outcome.images.items()
+    )
+    places = tuple(
+        (
+            _KINDS[source.language],
+            f"{source.file}:{source.line}",
+            anchor_of(texts, source.file, source.line),
+        )
+        for source in outcome.sources
+    )
+    panel = None if outcome.worst is None else worst_panel(outcome.worst)
+    return Check(outcome, anchor, plates, panel, places)
+
+
+def _plate(pictures: Pictures, record: Record, name: str, file: str, several: bool) -> Plate:
+    caption = record.captions.get(name, "")
+    title = record.variant if several else ("" if name == "picture" else name)
+    if several and name != "picture":
+        title = f"{record.variant}: {name}"
+    alt = f"{record.title}, {record.variant}: {name}" if several else f"{record.title}: {name}"
+    return Plate(title, alt, caption, pictures.full(file))
+
+
+def _thumbnail(group: CaseGroup, pictures: Pictures) -> Picture | None:
+    """A small picture of the variant that gives the case its status, or of any that has one."""
+    records = sorted(group.records, key=lambda record: record.status != group.status)
+    files = [_main_image(record.images) for record in records]
+    files += [
+        _main_image(outcome.images) for record in records for outcome in record.expectations
+    ]
+    for file in files:
+        if file:
+            small = pictures.small(file, THUMBNAIL)
+            if not small.missing:
+                return small
+    return None
+
+
+def _main_image(images: Mapping[str, str]) -> str:
+    for name in ("picture", "measured"):
+        if name in images:
+            return images[name]
+    return next(iter(images.values()), "")

@@ -1,0 +1,80 @@
+"""A case's sources and what the compilers said of them, each thing once for all variants."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ..records import Diagnostic, SourceText, Verdict
+from .grouping import CaseGroup
+from .listing import Listing, listing
+from .page import Compiled
+
+
+def listings(group: CaseGroup, anchor: str) -> tuple[tuple[Listing, ...], tuple[Listing, ...]]:
+    """Each source text once, GLSL and Python apart, with the messages of all compilers."""
+    users: dict[SourceText, list[str]] = {}
+    messages: list[Diagnostic] = []
+    for record in group.records:
+        sources: list[SourceText] = []
+        for program in record.programs:
+            sources.extend(program.sources)
+            messages.extend(m for verdict in program.verdicts for m in verdict.diagnostics)
+        for outcome in record.expectations:
+            sources.extend(outcome.sources)
+        for source in dict.fromkeys(sources):
+            users.setdefault(source, []).append(record.variant)
+    texts = [
+        listing(source, f"{anchor}-source-{number}", messages, _if_some(names, group))
+        for number, (source, names) in enumerate(_without_parts(users).items(), start=1)
+    ]
+    return (
+        tuple(text for text in texts if text.language == "glsl"),
+        tuple(text for text in texts if text.language == "python"),
+    )
+
+
+def _without_parts(users: dict[SourceText, list[str]]) -> dict[SourceText, list[str]]:
+    """Leave out a text that another one of the same file holds at the same lines."""
+    kept = {}
+    for source, names in users.items():
+        whole = any(
+            other is not source
+            and other.file == source.file
+            and other.line <= source.line
+            and len(other.text) > len(source.text)
+            and _lines_from(other, source.line, source.text) == source.text.rstrip("\n")
+            for other in users
+        )
+        if not whole:
+            kept[source] = names
+    return kept
+
+
+def _lines_from(source: SourceText, line: int, text: str) -> str:
+    start = line - source.line
+    count = len(text.rstrip("\n").split("\n"))
+    return "\n".join(source.text.split("\n")[start : start + count])
+
+
+def compiled(group: CaseGroup) -> tuple[Compiled, ...]:
+    """Each program with the verdicts it got; several variants that agree are one entry."""
+    users: dict[tuple[tuple[str, ...], tuple[Verdict, ...]], list[str]] = {}
+    for record in group.records:
+        for program in record.programs:
+            names = users.setdefault((program.files, program.verdicts), [])
+            if record.variant not in names:
+                names.append(record.variant)
+    return tuple(
+        Compiled(files, verdicts, _if_some(names, group))
+        for (files, verdicts), names in users.items()
+    )
+
+
+def _if_some(variants: Sequence[str], group: CaseGroup) -> tuple[str, ...]:
+    return () if len(variants) == len(group.records) else tuple(variants)
+
+
+def anchor_of(texts: Sequence[Listing], file: str, line: int) -> str | None:
+    """The anchor of a source line, if one of the listings shows it."""
+    found = (text.anchor_of(file, line) for text in texts)
+    return next((anchor for anchor in found if anchor), None)

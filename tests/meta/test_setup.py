@@ -1,0 +1,192 @@
+"""Set-up on machines that lack something, played with stand-ins for the system's commands.
+
+Each stand-in is a small shell script put first on the PATH; nothing is really installed.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+pytestmark = pytest.mark.skipif(os.name == "nt", reason="the set-up is made of shell scripts")
+
+# A Python that has no venv module and no driver until the file `installed` is there.
+BARE_PYTHON = """\
+case "$*" in
+*version_info*) echo 3.11 ;;
+*ensurepip*) test -e installed ;;
+*opengl.py*) test -e installed || { echo "no libEGL.so.1"; exit 1; } ;;
+esac
+"""
+
+
+class Machine:
+    """A folder with the set-up's files, and commands that stand in for the system's."""
+
+    def __init__(self, folder: Path, repository: Path) -> None:
+        self.folder = folder
+        shutil.copytree(repository / ".ci", folder / ".ci")
+        for name in ("Makefile", "pyproject.toml", "constraints.txt"):
+            shutil.copy(repository / name, folder / name)
+        self.commands = folder / "commands"
+        self.commands.mkdir()
+
+    def command(self, name: str, text: str) -> None:
+        file = self.commands / name
+        file.write_text(f"#!/bin/sh\n{text}\n")
+        file.chmod(0o755)
+
+    def run(self, *words: str) -> subprocess.CompletedProcess[str]:
+        path = f"{self.commands}{os.pathsep}{os.environ['PATH']}"
+        return subprocess.run(
+            words,
+            cwd=self.folder,
+            env={**os.environ, "PATH": path},
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            text=True,
+            timeout=60,
+        )
+
+
+@pytest.fixture
+def machine(tmp_path: Path, repository: Path) -> Machine:
+    machine = Machine(tmp_path, repository)
+    machine.command("bare", BARE_PYTHON)
+    machine.command("id", "echo 1000")
+    machine.command("sudo", "exit 1")
+    machine.command("apt-get", 'echo "$@" >>log; case "$*" in *install*) touch installed ;; esac')
+    return machine
+
+
+def test_here_nothing_is_missing(machine: Machine) -> None:
+    done = machine.run(".ci/system", "ensure", sys.executable)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
+def test_without_rights_it_says_the_one_command_for_each_system(machine: Machine) -> None:
+    done = machine.run(".ci/system", "ensure", "bare")
+    assert done.returncode != 0
+    assert "venv module of Python 3.11" in done.stderr and "no libEGL.so.1" in done.stderr
+    for line in (
+        "sudo apt-get update && sudo apt-get install -y python3.11-venv libegl1 libgl1 libgl1-mesa",
+        "sudo dnf install -y python3 mesa-libEGL",
+        "sudo pacman -S --needed --noconfirm python mesa",
+        "brew install python mesa",
+    ):
+        assert line in done.stderr
+    assert not (machine.folder / "log").exists()
+
+
+def test_with_sudo_that_asks_no_password_it_installs(machine: Machine) -> None:
+    machine.command("sudo", 'shift; exec "$@"')
+    done = machine.run(".ci/system", "ensure", "bare")
+    assert done.returncode == 0, done.stderr
+    update, install = (machine.folder / "log").read_text().splitlines()
+    assert update.startswith("update")
+    assert "libegl1 libgl1 libgl1-mesa-dri" in install
+
+
+def test_root_needs_no_sudo(machine: Machine) -> None:
+    machine.command("id", "echo 0")
+    assert machine.run(".ci/system", "ensure", "bare").returncode == 0
+    assert (machine.folder / "installed").exists()
+
+
+def test_an_installation_that_fails_is_shown(machine: Machine) -> None:
+    machine.command("id", "echo 0")
+    machine.command("apt-get", "echo 'E: no space left'; exit 100")
+    done = machine.run(".ci/system", "ensure", "bare")
+    assert done.returncode != 0
+    assert "E: no space left" in done.stderr and "sudo apt-get" in done.stderr
+
+
+def test_an_installation_that_does_not_help_is_no_success(machine: Machine) -> None:
+    machine.command("id", "echo 0")
+    machine.command("apt-get", "exit 0")
+    assert machine.run(".ci/system", "ensure", "bare").returncode != 0
+
+
+def test_no_python_at_all(machine: Machine) -> None:
+    for name in ("python3", *(f"python3.{minor}" for minor in range(11, 15))):
+        machine.command(name, "echo 'no such interpreter' >&2; exit 127")
+    done = machine.run(".ci/setup")
+    assert done.returncode != 0
+    assert "no Python 3.11 or newer" in done.stderr and "PYTHON=" in done.stderr
+    assert not (machine.folder / ".venv").exists()
+
+
+def ready(machine: Machine, folder: Path) -> None:
+    """Make it look as if `make setup` had been done for `folder`."""
+    python = machine.folder / ".venv" / "bin" / "python"
+    python.parent.mkdir(parents=True)
+    python.symlink_to(sys.executable)
+    (machine.folder / ".venv" / ".ready").write_text(f"{folder}\n")
+
+
+def test_a_second_run_sets_nothing_up(machine: Machine) -> None:
+    ready(machine, machine.folder)
+    for what in ("run", "test", "lint"):
+        done = machine.run("make", "--dry-run", what)
+        assert done.returncode == 0 and ".ci/setup" not in done.stdout
+
+
+@pytest.mark.parametrize("change", ["pyproject.toml", "constraints.txt", ".ci/system"])
+def test_a_change_of_what_is_needed_sets_up_again(machine: Machine, change: str) -> None:
+    ready(machine, machine.folder)
+    stamp = (machine.folder / ".venv" / ".ready").stat().st_mtime
+    os.utime(machine.folder / change, (stamp + 5, stamp + 5))
+    assert ".ci/setup" in machine.run("make", "--dry-run", "run").stdout
+
+
+def test_an_environment_from_elsewhere_or_without_python_is_made_anew(machine: Machine) -> None:
+    ready(machine, machine.folder / "elsewhere")
+    assert ".ci/setup" in machine.run("make", "--dry-run", "run").stdout
+    shutil.rmtree(machine.folder / ".venv")
+    ready(machine, machine.folder)
+    (machine.folder / ".venv" / "bin" / "python").unlink()
+    assert ".ci/setup" in machine.run("make", "--dry-run", "run").stdout
+
+
+def test_ci_fails_where_tests_or_style_fail(machine: Machine) -> None:
+    for bad in ("test", "lint", "neither"):
+        machine.command("make", f'case "$*" in *{bad}*) exit 2 ;; esac')
+        done = machine.run(".ci/run")
+        assert (done.returncode == 0) is (bad == "neither")
+        assert ("FAILED" in done.stdout) is (bad != "neither")
+
+
+def test_no_registry_is_named(repository: Path) -> None:
+    files = [*(repository / ".ci").iterdir(), repository / "Makefile"]
+    files += [repository / "pyproject.toml", repository / "constraints.txt"]
+    for file in files:
+        text = file.read_text(encoding="utf-8")
+        assert "index-url" not in text and "://" not in text, file
+
+
+def test_every_dependency_is_pinned_exactly(repository: Path) -> None:
+    import importlib.metadata
+
+    from packaging.requirements import Requirement
+    from packaging.utils import canonicalize_name
+
+    lines = (repository / "constraints.txt").read_text().splitlines()
+    pins = [Requirement(line) for line in lines if line and not line.startswith("#")]
+    assert all(str(pin.specifier).startswith("==") for pin in pins)
+    pinned = {canonicalize_name(pin.name) for pin in pins}
+    wanted = {"shaderlab"}
+    seen: set[str] = set()
+    while wanted:
+        name = wanted.pop()
+        seen.add(name)
+        extra = "dev" if name == "shaderlab" else ""
+        for line in importlib.metadata.requires(name) or []:
+            requirement = Requirement(line)
+            if requirement.marker is None or requirement.marker.evaluate({"extra": extra}):
+                wanted |= {canonicalize_name(requirement.name)} - seen
+    assert seen - pinned == {"shaderlab"}

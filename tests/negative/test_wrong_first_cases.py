@@ -1,0 +1,115 @@
+"""Realistic mistakes in the first cases' shaders: each makes its case fail, and says where."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from shaderlab.catalogue import Catalogue, data_folder
+from shaderlab.pipeline import Lab, Options
+from shaderlab.records import Record
+
+# case, shader, what stands there, the mistake
+MISTAKES = [
+    ("orange-triangle", "ch01_setup/orange_triangle.frag", "0.5, 0.2", "0.51, 0.2"),
+    ("orange-triangle", "ch01_setup/orange_triangle.frag", "1.0, 0.5, 0.2", "0.5, 1.0, 0.2"),
+    ("orange-triangle", "ch01_setup/orange_triangle.vert", "vec4(aPos,", "vec4(1.01 * aPos,"),
+    ("indexed-quad", "ch02_basics/indexed_quad.vert", "vec4(aPos,", "vec4(aPos.yxz,"),
+    ("indexed-quad", "ch02_basics/indexed_quad.vert", "aPos, 1.0", "aPos, 0.99"),
+    ("texture-mix", "ch02_basics/texture_mix.frag", "mix(texture(texture1", "mix(texture(texture2"),
+    ("texture-mix", "ch02_basics/texture_mix.frag", "mixValue);", "1.0 - mixValue);"),
+    ("texture-mix", "ch02_basics/texture_mix.frag", "TexCoords), mixV", "TexCoords.ts), mixV"),
+    ("uniform-over-time", "ch02_basics/uniform_over_time.frag", "sin(time)", "cos(time)"),
+    ("uniform-over-time", "ch02_basics/uniform_over_time.frag", "+ 0.5", "+ 0.505"),
+    ("uniform-over-time", "ch02_basics/uniform_over_time.frag", "= ourColor", "= ourColor.grba"),
+    ("mvp", "ch03_transforms/mvp.vert", "view * (model *", "model * (view *"),
+    ("mvp", "ch03_transforms/mvp.vert", "aPos, 1.0", "aPos, 0.0"),
+    ("mvp", "ch03_transforms/mvp.vert", "xyz / gl_Position.w", "xyz / gl_Position.z"),
+    ("attenuation", "lib/attenuation.glsl", "linear * distance", "quadratic * distance"),
+    ("attenuation", "lib/attenuation.glsl", "(distance * distance)", "distance"),
+    ("attenuation", "lib/attenuation.glsl", "1.0 / (light.constant", "1.01 / (light.constant"),
+    ("attenuation", "lib/attenuation.glsl", "+ 4.0 *", "- 4.0 *"),
+    ("spotlight", "lib/spotlight.glsl", "normalize(light.position", "(light.position"),
+    ("spotlight", "lib/spotlight.glsl", "normalize(-light", "normalize(light"),
+    ("spotlight", "lib/spotlight.glsl", "(light.cutOff -", "(light.outerCutOff -"),
+    ("spotlight", "ch05_lighting/spotlight.frag", "clamp(ratio, 0.0, 1.0)", "min(ratio, 1.0)"),
+    ("gamma", "lib/gamma.glsl", "1.0 / gamma", "gamma"),
+    ("gamma", "lib/gamma.glsl", "1.0 / 2.4) -", "1.0 / 2.2) -"),
+    ("gamma", "lib/gamma.glsl", "1.055 * pow", "1.05 * pow"),
+    ("gamma", "lib/gamma.glsl", "linear <= 0.0031308", "linear <= 0.031308"),
+    ("gamma", "ch05_lighting/gamma.frag", "(linear, gamma)", "(linear, 2.4)"),
+    ("gamma", "ch05_lighting/gamma.frag", "srgbDecode(linear)", "pow(linear, 2.2)"),
+    ("blinn-phong", "lib/specular.glsl", "pow(cosine, shininess)", "pow(cosine, 1.01 * shininess)"),
+    ("blinn-phong", "lib/specular.glsl", "normalize(lightDir + viewDir)", "lightDir + viewDir"),
+    ("blinn-phong", "lib/specular.glsl", "reflect(-lightDir", "reflect(lightDir"),
+    ("blinn-phong", "ch05_lighting/blinn_phong.frag", "normalize(Normal)", "Normal * 1.001"),
+    ("blinn-phong", "ch05_lighting/blinn_phong.frag", "max(dot(normal, lightDir), 0.0)",
+     "dot(normal, lightDir)"),
+    ("blinn-phong", "ch05_lighting/blinn_phong.vert", "normalMatrix * aNormal", "-aNormal"),
+    ("blend-equation", "ch06_tests/blend_equation.frag", "color, alpha", "alpha * color, alpha"),
+    ("blend-equation", "ch06_tests/blend_equation.frag", "color, alpha", "color, 1.0 - alpha"),
+    ("depth-functions", "ch06_tests/truth_table.vert", "xy, depth", "xy, -depth"),
+    ("depth-functions", "ch06_tests/truth_table.vert", "2.0 * aPos", "1.9 * aPos"),
+    ("stencil-functions", "ch06_tests/truth_table.frag", "passed = verdict", "passed = 1.0"),
+]  # fmt: skip
+# These two draw their tables with the same pair of shaders.
+TOGETHER = {"depth-functions", "stencil-functions"}
+
+
+@cache
+def catalogue() -> Catalogue:
+    return Catalogue.shipped()
+
+
+def with_mistake(case_id: str, shader: str, right: str, wrong: str) -> list[Record]:
+    text = (data_folder("shaders") / shader).read_text(encoding="utf-8")
+    assert right in text, f"{shader} does not read {right!r} any more"
+    case = catalogue().find(case_id)
+    with Lab(Options(shaders={shader: text.replace(right, wrong)})) as lab:
+        return [lab.run(scene) for scene in case.scenes()]
+
+
+@pytest.mark.parametrize(
+    ("case_id", "shader", "right", "wrong"),
+    MISTAKES,
+    ids=[f"{case}-{wrong}" for case, _, _, wrong in MISTAKES],
+)
+def test_a_mistake_makes_its_case_fail_and_names_a_place(
+    case_id: str, shader: str, right: str, wrong: str
+) -> None:
+    records = with_mistake(case_id, shader, right, wrong)
+    assert "fail" in {record.status for record in records}
+    assert "error" not in {record.status for record in records}
+    failures = [o for r in records for o in r.expectations if o.status == "fail"]
+    assert any(o.worst is not None or o.kind == "coverage" for o in failures)
+    pixels = [o.worst for o in failures if o.worst is not None]
+    assert all(worst.widths > 1.0 for worst in pixels)
+
+
+def users() -> dict[str, set[str]]:
+    """Which cases use each shader file."""
+    found: dict[str, set[str]] = {}
+    root = data_folder("shaders")
+    with Lab() as lab:
+        for case in catalogue():
+            record = lab.run(next(case.scenes()))
+            for program in record.programs:
+                for file in program.files:
+                    name = Path(file).resolve().relative_to(root.resolve()).as_posix()
+                    found.setdefault(name, set()).add(case.id)
+    return found
+
+
+def test_a_mistake_touches_no_other_case() -> None:
+    used = users()
+    for case_id, shader, _, _ in MISTAKES:
+        expected = TOGETHER if case_id in TOGETHER else {case_id}
+        assert used[shader] == expected, shader
+
+
+def test_every_first_case_is_broken_at_least_twice() -> None:
+    broken = [case_id for case_id, *_ in MISTAKES]
+    assert {c for c in broken if broken.count(c) == 1} <= {"stencil-functions"}
+    assert len(set(broken)) == 12

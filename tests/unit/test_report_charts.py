@@ -1,0 +1,78 @@
+"""Curves in the report, and how long a large one takes."""
+
+from __future__ import annotations
+
+import re
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from shaderlab import pictures
+from shaderlab.records import (
+    ProgramRecord,
+    SourceText,
+)
+from shaderlab.report import write
+from tests.unit.test_report_samples import (
+    INF,
+    NAN,
+    Page,
+    curve,
+    outcome,
+    record,
+    run,
+    worst,
+)
+
+
+def test_curves_are_drawn_with_a_table(tmp_path: Path) -> None:
+    page = Page(write(run(record(curves=(curve(),))), tmp_path))
+    words = page.words()
+    assert "2 outside" in words  # 0.9 is not in [0.2, 0.3]; NaN lies in no band
+    assert "1 point can't be drawn" in words
+    assert "NaN" in words and "−∞" in words
+    dots = [a["d"] for t, a in page.tags if t == "path" and a.get("class") == "dots is-outside"]
+    assert str(dots[0]).count("h0") == 1
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"x": (), "measured": (), "reference": (), "low": (), "high": ()},
+        {"measured": (NAN,) * 4, "reference": (INF,) * 4},
+        {"x": (-1.0, 0.0, 0.0, -2.0), "log_x": True},
+        {"x": (1.0,) * 4, "measured": (2.0,) * 4, "reference": (2.0,) * 4},
+        {"measured": (-1.7e308, 0.0, 1.7e308, 1.0)},
+        {"x": (1e-300, 1.0, 1e300, 2.0), "log_x": True},
+        {"measured": (5e-324, 0.0, 0.0, 0.0), "reference": (0.0,) * 4},
+        {"x": (1e15, 1e15 + 1, 1e15 + 2, 1e15 + 3)},
+    ],
+)
+def test_odd_curves_do_no_harm(tmp_path: Path, values: dict[str, object]) -> None:
+    page = Page(write(run(record(curves=(curve(**values),))), tmp_path))
+    drawn = [str(a["d"]) for tag, a in page.tags if tag == "path" and "d" in a]
+    assert not [d for d in drawn if re.search(r"nan|inf|e\+", d)]
+
+
+def test_a_thousand_records_take_less_than_twenty_seconds(tmp_path: Path) -> None:
+    tiles = np.random.default_rng(5).random((32, 32, 3))
+    pictures.save_png(tmp_path / "p.png", tiles, min_side=256)
+    records = []
+    for number in range(1000):
+        text = "#version 330 core\n" + f"uniform float u{number};\n" * 40
+        source = SourceText(file=f"s{number // 4}.frag", line=1, language="glsl", text=text)
+        program = ProgramRecord(files=(source.file,), sources=(source,), verdicts=())
+        records.append(
+            record(
+                f"c{number // 4}",
+                str(number),
+                programs=(program,),
+                curves=(curve(),),
+                expectations=(outcome(worst=worst(), images={"measured": "p.png"}),) * 3,
+            )
+        )
+    began = time.perf_counter()
+    write(run(*records), tmp_path)
+    assert time.perf_counter() - began < 20

@@ -1,0 +1,151 @@
+"""What the report page says, and that it counts honestly."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from shaderlab import pictures
+from shaderlab.records import (
+    Diagnostic,
+    ErratumNote,
+    ProgramRecord,
+    Record,
+    SourceText,
+    Verdict,
+)
+from shaderlab.report import write
+from tests.unit.test_report_samples import (
+    Page,
+    outcome,
+    record,
+    run,
+    worst,
+)
+
+
+def test_the_front_counts_cases_by_their_worst_variant(tmp_path: Path) -> None:
+    words = Page(
+        write(
+            run(
+                record("a", "one"),
+                record(
+                    "a", "two", status="fail", expectations=(outcome(status="fail", outside=3),)
+                ),
+                record("b"),
+                record("c", status="crash", message="gone", expectations=()),
+                record("d", status="unsupported", expectations=()),
+            ),
+            tmp_path,
+        )
+    ).words()
+    assert "2 of 4 cases did not pass" in words
+    for tally in ("1 passed", "1 failed", "1 crashed", "1 unsupported", "in 5 variants"):
+        assert tally in words
+    assert "Values judged 3\u202f000 3 outside their band" in words
+
+
+@pytest.mark.parametrize(
+    ("records", "headline"),
+    [
+        ((), "Nothing was run"),
+        ((record(expectations=()),), "Nothing was checked"),
+        ((record("a"), record("b")), "All 2 cases passed"),
+        ((record("a"), record("b", status="unsupported")), "1 of 2 cases passed, the others"),
+        ((record("a", status="unsupported"),), "unsupported here"),
+        ((record("a", status="timeout"),), "1 of 1 case did not pass"),
+    ],
+)
+def test_the_headline_never_promises_more_than_was_seen(
+    tmp_path: Path, records: tuple[Record, ...], headline: str
+) -> None:
+    page = Page(write(run(*records), tmp_path))
+    heading = page.source[page.source.index("<h1") : page.source.index("</h1>")]
+    assert headline in " ".join(heading.split())
+    assert ("is-pass" in heading) == headline.startswith(("All 2", "1 of 2 cases passed"))
+
+
+def test_a_failure_shows_its_worst_value_and_where_it_comes_from(tmp_path: Path) -> None:
+    shader = SourceText(file="a.frag", line=1, language="glsl", text="#version 330 core\nvoid\n")
+    formula = SourceText(file="f.py", line=40, language="python", text="def f(x):\n    return x")
+    failed = outcome(
+        status="fail", outside=7, vacuous=0.00002, worst=worst(0.75), sources=(formula, shader)
+    )
+    page = Page(write(run(record(status="fail", expectations=(failed,))), tmp_path))
+    words = page.words()
+    for seen in ("pixel (3, 5)", "0.75", "0.4999", "0.5001", "1.5, NaN", "7 outside"):
+        assert seen in words, seen
+    assert "<0.1 % vacuous" in words and "12 ULP" in words
+    ids = set(page.attributes("id"))
+    for place in ("a.frag:1", "f.py:40"):
+        link = re.search(rf'href="#([^"]+)"><code>{re.escape(place)}', page.source)
+        assert link and link.group(1) in ids
+
+
+def test_messages_stand_under_the_lines_they_mean(tmp_path: Path) -> None:
+    source = SourceText(file="a.frag", line=1, language="glsl", text="\n\nfloat x = y;\n")
+    said = Diagnostic(file="a.frag", line=3, severity="error", message="'y' : undeclared")
+    program = ProgramRecord(
+        files=("a.frag",),
+        sources=(source,),
+        verdicts=(Verdict(target="vulkan1.3", ok=False, diagnostics=(said,)),),
+    )
+    html = write(run(record(programs=(program,))), tmp_path).read_text()
+    rows = re.findall(r'data-n="(\d+)"', html)
+    assert rows == ["1", "2", "3"]
+    assert html.index('data-n="3"') < html.index('class="said is-error"')
+    assert "refused" in html and "1 compile target, 1 refused" in html
+
+
+def test_variants_of_a_case_share_one_section_and_one_source(tmp_path: Path) -> None:
+    source = SourceText(file="a.frag", line=1, language="glsl", text="void main() {}\n")
+    program = ProgramRecord(files=("a.frag",), sources=(source,), verdicts=())
+    page = Page(write(run(*(record("a", v, programs=(program,)) for v in "xyz")), tmp_path))
+    assert sum(tag == "article" for tag, _ in page.tags) == 1
+    assert page.source.count('class="listing"') == 1
+    assert all(f"<b>{name}</b>" in page.source for name in "xyz")
+
+
+def test_chapters_come_in_order_with_your_own_last(tmp_path: Path) -> None:
+    sections = {"own": "", "ten": "10", "five": "5.10", "early": "5.2.1", "odd": "99.1"}
+    html = write(run(*(record(i, section=s) for i, s in sections.items())), tmp_path).read_text()
+    order = re.findall(r'<article class="case"[^>]*aria-labelledby="case-([a-z]+)"', html)
+    assert order == ["early", "five", "ten", "own", "odd"]
+    words = Page(tmp_path / "index.html").words()
+    assert "5 Lighting" in words and "10 Buffers" in words and "Your own" in words
+
+
+def test_errata_are_listed_once_and_linked(tmp_path: Path) -> None:
+    note = ErratumNote(section="6.1.1", says="it is off", truth="it compares 0", proof="row 3")
+    page = Page(
+        write(run(record("a", "x", errata=(note,)), record("a", "y", errata=(note,))), tmp_path)
+    )
+    assert "1 place, each" in page.words()
+    front = page.source[page.source.index('id="errata"') : page.source.index('class="chapter"')]
+    assert front.count("it compares 0") == 1 and 'href="#case-a"' in front
+
+
+def test_formulas_become_mathml_and_bad_ones_stay_readable(tmp_path: Path) -> None:
+    html = write(run(record("a"), record("b", formula=r"\frac{1}{")), tmp_path).read_text()
+    assert "<mfrac>" in html and "xmlns" not in html
+    assert "\\frac{1}{" in html or html.count("<mfrac>") == 2
+
+
+def test_lessons_keep_paragraphs_lists_and_asterisks(tmp_path: Path) -> None:
+    lesson = "First.\n\n- a\n- b `c<d`\n\nIt is D*G*F / (4*nl*nv)."
+    html = write(run(record(lesson=lesson)), tmp_path).read_text()
+    assert "<p>First.</p>" in html and "<li>a</li>" in html and "<code>c&lt;d</code>" in html
+    assert "D*G*F / (4*nl*nv)" in html
+
+
+def test_pictures_have_words_sizes_and_their_captions(tmp_path: Path) -> None:
+    pictures.save_png(tmp_path / "p.png", np.zeros((3, 8, 3), np.uint8))
+    shown = outcome(images={"distance": "p.png"}, captions={"distance": "half widths"})
+    page = Page(write(run(record(images={"picture": "p.png"}, expectations=(shown,))), tmp_path))
+    images = [attrs for tag, attrs in page.tags if tag == "img"]
+    assert all("alt" in a and a["width"] and a["height"] for a in images)
+    assert {a["alt"] for a in images} >= {"Attenuation: picture"}
+    assert "half widths" in page.words() and "not drawn" in page.words()

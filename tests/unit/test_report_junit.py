@@ -1,0 +1,104 @@
+"""JUnit XML: counts that CI systems add up, and text that any XML reader takes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+from shaderlab.records import Outcome, Record, Row, Run, Worst
+from shaderlab.report import write_junit
+
+HOSTILE = "]]></failure>&<\x00\x1b\udc80\ufffe\u202e"
+
+
+def outcome(status: str = "pass", **changes: object) -> Outcome:
+    fields: dict[str, object] = {"name": "factor", "kind": "formula", "status": status}
+    return Outcome(**(fields | changes))  # type: ignore[arg-type]
+
+
+def record(id: str, status: str, *outcomes: Outcome, **changes: object) -> Record:
+    fields: dict[str, object] = {
+        "id": id,
+        "variant": "default",
+        "title": id,
+        "section": "5.1",
+        "lesson": "",
+        "formula": "",
+        "file": f"cases/{id}.py",
+        "status": status,
+        "seconds": 0.5,
+        "expectations": outcomes,
+    }
+    return Record(**(fields | changes))  # type: ignore[arg-type]
+
+
+def junit(tmp_path: Path, *records: Record, seconds: float = 2.0) -> ET.Element:
+    run = Run(driver={}, versions={}, started="", seconds=seconds, records=records)
+    return ET.parse(write_junit(run, tmp_path / "junit.xml")).getroot()
+
+
+def counts(element: ET.Element) -> dict[str, int]:
+    return {k: int(element.attrib[k]) for k in ("tests", "failures", "errors", "skipped")}
+
+
+def test_counts_add_up(tmp_path: Path) -> None:
+    root = junit(
+        tmp_path,
+        record("a", "pass", outcome(), outcome(name="n")),
+        record("b", "fail", outcome(), outcome("fail", message="off"), variant="x"),
+        record("b", "error", outcome("error"), variant="y"),
+        record("c", "crash", message="signal 11"),
+        record("d", "timeout", outcome()),
+        record("e", "unsupported", message="no 8 samples"),
+    )
+    assert counts(root) == {"tests": 9, "failures": 1, "errors": 3, "skipped": 1}
+    suites = {suite.attrib["name"]: counts(suite) for suite in root}
+    assert suites["b"] == {"tests": 3, "failures": 1, "errors": 1, "skipped": 0}
+    assert suites["d"] == {"tests": 2, "failures": 0, "errors": 1, "skipped": 0}
+    for name in ("tests", "failures", "errors", "skipped"):
+        assert counts(root)[name] == sum(counts(suite)[name] for suite in root)
+    assert len(root.findall(".//testcase")) == 9
+    assert len(root.findall(".//failure")) == 1 and len(root.findall(".//error")) == 3
+    total = sum(float(test.attrib["time"]) for test in root.findall(".//testcase"))
+    assert abs(total - 3.0) < 1e-3
+
+
+def test_a_failure_that_no_expectation_explains_is_a_test_of_its_own(tmp_path: Path) -> None:
+    root = junit(tmp_path, record("a", "fail", outcome(), message="refused by glslang\nline 3"))
+    test = next(t for t in root.iter("testcase") if t.find("failure") is not None)
+    failure = test.find("failure")
+    assert test.attrib["name"] == "default: run" and failure is not None
+    assert failure.attrib["message"] == "refused by glslang" and "line 3" in (failure.text or "")
+
+
+def test_a_case_without_expectations_counts_as_one_test(tmp_path: Path) -> None:
+    assert counts(junit(tmp_path, record("a", "pass")))["tests"] == 1
+
+
+def test_details_help_without_the_report(tmp_path: Path) -> None:
+    worst = Worst(
+        pixel=(3, 4),
+        component=0,
+        measured=(0.75,),
+        reference=(0.5,),
+        low=(float("-inf"),),
+        high=(0.6,),
+        ulp=9.0,
+        widths=float("nan"),
+        inputs={"distance": (2.0,)},
+    )
+    row = Row(label="F(7)", expected=".01", measured=".02", ok=False)
+    bad = outcome("fail", judged=10, outside=2, worst=worst, rows=(row,))
+    text = junit(tmp_path, record("a", "fail", bad)).findtext(".//failure") or ""
+    for seen in ("2 of 10", "(3, 4)", "0.75", "distance = 2", "F(7): expected .01, measured .02"):
+        assert seen in text, seen
+
+
+def test_any_string_makes_a_file_that_parses(tmp_path: Path) -> None:
+    bad = outcome("fail", name=HOSTILE, message=HOSTILE)
+    hostile = record(
+        HOSTILE, "crash", bad, message=HOSTILE, variant=HOSTILE, file=HOSTILE, seconds=float("nan")
+    )
+    root = junit(tmp_path, hostile, seconds=float("inf"))
+    assert counts(root) == {"tests": 2, "failures": 1, "errors": 1, "skipped": 0}
+    assert "]]></failure>&<" in (root.findtext(".//failure") or "")

@@ -1,0 +1,107 @@
+"""The report page is one safe, sound file, written whole."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import itertools
+import os
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from shaderlab import pictures
+from shaderlab.errors import ShaderlabError
+from shaderlab.report import write
+from tests.unit.test_report_samples import (
+    Page,
+    curve,
+    hostile,
+    record,
+    run,
+)
+
+
+def test_hostile_strings_stay_text(tmp_path: Path) -> None:
+    page = Page(write(hostile(), tmp_path))
+    scripts = [tag for tag, _ in page.tags if tag == "script"]
+    assert len(scripts) == 1
+    assert {tag for tag, _ in page.tags}.isdisjoint({"iframe", "object", "embed", "link", "base"})
+    for tag, attrs in page.tags:
+        assert not [name for name in attrs if name.startswith("on")], (tag, attrs)
+        assert "style" not in attrs, f"<{tag}> has a style that the policy would refuse"
+        for name in ("src", "href", "action"):
+            assert (attrs.get(name) or "#").startswith(("#", "data:image/png;base64,")), attrs
+    assert "onerror=alert(1)>" in page.words()
+    assert "49" not in page.words().replace("0.4999", "")
+    assert "[U+202E]" in page.words() and "\u202e" not in page.source
+    assert "\x00" not in page.source and "\x1b" not in page.source
+
+
+def test_nothing_is_asked_of_a_network(tmp_path: Path) -> None:
+    pictures.save_png(tmp_path / "p.png", np.zeros((4, 4, 3), np.uint8))
+    page = Page(write(run(record(images={"picture": "p.png"}, curves=(curve(),))), tmp_path))
+    assert not re.search(r"https?:|//[a-z]|@import|url\((?!#)", page.source.replace("// ", ""))
+    images = [attrs for tag, attrs in page.tags if tag == "img"]
+    assert images and all(str(a["src"]).startswith("data:image/png;base64,") for a in images)
+
+
+def test_the_policy_allows_this_style_and_script_only(tmp_path: Path) -> None:
+    page = Page(write(run(record()), tmp_path))
+    policy = next(
+        str(attrs["content"])
+        for tag, attrs in page.tags
+        if tag == "meta" and attrs.get("http-equiv") == "Content-Security-Policy"
+    )
+    assert "default-src 'none'" in policy and "unsafe" not in policy
+    for name in ("style", "script"):
+        digest = base64.b64encode(hashlib.sha256(page.raw[name].encode()).digest()).decode()
+        assert f"{name}-src 'sha256-{digest}'" in policy
+
+
+def test_anchors_are_unique_and_every_link_has_a_goal(tmp_path: Path) -> None:
+    twins = [record("a b"), record("a-b"), record("A B", "x"), record("A B", "x")]
+    page = Page(write(run(*twins, *hostile().records), tmp_path))
+    ids = page.attributes("id")
+    assert len(ids) == len(set(ids))
+    goals = [h[1:] for h in page.attributes("href") if h.startswith("#")]
+    assert goals and set(goals) <= set(ids)
+    for name in ("aria-labelledby",):
+        assert set(page.attributes(name)) <= set(ids)
+
+
+def test_headings_descend_one_level_at_a_time(tmp_path: Path) -> None:
+    page = Page(write(hostile(), tmp_path))
+    levels = [int(tag[1]) for tag, _ in page.tags if re.fullmatch(r"h[1-6]", tag)]
+    assert levels[0] == 1 and levels.count(1) == 1
+    assert all(after - before <= 1 for before, after in itertools.pairwise(levels))
+
+
+def test_missing_and_outside_pictures_are_noted_not_read(tmp_path: Path) -> None:
+    secret = tmp_path / "secret.png"
+    pictures.save_png(secret, np.zeros((1, 1, 3), np.uint8))
+    folder = tmp_path / "run"
+    images = {"picture": "gone.png", "up": "../secret.png", "root": str(secret)}
+    page = Page(write(run(record(images=images)), folder))
+    assert not [tag for tag, _ in page.tags if tag == "img"]
+    assert page.words().count("No picture:") == 3
+    assert page.words().count("outside the run's folder") == 2
+
+
+def test_a_failed_write_leaves_the_old_page(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = write(run(record()), tmp_path)
+    before = path.read_bytes()
+
+    def fail(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "replace", fail)
+    with pytest.raises(ShaderlabError, match="No space left") as caught:
+        write(run(), tmp_path)
+    assert caught.value.file == str(path)
+    assert path.read_bytes() == before
+    assert [p.name for p in tmp_path.iterdir()] == ["index.html"]
