@@ -23,9 +23,8 @@ test: .venv/.ready ## run every test
 	@$(PY) -m pytest $(PARALLEL) $(ARGS)
 
 lint: .venv/.ready ## style and types
-	@$(PY) -m ruff check .
-	@$(PY) -m ruff format --check .
-	@$(PY) -m mypy
+	@failed=0; for tool in "ruff check ." "ruff format --check ." mypy; do \
+		$(PY) -m $$tool || failed=1; done; exit $$failed
 
 format: .venv/.ready ## make the style right
 	@$(PY) -m ruff check --fix .

@@ -88,7 +88,6 @@ class Frame:
         fragments: captured fragment inputs by (pass, draw), where they were asked for.
         vertices: captured vertices by (pass, draw), where they were asked for.
         probes: by the expectation's index, the program run on the inputs it gave.
-        passed: samples that passed all tests by (pass, draw), where they were asked for.
         gl_errors: GL errors by (pass, draw); only draws that raised any have an entry.
     """
 
@@ -98,5 +97,4 @@ class Frame:
     fragments: Mapping[PassDraw, Fragments] = field(default_factory=dict)
     vertices: Mapping[PassDraw, Samples] = field(default_factory=dict)
     probes: Mapping[int, Samples] = field(default_factory=dict)
-    passed: Mapping[PassDraw, int] = field(default_factory=dict)
     gl_errors: Mapping[PassDraw, tuple[int, ...]] = field(default_factory=dict)

@@ -31,7 +31,7 @@ from shaderlab import (
     sweep,
     value,
 )
-from shaderlab.glslmath import vec3
+from shaderlab.glslmath import clamp, dot, max, normalize, pow, swizzle, vec3, vec4, where
 from shaderlab.reference import blinn_phong as lobes
 from shaderlab.reference.transforms import (
     clip_position,
@@ -82,6 +82,28 @@ def mirrored(FragPos, Normal, lightPos, viewPos, shininess):
 def halfway(FragPos, Normal, lightPos, viewPos, shininess):
     """Blinn's lobe at a fragment."""
     return lobes.blinn(Normal, lightPos - FragPos, viewPos - FragPos, shininess)
+
+
+def shaded(FragPos, Normal, lightPos, lobe):
+    """The picture's colour: an ambient and a diffuse part, the lobe, and the display's gamma."""
+    cosine = max(dot(normalize(Normal), normalize(lightPos - FragPos)), 0.0)
+    surface = where(
+        swizzle(FragPos, "y") > 0.001, vec3(0.55, 0.16, 0.12), vec3(0.10, 0.14, 0.20)
+    )
+    light = surface * (0.06 + 0.9 * cosine) + vec3(0.55) * lobe
+    return vec4(pow(clamp(light, 1.0e-6, 1.0), 1.0 / 2.2), 1.0)
+
+
+def shaded_mirrored(FragPos, Normal, lightPos, viewPos, shininess):
+    """The left half's colour."""
+    lobe = mirrored(FragPos, Normal, lightPos, viewPos, shininess)
+    return shaded(FragPos, Normal, lightPos, lobe)
+
+
+def shaded_halfway(FragPos, Normal, lightPos, viewPos, shininess):
+    """The right half's colour."""
+    lobe = halfway(FragPos, Normal, lightPos, viewPos, shininess)
+    return shaded(FragPos, Normal, lightPos, lobe)
 
 
 def phong_over_slope(slope, lightDir, shininess):
@@ -135,6 +157,8 @@ case = Case(
         formula("picture.Normal", world_normal),
         formula("picture.specular", mirrored, draw=0, name="Phong, left half"),
         formula("picture.specular", halfway, draw=1, name="Blinn, right half"),
+        formula("picture.FragColor", shaded_mirrored, draw=0, name="colour, left half"),
+        formula("picture.FragColor", shaded_halfway, draw=1, name="colour, right half"),
         formula("phong", phong_over_slope),
         formula("blinn", blinn_over_slope),
         sweep("phong", phong_over_slope, over="slope", values=SLOPES),

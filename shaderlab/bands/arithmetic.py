@@ -8,7 +8,8 @@ and rounds where the formula as written happens to be exact. So:
   nothing can be rearranged yet, but it has a `mag` from now on;
 - a sum of two plain values remembers one step of `mag` as its `slack`, paid as soon as it is
   added to or multiplied with something (a·(b + c) may become a·b + a·c);
-- each further sum, product or quotient rounds by a step of its `mag` more.
+- each further sum, product or quotient rounds by a step of its `mag` more, a product of two such
+  values by three.
 
 A plain band has no `mag` of its own (None: its own absolute value), and pays nothing.
 """
@@ -60,9 +61,13 @@ def add(a: Band, b: Band) -> Band:
     if a.is_plain and b.is_plain:
         slack = step
     else:
-        lo, hi = _moved_out(
-            lo, hi, step, (a_lo >= 0.0) & (b_lo >= 0.0), (a_hi <= 0.0) & (b_hi <= 0.0)
+        # Terms that can't cancel (their sizes add up to the end's) keep their sign in any order.
+        uncancelled = mag * (1.0 - 2.0**-20)
+        not_negative = (a.lo >= 0.0) & (b.lo >= 0.0) & ((a_lo + b_lo >= step) | (hi >= uncancelled))
+        not_positive = (
+            (a.hi <= 0.0) & (b.hi <= 0.0) & ((a_hi + b_hi <= -step) | (-lo >= uncancelled))
         )
+        lo, hi = _moved_out(lo, hi, step, not_negative, not_positive)
     return a.made(lo, hi, b, residue=(lost_lo, lost_hi), nan=nan, mag=mag, slack=slack)
 
 
@@ -148,7 +153,9 @@ def multiply(a: Band, b: Band) -> Band:
     mag = a.mag * b.mag
     if a.is_plain and b.is_plain:
         return a.made(lo, hi, b, nan=nan, mag=mag)
-    lo, hi = _moved_out(lo, hi, _step(mag), *_signs(lo, hi, mag))
+    # (a + b)·(c + d) may become four products and three sums, each of the size of the terms.
+    steps = 1.0 if a.is_plain or b.is_plain else 3.0
+    lo, hi = _moved_out(lo, hi, steps * _step(mag), *_signs(lo, hi, mag))
     return a.made(lo, hi, b, nan=nan, mag=mag)
 
 

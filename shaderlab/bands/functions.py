@@ -65,7 +65,6 @@ def sqrt(a: Band) -> Band:
     lo, hi = 1.0 / up(root_hi), 1.0 / down(root_lo)
     ulps = arithmetic.DIVISION_ULPS
     lo, hi = widened_by_ulps(lo, np.minimum(hi, LARGEST), ulps, ulps)
-    lo = np.where(a.lo <= 0.0, 0.0, lo)
     hi = np.where(a.hi <= 0.0, 0.0, np.where(a.hi == np.inf, np.inf, hi))
     return a.made(lo, hi, anything=a.lo < 0.0)
 

@@ -67,8 +67,7 @@ def judge(index: int, scene: Scene, frame: Frame, refusals: Refusals) -> Judgeme
             return exactly.judge_exact(expectation, image, expected)
         case Coverage():
             key = draw_key(scene, expectation.pass_name, expectation.draw)
-            some = next(i for (p, _), i in frame.images.items() if p == key[0])
-            return exactly.judge_coverage(expectation, frame.passed[key], some.values[..., 0].size)
+            return exactly.judge_coverage(expectation, frame.fragments[key].covered)
         case Computed():
             return exactly.judge_computed(expectation)
         case CompileFails():

@@ -81,14 +81,13 @@ def laid_over(expected: Any, values: Array, name: str) -> Array:
     return np.broadcast_to(typed[rows][:, columns], values.shape)
 
 
-def judge_coverage(expectation: Coverage, passed: int, pixels: int) -> Judgement:
-    """Compare the driver's count of passed samples with the expected one."""
-    ok = passed == expectation.pixels
-    row = Row(
-        label="samples that pass", expected=str(expectation.pixels), measured=str(passed), ok=ok
-    )
-    message = "" if ok else f"{passed} samples pass, not {expectation.pixels}"
-    return _table(expectation.name, "coverage", [row], message, judged=pixels)
+def judge_coverage(expectation: Coverage, covered: Array) -> Judgement:
+    """Compare the number of pixels that show the draw with the expected one."""
+    count = int(np.count_nonzero(covered))
+    ok = count == expectation.pixels
+    row = Row(label="pixels", expected=str(expectation.pixels), measured=str(count), ok=ok)
+    message = "" if ok else f"{count} pixels are covered, not {expectation.pixels}"
+    return _table(expectation.name, "coverage", [row], message, judged=covered.size)
 
 
 def judge_computed(expectation: Computed) -> Judgement:

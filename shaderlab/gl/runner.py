@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -27,7 +27,6 @@ class Drawn:
 
     images: Mapping[tuple[str, str], Image]
     bindings: Mapping[PassDraw, Bindings]
-    passed: Mapping[PassDraw, int]
     gl_errors: Mapping[PassDraw, tuple[int, ...]]
     inactive: frozenset[str] = field(default_factory=frozenset)
 
@@ -68,22 +67,20 @@ class Session:
         self._stack = stack
         self._targets: dict[str, RenderTarget] = {}
         self._uploaded: dict[int, tuple[Array, Any]] = {}
-        self._passed: dict[PassDraw, int] = {}
         self._gl_errors: dict[PassDraw, tuple[int, ...]] = {}
         self._inactive: set[str] = set()
 
-    def run(self, *, count: Iterable[PassDraw] = ()) -> Drawn:
-        """Draw all passes in order; `count` names draws whose passed samples are to be counted.
+    def run(self) -> Drawn:
+        """Draw all passes in order.
 
         Raises:
             CaseError, ShaderError, UnsupportedError: see the modules that find them.
         """
         for description in self.scene.passes:
-            self._run_pass(description, frozenset(count))
+            self._run_pass(description)
         return Drawn(
             images=self.images,
             bindings=self.bindings,
-            passed=self._passed,
             gl_errors=self._gl_errors,
             inactive=frozenset(self._inactive),
         )
@@ -92,7 +89,7 @@ class Session:
         """The size in pixels of a pass's target."""
         return description.target.size or self._size
 
-    def _run_pass(self, description: Pass, count: frozenset[PassDraw]) -> None:
+    def _run_pass(self, description: Pass) -> None:
         """Draw one pass, then read its colour attachments."""
         prepared = self.prepared[description.name]
         colors = pass_colors(description, prepared)
@@ -104,7 +101,7 @@ class Session:
         for index, draw in enumerate(prepared):
             key = (description.name, index)
             self.bindings[key] = self.bind(draw)
-            self._draw(key, draw, target, counted=key in count)
+            self._draw(key, draw, target)
         target.resolve()
         for name in colors:
             image = target.read(name)
@@ -133,9 +130,7 @@ class Session:
             sampler.value = unit
             self._texture(source).use(unit)
 
-    def _draw(
-        self, key: PassDraw, draw: PreparedDraw, target: RenderTarget, *, counted: bool
-    ) -> None:
+    def _draw(self, key: PassDraw, draw: PreparedDraw, target: RenderTarget) -> None:
         stages = {s.stage: s.text for s in draw.sources}
         try:
             program = self.runner.programs.link(stages)
@@ -148,13 +143,7 @@ class Session:
         target.bind(output_locations(program, target.colors))
         state.apply(draw.draw.state, target.size)
         drain_errors()
-        if counted:
-            query = self.runner.device.context.query(samples=True)
-            with query:
-                submit(vao, program, draw)
-            self._passed[key] = int(query.samples)
-        else:
-            submit(vao, program, draw)
+        submit(vao, program, draw)
         errors = drain_errors()
         if errors:
             self._gl_errors[key] = errors

@@ -22,6 +22,7 @@ MAX_OPERATORS = 5000
 _OPERATORS = "+-*/%<>=&|^!~,"
 _TOKEN = re.compile(r"\w+|[(){}\[\];?\n]|[-+*/%<>=&|^!~,]")
 _BLOCK = re.compile(r"\b(?:uniform|buffer|in|out)\s+(\w+)\s*\{")
+_BUILT_IN_MEMBER = re.compile(r"\b(gl_\w+)\s*[;,\[]")
 _BRANCHES = frozenset(["if", "else", "for", "while", "do", "switch", "?"])
 _MINIMUM = {"opengl": (330, "OpenGL"), "vulkan": (140, "Vulkan"), "vulkan-strict": (140, "Vulkan")}
 
@@ -31,7 +32,7 @@ def fatal(source: Source) -> Diagnostic | None:
     code = without_comments(source.text)
     if re.search(r"#[ \t]*define", code):
         code = preprocess(source) or code  # a few macros can stand for thousands of operators
-    found = _redefined_block(code) or (None if _is_small(code) else _too_deep(code))
+    found = _crashing_block(code) or (None if _is_small(code) else _too_deep(code))
     if found is None:
         return None
     token, message, line = found
@@ -59,13 +60,20 @@ def too_old(source: Source, target: str) -> Diagnostic | None:
     return Diagnostic(file=file, line=line, severity="error", message=message)
 
 
-def _redefined_block(code: str) -> tuple[str, str, int] | None:
-    """A block's name used again for an array with an initialiser, which crashes glslang 13."""
+def _crashing_block(code: str) -> tuple[str, str, int] | None:
+    """A block that crashes glslang 13: its name is used again for an array with an initialiser,
+    or a member has a built-in's name."""
     for block in _BLOCK.finditer(code):
         name = block.group(1)
         again = re.compile(rf"\b{name}\s*(\[[^\]]*\]\s*)+=").search(code, block.end())
         if again:
             return name, f"'{name}' : redefinition", code.count("\n", 0, again.start()) + 1
+        end = code.find("}", block.end())
+        member = _BUILT_IN_MEMBER.search(code, block.end(), end if end >= 0 else len(code))
+        if member and not name.startswith("gl_"):
+            word = member.group(1)
+            message = f"'{word}' : identifiers starting with \"gl_\" are reserved"
+            return word, message, code.count("\n", 0, member.start()) + 1
     return None
 
 

@@ -25,14 +25,14 @@ def stage_variables(module: Module, storage: int) -> Iterator[Variable]:
     paths = used_paths(module)
     for id_ in own_variables(module, storage):
         pointee, _ = module.variables[id_]
-        element = unwrap(module, pointee)[1]
+        lengths, element = unwrap(module, pointee)
         is_block = module.decorated(element, Decoration.BLOCK) is not None
         name = module.names.get(id_, "")
         if is_block:
             name = module.names.get(element, "") if name else ""
         at = module.number(id_, Decoration.LOCATION)
         for leaf in leaves(module, pointee, name):
-            member = leaf.path[-1] if is_block and leaf.path else None
+            member = leaf.path[len(lengths)] if is_block else None
             own = {} if member is None else module.member(element, member)
             location = own[Decoration.LOCATION][0] if Decoration.LOCATION in own else at
             yield _variable(

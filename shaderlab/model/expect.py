@@ -93,7 +93,7 @@ class Exact:
 
 @dataclass(frozen=True, kw_only=True)
 class Coverage:
-    """A draw passes exactly this many samples of all tests (one a pixel without multisampling)."""
+    """Exactly this many pixels show a draw in the end."""
 
     pixels: int
     pass_name: str | None = None
@@ -247,7 +247,8 @@ def exact(output: str, equals: Any, *, name: str = "") -> Exact:
 def coverage(
     pixels: int, *, pass_name: str | None = None, draw: int = -1, name: str = ""
 ) -> Coverage:
-    """The draw's samples that pass all tests, counted by the driver, are exactly `pixels`."""
+    """Exactly `pixels` pixels show the draw in the end: those that it covers, that pass every test
+    and are not discarded, and that no later draw of the pass covers."""
     return Coverage(pixels=pixels, pass_name=pass_name, draw=draw, name=name or "coverage")
 
 

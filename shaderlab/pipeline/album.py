@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -82,4 +83,8 @@ def _common_range(measured: Array, reference: Array) -> tuple[float, float] | No
 
 
 def _safe(word: str) -> str:
-    return re.sub(r"[^A-Za-z0-9.]+", "-", word).strip("-.")[:80] or "x"
+    """`word` as part of a file name; different words stay different."""
+    plain = re.sub(r"[^A-Za-z0-9.]+", "-", word).strip("-.")[:80]
+    if plain == word:
+        return plain
+    return f"{plain}-{hashlib.blake2s(word.encode(), digest_size=3).hexdigest()}"

@@ -132,7 +132,7 @@ class Lab:
         with draft.timed("draw"):
             size = (self.options.size,) * 2
             with self.runner.session(scene, prepared, size) as session:
-                drawn = session.run(count=plans.counted)
+                drawn = session.run()
                 frame = _frame(session, drawn, plans)
         draft.notice_inactive(drawn.inactive)
         _expect_no_errors(scene, drawn)
@@ -196,7 +196,6 @@ def _frame(session: Session, drawn: Drawn, plans: plan.Plan) -> Frame:
         fragments={key: capture.fragments(session, key) for key in sorted(plans.fragments)},
         vertices={key: capture.vertices(session, key) for key in sorted(plans.vertices)},
         probes=probes,
-        passed=drawn.passed,
         gl_errors=drawn.gl_errors,
     )
 

@@ -1,4 +1,4 @@
-"""What a scene's expectations need beyond its pictures: which captures, probes and counts."""
+"""What a scene's expectations need beyond its pictures: which captures and probes."""
 
 from __future__ import annotations
 
@@ -19,11 +19,10 @@ from shaderlab.model import Coverage, Formula, Pixel, Scene, Sweep, Value
 
 @dataclass(frozen=True)
 class Plan:
-    """Draws to capture and to count, and expectations to probe."""
+    """Draws to capture, and expectations to probe."""
 
     fragments: frozenset[PassDraw]
     vertices: frozenset[PassDraw]
-    counted: frozenset[PassDraw]
     probes: tuple[int, ...]
 
 
@@ -35,11 +34,10 @@ def plan(scene: Scene, prepared: Prepared) -> Plan:
     """
     fragments: set[PassDraw] = set()
     vertices: set[PassDraw] = set()
-    counted: set[PassDraw] = set()
     probes: list[int] = []
     for index, expectation in enumerate(scene.expect):
         if isinstance(expectation, Coverage):
-            counted.add(draw_key(scene, expectation.pass_name, expectation.draw))
+            fragments.add(draw_key(scene, expectation.pass_name, expectation.draw))
         if not isinstance(expectation, Formula | Sweep | Value):
             continue
         _, name = split_output(expectation.output)
@@ -52,7 +50,7 @@ def plan(scene: Scene, prepared: Prepared) -> Plan:
             fragments.add(key)
         else:
             probes.append(index)
-    return Plan(frozenset(fragments), frozenset(vertices), frozenset(counted), tuple(probes))
+    return Plan(frozenset(fragments), frozenset(vertices), tuple(probes))
 
 
 def key_of(scene: Scene, expectation: Formula | Sweep | Value) -> PassDraw:

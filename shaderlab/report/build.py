@@ -135,9 +135,7 @@ def _thumbnail(group: CaseGroup, pictures: Pictures) -> Picture | None:
     """A small picture of the variant that gives the case its status, or of any that has one."""
     records = sorted(group.records, key=lambda record: record.status != group.status)
     files = [_main_image(record.images) for record in records]
-    files += [
-        _main_image(outcome.images) for record in records for outcome in record.expectations
-    ]
+    files += [_main_image(outcome.images) for record in records for outcome in record.expectations]
     for file in files:
         if file:
             small = pictures.small(file, THUMBNAIL)

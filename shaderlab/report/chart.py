@@ -67,13 +67,7 @@ def chart(curve: Curve) -> Chart:
     ]
     bad = [point for point in points if point.outside]
     across = axis([p.x for p in points], LEFT, RIGHT, log=curve.log_x, margin=0.02)
-    up = axis(
-        [v for p in points for v in (p.measured, p.reference)],
-        BOTTOM,
-        TOP,
-        log=False,
-        margin=0.06,
-    )
+    up = axis(_heights(points), BOTTOM, TOP, log=False, margin=0.06)
     strip = Axis(-FURTHEST, FURTHEST, STRIP_BOTTOM, STRIP_TOP)
     drawn: list[Point] = []
     if across is not None and up is not None:
@@ -114,6 +108,20 @@ def _point(x: float, measured: float, reference: float, low: float, high: float)
         if outside and not math.isnan(measured):
             widths = math.copysign(math.inf, measured - middle)
     return Point(x, measured, reference, low, high, widths, outside)
+
+
+def _heights(points: list[Point]) -> list[float]:
+    """What the upright axis must show: the reference, and measured values not far from it.
+
+    One wild value would press everything else into a line; it is left to the lower chart.
+    """
+    reference = [p.reference for p in points if math.isfinite(p.reference)]
+    if not reference:
+        return [p.measured for p in points]
+    low, high = min(reference), max(reference)
+    span = high / 2 - low / 2 or abs(high) or 1.0
+    near = [p.measured for p in points if -2 <= (p.measured / 2 - low / 2) / span <= 4]
+    return reference + near
 
 
 def _line(pairs: list[tuple[float, float]], across: Axis | None, up: Axis | None) -> str:
@@ -157,8 +165,6 @@ def _band(points: list[Point], across: Axis | None, up: Axis | None) -> str:
         # Cut at the frame, or one wide band would leave the paper.
         edge = [(p.x, min(p.high, up.high)) for p in run]
         edge += [(p.x, max(p.low, up.low)) for p in reversed(run)]
-        corners = [
-            f"{across.at(x):g} {up.at(min(max(y, up.low), up.high)):g}" for x, y in edge
-        ]
+        corners = [f"{across.at(x):g} {up.at(min(max(y, up.low), up.high)):g}" for x, y in edge]
         paths.append("M" + "L".join(corners) + "Z")
     return "".join(paths)

@@ -40,7 +40,8 @@ def write(run: Run, folder: str | Path) -> Path:
     page = build(run, Pictures(target))
     style = _together("style", _STYLES, "css")
     script = _together("script", _SCRIPTS, "js")
-    html = _environment().get_template("page.html.j2").render(
+    template = _environment().get_template("page.html.j2")
+    html = template.render(
         page=page,
         run=run,
         style=style,
@@ -123,5 +124,3 @@ def _chart_size() -> dict[str, float]:
     size["band_top"] = chart.STRIP_TOP + height * (chart.FURTHEST - 1) / (2 * chart.FURTHEST)
     size["band_height"] = height / chart.FURTHEST
     return size
-
-

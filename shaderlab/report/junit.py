@@ -107,8 +107,7 @@ def _details(outcome: Outcome) -> str:
 def _count(suite: ET.Element) -> list[int]:
     tests = list(suite)
     return [len(tests)] + [
-        sum(test.find(tag) is not None for test in tests)
-        for tag in ("failure", "error", "skipped")
+        sum(test.find(tag) is not None for test in tests) for tag in ("failure", "error", "skipped")
     ]
 
 

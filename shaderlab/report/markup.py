@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import inspect
 import re
 from functools import cache
 from typing import TYPE_CHECKING
@@ -25,10 +26,16 @@ _ATTRIBUTES = frozenset(
 
 
 def lesson(text: str) -> Markup:
-    """A docstring as HTML: paragraphs, lists, `code`, and indented blocks, nothing else."""
+    """A docstring as HTML: paragraphs, lists ("-" or "1."), `code`, and indented blocks.
+
+    Everything else, asterisks above all, is text: most of them are multiplications.
+    """
     from markupsafe import Markup
 
-    return Markup(_markdown().render(clean(text)))
+    source = inspect.cleandoc(clean(text))
+    # A formula's next line may begin with its operator; that makes no list.
+    source = re.sub(r"(?m)^(\s*[+*]) ", "\\1\u00a0", source)
+    return Markup(_markdown().render(source))
 
 
 def code_spans(text: str) -> Markup:
@@ -60,7 +67,7 @@ def formula(latex: str) -> Markup:
 def _markdown() -> MarkdownIt:
     from markdown_it import MarkdownIt
 
-    return MarkdownIt("zero").enable(["list", "backticks", "code", "entity", "escape"])
+    return MarkdownIt("zero").enable(["list", "backticks", "code"])
 
 
 def _only_mathml(element: ET.Element) -> ET.Element | None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from ..records import ErratumNote, Outcome, Record, Row, Run, Status, Verdict
 from .chart import Chart
-from .grouping import CaseGroup, Totals, worst
+from .grouping import PASSABLE, CaseGroup, Totals, worst
 from .inline import Picture
 from .listing import Listing
 from .worst import WorstPanel
@@ -112,9 +112,19 @@ class ChapterView:
 
 @dataclass(frozen=True)
 class Page:
-    """Everything that is on the page."""
+    """Everything that is on the page; `cases` are those of all chapters."""
 
     run: Run
     totals: Totals
     chapters: tuple[ChapterView, ...]
     cases: tuple[CaseView, ...]
+
+    @property
+    def failed(self) -> list[tuple[CaseView, VariantView]]:
+        """Every variant that did not pass, with its case."""
+        return [
+            (case, variant)
+            for case in self.cases
+            for variant in case.variants
+            if variant.record.status not in PASSABLE
+        ]

@@ -164,5 +164,3 @@ def _damaged(path: Path, error: Exception) -> ShaderlabError:
         file=path,
         remedy="run the cases again",
     )
-
-

@@ -108,6 +108,11 @@ TEXTS = {
         4,
         "nests deeper than 200",
     ),
+    "a block's member named as a built-in": (
+        HEAD + "uniform S {\n float gl_InstanceID; };\n" + MAIN,
+        4,
+        "'gl_InstanceID' : identifiers starting with",
+    ),
     "a block's name taken by an array": (
         HEAD + "uniform S { float m; };\nconst float S[2] = float[2](1.0, 1.0);\n" + MAIN,
         4,

@@ -213,6 +213,9 @@ def rearranged(tree: Tree, rng: np.random.Generator) -> Tree:
     if name == "mul" and branches[1][0] in ("add", "sub"):
         a, (inner, b, c) = branches
         return (inner, ("mul", a, b), ("mul", a, c))
+    if name == "mul" and branches[0][0] in ("add", "sub"):
+        (inner, a, b), c = branches
+        return (inner, ("mul", a, c), ("mul", b, c))
     if name in ("add", "sub") and branches[0][0] == branches[1][0] == "mul":
         (_, a, b), (_, c, d) = branches
         if a == c:

@@ -8,6 +8,7 @@ from itertools import product
 import numpy as np
 import pytest
 
+from shaderlab import glslmath as g
 from shaderlab.bands import Band, Rules
 from shaderlab.errors import FormulaError
 
@@ -183,6 +184,31 @@ def test_rearranging_is_allowed_by_default_and_not_as_written() -> None:
     assert ((band[0] + band[1]) + band[2]).contains(a + (b + c)).all()
     strict = [Band.exact(x, AS_WRITTEN) for x in (a, b, c)]
     assert not ((strict[0] + strict[1]) + strict[2]).contains(a + (b + c)).all()
+
+
+def test_a_product_of_two_sums_may_be_expanded() -> None:
+    """(a + b)·(c + d) where both sums cancel: the four products round at their own size."""
+    rng = np.random.default_rng(9)
+    a, c = rng.uniform(0.5, 1.0, (2, 4000, 1)).astype(F32)
+    b, d = (-x * rng.uniform(0.9999, 1.0001, x.shape).astype(F32) for x in (a, c))
+    expanded = ((a * c + a * d) + b * c) + b * d
+    first, second = Band.exact(a) + Band.exact(b), Band.exact(c) + Band.exact(d)
+    assert (first * second).contains(expanded).all()
+
+
+def test_sums_of_squares_are_not_negative() -> None:
+    x = Band.between([0.0, -1e-3], [0.5, 1e-3])
+    squares = x * x + x * x + x * x
+    assert (squares.lo >= 0.0).all()
+    assert not g.sqrt(squares).vacuous.any()
+    y = x - 1e-4
+    assert (g.dot(y, y).lo >= 0.0).all()
+
+
+def test_infinities_of_both_signs_in_one_sum_may_be_nan() -> None:
+    infinite = Band.exact([[np.inf, -np.inf, 1.0], [np.inf, np.inf, 1.0]])
+    total = g.dot(infinite, Band.exact([1.0, 1.0, 1.0]))
+    assert total.nan[:, 0].tolist() == [True, False]
 
 
 def test_matrix_products_agree_with_float32_in_any_order() -> None:

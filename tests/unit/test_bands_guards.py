@@ -101,6 +101,8 @@ def test_a_choice_is_the_side_taken_or_the_hull_and_counts_it() -> None:
     assert chosen.lo[:, 0].tolist() == [10.0, 10.0, 20.0]
     assert chosen.hi[:, 0].tolist() == [10.0, 20.0, 20.0]
     assert chosen.undecided[:, 0].tolist() == [False, True, False]
+    swapped = g.where(band < 1.0, 20.0, Band.exact([10.0]))
+    assert swapped.lo[1] == 10.0 and swapped.hi[1] == 20.0
     assert (chosen * 2.0).undecided[:, 0].tolist() == [False, True, False]
     literals = g.where(band < 1.0, 0.0, 1.0)
     assert isinstance(literals, Band) and literals.rules == band.rules

@@ -299,10 +299,12 @@ def test_exact_refuses_what_can_not_be_compared() -> None:
 
 
 def test_coverage_counts() -> None:
-    made = frame(XS, passed={("main", 0): 64})
-    assert judged(coverage(64), made).outcome.status == "pass"
-    outcome = judged(coverage(63), made).outcome
-    assert outcome.status == "fail" and "64 samples" in outcome.message
+    covered = np.zeros((SIZE, SIZE), bool)
+    covered[:3] = True
+    made = frame(XS, covered=covered)
+    assert judged(coverage(24), made).outcome.status == "pass"
+    outcome = judged(coverage(25), made).outcome
+    assert outcome.status == "fail" and "24 pixels" in outcome.message
 
 
 def test_a_computed_figure_is_rounded_as_printed() -> None:

@@ -154,6 +154,84 @@ def test_warnings_are_told_once_and_do_not_fail() -> None:
     assert "WARNING: 0:4:" in compiled.logs["glsl"]
 
 
+TESSELLATED: Mapping[str, str] = {
+    "vertex": """#version 410 core
+in vec3 a;
+out Data { vec2 pair[2]; vec3 n; } vs_out;
+out vec4 tint;
+void main() {
+    tint = vec4(a, 1.0); vs_out.n = a; vs_out.pair[1] = a.xy; gl_Position = vec4(a, 1.0);
+}
+""",
+    "tess_control": """#version 410 core
+layout (vertices = 3) out;
+in vec4 tint[];
+in Data { vec2 pair[2]; vec3 n; } tc_in[];
+out vec3 normal[];
+patch out float level;
+void main() {
+    normal[gl_InvocationID] = tc_in[gl_InvocationID].n + tint[gl_InvocationID].rgb;
+    level = tc_in[0].pair[1].x;
+    gl_TessLevelOuter[0] = level;
+    gl_out[gl_InvocationID].gl_Position = gl_in[gl_InvocationID].gl_Position;
+}
+""",
+    "tess_evaluation": """#version 410 core
+layout (triangles) in;
+patch in float level;
+in vec3 normal[];
+out vec3 middle;
+out float height;
+void main() {
+    middle = normal[0] + normal[1] * gl_TessCoord.x; height = level;
+    gl_Position = gl_in[0].gl_Position;
+}
+""",
+    "geometry": """#version 410 core
+layout (triangles) in;
+layout (triangle_strip, max_vertices = 3) out;
+in float height[];
+in vec3 middle[];
+flat out int id;
+out vec3 colour;
+void main() {
+    for (int i = 0; i < 3; i++) {
+        id = i; colour = middle[i] * height[i]; gl_Position = gl_in[i].gl_Position; EmitVertex();
+    }
+}
+""",
+    "fragment": """#version 410 core
+in vec3 colour;
+flat in int id;
+out vec4 c;
+void main() { c = vec4(colour, float(id)); }
+""",
+}
+
+
+def test_five_stages_agree_and_a_missing_output_is_found_between_any_two() -> None:
+    compiled = compile_program(sources(TESSELLATED))
+    compiled.require()
+    assert compiled.interface is not None
+    assert set(compiled.interface.attributes) == {"a"}
+    assert set(compiled.interface.vertex_outputs) == {"id", "colour"}
+    for modules in compiled.spirv.values():
+        places = [numbers(parse(module), Decoration.LOCATION) for module in modules.values()]
+        vertex, control, evaluation, geometry, last = places
+        assert vertex["tint"] == control["tint"]
+        assert vertex["Data"] == control["Data"]
+        assert control["normal"] == evaluation["normal"]
+        assert control["level"] == evaluation["level"]
+        assert evaluation["middle"] == geometry["middle"]
+        assert geometry["colour"] == last["colour"]
+    for stage, old in [("vertex", "tint"), ("tess_control", "level"), ("geometry", "colour")]:
+        text = TESSELLATED[stage].replace(f" {old};", " other;").replace(f"{old} =", "other =")
+        text = text.replace(f"= {old}", "= other")
+        wrong = compile_program(sources({**TESSELLATED, stage: text}))
+        assert [verdict.ok for verdict in wrong.verdicts] == [True, False, False], stage
+        assert [d.token for d in wrong.verdicts[1].diagnostics] == [old]
+
+
 MATERIAL = """#version 330 core
 struct Material {
     sampler2D diffuse;   // material.diffuse in a comment stays

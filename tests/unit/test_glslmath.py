@@ -115,6 +115,19 @@ def test_an_interval_holds_the_bands_of_its_points(function: Callable[[Any], Any
         assert (wide.lo <= point.lo).all() and (point.hi <= wide.hi).all()
 
 
+def test_an_interval_across_a_change_of_the_error_takes_the_larger() -> None:
+    """An ULP doubles at a power of two; a logarithm's error changes at one half."""
+    across = g.exp2(Band.between([-1e-8], [1e-8]))
+    assert across.lo <= g.exp2(Band.exact([1e-8])).lo
+    logs = g.log(Band.between([0.49999997], [3.0]))
+    assert logs.lo <= g.log(Band.exact([0.5])).lo
+
+
+def test_large_angles_have_4096_ulp() -> None:
+    band, truth = g.acos(Band.exact([-0.99])), math.acos(float(np.float32(-0.99)))
+    assert band.contains([truth + 2.0**-10.1]) and band.contains([truth - 2.0**-10.1])
+
+
 def test_waves_reach_their_crests_inside_an_interval() -> None:
     assert g.sin(Band.between([1.0], [2.0])).hi >= 1.0
     assert g.sin(Band.between([-2.0], [-1.0])).lo <= -1.0
@@ -162,6 +175,9 @@ def test_min_and_max_with_nan_give_either() -> None:
     undefined = Band.exact([np.nan])
     smaller = g.min(undefined, 1.0)
     assert smaller.contains([1.0]) and smaller.contains([np.nan]) and smaller.contains([-9.0])
+    maybe = Band.between([0.0], [1.0]) * Band.between([1.0], [np.inf])
+    assert maybe.nan.all() and not maybe.vacuous.any()
+    assert g.max(maybe, -1.0).contains([-1.0]) and not g.max(maybe, -1.0).contains([-2.0])
     assert g.max(undefined, 0.0).contains([0.0]) and g.max(undefined, 0.0).vacuous
 
 
