@@ -19,8 +19,10 @@ from shaderlab import (
     computed,
     coverage,
     exact,
+    formula,
     mesh_pass,
 )
+from shaderlab.glslmath import swizzle, vec4, where
 from shaderlab.reference.transforms import signed_area
 
 CORNERS = np.array([(0.5, 0.5, 0.0), (0.5, -0.5, 0.0), (-0.5, -0.5, 0.0), (-0.5, 0.5, 0.0)])
@@ -42,6 +44,12 @@ def drawn(name, mesh, **state):
     )
 
 
+def two_triangles(place):
+    """Amber above the shared edge, teal below it."""
+    above = swizzle(place, "x") + swizzle(place, "y") > 0.0
+    return where(above, vec4(1.0, 0.625, 0.25, 1.0), vec4(0.25, 0.625, 0.625, 1.0))
+
+
 case = Case(
     title="An indexed quad",
     section="2.2.7",
@@ -55,6 +63,7 @@ case = Case(
     picture="indexed.FragColor",
     expect=[
         coverage(129600, pass_name="indexed", name="pixels covered"),
+        formula("indexed.FragColor", two_triangles, name="one colour a triangle"),
         exact("indexed.FragColor", Output("plain", "FragColor"), name="same as six vertices"),
         coverage(0, pass_name="cull-back", name="culled when counter-clockwise is front"),
         coverage(129600, pass_name="cull-back-cw", name="kept when clockwise is front"),

@@ -87,9 +87,7 @@ def halfway(FragPos, Normal, lightPos, viewPos, shininess):
 def shaded(FragPos, Normal, lightPos, lobe):
     """The picture's colour: an ambient and a diffuse part, the lobe, and the display's gamma."""
     cosine = max(dot(normalize(Normal), normalize(lightPos - FragPos)), 0.0)
-    surface = where(
-        swizzle(FragPos, "y") > 0.001, vec3(0.55, 0.16, 0.12), vec3(0.10, 0.14, 0.20)
-    )
+    surface = where(swizzle(FragPos, "y") > 0.001, vec3(0.55, 0.16, 0.12), vec3(0.10, 0.14, 0.20))
     light = surface * (0.06 + 0.9 * cosine) + vec3(0.55) * lobe
     return vec4(pow(clamp(light, 1.0e-6, 1.0), 1.0 / 2.2), 1.0)
 

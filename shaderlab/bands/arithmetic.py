@@ -36,6 +36,9 @@ if TYPE_CHECKING:
 
 DIVISION_ULPS = 2.5
 LARGEST_DIVISOR = 2.0**126
+# Terms whose sizes add up to the result's (but for roundings) have one sign, and keep it in any
+# order.
+UNCANCELLED = 1.0 - 2.0**-20
 
 
 @np.errstate(all="ignore")
@@ -61,8 +64,7 @@ def add(a: Band, b: Band) -> Band:
     if a.is_plain and b.is_plain:
         slack = step
     else:
-        # Terms that can't cancel (their sizes add up to the end's) keep their sign in any order.
-        uncancelled = mag * (1.0 - 2.0**-20)
+        uncancelled = mag * UNCANCELLED
         not_negative = (a.lo >= 0.0) & (b.lo >= 0.0) & ((a_lo + b_lo >= step) | (hi >= uncancelled))
         not_positive = (
             (a.hi <= 0.0) & (b.hi <= 0.0) & ((a_hi + b_hi <= -step) | (-lo >= uncancelled))
@@ -91,7 +93,7 @@ def _moved_out(
 
 
 def _signs(lo: Floats, hi: Floats, mag: Floats) -> tuple[Flags, Flags]:
-    """Where a product of settled operands keeps its sign, however its terms are distributed.
+    """Where a settled sum times or over a plain value keeps its sign, its terms distributed.
 
     Not among denormals: flushing one of two terms of opposite signs may leave the other's sign.
     """
@@ -155,7 +157,11 @@ def multiply(a: Band, b: Band) -> Band:
         return a.made(lo, hi, b, nan=nan, mag=mag)
     # (a + b)·(c + d) may become four products and three sums, each of the size of the terms.
     steps = 1.0 if a.is_plain or b.is_plain else 3.0
-    lo, hi = _moved_out(lo, hi, steps * _step(mag), *_signs(lo, hi, mag))
+    not_negative, not_positive = _signs(lo, hi, mag)
+    if steps > 1.0:
+        not_negative &= hi >= mag * UNCANCELLED
+        not_positive &= -lo >= mag * UNCANCELLED
+    lo, hi = _moved_out(lo, hi, steps * _step(mag), not_negative, not_positive)
     return a.made(lo, hi, b, nan=nan, mag=mag)
 
 

@@ -18,6 +18,7 @@ MISTAKES = [
     ("orange-triangle", "ch01_setup/orange_triangle.vert", "vec4(aPos,", "vec4(1.01 * aPos,"),
     ("indexed-quad", "ch02_basics/indexed_quad.vert", "vec4(aPos,", "vec4(aPos.yxz,"),
     ("indexed-quad", "ch02_basics/indexed_quad.vert", "aPos, 1.0", "aPos, 0.99"),
+    ("indexed-quad", "ch02_basics/indexed_quad.frag", "0.625, 0.25", "0.25, 0.625"),
     ("texture-mix", "ch02_basics/texture_mix.frag", "mix(texture(texture1", "mix(texture(texture2"),
     ("texture-mix", "ch02_basics/texture_mix.frag", "mixValue);", "1.0 - mixValue);"),
     ("texture-mix", "ch02_basics/texture_mix.frag", "TexCoords), mixV", "TexCoords.ts), mixV"),

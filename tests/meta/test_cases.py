@@ -1,0 +1,87 @@
+"""The catalogue as a whole: nothing unused, nothing untaught, nothing that could not fail."""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from shaderlab.catalogue import Catalogue, data_folder
+from shaderlab.gl.prepare import Preparer
+from shaderlab.glsl.sources import Shaders
+from shaderlab.model import Case, CompileFails, Computed, Coverage
+
+FIRST = {
+    "orange-triangle", "indexed-quad", "texture-mix", "uniform-over-time", "mvp", "attenuation",
+    "spotlight", "gamma", "blinn-phong", "blend-equation", "depth-functions", "stencil-functions",
+}  # fmt: skip
+
+
+@cache
+def cases() -> tuple[Case, ...]:
+    return Catalogue.shipped().cases
+
+
+def each_case() -> list[pytest.ParameterSet]:  # type: ignore[name-defined]
+    return [pytest.param(case, id=case.id) for case in cases()]
+
+
+def test_the_first_cases_are_there() -> None:
+    assert {case.id for case in cases()} >= FIRST
+
+
+@pytest.mark.parametrize("case", each_case())
+def test_a_case_teaches(case: Case) -> None:
+    assert len(case.lesson) > 200
+    assert "Look at:" in case.lesson
+    assert re.fullmatch(r"\d+(\.\d+)*", case.section)
+    assert case.math
+
+
+@pytest.mark.parametrize("case", each_case())
+def test_a_case_looks_at_what_it_draws(case: Case) -> None:
+    """An expectation that reads no pixel and no vertex can't tell a wrong shader."""
+    for scene in case.scenes():
+        blind = (CompileFails, Computed, Coverage)
+        assert any(not isinstance(e, blind) for e in scene.expect), scene.variant
+
+
+@pytest.mark.parametrize("case", each_case())
+def test_an_erratum_names_the_expectation_that_proves_it(case: Case) -> None:
+    names = {e.name for scene in case.scenes() for e in scene.expect}
+    for erratum in case.errata:
+        assert erratum.proof in names
+
+
+@pytest.mark.parametrize("case", each_case())
+def test_expectations_of_a_scene_can_be_told_apart(case: Case) -> None:
+    for scene in case.scenes():
+        labels = [(type(e), e.name, getattr(e, "at", None)) for e in scene.expect]
+        assert all(labels.count(label) == 1 for label in labels), scene.variant
+
+
+def test_every_shader_is_used() -> None:
+    root = data_folder("shaders")
+    preparer = Preparer(Shaders([root]))
+    used: set[Path] = set()
+    for case in cases():
+        for scene in case.scenes():
+            for draw in (d for p in scene.passes for d in p.draws):
+                for source in preparer.prepare(draw).authored:
+                    used |= {Path(path).resolve() for path, _ in source.parts}
+            refused = [e.shader for e in scene.expect if isinstance(e, CompileFails)]
+            used |= {(root / name).resolve() for name in refused}
+    there = {path.resolve() for path in root.rglob("*") if path.is_file()}
+    assert there - used == set()
+
+
+def test_every_shader_says_its_version_and_has_one_main() -> None:
+    root = data_folder("shaders")
+    for path in root.rglob("*"):
+        if not path.is_file() or {"lib", "errata"} & set(path.relative_to(root).parts):
+            continue
+        text = path.read_text(encoding="utf-8")
+        assert text.startswith(("#version 330 core\n", "#version 4")), path
+        assert len(re.findall(r"\bvoid main\(", text)) == 1, path
