@@ -16,7 +16,8 @@ from shaderlab.frame import Array, Bindings, Texels
 from shaderlab.gl import formats
 from shaderlab.gl.stages import PREFIX
 from shaderlab.glsl.spirv import Interface, Variable
-from shaderlab.model import Draw, Output, Texture
+from shaderlab.model import Draw, Output, Ramp, Texture
+from shaderlab.model.scene import UNIT_SQUARE
 
 TextureValues = Callable[[Texture | Output], Array]
 
@@ -129,13 +130,13 @@ def check_domain(draw: Draw, inputs: Mapping[str, Variable]) -> None:
     Raises:
         CaseError: an input has no ramp, or a ramp has no input.
     """
-    _compare("input", draw, draw.domain or {}, inputs)
+    _compare("input", draw, _ramps(draw, inputs), inputs)
 
 
 def ramp_uniforms(draw: Draw, inputs: Mapping[str, Variable]) -> dict[str, Array]:
     """The uniforms of the generated domain stage, by name."""
     values: dict[str, Array] = {}
-    for name, ramp in (draw.domain or {}).items():
+    for name, ramp in _ramps(draw, inputs).items():
         variable = inputs[name]
         size = shape_of(variable.type)
         integer = variable.type[0] in "iu"
@@ -146,6 +147,12 @@ def ramp_uniforms(draw: Draw, inputs: Mapping[str, Variable]) -> dict[str, Array
             probe = Variable(name=f"{PREFIX}{name}_{part}", type=variable.type, location=None)
             values[probe.name] = uniform_arrays(probe, given)[0]
     return values
+
+
+def _ramps(draw: Draw, inputs: Mapping[str, Variable]) -> Mapping[str, Ramp]:
+    """The draw's domain; the default one may go unread."""
+    domain = draw.domain or {}
+    return {} if domain == UNIT_SQUARE and not inputs.keys() & domain.keys() else domain
 
 
 def _compare(

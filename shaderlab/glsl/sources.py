@@ -13,7 +13,7 @@ from pathlib import Path, PurePosixPath
 
 from shaderlab.errors import ShaderError, nearest
 from shaderlab.glsl.include import Expanded, expand
-from shaderlab.glsl.reading import normalise, read_shader, without_comments
+from shaderlab.glsl.reading import normalise, without_comments
 from shaderlab.glsl.roots import File, Roots
 
 STAGES = ("vertex", "tess_control", "tess_evaluation", "geometry", "fragment", "compute")
@@ -168,6 +168,3 @@ def _define(expanded: Expanded, defines: Mapping[str, str]) -> Expanded:
         (*expanded.lines[:at], *[place] * len(new), *expanded.lines[at:]),
         expanded.parts,
     )
-
-
-__all__ = ["EXTENSIONS", "STAGES", "Shaders", "Source", "read_shader", "stage_of"]

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from ..records import Outcome, Record, Run
+from ..records import Curve, Outcome, Record, Run
 from . import markup
-from .chart import chart
+from .chart import Chart, chart
 from .grouping import CHAPTERS, CaseGroup, group_cases, total
 from .inline import Picture, Pictures
 from .listing import Listing
@@ -58,11 +58,7 @@ def _case(group: CaseGroup, anchors: Anchors, pictures: Pictures) -> CaseView:
             for record in group.records
             for name, file in record.images.items()
         ),
-        charts=tuple(
-            (record.variant if several else "", chart(curve))
-            for record in group.records
-            for curve in record.curves
-        ),
+        charts=_charts(group),
         figures=figures if together else (),
         errata=tuple(dict.fromkeys(note for record in group.records for note in record.errata)),
         compiled=compiled(group),
@@ -79,6 +75,18 @@ def _case(group: CaseGroup, anchors: Anchors, pictures: Pictures) -> CaseView:
             )
             for record in group.records
         ),
+    )
+
+
+def _charts(group: CaseGroup) -> tuple[tuple[str, Chart], ...]:
+    """Each curve with the variants it is of; one that all of them share is of none."""
+    users: dict[Curve, list[str]] = {}
+    for record in group.records:
+        for curve in dict.fromkeys(record.curves):
+            users.setdefault(curve, []).append(record.variant)
+    return tuple(
+        ("" if len(names) == len(group.records) else ", ".join(names), chart(curve))
+        for curve, names in users.items()
     )
 
 

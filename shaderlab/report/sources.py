@@ -35,25 +35,20 @@ def listings(group: CaseGroup, anchor: str) -> tuple[tuple[Listing, ...], tuple[
 
 def _without_parts(users: dict[SourceText, list[str]]) -> dict[SourceText, list[str]]:
     """Leave out a text that another one of the same file holds at the same lines."""
-    kept = {}
-    for source, names in users.items():
-        whole = any(
-            other is not source
-            and other.file == source.file
-            and other.line <= source.line
-            and len(other.text) > len(source.text)
-            and _lines_from(other, source.line, source.text) == source.text.rstrip("\n")
-            for other in users
-        )
-        if not whole:
-            kept[source] = names
-    return kept
+    return {
+        source: names
+        for source, names in users.items()
+        if not any(_holds(other, source) for other in users)
+    }
 
 
-def _lines_from(source: SourceText, line: int, text: str) -> str:
-    start = line - source.line
-    count = len(text.rstrip("\n").split("\n"))
-    return "\n".join(source.text.split("\n")[start : start + count])
+def _holds(whole: SourceText, part: SourceText) -> bool:
+    if whole.file != part.file or whole.line > part.line or len(whole.text) <= len(part.text):
+        return False
+    # Without indentation: a line that is quoted alone has often lost its own.
+    lines = [line.strip() for line in part.text.rstrip().split("\n")]
+    start = part.line - whole.line
+    return lines == [line.strip() for line in whole.text.split("\n")[start : start + len(lines)]]
 
 
 def compiled(group: CaseGroup) -> tuple[Compiled, ...]:

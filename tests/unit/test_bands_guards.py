@@ -114,6 +114,17 @@ def test_a_choice_ignores_what_the_side_not_taken_allows() -> None:
     assert not safe.vacuous.any() and not safe.nan.any()
 
 
+def test_a_compiler_may_move_a_term_across_a_comparison() -> None:
+    """a + b < c may become a < c - b, which rounds where a + b is exact."""
+    rng = np.random.default_rng(8)
+    a = rng.uniform(0.5, 1.0, (4000, 1)).astype(np.float32)
+    b = -a * rng.uniform(0.9999, 1.0001, a.shape).astype(np.float32)
+    c = ((a + b) * rng.uniform(0.999, 1.001, a.shape)).astype(np.float32)
+    below = Band.exact(a) + Band.exact(b) < Band.exact(c)
+    differs = (a + b < c) != (a < c - b)
+    assert differs.any() and below.undecided[differs].all()
+
+
 def test_truths_over_components() -> None:
     truth = Band.exact([[1.0, 2.0], [3.0, 4.0]]) < Band.between([1.5, 1.0], [1.5, 5.0])
     assert g.any(truth).all_true.tolist() == [[True], [False]]

@@ -109,6 +109,26 @@ def test_variants_of_a_case_share_one_section_and_one_source(tmp_path: Path) -> 
     assert all(f"<b>{name}</b>" in page.source for name in "xyz")
 
 
+def test_a_quoted_line_is_shown_in_its_file_only(tmp_path: Path) -> None:
+    whole = SourceText(file="a.frag", line=1, language="glsl", text="void main()\n{\n    x();\n}\n")
+    line = SourceText(file="a.frag", line=3, language="glsl", text="x();")
+    other = SourceText(file="a.frag", line=2, language="glsl", text="x();")
+    program = ProgramRecord(files=("a.frag",), sources=(whole,), verdicts=())
+    check = outcome(sources=(line, other))
+    html = write(run(record(programs=(program,), expectations=(check,))), tmp_path).read_text()
+    assert html.count('class="listing"') == 2  # the file, and what is not in it at that line
+    assert re.search(r'href="#[^"]+-L3"><code>a.frag:3', html)
+
+
+def test_a_curve_that_all_variants_share_is_drawn_once(tmp_path: Path) -> None:
+    same, own = curve(measured=(1.0,) * 4), curve(title="another", measured=(2.0,) * 4)
+    records = record("a", "x", curves=(same,)), record("a", "y", curves=(same, own))
+    page = Page(write(run(*records), tmp_path))
+    charts = [a for tag, a in page.tags if tag == "figure" and a.get("class") == "chart"]
+    assert len(charts) == 2
+    assert "<b>another</b> y" in page.source and "<b>Light over distance</b></fig" in page.source
+
+
 def test_chapters_come_in_order_with_your_own_last(tmp_path: Path) -> None:
     sections = {"own": "", "ten": "10", "five": "5.10", "early": "5.2.1", "odd": "99.1"}
     html = write(run(*(record(i, section=s) for i, s in sections.items())), tmp_path).read_text()

@@ -1,0 +1,96 @@
+"""What `run` prints: the table, failures, and progress on a terminal and elsewhere."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import pytest
+
+from shaderlab.cli.showing import Show
+from shaderlab.records import Record, Run
+
+
+def run_of(*records: Record) -> Run:
+    driver = {"renderer": "paint [old]", "vendor": "", "version": "", "glsl": ""}
+    return Run(driver=driver, versions={}, started="", seconds=1.0, records=records)
+
+
+def shown(capsys: pytest.CaptureFixture[str], *records: Record) -> list[str]:
+    Show().outcomes(run_of(*records))
+    return [line.rstrip() for line in capsys.readouterr().out.splitlines()]
+
+
+def table(lines: list[str]) -> list[str]:
+    return lines[: lines.index("")]
+
+
+def row(lines: list[str], name: str) -> list[str]:
+    (found,) = (line.split() for line in table(lines) if f" {name} " in line)
+    return found
+
+
+def test_variants_that_pass_share_a_row_and_others_stand_alone(
+    capsys: pytest.CaptureFixture[str], passing: Record, failing: Record
+) -> None:
+    more = [dataclasses.replace(passing, variant=name) for name in ("1", "2")]
+    lines = shown(capsys, *more, failing)
+    assert row(lines, "lamp") == ["✓", "lamp", "5.1", "2/3", "2/2", "0.50", "3/3"]
+    assert row(lines, "lamp[50]")[:5] == ["✗", "lamp[50]", "5.1", "0/1", ">"]
+
+
+def test_targets_that_refuse_are_named(capsys: pytest.CaptureFixture[str], refused: Record) -> None:
+    assert row(shown(capsys, refused), "lamp")[-3:] == ["not", "glsl,", "vulkan"]
+
+
+@pytest.mark.parametrize(
+    ("widths", "share"),
+    [(0.0, "0 %"), (0.004, "< 1 %"), (0.375, "38 %"), (1.0, "100 %"), (2.0, "200 %")],
+)
+def test_how_much_of_the_band_is_used(
+    capsys: pytest.CaptureFixture[str], passing: Record, failing: Record, widths: float, share: str
+) -> None:
+    worst = failing.expectations[0].worst
+    assert worst is not None
+    outcome = dataclasses.replace(
+        passing.expectations[0], worst=dataclasses.replace(worst, widths=widths)
+    )
+    record = dataclasses.replace(passing, expectations=(outcome,))
+    assert f" {share} " in " ".join(row(shown(capsys, record), "lamp"))
+
+
+def test_eighty_columns_are_enough(
+    capsys: pytest.CaptureFixture[str], passing: Record, failing: Record
+) -> None:
+    assert all(len(line) <= 80 for line in table(shown(capsys, passing, failing)))
+
+
+def test_elsewhere_only_failures_are_told_while_it_runs(
+    capsys: pytest.CaptureFixture[str], passing: Record, failing: Record
+) -> None:
+    with Show().progress(2) as progress:
+        for record in (passing, failing):
+            progress.starts(record.id, record.variant)
+            progress.ends(record)
+    assert capsys.readouterr().out == "fail: lamp[50]\n"
+
+
+def test_a_long_run_says_that_it_is_alive(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, passing: Record
+) -> None:
+    monkeypatch.setattr("shaderlab.cli.showing.HEARTBEAT", 0.0)
+    with Show().progress(2) as progress:
+        progress.starts("lamp", "default")
+        progress.ends(passing)
+        progress.starts("sun", "9")
+    assert "1 of 2 done; running sun[9]" in capsys.readouterr().out
+
+
+def test_on_a_terminal_there_is_a_live_line(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, passing: Record
+) -> None:
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    monkeypatch.setenv("TERM", "xterm")
+    with Show().progress(1) as progress:
+        progress.starts("lamp", "50")
+        progress.ends(passing)
+    assert "lamp[50]" in capsys.readouterr().out
