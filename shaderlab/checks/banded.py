@@ -17,9 +17,6 @@ from shaderlab.frame import Array
 from shaderlab.records import Row, SourceText, Worst
 
 MAX_VACUOUS = 0.01
-# OpenGL gives no bound for encoding to sRGB. Direct3D's is 0.6 of a code, which llvmpipe misses by
-# .003; less than one whole code is the nearest rule that every driver at hand keeps.
-SRGB_TOLERANCE = 1.0 - 2.0**-10
 _FLOAT_FORMATS = ("r32f", "rg32f", "rgba32f")
 _UNORM_FORMATS = ("r8", "rg8", "rgb8", "rgba8")
 
@@ -190,7 +187,7 @@ def _stored(band: Band, format: str, components: int) -> Band | Allowed:
         return band.quantise("rgba8")
     if format != "srgb8_alpha8":
         raise FormulaError(f"a formula over a {format} attachment: judge integers with exact(…)")
-    color = band.quantise("srgb8", tolerance=SRGB_TOLERANCE)
+    color = band.quantise("srgb8")
     alpha = band.quantise("rgba8")
     # Alpha is not encoded (OpenGL 4.5, §17.3.7): the last component keeps its own rule.
     is_alpha = np.arange(components) == 3

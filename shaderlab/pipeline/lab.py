@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import time
+import traceback
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -117,6 +119,11 @@ class Lab:
             draft.stop("unsupported", error)
         except ShaderlabError as error:
             draft.stop("error", error)
+        except Exception as error:
+            # A defect of the lab itself costs this scene only; what else was asked for goes on.
+            if os.environ.get("SHADERLAB_DEBUG"):
+                raise
+            draft.stop("error", _defect(error))
         return draft.record(time.perf_counter() - started)
 
     def _run(self, scene: Scene, draft: write_up.Draft) -> None:
@@ -180,6 +187,17 @@ class Lab:
         inside = Path(folder).resolve().is_relative_to(data_folder("cases").resolve())
         roots = [shipped] if inside else [p for p in beside if p.is_dir()] + [shipped]
         return Preparer(Shaders(roots, overrides=self.options.shaders))
+
+
+def _defect(error: Exception) -> ShaderlabError:
+    """An error that nobody foresaw, with the place in the code where it happened."""
+    place = traceback.extract_tb(error.__traceback__)[-1]
+    return ShaderlabError(
+        f"unforeseen {type(error).__name__}: {error}",
+        file=place.filename,
+        line=place.lineno,
+        remedy="this is a defect of shaderlab; SHADERLAB_DEBUG=1 shows the whole traceback",
+    )
 
 
 def _frame(session: Session, drawn: Drawn, plans: plan.Plan) -> Frame:

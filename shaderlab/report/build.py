@@ -17,7 +17,7 @@ from .worst import worst_panel
 
 THUMBNAIL = 240
 # Up to so many figures are shown in one table for the whole case, more in each variant's.
-_FIGURES_TOGETHER = 60
+_FIGURES_TOGETHER = 200
 _KINDS = {"glsl": "shader", "python": "formula"}
 
 

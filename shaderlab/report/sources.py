@@ -23,9 +23,17 @@ def listings(group: CaseGroup, anchor: str) -> tuple[tuple[Listing, ...], tuple[
             sources.extend(outcome.sources)
         for source in dict.fromkeys(sources):
             users.setdefault(source, []).append(record.variant)
+    cited = {
+        source.file
+        for record in group.records
+        for outcome in record.expectations
+        for source in outcome.sources
+    }
+    # What the checks speak of comes first, what only helps (pictures, included files) after it.
+    ordered = sorted(_without_parts(users).items(), key=lambda item: item[0].file not in cited)
     texts = [
         listing(source, f"{anchor}-source-{number}", messages, _if_some(names, group))
-        for number, (source, names) in enumerate(_without_parts(users).items(), start=1)
+        for number, (source, names) in enumerate(ordered, start=1)
     ]
     return (
         tuple(text for text in texts if text.language == "glsl"),

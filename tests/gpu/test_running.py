@@ -440,3 +440,22 @@ def test_the_same_scene_gives_the_same_bytes(lab: Lab, folder: Path) -> None:
 
     first, second = once(), once()
     assert repr(first.expectations) == repr(second.expectations)  # repr: NaN is equal to itself
+
+
+def test_a_defect_of_the_lab_costs_one_scene_only(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from shaderlab.pipeline import album
+
+    def broken(self: Any, image: Any) -> Any:
+        raise IndexError("no such luck")
+
+    monkeypatch.delenv("SHADERLAB_DEBUG", raising=False)
+    with Lab(Options(size=16, folder=folder)) as lab:
+        with monkeypatch.context() as patch:
+            patch.setattr(album.Album, "portrait", broken)
+            record = run(lab, folder, ramp(), formula("product", product))
+        assert record.status == "error"
+        assert "IndexError: no such luck" in record.message
+        assert record.expectations[0].status == "pass", "what was judged before is kept"
+        assert run(lab, folder, ramp(), formula("product", product)).status == "pass"

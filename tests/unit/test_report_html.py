@@ -20,6 +20,7 @@ from shaderlab.records import (
 from shaderlab.report import write
 from tests.unit.test_report_samples import (
     Page,
+    curve,
     outcome,
     record,
     run,
