@@ -5,9 +5,9 @@ touches a device: importing a case is reading data. Formulas are written with
 `shaderlab.glslmath`, meshes and textures come from `shaderlab.assets`.
 """
 
-from .bands import Rules
-from .errors import ShaderlabError
-from .model import (
+from shaderlab.bands import Rules
+from shaderlab.errors import ShaderlabError
+from shaderlab.model import (
     Blend,
     Case,
     Cell,

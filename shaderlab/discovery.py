@@ -11,7 +11,7 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-from .errors import UsageError
+from shaderlab.errors import UsageError
 
 _ASSIGNS = re.compile(rb"^case\s*(:[^=\n]*)?=", re.MULTILINE)
 _SKIPPED_FOLDERS = frozenset({"__pycache__", "node_modules", "site-packages", "build", "dist"})

@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from .discovery import is_case_file
-from .errors import ShaderlabError
-from .terminal import failed, failure, label
+from shaderlab.discovery import is_case_file
+from shaderlab.errors import ShaderlabError
+from shaderlab.terminal import failed, failure, label
 
 if TYPE_CHECKING:
-    from .model import Scene
-    from .pipeline import Lab
-    from .records import Record
+    from shaderlab.model import Scene
+    from shaderlab.pipeline import Lab
+    from shaderlab.records import Record
 
 _LAB: pytest.StashKey[Lab] = pytest.StashKey()
 
@@ -37,7 +37,7 @@ class CaseFile(pytest.File):
     """A case file; collecting it imports it, which touches no device."""
 
     def collect(self) -> Iterator[CaseItem]:
-        from .catalogue import load_case
+        from shaderlab.catalogue import load_case
 
         case = load_case(self.path)
         for scene in case.scenes():
@@ -82,7 +82,7 @@ def lab_of(config: pytest.Config) -> Lab:
     """This process's lab, opened on first use."""
     lab = config.stash.get(_LAB, None)
     if lab is None:
-        from .pipeline import Lab
+        from shaderlab.pipeline import Lab
 
         lab = config.stash[_LAB] = Lab()
     return lab

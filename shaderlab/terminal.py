@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
-from .records import Diagnostic, Outcome, Record, Worst
+from shaderlab.records import Diagnostic, Outcome, Record, Worst
 
 DEFAULT_VARIANT = "default"
 MARKS: Mapping[str, str] = {

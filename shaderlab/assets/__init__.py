@@ -4,8 +4,8 @@ A mesh is a mapping that `Mesh` takes as it is: `Mesh(**assets.sphere())`. A tex
 (height, width, channels) in 0…1 whose row 0 is the bottom one: `Texture(image=assets.crate)`.
 """
 
-from .meshes import Geometry, cube, joined, moved, plane, quad, sphere, torus
-from .textures import brick_wall, checker, crate, emblem, solid
+from shaderlab.assets.meshes import Geometry, cube, joined, moved, plane, quad, sphere, torus
+from shaderlab.assets.textures import brick_wall, checker, crate, emblem, solid
 
 __all__ = [
     "Geometry",

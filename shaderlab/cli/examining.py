@@ -15,7 +15,7 @@ def command(as_json: bool) -> None:
 
     Exit code: 0 all there, 1 something necessary is missing.
     """
-    from ..doctor import examine
+    from shaderlab.doctor import examine
 
     findings = examine()
     if as_json:

@@ -13,7 +13,7 @@ from typing import Any
 
 import click
 
-from ..errors import UsageError
+from shaderlab.errors import UsageError
 
 REPORTS = Path("reports")
 LATEST = "latest"

@@ -7,8 +7,8 @@ from typing import Any
 
 import click
 
-from ..errors import UsageError, nearest
-from ..model import DEFAULT_VARIANT, Case
+from shaderlab.errors import UsageError, nearest
+from shaderlab.model import DEFAULT_VARIANT, Case
 
 
 @click.command("list", short_help="The cases there are.")
@@ -23,7 +23,7 @@ def command(chapter: int | None, as_json: bool) -> None:
       shaderlab list --chapter 5
       shaderlab list --json | jq -r '.[].id'
     """
-    from ..catalogue import Catalogue
+    from shaderlab.catalogue import Catalogue
 
     cases = Catalogue.shipped().cases
     if chapter is not None:

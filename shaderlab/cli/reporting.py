@@ -6,8 +6,8 @@ from pathlib import Path
 
 import click
 
-from ..errors import UsageError
-from .files import find_latest
+from shaderlab.cli.files import find_latest
+from shaderlab.errors import UsageError
 
 
 @click.command("report", short_help="Make a run's page once more, or show where it is.")
@@ -21,8 +21,8 @@ def command(run_folder: str | None, open_report: bool) -> None:
       shaderlab report                              the latest run
       shaderlab report reports/20260101-120000 --open
     """
-    from ..report import html, store
-    from ..terminal import shown_path
+    from shaderlab.report import html, store
+    from shaderlab.terminal import shown_path
 
     folder = find_latest() if run_folder is None else Path(run_folder)
     if not (folder / "run.json").is_file():

@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ..errors import UsageError
-from .files import latest, new_run_folder, report_folder, write_json
+from shaderlab.cli.files import latest, new_run_folder, report_folder, write_json
+from shaderlab.errors import UsageError
 
 if TYPE_CHECKING:
-    from ..model import Scene
-    from ..records import Record, Run
-    from .showing import Show
+    from shaderlab.cli.showing import Show
+    from shaderlab.model import Scene
+    from shaderlab.records import Record, Run
 
 
 @click.command("run", short_help="Run cases, judge them, write the report.")
@@ -75,9 +75,9 @@ def command(
     Exit code: 0 all passed, 1 something failed, 2 wrong usage. A case that needs a feature which
     this driver lacks is "unsupported", which is no failure.
     """
-    from ..terminal import failed
-    from .selecting import select
-    from .showing import Show
+    from shaderlab.cli.selecting import select
+    from shaderlab.cli.showing import Show
+    from shaderlab.terminal import failed
 
     replacements = _replacements(shaders)
     scenes = select(targets, every, variants)
@@ -108,8 +108,8 @@ def _run(
     shaders: dict[str, str | Path],
     show: Show,
 ) -> Run:
-    from ..pipeline import Lab, Options
-    from ..records import Run
+    from shaderlab.pipeline import Lab, Options
+    from shaderlab.records import Run
 
     started = datetime.datetime.now().astimezone().isoformat(timespec="seconds")
     clock = time.perf_counter()
@@ -133,7 +133,7 @@ def _run(
 
 
 def _write(run: Run, folder: Path, json_file: str | None, junit_file: str | None) -> Path:
-    from ..report import html, junit, store
+    from shaderlab.report import html, junit, store
 
     store.save(run, folder)
     page = html.write(run, folder)

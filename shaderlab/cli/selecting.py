@@ -6,10 +6,10 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
-from ..catalogue import Catalogue, load_case
-from ..discovery import case_files
-from ..errors import UsageError, nearest
-from ..model import Case, Scene
+from shaderlab.catalogue import Catalogue, load_case
+from shaderlab.discovery import case_files
+from shaderlab.errors import UsageError, nearest
+from shaderlab.model import Case, Scene
 
 _WITH_VARIANT = re.compile(r"(?P<id>[^\[\]]+)\[(?P<variant>.*)\]")
 

@@ -14,8 +14,8 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
-from ..records import Record, Run
-from ..terminal import MARKS, failed, failure, label, shown_path, summary
+from shaderlab.records import Record, Run
+from shaderlab.terminal import MARKS, failed, failure, label, shown_path, summary
 
 STYLES = {"pass": "green", "unsupported": "yellow"}
 HEARTBEAT = 10.0

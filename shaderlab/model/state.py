@@ -135,7 +135,7 @@ class Cell:
     def __post_init__(self) -> None:
         if not (0 <= self.column < self.columns and 0 <= self.row < self.rows):
             raise CaseError(
-                f"Cell: ({self.column}, {self.row}) is outside the {self.columns} × {self.rows} grid"
+                f"Cell: ({self.column}, {self.row}) lies outside {self.columns} × {self.rows} cells"
             )
 
 

@@ -4,7 +4,7 @@ Arrays are in OpenGL's order: row 0 is the lowest, shape (height, width, channel
 OpenImageIO is loaded when a function needs it, not before.
 """
 
-from .display import (
+from shaderlab.pictures.display import (
     BAND_HIGH,
     BAND_LOW,
     BAND_MIDDLE,
@@ -15,7 +15,7 @@ from .display import (
     distance_picture,
     to_display,
 )
-from .files import LARGEST_SIDE, load, save_png, thumbnail
+from shaderlab.pictures.files import LARGEST_SIDE, load, save_png, thumbnail
 
 __all__ = [
     "BAND_HIGH",

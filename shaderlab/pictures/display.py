@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import AssetError
+from shaderlab.errors import AssetError
 
 Bytes = NDArray[np.uint8]
 Colour = tuple[int, int, int]

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import AssetError
-from .display import as_pixels, enlarge, to_display
+from shaderlab.errors import AssetError
+from shaderlab.pictures.display import as_pixels, enlarge, to_display
 
 Floats = NDArray[np.float32]
 

@@ -6,7 +6,7 @@ section 2.13.1, the distance attenuation factor of a positional light: 1 / (k0 +
 
 from __future__ import annotations
 
-from ..glslmath import Value, sqrt
+from shaderlab.glslmath import Value, sqrt
 
 
 def attenuation(

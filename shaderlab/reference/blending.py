@@ -6,7 +6,7 @@ a blend function in "The OpenGL Graphics System: A Specification", version 3.3 c
 
 from __future__ import annotations
 
-from ..glslmath import Value, swizzle
+from shaderlab.glslmath import Value, swizzle
 
 
 def over(source: Value, destination: Value) -> Value:

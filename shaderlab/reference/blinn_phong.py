@@ -9,7 +9,7 @@ All directions point away from the surface and need not be of unit length, but n
 
 from __future__ import annotations
 
-from ..glslmath import Value, dot, max, normalize, pow, reflect, where
+from shaderlab.glslmath import Value, dot, max, normalize, pow, reflect, where
 
 
 def lobe(cosine: Value, shininess: Value) -> Value:

@@ -6,7 +6,7 @@ with the constants as OpenGL 3.3 core prints them (sections 3.8.16 and 4.1.8).
 
 from __future__ import annotations
 
-from ..glslmath import Value, pow, where
+from shaderlab.glslmath import Value, pow, where
 
 
 def gamma_encode(linear: Value, gamma: Value) -> Value:

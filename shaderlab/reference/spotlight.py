@@ -6,7 +6,7 @@ inverse of a linear interpolation over the cosine, not over the angle.
 
 from __future__ import annotations
 
-from ..glslmath import Value, clamp, dot, normalize
+from shaderlab.glslmath import Value, clamp, dot, normalize
 
 
 def spot_cosine(FragPos: Value, light_position: Value, light_direction: Value) -> Value:

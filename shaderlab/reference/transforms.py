@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..glslmath import Value, mul, swizzle, vec4
+from shaderlab.glslmath import Value, mul, swizzle, vec4
 
 Matrix = npt.NDArray[np.float64]
 Vector = Sequence[float] | npt.NDArray[Any]

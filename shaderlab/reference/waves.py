@@ -5,7 +5,7 @@ Source: the OpenGL study notes, section 2.3.4.
 
 from __future__ import annotations
 
-from ..glslmath import Value, sin
+from shaderlab.glslmath import Value, sin
 
 
 def pulse(time: Value) -> Value:

@@ -4,8 +4,8 @@ This room sees records, errors and pictures only: never a case, a shader or a de
 Pygments, latex2mathml and cattrs are loaded when a function needs them.
 """
 
-from .html import write
-from .junit import write_junit
-from .store import load, public_json, save
+from shaderlab.report.html import write
+from shaderlab.report.junit import write_junit
+from shaderlab.report.store import load, public_json, save
 
 __all__ = ["load", "public_json", "save", "write", "write_junit"]

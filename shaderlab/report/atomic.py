@@ -6,7 +6,7 @@ import os
 import secrets
 from pathlib import Path
 
-from ..errors import ShaderlabError
+from shaderlab.errors import ShaderlabError
 
 
 def write_text(path: Path, text: str) -> None:

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from ..records import Curve, Outcome, Record, Run
-from . import markup
-from .chart import Chart, chart
-from .grouping import CHAPTERS, CaseGroup, group_cases, total
-from .inline import Picture, Pictures
-from .listing import Listing
-from .page import CaseView, ChapterView, Check, Page, Plate, VariantView
-from .sources import anchor_of, compiled, listings
-from .text import Anchors
-from .worst import worst_panel
+from shaderlab.records import Curve, Outcome, Record, Run
+from shaderlab.report import markup
+from shaderlab.report.chart import Chart, chart
+from shaderlab.report.grouping import CHAPTERS, CaseGroup, group_cases, total
+from shaderlab.report.inline import Picture, Pictures
+from shaderlab.report.listing import Listing
+from shaderlab.report.page import CaseView, ChapterView, Check, Page, Plate, VariantView
+from shaderlab.report.sources import anchor_of, compiled, listings
+from shaderlab.report.text import Anchors
+from shaderlab.report.worst import worst_panel
 
 THUMBNAIL = 240
 # Up to so many figures are shown in one table for the whole case, more in each variant's.

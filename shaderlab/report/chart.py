@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from ..records import Curve
-from .axes import Axis, axis
+from shaderlab.records import Curve
+from shaderlab.report.axes import Axis, axis
 
 WIDTH = 460.0
 LEFT, RIGHT = 62.0, 448.0

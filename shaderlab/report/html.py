@@ -9,13 +9,13 @@ from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .. import pictures
-from ..records import Run
-from . import markup, text
-from .atomic import write_text
-from .build import build
-from .grouping import STATUS_WORDS, STATUSES
-from .inline import Pictures
+from shaderlab import pictures
+from shaderlab.records import Run
+from shaderlab.report import markup, text
+from shaderlab.report.atomic import write_text
+from shaderlab.report.build import build
+from shaderlab.report.grouping import STATUS_WORDS, STATUSES
+from shaderlab.report.inline import Pictures
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -116,7 +116,7 @@ def _css(colour: tuple[int, int, int]) -> str:
 
 
 def _chart_size() -> dict[str, float]:
-    from . import chart
+    from shaderlab.report import chart
 
     names = ("WIDTH", "HEIGHT", "LEFT", "RIGHT", "TOP", "BOTTOM", "STRIP_TOP", "STRIP_BOTTOM")
     size = {name.lower(): getattr(chart, name) for name in names}

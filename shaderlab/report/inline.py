@@ -7,8 +7,8 @@ import struct
 from dataclasses import dataclass
 from pathlib import Path
 
-from .. import pictures
-from ..errors import AssetError
+from shaderlab import pictures
+from shaderlab.errors import AssetError
 
 _SIGNATURE = b"\x89PNG\r\n\x1a\n"
 # Below this a picture is a table of pixels, to be enlarged with hard edges.

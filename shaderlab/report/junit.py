@@ -6,10 +6,10 @@ import math
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
-from ..records import Outcome, Record, Run
-from .atomic import write_text
-from .grouping import group_cases
-from .text import clean, figure
+from shaderlab.records import Outcome, Record, Run
+from shaderlab.report.atomic import write_text
+from shaderlab.report.grouping import group_cases
+from shaderlab.report.text import clean, figure
 
 # What a status is called in the schema: nothing (passed), failure, error, or skipped.
 _TAGS = {

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
-from ..records import Diagnostic, SourceText
-from .text import clean
+from shaderlab.records import Diagnostic, SourceText
+from shaderlab.report.text import clean
 
 if TYPE_CHECKING:
     from markupsafe import Markup

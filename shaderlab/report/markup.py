@@ -9,7 +9,7 @@ from functools import cache
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree as ET
 
-from .text import clean
+from shaderlab.report.text import clean
 
 if TYPE_CHECKING:
     from markdown_it import MarkdownIt

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ..records import ErratumNote, Outcome, Record, Row, Run, Status, Verdict
-from .chart import Chart
-from .grouping import PASSABLE, CaseGroup, Totals, worst
-from .inline import Picture
-from .listing import Listing
-from .worst import WorstPanel
+from shaderlab.records import ErratumNote, Outcome, Record, Row, Run, Status, Verdict
+from shaderlab.report.chart import Chart
+from shaderlab.report.grouping import PASSABLE, CaseGroup, Totals, worst
+from shaderlab.report.inline import Picture
+from shaderlab.report.listing import Listing
+from shaderlab.report.worst import WorstPanel
 
 if TYPE_CHECKING:
     from markupsafe import Markup

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..records import Diagnostic, SourceText, Verdict
-from .grouping import CaseGroup
-from .listing import Listing, listing
-from .page import Compiled
+from shaderlab.records import Diagnostic, SourceText, Verdict
+from shaderlab.report.grouping import CaseGroup
+from shaderlab.report.listing import Listing, listing
+from shaderlab.report.page import Compiled
 
 
 def listings(group: CaseGroup, anchor: str) -> tuple[tuple[Listing, ...], tuple[Listing, ...]]:

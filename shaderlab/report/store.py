@@ -8,9 +8,9 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..errors import ShaderlabError, UsageError
-from ..records import Outcome, Record, Run, Worst
-from .atomic import write_text
+from shaderlab.errors import ShaderlabError, UsageError
+from shaderlab.records import Outcome, Record, Run, Worst
+from shaderlab.report.atomic import write_text
 
 if TYPE_CHECKING:
     from cattrs import Converter
