@@ -3,40 +3,52 @@
 Everything a case file needs is here (`Case`, what it draws, what must hold), and nothing here
 touches a device: importing a case is reading data. Formulas are written with
 `shaderlab.glslmath`, meshes and textures come from `shaderlab.assets`.
+
+Names are imported when they are first asked for (PEP 562), so that what needs only a part, such as
+the compile harness and its workers, does not wait for NumPy.
 """
 
-from shaderlab.bands import Rules
-from shaderlab.errors import ShaderlabError
-from shaderlab.model import (
-    Blend,
-    Case,
-    Cell,
-    Depth,
-    Draw,
-    Erratum,
-    Mesh,
-    Output,
-    Pass,
-    Pixel,
-    Ramp,
-    State,
-    Stencil,
-    Target,
-    Texture,
-    Variant,
-    across,
-    compile_fails,
-    computed,
-    coverage,
-    exact,
-    formula,
-    fullscreen,
-    gl_error,
-    mesh_pass,
-    sweep,
-    up,
-    value,
-)
+import importlib as _importlib
+import typing as _typing
+
+if _typing.TYPE_CHECKING:
+    from shaderlab.bands import Rules
+    from shaderlab.errors import ShaderlabError
+    from shaderlab.model import (
+        Blend,
+        Case,
+        Cell,
+        Depth,
+        Draw,
+        Erratum,
+        Mesh,
+        Output,
+        Pass,
+        Pixel,
+        Ramp,
+        State,
+        Stencil,
+        Target,
+        Texture,
+        Variant,
+        across,
+        bounded,
+        compile_fails,
+        computed,
+        coverage,
+        energy_conserving,
+        exact,
+        formula,
+        fullscreen,
+        gl_error,
+        mean_of,
+        mesh_pass,
+        monotone,
+        sweep,
+        symmetric,
+        up,
+        value,
+    )
 
 __version__ = "0.1.0"
 
@@ -61,15 +73,33 @@ __all__ = [
     "Variant",
     "__version__",
     "across",
+    "bounded",
     "compile_fails",
     "computed",
     "coverage",
+    "energy_conserving",
     "exact",
     "formula",
     "fullscreen",
     "gl_error",
+    "mean_of",
     "mesh_pass",
+    "monotone",
     "sweep",
+    "symmetric",
     "up",
     "value",
 ]
+
+
+def __getattr__(name: str) -> _typing.Any:
+    if name not in __all__:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    home = {"Rules": "shaderlab.bands", "ShaderlabError": "shaderlab.errors"}
+    value = getattr(_importlib.import_module(home.get(name, "shaderlab.model")), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -64,7 +64,7 @@ class Catalogue:
                     remedy="rename one of the two files: a case's id is its file's name",
                 )
             cases[case.id] = case
-        return cls(tuple(sorted(cases.values(), key=_place)))
+        return cls(tuple(sorted(cases.values(), key=lambda case: place(case.section, case.id))))
 
     def find(self, case_id: str) -> Case:
         """The case with this id.
@@ -163,6 +163,7 @@ def _right_spelling(error: BaseException) -> str | None:
     return nearest(found.group(2), names)
 
 
-def _place(case: Case) -> tuple[list[int], str]:
-    numbers = [int(part) if part.isdigit() else 0 for part in case.section.split(".")]
-    return ([*numbers] if case.section else [999], case.id)
+def place(section: str, case_id: str) -> tuple[list[int], str]:
+    """What cases are sorted by: chapter, section, id; those without a section come last."""
+    numbers = [int(part) if part.isdigit() else 0 for part in section.split(".")]
+    return ([*numbers] if section else [999], case_id)

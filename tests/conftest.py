@@ -131,6 +131,7 @@ def fake_lab(
             return FakeLab(answers, passing, log)
 
         monkeypatch.setattr("shaderlab.pipeline.Lab", lab)
+        monkeypatch.setenv("SHADERLAB_JOBS", "0")  # worker processes would have the real one
         return log
 
     return install

@@ -22,7 +22,7 @@ from shaderlab import (
     sweep,
     value,
 )
-from shaderlab.glslmath import mix
+from shaderlab.glslmath import mix, vec4
 from shaderlab.sampling import texture
 
 
@@ -34,6 +34,11 @@ def mixed(texture1, texture2, TexCoords, mixValue):
 def handed_on(aTexCoords):
     """What the vertex shader does with texture coordinates: nothing."""
     return aTexCoords
+
+
+def in_place(aPos):
+    """What it does with positions, which are device coordinates already: w is 1."""
+    return vec4(aPos, 1.0)
 
 
 def one_texel(*color):
@@ -58,7 +63,11 @@ case = Case(
         },
         target=Target(clear=(0.2, 0.3, 0.3, 1.0)),
     ),
-    expect=[formula("TexCoords", handed_on), formula("FragColor", mixed)],
+    expect=[
+        formula("gl_Position", in_place),
+        formula("TexCoords", handed_on),
+        formula("FragColor", mixed),
+    ],
     variants=[
         Variant("crate and emblem"),
         Variant("half and half", {"mixValue": 0.5}),

@@ -38,18 +38,20 @@ from shaderlab.reference.transforms import (
     look_at,
     normal_matrix,
     perspective,
+    rotate,
     translate,
     world_normal,
     world_position,
 )
 
 EYE, LAMP = (0.0, 1.5, 4.6), (0.0, 1.1, 0.4)
-MODEL = translate((0.0, 0.0, 0.0))
+# The still life is built along x, and a quarter turn has it face the viewer.
+MODEL = rotate(radians(90.0), (0.0, 1.0, 0.0))
 STILL_LIFE = Mesh(
     **assets.joined(
         assets.plane(size=12.0),
-        assets.moved(assets.torus(0.34, 0.15), translate((0.0, 0.15, 1.5))),
-        assets.moved(assets.sphere(0.3), translate((0.0, 0.42, -1.2))),
+        assets.moved(assets.torus(0.34, 0.15), translate((-1.5, 0.15, 0.0))),
+        assets.moved(assets.sphere(0.3), translate((1.2, 0.42, 0.0))),
     )
 ).only("aPos", "aNormal")
 
@@ -127,6 +129,15 @@ def past_the_edge(blinn):
     ]
 
 
+def out_of_the_plane():
+    """A light that is not in one plane with viewer and normal, nor given as a unit vector."""
+    at = {"slope": 0.5, "lightDir": (-0.6, 1.2, 0.4), "shininess": 8.0}
+    return [
+        value("phong", at=at, equals=0.711321, digits=6, name="Phong, light from aside"),
+        value("blinn", at=at, equals=0.899891, digits=6, name="Blinn, light from aside"),
+    ]
+
+
 case = Case(
     title="Blinn–Phong beside Phong",
     section="5.7.2",
@@ -161,6 +172,7 @@ case = Case(
         formula("blinn", blinn_over_slope),
         sweep("phong", phong_over_slope, over="slope", values=SLOPES),
         sweep("blinn", blinn_over_slope, over="slope", values=SLOPES),
+        *out_of_the_plane(),
     ],
     variants=[
         Variant("shininess 0.5", {"shininess": 0.5}, expect=past_the_edge(0.780232)),

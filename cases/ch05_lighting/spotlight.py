@@ -67,7 +67,11 @@ def wide():
         (34, "0.11", 0.113424, 0.113424),
         (50, "−2.0", -2.023555, 0.0),
     ]
-    return [expectation for entries in table for expectation in row(*entries)]
+    turned = {"tangent": -0.1, "light.direction": (0.5, 0.0, -1.0)}  # no unit vector either
+    return [
+        *(expectation for entries in table for expectation in row(*entries)),
+        value("edge.intensity", at=turned, equals=0.302182, digits=6, name="the lamp turned"),
+    ]
 
 
 def narrow():

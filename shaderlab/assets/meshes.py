@@ -7,6 +7,7 @@ them: `aPos` (n, 3), `aNormal` (n, 3) of length 1, `aTexCoords` (n, 2); all floa
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any, TypedDict
 
 import numpy as np
@@ -53,6 +54,13 @@ def cube(size: float = 1.0) -> Geometry:
     >>> len(cube()["attributes"]["aPos"]), len(cube()["indices"])
     (24, 36)
     """
+    positions, normals, texture, indices = _unit_cube()
+    return _geometry(positions * size, normals, texture, indices)
+
+
+@cache
+def _unit_cube() -> tuple[Array, Array, Array, Array]:
+    """The parts of `cube`, made once: larger solids are built of hundreds of boxes."""
     face = quad(1.0)["attributes"]
     x, y, _ = face["aPos"].T
     positions, normals = [], []
@@ -69,12 +77,8 @@ def cube(size: float = 1.0) -> Geometry:
         positions.append(np.outer(x, right) + np.outer(y, upward) + 0.5 * out)
         normals.append(np.tile(out, (4, 1)))
     indices = np.concatenate([np.array([0, 1, 2, 0, 2, 3]) + 4 * k for k in range(6)])
-    return _geometry(
-        np.concatenate(positions) * size,
-        np.concatenate(normals),
-        np.tile(face["aTexCoords"], (6, 1)),
-        indices,
-    )
+    texture = np.tile(face["aTexCoords"], (6, 1))
+    return np.concatenate(positions), np.concatenate(normals), texture, indices
 
 
 def sphere(radius: float = 1.0, segments: int = 48, rings: int = 24) -> Geometry:

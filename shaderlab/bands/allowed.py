@@ -10,6 +10,9 @@ from numpy.typing import ArrayLike
 
 from shaderlab.bands.rounding import Flags, Floats, ulp
 
+# So many float64 values and their bounds fit into a second-level cache.
+BLOCK = 16384
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Allowed:
@@ -48,20 +51,54 @@ class Allowed:
 
 
 def contains(lo: Floats, hi: Floats, nan: Any, measured: ArrayLike) -> Flags:
-    """Where lo ≤ measured ≤ hi, or measured is NaN and may be."""
-    value = np.asarray(measured, dtype=np.float64)
-    inside: Flags = ((value >= lo) & (value <= hi)) | (np.isnan(value) & nan)
+    """Where lo ≤ measured ≤ hi, or measured is NaN and may be.
+
+    Equal shapes are gone through in blocks that stay in the processor's cache, without any other
+    array of full size than the result.
+    """
+    values = np.asarray(measured)
+    shape = np.broadcast_shapes(lo.shape, hi.shape, values.shape, np.shape(nan))
+    inside = np.empty(shape, np.bool_)
+    flat = inside.reshape(-1)
+    rows = [_flat(array, shape) for array in (values, lo, hi)]
+    legal = _flat(np.asarray(nan), shape) if np.any(nan) else None
+    size = min(BLOCK, flat.size)
+    number, below = np.empty(size), np.empty(size, np.bool_)
+    for start in range(0, flat.size, BLOCK):
+        block = slice(start, start + BLOCK)
+        got, found = number[: flat[block].size], flat[block]
+        np.copyto(got, rows[0][block])
+        np.greater_equal(got, rows[1][block], out=found)
+        found &= np.less_equal(got, rows[2][block], out=below[: got.size])
+        if legal is not None:
+            found |= np.isnan(got) & legal[block]
     return inside
+
+
+def _flat(array: Any, shape: tuple[int, ...]) -> Any:
+    """The array laid over `shape`, as one row; copied only where it has to be."""
+    return np.broadcast_to(array, shape).reshape(-1)
 
 
 @np.errstate(all="ignore")
 def widths(lo: Floats, hi: Floats, nan: Any, measured: ArrayLike, unit: float = 0.0) -> Floats:
     """How far measured values are from the middle, in half widths (1 = on a bound)."""
     value = np.asarray(measured, dtype=np.float64)
+    half = np.asarray((hi - lo) * 0.5)
+    result: Floats = np.abs(value - (lo + half)) / half
+    odd = ~((half > 0.0) & np.isfinite(half) & ~np.isnan(value))
+    if odd.any():
+        at = [np.broadcast_to(array, result.shape)[odd] for array in (lo, hi, nan, value)]
+        result[odd] = _odd_widths(at[0], at[1], at[2], at[3], unit)
+    return result
+
+
+def _odd_widths(lo: Floats, hi: Floats, nan: Flags, value: Floats, unit: float) -> Floats:
+    """`widths` of bands without width or without an end, and of NaN."""
     bounded = np.isfinite(lo) & np.isfinite(hi)
-    half = (hi - lo) / 2.0
     # A band without width has the last bit (or one code) as its unit outside, and 0 inside.
     smallest = unit or ulp(np.where(bounded, lo, 1.0))
+    half = (hi - lo) / 2.0
     scaled = np.where(
         half > 0.0, np.abs(value - (lo + half)) / half, np.abs(value - lo) / smallest * 2.0
     )

@@ -9,7 +9,9 @@ and rounds where the formula as written happens to be exact. So:
 - a sum of two plain values remembers one step of `mag` as its `slack`, paid as soon as it is
   added to or multiplied with something (a·(b + c) may become a·b + a·c);
 - each further sum, product or quotient rounds by a step of its `mag` more, a product of two such
-  values by three.
+  values by three (or as many as it has sums, once distributed);
+- a sum of n terms may be added up in an order in which all n − 1 sums are as large as the largest
+  of them, whatever they were as written.
 
 A plain band has no `mag` of its own (None: its own absolute value), and pays nothing.
 """
@@ -30,6 +32,7 @@ from shaderlab.bands.rounding import (
     two_sum,
     widened_by_ulps,
 )
+from shaderlab.bands.terms import Terms, combined, is_tiny, reach_of
 
 if TYPE_CHECKING:
     from shaderlab.bands.band import Band
@@ -58,24 +61,26 @@ def add(a: Band, b: Band) -> Band:
         return a.made(lo, hi, b, residue=(lost_lo, lost_hi), nan=nan)
     mag_a, mag_b = a.mag, b.mag
     mag = mag_a + mag_b
+    reach = None
+    if is_tiny(mag, a.terms, b.terms):
+        reach = reach_of(mag_a, a.terms) + reach_of(mag_b, b.terms)
+    terms = Terms(mag, None, a.count + b.count, reach)
     # Adding an exact zero is no sum: no compiler keeps it.
-    step = np.where((mag_a > 0.0) & (mag_b > 0.0), _step(mag), 0.0)
-    slack = None
+    step = np.where((mag_a > 0.0) & (mag_b > 0.0), terms.step(), 0.0)
     if a.is_plain and b.is_plain:
-        slack = step
+        terms = Terms(mag, step, terms.count, reach)
     else:
+        if a.count > 1:
+            step = step + (a.count - 1) * RELATIVE_STEP * mag_b
+        if b.count > 1:
+            step = step + (b.count - 1) * RELATIVE_STEP * mag_a
         uncancelled = mag * UNCANCELLED
         not_negative = (a.lo >= 0.0) & (b.lo >= 0.0) & ((a_lo + b_lo >= step) | (hi >= uncancelled))
         not_positive = (
             (a.hi <= 0.0) & (b.hi <= 0.0) & ((a_hi + b_hi <= -step) | (-lo >= uncancelled))
         )
         lo, hi = _moved_out(lo, hi, step, not_negative, not_positive)
-    return a.made(lo, hi, b, residue=(lost_lo, lost_hi), nan=nan, mag=mag, slack=slack)
-
-
-def _step(mag: Floats) -> Floats:
-    """What one rounding among terms of this size may change; a denormal term may be flushed."""
-    return np.where(mag > 0.0, np.maximum(RELATIVE_STEP * mag, SMALLEST_NORMAL), 0.0)
+    return a.made(lo, hi, b, residue=(lost_lo, lost_hi), nan=nan, terms=terms)
 
 
 def _moved_out(
@@ -92,12 +97,9 @@ def _moved_out(
     )
 
 
-def _signs(lo: Floats, hi: Floats, mag: Floats) -> tuple[Flags, Flags]:
-    """Where a settled sum times or over a plain value keeps its sign, its terms distributed.
-
-    Not among denormals: flushing one of two terms of opposite signs may leave the other's sign.
-    """
-    safe = (mag >= SMALLEST_NORMAL / RELATIVE_STEP) | (mag == 0.0)
+def _signs(lo: Floats, hi: Floats, terms: Terms) -> tuple[Flags, Flags]:
+    """Where a settled sum times or over a plain value keeps its sign, its terms distributed."""
+    safe = terms.safe()
     return (lo >= 0.0) & safe, (hi <= 0.0) & safe
 
 
@@ -152,17 +154,22 @@ def multiply(a: Band, b: Band) -> Band:
         nan = _zero_times_infinity(a_lo, a_hi, b_lo, b_hi)
     if not a.rules.rearrange:
         return a.made(lo, hi, b, nan=nan)
-    mag = a.mag * b.mag
+    mag_a, mag_b = a.mag, b.mag
+    mag = mag_a * mag_b
+    reach = None
+    if is_tiny(mag, a.terms, b.terms):
+        reach = np.maximum(reach_of(mag_a, a.terms) * reach_of(mag_b, b.terms), 1.0)
+    terms = Terms(mag, None, a.count * b.count, reach)
     if a.is_plain and b.is_plain:
-        return a.made(lo, hi, b, nan=nan, mag=mag)
+        return a.made(lo, hi, b, nan=nan, terms=terms)
     # (a + b)·(c + d) may become four products and three sums, each of the size of the terms.
-    steps = 1.0 if a.is_plain or b.is_plain else 3.0
-    not_negative, not_positive = _signs(lo, hi, mag)
-    if steps > 1.0:
+    steps = 1 if a.is_plain or b.is_plain else max(3, terms.count - 1)
+    not_negative, not_positive = _signs(lo, hi, terms)
+    if steps > 1:
         not_negative &= hi >= mag * UNCANCELLED
         not_positive &= -lo >= mag * UNCANCELLED
-    lo, hi = _moved_out(lo, hi, steps * _step(mag), not_negative, not_positive)
-    return a.made(lo, hi, b, nan=nan, mag=mag)
+    lo, hi = _moved_out(lo, hi, steps * terms.step(), not_negative, not_positive)
+    return a.made(lo, hi, b, nan=nan, terms=terms)
 
 
 def _scaled(a: Band, scale: Band) -> Band:
@@ -171,15 +178,24 @@ def _scaled(a: Band, scale: Band) -> Band:
     nan = None
     if not (np.isfinite(lo).all() and np.isfinite(hi).all()):
         nan = _zero_times_infinity(a.lo, a.hi, scale.lo, scale.lo)
-    factor = np.abs(scale.lo)
-    return a.made(
-        lo,
-        hi,
-        scale,
-        nan=nan,
-        mag=None if a.own_mag is None else a.own_mag * factor,
-        slack=None if a.slack is None else _step(a.slack * factor / RELATIVE_STEP),
-    )
+    return a.made(lo, hi, scale, nan=nan, terms=_scaled_terms(a, np.abs(scale.lo)))
+
+
+def _scaled_terms(a: Band, factor: Floats) -> Terms | None:
+    terms = a.terms
+    if terms is None:
+        if not a.rules.rearrange or not is_tiny(a.mag * factor):
+            return None
+        # Small times large: the small one may meet another small one first.
+        large = np.maximum(a.mag, 1.0) * np.maximum(factor, 1.0)
+        return Terms(a.mag * factor, reach=large) if (large > 1.0).any() else None
+    slack = reach = None
+    if terms.slack is not None:
+        scaled = terms.slack * factor
+        slack = np.where(scaled > 0.0, np.maximum(scaled, SMALLEST_NORMAL), 0.0)
+    if terms.reach is not None:
+        reach = terms.reach * np.maximum(factor, 1.0)
+    return Terms(terms.mag * factor, slack, terms.count, reach)
 
 
 @np.errstate(all="ignore")
@@ -187,16 +203,23 @@ def square(a: Band) -> Band:
     """a · a for one and the same value: never negative, and no compiler expands (b + c)²."""
     if a.lo is a.hi:
         product = a.lo * a.lo
-        return a.made(
-            product, product, mag=np.minimum(product, LARGEST) if a.rules.rearrange else None
-        )
+        return a.made(product, product, terms=_squared(a, product) if a.rules.rearrange else None)
     low, high = a.lo * a.lo, a.hi * a.hi
     straddles = (a.lo < 0.0) & (a.hi > 0.0)
     lo, hi = np.where(straddles, 0.0, np.minimum(low, high)), np.maximum(low, high)
     if not a.rules.rearrange:
         return a.made(lo, hi)
-    step = 0.0 if a.is_plain else _step(hi)
-    return a.made(np.maximum(lo - step, 0.0), hi + step, mag=np.minimum(hi, LARGEST))
+    terms = _squared(a, hi)
+    step = 0.0 if a.is_plain else terms.step()
+    return a.made(np.maximum(lo - step, 0.0), hi + step, terms=terms)
+
+
+def _squared(a: Band, product: Floats) -> Terms:
+    mag = np.minimum(product, LARGEST)
+    reach = None
+    if is_tiny(mag, a.terms):
+        reach = np.maximum(reach_of(a.mag, a.terms) ** 2, 1.0)
+    return Terms(mag, reach=reach)
 
 
 @np.errstate(all="ignore")
@@ -221,11 +244,15 @@ def divide(a: Band, b: Band) -> Band:
         low, high = a_lo / b_hi, a_hi / b_hi
         lo, hi = np.minimum(lo, np.minimum(low, high)), np.maximum(hi, np.maximum(low, high))
     lo, hi = widened_by_ulps(lo, hi, DIVISION_ULPS, DIVISION_ULPS)
-    if a.own_mag is None:
+    if a.terms is None:
         return a.made(lo, hi, b, anything=outside)
-    mag = a.own_mag / smallest
-    lo, hi = _moved_out(lo, hi, DIVISION_ULPS * _step(mag), *_signs(lo, hi, mag))
-    return a.made(lo, hi, b, anything=outside, mag=mag)
+    mag = a.terms.mag / smallest
+    reach = None
+    if is_tiny(mag, a.terms):
+        reach = reach_of(a.mag, a.terms) * np.maximum(1.0 / smallest, 1.0)
+    terms = Terms(mag, None, a.count, reach)
+    lo, hi = _moved_out(lo, hi, DIVISION_ULPS * terms.step(), *_signs(lo, hi, terms))
+    return a.made(lo, hi, b, anything=outside, terms=terms)
 
 
 @np.errstate(all="ignore")
@@ -242,23 +269,27 @@ def sum_last(a: Band) -> Band:
         falls = (a_lo == -np.inf).sum(axis=-1, keepdims=True)
         both = ((a_hi == np.inf) & (a_lo == -np.inf)).sum(axis=-1, keepdims=True)
         nan = rises * falls > both
-    terms = a.mag
-    mag = terms.sum(axis=-1, keepdims=True)
-    count = (terms > 0.0).sum(axis=-1, keepdims=True)
-    step = _step(mag)
+    sizes = a.mag
+    mag = sizes.sum(axis=-1, keepdims=True)
+    reach = None
+    if is_tiny(mag, a.terms):
+        reach = np.broadcast_to(reach_of(sizes, a.terms), sizes.shape).sum(axis=-1, keepdims=True)
+    # The terms of the products are not counted: no compiler expands what a dot product is given.
+    terms = Terms(mag, None, a.shape[-1], reach)
+    count = (sizes > 0.0).sum(axis=-1, keepdims=True)
+    step = terms.step()
     # All partial sums but the last, which `made` rounds, may each lose a step.
     between = np.maximum(count - 2, 0) * step
     lo, hi = _moved_out(
         lo, hi, between, a_lo.min(-1, keepdims=True) >= 0.0, a_hi.max(-1, keepdims=True) <= 0.0
     )
-    rearranged = a.rules.rearrange
+    slack = np.where(count >= 2, step, 0.0)
     return a.flags_over_last().made(
         lo,
         hi,
         residue=(lost_lo, lost_hi),
         nan=nan,
-        mag=mag if rearranged else None,
-        slack=np.where(count >= 2, step, 0.0) if rearranged else None,
+        terms=Terms(mag, slack, terms.count, reach) if a.rules.rearrange else None,
     )
 
 
@@ -275,9 +306,8 @@ def _running_sum(values: Floats) -> tuple[Floats, Floats]:
 def union(a: Band, b: Band) -> Band:
     """What either of two legal ways to compute one value may give."""
     lo, hi = np.minimum(a.lo, b.lo), np.maximum(a.hi, b.hi)
-    if a.own_mag is None and b.own_mag is None:
-        return a.made(lo, hi, b)
-    slack = None
-    if a.slack is not None or b.slack is not None:
-        slack = np.maximum(0.0 if a.slack is None else a.slack, 0.0 if b.slack is None else b.slack)
-    return a.made(lo, hi, b, mag=np.maximum(a.mag, b.mag), slack=slack)
+
+    def larger(values: list[Floats]) -> Floats:
+        return np.maximum(*values)
+
+    return a.made(lo, hi, b, terms=combined([(a.mag, a.terms), (b.mag, b.terms)], larger))

@@ -13,6 +13,7 @@ from shaderlab.bands.allowed import Allowed, contains, widths
 from shaderlab.bands.operators import Operators
 from shaderlab.bands.rounding import LARGEST, Flags, Floats, down, flushed, up
 from shaderlab.bands.rules import Rules
+from shaderlab.bands.terms import Terms
 from shaderlab.bands.truth import Truth
 from shaderlab.errors import FormulaError
 
@@ -41,7 +42,7 @@ class Band(Operators):
     (array([ True]), array([False]))
     """
 
-    __slots__ = ("_anything", "_mag", "_nan", "_undecided", "hi", "lo", "rules", "slack")
+    __slots__ = ("_anything", "_nan", "_undecided", "hi", "lo", "rules", "terms")
 
     def __init__(
         self,
@@ -49,8 +50,7 @@ class Band(Operators):
         hi: Floats,
         rules: Rules,
         flags: tuple[Any, Any, Any] = (_NO, _NO, _NO),
-        mag: Floats | None = None,
-        slack: Floats | None = None,
+        terms: Terms | None = None,
     ) -> None:
         # `lo is hi` marks exact values, and lets the arithmetic do half of the work. Flags that
         # are nowhere set are 0-d.
@@ -58,8 +58,7 @@ class Band(Operators):
         self.hi = hi
         self.rules = rules
         self._nan, self._anything, self._undecided = flags
-        self._mag = mag
-        self.slack = slack
+        self.terms = terms
 
     @classmethod
     def exact(cls, values: ArrayLike, rules: Rules = _DEFAULT) -> Band:
@@ -124,8 +123,7 @@ class Band(Operators):
         residue: tuple[Floats, Floats] | None = None,
         nan: Any = None,
         anything: Any = None,
-        mag: Floats | None = None,
-        slack: Floats | None = None,
+        terms: Terms | None = None,
     ) -> Band:
         """A result of this band (and others) with real bounds lo, hi: rounded outward, flagged.
 
@@ -155,7 +153,7 @@ class Band(Operators):
             rounded_lo = np.where(anything, -np.inf, rounded_lo)
             rounded_hi = np.where(anything, np.inf, rounded_hi)
         flags = (flag_nan, flag_any, flag_und)
-        return Band(rounded_lo, rounded_hi, self.rules, flags, mag, slack)
+        return Band(rounded_lo, rounded_hi, self.rules, flags, terms)
 
     def chosen(
         self,
@@ -163,8 +161,7 @@ class Band(Operators):
         other: Band,
         lo: Floats,
         hi: Floats,
-        mag: Floats | None,
-        slack: Floats | None,
+        terms: Terms | None,
     ) -> Band:
         """The result of a choice between this band and another: flags follow the side taken."""
         may_this, may_other = ~condition.all_false, ~condition.all_true
@@ -173,7 +170,7 @@ class Band(Operators):
             (self._anything & may_this) | (other._anything & may_other),
             (self._undecided & may_this) | (other._undecided & may_other) | condition.undecided,
         )
-        return Band(lo, hi, self.rules, flags, mag, slack)
+        return Band(lo, hi, self.rules, flags, terms)
 
     def flags_over_last(self) -> Band:
         """A band that only carries this one's flags, each joined over the last axis."""
@@ -186,9 +183,10 @@ class Band(Operators):
 
     def settled(self) -> tuple[Floats, Floats]:
         """The bounds once a pending slack is paid (see `arithmetic`)."""
-        if self.slack is None:
+        slack = None if self.terms is None else self.terms.slack
+        if slack is None:
             return self.lo, self.hi
-        return self.lo - self.slack, self.hi + self.slack
+        return self.lo - slack, self.hi + slack
 
     def opaque(self) -> Band:
         """The same values, forgotten that they are sums: nothing distributes over them."""
@@ -202,18 +200,18 @@ class Band(Operators):
     @property
     def is_plain(self) -> bool:
         """Whether this is no sum, so that there is nothing to rearrange."""
-        return self._mag is None
+        return self.terms is None
 
     @property
-    def own_mag(self) -> Floats | None:
-        """`mag`, or None where it is only the values' own size."""
-        return self._mag
+    def count(self) -> int:
+        """How many terms this value may be the sum of, once all is distributed."""
+        return 1 if self.terms is None else self.terms.count
 
     @property
     def mag(self) -> Floats:
         """The sum of the absolute values of the terms that this value is made of."""
-        if self._mag is not None:
-            return self._mag
+        if self.terms is not None:
+            return self.terms.mag
         size: Floats = np.minimum(np.maximum(np.abs(self.lo), np.abs(self.hi)), LARGEST)
         return size
 
@@ -262,8 +260,7 @@ class Band(Operators):
             lo if self.lo is self.hi else moved(self.hi),
             self.rules,
             tuple(flag if flag.ndim == 0 else moved(flag) for flag in self.flags),
-            None if self._mag is None else moved(self._mag),
-            None if self.slack is None else moved(self.slack),
+            None if self.terms is None else self.terms.mapped(moved),
         )
 
     def contains(self, measured: ArrayLike) -> Flags:

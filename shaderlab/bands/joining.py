@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from shaderlab.bands.band import Band
+from shaderlab.bands.terms import combined
 
 
 def joined(parts: Sequence[Band], axis: int) -> Band:
@@ -21,13 +22,8 @@ def joined(parts: Sequence[Band], axis: int) -> Band:
         else parts[0].flags[i]
         for i in range(3)
     )
-    mag = slack = None
-    if any(not part.is_plain for part in parts):
-        mag = concatenated([part.mag for part in parts], axis)
-    if any(part.slack is not None for part in parts):
-        pending = [np.zeros(part.shape) if part.slack is None else part.slack for part in parts]
-        slack = concatenated(pending, axis)
-    return Band(lo, hi, parts[0].rules, (flags[0], flags[1], flags[2]), mag, slack)
+    terms = combined([(part.mag, part.terms) for part in parts], lambda a: concatenated(a, axis))
+    return Band(lo, hi, parts[0].rules, (flags[0], flags[1], flags[2]), terms)
 
 
 def concatenated(arrays: Sequence[Any], axis: int) -> Any:

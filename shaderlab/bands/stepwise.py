@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from shaderlab.bands.rounding import Floats
+from shaderlab.bands.terms import combined
 from shaderlab.bands.truth import Truth
 
 if TYPE_CHECKING:
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 
 def negative(a: Band) -> Band:
     lo = -a.hi
-    return a.made(lo, lo if a.lo is a.hi else -a.lo, mag=a.own_mag, slack=a.slack)
+    return a.made(lo, lo if a.lo is a.hi else -a.lo, terms=a.terms)
 
 
 def absolute(a: Band) -> Band:
@@ -79,11 +80,10 @@ def select(condition: Truth, a: Band, b: Band) -> Band:
     yes, no = condition.all_true, condition.all_false
     lo = np.where(yes, a.lo, np.where(no, b.lo, np.minimum(a.lo, b.lo)))
     hi = np.where(yes, a.hi, np.where(no, b.hi, np.maximum(a.hi, b.hi)))
-    mag = slack = None
-    if a.own_mag is not None or b.own_mag is not None:
-        mag = np.where(yes, a.mag, np.where(no, b.mag, np.maximum(a.mag, b.mag)))
-    if a.slack is not None or b.slack is not None:
-        slack_a = np.zeros(1) if a.slack is None else a.slack
-        slack_b = np.zeros(1) if b.slack is None else b.slack
-        slack = np.where(yes, slack_a, np.where(no, slack_b, np.maximum(slack_a, slack_b)))
-    return a.chosen(condition, b, lo, hi, mag, slack)
+
+    def taken(values: list[Floats]) -> Floats:
+        of_a, of_b = values
+        return np.where(yes, of_a, np.where(no, of_b, np.maximum(of_a, of_b)))
+
+    terms = combined([(a.mag, a.terms), (b.mag, b.terms)], taken)
+    return a.chosen(condition, b, lo, hi, terms)

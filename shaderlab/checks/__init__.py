@@ -1,6 +1,7 @@
 """Judging frames: pure NumPy, no device."""
 
-from shaderlab.checks.judge import draw_key, judge, reference_for, split_output
+from shaderlab.checks.judge import judge
 from shaderlab.checks.judgement import Judgement
+from shaderlab.checks.naming import draw_key, reference_for, split_output
 
 __all__ = ["Judgement", "draw_key", "judge", "reference_for", "split_output"]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,6 +17,9 @@ from shaderlab.frame import Array
 from shaderlab.records import Row, SourceText, Worst
 
 MAX_VACUOUS = 0.01
+# How many values a band is evaluated for at a time: a formula of fifty operations keeps a few
+# dozen arrays of them, 16 MB or so a component, instead of gigabytes for a large frame.
+CHUNK = 16384
 _FLOAT_FORMATS = ("r32f", "rg32f", "rgba32f")
 _UNORM_FORMATS = ("r8", "rg8", "rgb8", "rgba8")
 
@@ -53,8 +56,11 @@ class Banded:
         """Share of values that went both ways of a branch."""
         return float(self.undecided.mean()) if self.undecided.size else 0.0
 
-    def worst(self, pixels: Sequence[tuple[int, int]] | None = None) -> Worst | None:
-        """The value furthest from its band's middle, as seen from the band; None of nothing."""
+    def worst(self, pixels: Array | None = None) -> Worst | None:
+        """The value furthest from its band's middle, as seen from the band; None of nothing.
+
+        `pixels` are the values' places, (count, 2): x and y.
+        """
         if not self.measured.size:
             return None
         distance = np.where(np.isnan(self.widths), np.inf, self.widths)
@@ -63,7 +69,7 @@ class Banded:
         index, component = np.unravel_index(int(np.argmax(distance)), distance.shape)
         i, c = int(index), int(component)
         return Worst(
-            pixel=None if pixels is None else pixels[i],
+            pixel=None if pixels is None else (int(pixels[i, 0]), int(pixels[i, 1])),
             component=c,
             measured=plain(self.measured[i]),
             reference=plain(self.reference[i]),
@@ -119,31 +125,38 @@ def judge_band(
     Raises:
         FormulaError: the formula fails or gives another number of components.
     """
-    count, components = measured.shape
+    shape = measured.shape
     chosen = rules or Rules()
-    exact = evaluate(reference, inputs, rules=None, decimal=False)
-    band = evaluate(reference, inputs, rules=chosen, decimal=False)
-    if not isinstance(band, Band):
-        band = Band.literal(np.asarray(band, np.float64), chosen)
-    _check_shape(reference, band, measured)
-    allowed = _stored(band, format, components)
-
-    def spread(values: Any) -> Array:
-        return np.broadcast_to(np.asarray(values), (count, components))
-
+    numbers = {name: np.empty(shape) for name in ("reference", "low", "high", "widths")}
+    flags = {name: np.empty(shape, np.bool_) for name in ("inside", "vacuous", "undecided")}
+    unit = None
+    for start in range(0, max(len(measured), 1), CHUNK):
+        rows = slice(start, start + CHUNK)
+        some = measured[rows]
+        part = inputs.part(rows)
+        exact = evaluate(reference, part, rules=None, decimal=False)
+        band = evaluate(reference, part, rules=chosen, decimal=False)
+        if not isinstance(band, Band):
+            band = Band.literal(np.asarray(band, np.float64), chosen)
+        _check_shape(reference, band, some)
+        allowed = _stored(band, format, shape[1])
+        unit = None if isinstance(allowed, Band) else float(allowed.unit) or None
+        numbers["reference"][rows] = np.asarray(exact, np.float64)
+        numbers["low"][rows], numbers["high"][rows] = allowed.lo, allowed.hi
+        numbers["widths"][rows] = allowed.widths(some)
+        flags["inside"][rows] = allowed.contains(some)
+        flags["vacuous"][rows], flags["undecided"][rows] = band.vacuous, band.undecided
     return Banded(
         measured=measured.astype(np.float64),
-        reference=in_format(spread(np.asarray(exact, np.float64)), format),
-        low=spread(allowed.lo),
-        high=spread(allowed.hi),
-        inside=spread(allowed.contains(measured)),
-        widths=spread(allowed.widths(measured)),
-        vacuous=spread(band.vacuous),
-        undecided=spread(band.undecided),
+        reference=in_format(numbers["reference"], format),
+        low=numbers["low"],
+        high=numbers["high"],
+        widths=numbers["widths"],
+        **flags,
         source=source_of(reference),
         names=tuple(n for names in wanted(reference, inputs).values() for n in names),
         inputs=inputs,
-        unit=None if isinstance(allowed, Band) else float(allowed.unit) or None,
+        unit=unit,
     )
 
 

@@ -9,11 +9,12 @@ from __future__ import annotations
 import inspect
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
+from shaderlab.activity import doing
 from shaderlab.bands import Band, Rules
 from shaderlab.errors import FormulaError, ShaderlabError, nearest
 from shaderlab.frame import Array, Bindings, Texels
@@ -67,6 +68,11 @@ class Inputs:
             textures=bindings.textures,
             arrays=bindings.arrays - constants.keys(),
         )
+
+    def part(self, rows: slice) -> Inputs:
+        """The inputs of some of the judged values; `decimal` is left out."""
+        each = {name: values[rows] for name, values in self.each.items()}
+        return replace(self, each=each, decimal={})
 
     @property
     def exact(self) -> dict[str, Array]:
@@ -143,7 +149,7 @@ def evaluate(reference: Reference, inputs: Inputs, *, rules: Rules | None, decim
         several = len(names) > 1 or parameter != parameter_name(names[0])
         arguments[parameter] = [convert(n) for n in names] if several else convert(names[0])
     try:
-        with np.errstate(all="ignore"):
+        with doing("reference"), np.errstate(all="ignore"):
             return reference(**arguments)
     except ShaderlabError as error:
         place = source_of(reference)

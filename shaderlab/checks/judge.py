@@ -16,9 +16,18 @@ from shaderlab.checks.banded import (
     second_opinions,
 )
 from shaderlab.checks.inputs import Inputs, evaluate
-from shaderlab.checks.judgement import Judgement, shown
-from shaderlab.errors import CaseError, nearest
-from shaderlab.frame import Array, Frame, Image, PassDraw
+from shaderlab.checks.judgement import Judgement, Lazy, shown
+from shaderlab.checks.naming import (
+    draw_key,
+    find_image,
+    pixel_inputs,
+    reference_for,
+    split_output,
+    subject_of,
+)
+from shaderlab.checks.properties import judge_property
+from shaderlab.errors import CaseError
+from shaderlab.frame import Array, Frame, Image
 from shaderlab.model import (
     CompileFails,
     Computed,
@@ -29,10 +38,10 @@ from shaderlab.model import (
     GlError,
     Output,
     Pixel,
+    Property,
     Scene,
     Sweep,
     Value,
-    output_of,
 )
 from shaderlab.records import Curve, Diagnostic, Outcome
 
@@ -55,6 +64,9 @@ def judge(index: int, scene: Scene, frame: Frame, refusals: Refusals) -> Judgeme
     match expectation:
         case Formula():
             return _formula(expectation, scene, frame)
+        case Property():
+            _, name = split_output(expectation.output, scene)
+            return judge_property(expectation, frame.probes[index], name)
         case Sweep():
             return _sweep(expectation, index, scene, frame)
         case Value():
@@ -77,68 +89,25 @@ def judge(index: int, scene: Scene, frame: Frame, refusals: Refusals) -> Judgeme
             return exactly.judge_gl_error(expectation, frame.gl_errors.get(key, ()))
 
 
-def draw_key(scene: Scene, pass_name: str | None, draw: int) -> PassDraw:
-    """The (pass, draw) that an expectation means; negative draws count from the last one."""
-    description = scene.find_pass(pass_name)
-    count = len(description.draws)
-    if not -count <= draw < count:
-        raise CaseError(f"pass {description.name!r} has {count} draws, there is no draw {draw}")
-    return description.name, draw % count
-
-
-def find_image(name: str, scene: Scene, frame: Frame) -> Image:
-    """The attachment an output's name means; without a pass, the last pass's."""
-    split = output_of(name)
-    key = (split.pass_name, split.name) if isinstance(split, Output) else (frame.order[-1], split)
-    if key not in frame.images:
-        known = [f"{p}.{n}" for p, n in frame.images]
-        raise CaseError(f"there is no output {name!r}", remedy=nearest(name, known))
-    return frame.images[key]
-
-
-def is_vertex_output(name: str, key: PassDraw, frame: Frame) -> bool:
-    """Whether `name` was captured from the draw's vertex stage, and is no attachment."""
-    return key in frame.vertices and (key[0], name) not in frame.images
-
-
-def reference_for(expectation: Value, scene: Scene) -> Any:
-    """The value's own reference, or that of the formula of the same output."""
-    if expectation.reference is not None:
-        return expectation.reference
-    for other in scene.expect:
-        if isinstance(other, Formula | Sweep) and other.output == expectation.output:
-            return other.reference
-    return None
-
-
-def split_output(name: str) -> tuple[str | None, str]:
-    """An output's pass (None for the last) and its own name."""
-    split = output_of(name)
-    return (split.pass_name, split.name) if isinstance(split, Output) else (None, split)
-
-
 def _formula(expectation: Formula, scene: Scene, frame: Frame) -> Judgement:
-    pass_name, name = split_output(expectation.output)
-    key = draw_key(scene, pass_name, expectation.draw)
-    if is_vertex_output(name, key, frame):
-        samples = frame.vertices[key]
-        each, measured, format = dict(samples.inputs), samples.outputs[name], "rgba32f"
-        pixels, image = None, None
-    else:
-        image = find_image(expectation.output, scene, frame)
-        each = covered_inputs(frame, key)
-        covered = frame.fragments[key].covered
-        measured, format = image.values[covered], image.format
-        pixels = [(int(x), int(y)) for y, x in np.argwhere(covered)]
-    inputs = Inputs.of(frame.bindings[key], each=each, given=expectation.given)
+    subject = subject_of(expectation, scene, frame)
     banded = judge_band(
-        measured, expectation.reference, inputs, rules=expectation.rules, format=format
+        subject.measured,
+        expectation.reference,
+        subject.inputs,
+        rules=expectation.rules,
+        format=subject.format,
     )
+    covered, pixels, image = subject.covered, None, subject.image
+    if covered is not None:
+        pixels = np.argwhere(covered)[:, ::-1]
     rows = second_opinions(banded, expectation.also)
     status, message = banded.verdict()
     if status == "pass" and not all(row.ok for row in rows):
         status, message = "fail", "an independent implementation leaves the band"
-    pictures = {} if image is None else _pictures(image, frame.fragments[key].covered, banded)
+    pictures: Mapping[str, Array] = {}
+    if image is not None and covered is not None:
+        pictures = Lazy(lambda: _pictures(image, covered, banded))
     return Judgement(
         outcome=_outcome(expectation.name, "formula", status, message, banded, pixels, rows),
         pictures=pictures,
@@ -193,7 +162,7 @@ def _value(expectation: Value, index: int, scene: Scene, frame: Frame) -> Judgem
 
 def _measured_figure(expectation: Value, index: int, scene: Scene, frame: Frame) -> Judgement:
     """A figure without a reference: the measured value itself must round to it."""
-    _, name = split_output(expectation.output)
+    _, name = split_output(expectation.output, scene)
     if isinstance(expectation.at, Pixel):
         image = find_image(expectation.output, scene, frame)
         measured = _pixel(image, expectation.at)
@@ -220,14 +189,14 @@ def _measured_figure(expectation: Value, index: int, scene: Scene, frame: Frame)
 def _probe(
     expectation: Value | Sweep, reference: Any, index: int, scene: Scene, frame: Frame
 ) -> tuple[Banded, Inputs]:
-    pass_name, name = split_output(expectation.output)
+    pass_name, name = split_output(expectation.output, scene)
     key = draw_key(scene, pass_name, expectation.draw)
     format, decimal = "rgba32f", None
     if isinstance(expectation, Value) and isinstance(expectation.at, Pixel):
         image = find_image(expectation.output, scene, frame)
         x, y = expectation.at.x, expectation.at.y
         measured, format = _pixel(image, expectation.at)[None], image.format
-        each = {n: v[y, x][None] for n, v in _images_of(frame, key).items()}
+        each = {n: v[y, x][None] for n, v in pixel_inputs(frame, key).items()}
     else:
         samples = frame.probes[index]
         measured, each, decimal = samples.outputs[name], dict(samples.inputs), samples.decimal
@@ -236,17 +205,6 @@ def _probe(
         judge_band(measured, reference, inputs, rules=expectation.rules, format=format),
         inputs,
     )
-
-
-def covered_inputs(frame: Frame, key: PassDraw) -> dict[str, Array]:
-    """Captured inputs of the pixels a draw covers, each (count, components)."""
-    covered = frame.fragments[key].covered
-    return {name: values[covered] for name, values in _images_of(frame, key).items()}
-
-
-def _images_of(frame: Frame, key: PassDraw) -> dict[str, Array]:
-    fragments = frame.fragments[key]
-    return {**fragments.inputs, "frag_coord": fragments.frag_coord}
 
 
 def _pixel(image: Image, at: Pixel) -> Array:
@@ -275,7 +233,21 @@ def _pictures(image: Image, covered: Array, banded: Banded) -> dict[str, Array]:
     distance = np.full((height, width), np.nan)
     distance[covered] = banded.signed_distance()
     measured = np.where(covered[..., None], image.values, 0).astype(image.values.dtype)
-    return {"measured": measured, "reference": reference, "distance": distance}
+    numbers = {"exact": banded.reference, "low": banded.low, "high": banded.high}
+    each = {name: np.full((height, width, components), np.nan) for name in numbers}
+    for name, values in numbers.items():
+        each[name][covered] = values
+    outside = np.zeros((height, width, components), bool)
+    outside[covered] = ~banded.inside
+    return {
+        "measured": measured,
+        "reference": reference,
+        "distance": distance,
+        "covered": covered,
+        "outside": outside,
+        "unit": np.asarray(banded.unit or 0.0),
+        **each,
+    }
 
 
 def _outcome(
@@ -284,7 +256,7 @@ def _outcome(
     status: Any,
     message: str,
     banded: Banded,
-    pixels: list[tuple[int, int]] | None,
+    pixels: Array | None,
     rows: list[Any],
 ) -> Outcome:
     return Outcome(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -17,12 +17,36 @@ class Judgement:
 
     `pictures` has "measured" and "reference" (height, width, components) and "distance"
     (height, width: the distance in half band widths, NaN where nothing was judged), or is empty
-    where the judged values are no picture.
+    where the judged values are no picture. The numbers behind them are there too: "exact" (the
+    reference, unrounded), "low", "high" and "outside" in the shape of "measured", "covered"
+    (height, width), and "unit", the size of one code of a fixed-point format or 0.
     """
 
     outcome: Outcome
     pictures: Mapping[str, Array] = field(default_factory=dict)
     curve: Curve | None = None
+
+
+class Lazy(Mapping[str, Array]):
+    """Arrays that are made when the first of them is looked at: most runs look at none."""
+
+    def __init__(self, make: Callable[[], Mapping[str, Array]]) -> None:
+        self._make = make
+        self._made: Mapping[str, Array] | None = None
+
+    def _arrays(self) -> Mapping[str, Array]:
+        if self._made is None:
+            self._made = self._make()
+        return self._made
+
+    def __getitem__(self, name: str) -> Array:
+        return self._arrays()[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._arrays())
+
+    def __len__(self) -> int:
+        return len(self._arrays())
 
 
 def plain(values: Array) -> tuple[float, ...]:

@@ -18,6 +18,7 @@ COMMANDS = {
     "list": "listing",
     "run": "running",
     "compile": "compiling",
+    "mutate": "mutating",
     "report": "reporting",
     "doctor": "examining",
 }

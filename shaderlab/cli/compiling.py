@@ -2,179 +2,154 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+import os
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import click
 
-from ..errors import ShaderError, UsageError
-from ..records import Diagnostic, Verdict
+from ..errors import UsageError
+from ..glsl.compile import ALL_TARGETS, TARGETS
+from ..glsl.engines import ENGINES
+from ..glsl.harness import compile_found, patience
+from ..glsl.jobs import WORK, FileResult, Options
+from ..glsl.sources import STAGES
+from ..glsl.tree import find_shaders
+from ..workers import Limits, Pool
 from .files import write_json
+from .tallying import Tally, as_data, messages, watched
 
-
-@dataclass(frozen=True)
-class Shader:
-    """A shader file to compile: where it is, and its name inside which root."""
-
-    path: Path
-    root: Path
-    name: str
-
-
-@dataclass(frozen=True)
-class Result:
-    """What every target said of one file."""
-
-    path: Path
-    verdicts: tuple[Verdict, ...]
-
-    @property
-    def ok(self) -> bool:
-        return all(verdict.ok for verdict in self.verdicts)
+# Workers import the driver's room by this name; the command itself never touches a device.
+_DRIVER = "shaderlab.gl.opinion:opinion"
+_FILES_PER_WORKER = 500
+_FOLDER = click.Path(path_type=Path)
 
 
 @click.command("compile", short_help="Only ask the compilers.")
 @click.argument("paths", nargs=-1, required=True, metavar="PATH…")
+@click.option(
+    "--target",
+    "-t",
+    "targets",
+    multiple=True,
+    type=click.Choice(ALL_TARGETS),
+    help="Ask this compiler only; may be repeated. glsl, opengl and vulkan by default.",
+)
+@click.option("--stage", type=click.Choice(STAGES), help="Of every file, whatever its name says.")
 @click.option("--define", "-D", "defines", multiple=True, metavar="NAME[=VALUE]", help="A macro.")
 @click.option(
     "--include",
     "-I",
     "includes",
     multiple=True,
-    type=click.Path(path_type=Path),
+    type=_FOLDER,
     metavar="DIR",
     help='Another folder in which #include "…" looks.',
 )
+@click.option("--link", is_flag=True, help="The files are the stages of one program.")
+@click.option("--driver", is_flag=True, help="Ask the OpenGL driver as well.")
+@click.option("--engine", type=click.Choice(ENGINES), help="Libraries, or the system's commands.")
+@click.option(
+    "--timeout",
+    "seconds",
+    type=click.FloatRange(min=0, min_open=True),
+    default=10.0,
+    show_default=True,
+    metavar="SECONDS",
+    help="For each file.",
+)
+@click.option(
+    "--jobs",
+    "-j",
+    type=click.IntRange(min=1),
+    help="Workers side by side. By default one for every 500 files, four at most.",
+)
 @click.option("--json", "json_file", metavar="FILE", help="Write verdicts as JSON; - for stdout.")
+@click.option("--quiet", "-q", is_flag=True, help="Print messages, and nothing else.")
 def command(
     paths: tuple[str, ...],
+    targets: tuple[str, ...],
+    stage: str | None,
     defines: tuple[str, ...],
     includes: tuple[Path, ...],
+    link: bool,
+    driver: bool,
+    engine: str | None,
+    seconds: float,
+    jobs: int | None,
     json_file: str | None,
+    quiet: bool,
 ) -> None:
     """Compile shader files, or all those in folders, as plain GLSL, as OpenGL SPIR-V and as
     Vulkan SPIR-V, and validate the SPIR-V.
 
-    Each file is a program of its own here. Messages have the form that editors jump from.
+    Each file is a program of its own here, unless --link makes one of them all. Messages have
+    the form that editors jump from. A file on which a compiler crashes or hangs is named, and
+    the others are compiled all the same.
+
+    Exit code: 0 all accepted, 1 something refused, 2 wrong usage.
 
     \b
     Examples:
       shaderlab compile lamp.frag
       shaderlab compile my_shaders/ --define LIGHTS=4 --include common/
+      shaderlab compile --link --driver lamp.vert lamp.frag
     """
     for folder in includes:
         if not folder.is_dir():
             raise UsageError("there is no such folder", file=folder)
-    macros = dict(_macro(word) for word in defines)
-    shaders = list({s.path: s for path in paths for s in find_shaders(Path(path))}.values())
-    results = [check(shader, includes, macros) for shader in shaders]
-    to_stderr = json_file == "-"
-    for result in results:
-        for line in messages(result):
-            click.echo(line, err=to_stderr)
-    for line in summary(results):
-        click.echo(line, err=to_stderr)
-    if json_file is not None:
-        write_json([_as_data(result) for result in results], json_file)
-    if not all(result.ok for result in results):
+    shipped = _shipped()
+    shaders = find_shaders(paths, [shipped], stage=stage)
+    programs = [shaders] if link else [[shader] for shader in shaders]
+    options = Options(
+        targets=tuple(dict.fromkeys(targets)) or TARGETS,
+        roots=tuple(map(str, [*includes, shipped])),
+        defines=dict(map(_macro, defines)),
+        stage=stage,
+        engine=engine,
+        seconds=seconds,
+        opinion=_DRIVER if driver else "",
+    )
+    limits = Limits(seconds=patience(engine, seconds))
+    # A worker takes as long to start as two hundred files take to compile.
+    most = 1 + len(programs) // _FILES_PER_WORKER
+    with Pool(WORK, limits=limits, jobs=jobs or min(os.cpu_count() or 1, 4, most)) as pool:
+        tally = _told(compile_found(programs, options, pool), len(programs), json_file, quiet)
+    if driver and not tally.asked_driver:
+        click.echo("no OpenGL driver gave an opinion: see `shaderlab doctor`", err=True)
+    if tally.refused:
         raise SystemExit(1)
 
 
-def find_shaders(path: Path) -> Iterator[Shader]:
-    """The shader file `path`, or all below the folder `path` that say which stage they are.
+def _told(results: Iterator[FileResult], count: int, json_file: str | None, quiet: bool) -> Tally:
+    """Each result printed as it comes, then the summary; all of them as JSON if asked for."""
+    tally = Tally()
+    entries: list[dict[str, Any]] = []
+    to_stderr = json_file == "-"
+    with watched(count, quiet=quiet) as progress:
+        for result in results:
+            for line in messages(result):
+                progress.clear()
+                click.echo(line, err=to_stderr)
+            tally.add(result)
+            progress.advance()
+            if json_file is not None:
+                entries += as_data(result)
+    if not quiet:
+        for line in tally.lines():
+            click.echo(line, err=to_stderr)
+    if json_file is not None:
+        write_json({"files": entries}, json_file)
+    return tally
 
-    Raises:
-        UsageError: there is nothing of that name, or no shader in the folder.
-    """
+
+def _shipped() -> Path:
     from ..catalogue import data_folder
-    from ..glsl.sources import Shaders, stage_of
 
-    shipped = data_folder("shaders").resolve()
-    if not path.exists():
-        raise UsageError("there is no such file or folder", file=path)
-    folder = path if path.is_dir() else path.parent
-    inside = folder.resolve().is_relative_to(shipped)
-    root = shipped if inside else folder
-    if not path.is_dir():
-        name = path.resolve().relative_to(shipped).as_posix() if inside else path.name
-        yield Shader(path, root, name)
-        return
-    found = False
-    for below in Shaders([path]).names():
-        file = path / below
-        try:
-            stage_of(below, file.read_text(encoding="utf-8", errors="replace"))
-        except (ShaderError, OSError):
-            continue  # a file to be included
-        found = True
-        name = file.resolve().relative_to(shipped).as_posix() if inside else below
-        yield Shader(file, root, name)
-    if not found:
-        raise UsageError("there is no shader in this folder", file=path)
-
-
-def check(shader: Shader, includes: Sequence[Path], defines: Mapping[str, str]) -> Result:
-    """Compile one file; one that can't even be read is refused by every target."""
-    from ..catalogue import data_folder
-    from ..glsl.compile import TARGETS, compile_program
-    from ..glsl.sources import Shaders
-
-    roots = list(dict.fromkeys([shader.root, *includes, data_folder("shaders")]))
-    try:
-        source = Shaders(roots, defines=defines).load(shader.name)
-        return Result(shader.path, compile_program([source], TARGETS).verdicts)
-    except ShaderError as error:
-        said = Diagnostic(
-            file=error.file or str(shader.path),
-            line=error.line,
-            severity="error",
-            message=error.message + (f" ({error.remedy})" if error.remedy else ""),
-        )
-        refused = tuple(Verdict(target=t, ok=False, diagnostics=(said,)) for t in TARGETS)
-        return Result(shader.path, refused)
-
-
-def messages(result: Result) -> Iterator[str]:
-    """Each message once, with the targets that say it where not all do."""
-    from ..terminal import diagnostic_line
-
-    said: dict[str, list[str]] = {}
-    for verdict in result.verdicts:
-        for diagnostic in dict.fromkeys(verdict.diagnostics):
-            said.setdefault(diagnostic_line(diagnostic), []).append(verdict.target)
-    for line, targets in said.items():
-        few = len(targets) < len(result.verdicts)
-        yield f"{line} [{', '.join(targets)}]" if few else line
-
-
-def summary(results: Sequence[Result]) -> Iterator[str]:
-    """A table: for each target, how many files it accepts and how many it refuses."""
-    yield f"{'target':<10}{'accepted':>10}{'refused':>10}"
-    for verdicts in zip(*(result.verdicts for result in results), strict=True):
-        good = sum(verdict.ok for verdict in verdicts)
-        yield f"{verdicts[0].target:<10}{good:>10}{len(verdicts) - good:>10}"
+    return data_folder("shaders").resolve()
 
 
 def _macro(word: str) -> tuple[str, str]:
     name, equals, value = word.partition("=")
     return name, value if equals else "1"
-
-
-def _as_data(result: Result) -> dict[str, Any]:
-    return {
-        "file": str(result.path),
-        "ok": result.ok,
-        "targets": {
-            verdict.target: {
-                "ok": verdict.ok,
-                "spirv_bytes": verdict.spirv_bytes,
-                "diagnostics": [
-                    {"file": d.file, "line": d.line, "severity": d.severity, "message": d.message}
-                    for d in verdict.diagnostics
-                ],
-            }
-            for verdict in result.verdicts
-        },
-    }

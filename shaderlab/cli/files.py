@@ -75,7 +75,11 @@ def find_latest(parent: Path = REPORTS) -> Path:
 
 def write_json(data: Mapping[str, Any] | Sequence[Any], file: str) -> None:
     """Write `data` to a file whole or not at all, or to standard output for "-"."""
-    text = json.dumps(data, indent=2, ensure_ascii=False) + "\n"
+    write_output(json.dumps(data, indent=2, ensure_ascii=False) + "\n", file)
+
+
+def write_output(text: str, file: str) -> None:
+    """Write text to a file whole or not at all, or to standard output for "-"."""
     if file == "-":
         click.echo(text, nl=False)
         return

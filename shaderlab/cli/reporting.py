@@ -1,4 +1,4 @@
-"""`shaderlab report`: make a run's page once more."""
+"""`shaderlab report`: make a run's page once more, alone or against an earlier run."""
 
 from __future__ import annotations
 
@@ -6,32 +6,54 @@ from pathlib import Path
 
 import click
 
-from shaderlab.cli.files import find_latest
+from shaderlab.cli.files import find_latest, write_output
 from shaderlab.errors import UsageError
 
 
 @click.command("report", short_help="Make a run's page once more, or show where it is.")
 @click.argument("run_folder", required=False, metavar="[RUN_FOLDER]")
+@click.option(
+    "--against",
+    "earlier",
+    metavar="RUN_FOLDER",
+    help="Show what changed since another run; written to against.html.",
+)
+@click.option("--markdown", "markdown_file", metavar="FILE", help="Write a summary; - for stdout.")
 @click.option("--open", "open_report", is_flag=True, help="Open it in a browser.")
-def command(run_folder: str | None, open_report: bool) -> None:
+def command(
+    run_folder: str | None, earlier: str | None, markdown_file: str | None, open_report: bool
+) -> None:
     """Make the page of a run once more, from the run.json in its folder.
 
     \b
     Examples:
       shaderlab report                              the latest run
       shaderlab report reports/20260101-120000 --open
+      shaderlab report --against reports/20260101-120000
+      shaderlab report --markdown "$GITHUB_STEP_SUMMARY"
     """
-    from shaderlab.report import html, store
+    from shaderlab.report import html, markdown, store
     from shaderlab.terminal import shown_path
 
-    folder = find_latest() if run_folder is None else Path(run_folder)
+    folder = _run_folder(find_latest() if run_folder is None else Path(run_folder))
+    run = store.load(folder)
+    against = None
+    if earlier is not None:
+        before = _run_folder(Path(earlier))
+        against = store.load(before), before
+    page = html.write(run, folder, against)
+    if markdown_file is not None:
+        write_output(markdown.summary(run), markdown_file)
+    click.echo(f"report: {shown_path(page)}", err=markdown_file == "-")
+    if open_report:
+        click.launch(page.resolve().as_uri())
+
+
+def _run_folder(folder: Path) -> Path:
     if not (folder / "run.json").is_file():
         raise UsageError(
             "there is no run.json in this folder",
             file=folder,
             remedy="name a folder that `shaderlab run` made, such as reports/latest",
         )
-    page = html.write(store.load(folder), folder)
-    click.echo(f"report: {shown_path(page)}")
-    if open_report:
-        click.launch(page.resolve().as_uri())
+    return folder

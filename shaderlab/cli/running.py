@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import contextlib
-import datetime
-import time
-from collections.abc import Sequence
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from shaderlab.cli.files import latest, new_run_folder, report_folder, write_json
-from shaderlab.errors import UsageError
+from shaderlab.cli.files import latest, write_json
+from shaderlab.errors import ShaderlabError
+from shaderlab.running.jobs import DEFAULT_GIGABYTES, DEFAULT_SECONDS
 
 if TYPE_CHECKING:
-    from shaderlab.cli.showing import Show
-    from shaderlab.model import Scene
-    from shaderlab.records import Record, Run
+    from shaderlab.cli.performing import Request
+    from shaderlab.records import Run
 
 
 @click.command("run", short_help="Run cases, judge them, write the report.")
@@ -47,18 +45,58 @@ if TYPE_CHECKING:
     metavar="DIR",
     help="Write the report into DIR instead of a new folder in reports/.",
 )
+@click.option(
+    "--timeout",
+    "seconds",
+    type=click.FloatRange(min=0.1),
+    default=DEFAULT_SECONDS,
+    show_default=True,
+    metavar="S",
+    help="Give one variant up after S seconds.",
+)
+@click.option(
+    "--memory",
+    "gigabytes",
+    type=click.FloatRange(min=0.0),
+    default=DEFAULT_GIGABYTES,
+    show_default=True,
+    metavar="GB",
+    help="Memory that one worker may have; 0 for any amount.",
+)
+@click.option(
+    "-j",
+    "--jobs",
+    "workers",
+    type=click.IntRange(min=0),
+    default=1,
+    show_default=True,
+    envvar="SHADERLAB_JOBS",
+    metavar="N",
+    help="Run in N worker processes; 0 for none, which isolates nothing.",
+)
+@click.option(
+    "--driver",
+    metavar="NAME",
+    help="llvmpipe, softpipe, or default for the machine's own.  [default: llvmpipe]",
+)
+@click.option(
+    "--drivers",
+    metavar="A,B",
+    help="Run on each of these drivers, and show where they disagree.",
+)
+@click.option(
+    "--resume",
+    is_flag=False,
+    flag_value="",
+    metavar="[FOLDER]",
+    help="Go on with the run in FOLDER (the last one) that did not get to its end.",
+)
+@click.option(
+    "--pictures/--no-pictures", default=True, help="Draw pictures for the report, or only judge."
+)
+@click.option("--profile", is_flag=True, help="Show where the time went.")
 @click.option("--open", "open_report", is_flag=True, help="Open the report in a browser.")
-def command(
-    targets: tuple[str, ...],
-    every: bool,
-    variants: tuple[str, ...],
-    size: int,
-    shaders: tuple[str, ...],
-    json_file: str | None,
-    junit_file: str | None,
-    folder: str | None,
-    open_report: bool,
-) -> None:
+def command(open_report: bool, **asked: Any) -> None:
     """Run cases: compile, draw, judge every pixel, and write a report.
 
     A case is named by its id, by its id and a variant, or by its file; a folder stands for all
@@ -71,86 +109,70 @@ def command(
       shaderlab run --all --json out.json           for other programs
       shaderlab run ./my_case.py --open             a case of your own
       shaderlab run gamma --shader ch05_lighting/gamma.frag=mine.frag
+      shaderlab run --all --drivers llvmpipe,softpipe
+      shaderlab run --resume                        after Ctrl-C or a power cut
+
+    Each variant runs in a worker process. One that crashes or takes too long is a "crash" or
+    "timeout" of that variant, and everything else is run.
 
     Exit code: 0 all passed, 1 something failed, 2 wrong usage. A case that needs a feature which
     this driver lacks is "unsupported", which is no failure.
     """
-    from shaderlab.cli.selecting import select
-    from shaderlab.cli.showing import Show
+    from shaderlab.cli.performing import Request, finish
     from shaderlab.terminal import failed
 
-    replacements = _replacements(shaders)
-    scenes = select(targets, every, variants)
-    default_place = folder is None
-    run_folder = new_run_folder() if folder is None else report_folder(Path(folder))
-    show = Show(to_stderr=json_file == "-")
-    run = _run(scenes, size, run_folder, replacements, show)
-    interrupted = len(run.records) < len(scenes)
-    show.outcomes(run)
-    page = _write(run, run_folder, json_file, junit_file)
-    if default_place:
-        latest(run_folder)
-    show.where(page)
-    if open_report:
+    request = Request(**asked)
+    team = request.team()  # its workers get ready while what follows is imported
+    try:
+        performed, show = finish(request, team)
+        show.outcomes(performed.run)
+        show.disagreements(performed.run)
+        if request.profile:
+            show.profile(performed.run)
+        page, problems = _write(performed.run, performed.folder, request)
+    finally:
+        team.close()
+    if request.folder is None and request.resume is None:
+        latest(performed.folder)
+    if page is not None:
+        show.where(page)
+    for problem in problems[1:]:
+        click.echo(f"shaderlab: {problem}", err=True)
+    if problems:
+        raise problems[0]
+    if open_report and page is not None:
         click.launch(page.resolve().as_uri())
-    if interrupted:
+    if not performed.complete:
+        show.go_on(performed.folder)
         raise KeyboardInterrupt
-    if any(failed(record) for record in run.records) or not any(
-        record.status == "pass" for record in run.records
-    ):
+    records = performed.run.records
+    others = any(result.status not in ("pass", "unsupported") for result in performed.run.drivers)
+    if others or any(failed(r) for r in records) or not any(r.status == "pass" for r in records):
         raise SystemExit(1)
 
 
-def _run(
-    scenes: Sequence[Scene],
-    size: int,
-    folder: Path,
-    shaders: dict[str, str | Path],
-    show: Show,
-) -> Run:
-    from shaderlab.pipeline import Lab, Options
-    from shaderlab.records import Run
-
-    started = datetime.datetime.now().astimezone().isoformat(timespec="seconds")
-    clock = time.perf_counter()
-    records: list[Record] = []
-    options = Options(size=size, folder=folder, shaders=shaders)
-    with Lab(options) as lab, show.progress(len(scenes)) as progress:
-        with contextlib.suppress(KeyboardInterrupt):  # what is done is reported all the same
-            for scene in scenes:
-                progress.starts(scene.case.id, scene.variant)
-                record = lab.run(scene)
-                records.append(record)
-                progress.ends(record)
-        driver, versions = lab.driver, lab.versions
-    return Run(
-        driver=driver,
-        versions=versions,
-        started=started,
-        seconds=time.perf_counter() - clock,
-        records=tuple(records),
-    )
-
-
-def _write(run: Run, folder: Path, json_file: str | None, junit_file: str | None) -> Path:
+def _write(run: Run, folder: Path, request: Request) -> tuple[Path | None, list[ShaderlabError]]:
+    """Write everything that was asked for; what can't be written keeps nothing else from it."""
     from shaderlab.report import html, junit, store
 
-    store.save(run, folder)
-    page = html.write(run, folder)
-    if json_file is not None:
-        write_json(store.public_json(run), json_file)
-    if junit_file is not None:
-        junit.write_junit(run, Path(junit_file))
-    return page
+    problems: list[ShaderlabError] = []
+    page: Path | None = None
+    with _collected(problems):
+        store.save(run, folder)
+    with _collected(problems):
+        page = html.write(run, folder)
+    with _collected(problems):
+        if request.json_file is not None:
+            write_json(store.public_json(run), request.json_file)
+    with _collected(problems):
+        if request.junit_file is not None:
+            junit.write_junit(run, Path(request.junit_file))
+    return page, problems
 
 
-def _replacements(words: Sequence[str]) -> dict[str, str | Path]:
-    found: dict[str, str | Path] = {}
-    for word in words:
-        name, equals, file = word.partition("=")
-        if not equals or not name or not file:
-            raise UsageError(f"--shader {word}: write it as NAME=FILE")
-        if not Path(file).is_file():
-            raise UsageError("there is no such file", file=file)
-        found[name] = Path(file)
-    return found
+@contextlib.contextmanager
+def _collected(problems: list[ShaderlabError]) -> Iterator[None]:
+    try:
+        yield
+    except ShaderlabError as error:
+        problems.append(error)

@@ -1,108 +1,162 @@
-"""From what was typed after `shaderlab run` to the scenes that are meant."""
+"""From what was typed after `shaderlab run` to the variants that are meant.
+
+Case files are found by name and read, never imported here: loading one is left to whoever can
+bear what it does.
+"""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
-from shaderlab.catalogue import Catalogue, load_case
+from shaderlab.catalogue import data_folder, place
 from shaderlab.discovery import case_files
-from shaderlab.errors import UsageError, nearest
-from shaderlab.model import Case, Scene
+from shaderlab.errors import CaseError, UsageError, nearest
+from shaderlab.model import Scene
+from shaderlab.running import Solo
+from shaderlab.running.jobs import CaseFacts, Job
 
+Load = Callable[[Sequence[Path]], list[CaseFacts]]
 _WITH_VARIANT = re.compile(r"(?P<id>[^\[\]]+)\[(?P<variant>.*)\]")
 
 
-def select(targets: Sequence[str], every: bool, variants: Sequence[str]) -> list[Scene]:
-    """The scenes of all `targets` (ids, ids with a variant, case files, folders), in order.
+@dataclass(frozen=True)
+class _Wanted:
+    """Case files that one word stands for; `variant` is None for all variants."""
 
-    `every` adds the whole shipped catalogue; `variants`, if any, keeps only those of that name.
+    files: tuple[Path, ...]
+    variant: str | None = None
+    in_order_of_notes: bool = False
+
+
+def choose(targets: Sequence[str], every: bool, variants: Sequence[str], load: Load) -> list[Job]:
+    """The jobs of all `targets` (ids, ids with a variant, case files, folders), in order.
+
+    `every` adds the whole shipped catalogue; `variants`, if any, keeps only those of that name;
+    `load` tells what is in case files.
 
     Raises:
         UsageError: nothing is asked for, or something that is not there.
-        CaseError: a case file is wrong.
+        CaseError: all case files are wrong. One that is wrong among others is a job that says so.
     """
     if not targets and not every:
         raise UsageError("nothing to run", remedy="name cases or case files, or say --all")
-    scenes: list[Scene] = list(_shipped_scenes()) if every else []
-    for target in targets:
-        scenes += _scenes(target)
-    distinct = {(s.case.file, s.case.id, s.variant): s for s in scenes}
-    _refuse_duplicate_ids(list(distinct.values()))
-    return _keep_variants(list(distinct.values()), variants)
+    wanted = [_Wanted(_shipped(), None, True)] if every else []
+    wanted += [_wanted(target) for target in targets]
+    files = list(dict.fromkeys(file for one in wanted for file in one.files))
+    facts = dict(zip(files, load(files), strict=True))
+    _refuse_duplicate_ids(list(facts.values()))
+    jobs: dict[tuple[str, str], Job] = {}
+    for one in wanted:
+        found = [facts[file] for file in one.files]
+        if one.in_order_of_notes:
+            found.sort(key=lambda case: place(case.section, case.id))
+        for case in found:
+            jobs |= {job.key: job for job in _jobs(case, one.variant) if job.key not in jobs}
+    errors = [case.error for case in facts.values() if case.error is not None]
+    if errors and all(job.broken for job in jobs.values()):
+        raise errors[0]
+    return _keep_variants(list(jobs.values()), variants)
 
 
-def _shipped_scenes() -> list[Scene]:
-    return [scene for case in Catalogue.shipped().cases for scene in case.scenes()]
+def select(targets: Sequence[str], every: bool, variants: Sequence[str]) -> list[Scene]:
+    """What `choose` chooses, loaded into this very process.
+
+    Raises:
+        UsageError: as `choose`.
+        CaseError: a case file is wrong.
+    """
+    from shaderlab.running.working import scenes_of
+
+    jobs = choose(targets, every, variants, Solo().load)
+    for job in jobs:
+        if job.broken:
+            raise CaseError(job.trouble, file=job.file)
+    return [scenes_of(job.file)[job.variant] for job in jobs]
 
 
-def _scenes(target: str) -> list[Scene]:
+def _shipped() -> tuple[Path, ...]:
+    return tuple(case_files(data_folder("cases")))
+
+
+def _wanted(target: str) -> _Wanted:
     path = Path(target)
     if path.is_dir() and _is_path(target, path):
-        files = list(case_files(path))
+        files = tuple(case_files(path))
         if not files:
             raise UsageError(
                 "there is no case file in this folder",
                 file=target,
                 remedy="a case file takes Case from shaderlab and says case = Case(…)",
             )
-        return [scene for file in files for scene in load_case(file).scenes()]
+        return _Wanted(files)
     if _is_path(target, path):
-        return list(_from_file(path, target).scenes())
+        return _Wanted((_existing(path, target),))
     found = _WITH_VARIANT.fullmatch(target)
     if found:
-        case = _find(found["id"])
-        return [scene for scene in case.scenes() if _is_variant(case, scene, found["variant"])]
-    return list(_find(target).scenes())
+        return _Wanted((_file_of(found["id"]),), found["variant"])
+    return _Wanted((_file_of(target),))
 
 
 def _is_path(target: str, path: Path) -> bool:
     return path.suffix == ".py" or "/" in target or "\\" in target or target in (".", "..")
 
 
-def _from_file(path: Path, target: str) -> Case:
+def _existing(path: Path, target: str) -> Path:
     if not path.exists():
         beside = [str(p) for p in path.parent.glob("*.py")] if path.parent.is_dir() else []
         raise UsageError("there is no such file", file=target, remedy=nearest(target, beside))
-    return load_case(path)
+    return path
 
 
-def _find(case_id: str) -> Case:
-    catalogue = Catalogue.shipped()
-    known = [case.id for case in catalogue.cases]
+def _file_of(case_id: str) -> Path:
+    """The shipped case file of this id, which is its name."""
+    known = {file.stem.replace("_", "-"): file for file in _shipped()}
     if case_id not in known:
         raise UsageError(f"there is no case {case_id!r}", remedy=nearest(case_id, known))
-    return catalogue.find(case_id)
+    return known[case_id]
 
 
-def _is_variant(case: Case, scene: Scene, variant: str) -> bool:
-    if variant == scene.variant:
-        return True
-    names = [other.variant for other in case.scenes()]
-    if variant not in names:
-        raise UsageError(f"{case.id} has no variant {variant!r}", remedy=nearest(variant, names))
-    return False
+def _jobs(case: CaseFacts, variant: str | None) -> list[Job]:
+    if case.error is not None:
+        status, trouble = case.status, _said(case.error)
+        return [Job(file=case.file, id=case.id, variant="default", broken=status, trouble=trouble)]
+    if variant is not None and variant not in case.variants:
+        raise UsageError(
+            f"{case.id} has no variant {variant!r}", remedy=nearest(variant, case.variants)
+        )
+    return [
+        Job(file=case.file, id=case.id, variant=name, title=case.title, section=case.section)
+        for name in case.variants
+        if variant in (None, name)
+    ]
 
 
-def _keep_variants(scenes: list[Scene], variants: Sequence[str]) -> list[Scene]:
-    names = list(dict.fromkeys(scene.variant for scene in scenes))
+def _said(error: CaseError) -> str:
+    place = f"line {error.line}: " if error.line else ""
+    return f"{place}{error.message}" + (f"\n→ {error.remedy}" if error.remedy else "")
+
+
+def _keep_variants(jobs: list[Job], variants: Sequence[str]) -> list[Job]:
+    names = list(dict.fromkeys(job.variant for job in jobs if not job.broken))
     for variant in variants:
         if variant not in names:
             raise UsageError(
                 f"no case among these has a variant {variant!r}", remedy=nearest(variant, names)
             )
-    return [s for s in scenes if not variants or s.variant in variants]
+    return [job for job in jobs if not variants or job.broken or job.variant in variants]
 
 
-def _refuse_duplicate_ids(scenes: list[Scene]) -> None:
+def _refuse_duplicate_ids(cases: Sequence[CaseFacts]) -> None:
     """Outcomes, pictures and JSON are keyed by id, so two files of one name can't run together."""
     files: dict[str, str] = {}
-    for scene in scenes:
-        other = files.setdefault(scene.case.id, scene.case.file)
-        if other != scene.case.file:
+    for case in cases:
+        other = files.setdefault(case.id, case.file)
+        if Path(other).resolve() != Path(case.file).resolve():
             raise UsageError(
-                f"the id {scene.case.id!r} is also that of {other}",
-                file=scene.case.file,
+                f"the id {case.id!r} is also that of {other}",
+                file=case.file,
                 remedy="rename one file, or run them one after the other",
             )

@@ -19,6 +19,7 @@ from shaderlab.terminal import MARKS, failed, failure, label, shown_path, summar
 
 STYLES = {"pass": "green", "unsupported": "yellow"}
 HEARTBEAT = 10.0
+SLOWEST = 5
 
 
 class Reporter(Protocol):
@@ -75,6 +76,56 @@ class Show:
     def where(self, page: Path) -> None:
         """Where the report is."""
         self.console.print(f"report: {shown_path(page)}", markup=False)
+
+    def disagreements(self, run: Run) -> None:
+        """Where drivers disagree: a row for each output that is not the same on all of them."""
+        if not run.drivers:
+            return
+        table = Table(box=None, pad_edge=False, header_style="dim")
+        for heading in ("output", "drivers"):
+            table.add_column(heading, no_wrap=True)
+        for heading in ("pixels that differ", "most ulp"):
+            table.add_column(heading, justify="right")
+        for found in run.disagreements:
+            if found.differing:
+                name = f"{label(found.id, found.variant)}: {found.output}".replace("[", r"\[")
+                differing = f"{found.differing} of {found.pixels}"
+                table.add_row(name, " | ".join(found.drivers), differing, f"{found.ulp:.4g}")
+        same = sum(not found.differing for found in run.disagreements)
+        self.console.print()
+        if table.row_count:
+            self.console.print(table)
+        self.console.print(f"{same} of {len(run.disagreements)} outputs are the same everywhere")
+        for result in run.drivers:
+            if result.status not in ("pass", "unsupported"):
+                name = label(result.id, result.variant)
+                self.console.print(f"{result.status} on {result.driver}: {name}", markup=False)
+
+    def go_on(self, folder: Path) -> None:
+        """How to run what an interrupt left out."""
+        self.console.print(f"go on with: shaderlab run --resume {shown_path(folder)}", markup=False)
+
+    def profile(self, run: Run) -> None:
+        """Where the time of all records went, by phase."""
+        spent: dict[str, float] = {}
+        for record in run.records:
+            for phase, seconds in record.timings.items():
+                spent[phase] = spent.get(phase, 0.0) + seconds
+        inside = sum(record.seconds for record in run.records)
+        spent["other"] = max(inside - sum(spent.values()), 0.0)
+        table = Table(box=None, pad_edge=False, header_style="dim")
+        for heading in ("phase", "seconds", "share"):
+            table.add_column(heading, justify="left" if heading == "phase" else "right")
+        table.add_column("")
+        for phase, seconds in spent.items():
+            share = seconds / inside if inside else 0.0
+            table.add_row(phase, f"{seconds:.3f}", f"{share:.0%}", "█" * round(40 * share))
+        self.console.print()
+        self.console.print(table)
+        slowest = sorted(run.records, key=lambda record: -record.seconds)[:SLOWEST]
+        for record in slowest:
+            line = f"{record.seconds:8.3f} s  {label(record.id, record.variant)}"
+            self.console.print(line, markup=False)
 
 
 class _Live:

@@ -2,6 +2,7 @@
 
 A shader is judged by the very float32 values that it read, so that each stage is judged by itself
 (no rounding of an earlier stage, of interpolation or of an upload can be taken for its mistake).
+Vertices are captured in `shaderlab.gl.feedback`.
 """
 
 from __future__ import annotations
@@ -12,19 +13,24 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.errors import CaseError, UnsupportedError, nearest
+from shaderlab.errors import CaseError, ShaderError, UnsupportedError, nearest
 from shaderlab.frame import Array, Bindings, Fragments, PassDraw, Samples
 from shaderlab.gl import bind, formats, stages
 from shaderlab.gl import state as fixed
+from shaderlab.gl.feedback import probe_vertices, vertices
 from shaderlab.gl.prepare import PreparedDraw
 from shaderlab.gl.programs import PRIMITIVES, output_locations, set_uniforms, vertex_array
 from shaderlab.gl.runner import Session, drain_errors, submit
 from shaderlab.gl.target import RenderTarget
+from shaderlab.gl.varyings import Piece, assembled, elements
 from shaderlab.glsl.spirv import Variable
 from shaderlab.model import Draw, Mesh, State, Target
 
+__all__ = ["exact_inputs", "fragments", "probe_fragments", "probe_vertices", "vertices"]
+
 PROBE_WIDTH = 256
 _MAX_OUTPUTS = 8
+_MAX_ATTRIBUTES = 16
 
 
 def fragments(session: Session, key: PassDraw) -> Fragments:
@@ -34,30 +40,31 @@ def fragments(session: Session, key: PassDraw) -> Fragments:
     of the draw in the end. Blending and colour masks are off.
 
     Raises:
-        UnsupportedError: the fragment shader has more outputs than leave room for its inputs.
+        UnsupportedError: the fragment shader has so many outputs that none can be added, and they
+            are declared in a way that leaves none out.
     """
-    interface = session.prepared[key[0]][key[1]].interface
-    inputs = list(interface.varyings.values())
-    room = _MAX_OUTPUTS - len(interface.outputs) - 1
-    if room < 1:
-        raise UnsupportedError(
-            f"{len(interface.outputs)} outputs leave no room to capture inputs beside them"
-        )
-    values: dict[str, Array] = {}
-    for start in range(0, max(len(inputs), 1), room):
-        coord, got = _capture_group(session, key, inputs[start : start + room])
+    draw = session.prepared[key[0]][key[1]]
+    parts = stages.input_pieces(draw.text("fragment") or "", draw.interface.varyings.values())
+    crowded = len(draw.interface.outputs) + 2 > _MAX_OUTPUTS
+    room = _MAX_OUTPUTS - 1 - (0 if crowded else len(draw.interface.outputs))
+    values: dict[Piece, Array] = {}
+    for start in range(0, max(len(parts), 1), room):
+        coord, got = _capture_group(session, key, parts[start : start + room], crowded)
         values.update(got)
-    return Fragments(covered=coord[..., 3] > 0.0, frag_coord=coord, inputs=values)
+    return Fragments(covered=coord[..., 3] > 0.0, frag_coord=coord, inputs=assembled(values))
 
 
 def _capture_group(
-    session: Session, key: PassDraw, group: Sequence[Variable]
-) -> tuple[Array, dict[str, Array]]:
+    session: Session, key: PassDraw, group: Sequence[Piece], crowded: bool
+) -> tuple[Array, dict[Piece, Array]]:
     description = session.scene.find_pass(key[0])
     prepared = session.prepared[key[0]]
     subject = prepared[key[1]]
-    text, captured = stages.capture_fragment(subject.text("fragment") or "", group)
-    colors = {n: formats.for_output(v.type) for n, v in subject.interface.outputs.items()}
+    outputs = subject.interface.outputs
+    text, captured = stages.capture_fragment(
+        subject.text("fragment") or "", group, outputs if crowded else None
+    )
+    colors = {n: formats.for_output(v.type) for n, v in outputs.items() if not crowded}
     colors[stages.COORD] = "rgba32f"
     colors.update({c.output: c.format for c in captured})
     plain = replace(description.target, colors=colors, clear=(0.0,) * 4, samples=0)
@@ -71,7 +78,7 @@ def _capture_group(
             _draw_instead(session, draw, ending, bindings, target, state)
         coord = target.read(stages.COORD).values
         got = {
-            c.variable.name: target.read(c.output).values[..., : c.variable.components]
+            c.piece: target.read(c.output).values[..., : formats.components_of(c.piece.type)]
             for c in captured
         }
     finally:
@@ -81,7 +88,9 @@ def _capture_group(
 
 def _blank(draw: PreparedDraw) -> str:
     """The draw's fragment shader, its coordinate written as zero: covered by somebody else."""
-    text, _ = stages.capture_fragment(draw.text("fragment") or "", ())
+    crowded = len(draw.interface.outputs) + 1 > _MAX_OUTPUTS
+    unwanted = draw.interface.outputs if crowded else None
+    text, _ = stages.capture_fragment(draw.text("fragment") or "", (), unwanted)
     return text.replace(f"{stages.COORD} = gl_FragCoord;", f"{stages.COORD} = vec4(0.0);")
 
 
@@ -104,64 +113,6 @@ def _draw_instead(
     drain_errors()
 
 
-def vertices(
-    session: Session, key: PassDraw, bindings: Bindings | None = None, mesh: Mesh | None = None
-) -> Samples:
-    """Run the vertex stage over a mesh (the draw's own by default), once a stored vertex.
-
-    Outputs are gl_Position and every `out` variable; inputs are the attributes.
-
-    Raises:
-        UnsupportedError: an output is a matrix or an array.
-    """
-    draw = session.prepared[key[0]][key[1]]
-    runner = session.runner
-    mesh = mesh or draw.draw.mesh
-    assert mesh is not None
-    outputs = {"gl_Position": "vec4"}
-    for name, variable in draw.interface.vertex_outputs.items():
-        if variable.array is not None or variable.type.startswith("mat"):
-            raise UnsupportedError(f"capturing {name!r}: {variable.type} outputs of vertex shaders")
-        outputs[name] = variable.type
-    text = {"vertex": draw.text("vertex") or ""}
-    program = runner.programs.link(text, feedback=tuple(outputs))
-    sizes = [formats.components_of(kind) for kind in outputs.values()]
-    # Transform feedback without a complete framebuffer returns zeros without an error.
-    target = RenderTarget(runner.device, Target(), {"unused": "r8"}, (1, 1))
-    try:
-        target.clear()
-        fixed.apply(State(), (1, 1))
-        session.use(program, draw, bindings or session.bindings[key])
-        vao = vertex_array(runner.device, program, replace(mesh, indices=None, primitive="points"))
-        buffer = runner.device.context.buffer(reserve=4 * sum(sizes) * mesh.vertices)
-        vao.transform(buffer, mode=PRIMITIVES["points"], vertices=mesh.vertices)
-        drain_errors()
-        raw = np.frombuffer(buffer.read(), np.float32).reshape(mesh.vertices, sum(sizes))
-    finally:
-        target.release()
-    columns = np.split(raw, np.cumsum(sizes)[:-1], axis=1)
-    got = {
-        name: np.ascontiguousarray(part).view(formats.numpy_type(kind))
-        for (name, kind), part in zip(outputs.items(), columns, strict=True)
-    }
-    return Samples(inputs=dict(mesh.attributes), outputs=got)
-
-
-def probe_vertices(
-    session: Session, key: PassDraw, bindings: Bindings, inputs: Mapping[str, Array]
-) -> Samples:
-    """Run the vertex stage on given attributes (count, components); the others keep the values
-    of the mesh's first vertex."""
-    mesh = session.prepared[key[0]][key[1]].draw.mesh
-    assert mesh is not None
-    count = len(next(iter(inputs.values())))
-    attributes = {
-        name: inputs[name] if name in inputs else np.repeat(values[:1], count, axis=0)
-        for name, values in mesh.attributes.items()
-    }
-    return vertices(session, key, bindings, Mesh(attributes=attributes))
-
-
 def probe_fragments(
     session: Session, key: PassDraw, bindings: Bindings, inputs: Mapping[str, Array]
 ) -> Samples:
@@ -172,26 +123,24 @@ def probe_fragments(
 
     Raises:
         CaseError: an input has no value, or is none of the shader's.
+        UnsupportedError: the lab can't write a vertex stage that feeds the shader.
     """
     draw = session.prepared[key[0]][key[1]]
     runner = session.runner
-    variables = draw.interface.varyings
+    variables = {v.name: v for v in elements(draw.interface.varyings.values())}
     count = max((len(v) for v in inputs.values()), default=1)
     complete = _complete(draw.draw, variables, inputs, count)
     width = min(count, PROBE_WIDTH)
     size = (width, -(-count // width))
-    version = stages.version_line(draw.text("fragment") or "")
-    vertex = stages.probe_vertex(version, variables.values())
+    program, columns = _fed(session, draw)
     colors = {n: formats.for_output(v.type) for n, v in draw.interface.outputs.items()}
-    texts = {"vertex": vertex, "fragment": draw.text("fragment") or ""}
-    program = runner.programs.link(texts)
     target = RenderTarget(runner.device, Target(), colors, size)
     try:
         target.clear()
         fixed.apply(State(), size)
         session.use(program, replace(draw, draw=_without_domain(draw.draw)), bindings)
         set_uniforms(program, {stages.PREFIX + "size": np.array(size, np.int32)})
-        attributes = {f"{stages.PREFIX}in_{name}": v for name, v in complete.items()}
+        attributes = {name: _column(complete, piece) for piece, name in columns.items()}
         attributes = attributes or {"unused": np.zeros((count, 1), np.float32)}
         mesh = Mesh(attributes=attributes, primitive="points")
         vao = vertex_array(runner.device, program, mesh)
@@ -207,6 +156,33 @@ def probe_fragments(
     kinds = draw.interface.outputs
     outputs = {n: v[:count, : formats.components_of(kinds[n].type)] for n, v in outputs.items()}
     return Samples(inputs=complete, outputs=outputs)
+
+
+def _fed(session: Session, draw: PreparedDraw) -> tuple[Any, dict[Piece, str]]:
+    """The draw's fragment shader behind a vertex stage that feeds it from attributes."""
+    text = draw.text("fragment") or ""
+    vertex, columns = stages.probe_vertex(text, draw.interface.varyings.values())
+    remedy = "judge it over the frame (formula, or value at a Pixel)"
+    if len(columns) > _MAX_ATTRIBUTES:
+        raise UnsupportedError(
+            f"running {draw.draw.fragment} on given inputs: it reads {len(columns)} vectors, "
+            f"{_MAX_ATTRIBUTES} can be given",
+            remedy=remedy,
+        )
+    try:
+        return session.runner.programs.link({"vertex": vertex, "fragment": text}), columns
+    except ShaderError as error:
+        raise UnsupportedError(
+            f"running {draw.draw.fragment} on given inputs: no vertex stage can be written that "
+            f"declares them as it does ({error.message})",
+            remedy=remedy,
+        ) from error
+
+
+def _column(values: Mapping[str, Array], piece: Piece) -> Array:
+    """The part of the inputs that goes into one attribute."""
+    whole = values[piece.name]
+    return np.ascontiguousarray(whole[..., int(piece.path[1:-1])]) if piece.path else whole
 
 
 def _complete(
@@ -229,7 +205,7 @@ def _complete(
                 f"{draw.fragment} also reads {name!r} ({variable.type})",
                 remedy=f"give it a value: at={{…, {name!r}: …}}",
             )
-        shaped = np.broadcast_to(value, (count, variable.components))
+        shaped = np.broadcast_to(value, (count, *bind.shape_of(variable.type)))
         complete[name] = np.ascontiguousarray(shaped.astype(formats.numpy_type(variable.type)))
     return complete
 
@@ -240,9 +216,11 @@ def _without_domain(draw: Draw) -> Draw:
 
 
 def exact_inputs(variables: Mapping[str, Variable], values: Mapping[str, Any]) -> dict[str, Array]:
-    """Given input values as (1, components) arrays of the type that the shader gets."""
+    """Given input values as arrays (1, components), matrices (1, rows, columns), of the type that
+    the shader gets."""
+    known = {v.name: v for v in elements(variables.values())}
     return {
-        name: bind.uniform_arrays(variables[name], value)[0].reshape(1, -1)
+        name: bind.uniform_arrays(known[name], value)[0][None]
         for name, value in values.items()
-        if name in variables
+        if name in known
     }

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from shaderlab.errors import CaseError, ShaderError, nearest
+from shaderlab.errors import CaseError, ShaderError, UnsupportedError, nearest
 from shaderlab.gl import bind, formats, stages
 from shaderlab.glsl.compile import TARGETS, Compiled, compile_program
 from shaderlab.glsl.sources import Shaders, Source
@@ -33,6 +34,17 @@ class PreparedDraw:
             raise ShaderError("the program has no OpenGL interface", file=self.authored[0].path)
         return self.compiled.interface
 
+    @functools.cached_property
+    def vertex_interface(self) -> Interface:
+        """What the vertex stage alone declares: before a geometry stage, other outputs than the
+        program's. Raises ShaderError as `interface` does."""
+        if self.draw.geometry is None:
+            return self.interface
+        alone = compile_program(self.sources[:1], ("glsl", "opengl"))
+        alone.require()
+        assert alone.interface is not None
+        return alone.interface
+
     def text(self, stage: str) -> str | None:
         """One stage's text after includes, or None where the program has no such stage."""
         return next((s.text for s in self.sources if s.stage == stage), None)
@@ -49,6 +61,7 @@ class Preparer:
         self._shaders = shaders
         self._loaded: dict[str, Source] = {}
         self._compiled: dict[tuple[Source, ...], Compiled] = {}
+        self._interfaces: dict[tuple[Source, ...], Interface | None] = {}
 
     def prepare(self, draw: Draw) -> PreparedDraw:
         """Read, complete and compile a draw's program for every target.
@@ -56,17 +69,24 @@ class Preparer:
         Raises:
             ShaderError: a file can't be read or included. A shader that does not compile raises
                 nothing here: its verdicts say so.
+            UnsupportedError: the lab can't write a vertex stage for a domain.
             CaseError: a domain does not fit the fragment shader's inputs, or a mesh its vertex
                 stage.
         """
         authored = tuple(self._load(name) for name in draw.shaders)
         sources = authored
         if draw.domain is not None:
-            interface = self.compile(authored).interface
+            interface = self._declared(authored)
             if interface is not None:
                 bind.check_domain(draw, interface.varyings)
                 sources = (self._domain_stage(authored[0], interface), *authored)
         compiled = self.compile(sources)
+        if compiled.interface is None and sources is not authored:
+            raise UnsupportedError(
+                f"a domain for {authored[0].path}: no vertex stage can be written that declares "
+                "its inputs as it does",
+                remedy="draw a mesh with a vertex shader of your own",
+            )
         if draw.mesh is not None and compiled.interface is not None:
             bind.check_attributes(draw, compiled.interface)
         return PreparedDraw(draw=draw, sources=sources, authored=authored, compiled=compiled)
@@ -81,14 +101,20 @@ class Preparer:
             self._compiled[sources] = compile_program(sources, TARGETS)
         return self._compiled[sources]
 
+    def _declared(self, authored: tuple[Source, ...]) -> Interface | None:
+        """What the files of a program declare: one target is enough to read that from."""
+        if authored not in self._interfaces:
+            compiled = compile_program(authored, ("glsl", "opengl"))
+            self._interfaces[authored] = compiled.interface
+        return self._interfaces[authored]
+
     def _load(self, name: str) -> Source:
         if name not in self._loaded:
             self._loaded[name] = self._shaders.load(name)
         return self._loaded[name]
 
     def _domain_stage(self, fragment: Source, interface: Interface) -> Source:
-        version = stages.version_line(fragment.text)
-        text = stages.domain_vertex(version, interface.varyings.values())
+        text = stages.domain_vertex(fragment.text, interface.varyings.values())
         return self._shaders.from_text(text, "vertex", "<domain>")
 
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from shaderlab.activity import doing
 from shaderlab.errors import ShaderError
 from shaderlab.frame import Array
 from shaderlab.gl.device import Device
@@ -21,9 +22,14 @@ PRIMITIVES = {
     "triangle_fan": 0x0006,
 }
 
+KEPT = 64
+
 
 class Programs:
-    """Linked programs by their stages' text, so that equal ones are linked once."""
+    """Linked programs by their stages' text, so that equal ones are linked once.
+
+    Those used last are kept, `KEPT` of them: a software driver's machine code takes a megabyte.
+    """
 
     def __init__(self, device: Device) -> None:
         self._device = device
@@ -38,9 +44,14 @@ class Programs:
             ShaderError: the driver refuses the program.
         """
         key = (tuple(sorted(stages.items())), tuple(feedback))
-        if key not in self._linked:
-            self._linked[key] = self._link(stages, feedback)
-        return self._linked[key]
+        program = self._linked.pop(key, None)
+        if program is None:
+            with doing("link"):
+                program = self._link(stages, feedback)
+        self._linked[key] = program  # the last one used is the last one to go
+        if len(self._linked) > KEPT:
+            del self._linked[next(iter(self._linked))]
+        return program
 
     def _link(self, stages: Mapping[str, str], feedback: Sequence[str]) -> Any:
         import moderngl

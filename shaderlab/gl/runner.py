@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from shaderlab.activity import doing
 from shaderlab.errors import CaseError, ShaderError, nearest
 from shaderlab.frame import Array, Bindings, Image, PassDraw
 from shaderlab.gl import bind, formats, state, textures
@@ -94,21 +95,31 @@ class Session:
         prepared = self.prepared[description.name]
         colors = pass_colors(description, prepared)
         extent = self.extent(description)
-        target = RenderTarget(self.runner.device, description.target, colors, extent)
-        self._stack.callback(target.release)
-        self._targets[description.name] = target
-        target.clear()
+        with doing("draw", f"making the target of pass {description.name!r}"):
+            target = RenderTarget(self.runner.device, description.target, colors, extent)
+            self._stack.callback(target.release)
+            self._targets[description.name] = target
+            target.clear()
         for index, draw in enumerate(prepared):
             key = (description.name, index)
-            self.bindings[key] = self.bind(draw)
-            self._draw(key, draw, target)
-        target.resolve()
-        for name in colors:
+            with doing("draw", step(key, draw)):
+                self.bindings[key] = self.bind(draw)
+                self._draw(key, draw, target)
+        with doing("draw"):
+            target.resolve()
+            # Drivers draw when they are made to: a program that hangs, hangs here.
+            self.runner.device.context.finish()
+        with doing("read", f"reading pass {description.name!r}"):
+            self._read(description, target)
+
+    def _read(self, description: Pass, target: RenderTarget) -> None:
+        kinds = output_types(self.prepared[description.name])
+        for name in target.colors:
             image = target.read(name)
             if description.target.colors is None:
                 # There is no three-component attachment: drop what the shader never wrote.
-                kind = output_types(prepared)[name]
-                image = Image(image.values[..., : formats.components_of(kind)], image.format)
+                count = formats.components_of(kinds[name])
+                image = Image(image.values[..., :count], image.format)
             self.images[description.name, name] = image
 
     def bind(self, draw: PreparedDraw) -> Bindings:
@@ -176,6 +187,11 @@ class Session:
                 remedy=nearest(f"{source.pass_name}.{source.name}", known),
             )
         return self.images[key]
+
+
+def step(key: PassDraw, draw: PreparedDraw) -> str:
+    """A draw in words: what is to blame if the driver goes down with it."""
+    return f"draw {key[1]} of pass {key[0]!r}, program {' + '.join(draw.draw.shaders)}"
 
 
 def submit(vao: Any, program: Any, draw: PreparedDraw) -> None:

@@ -141,7 +141,24 @@ class RenderTarget:
     def _framebuffer(self, textures: list[Any]) -> Any:
         if not textures:
             return self._device.context.framebuffer(self._device.context.renderbuffer(self.size))
-        return self._device.context.framebuffer(textures)
+        import moderngl
+
+        try:
+            return self._device.context.framebuffer(textures)
+        except moderngl.Error as error:
+            raise self._unmade(str(error)) from error
+
+    def _unmade(self, said: str) -> Exception:
+        """Why the framebuffer is not complete: memory, most of the time."""
+        from OpenGL import GL
+
+        size = self.size[0] * self.size[1] * max(self._target.samples, 1)
+        kinds = [formats.COLOR[word] for word in self.colors.values()]
+        wanted = size * sum(kind.components * np.dtype(kind.numpy).itemsize for kind in kinds)
+        what = f"a target of {self.size[0]} × {self.size[1]} with {len(kinds)} attachments"
+        if GL.GL_OUT_OF_MEMORY in iter(GL.glGetError, GL.GL_NO_ERROR) or wanted >= 1 << 30:
+            return MemoryError(f"{what} takes {wanted / (1 << 30):.3g} GB")
+        return UnsupportedError(f"{what}: {said}")
 
 
 def _attach_depth(framebuffer: Any, word: str, size: tuple[int, int], samples: int) -> int:

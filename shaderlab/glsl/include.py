@@ -19,6 +19,7 @@ MAX_DEPTH = 64
 MAX_INCLUDES = 1000
 
 _DIRECTIVE = re.compile(r"[ \t]*#[ \t]*(include|pragma|line|extension)\b[ \t]*(.*)")
+_ANY_DIRECTIVE = re.compile(r"#[ \t]*(?:include|pragma|line|extension)\b")
 _PATH = re.compile(r'"([^"]*)"[ \t]*|<([^>]*)>[ \t]*')
 _LINE = re.compile(r'(\d+)(?:[ \t]+(?:\d+|"([^"]*)"))?[ \t]*')
 _INCLUDE_EXTENSIONS = ("GL_GOOGLE_include_directive", "GL_ARB_shading_language_include")
@@ -26,9 +27,11 @@ _INCLUDE_EXTENSIONS = ("GL_GOOGLE_include_directive", "GL_ARB_shading_language_i
 
 @dataclass(frozen=True)
 class Expanded:
-    """Text with includes expanded, each line's origin, and the files it is made of."""
+    """Text with includes expanded, the same less its comments, each line's origin, and the files
+    it is made of."""
 
     text: str
+    code: str
     lines: tuple[tuple[str, int], ...]
     parts: tuple[tuple[str, str], ...]
 
@@ -55,12 +58,14 @@ class _Site:
 @dataclass
 class _Output:
     rows: list[str] = field(default_factory=list)
+    codes: list[str] = field(default_factory=list)
     places: list[tuple[str, int]] = field(default_factory=list)
     parts: dict[str, str] = field(default_factory=dict)
     includes: int = 0
 
-    def add(self, row: str, place: tuple[str, int]) -> None:
+    def add(self, row: str, code: str, place: tuple[str, int]) -> None:
         self.rows.append(row)
+        self.codes.append(code)
         self.places.append(place)
 
 
@@ -72,44 +77,55 @@ def expand(file: File, roots: Roots) -> Expanded:
             or can't be read; the message has the chain of includes that led there.
     """
     out = _Output()
-    version = version_of(without_comments(file.text))
-    _expand(file, roots, None, out, version[0] if version else 110)
-    return Expanded("\n".join(out.rows), tuple(out.places), tuple(out.parts.items()))
+    code = without_comments(file.text)
+    version = version_of(code)
+    _expand(file, code, roots, None, out, version[0] if version else 110)
+    return Expanded(
+        "\n".join(out.rows), "\n".join(out.codes), tuple(out.places), tuple(out.parts.items())
+    )
 
 
-def _expand(file: File, roots: Roots, outer: _Site | None, out: _Output, version: int) -> None:
+def _expand(
+    file: File, code: str, roots: Roots, outer: _Site | None, out: _Output, version: int
+) -> None:
     out.parts.setdefault(file.path, file.text)
     rows = file.text.split("\n")
     if outer is not None and rows[-1] == "":
         rows.pop()  # the line end that closes the file starts no line of its own
-    codes = without_comments(file.text).split("\n")
+    codes = code.split("\n")
     guard = _guard(file, codes) if outer is not None else None
     place = (file.path, 1)
     if guard:
-        out.add(f"#ifndef {guard}", place)
-        out.add(f"#define {guard}", place)
+        for row in (f"#ifndef {guard}", f"#define {guard}"):
+            out.add(row, row, place)
+    if not _ANY_DIRECTIVE.search(code):
+        out.rows += rows
+        out.codes += codes[: len(rows)]
+        out.places += [(file.path, number) for number in range(1, len(rows) + 1)]
+        return
     said_file, shift = file.path, 0  # what the author's own #line makes of file and line
     for number, (row, code) in enumerate(zip(rows, codes, strict=False), start=1):
         place = (said_file, number + shift)
-        directive = _DIRECTIVE.fullmatch(code)
+        directive = _DIRECTIVE.fullmatch(code) if "#" in code else None
         kind = directive.group(1) if directive else ""
         rest = directive.group(2).strip() if directive else ""
         said = _LINE.fullmatch(rest) if kind == "line" else None
         if kind == "include":
             site = _Site(file, number, outer)
             _check_count(site, out)
-            _expand(_included(rest, site, roots), roots, site, out, version)
+            inner = _included(rest, site, roots)
+            _expand(inner, without_comments(inner.text), roots, site, out, version)
         elif kind == "extension" and rest.split(":")[0].strip() in _INCLUDE_EXTENSIONS:
-            out.add("", place)  # drivers that lack the extension would refuse it
+            out.add("", "", place)  # drivers that lack the extension would refuse it
         elif said:
-            out.add("", place)
+            out.add("", "", place)
             # Up to GLSL 1.50 the line after `#line n` is n + 1, from 3.30 on it is n.
             shift = int(said.group(1)) - number - (1 if version >= 330 else 0)
             said_file = said.group(2) or said_file
         else:
-            out.add(row, place)
+            out.add(row, code, place)
     if guard:
-        out.add("#endif", place)
+        out.add("#endif", "#endif", place)
 
 
 def _included(rest: str, site: _Site, roots: Roots) -> File:

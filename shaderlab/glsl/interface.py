@@ -74,6 +74,16 @@ class Block:
 
 
 @dataclass(frozen=True, kw_only=True)
+class SpecConstant:
+    """A specialisation constant: GLSL's name and type, its `constant_id`, its default value."""
+
+    name: str
+    type: str
+    constant_id: int
+    default: int | float | bool
+
+
+@dataclass(frozen=True, kw_only=True)
 class Interface:
     """Everything a program declares, built-ins (`gl_…`) left out. All mappings are by name.
 
@@ -84,6 +94,7 @@ class Interface:
         outputs: outputs of the fragment stage.
         uniforms: uniforms outside blocks, samplers and images among them.
         blocks: uniform and storage blocks.
+        constants: specialisation constants.
         local_size: of a compute stage, else None.
     """
 
@@ -93,4 +104,5 @@ class Interface:
     outputs: Mapping[str, Variable] = field(default_factory=dict)
     uniforms: Mapping[str, Variable] = field(default_factory=dict)
     blocks: Mapping[str, Block] = field(default_factory=dict)
+    constants: Mapping[str, SpecConstant] = field(default_factory=dict)
     local_size: tuple[int, int, int] | None = None

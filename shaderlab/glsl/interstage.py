@@ -7,10 +7,11 @@ even where it links the stages together. The lab makes stages agree by name, as 
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
 from shaderlab.glsl.diagnostics import declaration
+from shaderlab.glsl.interface import Variable
 from shaderlab.glsl.module import MAGIC, Decoration, Module, Storage, parse
 from shaderlab.glsl.numbering import interface_name, numbers, share
 from shaderlab.glsl.sources import STAGES, Source
@@ -44,32 +45,40 @@ def match_locations(modules: Mapping[str, bytes], sources: Sequence[Source]) -> 
 def unwritten_inputs(
     sources: Sequence[Source], modules: Mapping[str, bytes]
 ) -> tuple[Diagnostic, ...]:
-    """An error for each input that a stage uses and the stage before it does not declare."""
+    """An error for each input that a stage uses and the stage before it does not declare, or
+    declares as another type at the location that the author gave to both."""
     found = []
     by_stage = {source.stage: source for source in sources}
     order = [stage for stage in STAGES if stage in modules]
     for giver, taker in pairwise(order):
-        given = {_plain(v.name) for v in stage_variables(parse(modules[giver]), Storage.OUTPUT)}
+        outputs = list(stage_variables(parse(modules[giver]), Storage.OUTPUT))
+        given = {_plain(v.name) for v in outputs}
+        at = {v.location: v for v in outputs if v.location is not None}
         source = by_stage[taker]
-        for name in _wanted(parse(modules[taker])):
-            declared = declaration(source, name.rpartition(".")[2], "in")
-            explicit = declared is not None and "location" in declared[1]
-            if name in given or explicit:
+        for name, variable in _wanted(parse(modules[taker])).items():
+            if name in given:
                 continue
-            file, line = source.place(declared[0]) if declared else (source.path, None)
+            declared = declaration(source, name.rpartition(".")[2], "in")
             message = f"'{name}' : input of the {taker} stage that the {giver} stage never writes"
+            if declared is not None and "location" in declared[1]:
+                other = None if variable.location is None else at.get(variable.location)
+                if other is None or other.type == variable.type:
+                    continue
+                message = (
+                    f"'{name}' : {variable.type} at location {variable.location}, where the "
+                    f"{giver} stage writes the {other.type} '{other.name}'"
+                )
+            file, line = source.place(declared[0]) if declared else (source.path, None)
             found.append(
                 Diagnostic(file=file, line=line, severity="error", message=message, token=name)
             )
     return tuple(found)
 
 
-def _wanted(module: Module) -> Iterator[str]:
-    seen: dict[str, None] = {}
-    for variable in stage_variables(module, Storage.INPUT):
-        if variable.used:
-            seen[_plain(variable.name)] = None
-    yield from seen
+def _wanted(module: Module) -> Mapping[str, Variable]:
+    """The inputs that a stage uses, by name."""
+    inputs = stage_variables(module, Storage.INPUT)
+    return {_plain(variable.name): variable for variable in inputs if variable.used}
 
 
 def _plain(name: str) -> str:

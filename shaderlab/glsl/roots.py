@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import functools
+import os
 import posixpath
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from shaderlab.errors import ShaderError, nearest
@@ -33,6 +35,7 @@ class Roots:
 
     folders: tuple[Path, ...]
     overrides: Mapping[str, str | Path]
+    _real_parents: dict[str, str] = field(default_factory=dict, repr=False, compare=False)
 
     def shader(self, name: str) -> File:
         """The shader of that name.
@@ -68,7 +71,7 @@ class Roots:
             return File(name, name, normalise(new, name))
         for folder in self.folders:
             path = folder / name
-            if path.exists() or path.is_symlink():
+            if os.path.lexists(path):
                 self._refuse_escape(path)
                 return File(name, str(path), read_shader(path))
         return None
@@ -78,9 +81,21 @@ class Roots:
         found = {name for folder in self.folders for name in _below(folder)}
         return tuple(sorted(found | set(self.overrides)))
 
+    def _real(self, path: Path) -> str:
+        """A file's place without links in its folder's name, which is resolved only once."""
+        parent = str(path.parent)
+        if parent not in self._real_parents:
+            self._real_parents[parent] = os.path.realpath(parent)
+        return os.path.join(self._real_parents[parent], path.name)
+
+    @functools.cached_property
+    def _real_folders(self) -> tuple[str, ...]:
+        """The folders without links in them, each ending in a separator."""
+        return tuple(os.path.join(os.path.realpath(folder), "") for folder in self.folders)
+
     def _refuse_escape(self, path: Path) -> None:
-        real = path.resolve()
-        if not any(real.is_relative_to(folder.resolve()) for folder in self.folders):
+        real = os.path.realpath(path) if path.is_symlink() else self._real(path)
+        if not real.startswith(self._real_folders):
             raise OutsideError(f"a symbolic link leads out of the shader folders, to {real}")
 
 

@@ -6,14 +6,15 @@ A name is a path inside one of the shader roots, with forward slashes, such as
 
 from __future__ import annotations
 
+import functools
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 
 from shaderlab.errors import ShaderError, nearest
 from shaderlab.glsl.include import Expanded, expand
-from shaderlab.glsl.reading import normalise, without_comments
+from shaderlab.glsl.reading import normalise, version_of, without_comments
 from shaderlab.glsl.roots import File, Roots
 
 STAGES = ("vertex", "tess_control", "tess_evaluation", "geometry", "fragment", "compute")
@@ -47,6 +48,7 @@ class Source:
         text: what the compiler gets, line ends "\\n".
         lines: for each line of `text`, the author's file and line, counted from 1.
         parts: each contributing file's path and own text, the main file first.
+        stripped: `code`, where it is known already.
     """
 
     name: str
@@ -55,6 +57,17 @@ class Source:
     text: str
     lines: tuple[tuple[str, int], ...]
     parts: tuple[tuple[str, str], ...]
+    stripped: str | None = field(default=None, repr=False, compare=False)
+
+    @functools.cached_property
+    def code(self) -> str:
+        """The text with its comments blanked out, all other characters where they were."""
+        return without_comments(self.text) if self.stripped is None else self.stripped
+
+    @functools.cached_property
+    def version(self) -> tuple[int, str]:
+        """The `#version` as (330, "core"); (110, "") where there is none."""
+        return version_of(self.code) or (110, "")
 
     def place(self, line: int) -> tuple[str, int]:
         """The author's file and line of a line of `text` (both counted from 1)."""
@@ -119,7 +132,15 @@ class Shaders:
                 f"no such stage: {stage!r}", file=file.path, remedy=nearest(stage, STAGES)
             )
         expanded = _define(expand(file, self._roots), self._defines)
-        return Source(name, file.path, stage, expanded.text, expanded.lines, expanded.parts)
+        return Source(
+            name,
+            file.path,
+            stage,
+            expanded.text,
+            expanded.lines,
+            expanded.parts,
+            expanded.code,
+        )
 
 
 def stage_of(name: str, text: str, path: str | None = None) -> str:
@@ -158,13 +179,14 @@ def _define(expanded: Expanded, defines: Mapping[str, str]) -> Expanded:
     if not defines:
         return expanded
     rows = expanded.text.split("\n")
-    code = without_comments(expanded.text).split("\n")
+    codes = expanded.code.split("\n")
     is_version = re.compile(r"[ \t]*#[ \t]*version\b").match
-    at = next((i + 1 for i, row in enumerate(code) if is_version(row)), 0)
+    at = next((i + 1 for i, row in enumerate(codes) if is_version(row)), 0)
     place = expanded.lines[max(at - 1, 0)]
     new = [f"#define {word} {value}".rstrip() for word, value in defines.items()]
     return Expanded(
         "\n".join([*rows[:at], *new, *rows[at:]]),
+        "\n".join([*codes[:at], *new, *codes[at:]]),
         (*expanded.lines[:at], *[place] * len(new), *expanded.lines[at:]),
         expanded.parts,
     )

@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
+from shaderlab.errors import ShaderError
 from shaderlab.glsl.blocks import blocks as block_declarations
-from shaderlab.glsl.interface import Block, Interface, Member, Variable
+from shaderlab.glsl.constants import spec_constants
+from shaderlab.glsl.interface import Block, Interface, Member, SpecConstant, Variable
 from shaderlab.glsl.module import Module, Storage, parse
 from shaderlab.glsl.tools import disassemble, validate
 from shaderlab.glsl.variables import stage_variables, uniform_variables
@@ -15,13 +17,34 @@ __all__ = [
     "Block",
     "Interface",
     "Member",
+    "SpecConstant",
     "Variable",
     "disassemble",
+    "instruction_count",
     "reflect",
     "validate",
 ]
 
 _LOCAL_SIZE = 17  # execution mode
+
+
+def instruction_count(module: bytes) -> int:
+    """How many instructions a module has.
+
+    Raises:
+        ShaderError: the bytes are not a SPIR-V module.
+    """
+    if len(module) < 20 or len(module) % 4:
+        raise ShaderError(f"not a SPIR-V module: {len(module)} bytes")
+    words = memoryview(module).cast("I")
+    at, end, count = 5, len(words), 0
+    while at < end:
+        length = words[at] >> 16
+        if length == 0:
+            raise ShaderError(f"not a SPIR-V module: broken instruction at word {at}")
+        at += length
+        count += 1
+    return count
 
 
 def reflect(modules: Mapping[str, bytes]) -> Interface:
@@ -51,5 +74,6 @@ def reflect(modules: Mapping[str, bytes]) -> Interface:
         outputs={v.name: v for v in stage_variables(fragment, Storage.OUTPUT)},
         uniforms=uniforms,
         blocks=blocks,
+        constants={c.name: c for module in parsed.values() for c in spec_constants(module)},
         local_size=(size[0], size[1], size[2]) if size else None,
     )

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import ctypes as c
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+import functools
+from collections.abc import Mapping
 
 from shaderlab.errors import ShaderError, nearest
 from shaderlab.glsl.library import SpirvDiagnostic, SpirvText, spirv_tools
@@ -37,15 +37,14 @@ def validate(module: bytes, env: str) -> str | None:
         )
     tools = spirv_tools()
     message = c.POINTER(SpirvDiagnostic)()
-    with _context(env) as context:
-        binary = _Binary(module)
-        status = tools.spvValidateBinary(context, binary.words, binary.count, c.byref(message))
-        try:
-            if status == 0:
-                return None
-            return message.contents.error.decode() if message else f"invalid ({status})"
-        finally:
-            tools.spvDiagnosticDestroy(message)
+    binary = _Binary(module)
+    status = tools.spvValidateBinary(_context(env), binary.words, binary.count, c.byref(message))
+    try:
+        if status == 0:
+            return None
+        return message.contents.error.decode() if message else f"invalid ({status})"
+    finally:
+        tools.spvDiagnosticDestroy(message)
 
 
 def disassemble(module: bytes) -> str:
@@ -58,24 +57,23 @@ def disassemble(module: bytes) -> str:
         raise ShaderError(f"not a SPIR-V module: {len(module)} bytes are no whole words")
     tools = spirv_tools()
     text, message = c.POINTER(SpirvText)(), c.POINTER(SpirvDiagnostic)()
-    with _context("spv1.0") as context:
-        binary = _Binary(module)
-        status = tools.spvBinaryToText(
-            context,
-            binary.words,
-            binary.count,
-            _NO_HEADER | _INDENT | _FRIENDLY_NAMES,
-            c.byref(text),
-            c.byref(message),
-        )
-        try:
-            if status != 0:
-                why = message.contents.error.decode() if message else f"status {status}"
-                raise ShaderError(f"not a SPIR-V module: {why}")
-            return c.string_at(text.contents.text, text.contents.length).decode()
-        finally:
-            tools.spvTextDestroy(text)
-            tools.spvDiagnosticDestroy(message)
+    binary = _Binary(module)
+    status = tools.spvBinaryToText(
+        _context("spv1.0"),
+        binary.words,
+        binary.count,
+        _NO_HEADER | _INDENT | _FRIENDLY_NAMES,
+        c.byref(text),
+        c.byref(message),
+    )
+    try:
+        if status != 0:
+            why = message.contents.error.decode() if message else f"status {status}"
+            raise ShaderError(f"not a SPIR-V module: {why}")
+        return c.string_at(text.contents.text, text.contents.length).decode()
+    finally:
+        tools.spvTextDestroy(text)
+        tools.spvDiagnosticDestroy(message)
 
 
 class _Binary:
@@ -83,15 +81,12 @@ class _Binary:
 
     def __init__(self, module: bytes) -> None:
         self.count = len(module) // 4
-        self._buffer = c.create_string_buffer(module, max(len(module), 4))
-        self.words = c.cast(self._buffer, c.c_void_p)
+        self._pointer = c.c_char_p(module)  # points into the bytes, and keeps them
+        self.words = c.cast(self._pointer, c.c_void_p)
 
 
-@contextmanager
-def _context(env: str) -> Iterator[int]:
-    tools = spirv_tools()
-    context = tools.spvContextCreate(_ENVIRONMENTS[env])
-    try:
-        yield context
-    finally:
-        tools.spvContextDestroy(context)
+@functools.cache
+def _context(env: str) -> int:
+    """A context for the environment. It is only read from, so one serves all calls and threads."""
+    context: int = spirv_tools().spvContextCreate(_ENVIRONMENTS[env])
+    return context

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 
-from shaderlab.glsl.reading import without_comments
 from shaderlab.glsl.sources import Source
 from shaderlab.records import Diagnostic
 
@@ -18,7 +17,7 @@ def explain(message: str, source: Source) -> Diagnostic:
     named = re.search(r"%(\w+) = OpTypeStruct", text)
     if _OPAQUE_IN_STRUCT in text and named:
         token = named.group(1)
-        at = re.search(rf"\bstruct\s+{re.escape(token)}\b", without_comments(source.text))
+        at = re.search(rf"\bstruct\s+{re.escape(token)}\b", source.code)
         if at:
             file, line = source.place(source.text.count("\n", 0, at.start()) + 1)
         text = (

@@ -83,6 +83,17 @@ class Sweep:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Property(Sweep):
+    """A law that holds while inputs vary (see `shaderlab.model.laws`): a sweep that is judged
+    without a reference. `steps` are the inputs of each run, by name."""
+
+    reference: Any = None
+    values: tuple[float, ...] = ()
+    law: Any
+    steps: tuple[Mapping[str, UniformValue], ...]
+
+
+@dataclass(frozen=True, kw_only=True)
 class Exact:
     """An output equals an array, or another pass's output, bit for bit, at every pixel."""
 
@@ -132,7 +143,9 @@ class GlError:
     name: str = ""
 
 
-Expectation = Formula | Value | Sweep | Exact | Coverage | Computed | CompileFails | GlError
+Expectation = (
+    Formula | Value | Sweep | Property | Exact | Coverage | Computed | CompileFails | GlError
+)
 
 
 def formula(

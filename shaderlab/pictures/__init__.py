@@ -15,7 +15,10 @@ from shaderlab.pictures.display import (
     distance_picture,
     to_display,
 )
-from shaderlab.pictures.files import LARGEST_SIDE, load, save_png, thumbnail
+from shaderlab.pictures.files import LARGEST_SIDE, load, reduced, save_png, thumbnail
+from shaderlab.pictures.palette import palette
+from shaderlab.pictures.previews import preview, save_previews
+from shaderlab.pictures.values import Values, judged_part, pack, unpack
 
 __all__ = [
     "BAND_HIGH",
@@ -26,9 +29,17 @@ __all__ = [
     "OUTSIDE",
     "UNCOVERED",
     "Display",
+    "Values",
     "distance_picture",
+    "judged_part",
     "load",
+    "pack",
+    "palette",
+    "preview",
+    "reduced",
     "save_png",
+    "save_previews",
     "thumbnail",
     "to_display",
+    "unpack",
 ]

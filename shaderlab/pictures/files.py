@@ -129,22 +129,33 @@ def thumbnail(path: str | Path, side: int) -> bytes:
     """
     source = Path(path)
     pixels = load(source)
+    if max(pixels.shape[:2]) <= side:
+        return source.read_bytes()
+    small = reduced(np.rint(pixels * 255).astype(np.uint8), side)
+    with tempfile.TemporaryDirectory(prefix="shaderlab-") as folder:
+        copy = Path(folder) / "small.png"
+        save_png(copy, small)
+        return copy.read_bytes()
+
+
+def reduced(pixels: NDArray[np.uint8], side: int) -> NDArray[np.uint8]:
+    """uint8 (height, width, channels), at most `side` pixels in each direction.
+
+    Each new pixel is the mean of its own block: quick, and no colour rings around an edge.
+    """
     height, width = pixels.shape[:2]
     scale = side / max(height, width)
     if scale >= 1:
-        return source.read_bytes()
-    # Each new pixel is the mean of its own block: quick, and no colour rings around an edge.
+        return pixels
+    means = pixels.astype(np.float32)
     for axis, length in ((0, height), (1, width)):
         count = max(1, round(length * scale))
         starts = np.arange(count) * length // count
         blocks = np.diff(starts, append=length)
         shape = (-1, 1, 1) if axis == 0 else (1, -1, 1)
-        sums = np.add.reduceat(pixels, starts, axis=axis, dtype=np.float32)
-        pixels = sums / blocks.reshape(shape).astype(np.float32)
-    with tempfile.TemporaryDirectory(prefix="shaderlab-") as folder:
-        copy = Path(folder) / "small.png"
-        save_png(copy, np.rint(pixels * 255).astype(np.uint8))
-        return copy.read_bytes()
+        sums = np.add.reduceat(means, starts, axis=axis, dtype=np.float32)
+        means = sums / blocks.reshape(shape).astype(np.float32)
+    return np.asarray(np.rint(means), dtype=np.uint8)
 
 
 def _damaged(path: Path, problem: str) -> AssetError:

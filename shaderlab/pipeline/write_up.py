@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-import time
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
 from dataclasses import replace
 
 import numpy as np
@@ -14,13 +12,16 @@ import numpy as np
 from shaderlab.checks.judgement import shown
 from shaderlab.errors import ShaderlabError
 from shaderlab.gl.prepare import PreparedDraw
+from shaderlab.glsl.spirv import Interface
 from shaderlab.model import Ramp, Scene
 from shaderlab.pipeline.album import Shown
 from shaderlab.records import (
     Curve,
+    Declared,
     Diagnostic,
     ErratumNote,
     Outcome,
+    PassRecord,
     ProgramRecord,
     Record,
     SourceText,
@@ -36,22 +37,12 @@ class Draft:
         self._scene = scene
         self._status: Status = "pass"
         self._message = ""
-        self._timings: dict[str, float] = {}
         self._programs: dict[tuple[str, ...], ProgramRecord] = {}
         self._outcomes: list[Outcome] = []
         self._curves: list[Curve] = []
         self._notices: list[str] = []
         self._picture = Shown()
-
-    @contextmanager
-    def timed(self, phase: str) -> Iterator[None]:
-        """Add the time spent inside to `phase`."""
-        started = time.perf_counter()
-        try:
-            yield
-        finally:
-            spent = time.perf_counter() - started
-            self._timings[phase] = self._timings.get(phase, 0.0) + spent
+        self._passes: tuple[PassRecord, ...] = ()
 
     def stop(self, status: Status, error: ShaderlabError) -> None:
         """The scene could not be run to its end."""
@@ -70,6 +61,11 @@ class Draft:
                 if key not in self._programs:
                     self._programs[key] = _program(draw)
 
+    def notice(self, text: str) -> None:
+        """Say something that changes no verdict."""
+        if text not in self._notices:
+            self._notices.append(text)
+
     def notice_inactive(self, names: frozenset[str]) -> None:
         """Say which declared uniforms the driver found to have no effect."""
         for name in sorted(names):
@@ -84,12 +80,13 @@ class Draft:
         if curve is not None:
             self._curves.append(curve)
 
-    def portrait(self, picture: Shown) -> None:
-        """Note the case's picture."""
+    def portrait(self, picture: Shown, passes: tuple[PassRecord, ...] = ()) -> None:
+        """Note the case's picture, and those of its passes."""
         self._picture = picture
+        self._passes = passes
 
-    def record(self, seconds: float) -> Record:
-        """The finished record."""
+    def record(self, seconds: float, timings: Mapping[str, float]) -> Record:
+        """The finished record; `timings` are seconds by phase."""
         case = self._scene.case
         verdicts = _by_target(self._programs.values())
         return Record(
@@ -103,7 +100,7 @@ class Draft:
             status=self._final_status(verdicts),
             message=self._message or _refused(verdicts),
             seconds=seconds,
-            timings=self._timings,
+            timings=timings,
             compile=verdicts,
             programs=tuple(self._programs.values()),
             expectations=tuple(self._outcomes),
@@ -118,6 +115,7 @@ class Draft:
             notices=tuple(self._notices),
             images=self._picture.files,
             captions=self._picture.captions,
+            passes=self._passes,
         )
 
     def _final_status(self, verdicts: Mapping[str, str]) -> Status:
@@ -162,7 +160,36 @@ def _program(draw: PreparedDraw) -> ProgramRecord:
             for path, text in parts.items()
         ),
         verdicts=tuple(_nearer(verdict) for verdict in draw.compiled.verdicts),
+        declared=tuple(_declared(draw.compiled.interface)),
     )
+
+
+def _declared(interface: Interface | None) -> Iterator[Declared]:
+    """What a program declares, stage inputs first."""
+    if interface is None:
+        return
+    groups = {
+        "attribute": interface.attributes,
+        "varying": interface.varyings,
+        "output": interface.outputs,
+        "uniform": interface.uniforms,
+    }
+    for kind, variables in groups.items():
+        for name, v in variables.items():
+            if name.startswith("shaderlab_"):  # of the vertex stage that the lab writes
+                continue
+            size = "" if v.array is None else f"[{v.array or ''}]"
+            yield Declared(
+                kind=kind, name=name, type=v.type + size, location=v.location, used=v.used
+            )
+    for name, block in interface.blocks.items():
+        yield Declared(
+            kind="block",
+            name=name,
+            type=f"{block.kind} block of {block.size} bytes",
+            location=block.binding,
+            used=block.used,
+        )
 
 
 def _nearer(verdict: Verdict) -> Verdict:

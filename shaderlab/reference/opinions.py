@@ -17,8 +17,8 @@ def srgb_by_colour_science(linear: Any) -> Any:
     >>> print(f"{srgb_by_colour_science(0.5):.6f}")
     0.735357
     """
-    with warnings.catch_warnings():
-        # It announces which optional parts of it are not installed.
+    # It announces which optional parts of it are not installed, and changes how NumPy prints.
+    with warnings.catch_warnings(), np.printoptions():
         warnings.simplefilter("ignore")
         from colour.models import eotf_inverse_sRGB
 

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from shaderlab.glslmath import Value, mul, swizzle, vec4
+from shaderlab.glslmath import Value, cos, cross, dot, mul, sin, swizzle, vec4
 
 Matrix = npt.NDArray[np.float64]
 Vector = Sequence[float] | npt.NDArray[Any]
@@ -167,6 +167,54 @@ def device_position(aPos: Value, model: Value, view: Value, projection: Value) -
     """
     clip = clip_position(aPos, model, view, projection)
     return swizzle(clip, "xyz") / swizzle(clip, "w")
+
+
+def translated(aPos: Value, offset: Value, w: Value) -> Value:
+    """Translation of (x, y, z, w): `offset` counts w times, so a direction (w = 0) stays.
+
+    >>> translated(np.array([1.0, 2.0, 3.0]), np.array([4.0, 5.0, 6.0]), 1.0).tolist()
+    [5.0, 7.0, 9.0, 1.0]
+    >>> translated(np.array([1.0, 2.0, 3.0]), np.array([4.0, 5.0, 6.0]), 0.0).tolist()
+    [1.0, 2.0, 3.0, 0.0]
+    """
+    return vec4(aPos + offset * w, w)
+
+
+def scaled(aPos: Value, factors: Value, offset: Value) -> Value:
+    """Scaling, then translation, of the point (x, y, z, 1): (…, 4).
+
+    >>> scaled(np.array([4.0, 5.0, 6.0]), np.array([1.0, 2.0, 3.0]), np.zeros(3)).tolist()
+    [4.0, 10.0, 18.0, 1.0]
+    """
+    return vec4(aPos * factors + offset, 1.0)
+
+
+def rotated(aPos: Value, axis: Value, angle: Value) -> Value:
+    """`rotate` for many points: v cos φ + (u × v) sin φ + u (u·v)(1 − cos φ), (…, 3).
+
+    Args:
+        aPos: points or directions v, (…, 3).
+        axis: u, of length 1.
+        angle: φ in radians, −π … π.
+
+    Source: O. Rodrigues, 1840.
+
+    >>> rotated(np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0]), math.pi / 2).round(9).tolist()
+    [0.0, 1.0, 0.0]
+    """
+    cosine = cos(angle)
+    return (
+        aPos * cosine + cross(axis, aPos) * sin(angle) + axis * (dot(axis, aPos) * (1.0 - cosine))
+    )
+
+
+def in_view(world: Value, view: Value, projection: Value) -> Value:
+    """From the world to clip space: projection · (view · (x, y, z, 1)), of a (…, 3).
+
+    >>> in_view(np.array([1.0, 2.0, -5.0]), np.eye(4), np.eye(4)).tolist()
+    [1.0, 2.0, -5.0, 1.0]
+    """
+    return mul(projection, mul(view, vec4(world, 1.0)))
 
 
 def signed_area(points: Vector) -> float:

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import os
 import secrets
+from collections.abc import Iterable
 from pathlib import Path
 
 from shaderlab.errors import ShaderlabError
 
 
-def write_text(path: Path, text: str) -> None:
-    """Write UTF-8 text; a file that was there stays as it is unless all of it was written.
+def write_text(path: Path, text: str | Iterable[str]) -> None:
+    """Write UTF-8 text, whole or piece by piece.
+
+    A file that was there stays as it is unless all of it was written.
 
     Missing folders are made. Lone surrogates (file names in another encoding) are written as
     question marks.
@@ -22,7 +25,9 @@ def write_text(path: Path, text: str) -> None:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         try:
-            temporary.write_bytes(text.encode("utf-8", errors="replace"))
+            with temporary.open("wb") as file:
+                for piece in (text,) if isinstance(text, str) else text:
+                    file.write(piece.encode("utf-8", errors="replace"))
             os.replace(temporary, path)
         finally:
             temporary.unlink(missing_ok=True)

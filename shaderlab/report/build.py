@@ -11,11 +11,13 @@ from shaderlab.report.grouping import CHAPTERS, CaseGroup, group_cases, total
 from shaderlab.report.inline import Picture, Pictures
 from shaderlab.report.listing import Listing
 from shaderlab.report.page import CaseView, ChapterView, Check, Page, Plate, VariantView
-from shaderlab.report.sources import anchor_of, compiled, listings
+from shaderlab.report.passes import steps
+from shaderlab.report.sources import Shown, anchor_of, compiled, listings
 from shaderlab.report.text import Anchors
 from shaderlab.report.worst import worst_panel
 
-THUMBNAIL = 240
+# The overview's pictures, and those of several variants side by side.
+SMALL = 320
 # Up to so many figures are shown in one table for the whole case, more in each variant's.
 _FIGURES_TOGETHER = 200
 _KINDS = {"glsl": "shader", "python": "formula"}
@@ -25,7 +27,8 @@ def build(run: Run, pictures: Pictures) -> Page:
     """Lay a run out as a page."""
     anchors = Anchors()
     groups = group_cases(run.records)
-    cases = tuple(_case(group, anchors, pictures) for group in groups)
+    shown: Shown = {}
+    cases = tuple(_case(group, anchors, pictures, shown) for group in groups)
     chapters = []
     for number, name in CHAPTERS.items():
         members = tuple(case for case in cases if case.group.chapter == number)
@@ -34,11 +37,11 @@ def build(run: Run, pictures: Pictures) -> Page:
     return Page(run, total(run, groups), tuple(chapters), cases)
 
 
-def _case(group: CaseGroup, anchors: Anchors, pictures: Pictures) -> CaseView:
+def _case(group: CaseGroup, anchors: Anchors, pictures: Pictures, shown: Shown) -> CaseView:
     first = group.first
     anchor = anchors.new("case", group.id)
     several = len(group.records) > 1
-    glsl, python = listings(group, anchor)
+    glsl, python = listings(group, anchors, shown)
     figures = tuple(
         (record.variant if several else "", row)
         for record in group.records
@@ -54,7 +57,7 @@ def _case(group: CaseGroup, anchors: Anchors, pictures: Pictures) -> CaseView:
         formula=markup.formula(first.formula),
         thumbnail=_thumbnail(group, pictures),
         plates=tuple(
-            _plate(pictures, record, name, file, several)
+            _plate(pictures, record, name, file, len(group.records))
             for record in group.records
             for name, file in record.images.items()
         ),
@@ -75,6 +78,7 @@ def _case(group: CaseGroup, anchors: Anchors, pictures: Pictures) -> CaseView:
             )
             for record in group.records
         ),
+        passes=steps(group, pictures),
     )
 
 
@@ -109,12 +113,15 @@ def _variant(
 def _check(
     record: Record, outcome: Outcome, anchor: str, texts: Sequence[Listing], pictures: Pictures
 ) -> Check:
+    # Within its band, a value seldom has another colour than its reference.
+    same = pictures.same(outcome.images.get("measured"), outcome.images.get("reference"))
     plates = tuple(
         Plate(
             name=name,
             alt=f"{name}: {outcome.name} of {record.title}, {record.variant}",
             caption=outcome.captions.get(name, ""),
             picture=pictures.full(file),
+            twin="measured" if name == "reference" and same else "",
         )
         for name, file in outcome.images.items()
     )
@@ -127,16 +134,20 @@ def _check(
         for source in outcome.sources
     )
     panel = None if outcome.worst is None else worst_panel(outcome.worst)
-    return Check(outcome, anchor, plates, panel, places)
+    numbers = pictures.numbers(outcome.values) if plates else None
+    return Check(outcome, anchor, plates, panel, places, numbers)
 
 
-def _plate(pictures: Pictures, record: Record, name: str, file: str, several: bool) -> Plate:
+def _plate(pictures: Pictures, record: Record, name: str, file: str, many: int) -> Plate:
+    several = many > 1
     caption = record.captions.get(name, "")
     title = record.variant if several else ("" if name == "picture" else name)
     if several and name != "picture":
         title = f"{record.variant}: {name}"
     alt = f"{record.title}, {record.variant}: {name}" if several else f"{record.title}: {name}"
-    return Plate(title, alt, caption, pictures.full(file))
+    # Side by side each is shown small.
+    picture = pictures.small(file, SMALL) if many > 2 else pictures.full(file)
+    return Plate(title, alt, caption, picture)
 
 
 def _thumbnail(group: CaseGroup, pictures: Pictures) -> Picture | None:
@@ -146,7 +157,7 @@ def _thumbnail(group: CaseGroup, pictures: Pictures) -> Picture | None:
     files += [_main_image(outcome.images) for record in records for outcome in record.expectations]
     for file in files:
         if file:
-            small = pictures.small(file, THUMBNAIL)
+            small = pictures.small(file, SMALL)
             if not small.missing:
                 return small
     return None

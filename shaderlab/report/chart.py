@@ -7,7 +7,7 @@ edges at every x. What can't be drawn (NaN, an infinity, x ≤ 0 on a logarithm)
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from shaderlab.records import Curve
 from shaderlab.report.axes import Axis, axis
@@ -24,7 +24,8 @@ _MOST_ROWS = 120
 
 @dataclass(frozen=True)
 class Point:
-    """One row of the chart's table. `outside` is None where no band was given."""
+    """One row of the chart's table. `at` is where it is drawn: x, and its height in each of the
+    two charts, None where it is in none of them."""
 
     x: float
     measured: float
@@ -33,6 +34,7 @@ class Point:
     high: float
     widths: float
     outside: bool
+    at: tuple[float, float | None, float | None] | None = None
 
 
 @dataclass(frozen=True)
@@ -72,6 +74,7 @@ def chart(curve: Curve) -> Chart:
     drawn: list[Point] = []
     if across is not None and up is not None:
         drawn = [p for p in points if across.holds(p.x) and up.holds(p.measured)]
+        points = [replace(p, at=_places(p, across, up, strip)) for p in points]
     step = max(1, math.ceil(len(points) / _MOST_ROWS))
     rows = [p for index, p in enumerate(points) if index % step == 0 or p.outside]
     empty = across is None or up is None
@@ -108,6 +111,19 @@ def _point(x: float, measured: float, reference: float, low: float, high: float)
         if outside and not math.isnan(measured):
             widths = math.copysign(math.inf, measured - middle)
     return Point(x, measured, reference, low, high, widths, outside)
+
+
+def _places(
+    point: Point, across: Axis, up: Axis, strip: Axis
+) -> tuple[float, float | None, float | None] | None:
+    if not across.holds(point.x):
+        return None
+    width = max(-FURTHEST, min(FURTHEST, point.widths))
+    return (
+        across.at(point.x),
+        up.at(point.measured) if up.holds(point.measured) else None,
+        strip.at(width) if strip.holds(width) else None,
+    )
 
 
 def _heights(points: list[Point]) -> list[float]:

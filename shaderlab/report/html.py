@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import hashlib
+import json
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
@@ -14,6 +15,8 @@ from shaderlab.records import Run
 from shaderlab.report import markup, text
 from shaderlab.report.atomic import write_text
 from shaderlab.report.build import build
+from shaderlab.report.compare import compare
+from shaderlab.report.drivers import driver_table
 from shaderlab.report.grouping import STATUS_WORDS, STATUSES
 from shaderlab.report.inline import Pictures
 
@@ -21,14 +24,24 @@ if TYPE_CHECKING:
     from jinja2 import Environment
 
 FILE_NAME = "index.html"
+AGAINST_NAME = "against.html"
 
 # In this order; each is one file of the package's style folder.
-_STYLES = ("base", "front", "overview", "case", "check", "chart", "code", "print")
-_SCRIPTS = ("filter", "open")
+_STYLES = (
+    "base", "front", "overview", "case", "check", "inspector", "chart", "passes", "compare",
+    "code", "print",
+)  # fmt: skip
+_SCRIPTS = (
+    "numbers", "values", "paint", "view", "marks", "histogram", "readout", "pointer", "inspector",
+    "inspect", "curves", "copies", "blink", "filter", "open",
+)  # fmt: skip
 
 
-def write(run: Run, folder: str | Path) -> Path:
+def write(run: Run, folder: str | Path, against: tuple[Run, Path] | None = None) -> Path:
     """Write `folder`/index.html from a run whose pictures lie in `folder`; return its path.
+
+    With an earlier run and its folder in `against`, it is `folder`/against.html and begins with
+    what changed.
 
     The page is one file: pictures, styles and scripts are in it, and its own security policy
     forbids everything else. A report that was there stays unless the new one was all written.
@@ -40,17 +53,21 @@ def write(run: Run, folder: str | Path) -> Path:
     page = build(run, Pictures(target))
     style = _together("style", _STYLES, "css")
     script = _together("script", _SCRIPTS, "js")
+    compared = against and compare(run, target, *against, page.anchors)
     template = _environment().get_template("page.html.j2")
-    html = template.render(
+    pieces = template.stream(
         page=page,
         run=run,
+        against=compared,
+        drivers=driver_table(run, page.anchors),
         style=style,
         script=script,
         style_hash=_hash(style),
         script_hash=_hash(script),
     )
-    path = target / FILE_NAME
-    write_text(path, html)
+    path = target / (AGAINST_NAME if against else FILE_NAME)
+    pieces.enable_buffering(256)
+    write_text(path, pieces)
     return path
 
 
@@ -100,6 +117,7 @@ def _environment() -> Environment:
             "outside": [_css(colour) for colour in pictures.OUTSIDE],
             "uncovered": _css(pictures.UNCOVERED),
         },
+        script_colours=_script_colours,
     )
     return environment
 
@@ -113,6 +131,20 @@ def _finalize(value: Any) -> Any:
 
 def _css(colour: tuple[int, int, int]) -> str:
     return "#{:02x}{:02x}{:02x}".format(*colour)
+
+
+def _script_colours() -> str:
+    """The colours that the inspector paints with, as JSON: the same as in the pictures' files."""
+    named = {
+        "palette": pictures.palette(),
+        "low": pictures.BAND_LOW,
+        "middle": pictures.BAND_MIDDLE,
+        "high": pictures.BAND_HIGH,
+        "outside": pictures.OUTSIDE,
+        "uncovered": pictures.UNCOVERED,
+        "broken": pictures.NOT_FINITE,
+    }
+    return json.dumps(named, separators=(",", ":"))
 
 
 def _chart_size() -> dict[str, float]:

@@ -1,4 +1,8 @@
-"""Picture files of a run's folder as data URIs, so that the page is one file."""
+"""Files of a run's folder as data in the page, so that it is one file.
+
+Nothing is read before the page is written, and nothing is kept: a page may hold more pictures
+than fit into memory.
+"""
 
 from __future__ import annotations
 
@@ -17,44 +21,93 @@ _SMALL = 200
 
 @dataclass(frozen=True)
 class Picture:
-    """A PNG as a data URI with the size to show it at, or the reason why there is none."""
+    """A PNG file with the size to show it at, or the reason why there is none.
 
-    uri: str = ""
+    What goes into the page may be a copy that was made beside it (`shaderlab.pictures.preview`).
+
+    `side` is the most pixels that the page may have of it in each direction; 0 for all.
+    """
+
+    path: Path = Path()
     width: int = 0
     height: int = 0
     pixelated: bool = False
     missing: str = ""
+    side: int = 0
+
+    @property
+    def uri(self) -> str:
+        """The picture as a data URI; an empty one if the file has gone or is damaged."""
+        try:
+            data = pictures.preview(self.path, self.side)
+        except (OSError, AssetError):
+            data = b""
+        kind = "webp" if data[:4] == b"RIFF" else "png"
+        return f"data:image/{kind};base64," + base64.b64encode(data).decode("ascii")
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """A file of packed values."""
+
+    path: Path
+
+    @property
+    def text(self) -> str:
+        """Its bytes in base64; empty if the file has gone."""
+        try:
+            return base64.b64encode(self.path.read_bytes()).decode("ascii")
+        except OSError:
+            return ""
 
 
 class Pictures:
-    """Reads the pictures of one folder."""
+    """Finds the pictures of one folder."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder.resolve()
-        self._thumbnails: dict[tuple[str, int], Picture] = {}
 
     def full(self, name: str) -> Picture:
         """The picture file `name` (relative to the folder), small ones enlarged."""
-        try:
-            path = self._inside(name)
-            data = path.read_bytes()
-        except (OSError, ValueError) as error:
-            return Picture(missing=f"{name}: {_reason(error)}")
-        return _picture(data, name)
+        return self._picture(name, 0)
 
     def small(self, name: str, side: int) -> Picture:
-        """The same as a thumbnail of at most `side` pixels; each is made once."""
-        key = (name, side)
-        if key not in self._thumbnails:
-            self._thumbnails[key] = self._small(name, side)
-        return self._thumbnails[key]
+        """The same with at most `side` pixels in each direction."""
+        return self._picture(name, side)
 
-    def _small(self, name: str, side: int) -> Picture:
+    def same(self, one: str | None, other: str | None) -> bool:
+        """Whether two picture files are there and equal in every byte."""
         try:
-            data = pictures.thumbnail(self._inside(name), side)
-        except (OSError, ValueError, AssetError) as error:
+            paths = [self._inside(name) for name in (one, other) if name]
+            first, second = (path.read_bytes() for path in paths)
+        except (OSError, ValueError):
+            return False
+        return first == second
+
+    def numbers(self, name: str) -> Numbers | None:
+        """The file of values `name`, or None if there is none."""
+        try:
+            path = self._inside(name)
+        except ValueError:
+            return None
+        return Numbers(path) if name and path.is_file() else None
+
+    def _picture(self, name: str, side: int) -> Picture:
+        try:
+            path = self._inside(name)
+            with path.open("rb") as file:
+                head = file.read(24)
+        except (OSError, ValueError) as error:
             return Picture(missing=f"{name}: {_reason(error)}")
-        return _picture(data, name)
+        if head[:8] != _SIGNATURE or len(head) < 24:
+            return Picture(missing=f"{name}: is no PNG file")
+        width, height = struct.unpack(">II", head[16:24])
+        longest = max(width, height, 1)
+        scale = float(max(1, -(-_SMALL // longest)) if longest < _SMALL else 1)
+        if side and longest > side:
+            scale = side / longest
+        shown = max(1, round(width * scale)), max(1, round(height * scale))
+        return Picture(path, *shown, pixelated=scale >= 1 and width <= 600, side=side)
 
     def _inside(self, name: str) -> Path:
         # A record may come from a file that somebody else wrote; it shows its folder only.
@@ -64,21 +117,9 @@ class Pictures:
         return path
 
 
-def _picture(data: bytes, name: str) -> Picture:
-    if data[:8] != _SIGNATURE or len(data) < 24:
-        return Picture(missing=f"{name}: is no PNG file")
-    width, height = struct.unpack(">II", data[16:24])
-    uri = "data:image/png;base64," + base64.b64encode(data).decode("ascii")
-    small = max(width, height) < _SMALL
-    factor = max(1, -(-_SMALL // max(width, height, 1))) if small else 1
-    return Picture(uri, width * factor, height * factor, pixelated=width <= 600)
-
-
 def _reason(error: Exception) -> str:
     if isinstance(error, FileNotFoundError):
         return "the file is missing"
     if isinstance(error, OSError):
         return error.strerror or "can't be read"
-    if isinstance(error, AssetError):
-        return error.message
     return str(error)

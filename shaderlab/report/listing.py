@@ -26,13 +26,17 @@ class Line:
 
 @dataclass(frozen=True)
 class Listing:
-    """A source ready to print. `variants` says which variants use it, empty for all of them."""
+    """A source ready to print. `variants` says which variants use it, empty for all of them.
+
+    `repeated` says that an earlier case shows the very same, under the same anchors.
+    """
 
     file: str
     language: str
     anchor: str
     lines: tuple[Line, ...]
     variants: tuple[str, ...] = ()
+    repeated: bool = False
 
     @property
     def place(self) -> str:

@@ -5,36 +5,42 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from shaderlab.records import ErratumNote, Outcome, Record, Row, Run, Status, Verdict
+from shaderlab.records import Declared, ErratumNote, Outcome, Record, Row, Run, Status, Verdict
 from shaderlab.report.chart import Chart
 from shaderlab.report.grouping import PASSABLE, CaseGroup, Totals, worst
-from shaderlab.report.inline import Picture
+from shaderlab.report.inline import Numbers, Picture
 from shaderlab.report.listing import Listing
 from shaderlab.report.worst import WorstPanel
 
 if TYPE_CHECKING:
     from markupsafe import Markup
 
+    from shaderlab.report.passes import Step
+
 
 @dataclass(frozen=True)
 class Plate:
-    """A picture with its name, alternative text and caption."""
+    """A picture with its name, alternative text and caption. `twin` names the plate beside it
+    that is the same in every byte, so that the page need not have it twice."""
 
     name: str
     alt: str
     caption: str
     picture: Picture
+    twin: str = ""
 
 
 @dataclass(frozen=True)
 class Check:
-    """An outcome; `places` are its sources as (what it is, file:line, anchor or None)."""
+    """An outcome; `places` are its sources as (what it is, file:line, anchor or None), `numbers`
+    the values behind its pictures."""
 
     outcome: Outcome
     anchor: str
     plates: tuple[Plate, ...]
     worst: WorstPanel | None
     places: tuple[tuple[str, str, str | None], ...]
+    numbers: Numbers | None = None
 
 
 @dataclass(frozen=True)
@@ -54,6 +60,7 @@ class Compiled:
     files: tuple[str, ...]
     verdicts: tuple[Verdict, ...]
     variants: tuple[str, ...]
+    declared: tuple[Declared, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -74,6 +81,7 @@ class CaseView:
     glsl: tuple[Listing, ...]
     python: tuple[Listing, ...]
     variants: tuple[VariantView, ...]
+    passes: tuple[Step, ...] = ()
 
     @property
     def wide(self) -> bool:
@@ -123,6 +131,15 @@ class Page:
     totals: Totals
     chapters: tuple[ChapterView, ...]
     cases: tuple[CaseView, ...]
+
+    @property
+    def anchors(self) -> dict[tuple[str, str], str]:
+        """Where each (case, variant) is shown."""
+        return {
+            (variant.record.id, variant.record.variant): variant.anchor
+            for case in self.cases
+            for variant in case.variants
+        }
 
     @property
     def failed(self) -> list[tuple[CaseView, VariantView]]:

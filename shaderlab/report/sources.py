@@ -3,15 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
-from shaderlab.records import Diagnostic, SourceText, Verdict
+from shaderlab.records import Declared, Diagnostic, SourceText, Verdict
 from shaderlab.report.grouping import CaseGroup
 from shaderlab.report.listing import Listing, listing
 from shaderlab.report.page import Compiled
+from shaderlab.report.text import Anchors
+
+# What the page has already, by text and by what the compilers said of it.
+Shown = dict[tuple[SourceText, frozenset[Diagnostic]], Listing]
 
 
-def listings(group: CaseGroup, anchor: str) -> tuple[tuple[Listing, ...], tuple[Listing, ...]]:
-    """Each source text once, GLSL and Python apart, with the messages of all compilers."""
+def listings(
+    group: CaseGroup, anchors: Anchors, shown: Shown
+) -> tuple[tuple[Listing, ...], tuple[Listing, ...]]:
+    """Each source text once, GLSL and Python apart, with the messages of all compilers.
+
+    What an earlier case has `shown` is not laid out again.
+    """
     users: dict[SourceText, list[str]] = {}
     messages: list[Diagnostic] = []
     for record in group.records:
@@ -31,10 +41,16 @@ def listings(group: CaseGroup, anchor: str) -> tuple[tuple[Listing, ...], tuple[
     }
     # What the checks speak of comes first, what only helps (pictures, included files) after it.
     ordered = sorted(_without_parts(users).items(), key=lambda item: item[0].file not in cited)
-    texts = [
-        listing(source, f"{anchor}-source-{number}", messages, _if_some(names, group))
-        for number, (source, names) in enumerate(ordered, start=1)
-    ]
+    texts = []
+    for source, names in ordered:
+        said = frozenset(m for m in messages if m.file == source.file)
+        earlier = shown.get((source, said))
+        users_of_it = _if_some(names, group)
+        if earlier is None:
+            texts.append(listing(source, anchors.short(), messages, users_of_it))
+            shown[source, said] = texts[-1]
+        else:
+            texts.append(replace(earlier, variants=users_of_it, repeated=True))
     return (
         tuple(text for text in texts if text.language == "glsl"),
         tuple(text for text in texts if text.language == "python"),
@@ -61,15 +77,15 @@ def _holds(whole: SourceText, part: SourceText) -> bool:
 
 def compiled(group: CaseGroup) -> tuple[Compiled, ...]:
     """Each program with the verdicts it got; several variants that agree are one entry."""
-    users: dict[tuple[tuple[str, ...], tuple[Verdict, ...]], list[str]] = {}
+    users: dict[tuple[tuple[str, ...], tuple[Verdict, ...], tuple[Declared, ...]], list[str]] = {}
     for record in group.records:
         for program in record.programs:
-            names = users.setdefault((program.files, program.verdicts), [])
+            names = users.setdefault((program.files, program.verdicts, program.declared), [])
             if record.variant not in names:
                 names.append(record.variant)
     return tuple(
-        Compiled(files, verdicts, _if_some(names, group))
-        for (files, verdicts), names in users.items()
+        Compiled(files, verdicts, _if_some(names, group), declared)
+        for (files, verdicts, declared), names in users.items()
     )
 
 

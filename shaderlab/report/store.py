@@ -6,16 +6,17 @@ import json
 import math
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from shaderlab.errors import ShaderlabError, UsageError
-from shaderlab.records import Outcome, Record, Run, Worst
+from shaderlab.records import Disagreement, DriverResult, Outcome, Record, Run, Worst
 from shaderlab.report.atomic import write_text
 
 if TYPE_CHECKING:
     from cattrs import Converter
 
 FILE_NAME = "run.json"
+Kind = TypeVar("Kind")
 
 
 def save(run: Run, folder: str | Path) -> Path:
@@ -55,6 +56,23 @@ def load(folder: str | Path) -> Run:
     return run
 
 
+def plain(value: Any) -> Any:
+    """A record, or another dataclass of plain data, as what strict JSON can hold."""
+    return _converter().unstructure(value)
+
+
+def parse(data: Any, kind: type[Kind]) -> Kind:
+    """What `plain` was given, from what it gave.
+
+    Raises:
+        ShaderlabError: it was written by another version.
+    """
+    try:
+        return _converter().structure(data, kind)
+    except Exception as error:  # cattrs raises groups of whatever its hooks raise
+        raise _damaged(Path(kind.__name__), error) from error
+
+
 def public_json(run: Run) -> dict[str, Any]:
     """The stable view of a run that `shaderlab run --json` prints (docs/json.md).
 
@@ -64,6 +82,32 @@ def public_json(run: Run) -> dict[str, Any]:
         "driver": dict(run.driver),
         "seconds": _number(run.seconds),
         "cases": [_case(record) for record in run.records],
+        "drivers": [_on_driver(result) for result in run.drivers],
+        "disagreements": [_disagreement(found) for found in run.disagreements],
+    }
+
+
+def _on_driver(result: DriverResult) -> dict[str, Any]:
+    return {
+        "driver": result.driver,
+        "renderer": result.renderer,
+        "id": result.id,
+        "variant": result.variant,
+        "status": result.status,
+        "ulp": _number(result.ulp),
+        "widths": _number(result.widths),
+    }
+
+
+def _disagreement(found: Disagreement) -> dict[str, Any]:
+    return {
+        "id": found.id,
+        "variant": found.variant,
+        "output": found.output,
+        "drivers": list(found.drivers),
+        "pixels": found.pixels,
+        "differing": found.differing,
+        "ulp": _number(found.ulp),
     }
 
 
@@ -72,7 +116,9 @@ def _case(record: Record) -> dict[str, Any]:
         "id": record.id,
         "variant": record.variant,
         "status": record.status,
+        "message": record.message,
         "seconds": _number(record.seconds),
+        "timings": {phase: _number(spent) for phase, spent in record.timings.items()},
         "compile": dict(record.compile),
         "expectations": [_expectation(outcome) for outcome in record.expectations],
         "images": dict(record.images),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import re
 from datetime import datetime
@@ -119,6 +120,11 @@ class Anchors:
 
     def __init__(self) -> None:
         self._taken: set[str] = set()
+        self._numbers = itertools.count(1)
+
+    def short(self) -> str:
+        """A short anchor, for what has many lines that each repeat it."""
+        return self.new(f"s{next(self._numbers)}")
 
     def new(self, *parts: str) -> str:
         """An anchor that begins with the slugs of `parts`."""

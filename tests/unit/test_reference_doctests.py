@@ -7,6 +7,7 @@ import importlib
 import inspect
 import pkgutil
 
+import numpy as np
 import pytest
 
 import shaderlab.assets
@@ -21,7 +22,9 @@ MODULES = [
 
 @pytest.mark.parametrize("name", MODULES)
 def test_worked_values(name: str) -> None:
-    result = doctest.testmod(importlib.import_module(name))
+    # Whoever imported colour-science before has changed how NumPy prints.
+    with np.printoptions(legacy=False):
+        result = doctest.testmod(importlib.import_module(name))
     assert result.failed == 0
 
 

@@ -121,3 +121,35 @@ def test_normals_stay_upright(angle: float, axis: Any, factors: Any) -> None:
 def test_what_has_no_matrix(call: Any, message: str) -> None:
     with pytest.raises(ValueError, match=message):
         call()
+
+
+@given(vectors, vectors, angles, directions)
+def test_one_vertex_at_a_time_is_the_matrix(
+    point: Any, other: Any, angle: float, axis: Any
+) -> None:
+    """What shaders compute step by step against the matrices of this module."""
+    place, unit = np.array([point]), np.array(axis) / np.linalg.norm(axis)
+    homogeneous = np.array([*point, 1.0])
+    moved = transforms.translate(other) @ homogeneous
+    np.testing.assert_allclose(
+        transforms.translated(place, np.array(other), 1.0)[0], moved, **CLOSE
+    )
+    stretched = transforms.translate((1, 2, 3)) @ transforms.scale(other) @ homogeneous
+    got = transforms.scaled(place, np.array(other), np.array([1.0, 2.0, 3.0]))[0]
+    np.testing.assert_allclose(got, stretched, rtol=1e-12, atol=1e-10)
+    turned = transforms.rotate(angle, axis) @ homogeneous
+    np.testing.assert_allclose(
+        transforms.rotated(place, unit, angle)[0], turned[:3], rtol=1e-10, atol=1e-10
+    )
+
+
+def test_a_direction_is_not_translated() -> None:
+    got = transforms.translated(np.array([[1.0, 0.0, 0.0]]), np.array([5.0, 6.0, 7.0]), 0.0)
+    np.testing.assert_array_equal(got, [[1.0, 0.0, 0.0, 0.0]])
+
+
+def test_equation_3_4() -> None:
+    turned = transforms.rotate(math.radians(30), (0, 0, 1)) @ (1, 2, 3, 1)
+    np.testing.assert_allclose(turned[:2], (-0.133975, 2.232051), atol=5e-7)
+    moved = transforms.translate((5, 6, 7)) @ turned
+    np.testing.assert_allclose(moved, (4.866025, 8.232051, 10.0, 1.0), atol=5e-7)

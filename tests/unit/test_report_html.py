@@ -95,9 +95,9 @@ def test_messages_stand_under_the_lines_they_mean(tmp_path: Path) -> None:
         verdicts=(Verdict(target="vulkan1.3", ok=False, diagnostics=(said,)),),
     )
     html = write(run(record(programs=(program,))), tmp_path).read_text()
-    rows = re.findall(r'data-n="(\d+)"', html)
+    rows = re.findall(r'class="row" id="[^"]+"><a[^>]*>(\d+)</a>', html)
     assert rows == ["1", "2", "3"]
-    assert html.index('data-n="3"') < html.index('class="said is-error"')
+    assert html.index('-L3"') < html.index('class="said is-error"')
     assert "refused" in html and "1 compile target, 1 refused" in html
 
 
@@ -183,3 +183,12 @@ def test_many_failures_are_all_listed(tmp_path: Path) -> None:
     html = write(run(*bad), tmp_path).read_text()
     front = html[html.index('id="failures"') : html.index('id="overview"')]
     assert front.count("<li>") == 40 and "and 15 more variants" in front
+
+
+def test_a_source_that_cases_share_is_in_the_page_once(tmp_path: Path) -> None:
+    shared = SourceText(file="lib.glsl", line=1, language="glsl", text="float shared_by_all;\n")
+    program = ProgramRecord(files=("lib.glsl",), sources=(shared,), verdicts=())
+    page = Page(write(run(*(record(i, programs=(program,)) for i in "abc")), tmp_path))
+    assert page.source.count("shared_by_all") == 1
+    copies = page.attributes("data-copy")
+    assert len(copies) == 2 and set(copies) <= set(page.attributes("id"))

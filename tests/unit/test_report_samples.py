@@ -56,7 +56,7 @@ class Page(HTMLParser):
     def handle_data(self, data: str) -> None:
         if self._open and self._open[-1] in ("style", "script"):
             self.raw[self._open[-1]] = self.raw.get(self._open[-1], "") + data
-        else:
+        elif "template" not in self._open:  # what only scripts see
             self.text.append(data)
 
     def words(self) -> str:

@@ -1,8 +1,8 @@
 // Shows the cases whose text holds every word of the box and whose status is switched on.
-(() => {
-  "use strict";
-  const form = document.querySelector(".controls");
-  if (!form) return;
+const filterForm = document.querySelector(".controls");
+if (filterForm) watchFilter(filterForm);
+
+function watchFilter(form) {
   const box = form.querySelector("#find");
   const found = form.querySelector("#found");
   const switches = [...form.querySelectorAll("button[data-status]")];
@@ -44,4 +44,4 @@
   });
   // Browsers keep a box's text over a reload.
   update();
-})();
+}

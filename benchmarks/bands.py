@@ -1,0 +1,191 @@
+"""What judging by bands costs: each formula's band, and comparing a frame with one.
+
+`python -m benchmarks.bands` prints
+
+- the time to evaluate the band of every formula of every shipped case, once for each variant, at
+  64 × 64 (best of `--repeats`), and their sum; formulas of one output and one reference are
+  judged over all of the case's variants, and `--variants` lists them all;
+- comparing 1024 × 1024 float32 values with a band that is there already, against `np.allclose`
+  of the same tolerance, and whether the verdicts are equal on right and wrong frames;
+- the memory that judging the largest formula takes at 512 × 512.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+import tracemalloc
+from collections.abc import Callable, Collection, Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from shaderlab.bands import Rules
+from shaderlab.bands.allowed import contains
+from shaderlab.catalogue import Catalogue, data_folder
+from shaderlab.checks import judge
+from shaderlab.checks.inputs import Inputs, evaluate
+from shaderlab.checks.naming import subject_of
+from shaderlab.frame import Frame
+from shaderlab.gl import capture
+from shaderlab.gl.device import open_device
+from shaderlab.gl.prepare import Preparer
+from shaderlab.gl.runner import Runner
+from shaderlab.glsl.sources import Shaders
+from shaderlab.model import Formula, Scene
+from shaderlab.pipeline.plan import plan
+
+SIDE = 64
+LARGE = 512
+
+
+@dataclass(frozen=True)
+class Job:
+    """One formula of one variant, with the inputs that its shader got."""
+
+    case: str
+    variant: str
+    check: Formula
+    inputs: Inputs
+    index: int
+    scene: Scene
+    frame: Frame
+
+
+def main(words: list[str] | None = None) -> int:
+    options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    options.add_argument("cases", nargs="*", help="ids of cases; all by default")
+    options.add_argument("--repeats", type=int, default=5)
+    options.add_argument("--variants", action="store_true", help="list every variant")
+    given = options.parse_args(words)
+    slowest = evaluation(given.repeats, given.variants, given.cases)
+    comparison(given.repeats)
+    memory(slowest)
+    return 0
+
+
+def evaluation(repeats: int, every: bool, cases: Collection[str] = ()) -> Job:
+    """Print the cost of each formula's band; the slowest formula."""
+    print(f"bands at {SIDE} × {SIDE}, best of {repeats}")
+    total, first, slowest = 0.0, 0.0, (0.0, None)
+    seen: set[tuple[str, str]] = set()
+    for job in jobs(SIDE, cases):
+        took = best(repeats, lambda job=job: band_of(job))
+        total += took
+        name = (job.case, job.check.name)
+        if name not in seen:
+            first += took
+        if every or name not in seen:
+            print(f"  {took * 1e3:8.2f} ms  {job.case}  {job.variant}  {job.check.name}")
+        seen.add(name)
+        if took > slowest[0]:
+            slowest = (took, job)
+    print(f"  {first * 1e3:8.1f} ms  all {len(seen)} formulas, one variant each")
+    print(f"  {total * 1e3:8.1f} ms  with all variants")
+    assert slowest[1] is not None
+    return slowest[1]
+
+
+def comparison(repeats: int) -> None:
+    """Print how a frame is compared, and whether verdicts agree with np.allclose."""
+    rng = np.random.default_rng(1)
+    shape = (1024, 1024, 1)
+    tolerance = 2.0**-20
+    # Multiples of 2^-23 below 2, so that reference ± tolerance is exact in float32.
+    reference = rng.integers(2**22, 2**23, shape) * 2.0**-23
+    low, high = reference - tolerance, reference + tolerance
+    right = reference + rng.integers(-8, 9, shape) * 2.0**-23
+    frames = {"right": right}
+    for label, by in (("one step outside", 9), ("far outside", 4096)):
+        wrong = right.copy()
+        wrong[517, 93, 0] = reference[517, 93, 0] + by * 2.0**-23
+        frames[label] = wrong
+    for label, value in (("NaN", np.nan), ("infinity", np.inf)):
+        wrong = right.copy()
+        wrong[0, 0, 0] = value
+        frames[label] = wrong
+    equal = []
+    for label, values in frames.items():
+        got = values.astype(np.float32)
+        by_band = bool(contains(low, high, np.False_, got).all())
+        by_tolerance = bool(np.allclose(got, reference, rtol=0.0, atol=tolerance))
+        equal.append(by_band == by_tolerance == (label == "right"))
+    got = right.astype(np.float32)
+    narrow = reference.astype(np.float32)
+    ours = best(4 * repeats, lambda: bool(contains(low, high, np.False_, got).all()))
+    theirs = best(4 * repeats, lambda: bool(np.allclose(got, reference, rtol=0.0, atol=tolerance)))
+    single = best(4 * repeats, lambda: bool(np.allclose(got, narrow, rtol=0.0, atol=tolerance)))
+    print(f"comparison of 1024 × 1024 values, best of {4 * repeats}")
+    print(f"  {ours * 1e3:8.2f} ms  contains")
+    print(f"  {theirs * 1e3:8.2f} ms  np.allclose, float64 reference: {theirs / ours:.1f} times")
+    print(f"  {single * 1e3:8.2f} ms  np.allclose, float32 reference: {single / ours:.1f} times")
+    print(f"  verdicts equal on {sum(equal)} of {len(equal)} frames")
+
+
+def memory(slowest: Job) -> None:
+    """Print the most memory that judging the slowest formula takes at 512 × 512."""
+    for job in jobs(LARGE, [slowest.case]):
+        if (job.variant, job.check.name) != (slowest.variant, slowest.check.name):
+            continue
+        tracemalloc.start()
+        started = time.process_time()
+        outcome = judge(job.index, job.scene, job.frame, {}).outcome
+        took = time.process_time() - started
+        _, peak = tracemalloc.get_traced_memory()
+        tracemalloc.stop()
+        print(f"judging {job.case} {job.check.name} at {LARGE} × {LARGE}: {outcome.status}")
+        print(f"  {peak / 2**20:8.0f} MiB at most, {took:.1f} s (while memory is traced)")
+
+
+def jobs(side: int, only: Collection[str] = ()) -> Iterator[Job]:
+    """Every formula of the shipped cases, with what the driver gives its shader at this size."""
+    preparer = Preparer(Shaders([data_folder("shaders")]))
+    runner = Runner(open_device())
+    for case in Catalogue.shipped():
+        if only and case.id not in only:
+            continue
+        for scene in case.scenes():
+            checks = [(i, c) for i, c in enumerate(scene.expect) if isinstance(c, Formula)]
+            frame = drawn(runner, preparer, scene, tuple(c for _, c in checks), side)
+            for index, check in checks:
+                inputs = subject_of(check, scene, frame).inputs
+                yield Job(case.id, scene.variant, check, inputs, index, scene, frame)
+
+
+def drawn(
+    runner: Runner, preparer: Preparer, scene: Scene, checks: tuple[Formula, ...], side: int
+) -> Frame:
+    """The scene's frame, with what these formulas need."""
+    prepared = {p.name: tuple(preparer.prepare(d) for d in p.draws) for p in scene.passes}
+    wants = plan(replace(scene, expect=checks), prepared)
+    with runner.session(scene, prepared, (side, side)) as session:
+        done = session.run()
+        return Frame(
+            images=done.images,
+            order=tuple(p.name for p in scene.passes),
+            bindings=done.bindings,
+            fragments={key: capture.fragments(session, key) for key in wants.fragments},
+            vertices={key: capture.vertices(session, key) for key in wants.vertices},
+        )
+
+
+def band_of(job: Job) -> Any:
+    return evaluate(
+        job.check.reference, job.inputs, rules=job.check.rules or Rules(), decimal=False
+    )
+
+
+def best(repeats: int, run: Callable[[], Any]) -> float:
+    """The shortest of some runs, in seconds of processor time: others may be using the machine."""
+    times = []
+    for _ in range(repeats):
+        started = time.process_time()
+        run()
+        times.append(time.process_time() - started)
+    return min(times)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,179 @@
+"""What running costs, side by side with a hand-written script, pytest, and piglit.
+
+    python -m benchmarks.running [--programs 50] [--size 256] [--most 500]
+
+Every way runs the same small programs and looks at every pixel (piglit probes three of them).
+Each is a process of its own, run twice: the first time warms the shader cache, the second counts.
+The cost of a further program is the difference between many and few, by their number; so what a
+process costs once is left out of it. CPU seconds are those of the process and all its children:
+on a machine that does other things as well, trust them more than the clock.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from benchmarks import running_piglit, running_programs
+
+HERE = Path(__file__).resolve().parent
+FEW = 5
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Seconds by the clock and of the processors."""
+
+    wall: float
+    cpu: float
+
+    def per(self, other: Cost, count: int) -> Cost:
+        """What each of `count` more programs cost than `other`, in seconds."""
+        return Cost((self.wall - other.wall) / count, (self.cpu - other.cpu) / count)
+
+
+def measure(work: Callable[[], object]) -> Cost:
+    """The second of two times."""
+    work()
+    before, started = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
+    work()
+    wall, after = time.perf_counter() - started, resource.getrusage(resource.RUSAGE_CHILDREN)
+    used = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return Cost(wall, used)
+
+
+def call(*command: str | Path) -> None:
+    """Run a process that must end well."""
+    environment = {**os.environ, "PYTHONPATH": str(HERE.parent), "EGL_PLATFORM": "surfaceless"}
+    environment |= {"LIBGL_ALWAYS_SOFTWARE": "1", "GALLIUM_DRIVER": "llvmpipe"}
+    done = subprocess.run(
+        [str(part) for part in command], env=environment, capture_output=True, text=True
+    )
+    if done.returncode:
+        raise SystemExit(f"{command}: {done.stdout[-2000:]}{done.stderr[-2000:]}")
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--programs", type=int, default=50)
+    parser.add_argument("--size", type=int, default=256)
+    parser.add_argument("--most", type=int, default=0, help="also run this many in one command")
+    asked = parser.parse_args()
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        further(folder, asked.programs, asked.size)
+        fixed(folder)
+        piglit(folder, asked.programs, asked.size)
+        if asked.most:
+            growth(folder, asked.most)
+
+
+def further(folder: Path, many: int, size: int) -> None:
+    """What each further program costs, in each way."""
+    ways: dict[str, list[str | Path]] = {
+        "by hand, one tolerance": [HERE / "running_by_hand.py"],
+        "by hand, same references and bands": [HERE / "running_by_hand.py", "--bands"],
+    }
+    costs: dict[str, Cost] = {}
+    places = {}
+    for count in (FEW, many):
+        places[count] = folder / f"programs-{count}"
+        running_programs.write(places[count], count, size)
+    for title, script in ways.items():
+        costs[title] = step(
+            lambda n, script=script: call(sys.executable, *script, places[n], str(n), str(size)),
+            many,
+        )
+    costs["shaderlab run"] = step(lambda n: lab(places[n], folder / "run"), many)
+    judged = step(lambda n: lab(places[n], folder / "judged", "--no-pictures"), many)
+    costs["shaderlab run --no-pictures"] = judged
+    shares = phases(folder / "judged")
+    bare = 1.0 - shares["compile"]
+    costs["… without its three-target compilation"] = Cost(judged.wall * bare, judged.cpu * bare)
+    pytest = ("-m", "pytest", "-q", "-p", "no:cacheprovider")
+    costs["pytest"] = step(lambda n: call(sys.executable, *pytest, places[n]), many)
+    print(f"each further program of {size}², every pixel judged:")
+    plain, fair = list(costs.values())[:2]
+    for title, cost in costs.items():
+        spent = f"{cost.cpu * 1e3:7.1f} ms CPU {cost.wall * 1e3:7.1f} ms"
+        print(f"  {spent} {cost.cpu / plain.cpu:6.2f}× {cost.cpu / fair.cpu:6.2f}×  {title}")
+    print(
+        "  phases of --no-pictures:",
+        ", ".join(f"{name} {share:.0%}" for name, share in shares.items()),
+    )
+
+
+def step(run: Callable[[int], object], many: int) -> Cost:
+    """What one more program costs, of `many`."""
+    few, lot = measure(lambda: run(FEW)), measure(lambda: run(many))
+    return lot.per(few, many - FEW)
+
+
+def lab(cases: Path, report: Path, *options: str) -> None:
+    """One command with the report."""
+    call(sys.executable, "-m", "shaderlab", "run", f"{cases}/", "--report", report, *options)
+
+
+def phases(report: Path) -> dict[str, float]:
+    """The share of each phase in the records' time."""
+    records = json.loads((report / "run.json").read_text())["records"]
+    total = sum(record["seconds"] for record in records)
+    spent: dict[str, float] = {"compile": 0.0, "picture": 0.0}
+    for record in records:
+        for phase, used in record["timings"].items():
+            spent[phase] = spent.get(phase, 0.0) + used / total
+    return spent
+
+
+def fixed(folder: Path) -> None:
+    """What a command with one small case costs."""
+    running_programs.write(folder / "one", 1, 16)
+    cost = measure(lambda: lab(folder / "one", folder / "one-run"))
+    print(f"one small case, the whole command: {cost.wall:.2f} s, {cost.cpu:.2f} s CPU")
+
+
+def piglit(folder: Path, count: int, size: int) -> None:
+    """Tests a second of piglit's shader_runner, where there is one."""
+    runner = running_piglit.find()
+    if runner is None:
+        print("piglit is not installed (Debian: apt-get install piglit): not compared")
+        return
+    files = running_piglit.write(folder / "piglit", count, size)
+    running_programs.write(folder / "small", count, 64)
+    for title, at_once in (("one process a test", False), ("one process", True)):
+        cost = measure(lambda at_once=at_once: running_piglit.run(runner, files, at_once))
+        print(f"piglit, {title}: {count / cost.wall:.0f} tests/s, {count / cost.cpu:.0f} per CPU s")
+    cost = measure(lambda: lab(folder / "small", folder / "small-run", "--no-pictures"))
+    rate = f"{count / cost.wall:.0f} tests/s, {count / cost.cpu:.0f} per CPU s"
+    print(f"shaderlab run --no-pictures at 64²: {rate}")
+
+
+def growth(folder: Path, most: int) -> None:
+    """Time and the parent's memory as the number of cases grows."""
+    for count in (most // 10, most):
+        running_programs.write(folder / f"grow-{count}", count, 16)
+        started = time.perf_counter()
+        done = subprocess.run(
+            ["/usr/bin/env", "time", "-f", "%M", sys.executable, "-m", "shaderlab", "run",
+             str(folder / f"grow-{count}"), "--report", str(folder / "grow-run")],
+            capture_output=True, text=True, env={**os.environ, "PYTHONPATH": str(HERE.parent)},
+        )  # fmt: skip
+        spent = time.perf_counter() - started
+        peak = done.stderr.strip().splitlines()[-1]
+        print(
+            f"{count} cases of 16²: {spent:.1f} s, at most {int(peak) / 1024:.0f} MB in one process"
+        )
+
+
+if __name__ == "__main__":
+    main()

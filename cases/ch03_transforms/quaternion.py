@@ -1,0 +1,273 @@
+"""Quaternions: four numbers for an orientation, with no pose in which one of them is lost.
+
+(u sin φ/2, cos φ/2) turns by φ around u, as q v q*: the half angle is there because q acts from
+both sides. Two turns compose by one product, sixteen multiplications and no sine. Between two
+orientations slerp follows the great arc at even speed; halfway, it is as far from one as from the
+other. Straight up, where Euler's yaw and roll fall together, a quaternion is as good as anywhere.
+
+Look at: the aircraft, fanned out around the ball from the first orientation on the left to the last
+on the right. Between neighbours there are 25° each, that is slerp's even speed. The middle one has
+its nose straight up, the pose that locks a gimbal, and nothing happens there: slerp knows no
+angles.
+"""
+
+from math import acos, degrees, pi, radians, sqrt
+
+import numpy as np
+
+from shaderlab import (
+    Case,
+    Depth,
+    Draw,
+    Mesh,
+    Pass,
+    State,
+    Target,
+    assets,
+    computed,
+    formula,
+    sweep,
+    value,
+)
+from shaderlab.assets import solids, stage
+from shaderlab.glslmath import vec4
+from shaderlab.reference.euler import euler_matrix
+from shaderlab.reference.glm import slerp_by_glm, turned_by_glm
+from shaderlab.reference.quaternions import axis_angle, conjugate, matrix_of, product, slerp, turned
+from shaderlab.reference.studio import handed_on, softened, studio_color
+from shaderlab.reference.transforms import (
+    clip_position,
+    in_view,
+    look_at,
+    perspective,
+    scale,
+    world_normal,
+)
+from shaderlab.sampling import texture
+
+VIEW = look_at((0.3, 1.5, 6.0), (0.0, 0.72, 0.0))
+PROJECTION = perspective(radians(38.0), 3.0 / 2.0, 0.1, 20.0)
+FRAMES = 7
+AIRCRAFT = Mesh(**solids.placed(solids.aircraft(), scale(0.36)))
+# An aircraft stands a radius from the middle, ahead along its own nose.
+AWAY = (0.0, 0.0, -1.72)
+UPRIGHT = axis_angle((1, 0, 0), radians(90.0))
+START = product(axis_angle((0, 0, 1), radians(75.0)), UPRIGHT)
+END = product(axis_angle((0, 0, 1), radians(-75.0)), UPRIGHT)
+
+
+def globe():
+    """A ball with the great circle that the aircraft follow."""
+    ball = solids.painted(assets.sphere(0.9, segments=64, rings=32), (0.16, 0.30, 0.38))
+    circle = solids.painted(assets.torus(1.14, 0.014, segments=96, sides=8), solids.GOLD)
+    tilt = matrix_of(axis_angle((1, 0, 0), pi / 2))
+    return solids.gathered(ball, solids.placed(circle, tilt))
+
+
+def frame(step):
+    """One aircraft of the formation."""
+    return Draw(
+        vertex="ch03_transforms/quaternion.vert",
+        fragment="ch03_transforms/studio.frag",
+        mesh=AIRCRAFT,
+        uniforms={
+            "from": START,
+            "to": END,
+            "t": step / (FRAMES - 1),
+            "away": AWAY,
+            "view": VIEW,
+            "projection": PROJECTION,
+        },
+        state=State(depth=Depth()),
+    )
+
+
+def through(name, q):
+    """The letter through one quaternion, for its vertices only."""
+    draw = Draw(
+        vertex="ch03_transforms/quaternion_turn.vert",
+        fragment="ch03_transforms/quaternion_turn.frag",
+        mesh=Mesh(**solids.letter_f()).only("aPos"),
+        uniforms={"q": q},
+    )
+    return Pass(name=name, target=Target(size=(16, 16)), draws=(draw,))
+
+
+def orientation(t):
+    """The shader's quaternion at t; `from` is a word of Python's, so its value is given here."""
+    return slerp(START.astype(np.float32), END.astype(np.float32), t)
+
+
+def at_place(aPos, away, t):
+    """Turned around the ball's middle."""
+    return turned(aPos + away, orientation(t))
+
+
+def turned_normal(aNormal, t):
+    """Normals turn as points do."""
+    return turned(aNormal, orientation(t))
+
+
+def position(aPos, away, t, view, projection):
+    """Clip coordinates of the turned vertex."""
+    return in_view(at_place(aPos, away, t), view, projection)
+
+
+def by_quaternion(aPos, q):
+    """q v q*."""
+    return turned(aPos, q)
+
+
+def half_size(aPos, q):
+    """On the screen the letter is half as large: w is 2."""
+    return vec4(turned(aPos, q), 2.0)
+
+
+def one_color():
+    """The colour that only shows that something was drawn."""
+    return vec4(0.25, 0.5, 0.75, 1.0)
+
+
+TILTED = axis_angle((1, 2, 2), radians(110.0))
+# Nose straight up, then banked: the pose where yaw and roll are one.
+LOCKED = product(axis_angle((0, 1, 0), radians(40.0)), axis_angle((1, 0, 0), radians(90.0)))
+
+
+def matrix_gap(q, matrix):
+    """Largest difference between a quaternion's matrix and another one."""
+    return np.abs(matrix_of(q) - matrix).max()
+
+
+def half_way():
+    """Degrees from the start to slerp's middle, and from there to the end."""
+    middle = slerp(START, END, 0.5)
+    return [2.0 * degrees(acos(abs(float(np.dot(middle, q))))) for q in (START, END)]
+
+
+def smallest_response():
+    """The least a small turn around any axis changes an orientation in the locked pose, per radian.
+
+    The columns are what turns around x, y and z do to it; their least singular value is 0 where a
+    direction is lost.
+    """
+    columns = [product(np.array([*np.eye(3)[k], 0.0]), LOCKED) / 2.0 for k in range(3)]
+    return np.linalg.svd(np.array(columns).T, compute_uv=False).min()
+
+
+case = Case(
+    title="Quaternions",
+    section="3.7",
+    math=r"v' = q\,(v, 0)\,q^{*},\quad q = (u \sin\tfrac\varphi2,\ \cos\tfrac\varphi2), \qquad "
+    r"\operatorname{slerp}(a, b, t) = \frac{\sin((1-t)\,\theta)\,a + \sin(t\,\theta)\,b}"
+    r"{\sin\theta},\quad \cos\theta = a \cdot b",
+    passes=(
+        *stage.photographed(
+            (stage.prop(globe(), VIEW, PROJECTION), *(frame(step) for step in range(FRAMES))),
+            (900, 600),
+        ),
+        through("locked", LOCKED),
+        through("tilted", TILTED),
+    ),
+    picture="picture.FragColor",
+    expect=[
+        formula("soft.FragColor", softened(texture), name="four texels a pixel"),
+        *stage.prop_checks(clip_position, world_normal, handed_on, studio_color),
+        formula(
+            "tilted.Turned",
+            by_quaternion,
+            also={"PyGLM": turned_by_glm},
+            name="110° around (1,2,2)",
+        ),
+        formula(
+            "locked.Turned", by_quaternion, also={"PyGLM": turned_by_glm}, name="the locked pose"
+        ),
+        formula("tilted.FragColor", one_color),
+        formula("tilted.gl_Position", half_size),
+        *(
+            formula("judged.Turned", at_place, draw=step + 1, name=f"place {step} of the formation")
+            for step in range(FRAMES)
+        ),
+        formula("judged.Orientation", orientation, also={"PyGLM": slerp_by_glm(START, END)}),
+        formula("judged.Normal", turned_normal, name="normals turn"),
+        formula("judged.Color", handed_on),
+        formula("judged.gl_Position", position, name="clip coordinates"),
+        formula("judged.FragColor", studio_color, draw=4, name="colour, on top"),
+        formula("judged.FragColor", studio_color, name="colour, at the end"),
+        sweep(
+            "judged.Orientation",
+            orientation,
+            over="t",
+            at={"aPos": (0.0, 0.0, 0.0)},
+            values=np.linspace(0.0, 1.0, 33),
+        ),
+        value(
+            "judged.Orientation",
+            at={"aPos": (0.0, 0.0, 0.0), "t": 0.5},
+            equals=tuple(UPRIGHT.round(6)),
+            digits=6,
+            reference=orientation,
+            name="halfway from +75° to −75° is 0°",
+        ),
+        value(
+            "tilted.Turned",
+            at={"aPos": (1.0, 0.0, 0.0), "q": axis_angle((0, 0, 1), pi / 2)},
+            equals=(0.0, 1.0, 0.0),
+            digits=6,
+            reference=by_quaternion,
+            name="90° around z",
+        ),
+        value(
+            "tilted.Turned",
+            at={"aPos": (1.0, 2.0, 3.0), "q": (0.5, 0.5, 0.5, 0.5)},
+            equals=(3.0, 1.0, 2.0),
+            digits=6,
+            reference=by_quaternion,
+            name="120° around (1, 1, 1)",
+        ),
+        computed(
+            "q v q* against the matrix, nose up and yawed by 40°",
+            lambda: matrix_gap(LOCKED, euler_matrix(radians(40.0), radians(90.0), 0.0)),
+            equals=0.0,
+            digits=15,
+        ),
+        computed(
+            "q v q* of (1, 2, 3) less its matrix times (1, 2, 3)",
+            lambda: (
+                turned(np.array([1.0, 2.0, 3.0]), TILTED) - matrix_of(TILTED)[:3, :3] @ (1, 2, 3)
+            ),
+            equals=(0.0, 0.0, 0.0),
+            digits=14,
+        ),
+        computed(
+            "q q*",
+            lambda: product(TILTED, conjugate(TILTED)),
+            equals=(0.0, 0.0, 0.0, 1.0),
+            digits=15,
+        ),
+        computed("slerp halfway, degrees from either end", half_way, equals=(75.0, 75.0), digits=9),
+        computed(
+            "least response to a turn in the locked pose",
+            smallest_response,
+            equals=0.5,
+            digits=12,
+            note="a half for every axis and in every pose; Euler's angles have 0 here",
+        ),
+        computed(
+            "length of slerp's quarter, of (0, 0, 0, 1) and 90° around z",
+            lambda: np.linalg.norm(
+                slerp(np.array([0, 0, 0, 1.0]), axis_angle((0, 0, 1), pi / 2), 0.25)
+            ),
+            equals=1.0,
+            digits=15,
+        ),
+        computed(
+            "length of a plain mixture, halfway",
+            lambda: np.linalg.norm(
+                (np.array([0, 0, 0, 1.0]) + axis_angle((0, 0, 1), pi / 2)) / 2.0
+            ),
+            equals=sqrt((1.0 + sqrt(0.5)) / 2.0),
+            digits=12,
+            note="shorter than 1: mixed quaternions must be normalised",
+        ),
+    ],
+)

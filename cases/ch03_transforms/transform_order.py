@@ -1,0 +1,164 @@
+"""Six orders of the same three matrices: scale, rotate and translate do not commute.
+
+In T·R·S·p the matrix next to the point acts first. Scale first and the letter is stretched along
+its own axes; rotate first and it is stretched along the world's, which shears nothing here but
+stretches another side of it. Translate before a rotation and it swings around the origin; before a
+scaling, and its distance is scaled with it. "Scale, then rotate, then translate" is the order that
+does what its words say to the thing itself.
+
+Look at: where the six letters are. All have been stretched to (2, 1, 1), turned by 90° around z and
+moved by (1, 2, 3). The rods follow the black point at its foot, (1, 0, 0), through the steps: green
+for the scaling, gold for the rotation, blue for the translation. On top T·R·S and R·T·S, in the
+middle S·T·R and T·S·R, below R·S·T and S·R·T.
+"""
+
+from math import radians
+
+import numpy as np
+
+from shaderlab import Case, Cell, Depth, Draw, Mesh, State, computed, formula, value
+from shaderlab.assets import solids, stage
+from shaderlab.glslmath import mul, vec4
+from shaderlab.reference.studio import handed_on, softened, studio_color
+from shaderlab.reference.transforms import (
+    clip_position,
+    look_at,
+    normal_matrix,
+    perspective,
+    rotate,
+    scale,
+    translate,
+    world_normal,
+)
+from shaderlab.sampling import texture
+
+STEPS = {
+    "S": (scale((2.0, 1.0, 1.0)), solids.GREEN),
+    "R": (rotate(radians(90.0), (0.0, 0.0, 1.0)), solids.GOLD),
+    "T": (translate((1.0, 2.0, 3.0)), solids.BLUE),
+}
+# As mathematics writes them: the last letter acts first. Where (1, 0, 0) ends up.
+ORDERS = {
+    "T·R·S": (1.0, 4.0, 3.0),
+    "R·T·S": (-2.0, 3.0, 3.0),
+    "S·T·R": (2.0, 3.0, 3.0),
+    "T·S·R": (1.0, 3.0, 3.0),
+    "R·S·T": (-2.0, 4.0, 3.0),
+    "S·R·T": (-4.0, 2.0, 3.0),
+}
+POINT = np.array([1.0, 0.0, 0.0, 1.0])
+VIEW = look_at((1.2, 6.0, 16.0), (-0.7, 1.9, 0.8))
+PROJECTION = perspective(radians(24.0), 16.0 / 9.0, 1.0, 40.0)
+LETTER = solids.gathered(
+    solids.letter_f(),
+    solids.rod((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), solids.INK, 0.04),
+    solids.painted(solids.box((0.88, -0.12, -0.12), (1.12, 0.12, 0.12)), solids.INK),
+)
+GHOST = solids.repainted(LETTER, (0.62, 0.66, 0.70), 0.85)
+FLOOR = solids.tile(4.5, 1.0)
+
+
+def matrices(order):
+    """The three matrices of an order, the first to act first."""
+    return [STEPS[name][0] for name in reversed(order.split("·"))]
+
+
+def path(order):
+    """Rods from (1, 0, 0) to where each step takes it."""
+    rods, here = [], POINT
+    for name in reversed(order.split("·")):
+        matrix, color = STEPS[name]
+        there = matrix @ here
+        if np.linalg.norm(there - here) > 0.0:
+            rods.append(solids.rod(here[:3], there[:3], color, 0.05))
+        rods.append(solids.painted(solids.box(there[:3] - 0.10, there[:3] + 0.10), color))
+        here = there
+    return solids.gathered(*rods)
+
+
+def cell_of(index, order):
+    """One order: floor, the letter at the origin, the way, and the letter at its end."""
+    cell = Cell(column=index % 2, row=2 - index // 2, columns=2, rows=3)
+    first, second, third = matrices(order)
+    letter = Draw(
+        vertex="ch03_transforms/transform_order.vert",
+        fragment="ch03_transforms/studio.frag",
+        mesh=Mesh(**LETTER),
+        uniforms={
+            "first": first,
+            "second": second,
+            "third": third,
+            "normalMatrix": normal_matrix(third @ second @ first),
+            "view": VIEW,
+            "projection": PROJECTION,
+        },
+        state=State(depth=Depth(), cell=cell),
+    )
+    props = (FLOOR, GHOST, path(order))
+    return *(stage.prop(solid, VIEW, PROJECTION, cell=cell) for solid in props), letter
+
+
+def placed(aPos, first, second, third):
+    """third · (second · (first · (x, y, z, 1)))."""
+    return mul(third, mul(second, mul(first, vec4(aPos, 1.0))))
+
+
+def placed_at_once(aPos, first, second, third):
+    """The same by NumPy: one product of three matrices, then the points."""
+    return (third @ second @ first @ np.column_stack([aPos, np.ones(len(aPos))]).T).T
+
+
+def position(aPos, first, second, third, view, projection):
+    """Clip coordinates of the placed vertex."""
+    return mul(projection, mul(view, placed(aPos, first, second, third)))
+
+
+def product(order):
+    """Where (1, 0, 0, 1) ends up under one matrix that is the product of three."""
+    first, second, third = matrices(order)
+    return (third @ second @ first @ POINT)[:3]
+
+
+def figures(index, order, place):
+    """One order: all its vertices, its pixels, and where (1, 0, 0) is sent."""
+    draw = 4 * index + 3
+    return (
+        formula(
+            "judged.Placed",
+            placed,
+            draw=draw,
+            also={"one product of matrices": placed_at_once},
+            name=f"{order} of every vertex",
+        ),
+        formula("judged.FragColor", studio_color, draw=draw, name=f"colour, {order}"),
+        value(
+            "judged.Placed",
+            at={"aPos": (1.0, 0.0, 0.0)},
+            equals=(*place, 1.0),
+            digits=6,
+            reference=placed,
+            draw=draw,
+            name=order,
+        ),
+        computed(f"{order} as one matrix", lambda: product(order), equals=place, digits=12),
+    )
+
+
+case = Case(
+    title="The order of transforms",
+    section="3.5",
+    math=r"T\,R\,S\,p = T\,(R\,(S\,p)) \ne S\,R\,T\,p, \qquad p = (1, 0, 0),\ S = (2, 1, 1),\ "
+    r"R = 90^\circ_z,\ T = (1, 2, 3)",
+    passes=stage.photographed(
+        [draw for k, order in enumerate(ORDERS) for draw in cell_of(k, order)], (960, 810)
+    ),
+    picture="picture.FragColor",
+    expect=[
+        formula("soft.FragColor", softened(texture), name="four texels a pixel"),
+        *stage.prop_checks(clip_position, world_normal, handed_on, studio_color),
+        *(e for k, row in enumerate(ORDERS.items()) for e in figures(k, *row)),
+        formula("judged.gl_Position", position, name="clip coordinates"),
+        formula("judged.Normal", world_normal, name="normals"),
+        formula("judged.Color", handed_on),
+    ],
+)

@@ -1,0 +1,208 @@
+"""Lighting maps: a texture for the colour, and one for where the surface shines.
+
+A chest is neither wood nor iron, it is both. So a material's colours come from textures: the
+diffuse map is the picture painted on it (the ambient part uses it, too), and the specular map says
+how much each place mirrors, dark for wood and bright for iron. The two samplers are members of the
+struct, bound to units 0 and 1.
+
+Look at: the lantern's highlight on each chest. On the left it lies on the iron bands and the rivets
+only, and stops where the wood begins, in the middle of one flat face. The chest on the right has no
+specular map: its highlight lies on wood and iron alike, as if everything were under glass.
+"""
+
+from math import radians
+
+import numpy as np
+
+from shaderlab import (
+    Case,
+    Depth,
+    Draw,
+    Mesh,
+    Output,
+    Pass,
+    State,
+    Target,
+    Texture,
+    assets,
+    formula,
+    fullscreen,
+    value,
+)
+from shaderlab.assets.chest import chest_diffuse, chest_specular
+from shaderlab.glslmath import swizzle, vec4
+from shaderlab.reference.lighting import diffuse_factor, finished, specular_factor
+from shaderlab.reference.transforms import (
+    clip_position,
+    look_at,
+    normal_matrix,
+    perspective,
+    rotate,
+    translate,
+    world_normal,
+    world_position,
+)
+from shaderlab.sampling import texture
+
+EYE = (0.1, 1.7, 5.8)
+LAMP = (0.1, 0.5, 1.55)
+CHEST = Mesh(**assets.cube(1.25))
+LANTERN = Mesh(**assets.sphere(0.07)).only("aPos")
+FLOOR = Mesh(**assets.plane(30.0, repeat=12.0))
+WITH_MAP = translate((-0.86, 0.625, 0.2)) @ rotate(radians(24.0), (0.0, 1.0, 0.0))
+WITHOUT = translate((1.05, 0.625, 0.0)) @ rotate(radians(-28.0), (0.0, 1.0, 0.0))
+
+CHEST_DIFFUSE = Texture(image=lambda: chest_diffuse(512))
+CHEST_SPECULAR = Texture(image=lambda: chest_specular(512))
+TILES = Texture(image=assets.checker(dark=(0.06, 0.065, 0.075, 1), light=(0.12, 0.12, 0.13, 1)))
+DULL = Texture(image=assets.solid((0.03, 0.03, 0.03, 1.0)))
+SHINY = Texture(image=assets.solid((0.45, 0.45, 0.45, 1.0)))
+# Four texels, each of another colour, so that a coordinate can be told from its mirror image.
+FOUR = np.array(
+    [[(0.8, 0.4, 0.2, 1), (0.2, 0.8, 0.4, 1)], [(0.4, 0.2, 0.8, 1), (0.6, 0.6, 0.1, 1)]]
+)
+
+
+def thing(mesh, model, diffuse, specular, shininess):
+    """One thing with its two maps."""
+    return Draw(
+        vertex="ch05_lighting/lit_textured.vert",
+        fragment="ch05_lighting/lighting_maps.frag",
+        mesh=mesh,
+        uniforms={
+            "model": model,
+            "normalMatrix": normal_matrix(model),
+            "view": look_at(EYE, (0.05, 0.55, 0.0)),
+            "projection": perspective(radians(31.0), 1.0, 0.1, 60.0),
+            "viewPos": EYE,
+            "material.shininess": shininess,
+            "light.position": LAMP,
+            "light.ambient": (0.06, 0.07, 0.09),
+            "light.diffuse": (0.75, 0.66, 0.5),
+            "light.specular": (1.2, 1.08, 0.85),
+        },
+        textures={"material.diffuse": diffuse, "material.specular": specular},
+        state=State(depth=Depth()),
+    )
+
+
+def lantern():
+    """Where the light is: a small ball that shines by itself."""
+    return Draw(
+        vertex="ch05_lighting/lamp.vert",
+        fragment="ch05_lighting/lamp.frag",
+        mesh=LANTERN,
+        uniforms={
+            "model": translate(LAMP),
+            "view": look_at(EYE, (0.05, 0.55, 0.0)),
+            "projection": perspective(radians(31.0), 1.0, 0.1, 60.0),
+            "glow": (1.0, 0.92, 0.72),
+        },
+        state=State(depth=Depth()),
+    )
+
+
+def pair(name, **target):
+    """A lantern and two chests on a floor, the left one with a specular map."""
+    draws = (
+        lantern(),
+        thing(FLOOR, translate((0.0, 0.0, 0.0)), TILES, DULL, 8.0),
+        thing(CHEST, WITHOUT, CHEST_DIFFUSE, SHINY, 16.0),
+        thing(CHEST, WITH_MAP, CHEST_DIFFUSE, CHEST_SPECULAR, 16.0),
+    )
+    sky = (0.004, 0.005, 0.008, 1.0)
+    return Pass(name=name, target=Target(depth="depth24", clear=sky, **target), draws=draws)
+
+
+def highlight(
+    FragPos, Normal, TexCoords, viewPos, material_specular, material_shininess,
+    light_position, light_specular,
+):  # fmt: skip
+    """The specular part, where the map lets it."""
+    spec = specular_factor(FragPos, Normal, light_position, viewPos, material_shininess)
+    return light_specular * spec * swizzle(texture(material_specular, TexCoords), "rgb")
+
+
+def color(
+    FragPos, Normal, TexCoords, viewPos, material_diffuse, material_specular, material_shininess,
+    light_position, light_ambient, light_diffuse, light_specular,
+):  # fmt: skip
+    """All three parts, two of them through the diffuse map."""
+    diff = diffuse_factor(FragPos, Normal, light_position)
+    painted = swizzle(texture(material_diffuse, TexCoords), "rgb")
+    shine = highlight(
+        FragPos, Normal, TexCoords, viewPos, material_specular, material_shininess,
+        light_position, light_specular,
+    )  # fmt: skip
+    return vec4((light_ambient + light_diffuse * diff) * painted + shine, 1.0)
+
+
+def glowing(glow):
+    """The lantern's own light."""
+    return vec4(glow, 1.0)
+
+
+def texture_coordinates(aTexCoords):
+    """What the vertex shader does with them: nothing."""
+    return aTexCoords
+
+
+case = Case(
+    title="Lighting maps",
+    section="5.4",
+    math=r"C = (L_a + d\,L_d) \odot T_{\text{diffuse}}(u, v) + "
+    r"s\,L_s \odot T_{\text{specular}}(u, v)",
+    passes=(
+        pair("scene", size=(1024, 1024), colors={"FragColor": "rgba16f"}),
+        *fullscreen(
+            "ch05_lighting/finish.frag",
+            name="picture",
+            textures={"scene": Output("scene", "FragColor")},
+        ),
+        pair("judged"),
+        Pass(
+            name="four",
+            target=Target(size=(16, 16), depth="depth24"),
+            draws=(thing(CHEST, WITH_MAP, Texture(image=FOUR), Texture(image=FOUR[::-1]), 4.0),),
+        ),
+    ),
+    picture="picture.FragColor",
+    expect=[
+        formula("judged.gl_Position", clip_position),
+        formula("judged.gl_Position", clip_position, draw=0, name="where the lantern is"),
+        formula("judged.FragColor", glowing, draw=0, name="colour of the lantern"),
+        formula("judged.FragPos", world_position),
+        formula("judged.Normal", world_normal),
+        formula("judged.TexCoords", texture_coordinates),
+        formula("judged.highlight", highlight, name="highlight with a map"),
+        formula("judged.highlight", highlight, draw=2, name="highlight without"),
+        formula("judged.FragColor", color, draw=1, name="colour of the floor"),
+        formula("judged.FragColor", color, draw=2, name="colour without a specular map"),
+        formula("judged.FragColor", color, name="colour with both maps"),
+        formula("picture.FragColor", finished(texture), name="the picture"),
+        *(
+            value(
+                "four.FragColor",
+                at={
+                    "FragPos": (0.0, 0.0, 0.0),
+                    "Normal": (0.0, 0.0, 1.0),
+                    "TexCoords": at,
+                    "viewPos": (0.0, 0.0, 3.0),
+                    "light.position": (1.2, 1.0, 2.0),
+                    "light.ambient": (0.2, 0.2, 0.2),
+                    "light.diffuse": (0.5, 0.5, 0.5),
+                    "light.specular": (1.0, 1.0, 1.0),
+                },
+                equals=equals,
+                digits=6,
+                reference=color,
+                name=f"the point at {at}",
+            )
+            for at, equals in (
+                ((0.25, 0.25), (0.629559, 0.314780, 0.427441, 1.0)),
+                ((0.75, 0.25), (0.350284, 0.706717, 0.276201, 1.0)),
+                ((0.25, 0.75), (0.546252, 0.273126, 0.552402, 1.0)),
+            )
+        ),
+    ],
+)

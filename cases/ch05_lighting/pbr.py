@@ -1,0 +1,276 @@
+"""Physically based shading: a rough surface is a landscape of tiny mirrors.
+
+Three questions decide what such a surface reflects. D: how many of its mirrors face halfway between
+light and viewer, all of them on a polished surface, few in any one direction on a rough one. G: how
+many of those stand in each other's way. F: how much one mirror reflects, 4 % of the light straight
+on for anything that is not a metal, and everything at a grazing angle. The product over
+4 (n·v)(n·l) is the specular part; what was not reflected is refracted, and comes back as the
+diffuse part unless the material is a metal.
+
+Look at: the grid, roughness from 0.15 on the left to 1 on the right, from plastic below to metal
+above. Four lamps hang before it. To the right the highlights spread and become fainter, because the
+same light goes to more directions. Upward the diffuse part disappears, and the highlights take on
+the material's colour. Metals look dark here: their world would be in their reflections.
+"""
+
+from math import radians
+
+import numpy as np
+
+from shaderlab import (
+    Case,
+    Depth,
+    Draw,
+    Mesh,
+    Output,
+    Pass,
+    State,
+    Target,
+    assets,
+    computed,
+    formula,
+    fullscreen,
+    sweep,
+    value,
+)
+from shaderlab.glslmath import dot, max, normalize, vec4
+from shaderlab.reference import microfacets
+from shaderlab.reference.lighting import finished
+from shaderlab.reference.transforms import (
+    clip_position,
+    look_at,
+    normal_matrix,
+    perspective,
+    rotate,
+    scale,
+    translate,
+    world_normal,
+    world_position,
+)
+from shaderlab.sampling import texture
+
+EYE = (0.0, 0.0, 15.0)
+COPPER = (0.91, 0.27, 0.13)
+ROUGHNESS = (0.15, 0.32, 0.49, 0.66, 0.83, 1.0)
+METALLIC = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
+LAMPS = [(-5.0, 5.0, 7.0), (5.0, 5.0, 7.0), (-5.0, -5.0, 7.0), (5.0, -5.0, 7.0)]
+LIGHT = [(300.0, 285.0, 255.0), (40.0, 52.0, 80.0), (30.0, 36.0, 48.0), (26.0, 20.0, 16.0)]
+
+
+def lamps(places, colors):
+    """The four lamps' uniforms."""
+    named = {f"lights[{k}].position": place for k, place in enumerate(places)}
+    return {**named, **{f"lights[{k}].color": color for k, color in enumerate(colors)}}
+
+
+def ball(mesh, column, row):
+    """One ball: its roughness by its column, its metalness by its row."""
+    model = (
+        translate((1.24 * (column - 2.5), 1.24 * (row - 2.5), 0.0))
+        @ rotate(radians(20.0), (1.0, 1.0, 0.0))
+        @ scale(0.57)
+    )
+    return Draw(
+        vertex="ch05_lighting/lit.vert",
+        fragment="ch05_lighting/pbr.frag",
+        mesh=mesh,
+        uniforms={
+            "model": model,
+            "normalMatrix": normal_matrix(model),
+            "view": look_at(EYE, (0.0, 0.0, 0.0)),
+            "projection": perspective(radians(29.0), 1.0, 0.1, 60.0),
+            "camPos": EYE,
+            "albedo": COPPER,
+            "metallic": METALLIC[row],
+            "roughness": ROUGHNESS[column],
+            **lamps(LAMPS, LIGHT),
+        },
+        state=State(depth=Depth(), cull="back"),
+    )
+
+
+def grid(name, mesh, cells, **target):
+    """Balls over roughness and metalness."""
+    draws = [ball(mesh, column, row) for column, row in cells]
+    backdrop = (0.006, 0.007, 0.009, 1.0)
+    return Pass(name=name, target=Target(depth="depth24", clear=backdrop, **target), draws=draws)
+
+
+SMOOTH = Mesh(**assets.sphere(0.98, segments=64, rings=32)).only("aPos", "aNormal")
+COARSE = Mesh(**assets.sphere(0.98, segments=16, rings=8)).only("aPos", "aNormal")
+EVERY = [(column, row) for row in range(6) for column in range(6)]
+SOME = [(0, 5), (2, 3), (5, 0)]
+
+
+def first(FragPos, Normal, camPos, lights_position):
+    """Unit vectors to the viewer and the first lamp, halfway between them, and the normal."""
+    view, light = normalize(camPos - FragPos), normalize(lights_position[0] - FragPos)
+    return view, light, normalize(view + light), normalize(Normal)
+
+
+def distribution(FragPos, Normal, camPos, lights_position, roughness):
+    """D at a fragment."""
+    _, _, half, normal = first(FragPos, Normal, camPos, lights_position)
+    return microfacets.distribution_of(normal, half, roughness)
+
+
+def distribution_as_printed(FragPos, Normal, camPos, lights_position, roughness):
+    """D by the formula as it is usually printed, for the second opinion in float64."""
+    _, _, half, normal = first(FragPos, Normal, camPos, lights_position)
+    return microfacets.distribution(dot(normal, half), roughness)
+
+
+def geometry(FragPos, Normal, camPos, lights_position, roughness):
+    """G at a fragment."""
+    view, light, _, normal = first(FragPos, Normal, camPos, lights_position)
+    cosines = max(dot(normal, view), 0.0), max(dot(normal, light), 0.0)
+    return microfacets.geometry(*cosines, roughness)
+
+
+def fresnel(FragPos, camPos, lights_position, Normal, albedo, metallic):
+    """F at a fragment."""
+    view, _, half, _ = first(FragPos, Normal, camPos, lights_position)
+    f0 = microfacets.base_reflectance(albedo, metallic)
+    return microfacets.fresnel(max(dot(half, view), 0.0), f0)
+
+
+def color(FragPos, Normal, camPos, albedo, metallic, roughness, lights_position, lights_color):
+    """All four lamps, and a little light from everywhere."""
+    normal, view = normalize(Normal), normalize(camPos - FragPos)
+    total = 0.02 * albedo
+    for place, strength in zip(lights_position, lights_color, strict=True):
+        ray = place - FragPos
+        lit = microfacets.radiance(normal, view, normalize(ray), albedo, metallic, roughness)
+        total = total + lit * strength / dot(ray, ray)
+    return vec4(total, 1.0)
+
+
+def at_the_point(roughness, metallic=0.0):
+    """The notes' point with one lamp, as strong as makes 1 at its distance of √6.44."""
+    dark = (0.0, 0.0, 0.0)
+    return {
+        "FragPos": (0.0, 0.0, 0.0),
+        "Normal": (0.0, 0.0, 1.0),
+        "camPos": (0.0, 0.0, 3.0),
+        **lamps([(1.2, 1.0, 2.0), *LAMPS[1:]], [(6.44, 6.44, 6.44), dark, dark, dark]),
+        "albedo": (1.0, 0.5, 0.31),
+        "roughness": roughness,
+        "metallic": metallic,
+    }
+
+
+def reciprocity():
+    """The largest relative difference when light and viewer change places."""
+    random = np.random.default_rng(5)
+    normal, albedo, worst = np.eye(3)[2], np.array(COPPER), 0.0
+    for _ in range(200):
+        one, other = random.normal(size=(2, 3))
+        one[2], other[2] = abs(one[2]) + 0.1, abs(other[2]) + 0.1
+        one, other = one / np.linalg.norm(one), other / np.linalg.norm(other)
+        rough, metal = random.uniform(0.1, 1.0), random.uniform(0.0, 1.0)
+        there = microfacets.radiance(normal, one, other, albedo, metal, rough) / other[2]
+        back = microfacets.radiance(normal, other, one, albedo, metal, rough) / one[2]
+        worst = np.fmax(worst, np.max(np.abs(there - back) / there))
+    return worst
+
+
+AT_HALF = at_the_point(0.5)
+
+case = Case(
+    title="Physically based shading",
+    section="5.13",
+    math=r"f = \frac{k_d\,a}{\pi} + \frac{D\,F\,G}{4\,(n \cdot v)(n \cdot l)}, \qquad "
+    r"D = \frac{\alpha^2}{\pi\left((n \cdot h)^2(\alpha^2 - 1) + 1\right)^2}",
+    passes=(
+        grid("scene", SMOOTH, EVERY, size=(1024, 1024), colors={"FragColor": "rgba16f"}),
+        *fullscreen(
+            "ch05_lighting/finish.frag",
+            name="picture",
+            textures={"scene": Output("scene", "FragColor")},
+        ),
+        grid("judged", COARSE, SOME, size=(112, 112)),
+    ),
+    picture="picture.FragColor",
+    expect=[
+        formula("gl_Position", clip_position),
+        formula("FragPos", world_position),
+        formula("Normal", world_normal),
+        *(
+            expectation
+            for k, (column, row) in enumerate(SOME)
+            for where in [f"{ROUGHNESS[column]:g}, metal {METALLIC[row]:g}"]
+            for expectation in (
+                formula(
+                    "D",
+                    distribution,
+                    draw=k,
+                    name=f"D, roughness {where}",
+                    also={"as printed": distribution_as_printed},
+                ),
+                formula("G", geometry, draw=k, name=f"G, roughness {where}"),
+                formula("F", fresnel, draw=k, name=f"F, roughness {where}"),
+                formula("FragColor", color, draw=k, name=f"colour, roughness {where}"),
+            )
+        ),
+        formula("picture.FragColor", finished(texture), name="the picture"),
+        value("D", at=AT_HALF, equals=0.759711, digits=6, name="D at the point"),
+        value("G", at=AT_HALF, equals=0.929700, digits=6, name="G at the point"),
+        value(
+            "F", at=AT_HALF, equals=(0.040000, 0.040000, 0.040000), digits=6, name="F at the point"
+        ),
+        value(
+            "FragColor",
+            at=AT_HALF,
+            equals=(0.267892, 0.137477, 0.087920, 1.0),
+            digits=6,
+            name="plastic at the point",
+        ),
+        value(
+            "FragColor",
+            at=at_the_point(0.5, 1.0),
+            equals=(0.196570, 0.098285, 0.060937, 1.0),
+            digits=6,
+            name="metal at the point",
+        ),
+        sweep(
+            "D",
+            distribution,
+            over="roughness",
+            values=np.geomspace(0.1, 1.0, 41),
+            at=AT_HALF,
+            name="D over the roughness",
+        ),
+        sweep(
+            "G",
+            geometry,
+            over="roughness",
+            values=np.linspace(0.05, 1.0, 41),
+            at=AT_HALF,
+            name="G over the roughness",
+        ),
+        computed(
+            "integral of D, roughness 0.15",
+            lambda: microfacets.facing_share(0.15),
+            equals=1.0,
+            digits=6,
+        ),
+        computed(
+            "integral of D, roughness 0.5",
+            lambda: microfacets.facing_share(0.5),
+            equals=1.0,
+            digits=6,
+        ),
+        computed(
+            "integral of D, roughness 1",
+            lambda: microfacets.facing_share(1.0),
+            equals=1.0,
+            digits=6,
+        ),
+        computed(
+            "light and viewer exchanged, largest relative difference",
+            reciprocity,
+            equals=0.0,
+            digits=12,
+        ),
+    ],
+)

@@ -1,0 +1,177 @@
+"""Two lobes in one drawing: how much of a ray goes where, by Phong and by Blinn.
+
+Phong measures the angle between the mirrored ray and the viewer, Blinn the one between the normal
+and the halfway vector. In the plane of light and normal the second is exactly half of the first, so
+with the same exponent Blinn's lobe is twice as wide. Since (cos α/2)⁴ is nearly cos α, four times
+the exponent makes the two alike near the middle. They part at grazing angles, where Blinn's lobe
+does not stop at the surface's horizon.
+
+Look at: a point on a surface, the lamp's ray in yellow, the normal and the mirrored ray in grey.
+How far a lobe reaches in a direction is how bright the point looks from there: amber where both
+do, blue where only Blinn's does. Below both have the exponent 8, and Blinn's lobe ends flat on the
+ground; above it has 32, and a thin blue rim is all that is left. There is no red, which would be
+Phong's alone: ((1 + cos α) / 2)² is never below cos α.
+"""
+
+from math import cos, radians, sin
+
+import numpy as np
+
+from shaderlab import (
+    Case,
+    Cell,
+    Draw,
+    Output,
+    Pass,
+    Ramp,
+    State,
+    Target,
+    computed,
+    formula,
+    fullscreen,
+    sweep,
+    value,
+)
+from shaderlab.glslmath import abs, dot, length, swizzle, vec2, vec3, vec4, where
+from shaderlab.reference import blinn_phong
+from shaderlab.reference.lighting import finished
+from shaderlab.sampling import texture
+
+LIGHT = (-sin(radians(40.0)), cos(radians(40.0)), 0.0)
+UP = np.array([0.0, 1.0, 0.0])
+# A unit of light is this many of the drawing's units.
+DRAWING = Ramp((-1.1, -0.05), (2.2, 0.0), (0.0, 1.1))
+
+
+def lobes(row, blinn):
+    """One of the two drawings."""
+    return Draw(
+        fragment="ch05_lighting/phong_vs_blinn.frag",
+        domain={"place": DRAWING},
+        uniforms={"lightDir": LIGHT, "shininess": 8.0, "blinnExponent": blinn},
+        state=State(cell=Cell(column=0, row=row, columns=1, rows=2)),
+    )
+
+
+def drawings(name, **target):
+    """Equal exponents below, matched lobes above."""
+    return Pass(name=name, target=Target(**target), draws=(lobes(0, 8.0), lobes(1, 32.0)))
+
+
+def phong(place, lightDir, shininess):
+    """Phong's lobe for a viewer in this direction."""
+    return blinn_phong.phong(UP, lightDir, vec3(place, 0.0), shininess)
+
+
+def blinn(place, lightDir, blinnExponent):
+    """Blinn's lobe, likewise."""
+    return blinn_phong.blinn(UP, lightDir, vec3(place, 0.0), blinnExponent)
+
+
+def on_ray(place, direction):
+    """1 where the drawing has a ray from the middle, else 0."""
+    x, y = swizzle(place, "x"), swizzle(place, "y")
+    aside = abs(x * swizzle(direction, "y") - y * swizzle(direction, "x"))
+    near = where(aside < 0.006, 1.0, 0.0)
+    return near * where(dot(place, direction) > 0.0, 1.0, 0.0)
+
+
+def drawing(place, lightDir, shininess, blinnExponent):
+    """The drawing's colour, layer upon layer."""
+    away = length(place)
+    incoming = swizzle(lightDir, "xy")
+    mirrored = vec2(-swizzle(lightDir, "x"), swizzle(lightDir, "y"))
+    grey = on_ray(place, mirrored) + on_ray(place, vec2(0.0, 1.0))
+    by_phong = away < phong(place, lightDir, shininess)
+    by_blinn = away < blinn(place, lightDir, blinnExponent)
+    both = where(by_phong, vec3(0.85, 0.48, 0.12), vec3(0.03, 0.17, 0.42))
+    one = where(by_phong, vec3(0.75, 0.05, 0.03), vec3(0.012, 0.015, 0.022))
+    color = where(by_blinn, both, one)
+    color = where(on_ray(place, incoming) > 0.5, vec3(0.95, 0.85, 0.45), color)
+    color = where(grey > 0.5, vec3(0.30, 0.32, 0.36), color)
+    return vec4(where(swizzle(place, "y") < 0.0, vec3(0.10, 0.11, 0.12), color), 1.0)
+
+
+def past_the_mirrored_ray(degrees):
+    """The viewer so many degrees from the mirrored ray, towards the ground."""
+    angle = radians(40.0 + degrees)
+    return {"place": (sin(angle), cos(angle))}
+
+
+def largest_gap(factor):
+    """The largest difference of the two lobes if Blinn's exponent is `factor` times Phong's."""
+    off = np.radians(np.linspace(-50.0, 50.0, 2001))
+    return np.max(np.abs(np.cos(off) ** 8 - np.cos(off / 2.0) ** (8 * factor)))
+
+
+NARROW = {"place": (0.35, 0.20), "blinnExponent": 256.0}
+AT_20 = past_the_mirrored_ray(20.0)
+
+case = Case(
+    title="Phong and Blinn, two lobes",
+    section="5.7.1",
+    math=r"\angle(N, H) = \tfrac12\,\angle(R, V), \qquad "
+    r"\cos^{4n}\tfrac{\alpha}{2} \approx \cos^n \alpha",
+    passes=(
+        drawings("drawing", size=(1024, 1024), colors={"FragColor": "rgba16f"}),
+        *fullscreen(
+            "ch05_lighting/finish.frag",
+            name="picture",
+            textures={"scene": Output("drawing", "FragColor")},
+        ),
+        drawings("judged", size=(96, 96)),
+    ),
+    picture="picture.FragColor",
+    expect=[
+        formula("phong", phong, name="Phong's lobe"),
+        formula("blinn", blinn, name="Blinn's lobe, matched"),
+        formula("blinn", blinn, draw=0, name="Blinn's lobe, same exponent"),
+        formula("FragColor", drawing, name="the matched drawing"),
+        formula("FragColor", drawing, draw=0, name="the drawing with the same exponent"),
+        formula("picture.FragColor", finished(texture), name="the picture"),
+        value("phong", at=AT_20, equals=0.607976, digits=6, name="Phong, 20° off"),
+        value(
+            "blinn",
+            at={**AT_20, "blinnExponent": 8.0},
+            equals=0.884732,
+            digits=6,
+            name="Blinn with the same exponent, 20° off",
+        ),
+        value(
+            "blinn", at=AT_20, equals=0.612698, digits=6, name="Blinn with four times it, 20° off"
+        ),
+        value("phong", at=past_the_mirrored_ray(0.0), equals=1.0, digits=6, name="Phong's peak"),
+        value("blinn", at=past_the_mirrored_ray(0.0), equals=1.0, digits=6, name="Blinn's peak"),
+        *(
+            value("FragColor", at=at, equals=(*color, 1.0), digits=6, name=name)
+            for name, color, at in (
+                ("on the normal", (0.30, 0.32, 0.36), {"place": (0.00597, 0.5)}),
+                ("beside the normal", (0.012, 0.015, 0.022), {"place": (0.00603, 0.5)}),
+                ("red, if Blinn's is too narrow", (0.75, 0.05, 0.03), NARROW),
+                ("beyond both", (0.012, 0.015, 0.022), {**NARROW, "place": (0.87, 0.48)}),
+            )
+        ),
+        computed(
+            "largest gap with the same exponent", lambda: largest_gap(1), equals=0.4904, digits=4
+        ),
+        computed("largest gap with four times it", lambda: largest_gap(4), equals=0.0180, digits=4),
+        sweep(
+            "phong",
+            phong,
+            over="shininess",
+            values=np.geomspace(1.0, 256.0, 33),
+            at=AT_20,
+            log_x=True,
+            name="Phong over the exponent, 20° off",
+        ),
+        sweep(
+            "blinn",
+            blinn,
+            over="blinnExponent",
+            values=np.geomspace(1.0, 256.0, 33),
+            at=AT_20,
+            log_x=True,
+            name="Blinn over the exponent, 20° off",
+        ),
+    ],
+)

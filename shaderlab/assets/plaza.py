@@ -1,0 +1,43 @@
+"""A tiled plaza with nine posts, each with a ball on top: somewhere to put lamps."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shaderlab.assets.meshes import Geometry, plane, sphere
+from shaderlab.assets.solids import gathered, lathe, painted, placed
+
+STEP = 2.2
+_TILES = ((0.42, 0.41, 0.40), (0.30, 0.30, 0.31))
+_POST = (0.36, 0.34, 0.33)
+_BALLS = ((0.85, 0.28, 0.16), (0.86, 0.60, 0.14), (0.20, 0.50, 0.62))
+
+
+def plaza(tiles: int = 12, segments: int = 40) -> Geometry:
+    """The plaza around the origin, its floor at y = 0; vertices have a colour, `aColor`.
+
+    Args:
+        tiles: how many along each side, of half a step each; even.
+        segments: of each ball and post, around.
+
+    >>> sorted(plaza(tiles=2, segments=8)["attributes"])
+    ['aColor', 'aNormal', 'aPos']
+    """
+    parts = []
+    side = STEP / 2.0
+    for i in range(tiles):
+        for j in range(tiles):
+            corner = np.eye(4)
+            corner[[0, 2], 3] = side * (np.array([i, j]) + 0.5 - tiles / 2.0)
+            parts.append(placed(painted(plane(side), _TILES[(i + j) % 2]), corner))
+    profile = [(0.30, 0.0), (0.30, 0.10), (0.20, 0.16), (0.16, 0.62), (0.26, 0.68), (0.0, 0.68)]
+    for i in range(3):
+        for j in range(3):
+            at = np.eye(4)
+            at[[0, 2], 3] = STEP * (i - 1), STEP * (j - 1)
+            parts.append(placed(painted(lathe(profile, segments), _POST), at))
+            above = at.copy()
+            above[1, 3] = 1.06
+            ball = sphere(0.40, segments, segments // 2)
+            parts.append(placed(painted(ball, _BALLS[(i + j) % 3]), above))
+    return gathered(*parts)

@@ -1,0 +1,278 @@
+"""Painted solids for scenes that show a transform: every vertex has a colour instead of a texture.
+
+All are right-handed with y up and wind counter-clockwise seen from outside, as in `meshes`.
+Attributes are `aPos` (n, 3), `aNormal` (n, 3) of length 1 and `aColor` (n, 3), linear light in
+0…1; all float32. `Mesh(**assets.letter_f())` draws one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from shaderlab.assets.meshes import Geometry, cube, joined, moved
+
+Array = npt.NDArray[Any]
+Color = Sequence[float]
+Vector = Sequence[float] | Array
+
+RED, GREEN, BLUE = (0.72, 0.09, 0.07), (0.10, 0.45, 0.12), (0.06, 0.20, 0.68)
+ORANGE, TEAL, GOLD = (0.88, 0.30, 0.05), (0.03, 0.34, 0.40), (0.86, 0.55, 0.08)
+INK, PAPER, STONE = (0.05, 0.06, 0.08), (0.86, 0.84, 0.79), (0.50, 0.50, 0.50)
+
+
+def painted(geometry: Geometry, color: Color) -> Geometry:
+    """A mesh in one colour, which takes the place of its texture coordinates.
+
+    >>> painted(cube(), RED)["attributes"]["aColor"].shape
+    (24, 3)
+    """
+    attributes = {k: geometry["attributes"][k] for k in ("aPos", "aNormal")}
+    count = len(attributes["aPos"])
+    colors = np.tile(np.asarray(color, np.float32), (count, 1))
+    return {"attributes": {**attributes, "aColor": colors}, "indices": geometry["indices"]}
+
+
+def gathered(*solids: Geometry) -> Geometry:
+    """Several painted solids as one.
+
+    >>> len(gathered(painted(cube(), RED), painted(cube(), BLUE))["indices"])
+    72
+    """
+    starts = np.cumsum([0, *(len(s["attributes"]["aPos"]) for s in solids)])
+    return {
+        "attributes": {
+            name: np.concatenate([s["attributes"][name] for s in solids])
+            for name in solids[0]["attributes"]
+        },
+        "indices": np.concatenate([s["indices"] + n for s, n in zip(solids, starts, strict=False)]),
+    }
+
+
+def repainted(solid: Geometry, color: Color, amount: float = 1.0) -> Geometry:
+    """A painted solid with its colours moved towards one colour, 1 all the way."""
+    colors = solid["attributes"]["aColor"].astype(float)
+    mixed = (1.0 - amount) * colors + amount * np.asarray(color, float)
+    return {
+        "attributes": {**solid["attributes"], "aColor": mixed.astype(np.float32)},
+        "indices": solid["indices"],
+    }
+
+
+def placed(solid: Geometry, matrix: Array) -> Geometry:
+    """A painted solid through a 4 × 4 matrix (rows first) that does not mirror."""
+    there = moved(_untextured(solid), matrix)["attributes"]
+    attributes = {k: there[k] for k in ("aPos", "aNormal")}
+    return {
+        "attributes": {**attributes, "aColor": solid["attributes"]["aColor"]},
+        "indices": solid["indices"],
+    }
+
+
+def box(low: Vector, high: Vector) -> Geometry:
+    """An upright box between two corners; still with texture coordinates.
+
+    >>> box((0, 0, 0), (1, 2, 3))["attributes"]["aPos"].max(axis=0).tolist()
+    [1.0, 2.0, 3.0]
+    """
+    low, high = np.asarray(low, float), np.asarray(high, float)
+    matrix = np.diag([*(high - low), 1.0])
+    matrix[:3, 3] = (low + high) / 2.0
+    return moved(cube(), matrix)
+
+
+def lathe(profile: Sequence[tuple[float, float]], segments: int = 32) -> Geometry:
+    """A solid of revolution around y from (radius, height) pairs, from its lowest to its highest.
+
+    Each pair of neighbours makes a band with a sharp edge to the next one.
+
+    >>> len(lathe([(1.0, 0.0), (1.0, 2.0)], segments=8)["indices"])
+    48
+    """
+    turn = np.linspace(0.0, 2.0 * np.pi, segments + 1)
+    sine, cosine = np.sin(turn), np.cos(turn)
+    bands = []
+    for (r0, y0), (r1, y1) in pairwise(profile):
+        slope = np.hypot(r1 - r0, y1 - y0)
+        out, rise = (y1 - y0) / slope, (r0 - r1) / slope
+        ring = [np.column_stack([r * sine, np.full_like(turn, y), r * cosine])
+                for r, y in ((r0, y0), (r1, y1))]  # fmt: skip
+        normal = np.column_stack([out * sine, np.full_like(turn, rise), out * cosine])
+        k = np.arange(segments)
+        a, b, c, d = k, k + 1, k + segments + 2, k + segments + 1
+        # At a tip one of a field's two triangles has no area.
+        lower = np.stack([a, b, c], -1) if r0 > 0.0 else np.empty((0, 3), int)
+        upper = np.stack([a, c, d], -1) if r1 > 0.0 else np.empty((0, 3), int)
+        if r0 == 0.0:
+            upper = np.stack([a, c, d], -1)
+        if r1 == 0.0:
+            lower = np.stack([a, b, d], -1)
+        bands.append(_solid(np.concatenate(ring), np.tile(normal, (2, 1)),
+                            np.concatenate([lower, upper]).ravel()))  # fmt: skip
+    return joined(*bands)
+
+
+def arrow(
+    direction: Vector, *, color: Color, start: Vector = (0.0, 0.0, 0.0), thickness: float = 0.03
+) -> Geometry:
+    """An arrow from `start` that is as long as `direction`; `thickness` is the shaft's radius.
+
+    >>> float(arrow((0, 2, 0), color=RED)["attributes"]["aPos"][:, 1].max())
+    2.0
+    """
+    direction = np.asarray(direction, float)
+    length = float(np.linalg.norm(direction))
+    tip = min(7.0 * thickness, 0.5 * length)
+    profile = [(0.0, 0.0), (thickness, 0.0), (thickness, length - tip),
+               (2.6 * thickness, length - tip), (0.0, length)]  # fmt: skip
+    matrix = np.eye(4)
+    matrix[:3, :3] = _towards(direction / length)
+    matrix[:3, 3] = start
+    return painted(moved(lathe(profile, segments=20), matrix), color)
+
+
+def tripod(size: float = 1.0, thickness: float = 0.03) -> Geometry:
+    """The axes: x red, y green, z blue, from the origin."""
+    hub = painted(box((-thickness,) * 3, (thickness,) * 3), INK)
+    axes = [arrow(size * np.eye(3)[k], color=c, thickness=thickness)
+            for k, c in enumerate((RED, GREEN, BLUE))]  # fmt: skip
+    return gathered(hub, *axes)
+
+
+def letter_f(front: Color = ORANGE, side: Color = TEAL) -> Geometry:
+    """A thick letter F, one unit high, its lower left corner near the origin, its front at +z.
+
+    No turn makes it its own mirror image: front and sides differ in colour.
+    """
+    depth = 0.12
+    bars = (
+        box((0.0, 0.0, -depth), (0.22, 1.0, depth)),
+        box((0.22, 0.78, -depth), (0.70, 1.0, depth)),
+        box((0.22, 0.40, -depth), (0.56, 0.60, depth)),
+    )
+    whole = painted(joined(*bars), side)
+    faces_us = whole["attributes"]["aNormal"][:, 2] > 0.5
+    whole["attributes"]["aColor"][faces_us] = front
+    return whole
+
+
+def aircraft(body: Color = PAPER, wings: Color = ORANGE) -> Geometry:
+    """A small aircraft around the origin: its nose at −z, its fin up +y, its span along x."""
+    quarter = np.linspace(0.0, 1.0, 9)
+    outline = [(float(0.13 * np.sin(np.pi * s) ** 0.6), float(2.0 * s - 1.0)) for s in quarter]
+    outline[0], outline[-1] = (0.0, -1.0), (0.0, 1.0)
+    nose_first = np.eye(4)
+    nose_first[:3, :3] = [[1, 0, 0], [0, 0, 1], [0, -1, 0]]
+    fuselage = moved(lathe(outline, segments=24), nose_first)
+    wing = box((-0.95, -0.03, -0.28), (0.95, 0.02, 0.16))
+    tail = box((-0.36, 0.0, 0.66), (0.36, 0.04, 0.92))
+    fin = box((-0.025, 0.03, 0.60), (0.025, 0.44, 0.92))
+    port = box((-0.98, -0.05, -0.30), (-0.86, 0.04, 0.18))
+    starboard = box((0.86, -0.05, -0.30), (0.98, 0.04, 0.18))
+    return gathered(
+        painted(fuselage, body), painted(wing, wings), painted(tail, wings), painted(fin, wings),
+        painted(port, RED), painted(starboard, GREEN),
+    )  # fmt: skip
+
+
+def tile(half: float = 2.0, step: float = 0.5, thickness: float = 0.06) -> Geometry:
+    """A square slab of floor whose top is y = 0, inlaid with a grid `step` apart.
+
+    The line under the x axis is red, the one under the z axis blue, as maps have their meridians.
+    """
+    slab = painted(box((-half, -thickness, -half), (half, 0.0, half)), PAPER)
+    parts = [slab]
+    count = round(half / step)
+    for k in range(-count, count + 1):
+        at, main = k * step, k == 0
+        width = 0.018 if main else 0.009
+        top = 0.004 if main else 0.002
+        along_x = box((-half, 0.0, at - width), (half, top, at + width))
+        along_z = box((at - width, 0.0, -half), (at + width, top, half))
+        parts.append(painted(along_x, RED if main else (0.55, 0.56, 0.56)))
+        parts.append(painted(along_z, BLUE if main else (0.55, 0.56, 0.56)))
+    return gathered(*parts)
+
+
+def wire_box(low: Vector, high: Vector, color: Color, thickness: float = 0.012) -> Geometry:
+    """A box's twelve edges as thin bars."""
+    return wire([[x, y, z] for z in (low[2], high[2]) for y in (low[1], high[1])
+                 for x in (low[0], high[0])], color, thickness)  # fmt: skip
+
+
+def wire(corners: Any, color: Color, thickness: float = 0.012) -> Geometry:
+    """The twelve edges of a box bent to eight corners (x fastest, then y, then z), as bars.
+
+    >>> len(wire_box((0, 0, 0), (1, 1, 1), INK)["attributes"]["aPos"]) > 0
+    True
+    """
+    corners = np.asarray(corners, float)
+    edges = [(k, k | bit) for k in range(8) for bit in (1, 2, 4) if not k & bit]
+    return gathered(*(rod(corners[a], corners[b], color, thickness) for a, b in edges))
+
+
+def rod(start: Vector, end: Vector, color: Color, thickness: float = 0.012) -> Geometry:
+    """A round bar between two points."""
+    direction = np.subtract(end, start).astype(float)
+    length = float(np.linalg.norm(direction))
+    matrix = np.eye(4)
+    matrix[:3, :3] = _towards(direction / length)
+    matrix[:3, 3] = start
+    profile = [(0.0, 0.0), (thickness, 0.0), (thickness, length), (0.0, length)]
+    return painted(moved(lathe(profile, segments=10), matrix), color)
+
+
+def _towards(unit: Array) -> Array:
+    """A turn (3 × 3) that takes +y to `unit`."""
+    helper = np.array([0.0, 0.0, 1.0]) if abs(unit[2]) < 0.9 else np.array([1.0, 0.0, 0.0])
+    side = np.cross(unit, helper)
+    side /= np.linalg.norm(side)
+    return np.column_stack([side, unit, np.cross(side, unit)])
+
+
+def _untextured(solid: Geometry) -> Geometry:
+    empty = np.zeros((len(solid["attributes"]["aPos"]), 2), np.float32)
+    return {
+        "attributes": {**solid["attributes"], "aTexCoords": empty},
+        "indices": solid["indices"],
+    }
+
+
+def _solid(positions: Array, normals: Array, indices: Array) -> Geometry:
+    empty = np.zeros((len(positions), 2), np.float32)
+    return {
+        "attributes": {
+            "aPos": positions.astype(np.float32),
+            "aNormal": normals.astype(np.float32),
+            "aTexCoords": empty,
+        },
+        "indices": indices.astype(np.uint32),
+    }
+
+
+def railway(length: float = 30.0) -> Geometry:
+    """A straight track that runs from z = 0 towards −z, with posts of one height beside it.
+
+    The rails lie at x = ±0.7, the posts stand three units apart at x = ±1.9 and are 1.8 high.
+    """
+    ground = painted(box((-3.2, -0.3, -length), (3.2, -0.06, 0.0)), (0.42, 0.47, 0.36))
+    parts = [ground]
+    for x in (-0.7, 0.7):
+        parts.append(painted(box((x - 0.06, 0.02, -length), (x + 0.06, 0.14, 0.0)), STONE))
+    for k in range(int(length)):
+        z = -0.5 - k
+        parts.append(
+            painted(box((-1.1, -0.06, z - 0.14), (1.1, 0.02, z + 0.14)), (0.30, 0.17, 0.09))
+        )
+    for k in range(int(length / 3.0)):
+        z = -1.5 - 3.0 * k
+        for x, color in ((-1.9, RED), (1.9, BLUE)):
+            parts.append(
+                painted(box((x - 0.13, -0.06, z - 0.13), (x + 0.13, 1.8, z + 0.13)), PAPER)
+            )
+            parts.append(painted(box((x - 0.17, 1.8, z - 0.17), (x + 0.17, 2.05, z + 0.17)), color))
+    return gathered(*parts)

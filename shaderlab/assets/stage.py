@@ -1,0 +1,129 @@
+"""Scenes of painted solids, ready to draw: a prop on the stage, and its picture with smooth edges.
+
+A picture is drawn twice as large as it is shown, then four texels become one pixel: that needs no
+multisampling, which not every driver has. The same draws go, small, into the pass "judged".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from shaderlab.assets.meshes import Geometry
+from shaderlab.model import (
+    Cell,
+    Depth,
+    Draw,
+    Expectation,
+    Mesh,
+    Output,
+    Pass,
+    State,
+    Target,
+    UniformValue,
+    formula,
+    fullscreen,
+    value,
+)
+
+Matrix = npt.NDArray[Any]
+SKY = (0.80, 0.83, 0.86, 1.0)
+
+
+def prop(
+    solid: Geometry,
+    view: Matrix,
+    projection: Matrix,
+    *,
+    model: Matrix | None = None,
+    cell: Cell | None = None,
+    depth: str = "less",
+) -> Draw:
+    """A painted solid that a plain model–view–projection chain puts on the stage.
+
+    >>> prop({"attributes": {"aPos": np.zeros((3, 3))}, "indices": np.arange(3)},
+    ...      np.eye(4), np.eye(4)).uniforms["normalMatrix"].diagonal().tolist()
+    [1.0, 1.0, 1.0]
+    """
+    model = np.eye(4) if model is None else np.asarray(model, float)
+    uniforms: dict[str, UniformValue] = {
+        "model": model,
+        "normalMatrix": np.linalg.inv(model[:3, :3]).T,
+        "view": view,
+        "projection": projection,
+    }
+    return Draw(
+        vertex="ch03_transforms/studio.vert",
+        fragment="ch03_transforms/studio.frag",
+        mesh=Mesh(**solid),
+        uniforms=uniforms,
+        state=State(depth=Depth(func=depth), cell=cell),
+    )
+
+
+def prop_checks(
+    position: Callable[..., Any],
+    normal: Callable[..., Any],
+    color: Callable[..., Any],
+    light: Callable[..., Any],
+    *,
+    draw: int = 0,
+) -> tuple[Expectation, ...]:
+    """What must hold of a prop: its vertices and pixels, and one colour under a long normal.
+
+    >>> [check.name for check in prop_checks(abs, abs, abs, abs)][0]
+    'a prop in clip space'
+    """
+    return (
+        formula("judged.gl_Position", position, draw=draw, name="a prop in clip space"),
+        formula("judged.Normal", normal, draw=draw, name="a prop's normals"),
+        formula("judged.Color", color, draw=draw, name="a prop's colours"),
+        formula("judged.FragColor", light, draw=draw, name="a prop in the light"),
+        value(
+            "judged.FragColor",
+            at={"Color": (0.5, 0.5, 0.5), "Normal": (0.0, 2.0, 0.0)},
+            equals=(0.742866, 0.742866, 0.742866, 1.0),
+            digits=6,
+            reference=light,
+            draw=draw,
+            name="grey, facing up",
+        ),
+    )
+
+
+def photographed(
+    draws: Sequence[Draw], size: tuple[int, int], clear: tuple[float, float, float, float] = SKY
+) -> tuple[Pass, ...]:
+    """Passes "scene" and "picture" for people, and "soft" and "judged" for checks.
+
+    Args:
+        draws: the same for all of them.
+        size: of the picture in pixels; at least 256 each way, or it is shown enlarged.
+        clear: the background.
+    """
+    width, height = size
+    small = (96, 2 * round(48 * height / width))
+
+    def drawn(name: str, size: tuple[int, int]) -> Pass:
+        return Pass(
+            name=name, target=Target(size=size, depth="depth24", clear=clear), draws=tuple(draws)
+        )
+
+    def half(name: str, of: str, size: tuple[int, int]) -> tuple[Pass, ...]:
+        return fullscreen(
+            "ch03_transforms/soften.frag",
+            name=name,
+            domain={},
+            textures={"scene": Output(of, "FragColor")},
+            target=Target(size=size),
+        )
+
+    return (
+        drawn("scene", (2 * width, 2 * height)),
+        *half("picture", "scene", size),
+        drawn("judged", small),
+        *half("soft", "judged", (small[0] // 2, small[1] // 2)),
+    )

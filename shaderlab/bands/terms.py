@@ -1,0 +1,101 @@
+"""What a value is a sum of: how much rearranging its terms may change it.
+
+A compiler that turns a·b + a·c into a·(b + c), or back, rounds at the size of the terms, not of
+their sum. And it may multiply two small factors first, flush the denormal product to zero, and
+multiply by a large one then: so what a flushed product may change is more than the smallest
+normal number.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from shaderlab.bands.rounding import RELATIVE_STEP, SMALLEST_NORMAL, Flags, Floats
+
+# Above this size no product of two terms is a denormal, and how terms were made is forgotten.
+TINY = 2.0**-60
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Terms:
+    """The terms of a value that is a sum or a product.
+
+    Attributes:
+        mag: the sum of the terms' absolute values.
+        slack: what is still to be paid before the value is added to or multiplied with something.
+        count: how many terms there may be, once all is distributed.
+        reach: by how much a flushed partial product may have been multiplied; None where no term
+            is tiny.
+    """
+
+    mag: Floats
+    slack: Floats | None = None
+    count: int = 1
+    reach: Floats | None = None
+
+    def step(self) -> Floats:
+        """What one rounding among these terms may change."""
+        size = np.maximum(RELATIVE_STEP * self.mag, self._flushed())
+        return np.where(self.mag > 0.0, size, 0.0)
+
+    def safe(self) -> Flags:
+        """Where the sum of these terms, settled, keeps its sign in any order: not among
+        denormals, where flushing one of two terms of opposite signs may leave the other's."""
+        found: Flags = (RELATIVE_STEP * self.mag >= self._flushed()) | (self.mag == 0.0)
+        return found
+
+    def _flushed(self) -> Floats | float:
+        """What flushed products may change, all terms together."""
+        if self.reach is None:
+            return SMALLEST_NORMAL
+        return SMALLEST_NORMAL * self.count * self.reach
+
+    def mapped(self, moved: Callable[[Any], Any]) -> Terms:
+        """The same terms elsewhere: `moved` only moves array elements about."""
+        return Terms(
+            moved(self.mag),
+            None if self.slack is None else moved(self.slack),
+            self.count,
+            None if self.reach is None else moved(self.reach),
+        )
+
+
+def reach_of(mag: Floats, terms: Terms | None) -> Floats:
+    """`Terms.reach`, or for terms that are not tiny their own size, at least 1."""
+    if terms is not None and terms.reach is not None:
+        return terms.reach
+    size: Floats = np.maximum(mag, 1.0)
+    return size
+
+
+def is_tiny(mag: Floats, *parts: Terms | None) -> bool:
+    """Whether products of such terms may be denormal somewhere."""
+    if any(part is not None and part.reach is not None for part in parts):
+        return True
+    return bool(mag.size) and bool(mag.min() < TINY) and bool(((mag > 0.0) & (mag < TINY)).any())
+
+
+def combined(
+    parts: list[tuple[Floats, Terms | None]], choose: Callable[[list[Any]], Any]
+) -> Terms | None:
+    """The terms of values put together by `choose` (joined, or chosen from); None if none has any.
+
+    `parts` are each value's own size (as `Band.mag` has it) and its terms.
+    """
+    known = [terms for _, terms in parts if terms is not None]
+    if not known:
+        return None
+    slack = reach = None
+    if any(terms.slack is not None for terms in known):
+        slack = choose(
+            [np.zeros(mag.shape) if t is None or t.slack is None else t.slack for mag, t in parts]
+        )
+    if any(terms.reach is not None for terms in known):
+        reach = choose([np.broadcast_to(reach_of(mag, t), mag.shape) for mag, t in parts])
+    return Terms(
+        choose([mag for mag, _ in parts]), slack, max(terms.count for terms in known), reach
+    )

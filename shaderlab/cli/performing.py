@@ -1,0 +1,203 @@
+"""What `shaderlab run` does between reading its options and writing the report."""
+
+from __future__ import annotations
+
+import contextlib
+import datetime
+import tempfile
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from shaderlab.cli.files import REPORTS, new_run_folder, report_folder
+from shaderlab.errors import UsageError
+from shaderlab.records import Record, Run
+from shaderlab.running import Crew, Limits, Setup, Solo, Team
+from shaderlab.running.drivers import disagreements, known, results
+from shaderlab.running.journal import FILE_NAME, Heading, Journal, read
+
+if TYPE_CHECKING:
+    from shaderlab.cli.showing import Show
+    from shaderlab.running import Job
+
+
+@dataclass(frozen=True, kw_only=True)
+class Request:
+    """The options of `shaderlab run`, as click gives them."""
+
+    targets: tuple[str, ...] = ()
+    every: bool = False
+    variants: tuple[str, ...] = ()
+    size: int = 64
+    shaders: tuple[str, ...] = ()
+    json_file: str | None = None
+    junit_file: str | None = None
+    folder: str | None = None
+    seconds: float
+    gigabytes: float
+    workers: int
+    driver: str | None = None
+    drivers: str | None = None
+    resume: str | None = None
+    pictures: bool = True
+    profile: bool = False
+
+    def team(self) -> Team:
+        """Whoever is to run the jobs."""
+        driver = self.driver if self.driver is None else known(self.driver)
+        if self.resume is not None:
+            driver = read(_place_of(self.resume))[0].setup.driver
+        elif self.drivers is not None:
+            driver = self.rivals()[0]
+        return self.on(driver)
+
+    def on(self, driver: str | None) -> Team:
+        """A team on one driver."""
+        if self.workers == 0:
+            return Solo(driver)
+        return Crew(driver, Limits(seconds=self.seconds, gigabytes=self.gigabytes), self.workers)
+
+    def rivals(self) -> tuple[str, ...]:
+        """The drivers to be compared; none if there is only one. Raises UsageError."""
+        if self.drivers is None:
+            return ()
+        if self.driver is not None or self.resume is not None or self.workers == 0:
+            raise UsageError("--drivers goes with neither --driver, --resume nor -j 0")
+        names = tuple(known(name.strip()) for name in self.drivers.split(","))
+        if len(set(names)) != len(names) or len(names) < 2:
+            raise UsageError(f"--drivers {self.drivers}: name two or more, each once")
+        return names
+
+
+@dataclass(frozen=True)
+class Performed:
+    """A run, and whether all of it was done; `problem` is what could not be written."""
+
+    run: Run
+    folder: Path
+    complete: bool
+    problem: str = ""
+
+
+def finish(request: Request, team: Team) -> tuple[Performed, Show]:
+    """Do what was asked for, or the rest of it. Raises UsageError, CaseError."""
+    from shaderlab.cli.showing import Show
+
+    show = Show(to_stderr=request.json_file == "-")
+    done: list[Record] = []
+    if request.resume is None:
+        heading, folder = _begun(request, team)
+    else:
+        if request.targets or request.every or request.variants or request.folder:
+            raise UsageError("--resume runs what was asked for then: name nothing else")
+        folder = _place_of(request.resume)
+        heading, done = read(folder)
+        heading = replace(heading, setup=replace(heading.setup, folder=folder))
+    with Journal(folder, heading if request.resume is None else None) as journal:
+        if not request.rivals():
+            return perform(team, heading, journal, done, show), show
+        with tempfile.TemporaryDirectory(prefix="shaderlab-") as frames:
+            return _compared(request, team, heading, journal, Path(frames), show), show
+
+
+def _compared(
+    request: Request, team: Team, heading: Heading, journal: Journal, frames: Path, show: Show
+) -> Performed:
+    """Run everything on each driver; the first one's run gets what sets the others apart."""
+    names = request.rivals()
+    setup = replace(heading.setup, frames=frames / names[0])
+    first = perform(team, replace(heading, setup=setup), journal, (), show)
+    run, complete = first.run, first.complete
+    found = list(results(names[0], run.driver["renderer"], run.records))
+    for name in names[1:] if complete else ():
+        other = request.on(name)
+        try:
+            setup = replace(heading.setup, driver=name, pictures=False, frames=frames / name)
+            records: list[Record] = []
+            with show.progress(len(heading.jobs)) as progress:
+                for record in other.run(heading.jobs, setup, lambda job, record: None):
+                    progress.ends(record)
+                    records.append(record)
+            found += results(name, other.about().driver["renderer"], records)
+        finally:
+            other.close()
+    kept = {name: frames / name for name in names}
+    apart = tuple(disagreements(heading.jobs, kept)) if complete else ()
+    return replace(first, run=replace(run, drivers=tuple(found), disagreements=apart))
+
+
+def perform(
+    team: Team, heading: Heading, journal: Journal, done: Sequence[Record], show: Show
+) -> Performed:
+    """Run all jobs of `heading` but those that are `done`, and gather everything in their order.
+
+    An interrupt ends it early: what was finished by then is in the journal and in the result.
+    """
+    clock = time.perf_counter()
+    records = {(record.id, record.variant): record for record in done}
+    rest = [job for job in heading.jobs if job.key not in records]
+
+    def heard(job: Job, record: Record) -> None:
+        records[job.key] = record
+        journal.add(record)
+
+    with show.progress(len(rest)) as progress, contextlib.suppress(KeyboardInterrupt):
+        results = team.run(rest, heading.setup, heard)
+        for job in rest:
+            progress.starts(job.id, job.variant)
+            progress.ends(next(results))
+    ordered = tuple(records[job.key] for job in heading.jobs if job.key in records)
+    about = team.about()
+    run = Run(
+        driver=about.driver,
+        versions=about.versions,
+        started=heading.started,
+        seconds=time.perf_counter() - clock,
+        records=ordered,
+    )
+    assert heading.setup.folder is not None
+    complete = len(ordered) == len(heading.jobs)
+    return Performed(run, heading.setup.folder, complete, journal.problem)
+
+
+def _begun(request: Request, team: Team) -> tuple[Heading, Path]:
+    """What is to be run, and the folder for it, made now that there is something to run."""
+    from shaderlab.cli.selecting import choose
+
+    replacements = _replacements(request.shaders)
+    jobs = choose(request.targets, request.every, request.variants, team.load)
+    driver = request.rivals()[0] if request.drivers else request.driver
+    folder = new_run_folder() if request.folder is None else report_folder(Path(request.folder))
+    setup = Setup(
+        size=request.size,
+        folder=folder,
+        pictures=request.pictures,
+        shaders=replacements,
+        driver=driver,
+    )
+    now = datetime.datetime.now().astimezone().isoformat(timespec="seconds")
+    return Heading(started=now, setup=setup, jobs=tuple(jobs)), folder
+
+
+def _place_of(resume: str) -> Path:
+    """The folder to go on with: the one that is named, or the last that was begun."""
+    if resume:
+        return Path(resume)
+    begun = sorted(REPORTS.glob(f"*/{FILE_NAME}"), key=lambda path: path.stat().st_mtime)
+    if not begun:
+        raise UsageError(f"there is no run in {REPORTS}/", remedy="name its folder")
+    return begun[-1].parent
+
+
+def _replacements(words: Sequence[str]) -> tuple[tuple[str, Path], ...]:
+    found = []
+    for word in words:
+        name, equals, file = word.partition("=")
+        if not equals or not name or not file:
+            raise UsageError(f"--shader {word}: write it as NAME=FILE")
+        if not Path(file).is_file():
+            raise UsageError("there is no such file", file=file)
+        found.append((name, Path(file)))
+    return tuple(found)

@@ -1,0 +1,199 @@
+"""Judging mutants of one case: does any expectation notice? If not, is there anything to see?"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+
+from shaderlab.checks import split_output
+from shaderlab.errors import CaseError, ShaderError, UnsupportedError
+from shaderlab.frame import Array, PassDraw
+from shaderlab.model import Case, Scene
+from shaderlab.mutation import compare, wider
+from shaderlab.mutation.mutants import Mutant
+from shaderlab.mutation.results import Fate
+from shaderlab.mutation.states import StateMutant
+from shaderlab.mutation.subjects import (
+    downstream,
+    drawn_with,
+    passes_of,
+    sources_of,
+    with_what_they_read,
+)
+from shaderlab.mutation.tasks import Seen, Task, part_of
+from shaderlab.pipeline.trial import Bench, Programs, Trial, judged_passes
+
+Wide = tuple[list[wider.Round], dict[tuple[str, int], Array]]
+"""Wider inputs of a draw, and what the case's own shaders make of them."""
+
+
+class Judge:
+    """One case on a bench, run once as it is; then as many mutants of it as one likes.
+
+    Args:
+        bench: the open device.
+        case: the case.
+        variants: names of the only variants to judge by; all of them if empty.
+
+    Raises:
+        CaseError: an expectation fails with the case's own shaders: there is nothing to measure.
+    """
+
+    def __init__(self, bench: Bench, case: Case, variants: tuple[str, ...] = ()) -> None:
+        self._bench = bench
+        self._case = case
+        scenes = list(case.scenes())
+        self._scenes = [s for s in scenes if not variants or s.variant in variants]
+        self._sources = sources_of(case)
+        self._judged = compare.judged_outputs(self._scenes)
+        self._originals = {s.variant: self._original(s) for s in self._scenes}
+        self._wide: dict[tuple[str, PassDraw], Wide] = {}
+
+    def fate(self, mutant: Mutant | StateMutant) -> Fate:
+        """What becomes of one mutant."""
+        try:
+            return self._fate_of(self.tasks(mutant))
+        except ShaderError as error:
+            return Fate(status="invalid", by=error.message)
+        except Exception as error:
+            # Running the case would end in an error, which nobody takes for green.
+            return Fate(status="killed", by=f"{type(error).__name__}: {error}")
+
+    def tasks(self, mutant: Mutant | StateMutant) -> list[Task]:
+        """The scenes that a mutant may change, and what may notice it there."""
+        tasks = []
+        for scene in self._scenes:
+            if isinstance(mutant, Mutant):
+                touched = passes_of(scene, mutant.file, self._sources)
+                vertex = drawn_with(scene, mutant.file, self._sources, ("vertex", "geometry"))
+                about = self._concerned(scene, touched, vertex)
+                tasks.append(Task(scene, scene, {mutant.shader: mutant.text}, touched, about))
+            elif (other := mutant.applied(scene)) is not None:
+                touched = downstream(scene, {mutant.pass_name})
+                about = self._concerned(scene, touched, set())
+                tasks.append(Task(scene, other, {}, touched, about))
+        return tasks
+
+    @contextmanager
+    def trial(self, task: Task, *, everything: bool = False) -> Iterator[tuple[Trial, Trial]]:
+        """Draw a task's scene; gives the trial and the original one of the same scene.
+
+        Raises:
+            ShaderError: the mutant does not compile.
+        """
+        part = task.part(everything)
+        original = self._originals[part.variant]
+        with self._bench.trial(part, self._prepared(task, part), like=original) as trial:
+            yield trial, original
+
+    def _fate_of(self, tasks: list[Task]) -> Fate:
+        if not any(task.about for task in tasks):
+            for task in tasks[:1]:
+                self._prepared(task, task.changed)  # it has to compile all the same
+            return Fate(status="unjudged", by="no expectation reads what it draws")
+        seen = Seen()
+        for task in tasks:
+            if task.about:
+                by = self._noticed(task, seen)
+                if by:
+                    return Fate(status="killed", by=by)
+        if not seen.read:
+            self._look_wider(tasks[0], seen)
+        if seen.read:
+            return Fate(status="survived", by=seen.read)
+        if seen.elsewhere:
+            return Fate(status="unjudged", by=seen.elsewhere)
+        return Fate(status="equivalent")
+
+    def _concerned(self, scene: Scene, touched: set[str], vertex: set[str]) -> list[int]:
+        """The expectations that may notice a change of what the `touched` passes draw; those of
+        vertex outputs only where the change is in one of the passes `vertex`."""
+        images = self._originals[scene.variant].images
+        found = []
+        for index, name in judged_passes(scene).items():
+            output = getattr(scene.expect[index], "output", None)
+            of_vertex = output is not None and (name, split_output(output, scene)[1]) not in images
+            if name in (vertex if of_vertex else touched):
+                found.append(index)
+        return found
+
+    def _noticed(self, task: Task, seen: Seen) -> str:
+        """The first expectation that fails, or ""; then `seen` has what changed all the same."""
+        with self.trial(task) as (trial, original):
+            part = trial.scene
+            drawn = {p.name for p in part.passes}
+            errors = {k: v for k, v in original.gl_errors.items() if k[0] in drawn}
+            if trial.gl_errors != errors:
+                return f"{part.variant} · another GL error"
+            for index, expectation in enumerate(part.expect):
+                if trial.judge(index).status != "pass":
+                    return f"{part.variant} · {expectation.name}"
+            self._look(trial, original, seen)
+        return ""
+
+    def _look(self, trial: Trial, original: Trial, seen: Seen) -> None:
+        """Compare everything a trial drew and captured with the original, bit for bit."""
+        for output in sorted(compare.changed(trial, original)):
+            read = compare.is_read(output, trial, original, self._judged)
+            seen.note(f"seen in {trial.scene.variant}: {'.'.join(output)}", read)
+
+    def _look_wider(self, task: Task, seen: Seen) -> None:
+        """Look at the passes that no expectation needs as well; and, if shaders were changed, run
+        them on inputs that the case does not have."""
+        with self.trial(task, everything=True) as (trial, original):
+            self._look(trial, original, seen)
+            if task.texts:
+                for output in self._changed_wide(trial, task.touched):
+                    read = self._judged.get(output, frozenset()) is None
+                    seen.note(f"only on wider inputs: {'.'.join(output)}", read)
+
+    def _changed_wide(self, trial: Trial, touched: set[str]) -> Iterator[compare.Named]:
+        """Outputs that differ somewhere on inputs that the case does not have."""
+        done: set[tuple[str | None, ...]] = set()
+        for name in touched:
+            for index in range(len(trial.scene.find_pass(name).draws)):
+                key = (name, index)
+                program = tuple(trial.draw(key).text(s) for s in ("vertex", "fragment"))
+                if program in done:
+                    continue
+                done.add(program)
+                try:
+                    some, expected = self._wide_of(trial.scene.variant, key)
+                except UnsupportedError:
+                    continue  # stages that can't be run on given inputs
+                for (output, number), got in wider.outputs(trial, key, some):
+                    if compare.differ(got, expected[output, number]):
+                        yield name, output
+
+    def _wide_of(self, variant: str, key: PassDraw) -> Wide:
+        """Wider inputs of a draw, and what the case's own shaders make of them."""
+        if (variant, key) not in self._wide:
+            original = self._originals[variant]
+            part = part_of(original.scene, with_what_they_read(original.scene, {key[0]}), [])
+            prepared = {p.name: original.session.prepared[p.name] for p in part.passes}
+            some = wider.rounds(original, key, seed=key[1])
+            with self._bench.trial(part, prepared) as trial:
+                self._wide[variant, key] = (some, dict(wider.outputs(trial, key, some)))
+        return self._wide[variant, key]
+
+    def _original(self, scene: Scene) -> Trial:
+        prepared = self._bench.prepare(scene, {})
+        with self._bench.trial(scene, prepared) as trial:
+            for index, expectation in enumerate(scene.expect):
+                outcome = trial.judge(index)
+                if outcome.status != "pass":
+                    raise CaseError(
+                        f"{scene.case.id}[{scene.variant}]: {expectation.name!r} fails with the "
+                        f"case's own shaders ({outcome.message})",
+                        file=scene.case.file or None,
+                        remedy="mend the case first; then its power can be measured",
+                    )
+        return trial
+
+    def _prepared(self, task: Task, part: Scene) -> Programs:
+        """Programs of the touched passes made anew, the others' as they are."""
+        mine = replace(part, passes=tuple(p for p in part.passes if p.name in task.touched))
+        original = self._originals[part.variant].session.prepared
+        anew = self._bench.prepare(mine, task.texts)
+        return {p.name: anew.get(p.name) or original[p.name] for p in part.passes}

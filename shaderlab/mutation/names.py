@@ -1,0 +1,125 @@
+"""What a shader's names stand for: enough of GLSL's types to swap like for like."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from tree_sitter import Node
+
+from shaderlab.mutation.syntax import Syntax, field, name_of, walk
+
+_QUALIFIERS = ("uniform", "in", "out", "inout", "const")
+
+
+@dataclass(frozen=True)
+class Name:
+    """A declared variable: its type, where it may be used (in bytes), whether it only reads."""
+
+    name: str
+    type: str
+    start: int
+    end: int
+    readable: bool
+
+
+@dataclass(frozen=True)
+class Names:
+    """All variables of one file, and the members of every struct of the program.
+
+    `shared` are the uniforms, inputs and constants that an including file declares; a law file
+    takes what it needs as parameters, so there are usually none.
+    """
+
+    variables: tuple[Name, ...]
+    members: Mapping[str, tuple[tuple[str, str], ...]]
+
+    def like(self, name: str, at: int) -> list[str]:
+        """Other variables of the same type that may be read at byte `at`, nearest first."""
+        visible = {n.name: n for n in self.variables if n.start <= at < n.end}
+        own = visible.get(name)
+        if own is None:
+            return []
+        others = [n for n in visible.values() if n.type == own.type and n.name != name]
+        others = [n for n in others if n.readable]
+        return [n.name for n in sorted(others, key=lambda n: abs(n.start - own.start))]
+
+    def has_matrix(self, words: Iterable[str], at: int) -> bool:
+        """Whether one of these names is a matrix at byte `at`."""
+        kinds = {n.name: n.type for n in self.variables if n.start <= at < n.end}
+        return any(kinds.get(word, "").startswith("mat") for word in words)
+
+    def siblings(self, member: str) -> list[str]:
+        """Other members of the same type in the structs that have this member."""
+        found: dict[str, None] = {}
+        for members in self.members.values():
+            kinds = dict(members)
+            if member in kinds:
+                same = (n for n, kind in members if kind == kinds[member] and n != member)
+                found.update(dict.fromkeys(same))
+        return list(found)
+
+
+def names_of(file: Syntax, others: Iterable[Syntax] = ()) -> Names:
+    """The variables of `file`; structs of the `others` that it is compiled with count as well."""
+    members: dict[str, tuple[tuple[str, str], ...]] = {}
+    for part in (file, *others):
+        for node in walk(part.root):
+            if node.type == "struct_specifier" and node.child_by_field_name("name") is not None:
+                members[part.of(field(node, "name"))] = tuple(_members(part, node))
+    variables = [found for node in walk(file.root) for found in _declared(file, node)]
+    return Names(tuple(variables), members)
+
+
+def _members(file: Syntax, struct: Node) -> list[tuple[str, str]]:
+    found = []
+    for node in walk(struct):
+        if node.type == "field_declaration":
+            kind = file.of(field(node, "type"))
+            for declarator in node.children_by_field_name("declarator"):
+                found.append((file.of(name_of(declarator)), kind + _array(file, declarator)))
+    return found
+
+
+def _declared(file: Syntax, node: Node) -> list[Name]:
+    if node.type not in ("declaration", "parameter_declaration"):
+        return []
+    kind = node.child_by_field_name("type")
+    if kind is None:
+        return []
+    words = {file.of(child) for child in node.children if child.type in _QUALIFIERS}
+    scope = _scope(node)
+    if node.type == "parameter_declaration" and scope.type != "function_definition":
+        return []  # of a prototype
+    found = []
+    for declarator in node.children_by_field_name("declarator"):
+        if declarator.type == "function_declarator":
+            continue
+        found.append(
+            Name(
+                name=file.of(name_of(declarator)),
+                type=file.of(kind) + _array(file, declarator),
+                # Readable from its own declaration's end on, to the end of the block around it.
+                start=node.end_byte if node.type == "declaration" else node.start_byte,
+                end=scope.end_byte,
+                readable="out" not in words,
+            )
+        )
+    return found
+
+
+def _scope(node: Node) -> Node:
+    around = node.parent
+    while around is not None and around.parent is not None:
+        if around.type in ("compound_statement", "for_statement", "function_definition"):
+            return around
+        around = around.parent
+    return around or node
+
+
+def _array(file: Syntax, declarator: Node) -> str:
+    for node in walk(declarator):
+        if node.type == "array_declarator":
+            size = node.child_by_field_name("size")
+            return "[]" if size is None else f"[{file.of(size)}]"
+    return ""

@@ -1,0 +1,174 @@
+"""Mistakes in a case's fixed-function state: another depth or stencil function, another operation,
+mask, blend factor or equation, another winding, a face culled or not, a test forgotten."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+from shaderlab.model import Case, Draw, Scene, State
+
+MOST_ALIKE = 4  # of many draws with the very same change, so many are tried
+
+_FUNCTION = {
+    "never": ("always",), "always": ("never",),
+    "less": ("lequal", "greater"), "lequal": ("less", "gequal"),
+    "greater": ("gequal", "less"), "gequal": ("greater", "lequal"),
+    "equal": ("notequal", "lequal"), "notequal": ("equal", "always"),
+}  # fmt: skip
+_OPERATION = {
+    "keep": ("replace", "incr"), "zero": ("keep",), "replace": ("keep", "incr"),
+    "incr": ("keep", "decr", "incr_wrap"), "decr": ("keep", "incr", "decr_wrap"),
+    "incr_wrap": ("incr", "keep"), "decr_wrap": ("decr", "keep"), "invert": ("keep", "zero"),
+}  # fmt: skip
+_EQUATION = {
+    "add": ("subtract", "max"), "subtract": ("add", "reverse_subtract"),
+    "reverse_subtract": ("add", "subtract"), "min": ("max", "add"), "max": ("min", "add"),
+}  # fmt: skip
+_FACE = {"front": ("back", None), "back": ("front", None), "front_and_back": (None,)}
+
+
+@dataclass(frozen=True, kw_only=True)
+class StateMutant:
+    """One field of one draw's state with another value, in every variant that has the draw.
+
+    `path` names the field, as "depth.func"; for a whole test that is switched off it is "depth".
+    """
+
+    pass_name: str
+    draw: int
+    path: str
+    before: Any
+    after: Any
+    file: str
+
+    @property
+    def shown(self) -> tuple[str, str]:
+        """Before and after as a case would write them."""
+        place = f"{self.pass_name}[{self.draw}] {self.path}"
+        return f"{place}={_spelt(self.before)}", _spelt(self.after)
+
+    def applied(self, scene: Scene) -> Scene | None:
+        """The scene with this change; None where it lacks the draw or the value."""
+        passes = list(scene.passes)
+        for index, description in enumerate(passes):
+            if description.name == self.pass_name and self.draw < len(description.draws):
+                draw = description.draws[self.draw]
+                if _get(draw.state, self.path) != self.before:
+                    return None
+                draws = list(description.draws)
+                draws[self.draw] = replace(draw, state=_set(draw.state, self.path, self.after))
+                passes[index] = replace(description, draws=tuple(draws))
+                return replace(scene, passes=tuple(passes))
+        return None
+
+
+def state_mutants(case: Case, seed: int = 0) -> list[StateMutant]:
+    """The case's state mutants. Where many draws share a change, as in a table of draws, a few
+    of them stand for all."""
+    alike: dict[tuple[Any, ...], list[StateMutant]] = {}
+    for scene in case.scenes():
+        for description in scene.passes:
+            for index, draw in enumerate(description.draws):
+                for path, before, after in _changes(draw):
+                    mutant = StateMutant(
+                        pass_name=description.name,
+                        draw=index,
+                        path=path,
+                        before=before,
+                        after=after,
+                        file=case.file,
+                    )
+                    same = alike.setdefault((description.name, path, before, after), [])
+                    if mutant not in same:
+                        same.append(mutant)
+    chosen: list[StateMutant] = []
+    for key, same in alike.items():
+        some = random.Random(f"{seed}{key}").sample(same, min(MOST_ALIKE, len(same)))
+        chosen += sorted(some, key=lambda m: m.draw)
+    return chosen
+
+
+def _changes(draw: Draw) -> Iterator[tuple[str, Any, Any]]:
+    state = draw.state
+    for path, before, after in _fields(state):
+        if before != after:
+            yield path, before, after
+
+
+def _fields(state: State) -> Iterator[tuple[str, Any, Any]]:
+    if state.depth is not None:
+        yield "depth", state.depth, None
+        yield "depth.write", state.depth.write, not state.depth.write
+        yield from _each("depth.func", state.depth.func, _FUNCTION)
+    if state.stencil is not None:
+        stencil = state.stencil
+        yield "stencil", stencil, None
+        yield from _each("stencil.func", stencil.func, _FUNCTION)
+        for name in ("fail", "depth_fail", "depth_pass"):
+            yield from _each(f"stencil.{name}", getattr(stencil, name), _OPERATION)
+        yield "stencil.reference", stencil.reference, (stencil.reference + 1) & 0xFF
+        for name in ("mask", "write_mask"):
+            value = getattr(stencil, name)
+            yield f"stencil.{name}", value, 0
+            yield f"stencil.{name}", value, value ^ 1
+    if state.blend is not None:
+        blend = state.blend
+        yield "blend", blend, None
+        for name in ("source", "destination", "source_alpha", "destination_alpha"):
+            for other in _factors(getattr(blend, name)):
+                yield f"blend.{name}", getattr(blend, name), other
+        yield from _each("blend.equation", blend.equation, _EQUATION)
+    if state.cull is not None:
+        yield from _each("cull", state.cull, _FACE)
+        yield "front_face", state.front_face, "cw" if state.front_face == "ccw" else "ccw"
+    if state.srgb:
+        yield "srgb", True, False
+    for index, channel in enumerate(state.color_mask):
+        mask = tuple(not c if i == index else c for i, c in enumerate(state.color_mask))
+        if state.color_mask != (True,) * 4:
+            yield "color_mask", state.color_mask, mask
+        del channel
+
+
+def _each(path: str, before: Any, table: dict[Any, tuple[Any, ...]]) -> Iterator[Any]:
+    for after in table[before]:
+        yield path, before, after
+
+
+def _factors(factor: str | None) -> tuple[str, ...]:
+    """What a blend factor is mistaken for: its complement, the other side's, one, zero."""
+    if factor is None:
+        return ()
+    found = {"zero", "one"}
+    if factor.startswith("one_minus_"):
+        found.add(factor.removeprefix("one_minus_"))
+    elif factor not in ("zero", "one", "src_alpha_saturate"):
+        found.add(f"one_minus_{factor}")
+    for one, other in (("src_", "dst_"), ("alpha", "color")):
+        for old, new in ((one, other), (other, one)):
+            if old in factor and "saturate" not in factor:
+                found.add(factor.replace(old, new))
+    return tuple(sorted(found - {factor}))
+
+
+def _get(state: State, path: str) -> Any:
+    value: Any = state
+    for word in path.split("."):
+        value = getattr(value, word) if value is not None else None
+    return value
+
+
+def _set(state: State, path: str, value: Any) -> State:
+    first, _, rest = path.partition(".")
+    if not rest:
+        return replace(state, **{first: value})
+    return replace(state, **{first: replace(getattr(state, first), **{rest: value})})
+
+
+def _spelt(value: Any) -> str:
+    if value is None or isinstance(value, bool | int | str | tuple):
+        return repr(value)
+    return "on"

@@ -1,0 +1,220 @@
+"""The numbers behind a check's pictures, packed so small that a page can carry all of them.
+
+A file is one zlib stream: a line of JSON (`Values` but for its arrays), then, each for all
+components one after the other, rows from the bottom:
+
+    flags      1 byte a value: 1 was judged, 2 lies outside its band
+    measured   float32 as ordered integers, less the value to the left (the first: below)
+    reference  ordered integer of the nearest float32, less the measured one
+    rest       16 bits: what is left of the float64 reference, in 1/65535 of its float32 ULP
+    low, high  ordered integers, less the reference's
+
+Ordered integers follow the order of floats one ULP a step (the sign bit's complement for negative
+ones); 32-bit ones wrap around, are folded so that small ones of either sign have zero bytes, and
+stand byte by byte, all lowest bytes first. Measured values are usually a few ULP from their
+reference, so most of those bytes are zero.
+"""
+
+from __future__ import annotations
+
+import json
+import zlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shaderlab.errors import AssetError
+
+Floats = NDArray[np.float64]
+_REST = 65535.0
+# Pictures with more values than this are cut to a window around their worst value.
+_MOST_VALUES = 1 << 20
+_WINDOW = 192
+
+
+@dataclass(frozen=True, kw_only=True)
+class Values:
+    """The judged part of a picture, all arrays (rows, columns, components), row 0 the lowest.
+
+    Attributes:
+        size: (width, height) of the whole picture.
+        origin: (x, y) of the arrays' first value in it.
+        unit: size of one code of a fixed-point format; 0 for floats, whose unit is the ULP.
+        whole: whether all judged values are here.
+        measured, low, high: as float32 holds them.
+        reference: to 40 bits or better.
+        judged, outside: booleans; the other arrays mean something only where `judged` is true.
+    """
+
+    size: tuple[int, int]
+    origin: tuple[int, int]
+    unit: float
+    whole: bool
+    measured: Floats
+    reference: Floats
+    low: Floats
+    high: Floats
+    judged: NDArray[np.bool_]
+    outside: NDArray[np.bool_]
+
+
+def pack(values: Values) -> bytes:
+    """The values as a file's bytes, to be read by `unpack` and by the report's own script."""
+    columns = _columns(values)
+    rows, width, components = values.measured.shape
+    head = {
+        "size": values.size,
+        "origin": values.origin,
+        "columns": width,
+        "rows": rows,
+        "components": components,
+        "unit": values.unit,
+        "whole": values.whole,
+    }
+    text = json.dumps(head, separators=(",", ":")) + "\n"
+    return zlib.compress(text.encode("ascii") + b"".join(columns), 5)
+
+
+def unpack(data: bytes) -> Values:
+    """What `pack` made.
+
+    Raises:
+        AssetError: the bytes are no such file.
+    """
+    try:
+        text, _, body = zlib.decompress(data).partition(b"\n")
+        head = json.loads(text)
+        rows, width, components = head["rows"], head["columns"], head["components"]
+        planes = (components, rows, width)
+        count = rows * width * components
+        flags = np.frombuffer(body, np.uint8, count).reshape(planes)
+        wide = [_unfold(body[count * at :], count).reshape(planes) for at in (1, 5, 11, 15)]
+        rest = np.frombuffer(_joined(body[count * 9 :], count, 2), np.int16).reshape(planes)
+    except (ValueError, KeyError, TypeError, zlib.error) as error:
+        raise AssetError(f"these are no packed values ({error})") from error
+    measured = wide[0].copy()
+    measured[:, :, 0] = np.cumsum(measured[:, :, 0], axis=1, dtype=np.int32)
+    measured = np.cumsum(measured, axis=2, dtype=np.int32)
+    nearest = wide[1] + measured
+    numbers = [_floats(each) for each in (measured, nearest, nearest + wide[2], nearest + wide[3])]
+    m, r, low, high = (np.moveaxis(each, 0, -1).astype(np.float64) for each in numbers)
+    with np.errstate(invalid="ignore"):
+        r = np.where(np.isfinite(r), r + np.moveaxis(rest, 0, -1) / _REST * _ulp(r), r)
+    judged, outside = (np.moveaxis(flags & bit, 0, -1).astype(bool) for bit in (1, 2))
+    return Values(
+        size=tuple(head["size"]),
+        origin=tuple(head["origin"]),
+        unit=head["unit"],
+        whole=head["whole"],
+        measured=m,
+        reference=r,
+        low=low,
+        high=high,
+        judged=judged,
+        outside=outside,
+    )
+
+
+def judged_part(arrays: Mapping[str, Any], worst: tuple[int, int] | None = None) -> Values:
+    """The smallest part of a check's pictures that holds all judged values.
+
+    Args:
+        arrays: of shape (height, width, components): "measured", "exact", "low", "high" and
+            "outside"; "covered" (height, width), and "unit".
+        worst: (x, y) of the value to keep where the picture is too large to be kept whole.
+    """
+    height, width = arrays["covered"].shape
+    ys, xs = (np.flatnonzero(arrays["covered"].any(axis=axis)) for axis in (1, 0))
+    box = [(int(a[0]), int(a[-1]) + 1) if a.size else (0, 1) for a in (xs, ys)]
+    components = arrays["measured"].shape[2]
+    whole = (box[0][1] - box[0][0]) * (box[1][1] - box[1][0]) * components <= _MOST_VALUES
+    if not whole:
+        centre = worst or (box[0][0], box[1][0])
+        box = [_window(*ends, at) for ends, at in zip(box, centre, strict=True)]
+    part = slice(*box[1]), slice(*box[0])
+    measured = arrays["measured"][part].astype(np.float64)
+    judged = np.broadcast_to(arrays["covered"][part][..., None], measured.shape)
+    return Values(
+        size=(width, height),
+        origin=(box[0][0], box[1][0]),
+        unit=float(arrays["unit"]),
+        whole=whole,
+        measured=measured,
+        reference=arrays["exact"][part],
+        low=arrays["low"][part],
+        high=arrays["high"][part],
+        judged=judged,
+        outside=arrays["outside"][part],
+    )
+
+
+def _window(start: int, stop: int, centre: int) -> tuple[int, int]:
+    low = max(start, min(centre - _WINDOW // 2, stop - _WINDOW))
+    return low, min(stop, low + _WINDOW)
+
+
+def _columns(values: Values) -> list[bytes]:
+    judged = np.moveaxis(values.judged, -1, 0)
+
+    def planes(array: Floats) -> NDArray[np.float32]:
+        with np.errstate(over="ignore"):
+            narrow = np.moveaxis(array, -1, 0).astype(np.float32)
+        return np.where(judged, narrow, np.float32(0))
+
+    measured, nearest, low, high = (
+        _ordered(planes(a)) for a in (values.measured, values.reference, values.low, values.high)
+    )
+    exact = np.where(judged, np.moveaxis(values.reference, -1, 0), 0.0)
+    with np.errstate(invalid="ignore", over="ignore"):
+        near = exact.astype(np.float32).astype(np.float64)
+        left = np.nan_to_num((exact - near) / _ulp(near))
+    rest = np.rint(np.clip(left, -0.5, 0.5) * _REST).clip(-32768, 32767).astype(np.int16)
+    steps = measured.copy()
+    steps[:, :, 1:] -= measured[:, :, :-1]
+    steps[:, 1:, 0] -= measured[:, :-1, 0]
+    flags = judged.astype(np.uint8) + 2 * np.moveaxis(values.outside, -1, 0).astype(np.uint8)
+    return [
+        flags.tobytes(),
+        _fold(steps),
+        _fold(nearest - measured),
+        _split(rest),
+        _fold(low - nearest),
+        _fold(high - nearest),
+    ]
+
+
+def _ordered(values: NDArray[np.float32]) -> NDArray[np.int32]:
+    bits = np.ascontiguousarray(values).view(np.int32)
+    return np.where(bits < 0, bits ^ np.int32(0x7FFFFFFF), bits)
+
+
+def _floats(ordered: NDArray[np.int32]) -> NDArray[np.float32]:
+    bits = np.where(ordered < 0, ordered ^ np.int32(0x7FFFFFFF), ordered)
+    return np.ascontiguousarray(bits).view(np.float32)
+
+
+def _fold(numbers: NDArray[np.int32]) -> bytes:
+    return _split((numbers << 1) ^ (numbers >> 31))
+
+
+def _unfold(data: bytes, count: int) -> NDArray[np.int32]:
+    folded = np.frombuffer(_joined(data, count, 4), np.uint32)
+    return ((folded >> 1) ^ (np.uint32(0) - (folded & 1))).astype(np.int32)
+
+
+def _split(numbers: NDArray[Any]) -> bytes:
+    little = np.ascontiguousarray(numbers).astype(numbers.dtype.newbyteorder("<"))
+    return little.view(np.uint8).reshape(-1, numbers.dtype.itemsize).T.tobytes()
+
+
+def _joined(data: bytes, count: int, size: int) -> bytes:
+    return np.frombuffer(data, np.uint8, count * size).reshape(size, count).T.tobytes()
+
+
+def _ulp(values: Floats) -> Floats:
+    """float32's unit in the last place at values that it holds."""
+    with np.errstate(invalid="ignore", over="ignore"):
+        return np.spacing(np.abs(values).astype(np.float32)).astype(np.float64)

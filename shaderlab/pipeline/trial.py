@@ -1,0 +1,296 @@
+"""Judging scenes one expectation at a time: nothing is drawn, captured or probed before it is
+asked for, no pictures are made, and shaders can be replaced from one trial to the next.
+
+This is for whoever judges many versions of one shader; `Lab` judges one version in full.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+from shaderlab.catalogue import data_folder
+from shaderlab.checks import draw_key, judge, split_output
+from shaderlab.frame import Array, Bindings, Fragments, Frame, Image, PassDraw, Samples
+from shaderlab.gl import bind, capture, feedback
+from shaderlab.gl import programs as linking
+from shaderlab.gl.device import Device, open_device
+from shaderlab.gl.prepare import PreparedDraw, Preparer
+from shaderlab.gl.runner import Prepared, Runner, Session
+from shaderlab.gl.varyings import elements
+from shaderlab.glsl.compile import Compiled, compile_program
+from shaderlab.glsl.sources import Shaders, Source
+from shaderlab.model import (
+    CompileFails,
+    Computed,
+    Coverage,
+    Expectation,
+    GlError,
+    Scene,
+)
+from shaderlab.pipeline import plan
+from shaderlab.records import Outcome
+
+Texts = Mapping[str, str]
+Programs = Prepared
+"""Each pass's draws, compiled."""
+_MAY_KEEP_OUT = ("discard", "gl_FragDepth", "gl_SampleMask")
+
+
+class Bench:
+    """An open device on which trials are made. A context manager.
+
+    Args:
+        size: side in pixels of the square frame that is judged, where a case does not say.
+        driver: as in `shaderlab.gl.device.open_device`.
+    """
+
+    def __init__(self, size: int = 64, driver: str | None = None) -> None:
+        self._size = size
+        self._device: Device = open_device(driver)
+        self._programs = linking.Programs(self._device)
+        self._originals: dict[str, Preparer] = {}
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._device.close()
+
+    @property
+    def renderer(self) -> str:
+        """What draws."""
+        return self._device.info["renderer"]
+
+    def prepare(self, scene: Scene, texts: Texts) -> Programs:
+        """The scene's programs, compiled for OpenGL alone, with some shaders' texts replaced.
+
+        Raises:
+            ShaderError, CaseError: a program does not compile, or does not fit the scene's data.
+        """
+        folder = Path(scene.case.file).parent
+        preparer = _preparer(folder, texts)
+        if not texts:
+            preparer = self._originals.setdefault(str(folder), preparer)
+        prepared = {p.name: tuple(preparer.prepare(d) for d in p.draws) for p in scene.passes}
+        for draw in (draw for draws in prepared.values() for draw in draws):
+            _ = draw.interface  # raises the compiler's first error where there is one
+        return prepared
+
+    @contextmanager
+    def trial(
+        self, scene: Scene, prepared: Programs, *, like: Trial | None = None
+    ) -> Iterator[Trial]:
+        """Draw a scene and keep it on the device for judging.
+
+        Args:
+            scene: what to draw.
+            prepared: its programs, from `prepare`.
+            like: a trial of the same scene with the shaders' own texts, or None if this is it:
+                its programs and captured inputs are used again where they must be the same.
+
+        Raises:
+            ShaderError, UnsupportedError, CaseError: as `Session.run`.
+        """
+        runner = Runner(self._device)
+        # What a replaced text is linked to goes away with its trial.
+        runner.programs = self._programs if like is None else Borrowing(self._programs)
+        with runner.session(scene, prepared, (self._size,) * 2) as session:
+            drawn = session.run()
+            yield Trial(session, dict(drawn.images), dict(drawn.gl_errors), like)
+
+
+class Borrowing(linking.Programs):
+    """A program cache that looks into another one first, and leaves that as it is."""
+
+    def __init__(self, first: linking.Programs) -> None:
+        super().__init__(first._device)
+        self._first = first
+
+    def _link(self, stages: Mapping[str, str], feedback: Any) -> Any:
+        known = self._first._linked.get((tuple(sorted(stages.items())), tuple(feedback)))
+        return known if known is not None else super()._link(stages, feedback)
+
+
+@dataclass
+class Trial:
+    """One scene as it was drawn; captures and probes are made when they are first asked for.
+
+    Attributes:
+        session: the scene on the device; of use only while the trial is open.
+        images: attachments by (pass, output).
+        gl_errors: as in `Frame`.
+        like: the trial that may be borrowed from.
+    """
+
+    session: Session
+    images: dict[tuple[str, str], Image]
+    gl_errors: dict[PassDraw, tuple[int, ...]]
+    like: Trial | None
+
+    def __post_init__(self) -> None:
+        self._fragments: dict[PassDraw, Fragments] = {}
+        self._vertices: dict[PassDraw, Samples] = {}
+        self._probes: dict[int, Samples] = {}
+
+    @property
+    def scene(self) -> Scene:
+        """What was drawn."""
+        return self.session.scene
+
+    @property
+    def bindings(self) -> Mapping[PassDraw, Bindings]:
+        """Uniforms and textures by (pass, draw)."""
+        return self.session.bindings
+
+    @property
+    def captured_fragments(self) -> Mapping[PassDraw, Fragments]:
+        """The captures of fragments made so far."""
+        return self._fragments
+
+    @property
+    def captured_vertices(self) -> Mapping[PassDraw, Samples]:
+        """The captures of vertices made so far."""
+        return self._vertices
+
+    def draw(self, key: PassDraw) -> PreparedDraw:
+        """One draw of the scene, compiled."""
+        return self.session.prepared[key[0]][key[1]]
+
+    def inputs_of(self, key: PassDraw) -> dict[str, tuple[tuple[int, ...], str]]:
+        """The fragment inputs that `sample` takes: each one's shape and GLSL type."""
+        declared = self.draw(key).interface.varyings
+        return {v.name: (bind.shape_of(v.type), v.type) for v in elements(declared.values())}
+
+    def fragments(self, key: PassDraw) -> Fragments:
+        """What a draw's fragment shader got."""
+        if key not in self._fragments:
+            same = self.like is not None and self._gets_the_same(key[0], self.like)
+            self._fragments[key] = (
+                self.like.fragments(key)
+                if same and self.like is not None
+                else capture.fragments(self.session, key)
+            )
+        return self._fragments[key]
+
+    def vertices(self, key: PassDraw) -> Samples:
+        """What a draw's vertex shader got and gave."""
+        if key not in self._vertices:
+            own, like = self.draw(key), self.like
+            same = like is not None and all(
+                own.text(stage) == like.draw(key).text(stage) for stage in ("vertex", "geometry")
+            )
+            self._vertices[key] = (
+                like.vertices(key) if same and like else feedback.vertices(self.session, key)
+            )
+        return self._vertices[key]
+
+    def probe(self, index: int) -> Samples:
+        """What expectation `index`, a `value` or a `sweep`, has the program run on."""
+        if index not in self._probes:
+            expectation: Any = self.scene.expect[index]
+            self._probes[index] = plan.probe(self.session, expectation)
+        return self._probes[index]
+
+    def sample(
+        self, key: PassDraw, inputs: Mapping[str, Array], uniforms: Mapping[str, Array]
+    ) -> Samples:
+        """Run a draw's fragment stage on inputs and uniforms of one's own (see
+        `capture.probe_fragments`)."""
+        bindings = replace(self.bindings[key], uniforms={**self.bindings[key].uniforms, **uniforms})
+        return capture.probe_fragments(self.session, key, bindings, inputs)
+
+    def sample_vertices(
+        self, key: PassDraw, inputs: Mapping[str, Array], uniforms: Mapping[str, Array]
+    ) -> Samples:
+        """The same for the vertex stage of a draw of a mesh."""
+        bindings = replace(self.bindings[key], uniforms={**self.bindings[key].uniforms, **uniforms})
+        return feedback.probe_vertices(self.session, key, bindings, inputs)
+
+    def judge(self, index: int) -> Outcome:
+        """The outcome of expectation `index`; what no shader has a part in passes unread.
+
+        Raises:
+            CaseError, FormulaError: as `shaderlab.checks.judge`.
+        """
+        expectation = self.scene.expect[index]
+        if isinstance(expectation, Computed | CompileFails):
+            return Outcome(name=expectation.name, kind="skipped", status="pass")
+        return judge(index, self.scene, self._frame(index, expectation), {}).outcome
+
+    def _frame(self, index: int, expectation: Expectation) -> Frame:
+        """No more than this expectation needs."""
+        wants = plan.plan(replace(self.scene, expect=(expectation,)), self.session.prepared)
+        fragments = {key: self.fragments(key) for key in wants.fragments}
+        vertices = {key: self.vertices(key) for key in wants.vertices}
+        probes = {index: self.probe(index)} if wants.probes else {}
+        return Frame(
+            images=self.images,
+            order=tuple(p.name for p in self.scene.passes),
+            bindings=self.bindings,
+            fragments=fragments,
+            vertices=vertices,
+            probes=probes,
+            gl_errors=self.gl_errors,
+        )
+
+    def _gets_the_same(self, pass_name: str, other: Trial) -> bool:
+        """Whether the fragment shaders of a pass must get the same inputs as in another trial."""
+        for own, theirs in zip(
+            self.session.prepared[pass_name], other.session.prepared[pass_name], strict=True
+        ):
+            if own.draw is not theirs.draw:
+                return False  # other state may let other fragments through
+            for stage in ("vertex", "geometry"):
+                if own.text(stage) != theirs.text(stage):
+                    return False
+            texts = (own.text("fragment") or "") + (theirs.text("fragment") or "")
+            if own.text("fragment") != theirs.text("fragment") and any(
+                word in texts for word in _MAY_KEEP_OUT
+            ):
+                return False
+        return True
+
+
+def shaders_beside(folder: Path, texts: Texts) -> Shaders:
+    """Where a case in `folder` finds its shaders: beside it, in shaders/ there, or shipped."""
+    shipped = data_folder("shaders")
+    inside = folder.resolve().is_relative_to(data_folder("cases").resolve())
+    beside = [] if inside else [p for p in (folder, folder / "shaders") if p.is_dir()]
+    return Shaders([*beside, shipped], overrides=dict(texts))
+
+
+def judged_passes(scene: Scene) -> dict[int, str | None]:
+    """For each expectation of the scene, the pass it is about; None where no shader has a part."""
+    found: dict[int, str | None] = {}
+    for index, expectation in enumerate(scene.expect):
+        if isinstance(expectation, Computed | CompileFails):
+            found[index] = None
+        elif isinstance(expectation, Coverage | GlError):
+            found[index] = draw_key(scene, expectation.pass_name, expectation.draw)[0]
+        else:
+            name, _ = split_output(expectation.output, scene)
+            found[index] = scene.find_pass(name).name
+    return found
+
+
+class _OpenGLOnly(Preparer):
+    """Compiles for plain GLSL and OpenGL, which is a third of the work for all targets."""
+
+    def compile(self, sources: tuple[Source, ...]) -> Compiled:
+        if sources not in self._compiled:
+            self._compiled[sources] = compile_program(sources, ("glsl",))
+        return self._compiled[sources]
+
+
+def _preparer(folder: Path, texts: Texts) -> Preparer:
+    return _OpenGLOnly(shaders_beside(folder, texts))

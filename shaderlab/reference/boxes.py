@@ -1,0 +1,57 @@
+"""Which of several boxes a ray meets first: what a depth test must show, found without one.
+
+Source: T. Kay, J. Kajiya, "Ray tracing complex scenes", SIGGRAPH 1986 (a box as three slabs).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from shaderlab.reference.transforms import Matrix
+
+
+def slab_distance(origin: Matrix, direction: Matrix) -> Matrix:
+    """Where rays enter the unit box around the origin, in lengths of `direction`; inf if never.
+
+    Args:
+        origin, direction: (…, 3).
+
+    >>> float(slab_distance(np.array([0.0, 0.0, 3.0]), np.array([0.0, 0.0, -1.0])))
+    2.5
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ends = np.stack([(-0.5 - origin) / direction, (0.5 - origin) / direction])
+    enter, leave = ends.min(axis=0).max(axis=-1), ends.max(axis=0).min(axis=-1)
+    return np.where((enter >= 0.0) & (enter <= leave), enter, np.inf)
+
+
+def nearest_box(
+    x: ArrayLike, y: ArrayLike, size: tuple[int, int], models: Sequence[Matrix], camera: Matrix
+) -> NDArray[np.int64]:
+    """The unit box, 1 … n, that is seen at each of some places of the window; 0 for none.
+
+    Args:
+        x, y: in pixels from the lower left, of one shape; a pixel's centre is half a pixel in.
+        size: of the window.
+        models: the boxes' model matrices.
+        camera: projection · view.
+
+    >>> from shaderlab.reference.transforms import translate, perspective
+    >>> boxes = [translate((0, 0, -9)), translate((0, 0, -4))]
+    >>> int(nearest_box(32.0, 32.0, (64, 64), boxes, perspective(1.0, 1.0, 0.1, 50.0)))
+    2
+    """
+    device = [2.0 * np.asarray(v, np.float64) / n - 1.0 for v, n in zip((x, y), size, strict=True)]
+    places = np.stack(np.broadcast_arrays(*device, 0.0, 1.0), axis=-1)
+    depth = np.array([0.0, 0.0, 1.0, 0.0])
+    near, far = places - depth, places + depth
+    distances = []
+    for model in models:
+        back = np.linalg.inv(camera @ model).T
+        start, end = ((p @ back)[..., :3] / (p @ back)[..., 3:] for p in (near, far))
+        distances.append(slab_distance(start, end - start))
+    nearest = np.argmin(distances, axis=0)
+    return np.where(np.isfinite(np.min(distances, axis=0)), nearest + 1, 0)

@@ -1,0 +1,74 @@
+"""Window depth and what is left of the distance in it.
+
+Source: "The OpenGL Graphics System: A Specification", version 3.3 core (M. Segal, K. Akeley,
+2010), section 2.13.1 (window z from clip coordinates), with the projection matrix of version 1.0,
+section 2.9.2 (glFrustum); the form below is J. de Vries, "Learn OpenGL" (2020), chapter "Depth
+testing": F_depth = (1/z − 1/n) / (1/f − 1/n).
+
+All distances z are positive, along the view direction, in units of the scene: 0 < n ≤ z ≤ f.
+"""
+
+from __future__ import annotations
+
+from ..glslmath import Value
+
+
+def window_depth(distance: Value, near: Value, far: Value) -> Value:
+    """F_depth: the depth buffer's value, 0 at the near plane and 1 at the far one.
+
+    Args:
+        distance: z, n ≤ z ≤ f.
+        near, far: n and f, 0 < n < f.
+
+    Returns:
+        0…1; half of it lies before z = 2·n·f / (n + f).
+
+    >>> print(f"{window_depth(2.0, 1.0, 100.0):.6f} {window_depth(2.0, 0.1, 100.0):.6f}")
+    0.505051 0.950951
+    """
+    return (1.0 / distance - 1.0 / near) / (1.0 / far - 1.0 / near)
+
+
+def distance_of(depth: Value, near: Value, far: Value) -> Value:
+    """The inverse of `window_depth`: 2·n·f / (f + n − d·(f − n)), d = 2·depth − 1 being z in
+    normalised device coordinates.
+
+    Args:
+        depth: the depth buffer's value, 0…1.
+        near, far: as in `window_depth`.
+
+    Returns:
+        z, n…f.
+
+    >>> print(f"{distance_of(0.5, 1.0, 100.0):.6f}")
+    1.980198
+    """
+    ndc = 2.0 * depth - 1.0
+    return 2.0 * near * far / (far + near - ndc * (far - near))
+
+
+def linear_depth(distance: Value, near: Value, far: Value) -> Value:
+    """Depth as it would be if it were even in z: (z − n) / (f − n).
+
+    >>> print(f"{linear_depth(50.5, 1.0, 100.0):.6f}")
+    0.500000
+    """
+    return (distance - near) / (far - near)
+
+
+def depth_step(distance: Value, near: Value, far: Value, bits: int = 24) -> Value:
+    """How far apart two surfaces at z must be for a fixed-point depth buffer to tell them apart:
+    z²·(1/n − 1/f) / 2^bits, one code over the slope of `window_depth`.
+
+    Args:
+        distance: z, n ≤ z ≤ f.
+        near, far: as in `window_depth`.
+        bits: of the depth buffer, 16 or 24.
+
+    Returns:
+        A distance in units of the scene.
+
+    >>> print(f"{depth_step(50.0, 0.1, 100.0):.8f} {depth_step(50.0, 1.0, 100.0):.9f}")
+    0.00148863 0.000147521
+    """
+    return distance * distance * (1.0 / near - 1.0 / far) / 2.0**bits

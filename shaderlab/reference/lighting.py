@@ -1,0 +1,181 @@
+"""Phong's lighting term by term: one lamp, one surface, and what reaches the viewer.
+
+Sources: J. H. Lambert, "Photometria", 1760 (the cosine law); B. T. Phong, "Illumination for
+Computer Generated Pictures", Communications of the ACM 18(6), 1975 (ambient, diffuse and specular
+part, and the lobe around the mirrored ray); "The OpenGL Graphics System: A Specification",
+version 1.0 (M. Segal, K. Akeley, 1992), section 2.13.1 (materials and lights with a colour for
+each part, equation 2.1).
+
+Places and directions are (…, 3), factors (…, 1), colours (…, 3) in linear light.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from shaderlab.glslmath import Value, clamp, dot, max, normalize, pow, swizzle, vec4
+from shaderlab.reference.blinn_phong import phong
+
+
+def reflected_color(lightColor: Value, objectColor: Value) -> Value:
+    """What a surface throws back, channel by channel: light · colour.
+
+    >>> reflected_color(np.array([0.0, 1.0, 0.0]), np.array([1.0, 0.5, 0.31])).tolist()
+    [0.0, 0.5, 0.0]
+    """
+    return lightColor * objectColor
+
+
+def ambient_color(lightColor: Value, objectColor: Value, ambientStrength: Value) -> Value:
+    """Light from everywhere at once: the same on every side of a surface.
+
+    >>> ambient_color(np.ones(3), np.array([1.0, 0.5, 0.31]), 0.1).round(6).tolist()
+    [0.1, 0.05, 0.031]
+    """
+    return ambientStrength * lightColor * objectColor
+
+
+def diffuse_factor(FragPos: Value, Normal: Value, lightPos: Value) -> Value:
+    """Lambert's cosine at a fragment: max(N·L, 0), L from the fragment to the lamp.
+
+    Args:
+        FragPos, lightPos: in the same space, not in the same place.
+        Normal: of any length but 0.
+
+    >>> up, lamp = np.array([0.0, 0.0, 1.0]), np.array([1.2, 1.0, 2.0])
+    >>> print(f"{diffuse_factor(np.zeros(3), up, lamp).item():.6f}")
+    0.788110
+    """
+    return max(dot(normalize(Normal), normalize(lightPos - FragPos)), 0.0)
+
+
+def specular_factor(
+    FragPos: Value, Normal: Value, lightPos: Value, viewPos: Value, shininess: Value
+) -> Value:
+    """Phong's lobe at a fragment: (R·V)ˢ, 0 where R and V are 90° or more apart.
+
+    >>> up, lamp, eye = np.eye(3)[2], np.array([1.2, 1.0, 2.0]), np.array([0.0, 0.0, 3.0])
+    >>> print(f"{specular_factor(np.zeros(3), up, lamp, eye, 32.0).item():.9f}")
+    0.000490666
+    """
+    return phong(Normal, lightPos - FragPos, viewPos - FragPos, shininess)
+
+
+def diffuse_color(
+    FragPos: Value,
+    Normal: Value,
+    lightPos: Value,
+    lightColor: Value,
+    objectColor: Value,
+    ambientStrength: Value,
+) -> Value:
+    """Ambient and diffuse part together, (…, 4).
+
+    >>> up, lamp, coral = np.eye(3)[2], np.array([1.2, 1.0, 2.0]), np.array([1.0, 0.5, 0.31])
+    >>> diffuse_color(np.zeros(3), up, lamp, np.ones(3), coral, 0.1).round(6).tolist()
+    [0.88811, 0.444055, 0.275314, 1.0]
+    """
+    share = ambientStrength + diffuse_factor(FragPos, Normal, lightPos)
+    return vec4(share * lightColor * objectColor, 1.0)
+
+
+def phong_color(
+    FragPos: Value,
+    Normal: Value,
+    lightPos: Value,
+    viewPos: Value,
+    lightColor: Value,
+    objectColor: Value,
+    ambientStrength: Value,
+    diffuseStrength: Value,
+    specularStrength: Value,
+    shininess: Value,
+) -> Value:
+    """All three parts, each with a strength of its own, times the object's colour, (…, 4).
+
+    >>> up, lamp, coral = np.eye(3)[2], np.array([1.2, 1.0, 2.0]), np.array([1.0, 0.5, 0.31])
+    >>> eye, white = np.array([0.0, 0.0, 3.0]), np.ones(3)
+    >>> color = phong_color(np.zeros(3), up, lamp, eye, white, coral, 0.1, 1.0, 0.5, 32.0)
+    >>> color.round(6).tolist()
+    [0.888356, 0.444178, 0.27539, 1.0]
+    """
+    share = (
+        ambientStrength
+        + diffuseStrength * diffuse_factor(FragPos, Normal, lightPos)
+        + specularStrength * specular_factor(FragPos, Normal, lightPos, viewPos, shininess)
+    )
+    return vec4(share * lightColor * objectColor, 1.0)
+
+
+def half_power_angle(shininess: float) -> float:
+    """The angle from the middle of a lobe at which half of it is left, in degrees.
+
+    arccos(0.5^(1/s)): cosˢ is one half there.
+
+    >>> print(f"{half_power_angle(2):.6f} {half_power_angle(32):.6f}")
+    45.000000 11.882461
+    """
+    return math.degrees(math.acos(0.5 ** (1.0 / shininess)))
+
+
+def lit_material(
+    FragPos: Value,
+    Normal: Value,
+    viewPos: Value,
+    material_ambient: Value,
+    material_diffuse: Value,
+    material_specular: Value,
+    material_shininess: Value,
+    light_position: Value,
+    light_ambient: Value,
+    light_diffuse: Value,
+    light_specular: Value,
+) -> Value:
+    """A material under a lamp, each with a colour for each part: (…, 4).
+
+    >>> coral, half, up = np.array([1.0, 0.5, 0.31]), np.full(3, 0.5), np.eye(3)[2]
+    >>> lamp, eye, one = np.array([1.2, 1.0, 2.0]), np.array([0.0, 0.0, 3.0]), np.ones(3)
+    >>> lit = lit_material(np.zeros(3), up, eye, coral, coral, half, 32.0, lamp, one, one, one)
+    >>> lit.round(6).tolist()
+    [1.788356, 0.894301, 0.55456, 1.0]
+    """
+    diff = diffuse_factor(FragPos, Normal, light_position)
+    spec = specular_factor(FragPos, Normal, light_position, viewPos, material_shininess)
+    ambient = light_ambient * material_ambient
+    diffuse = light_diffuse * (diff * material_diffuse)
+    specular = light_specular * (spec * material_specular)
+    return vec4(ambient + diffuse + specular, 1.0)
+
+
+def finished(texture: Callable[[Any, Value], Value]) -> Callable[..., Value]:
+    """A picture of a scene drawn twice as large: the mean of four texels, encoded for a display.
+
+    Each texel is cut to what a display can show before the mean is taken, so that a bright
+    point does not make its neighbours white; a gamma of 2.2 encodes.
+
+    Args:
+        texture: how the scene is read; `shaderlab.sampling.texture`.
+
+    >>> class Scene:
+    ...     texels = type("Texels", (), {"values": np.zeros((4, 4, 1))})
+    >>> made = finished(lambda scene, uv: vec4(uv, 2.0, 1.0))(Scene, np.array([0.5, 0.25]))
+    >>> made.round(6).tolist()
+    [0.72974, 0.532521, 1.0, 1.0]
+    """
+
+    def mean_of_four(scene: Any, TexCoords: Value) -> Value:
+        height, width = scene.texels.values.shape[:2]
+        across, up = 0.5 / width, 0.5 / height
+
+        def shown(x: float, y: float) -> Value:
+            light = swizzle(texture(scene, TexCoords + np.array([x, y])), "xyz")
+            return clamp(light, 0.0, 1.0)
+
+        total = shown(-across, -up) + shown(across, up) + shown(-across, up) + shown(across, -up)
+        return vec4(pow(clamp(0.25 * total, 1.0e-6, 1.0), 1.0 / 2.2), 1.0)
+
+    return mean_of_four

@@ -1,0 +1,69 @@
+"""The light in which scenes about transforms are shown, and the softening of their edges.
+
+Source: J. H. Lambert, "Photometria", 1760 (the cosine law); a sky of even brightness seen from a
+surface facing n lights it in proportion to (1 + n·up) / 2.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from shaderlab.glslmath import Value, clamp, dot, max, normalize, pow, swizzle, vec3, vec4
+
+
+def studio_color(Color: Value, Normal: Value) -> Value:
+    """Colour of a surface under the studio's lamp and sky, encoded with a gamma of 2.2.
+
+    Args:
+        Color: the surface's own colour, (…, 3), linear, 0…1.
+        Normal: of any length but 0, (…, 3).
+
+    Returns:
+        (…, 4), alpha 1.
+
+    >>> studio_color(np.array([0.5, 0.5, 0.5]), np.array([0.0, 2.0, 0.0])).round(6).tolist()
+    [0.742866, 0.742866, 0.742866, 1.0]
+    """
+    normal = normalize(Normal)
+    lamp = max(dot(normal, vec3(-0.36, 0.80, 0.48)), 0.0)
+    sky = 0.5 + 0.5 * swizzle(normal, "y")
+    light = Color * (0.30 + 0.30 * sky + 0.55 * lamp)
+    return vec4(pow(clamp(light, 1.0e-6, 1.0), 1.0 / 2.2), 1.0)
+
+
+def handed_on(aColor: Value) -> Value:
+    """A vertex's colour, which the vertex shader only passes on.
+
+    >>> handed_on(0.25)
+    0.25
+    """
+    return aColor
+
+
+def softened(texture: Callable[[Any, Value], Value]) -> Callable[..., Value]:
+    """The mean of the four texels that a pixel of half the resolution covers, as a formula.
+
+    Args:
+        texture: how the texture is read; `shaderlab.sampling.texture`.
+
+    >>> class Scene:
+    ...     texels = type("Texels", (), {"values": np.zeros((4, 4, 1))})
+    >>> softened(lambda scene, uv: vec4(uv, 0.0, 1.0))(Scene, np.array([1.5, 0.5, 0, 1])).tolist()
+    [0.75, 0.25, 0.0, 1.0]
+    """
+
+    def mean_of_four(scene: Any, frag_coord: Value) -> Value:
+        height, width = scene.texels.values.shape[:2]
+        corner = swizzle(frag_coord, "xy") * 2.0
+        texel = np.array([1.0 / width, 1.0 / height])
+        a, b, c, d = (
+            texture(scene, (corner + np.array([x, y])) * texel)
+            for y in (-0.5, 0.5)
+            for x in (-0.5, 0.5)
+        )
+        return (a + b + c + d) * 0.25
+
+    return mean_of_four

@@ -1,0 +1,107 @@
+"""A run in a few lines of GitHub-flavoured Markdown, for a job's summary or a comment."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+
+from shaderlab.records import Outcome, Record, Run
+from shaderlab.report.grouping import (
+    CHAPTERS,
+    PASSABLE,
+    STATUS_WORDS,
+    STATUSES,
+    CaseGroup,
+    group_cases,
+    total,
+)
+from shaderlab.report.text import clean, count, duration, figure, plural, short
+
+_SIGNS = {"pass": "✅", "unsupported": "➖"}
+# GitHub cuts summaries off at 1 MiB; nobody reads further than this anyway.
+_MOST_FAILURES = 50
+
+
+def summary(run: Run) -> str:
+    """The verdict, a line a chapter, and what failed with its worst value.
+
+    Every string from a shader, a case or a driver is escaped: none of it is markup.
+    """
+    cases = group_cases(run.records)
+    totals = total(run, cases)
+    bad = totals.bad
+    if not cases:
+        verdict = "Nothing was run"
+    elif bad:
+        verdict = f"{count(bad)} of {plural(len(cases), 'case')} did not pass"
+    elif totals.good:
+        verdict = f"{count(totals.cases['pass'])} of {plural(len(cases), 'case')} passed"
+    else:
+        verdict = "Nothing was checked"
+    lines = [f"## {'❌' if bad else '✅' if totals.good else '➖'} {verdict}", ""]
+    lines.append(
+        f"{plural(totals.judged, 'value')} judged, {count(totals.outside)} outside their band · "
+        f"{plural(totals.variants.total(), 'variant')} · {duration(run.seconds)} · "
+        f"{escape(run.driver.get('renderer', 'no driver'))}"
+    )
+    if cases:
+        lines += ["", *_chapters(cases)]
+    failed = [r for case in cases for r in case.records if r.status not in PASSABLE]
+    if failed:
+        lines += ["", "### What did not pass", ""]
+        for record in failed[:_MOST_FAILURES]:
+            lines += _failure(record)
+        if len(failed) > _MOST_FAILURES:
+            lines.append(f"- and {plural(len(failed) - _MOST_FAILURES, 'more variant')}")
+    return "\n".join(lines) + "\n"
+
+
+def escape(text: str) -> str:
+    """One line of text with nothing in it that Markdown, HTML or GitHub would act upon.
+
+    >>> escape("a|b <i> @x *y*")
+    'a\\\\|b &lt;i&gt; &#64;x \\\\*y\\\\*'
+    """
+    line = " ".join(clean(text).split())
+    line = line.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
+    line = re.sub(r"([\\`*_{}\[\]()#+!|~$-])", r"\\\1", line)
+    # Mentions and links are made of plain text too.
+    return line.replace("@", "&#64;").replace("://", "&#58;//").replace("www.", "www&#46;")
+
+
+def _chapters(cases: list[CaseGroup]) -> Iterable[str]:
+    present = [s for s in reversed(STATUSES) if any(case.status == s for case in cases)]
+    yield "| Chapter | " + " | ".join(STATUS_WORDS[status] for status in present) + " |"
+    yield "|---" * (len(present) + 1) + "|"
+    for number, name in CHAPTERS.items():
+        members = [case for case in cases if case.chapter == number]
+        if members:
+            numbers = [sum(case.status == status for case in members) for status in present]
+            title = f"{number} {name}" if number else name
+            yield f"| {title} | " + " | ".join(str(n or "") for n in numbers) + " |"
+
+
+def _failure(record: Record) -> Iterable[str]:
+    sign = _SIGNS.get(record.status, "❌")
+    name = escape(f"{record.id}[{record.variant}]" if record.variant != "default" else record.id)
+    yield f"- {sign} **{name}** {STATUS_WORDS[record.status]} · {escape(record.title)}"
+    if record.message:
+        yield f"  - {escape(record.message)}"
+    for outcome in record.expectations:
+        if outcome.status != "pass":
+            yield f"  - {_outcome(outcome)}"
+
+
+def _outcome(outcome: Outcome) -> str:
+    parts = [f"{escape(outcome.name)}: {escape(outcome.message) or 'does not hold'}"]
+    worst = outcome.worst
+    if worst is not None and worst.component < min(map(len, (worst.measured, worst.low))):
+        c = worst.component
+        place = f"pixel {worst.pixel}: " if worst.pixel else ""
+        parts.append(
+            f"{place}measured {figure(worst.measured[c])}, "
+            f"band {figure(worst.low[c])} … {figure(worst.high[c])} "
+            f"({short(worst.ulp)} ULP from the reference)"
+        )
+    parts += [f"{escape(source.file)}:{source.line}" for source in outcome.sources]
+    return " · ".join(parts)

@@ -1,0 +1,80 @@
+// Unpacks a check's numbers; shaderlab/pictures/values.py says how they were packed.
+
+/** The numbers in base64 text; rejects where the browser has no DecompressionStream. */
+async function unpackValues(text) {
+  const packed = Uint8Array.from(atob(text.trim()), (c) => c.charCodeAt(0));
+  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
+  const bytes = new Uint8Array(await new Response(stream).arrayBuffer());
+  const end = bytes.indexOf(10);
+  const head = JSON.parse(new TextDecoder().decode(bytes.subarray(0, end)));
+  const { rows, columns, components } = head;
+  const count = rows * columns * components;
+  const body = bytes.subarray(end + 1);
+
+  const byte = (start, size, i, b) => body[start + b * count + i] << (8 * b);
+  const folded = (start, i) => {
+    const n = byte(start, 4, i, 0) | byte(start, 4, i, 1) | byte(start, 4, i, 2)
+      | byte(start, 4, i, 3);
+    return (n >>> 1) ^ -(n & 1);
+  };
+  const measured = new Int32Array(count);
+  const nearest = new Int32Array(count);
+  const low = new Int32Array(count);
+  const high = new Int32Array(count);
+  const reference = new Float64Array(count);
+  for (let i = 0; i < count; i += 1) {
+    const column = i % columns;
+    const row = Math.floor(i / columns) % rows;
+    const before = column ? measured[i - 1] : row ? measured[i - columns] : 0;
+    measured[i] = before + folded(count, i);
+    nearest[i] = measured[i] + folded(5 * count, i);
+    low[i] = nearest[i] + folded(11 * count, i);
+    high[i] = nearest[i] + folded(15 * count, i);
+  }
+  const near = floatsOf(nearest);
+  for (let i = 0; i < count; i += 1) {
+    const rest = (byte(9 * count, 2, i, 0) | byte(9 * count, 2, i, 1)) << 16 >> 16;
+    reference[i] = Number.isFinite(near[i]) && rest
+      ? near[i] + (rest / 65535) * ulpOf(near[i]) : near[i];
+  }
+  return {
+    ...head,
+    flags: body.subarray(0, count),
+    measured: floatsOf(measured),
+    reference,
+    low: floatsOf(low),
+    high: floatsOf(high),
+  };
+}
+
+/** Floats whose bits, ordered as the floats are, stand in an Int32Array; changes it. */
+function floatsOf(ordered) {
+  for (let i = 0; i < ordered.length; i += 1) if (ordered[i] < 0) ordered[i] ^= 0x7fffffff;
+  return new Float32Array(ordered.buffer);
+}
+
+/** Where component c of pixel (x, y) stands in the arrays, or −1 if it was not judged. */
+function indexOf(values, x, y, c) {
+  const column = x - values.origin[0];
+  const row = y - values.origin[1];
+  if (column < 0 || row < 0 || column >= values.columns || row >= values.rows) return -1;
+  const index = (c * values.rows + row) * values.columns + column;
+  return values.flags[index] & 1 ? index : -1;
+}
+
+/** Signed distance from the band's middle in half widths; ±Infinity outside. */
+function placeOf(values, i) {
+  const middle = values.low[i] / 2 + values.high[i] / 2;
+  const half = values.high[i] / 2 - values.low[i] / 2;
+  const value = values.measured[i];
+  if (values.flags[i] & 2) return value < middle ? -Infinity : Infinity;
+  if (!(half > 0) || !Number.isFinite(half) || Number.isNaN(value)) return 0;
+  return Math.max(-1, Math.min(1, (value - middle) / half));
+}
+
+/** Distance to the reference in ULP, or in codes of a fixed-point format. */
+function ulpDistance(values, i) {
+  if (!Number.isFinite(values.reference[i])) return NaN;
+  const unit = values.unit || ulpOf(values.reference[i]);
+  return Math.abs(values.measured[i] - values.reference[i]) / unit;
+}

@@ -1,0 +1,201 @@
+"""Those who run jobs: a `Crew` of worker processes, or one `Solo` in this process.
+
+Both are a `Team`: they load case files, say what driver they have, and give a record for each
+job, whatever becomes of it.
+"""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import TYPE_CHECKING, Protocol
+
+from shaderlab.errors import CaseError
+from shaderlab.records import Record
+from shaderlab.running.jobs import (
+    About,
+    CaseFacts,
+    Describe,
+    Job,
+    Limits,
+    Load,
+    Perform,
+    Setup,
+)
+from shaderlab.running.lost import lost
+from shaderlab.running.steps import Steps
+from shaderlab.workers import Limits as PoolLimits
+from shaderlab.workers import Outcome, Pool
+
+if TYPE_CHECKING:
+    from shaderlab.pipeline import Lab
+
+Heard = Callable[[Job, Record], None]
+
+
+class Team(Protocol):
+    """Whoever runs jobs. Give it back with `close`."""
+
+    def about(self) -> About:
+        """The driver and the packages that jobs run on."""
+
+    def load(self, files: Sequence[Path]) -> list[CaseFacts]:
+        """What is in each case file; one that is wrong costs nothing but itself."""
+
+    def run(self, jobs: Sequence[Job], setup: Setup, heard: Heard) -> Iterator[Record]:
+        """Each job's record, in the jobs' order. `heard` gets each as soon as it is there, which
+        may be in another order, and from another thread."""
+
+    def close(self) -> None:
+        """End everything, whatever it is doing."""
+
+
+class Crew:
+    """Worker processes. They start at once, so that they get ready while others get ready too.
+
+    Args:
+        driver: as in `shaderlab.gl.device.open_device`.
+        limits: what one scene may take.
+        workers: how many there are.
+    """
+
+    def __init__(
+        self, driver: str | None = None, limits: Limits | None = None, workers: int = 1
+    ) -> None:
+        self._driver = driver
+        self._limits = limits = limits or Limits()
+        self._folder = Path(tempfile.mkdtemp(prefix="shaderlab-"))
+        self._pool = Pool(
+            "shaderlab.running.working:answer",
+            limits=PoolLimits(seconds=limits.seconds, memory=int(limits.gigabytes * (1 << 30))),
+            jobs=workers,
+            batch=1,
+        )
+        self._thread = ThreadPoolExecutor(1)
+        self._about = self._thread.submit(self._ask_about)
+
+    def about(self) -> About:
+        """See `Team`. Where the driver takes the process down, "renderer" is "none"."""
+        return self._about.result()
+
+    def load(self, files: Sequence[Path]) -> list[CaseFacts]:
+        """See `Team`."""
+        outcomes = self._pool.each([Load(file) for file in files])
+        return [_facts(file, outcome) for file, outcome in zip(files, outcomes, strict=True)]
+
+    def run(self, jobs: Sequence[Job], setup: Setup, heard: Heard) -> Iterator[Record]:
+        """See `Team`."""
+        path = self._folder / "steps"
+        Steps.create(path, len(jobs))
+        steps = Steps(path)
+        sound = [(slot, job) for slot, job in enumerate(jobs) if not job.broken]
+        questions = [Perform(setup, job, path, slot) for slot, job in sound]
+
+        def record_of(outcome: Outcome) -> Record:
+            question: Perform = outcome.item
+            if outcome.status == "done":
+                record: Record = outcome.result
+                return record
+            return self._lost(question.job, outcome, steps.read(question.slot))
+
+        def told(outcome: Outcome) -> None:
+            heard(outcome.item.job, record_of(outcome))
+
+        outcomes = self._pool.each(questions, heard=told)
+        for job in jobs:
+            if job.broken:
+                record = lost(job, job.broken, job.trouble)
+                heard(job, record)
+                yield record
+            else:
+                yield record_of(next(outcomes))
+
+    def close(self) -> None:
+        """See `Team`."""
+        self._pool.close()
+        self._thread.shutdown(wait=True, cancel_futures=True)
+        shutil.rmtree(self._folder, ignore_errors=True)
+
+    def _ask_about(self) -> About:
+        (outcome,) = self._pool.each([Describe(self._driver)])
+        if outcome.status == "done":
+            about: About = outcome.result
+            return about
+        said = str(outcome.result) if outcome.status == "error" else outcome.message
+        return About(driver={"renderer": "none", "vendor": "", "version": said, "glsl": ""})
+
+    def _lost(self, job: Job, outcome: Outcome, step: str) -> Record:
+        message = str(outcome.result) if outcome.status == "error" else outcome.message
+        driver = self.about().driver.get("renderer", "")
+        seconds = self._limits.seconds if outcome.status == "timeout" else 0.0
+        return lost(job, outcome.status, message, step=step, driver=driver, seconds=seconds)
+
+
+class Solo:
+    """Runs jobs in this very process: nothing is isolated, and debuggers work."""
+
+    def __init__(self, driver: str | None = None) -> None:
+        self._setup = Setup(driver=driver)
+        self._open: Lab | None = None
+
+    def about(self) -> About:
+        """See `Team`."""
+        lab = self._lab()
+        return About(driver=dict(lab.driver), versions=dict(lab.versions))
+
+    def load(self, files: Sequence[Path]) -> list[CaseFacts]:
+        """See `Team`."""
+        from shaderlab.running.working import facts
+
+        found = []
+        for file in files:
+            try:
+                found.append(facts(file))
+            except CaseError as error:
+                found.append(_wrong(file, "error", error))
+        return found
+
+    def run(self, jobs: Sequence[Job], setup: Setup, heard: Heard) -> Iterator[Record]:
+        """See `Team`."""
+        from shaderlab.running.working import options_of, scenes_of
+
+        self._setup = setup
+        if self._open is not None:
+            self._open.configure(options_of(setup))
+        for job in jobs:
+            if job.broken:
+                record = lost(job, job.broken, job.trouble)
+            else:
+                record = self._lab().run(scenes_of(job.file)[job.variant])
+            heard(job, record)
+            yield record
+
+    def close(self) -> None:
+        """See `Team`."""
+        if self._open is not None:
+            self._open.close()
+
+    def _lab(self) -> Lab:
+        from shaderlab import pipeline
+        from shaderlab.running.working import options_of
+
+        if self._open is None:
+            self._open = pipeline.Lab(options_of(self._setup))
+        return self._open
+
+
+def _facts(file: Path, outcome: Outcome) -> CaseFacts:
+    if outcome.status == "done":
+        found: CaseFacts = outcome.result
+        return found
+    if isinstance(outcome.result, CaseError):
+        return _wrong(file, outcome.status, outcome.result)
+    said = outcome.message or str(outcome.result)
+    return _wrong(file, outcome.status, CaseError(f"importing the case file: {said}", file=file))
+
+
+def _wrong(file: Path, status: str, error: CaseError) -> CaseFacts:
+    return CaseFacts(file=str(file), id=file.stem.replace("_", "-"), error=error, status=status)

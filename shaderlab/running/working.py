@@ -1,0 +1,101 @@
+"""The worker's side: one open lab, case files loaded once each, and an answer for each question.
+
+This module is what a worker imports before it says that it is ready, so that the time limit of
+its first job is not spent on imports.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cache, lru_cache
+from pathlib import Path
+
+from shaderlab.catalogue import load_case
+from shaderlab.model import Scene
+from shaderlab.pipeline import Lab, Options
+from shaderlab.records import Record
+from shaderlab.running.jobs import About, CaseFacts, Describe, Load, Perform, Question, Setup
+from shaderlab.running.steps import Steps
+
+
+def answer(questions: Sequence[Question]) -> Iterator[About | CaseFacts | Record]:
+    """An answer to each question, in order."""
+    for question in questions:
+        if isinstance(question, Describe):
+            lab = _station().open(question.driver)
+            yield About(driver=dict(lab.driver), versions=dict(lab.versions))
+        elif isinstance(question, Load):
+            yield facts(question.file)
+        else:
+            yield _station().perform(question)
+
+
+def facts(file: Path) -> CaseFacts:
+    """What is in a case file. Raises CaseError."""
+    scenes = list(scenes_of(str(file)).values())
+    case = scenes[0].case
+    return CaseFacts(
+        file=case.file,
+        id=case.id,
+        title=case.title,
+        section=case.section,
+        variants=tuple(scene.variant for scene in scenes),
+    )
+
+
+def options_of(setup: Setup) -> Options:
+    """The lab's options for a run."""
+    return Options(
+        size=setup.size,
+        folder=setup.folder if setup.pictures else None,
+        shaders=dict(setup.shaders),
+        driver=setup.driver,
+        frames=setup.frames,
+    )
+
+
+class _Station:
+    """An open lab that writes down what it does."""
+
+    def __init__(self) -> None:
+        self._lab: Lab | None = None
+        self._setup: Setup | None = None
+        self._steps: Steps | None = None
+        self._place: tuple[Path, int] | None = None
+
+    def open(self, driver: str | None) -> Lab:
+        if self._lab is None:
+            self._lab = Lab(Options(driver=driver), self._note)
+        return self._lab
+
+    def perform(self, question: Perform) -> Record:
+        lab = self.open(question.setup.driver)
+        if lab.exhausted:
+            # What ran out of memory may have left the driver half way. A new process costs less
+            # than a doubt about every later record; the parent starts it and asks again.
+            os._exit(1)
+        if self._place is None or self._place[0] != question.steps:
+            self._steps = Steps(question.steps)
+        self._place = (question.steps, question.slot)
+        if question.setup != self._setup:
+            self._setup = question.setup
+            lab.configure(options_of(question.setup))
+        self._note("loading the case file")
+        scene = scenes_of(question.job.file)[question.job.variant]
+        return lab.run(scene)
+
+    def _note(self, step: str) -> None:
+        if self._steps is not None and self._place is not None:
+            self._steps.write(self._place[1], step)
+
+
+@lru_cache(maxsize=1)
+def _station() -> _Station:
+    return _Station()
+
+
+@cache
+def scenes_of(file: str) -> Mapping[str, Scene]:
+    """The scenes of a case file by variant, loaded once. Raises CaseError."""
+    return {scene.variant: scene for scene in load_case(Path(file)).scenes()}

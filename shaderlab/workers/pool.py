@@ -1,0 +1,141 @@
+"""Several workers side by side: items in, one outcome for each out, in the items' order."""
+
+from __future__ import annotations
+
+import itertools
+import queue
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from shaderlab.workers.process import DiedError, Limits, Process
+
+BATCH = 32
+"""Items sent at once: enough that sending costs little, few enough that progress is seen."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of one item.
+
+    Attributes:
+        item: the item itself.
+        status: "done"; "crash" or "timeout" where the worker died on it; "error" where the work
+            raised an exception.
+        result: what the work gave, the exception where it raised one, else None.
+        message: how the worker died.
+    """
+
+    item: Any
+    status: Literal["done", "crash", "timeout", "error"]
+    result: Any = None
+    message: str = ""
+
+
+class Pool:
+    """Workers that share the items of `each`. Use it in a `with` statement.
+
+    Args:
+        work: the function to call, as "module:function", since workers import it by its name.
+            It takes a sequence of items and gives one result for each, in order.
+        limits: of each item.
+        jobs: how many workers.
+        batch: how many items a worker is sent at once.
+    """
+
+    def __init__(
+        self, work: str, *, limits: Limits | None = None, jobs: int = 1, batch: int = BATCH
+    ) -> None:
+        self._processes = [Process(work, limits or Limits()) for _ in range(max(jobs, 1))]
+        self._idle: queue.SimpleQueue[Process] = queue.SimpleQueue()
+        for process in self._processes:
+            self._idle.put(process)
+        self._threads = ThreadPoolExecutor(len(self._processes))
+        self._batch = max(batch, 1)
+        self._closed = False
+
+    def __enter__(self) -> Pool:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """End all workers, whatever they are doing."""
+        self._closed = True
+        for process in self._processes:
+            process.close()
+        self._threads.shutdown(wait=True, cancel_futures=True)
+        for process in self._processes:
+            process.close()  # one that a thread started in the meantime
+
+    def start(self) -> None:
+        """Start a worker now, in the background, and not with the first items."""
+        self._threads.submit(self._run, [])
+
+    def each(
+        self, items: Iterable[Any], heard: Callable[[Outcome], None] | None = None
+    ) -> Iterator[Outcome]:
+        """Each item's outcome, in order. Only a few batches are taken from `items` ahead of what
+        was asked for, so memory does not grow with their number.
+
+        Args:
+            items: what to work on.
+            heard: called with each outcome as soon as it is there, in whatever order, from the
+                thread that got it.
+
+        Raises:
+            ShaderlabError: no worker can be started at all.
+        """
+        waiting: deque[Future[list[Outcome]]] = deque()
+        rest = iter(items)
+        ahead = max(len(self._processes) + 1, BATCH // self._batch)
+        for batch in iter(lambda: list(itertools.islice(rest, self._batch)), []):
+            waiting.append(self._threads.submit(self._run, batch, heard))
+            if len(waiting) > ahead:
+                yield from waiting.popleft().result()
+        while waiting:
+            yield from waiting.popleft().result()
+
+    def _run(
+        self, batch: Sequence[Any], heard: Callable[[Outcome], None] | None = None
+    ) -> list[Outcome]:
+        process = self._idle.get()
+        try:
+            outcomes: list[Outcome] = []
+            process.start()
+            while len(outcomes) < len(batch) and not self._closed:
+                some = self._some(process, batch[len(outcomes) :])
+                outcomes += some
+                if heard is not None and not self._closed:
+                    for outcome in some:
+                        heard(outcome)
+            return outcomes
+        finally:
+            self._idle.put(process)
+
+    def _some(self, process: Process, items: Sequence[Any]) -> list[Outcome]:
+        """The outcomes of the items up to the first that went wrong, that one included."""
+        outcomes: list[Outcome] = []
+        try:
+            for kind, value in process.answers(items):
+                status: Literal["done", "error"] = "done" if kind == "done" else "error"
+                outcomes.append(Outcome(items[len(outcomes)], status, value))
+        except DiedError as error:
+            item = items[len(outcomes)]
+            if error.status == "crash" and not process.fresh and not self._closed:
+                # Perhaps an earlier item left the memory in disorder: ask once more, alone.
+                outcomes.append(_alone(process, item))
+            else:
+                outcomes.append(Outcome(item, error.status, None, error.message))
+        return outcomes
+
+
+def _alone(process: Process, item: Any) -> Outcome:
+    try:
+        kind, value = next(iter(process.answers([item])))
+        return Outcome(item, "done" if kind == "done" else "error", value)
+    except DiedError as error:
+        return Outcome(item, error.status, None, error.message)

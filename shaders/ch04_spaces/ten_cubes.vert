@@ -1,0 +1,18 @@
+#version 330 core
+layout (location = 0) in vec3 aPos;
+layout (location = 1) in vec3 aNormal;
+layout (location = 2) in vec2 aTexCoords;
+
+uniform mat4 model;
+uniform mat4 view;
+uniform mat4 projection;
+
+out vec3 Normal;
+out vec2 TexCoords;
+
+void main()
+{
+    Normal = mat3(model) * aNormal;   // the boxes are only turned and moved
+    TexCoords = aTexCoords;
+    gl_Position = projection * (view * (model * vec4(aPos, 1.0)));
+}

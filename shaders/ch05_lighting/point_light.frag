@@ -1,0 +1,23 @@
+#version 330 core
+#include "lib/lights.glsl"
+
+in vec3 FragPos;
+in vec3 Normal;
+in vec3 Color;
+
+uniform vec3 viewPos;
+uniform vec3 specular;
+uniform float shininess;
+uniform PointLight light;
+
+layout (location = 0) out vec4 FragColor;
+layout (location = 1) out float attenuation;
+
+void main()
+{
+    vec3 viewDir = normalize(viewPos - FragPos);
+    Surface surface = Surface(FragPos, normalize(Normal), viewDir, Color, specular, shininess);
+    float away = length(light.position - FragPos);
+    attenuation = fading(away, light.constant, light.linear, light.quadratic);
+    FragColor = vec4(fromPointLight(light, surface), 1.0);
+}

@@ -1,0 +1,84 @@
+// Three kinds of lamps, and what each of them adds to a surface's colour.
+#include "lib/phong.glsl"
+
+struct Surface {
+    vec3 place;
+    vec3 normal;      // of unit length
+    vec3 viewDir;     // of unit length, towards the viewer
+    vec3 diffuse;     // also its ambient colour
+    vec3 specular;
+    float shininess;
+};
+
+struct DirLight {
+    vec3 direction;   // the way its light travels
+    vec3 ambient;
+    vec3 diffuse;
+    vec3 specular;
+};
+
+struct PointLight {
+    vec3 position;
+    float constant;
+    float linear;
+    float quadratic;
+    vec3 ambient;
+    vec3 diffuse;
+    vec3 specular;
+};
+
+struct SpotLight {
+    vec3 position;
+    vec3 direction;
+    float cutOff;        // cosine of the inner cone's half angle
+    float outerCutOff;   // cosine of the outer cone's half angle
+    float constant;
+    float linear;
+    float quadratic;
+    vec3 ambient;
+    vec3 diffuse;
+    vec3 specular;
+};
+
+// The part that has a direction: diffuse and specular.
+vec3 directed(Surface surface, vec3 lightDir, vec3 diffuse, vec3 specular)
+{
+    float diff = diffuseFactor(surface.normal, lightDir);
+    float spec = specularFactor(surface.normal, lightDir, surface.viewDir, surface.shininess);
+    return diffuse * (diff * surface.diffuse) + specular * (spec * surface.specular);
+}
+
+// What is left of the light at the surface: the law of lib/attenuation.glsl.
+float fading(float away, float constant, float linear, float quadratic)
+{
+    return 1.0 / (constant + linear * away + quadratic * (away * away));
+}
+
+// The notes' CalcDirLight: from so far away that all rays are parallel and none has faded.
+vec3 fromDirLight(DirLight light, Surface surface)
+{
+    vec3 lightDir = normalize(-light.direction);
+    return light.ambient * surface.diffuse
+         + directed(surface, lightDir, light.diffuse, light.specular);
+}
+
+// The notes' CalcPointLight: in all directions from one place, fading on the way.
+vec3 fromPointLight(PointLight light, Surface surface)
+{
+    vec3 ray = light.position - surface.place;
+    float left = fading(length(ray), light.constant, light.linear, light.quadratic);
+    vec3 part = directed(surface, normalize(ray), light.diffuse, light.specular);
+    return left * (light.ambient * surface.diffuse + part);
+}
+
+// The notes' CalcSpotLight: a point light that shines into a cone with a soft edge.
+vec3 fromSpotLight(SpotLight light, Surface surface)
+{
+    vec3 ray = light.position - surface.place;
+    vec3 lightDir = normalize(ray);
+    float theta = dot(lightDir, normalize(-light.direction));
+    float ratio = (theta - light.outerCutOff) / (light.cutOff - light.outerCutOff);
+    float left = fading(length(ray), light.constant, light.linear, light.quadratic);
+    vec3 part = directed(surface, lightDir, light.diffuse, light.specular);
+    return left * (light.ambient * surface.diffuse + clamp(ratio, 0.0, 1.0) * part);
+}

@@ -1,0 +1,44 @@
+"""axe-core finds nothing serious, in light and dark, with everything unfolded."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.browser.samples import Sample
+
+# A page shows what is off screen when it is scrolled to; the checker must see all of it.
+UNFOLD = """() => {
+    for (const d of document.querySelectorAll("details")) d.open = true;
+    for (const c of document.querySelectorAll(".case")) c.style.contentVisibility = "visible";
+}"""
+
+
+def violations(page: Any) -> list[str]:
+    axe = pytest.importorskip(
+        "axe_playwright_python", reason="axe is not installed: pip install axe-playwright-python"
+    )
+    page.evaluate((Path(axe.__file__).parent / "axe.min.js").read_text(encoding="utf-8"))
+    found = page.evaluate("() => axe.run(document, {resultTypes: ['violations']})")
+    return [
+        f"{v['impact']} {v['id']}: {[n['html'][:120] for n in v['nodes'][:3]]}"
+        for v in found["violations"]
+        if v["impact"] in ("serious", "critical")
+    ]
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_no_serious_violation(visit: Callable[..., Any], lamp: Sample, scheme: str) -> None:
+    page = visit(lamp.page, "#case-lamp-bad-fragcolor", color_scheme=scheme)
+    page.evaluate(UNFOLD)
+    page.locator("#case-lamp-bad-fragcolor canvas").first.wait_for()
+    assert violations(page) == []
+
+
+def test_the_checker_sees_violations(visit: Callable[..., Any], lamp: Sample) -> None:
+    page = visit(lamp.page)
+    page.evaluate("document.querySelector('h1').style.color = '#ddd'")
+    assert any("color-contrast" in found for found in violations(page))

@@ -1,0 +1,129 @@
+"""The page as its readers use it: finding, following, reading, on any screen, without scripts."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from shaderlab.report import write
+from tests.browser.samples import WORST, Sample, lamp
+
+PHONE = {"viewport": {"width": 375, "height": 720}}
+Visit = Callable[..., Any]
+
+
+def shown_cards(page: Any) -> list[str]:
+    cards = page.locator("li[data-case]:visible .title")
+    return [text.strip() for text in cards.all_text_contents()]
+
+
+def test_the_filter_finds_words_and_switches_statuses(visit: Visit, lamp: Sample) -> None:
+    page = visit(lamp.page)
+    assert shown_cards(page) == ["A lamp", "Blending"]
+    page.keyboard.press("/")
+    page.keyboard.type("blend 6.3")
+    assert shown_cards(page) == ["Blending"]
+    assert "1 of 2 shown" in page.locator("#found").text_content()
+    page.keyboard.press("Escape")
+    page.locator("button[data-status=pass]").click()
+    assert shown_cards(page) == ["A lamp"]
+
+
+def test_a_card_leads_to_its_case(visit: Visit, lamp: Sample) -> None:
+    page = visit(lamp.page)
+    page.locator("a.card", has_text="Blending").click()
+    assert page.locator("h3#case-blend").is_visible()
+    top = page.locator("h3#case-blend").bounding_box()["y"]
+    assert 0 <= top < 900
+
+
+def test_a_failure_leads_to_its_worst_pixel(visit: Visit, lamp: Sample) -> None:
+    page = visit(lamp.page)
+    page.locator(".failures a", has_text="FragColor").click()
+    check = page.locator("#case-lamp-bad-fragcolor")
+    check.locator("[data-part=where]").wait_for()
+    assert (
+        f"({WORST[0]}, {WORST[1]}), the worst" in check.locator("[data-part=where]").text_content()
+    )
+    assert check.locator("[data-part=zoom]").text_content() != "1×"
+
+
+def test_a_variant_unfolds_and_its_pictures_become_readable(visit: Visit, lamp: Sample) -> None:
+    page = visit(lamp.page)
+    variant = page.locator("details#case-lamp-good")
+    assert not variant.locator(".check").first.is_visible()
+    variant.locator("> summary").click()
+    variant.locator("summary", has_text="Pictures").click()
+    variant.locator("canvas").first.wait_for()
+    assert "inside its band" in variant.locator("[data-part=where]").text_content()
+
+
+def test_a_curves_points_are_read_by_pointer_and_keys(visit: Visit, lamp: Sample) -> None:
+    page = visit(lamp.page)
+    svg = page.locator("figure.chart svg").first
+    svg.scroll_into_view_if_needed()
+    box = svg.bounding_box()
+    svg.hover(position={"x": box["width"] * 0.44, "y": box["height"] * 0.3})
+    said = page.locator(".chart-point").first
+    assert said.text_content() == (
+        "distance 1 · measured 0.5 · reference 0.5 · band from 0.4 · to 0.6"
+    )
+    svg.focus()
+    page.keyboard.press("ArrowRight")
+    assert said.text_content().startswith("distance 2 outside · measured 0.9")
+
+
+def test_a_source_that_was_shown_before_is_copied_when_opened(visit: Visit, lamp: Sample) -> None:
+    page = visit(lamp.page, "#case-blend")
+    listing = page.locator("article", has=page.locator("#case-blend")).locator("[data-copy]")
+    listing.locator("summary").click()
+    assert "FragColor = a;" in listing.locator("pre").text_content()
+
+
+def test_hostile_strings_do_nothing(visit: Visit, hostile_page: Path) -> None:
+    page = visit(hostile_page)
+    page.wait_for_timeout(200)
+    assert page.locator("img[src=x], iframe, object").count() == 0
+    assert page.locator("script").count() == 1
+    assert "onerror=alert(1)" in page.locator("main").text_content()
+
+
+def test_without_scripts_text_and_pictures_are_there(visit: Visit, lamp: Sample) -> None:
+    page = visit(lamp.page, java_script_enabled=False)
+    assert page.locator("h1").is_visible() and page.locator(".lesson").first.is_visible()
+    assert page.locator("#case-lamp-bad-fragcolor .triple img").count() == 3
+    assert page.locator("#case-lamp-bad-fragcolor .triple img").first.is_visible()
+    assert not page.locator(".controls").is_visible()
+
+
+@pytest.mark.parametrize("options", [PHONE, {}], ids=["phone", "desktop"])
+def test_nothing_sticks_out(visit: Visit, lamp: Sample, options: dict[str, Any]) -> None:
+    page = visit(lamp.page, "#case-lamp-bad-fragcolor", **options)
+    page.locator("#case-lamp-bad-fragcolor canvas").first.wait_for()
+    wide = "document.documentElement.scrollWidth - document.documentElement.clientWidth"
+    assert page.evaluate(wide) <= 0
+
+
+def test_two_runs_are_compared_and_their_pictures_blink(visit: Visit, tmp_path: Path) -> None:
+    later, earlier = lamp(tmp_path / "later"), lamp(tmp_path / "earlier")
+    records = list(earlier.run.records)
+    records[1] = replace(records[1], status="pass")
+    (picture,) = {r.images["picture"] for r in records}
+    (tmp_path / "earlier" / picture).write_bytes(
+        next((tmp_path / "earlier" / "images").glob("*distance.png")).read_bytes()
+    )
+    before = replace(earlier.run, records=tuple(records), driver={"renderer": "softpipe"})
+    page = visit(write(later.run, tmp_path / "later", (before, tmp_path / "earlier")))
+    row = page.locator(".changes tr", has_text="bad")
+    assert [b.strip() for b in row.locator(".badge").all_text_contents()] == ["passed", "failed"]
+    assert page.locator(".drivers .is-changed", has_text="softpipe").count() == 1
+    button = page.locator(".blink button").first
+    button.click()
+    assert page.locator(".blink").first.locator("img.is-off").count() == 1
+    assert page.locator(".blink .which").first.text_content() in ("now", "before")
+    button.click()
+    assert page.locator(".blink .which").first.text_content() == "before and now"

@@ -1,0 +1,93 @@
+"""Case files that do their worst, and the command line that has to bear them."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+CASE = """
+from shaderlab import Case, Target, exact, fullscreen
+{before}
+case = Case(
+    title="T", passes=fullscreen("{name}.frag"{target}),
+    expect=[exact("FragColor", (1.0, 0.5, 0.25, 1.0))],
+)
+{after}
+"""
+SHADER = """#version 330 core
+in vec2 TexCoords;
+out vec4 FragColor;
+void main()
+{{
+    float x = TexCoords.x;
+    {body}
+    FragColor = vec4(1.0, 0.5, 0.25, x < 9.0 ? 1.0 : x);
+}}
+"""
+SPIN = "for (int {v} = 0; {v} < 1000; ++{v})"
+# Mesa ends a single loop of its own accord after 65535 rounds; loops inside one another go on.
+ENDLESS = "while (x < 2.0) while (x < 2.0) while (x < 2.0) while (x < 2.0) x = fract(x * 1.5 + .1);"
+BILLION = " ".join(SPIN.format(v=v) for v in "abc") + " x = fract(x * 1.5 + .1);"
+IN_DRAW = """
+import os, signal
+from shaderlab.gl import runner
+submit = runner.submit
+def shot(vao, program, draw):
+    if draw.draw.fragment == "{name}.frag":
+        {act}
+    submit(vao, program, draw)
+runner.submit = shot
+"""
+
+
+def write(
+    folder: Path, name: str, *, body: str = "", before: str = "", after: str = "", target: str = ""
+) -> Path:
+    """A case file `name`.py with its shader; returns it."""
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / f"{name}.frag").write_text(SHADER.format(body=body))
+    file = folder / f"{name}.py"
+    file.write_text(CASE.format(name=name, before=before, after=after, target=target))
+    return file
+
+
+def in_draw(name: str, act: str) -> str:
+    """Python for a case file: `act` happens in the middle of this case's draw."""
+    return IN_DRAW.format(name=name, act=act)
+
+
+def command(*args: str | Path) -> list[str]:
+    return [sys.executable, "-m", "shaderlab", "run", *map(str, args)]
+
+
+def shaderlab(
+    *args: str | Path, cwd: Path, seconds: float = 60.0, **environment: str
+) -> subprocess.CompletedProcess[str]:
+    """Run the command to its end. Output goes to files' ends, never to a terminal."""
+    return subprocess.run(
+        command(*args), cwd=cwd, env=surroundings(**environment), capture_output=True, text=True,
+        timeout=seconds,
+    )  # fmt: skip
+
+
+def surroundings(**environment: str) -> dict[str, str]:
+    """The environment for a child: this checkout's package, and what else is given."""
+    root = str(Path(__file__).resolve().parents[2])
+    kept = {name: value for name, value in os.environ.items() if name != "SHADERLAB_JOBS"}
+    return {**kept, "PYTHONPATH": root, **environment}
+
+
+def results(file: Path) -> dict[str, dict[str, Any]]:
+    """The cases of a `--json` file, by id."""
+    data = json.loads(file.read_text(encoding="utf-8"))
+    return {case["id"]: case for case in data["cases"]}
+
+
+def kept(folder: Path) -> list[dict[str, Any]]:
+    """The records in a run's journal; raises if a line is no JSON."""
+    lines = (folder / "records.jsonl").read_text(encoding="utf-8").splitlines()
+    return [json.loads(line) for line in lines[1:]]

@@ -1,0 +1,82 @@
+"""One case on several drivers: chosen by name, compared pixel by pixel."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+
+
+def _neighbour(name: str) -> ModuleType:
+    spec = importlib.util.spec_from_file_location(name, Path(__file__).with_name(f"{name}.py"))
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+faulty = _neighbour("faulty")
+
+
+@pytest.fixture(scope="module")
+def compared(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    """A case that is exact everywhere, and one whose sine each driver computes in its own way."""
+    folder = tmp_path_factory.mktemp("drivers")
+    faulty.write(folder / "cases", "same")
+    shader = "FragColor = vec4(1.0, 0.5, 0.25, 1.0); FragColor.x += 1e-9 * sin(9.0 * x);"
+    faulty.write(folder / "cases", "other", body=f"{shader} return;")
+    shader_file = folder / "cases" / "other.frag"
+    text = shader_file.read_text()
+    text = text.replace("void main", "out float wave;\nvoid main").replace("return;", "wave = sin(")
+    shader_file.write_text(text.replace("wave = sin(", "wave = sin(9.0 * x); return;"))
+    done = faulty.shaderlab(
+        "./cases", "--drivers", "llvmpipe,softpipe", "--json", "out.json", "--size", "32",
+        "--report", "run", cwd=folder,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout + done.stderr
+    data: dict[str, Any] = json.loads((folder / "out.json").read_text())
+    return {**data, "text": done.stdout, "kept": (folder / "run" / "run.json").read_text()}
+
+
+def test_each_scene_has_a_result_on_each_driver(compared: dict[str, Any]) -> None:
+    found = [(r["driver"], r["id"], r["status"]) for r in compared["drivers"]]
+    assert found == [
+        (driver, case, "pass") for driver in ("llvmpipe", "softpipe") for case in ("other", "same")
+    ]
+    assert {r["driver"] in r["renderer"] for r in compared["drivers"]} == {True}
+
+
+def test_where_they_disagree_is_counted(compared: dict[str, Any]) -> None:
+    rows = {(d["id"], d["output"]): d for d in compared["disagreements"]}
+    same, other = rows["same", "main.FragColor"], rows["other", "main.wave"]
+    assert (same["pixels"], same["differing"], same["ulp"]) == (1024, 0, 0.0)
+    assert 0 < other["differing"] <= 1024 and other["ulp"] > 0
+    assert other["drivers"] == ["llvmpipe", "softpipe"]
+    assert "other: main.wave" in compared["text"] and "same: main" not in compared["text"]
+    assert '"disagreements":[{' in compared["kept"]
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        ["--driver", "nvidiapipe"],
+        ["--drivers", "llvmpipe"],
+        ["--drivers", "llvmpipe,llvmpipe"],
+        ["--drivers", "llvmpipe,hardpipe"],
+        ["--drivers", "llvmpipe,softpipe", "--driver", "llvmpipe"],
+    ],
+)
+def test_a_wrong_choice_is_wrong_usage(options: list[str], tmp_path: Path) -> None:
+    done = faulty.shaderlab("orange-triangle", *options, cwd=tmp_path)
+    assert done.returncode == 2, done.stdout + done.stderr
+    assert not (tmp_path / "reports").exists()
+
+
+def test_softpipe_runs_alone(tmp_path: Path) -> None:
+    faulty.write(tmp_path / "cases", "same")
+    done = faulty.shaderlab("./cases", "--driver", "softpipe", cwd=tmp_path)
+    assert done.returncode == 0 and "on softpipe" in done.stdout

@@ -1,0 +1,190 @@
+"""What can happen to a whole run: interrupts, kills, a full disk, a second run, a poor driver."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="signals and mounts of Linux")
+
+
+def _neighbour(name: str) -> ModuleType:
+    spec = importlib.util.spec_from_file_location(name, Path(__file__).with_name(f"{name}.py"))
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+faulty = _neighbour("faulty")
+
+
+@pytest.fixture
+def cases(tmp_path: Path) -> Path:
+    """A folder with three good cases, and a draw without end before the last of them."""
+    for name in ("a", "b", "d"):
+        faulty.write(tmp_path / "cases", name)
+    faulty.write(tmp_path / "cases", "c", body=faulty.ENDLESS)
+    return tmp_path
+
+
+def begun(cases: Path, *args: str) -> subprocess.Popen[str]:
+    """A run that has come to the draw without end; its workers are marked by its folder."""
+    child = subprocess.Popen(
+        faulty.command("./cases", "--report", "run", "--size", "16", *args), cwd=cases,
+        env=faulty.surroundings(SHADERLAB_TEST=str(cases)), text=True, start_new_session=True,
+        stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+    )  # fmt: skip
+    until(lambda: (cases / "run" / "records.jsonl").is_file() and len(ids(cases)) >= 2)
+    time.sleep(0.3)
+    return child
+
+
+def ids(cases: Path) -> list[str]:
+    return [record["id"] for record in faulty.kept(cases / "run")]
+
+
+def until(happens: object, seconds: float = 20.0) -> None:
+    assert callable(happens)
+    end = time.monotonic() + seconds
+    while not happens():
+        assert time.monotonic() < end, "it did not happen"
+        time.sleep(0.05)
+
+
+def alive(cases: Path) -> list[int]:
+    """Processes that were started by this test's runs, workers included."""
+    mark = f"SHADERLAB_TEST={cases}".encode()
+    found = []
+    for entry in Path("/proc").iterdir():
+        if entry.name.isdigit():
+            try:
+                if mark in (entry / "environ").read_bytes().split(b"\0"):
+                    found.append(int(entry.name))
+            except OSError:
+                continue
+    return found
+
+
+def test_ctrl_c_keeps_what_is_done_and_the_run_can_go_on(cases: Path) -> None:
+    child = begun(cases)
+    assert len(alive(cases)) >= 2
+    os.killpg(child.pid, signal.SIGINT)  # as a terminal does: to the workers as well
+    output, _ = child.communicate(timeout=20)
+    assert child.returncode == 130, output
+    assert "2 cases: 2 passed" in output and "shaderlab run --resume run" in output
+    assert (cases / "run" / "index.html").is_file()
+    until(lambda: not alive(cases), 5)
+
+    done = faulty.shaderlab("--resume", "run", "--timeout", "4", "--json", "out.json", cwd=cases)
+    assert done.returncode == 1, done.stdout + done.stderr
+    found = {key: case["status"] for key, case in faulty.results(cases / "out.json").items()}
+    assert found == {"a": "pass", "b": "pass", "c": "timeout", "d": "pass"}
+    assert sorted(ids(cases)) == ["a", "b", "c", "d"]
+
+
+def test_after_a_kill_no_process_is_left_and_the_records_are(cases: Path) -> None:
+    child = begun(cases, "-j", "2")
+    assert len(alive(cases)) >= 3
+    child.kill()
+    child.communicate()
+    until(lambda: not alive(cases), 5)
+    assert {"a", "b"} <= set(ids(cases))
+    with open(cases / "run" / "records.jsonl", "ab") as file:
+        file.write(b'{"id": "cut sho')  # as a power cut leaves it
+    (cases / "cases" / "c.frag").write_text((cases / "cases" / "a.frag").read_text())
+    done = faulty.shaderlab("--resume", "run", cwd=cases)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert sorted(ids(cases)) == ["a", "b", "c", "d"]
+    assert "4 cases: 4 passed" in done.stdout
+
+
+def test_two_runs_do_not_share_a_folder(cases: Path) -> None:
+    child = begun(cases)
+    second = faulty.shaderlab("./cases/a.py", "--report", "run", cwd=cases)
+    assert second.returncode == 2
+    assert "another run is writing" in second.stderr
+    assert ids(cases) == ["a", "b"]
+    child.kill()
+    child.communicate()
+
+
+def test_two_runs_at_once_get_folders_of_their_own(cases: Path) -> None:
+    (cases / "cases" / "c.py").unlink()
+    children = [
+        subprocess.Popen(
+            faulty.command("./cases"), cwd=cases, env=faulty.surroundings(),
+            stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+        )
+        for _ in range(2)
+    ]  # fmt: skip
+    outputs = [child.communicate(timeout=60)[0] for child in children]
+    assert [child.returncode for child in children] == [0, 0], outputs
+    runs = [path for path in (cases / "reports").iterdir() if not path.is_symlink()]
+    assert len(runs) == 2
+    for run in runs:
+        assert len(faulty.kept(run)) == 3
+
+
+def test_nothing_to_go_on_with(tmp_path: Path) -> None:
+    for args in (["--resume"], ["--resume", "nowhere"], ["--resume", "nowhere", "gamma"]):
+        assert faulty.shaderlab(*args, cwd=tmp_path).returncode == 2
+
+
+@pytest.fixture
+def small_disk(tmp_path: Path) -> Iterator[Path]:
+    """A file system with room for next to nothing."""
+    place = tmp_path / "disk"
+    place.mkdir()
+    options = ["-t", "tmpfs", "-o", "size=24k"]
+    mounted = subprocess.run(["mount", *options, "tmpfs", str(place)], capture_output=True)
+    if mounted.returncode:
+        pytest.skip("a small file system can be mounted by root only")
+    try:
+        yield place
+    finally:
+        subprocess.run(["umount", "-l", str(place)], check=True)
+
+
+def test_a_full_disk_costs_the_report_but_no_verdict(cases: Path, small_disk: Path) -> None:
+    (cases / "cases" / "c.py").unlink()
+    done = faulty.shaderlab(
+        "./cases", "--report", small_disk / "run", "--json", "out.json", cwd=cases
+    )
+    assert done.returncode == 1
+    assert "Traceback" not in done.stdout + done.stderr
+    assert "3 cases: 3 passed" in done.stdout
+    assert "No space left" in done.stderr
+    assert faulty.kept(small_disk / "run")  # what had room is whole
+    found = faulty.results(cases / "out.json")
+    assert {case["status"] for case in found.values()} == {"pass"}
+
+
+def test_without_egl_every_case_says_so(cases: Path) -> None:
+    (cases / "cases" / "c.py").unlink()
+    done = faulty.shaderlab(
+        "./cases", "--json", "out.json", cwd=cases,
+        __EGL_VENDOR_LIBRARY_FILENAMES="/dev/null", __EGL_VENDOR_LIBRARY_DIRS="/nowhere",
+    )  # fmt: skip
+    assert done.returncode == 1
+    assert "no OpenGL 3.3 context on EGL" in done.stdout
+    assert "3 in error" in done.stdout and "Traceback" not in done.stdout + done.stderr
+
+
+def test_a_driver_that_only_has_opengl_3_0(cases: Path) -> None:
+    (cases / "cases" / "c.py").unlink()
+    done = faulty.shaderlab(
+        "./cases", cwd=cases, MESA_GL_VERSION_OVERRIDE="3.0", MESA_GLSL_VERSION_OVERRIDE="130"
+    )
+    assert done.returncode == 1
+    assert "3 in error" in done.stdout and "OpenGL 3.3" in done.stdout
+    assert "Traceback" not in done.stdout + done.stderr

@@ -1,0 +1,234 @@
+"""`shaderlab mutate` on a driver: what is noticed, what gets by, and what can't take it down."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import CliRunner
+
+from shaderlab.catalogue import load_case
+from shaderlab.cli import cli
+from shaderlab.mutation import Mutant, Options, run, state_mutants
+from shaderlab.mutation.campaign import mutants_of_case
+from shaderlab.mutation.judging import Judge
+from shaderlab.pipeline.trial import Bench
+
+SHADER = """\
+#version 330 core
+#include "law.glsl"
+in float d;
+uniform float gain;
+layout (location = 0) out float factor;
+layout (location = 1) out vec4 FragColor;
+
+void main()
+{
+    factor = law(d, gain);
+    FragColor = vec4(factor, 0.5, 0.25, 1.0);
+}
+"""
+LAW = """\
+// The law.
+float law(float x, float gain)
+{
+    float sum = 0.0;
+    for (int i = 0; i < 4; ++i)
+        sum += gain * 0.25;
+    return max(sum * x, 0.0) + 0.5;
+}
+float unused(float x) { return -x; }
+"""
+CASE = '''\
+"""A law."""
+from shaderlab import Case, across, formula, fullscreen
+from shaderlab.glslmath import max
+
+
+def law(d, gain):
+    """The law."""
+    return max(gain * d, 0.0) + 0.5
+
+
+case = Case(
+    title="A law",
+    passes=fullscreen("law.frag", domain={"d": across(START, 2.0)}, uniforms={"gain": 3.0}),
+    expect=[formula("factor", law)],
+)
+'''
+STATEFUL = '''\
+"""A quad, kept by a depth test."""
+from shaderlab import Case, Depth, Mesh, State, Target, coverage, mesh_pass
+
+QUAD = Mesh(attributes={"aPos": [[-0.5, -0.5], [0.5, -0.5], [-0.5, 0.5], [0.5, 0.5]]},
+            primitive="triangle_strip")
+case = Case(
+    title="A quad",
+    passes=mesh_pass("quad.vert", "quad.frag", QUAD,
+                     target=Target(size=(8, 8), depth="depth24"), state=State(depth=Depth())),
+    expect=[coverage(16)],
+)
+'''
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / "law.frag").write_text(SHADER)
+    (tmp_path / "law.glsl").write_text(LAW)
+    (tmp_path / "law.py").write_text(CASE.replace("START", "-1.0"))
+    (tmp_path / "weak.py").write_text(CASE.replace("START", "0.0"))
+    (tmp_path / "quad.py").write_text(STATEFUL)
+    (tmp_path / "quad.vert").write_text(
+        "#version 330 core\nin vec2 aPos;\nvoid main() { gl_Position = vec4(aPos, 0.0, 1.0); }\n"
+    )
+    (tmp_path / "quad.frag").write_text(
+        "#version 330 core\nout vec4 FragColor;\nvoid main() { FragColor = vec4(1.0); }\n"
+    )
+    return tmp_path
+
+
+def fates(file: Path, kind: str = "") -> dict[tuple[str, str, str], str]:
+    """Each mutant's fate (of one kind only), judged in this process."""
+    case = load_case(file)
+    with Bench() as bench:
+        judge = Judge(bench, case)
+        return {
+            (m.operator, m.before, m.after): judge.fate(m).status
+            for m in mutants_of_case(case, Options(state=False))
+            if isinstance(m, Mutant) and kind in m.operator
+        }
+
+
+def test_what_is_noticed_and_what_gets_by(folder: Path) -> None:
+    found, weak = fates(folder / "law.py"), fates(folder / "weak.py", "max dropped")
+    assert found["constant + 1 %", "gain * 0.25", "gain * 0.2525"] == "killed"
+    assert found["max dropped", "max(sum * x, 0.0)", "(sum * x)"] == "killed"
+    assert found["operator", "max(sum * x, 0.0) + 0.5", "max(sum * x, 0.0) - 0.5"] == "killed"
+    # Only the colour for people changes, which no expectation reads.
+    shown = ("vec4(factor, 0.5, 0.25, 1.0)", "vec4(factor, 0.505, 0.25, 1.0)")
+    assert found["constant + 1 %", *shown] == "unjudged"
+    # Where the case's inputs are all positive, a forgotten max gets by.
+    assert weak["max dropped", "max(sum * x, 0.0)", "(sum * x)"] == "survived"
+    assert not any("-x" in before for _, before, _ in found), "law.glsl's unused function"
+
+
+def trial(folder: Path, right: str, wrong: str) -> str:
+    """The fate of law.glsl with `wrong` in place of `right`."""
+    assert right in LAW
+    text = LAW.replace(right, wrong)
+    mutant = Mutant(
+        shader="law.glsl", file=str(folder / "law.glsl"), line=1, operator="by hand",
+        before=right, after=wrong, text=text,
+    )  # fmt: skip
+    with Bench() as bench:
+        return Judge(bench, load_case(folder / "law.py")).fate(mutant).status
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong", "status"),
+    [
+        ("gain * 0.25", "0.25 * gain", "equivalent"),
+        ("max(sum * x, 0.0)", "max(0.0, sum * x)", "equivalent"),
+        ("sum * x", "sum * y", "invalid"),
+        ("float sum = 0.0", "float sum = 0", "equivalent"),
+        ("float sum = 0.0", "bool sum = 0.0", "invalid"),
+        ("+ 0.5", "+ 0.505", "killed"),
+        # Nowhere in the case is |x| so large: only wider inputs tell.
+        ("return max", "return x > 50.0 ? 0.0 : max", "survived"),
+    ],
+)
+def test_a_mutant_of_every_fate(folder: Path, right: str, wrong: str, status: str) -> None:
+    assert trial(folder, right, wrong) == status
+
+
+def test_state_is_mutated_too(folder: Path) -> None:
+    case = load_case(folder / "quad.py")
+    with Bench() as bench:
+        judge = Judge(bench, case)
+        found = {(m.path, m.after): judge.fate(m).status for m in state_mutants(case)}
+    assert found == {
+        ("depth", None): "equivalent",  # nothing is there to be hidden by
+        ("depth.write", False): "equivalent",
+        ("depth.func", "lequal"): "equivalent",
+        ("depth.func", "greater"): "killed",
+    }
+
+
+TROUBLE = """
+import os, pickle, sys, time
+from shaderlab.mutation import Fate
+while True:
+    question = pickle.load(sys.stdin.buffer)
+    operator = getattr(question, "operator", None)
+    if operator == "max dropped":
+        time.sleep(60)
+    if operator == "comparison":
+        os.abort()
+    answer = "" if operator is None else Fate(status="survived")
+    pickle.dump(answer, sys.stdout.buffer)
+    sys.stdout.buffer.flush()
+"""
+
+
+def test_what_hangs_or_crashes_is_killed_and_the_rest_goes_on(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("shaderlab.mutation.children._CODE", TROUBLE)
+    (result,) = run([load_case(folder / "law.py")], Options(timeout=1.0, jobs=2))
+    assert len(result.tried) == len(mutants_of_case(load_case(folder / "law.py"), Options()))
+    for tried in result.tried:
+        expected = {"max dropped": ("killed", "timeout"), "comparison": ("killed", CRASHED)}
+        got = (tried.fate.status, tried.fate.by)
+        assert got == expected.get(tried.operator, ("survived", "")), tried.line_of_text
+
+
+CRASHED = "crash (SIGABRT)"
+
+
+def mutate(*arguments: Any) -> tuple[int, str]:
+    result = CliRunner().invoke(cli, ["mutate", *map(str, arguments)])
+    if result.exception is not None and not isinstance(result.exception, SystemExit):
+        raise result.exception
+    return result.exit_code, result.output
+
+
+def test_the_command_shows_each_survivor_s_place_and_writes_json(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(folder)
+    code, output = mutate("./weak.py", "--json", "out.json", "--report", "kept", "--jobs", 2)
+    assert code == 0
+    assert "law.glsl:7  max dropped: max(sum * x, 0.0) → (sum * x)" in output
+    data = json.loads((folder / "out.json").read_text())
+    assert json.loads((folder / "kept" / "mutation.json").read_text()) == data
+    (case,) = data["cases"]
+    assert case["id"] == "weak" and case["killed"] > 20
+    assert 0.5 < case["score"] < 1.0 and case["score"] == data["score"]
+    assert any(s["line"] == 7 and s["operator"] == "max dropped" for s in case["survived"])
+
+
+def test_a_sample_and_a_score_to_reach(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(folder)
+    code, _ = mutate("./weak.py", "--limit", 6, "--seed", 3, "--json", "a.json", "--jobs", 1)
+    again, _ = mutate("./weak.py", "--limit", 6, "--seed", 3, "--json", "b.json", "--jobs", 1)
+    one, other = (json.loads((folder / f"{n}.json").read_text()) for n in "ab")
+    for data in (one, other):
+        data["cases"][0].pop("seconds")
+    assert (code, again, one) == (0, 0, other)
+    case = one["cases"][0]
+    kinds = ("killed", "equivalent", "unjudged", "invalid")
+    assert sum(case[k] for k in kinds) + len(case["survived"]) == 6
+    code, _ = mutate("./weak.py", "--no-state", "--limit", 6, "--seed", 3, "--fail-under", 100)
+    assert code == (0 if one["score"] == 1.0 else 1)
+
+
+def test_a_case_that_fails_as_it_is_is_not_measured(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(folder)
+    (folder / "law.glsl").write_text(LAW.replace("+ 0.5", "+ 0.6"))
+    code, output = mutate("./law.py", "--jobs", 1)
+    assert code == 1
+    assert "'factor' fails with the case's own shaders" in output

@@ -1,0 +1,159 @@
+"""What a driver says of programs, beside what glslang says of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import CliRunner
+
+from shaderlab.cli import cli
+from shaderlab.errors import DriverError
+from shaderlab.gl.device import Device, open_device
+from shaderlab.gl.opinion import driver_verdict
+from shaderlab.glsl import WORK, Shaders, compile_glsl, compile_program
+from shaderlab.glsl.opinion import compared, of_driver
+from shaderlab.workers import Pool
+
+VERTEX = (
+    "#version 330 core\nin vec3 a;\nout vec3 n;\nvoid main() { n = a; gl_Position = a.xyzz; }\n"
+)
+FRAGMENT = "#version 330 core\nin vec3 n;\nout vec4 c;\nvoid main() {\n    c = vec4(n, 1.0);\n}\n"
+# A name that nobody declared.
+BROKEN = FRAGMENT.replace("vec4(n, 1.0)", "vec4(m, 1.0)")
+COMPUTE = "#version 430 core\nlayout (local_size_x = 8) in;\nvoid main() {}\n"
+
+
+@pytest.fixture(scope="module")
+def device() -> Iterator[Device]:
+    try:
+        made = open_device()
+    except DriverError as error:
+        pytest.skip(error.message)
+    yield made
+    made.close()
+
+
+def program(**stages: str) -> list[Any]:
+    return [Shaders([]).from_text(text, stage, f"p.{stage}") for stage, text in stages.items()]
+
+
+def test_a_right_program_is_accepted(device: Device) -> None:
+    verdict = driver_verdict(device, program(vertex=VERTEX, fragment=FRAGMENT))
+    assert (verdict.target, verdict.ok) == ("driver", True)
+    assert driver_verdict(device.context, program(fragment=FRAGMENT)).ok
+    assert driver_verdict(device, program(compute=COMPUTE)).ok
+
+
+def test_a_wrong_stage_is_refused_at_the_authors_line(device: Device) -> None:
+    verdict = driver_verdict(device, program(vertex=VERTEX, fragment=BROKEN))
+    assert not verdict.ok
+    first = next(d for d in verdict.diagnostics if d.severity == "error")
+    assert (first.file, first.line) == ("p.fragment", 5)
+    assert "m" in first.message
+
+
+def test_stages_that_do_not_fit_are_refused_by_the_link(device: Device) -> None:
+    stages = program(
+        vertex=VERTEX, fragment=FRAGMENT.replace("vec3 n", "vec4 n").replace("n, 1.0", "n")
+    )
+    assert driver_verdict(device, stages[1:]).ok
+    verdict = driver_verdict(device, stages)
+    assert not verdict.ok
+    assert "n" in verdict.diagnostics[0].message
+
+
+def test_nothing_stays_behind_in_the_context(device: Device) -> None:
+    from OpenGL import GL
+
+    def alive() -> int:
+        return sum(bool(GL.glIsShader(n) or GL.glIsProgram(n)) for n in range(1, 500))
+
+    before = alive()
+    for _ in range(3):
+        driver_verdict(device, program(vertex=VERTEX, fragment=BROKEN))
+        driver_verdict(device, program(vertex=VERTEX, fragment=FRAGMENT))
+    assert alive() == before
+    assert GL.glGetError() == 0
+
+
+def test_a_stage_that_the_driver_lacks_is_no_verdict() -> None:
+    class Old:
+        version_code = 330
+
+    with pytest.raises(DriverError, match="has no compute stage"):
+        driver_verdict(Old(), program(compute=COMPUTE))
+
+
+def test_a_disagreement_is_said_in_both_directions() -> None:
+    right = compile_program(program(fragment=FRAGMENT), ["glsl"]).verdicts[0]
+    wrong = compile_program(program(fragment=BROKEN), ["glsl"]).verdicts[0]
+    source = program(fragment=FRAGMENT)[0]
+    said = of_driver("0:5(11): error: `n' undeclared\n", source, ok=False)
+    refusing = type(right)(target="driver", ok=False, diagnostics=said)
+    accepting = type(right)(target="driver", ok=True)
+    for plain, driver, words in [
+        (right, refusing, "glslang accepts what the driver refuses: `n' undeclared"),
+        (wrong, accepting, "the driver accepts what glslang refuses: 'm' : undeclared identifier"),
+    ]:
+        _, judged = compared([plain, driver])
+        assert (judged.status, judged.ok) == ("disagrees", driver.ok)
+        first = judged.diagnostics[0]
+        assert (first.severity, first.line) == ("warning", 5)
+        assert first.message == f"disagreement: {words}"
+    for plain, driver in [(right, accepting), (wrong, refusing)]:
+        assert compared([plain, driver]) == (plain, driver)
+
+
+@pytest.mark.parametrize(
+    ("log", "line", "severity", "message"),
+    [
+        ("0:5(3): warning: `x' used uninitialized\n", 5, "warning", "`x' used uninitialized"),
+        ("0:2(1): preprocessor error: #error no\n", 2, "error", "#error no"),
+        ("0(3) : error C1008: undefined variable\n", 3, "error", "C1008: undefined variable"),
+        ("ERROR: 0:4: 'x' : undeclared\n", 4, "error", "'x' : undeclared"),
+        ("error: no stage writes n\n", None, "error", "no stage writes n"),
+        ("something else\n", None, "error", "the driver refuses it"),
+        ("", None, "error", "the driver refuses it and does not say why"),
+    ],
+)
+def test_logs_of_several_drivers_are_understood(
+    log: str, line: int | None, severity: str, message: str
+) -> None:
+    first = of_driver(log, program(fragment=FRAGMENT)[0], ok=severity == "warning")[0]
+    assert (first.line, first.severity, first.message) == (line, severity, message)
+
+
+@pytest.mark.usefixtures("device")
+def test_the_command_asks_the_driver(tmp_path: Path) -> None:
+    (tmp_path / "a.frag").write_text(FRAGMENT)
+    (tmp_path / "b.frag").write_text(BROKEN)
+    result = CliRunner().invoke(cli, ["compile", str(tmp_path), "--driver"])
+    assert result.exit_code == 1
+    assert result.output.splitlines()[-1].split() == ["driver", "1", "1"]
+    assert any("b.frag:5: error" in row and "[driver]" in row for row in result.output.splitlines())
+
+
+@pytest.mark.usefixtures("device")
+def test_workers_ask_a_driver_of_their_own(tmp_path: Path) -> None:
+    (tmp_path / "a.frag").write_text(FRAGMENT)
+    with Pool(WORK) as pool:
+        (result,) = compile_glsl(
+            [tmp_path], opinion="shaderlab.gl.opinion:opinion", workers=pool, targets=["glsl"]
+        )
+    assert [(v.target, v.ok, v.status) for v in result.verdicts] == [
+        ("glsl", True, ""),
+        ("driver", True, ""),
+    ]
+
+
+def test_no_driver_is_no_verdict(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "a.frag").write_text(FRAGMENT)
+    monkeypatch.setenv("SHADERLAB_DRIVER", "default")
+    monkeypatch.setenv("__EGL_VENDOR_LIBRARY_FILENAMES", "/dev/null")
+    result = CliRunner().invoke(cli, ["compile", str(tmp_path), "--driver"])
+    assert result.exit_code == 0
+    assert "no OpenGL driver gave an opinion" in result.output
+    assert "driver " not in result.output.replace("OpenGL driver gave", "")

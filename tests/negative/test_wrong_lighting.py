@@ -1,0 +1,134 @@
+"""Realistic mistakes in the lighting cases' shaders: each makes its case fail, and says where."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import pytest
+
+from shaderlab.catalogue import Catalogue, data_folder
+from shaderlab.model import Case
+from shaderlab.pipeline import Lab, Options
+from shaderlab.records import Record
+
+FOLDER = "ch05_lighting"
+PHONG, LIGHTS, FACETS = "lib/phong.glsl", "lib/lights.glsl", "lib/microfacets.glsl"
+
+# case, shader, what stands there, the mistake
+MISTAKES = [
+    ("colour-product", "colour_product.frag", "lightColor * objectColor", "lightColor"),
+    ("colour-product", "colour_product.frag", "lightColor * objectColor",
+     "min(lightColor, objectColor)"),
+    ("ambient", "ambient.frag", "ambientStrength * lightColor", "ambientStrength * vec3(1.0)"),
+    ("ambient", "ambient.frag", "ambient * objectColor", "ambient + objectColor"),
+    ("diffuse", "diffuse.vert", "transpose(inverse(mat3(model)))", "inverse(mat3(model))"),
+    ("diffuse", "diffuse.vert", "transpose(inverse(mat3(model)))", "mat3(model)"),
+    ("diffuse", "diffuse.frag", "normalize(Normal)", "Normal"),
+    ("diffuse", "diffuse.frag", "lightPos - FragPos", "FragPos - lightPos"),
+    ("diffuse", PHONG, "max(dot(normal, lightDir), 0.0)", "abs(dot(normal, lightDir))"),
+    ("specular", "specular.frag", "viewPos - FragPos", "FragPos - viewPos"),
+    ("specular", "specular.frag", "normalize(viewPos - FragPos)", "normalize(viewPos)"),
+    ("specular", PHONG, "reflect(-lightDir", "reflect(lightDir"),
+    ("specular", PHONG, "pow(cosine, shininess)", "cosine * shininess"),
+    ("shininess", PHONG, "pow(cosine, shininess)", "pow(cosine, 1.01 * shininess)"),
+    ("shininess", "shininess_profile.frag", "lobe < 0.5", "lobe < 0.6"),
+    ("material", "material.frag", "light.ambient * material.ambient",
+     "light.ambient * material.diffuse"),
+    ("material", "material.frag", "material.shininess)", "32.0)"),
+    ("light-struct", "material.frag", "light.specular * (spec", "light.diffuse * (spec"),
+    ("light-struct", "material.frag", "light.ambient * ", ""),
+    ("lighting-maps", "lighting_maps.frag", "texture(material.specular",
+     "texture(material.diffuse"),
+    ("lighting-maps", "lighting_maps.frag", "TexCoords).rgb;\n    highlight",
+     "TexCoords.ts).rgb;\n    highlight"),
+    ("directional-light", "directional_light.frag", "normalize(-light", "normalize(light"),
+    ("directional-light", LIGHTS, "normalize(-light.direction);\n    return",
+     "normalize(light.direction);\n    return"),
+    ("point-light", LIGHTS, "left * (light.ambient * surface.diffuse + part)",
+     "light.ambient * surface.diffuse + left * part"),
+    ("point-light", LIGHTS, "quadratic * (away * away)", "quadratic * away"),
+    ("point-light", "lamp.vert", "aPos, 1.0", "aPos, 0.9"),
+    ("spotlight-hard", "spotlight_hard.frag", "theta > light.cutOff", "theta < light.cutOff"),
+    ("spotlight-hard", "spotlight_hard.frag", "theta > light.cutOff",
+     "acos(theta) < acos(light.cutOff) * 1.02"),
+    ("spotlight-hard", "spotlight_hard.frag", "color = light.ambient * Color", "color = vec3(0.0)"),
+    ("multiple-lights", "multiple_lights.frag", "i < POINT_LIGHTS", "i < POINT_LIGHTS - 1"),
+    ("multiple-lights", "multiple_lights.frag", "points += ", "points = "),
+    ("multiple-lights", "multiple_lights.frag", "+ points + spot", "+ points"),
+    ("multiple-lights", LIGHTS, "clamp(ratio, 0.0, 1.0) * part", "ratio * part"),
+    ("phong-vs-blinn", "phong_vs_blinn.frag", "normalize(lightDir + viewDir)",
+     "0.5 * (lightDir + viewDir)"),
+    ("phong-vs-blinn", "phong_vs_blinn.frag", "pow(cosine, blinnExponent)",
+     "pow(cosine, shininess)"),
+    ("hdr", "lib/tone.glsl", "light / (1.0 + light)", "light / (1.0 + dot(light, light))"),
+    ("hdr", "lib/tone.glsl", "exp(-light * exposure)", "exp(-light / exposure)"),
+    ("hdr", "hdr_scene.frag", "/ dot(ray, ray)", "/ length(ray)"),
+    ("hdr", "hdr.frag", "encoded(0.25 * sum)", "0.25 * sum"),
+    ("pbr", FACETS, "roughness * roughness;\n    float squared", "roughness;\n    float squared"),
+    ("pbr", FACETS, "grown * grown / 8.0", "roughness * roughness / 2.0"),
+    ("pbr", FACETS, "squared * squared * rest", "squared * squared"),
+    ("pbr", "pbr.frag", "(1.0 - metallic) * ", ""),
+    ("pbr", "pbr.frag", "radiance * normalLight", "radiance"),
+    ("ambient", "finish.frag", "encoded(0.25 * sum)", "encoded(0.2 * sum)"),
+    ("material", "lit.vert", "normalMatrix * aNormal", "aNormal"),
+    ("directional-light", "lit_painted.vert", "Color = aColor", "Color = aColor.bgr"),
+    ("lighting-maps", "lit_textured.vert", "TexCoords = aTexCoords", "TexCoords = aTexCoords.ts"),
+]  # fmt: skip
+
+
+# Passes that are drawn for people.
+LARGE = {"scene", "drawing", "picture", "small"}
+# The lessons of sections 5.1 to 5.7.1, 5.11 and 5.13.
+LESSONS = {
+    "colour-product", "ambient", "diffuse", "specular", "shininess", "material", "light-struct",
+    "lighting-maps", "directional-light", "point-light", "spotlight-hard", "multiple-lights",
+    "phong-vs-blinn", "hdr", "pbr",
+}  # fmt: skip
+
+
+@cache
+def catalogue() -> Catalogue:
+    return Catalogue.shipped()
+
+
+def without_picture(case: Case) -> Case:
+    """The case without its large picture, which takes longer than all its checks."""
+    if case.id == "hdr":
+        return case
+    kept = [p for p in case.passes if p.name not in LARGE]
+    expect = [e for e in case.expect if getattr(e, "output", "").split(".")[0] not in LARGE]
+    return replace(case, passes=tuple(kept), expect=expect, picture="")
+
+
+def with_mistake(case_id: str, shader: str, right: str, wrong: str) -> list[Record]:
+    path = shader if shader.startswith("lib/") else f"{FOLDER}/{shader}"
+    text = (data_folder("shaders") / path).read_text(encoding="utf-8")
+    assert right in text, f"{path} does not read {right!r} any more"
+    case = catalogue().find(case_id)
+    if shader != "finish.frag":
+        case = without_picture(case)
+    with Lab(Options(shaders={path: text.replace(right, wrong)})) as lab:
+        return [lab.run(scene) for scene in case.scenes()]
+
+
+@pytest.mark.parametrize(
+    ("case_id", "shader", "right", "wrong"),
+    MISTAKES,
+    ids=[f"{case}-{wrong}" for case, _, _, wrong in MISTAKES],
+)
+def test_a_mistake_makes_its_case_fail_and_names_a_place(
+    case_id: str, shader: str, right: str, wrong: str
+) -> None:
+    records = with_mistake(case_id, shader, right, wrong)
+    assert {record.status for record in records} == {"fail"}
+    failures = [o for r in records for o in r.expectations if o.status == "fail"]
+    places = [o.worst for o in failures if o.worst is not None]
+    assert places
+    assert all(worst.widths > 1.0 for worst in places)
+
+
+def test_every_lighting_lesson_is_broken_at_least_twice() -> None:
+    broken = [case_id for case_id, *_ in MISTAKES]
+    assert set(broken) == LESSONS <= {case.id for case in catalogue()}
+    assert min(broken.count(case_id) for case_id in LESSONS) >= 2

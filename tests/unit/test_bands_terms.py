@@ -1,0 +1,62 @@
+"""What rearranging may change: how many terms a sum has, and what a flushed product is worth."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from benchmarks.adversary import Tally, check_one
+from shaderlab import glslmath as g
+from shaderlab.bands import Band, Rules
+
+
+def chopped(x: np.ndarray) -> np.ndarray:
+    """Rounded towards zero to float32, which is a legal rounding."""
+    near = x.astype(np.float32)
+    return np.where(np.abs(near) > np.abs(x), np.nextafter(near, np.float32(0)), near).astype(float)
+
+
+def test_how_many_terms_there_may_be() -> None:
+    a, b, c = (Band.exact([[x, 2.0, 3.0]]) for x in (0.3, 0.7, 1.1))
+    assert (a + b).count == 2
+    assert (a + b - c).count == 3
+    assert (a * b).count == 1
+    assert (a * (b + c)).count == 2
+    assert ((a + b) * (b - c)).count == 4
+    assert g.dot(a, b).count == 3
+    assert g.max(a + b, c).count == 1, "what a function returns is one value"
+    assert (-(a + b)).count == 2
+    assert g.where(a < b, a + b, a).count == 2
+    assert (Band.exact([1.0], Rules(rearrange=False)) + 2.0).count == 1
+
+
+def test_small_terms_may_be_added_to_the_largest_one_by_one() -> None:
+    """((a + b) + c) + 3 as a + (b + (c + 3)), truncated each time: three roundings at size 3."""
+    rng = np.random.default_rng(7)
+    a, b, c = rng.uniform(0.0, 0.1, (3, 20000, 1)).astype(np.float32).astype(float)
+    band = ((Band.exact(a) + Band.exact(b)) + Band.exact(c)) + 3.0
+    measured = chopped(a + chopped(b + chopped(c + 3.0)))
+    assert band.contains(measured).all()
+    as_written = Rules(rearrange=False)
+    bands = [Band.exact(x, as_written) for x in (a, b, c)]
+    precise = ((bands[0] + bands[1]) + bands[2]) + 3.0
+    assert (~precise.contains(measured)).mean() > 0.1, "`precise` forbids that order"
+
+
+def test_a_flushed_product_may_be_multiplied_afterwards() -> None:
+    """(y·s)·t as (y·t)·s: y·t is denormal, flushed, and s would have brought it back."""
+    y, s, t = 2.0**-120, 2.0**12, 2.0**-8 * 1.5
+    band = (Band.exact([[y]]) * Band.exact([[s]]) - 2.0**-130) * Band.exact([[t]])
+    assert band.contains(np.array([[0.0]])).all()
+    lost = float(np.float32(y * s * t))
+    assert band.contains(np.array([[lost]])).all()
+    far = Band.exact([[1.5]]) * Band.exact([[s]]) * Band.exact([[t]])
+    assert not far.contains(np.array([[0.0]])).any(), "values of ordinary size stay sharp"
+
+
+@pytest.mark.parametrize("seed", [54, 1001148, 1001236, 1001380, 1001388, 1001448, 1001592])
+def test_what_once_left_its_band(seed: int) -> None:
+    tally = Tally()
+    check_one(seed, 4096, tally)
+    assert tally.samples > 4 * 4096
+    assert tally.outside == 0

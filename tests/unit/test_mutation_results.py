@@ -1,0 +1,108 @@
+"""Scores, JSON, and mutants of fixed-function state."""
+
+from __future__ import annotations
+
+import json
+
+from shaderlab.model import Blend, Case, Depth, Mesh, State, Stencil, exact, mesh_pass
+from shaderlab.mutation import CaseResult, Fate, Tried, as_json, score, state_mutants, summary_rows
+from shaderlab.mutation.results import STATE, Status
+
+
+def tried(status: Status, operator: str = "operator", line: int = 7) -> Tried:
+    return Tried(
+        file="shaders/lamp.frag",
+        line=line,
+        operator=operator,
+        before="a + b",
+        after="a - b",
+        fate=Fate(status=status, by="default · factor"),
+    )
+
+
+def result(*statuses: Status) -> CaseResult:
+    return CaseResult(id="lamp", tried=tuple(tried(s) for s in statuses), seconds=1.5)
+
+
+def test_the_score_leaves_out_what_nobody_could_notice() -> None:
+    one = result("killed", "killed", "killed", "survived", "equivalent", "invalid", "unjudged")
+    assert one.score == 0.75
+    assert score([one], unjudged=True) == 0.6
+    assert score([one], state=True) is None
+    assert result("equivalent", "invalid").score is None
+
+
+def test_state_has_a_score_of_its_own() -> None:
+    one = CaseResult(
+        id="lamp", tried=(tried("killed"), tried("survived", operator=STATE)), seconds=0.0
+    )
+    assert (one.score, score([one], state=True)) == (1.0, 0.0)
+
+
+def test_json_names_each_survivor_s_place() -> None:
+    data = json.loads(json.dumps(as_json([result("killed", "survived", "unjudged", "invalid")])))
+    assert data["score"] == 0.5
+    (case,) = data["cases"]
+    assert {k: case[k] for k in ("id", "killed", "invalid", "equivalent", "unjudged", "score")} == {
+        "id": "lamp", "killed": 1, "invalid": 1, "equivalent": 0, "unjudged": 1, "score": 0.5,
+    }  # fmt: skip
+    assert case["seconds"] == 1.5
+    assert case["survived"] == [
+        {"file": "shaders/lamp.frag", "line": 7, "operator": "operator",
+         "before": "a + b", "after": "a - b", "note": "default · factor"}
+    ]  # fmt: skip
+
+
+def test_rows_for_a_report() -> None:
+    (row,) = summary_rows([result("killed", "survived")])
+    assert row["survivors"] == ["shaders/lamp.frag:7  operator: a + b → a - b"]
+    assert (row["killed"], row["judged"]) == (1, 2)
+
+
+def case_of(state: State, draws: int = 1) -> Case:
+    (one,) = mesh_pass("a.vert", "a.frag", Mesh(attributes={"aPos": [[0.0]]}), state=state)
+    passes = (type(one)(name="main", draws=one.draws * draws),)
+    return Case(title="t", passes=passes, expect=[exact("c", 1.0)])
+
+
+def changes(state: State) -> set[tuple[str, object]]:
+    return {(m.path, m.after) for m in state_mutants(case_of(state))}
+
+
+def test_mistakes_in_state() -> None:
+    assert changes(State()) == set()
+    assert changes(State(depth=Depth())) == {
+        ("depth", None), ("depth.write", False), ("depth.func", "lequal"),
+        ("depth.func", "greater"),
+    }  # fmt: skip
+    assert changes(State(cull="back")) == {("cull", "front"), ("cull", None), ("front_face", "cw")}
+    stencil = changes(State(stencil=Stencil(func="equal", depth_pass="incr", mask=3)))
+    assert {
+        ("stencil", None), ("stencil.func", "notequal"), ("stencil.depth_pass", "decr"),
+        ("stencil.mask", 0), ("stencil.mask", 2), ("stencil.reference", 1),
+        ("stencil.write_mask", 0),
+    } <= stencil  # fmt: skip
+    blend = changes(State(blend=Blend()))
+    assert {
+        ("blend", None), ("blend.source", "one"), ("blend.source", "one_minus_src_alpha"),
+        ("blend.destination", "src_alpha"), ("blend.equation", "subtract"),
+    } <= blend  # fmt: skip
+
+
+def test_a_state_mutant_changes_its_own_draw_alone() -> None:
+    case = case_of(State(depth=Depth()), draws=3)
+    mutant = next(m for m in state_mutants(case) if m.path == "depth.func" and m.draw == 1)
+    (scene,) = case.scenes()
+    changed = mutant.applied(scene)
+    assert changed is not None
+    functions = [draw.state.depth and draw.state.depth.func for draw in changed.passes[0].draws]
+    assert functions == ["less", mutant.after, "less"]
+    assert mutant.shown == ("main[1] depth.func='less'", repr(mutant.after))
+
+
+def test_of_many_draws_alike_a_few_are_tried_and_the_seed_says_which() -> None:
+    case = case_of(State(depth=Depth()), draws=40)
+    some = [m.draw for m in state_mutants(case, seed=1) if m.path == "depth.write"]
+    assert len(some) == 4 and some == sorted(some)
+    assert some == [m.draw for m in state_mutants(case, seed=1) if m.path == "depth.write"]
+    assert some != [m.draw for m in state_mutants(case, seed=2) if m.path == "depth.write"]

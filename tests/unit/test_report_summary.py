@@ -1,0 +1,140 @@
+"""The Markdown summary and the comparison of two runs."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from click.testing import CliRunner
+
+from shaderlab import pictures
+from shaderlab.cli import cli
+from shaderlab.records import (
+    Attachment,
+    Declared,
+    Disagreement,
+    DriverResult,
+    PassRecord,
+    ProgramRecord,
+    Verdict,
+)
+from shaderlab.report import save, summary, write
+from shaderlab.report.compare import compare
+from tests.unit.test_report_samples import HOSTILE, Page, hostile, outcome, record, run, worst
+
+
+def test_the_summary_leads_with_the_verdict_and_names_the_worst_value() -> None:
+    bad = outcome(status="fail", message="3 of 9 values lie outside", outside=3, worst=worst(0.75))
+    text = summary(run(record("a"), record("b", "x", status="fail", expectations=(bad,))))
+    assert text.startswith("## ❌ 1 of 2 cases did not pass\n")
+    assert "| 5 Lighting | 1 | 1 |" in text
+    assert "**b\\[x\\]** failed" in text
+    assert "pixel (3, 5): measured 0.75, band 0.4999 … 0.5001 (12 ULP" in text
+
+
+def test_the_summary_of_a_good_run_is_short() -> None:
+    text = summary(run(record("a"), record("b")))
+    assert text.startswith("## ✅ 2 of 2 cases passed\n") and "did not pass" not in text
+    assert "Nothing was run" in summary(run())
+
+
+def test_hostile_strings_stay_text_in_markdown_too() -> None:
+    text = summary(hostile())
+    assert not re.search(r"<[a-z/!]|(?<!\\)`|(?<!\\)\]\(|\x1b|\u202e", text)
+    assert "&lt;/script&gt;" in text and HOSTILE not in text
+
+
+def test_a_comparison_lists_what_changed_and_nothing_else(tmp_path: Path) -> None:
+    for name, level in (("old", 0), ("new", 90)):
+        (tmp_path / name).mkdir()
+        for file, value in (("same.png", 5), ("other.png", level)):
+            pictures.save_png(tmp_path / name / file, np.full((4, 4, 3), value, np.uint8))
+    same = {"picture": "same.png"}
+    old = (
+        record("still", images=same, seconds=9.0),
+        record("worse", images=same),
+        record("gone", images=same),
+        record("looks", images={"picture": "other.png"}),
+        record("further", expectations=(outcome(worst=replace(worst(), widths=0.1)),)),
+    )
+    new = (
+        record("still", images=same, seconds=1.0),
+        record("worse", images=same, status="fail"),
+        record("new", images=same),
+        record("looks", images={"picture": "other.png"}),
+        record("further", expectations=(outcome(worst=replace(worst(), widths=0.9)),)),
+    )
+    after, before = run(*new), run(*old, driver={"renderer": "softpipe"})
+    found = compare(after, tmp_path / "new", before, tmp_path / "old", {})
+    assert found.same == 1 and found.differs and found.name == "old"
+    sides = [(c.before and c.before.status, c.after and c.after.status) for c in found.changes]
+    assert sides[0] == ("pass", "fail")
+    assert sorted(sides[1:3], key=str) == [("pass", None), (None, "pass")] or len(sides) == 5
+    assert [c.pictures is not None for c in found.changes].count(True) == 1
+    grown = [c for c in found.changes if c.before and c.before.widths == 0.1]
+    assert len(grown) == 1 and grown[0].after and grown[0].after.widths == 0.9
+
+
+def test_the_command_writes_both(tmp_path: Path) -> None:
+    for name, status in (("old", "pass"), ("new", "fail")):
+        save(run(record("a", status=status)), tmp_path / name)
+    done = CliRunner().invoke(
+        cli,
+        ["report", str(tmp_path / "new"), "--against", str(tmp_path / "old"),
+         "--markdown", str(tmp_path / "summary.md")],
+    )  # fmt: skip
+    assert done.exit_code == 0, done.output
+    page = Page(tmp_path / "new" / "against.html")
+    assert "Against old" in page.words() and "1 does not" in page.words()
+    assert not (tmp_path / "new" / "index.html").exists()
+    assert (tmp_path / "summary.md").read_text().startswith("## ❌ 1 of 1 case")
+    missing = CliRunner().invoke(cli, ["report", str(tmp_path / "new"), "--against", "nowhere"])
+    assert missing.exit_code == 2 and "no run.json" in missing.output
+
+
+def test_passes_are_a_chain_and_programs_say_what_they_declare(tmp_path: Path) -> None:
+    pictures.save_png(tmp_path / "p.png", np.zeros((4, 4, 3), np.uint8))
+    attachment = Attachment(name="depth", format="r32f", image="p.png")
+    chain = (
+        PassRecord(name="shadow", draws=(("a.vert",),) * 3, reads=(), attachments=(attachment,)),
+        PassRecord(name="light", draws=(("b.frag",),), reads=("shadow.depth",), attachments=()),
+    )
+    declared = (
+        Declared(kind="uniform", name="reach", type="float[4]", location=2),
+        Declared(kind="output", name="FragColor", type="vec4", location=0, used=False),
+    )
+    program = ProgramRecord(
+        files=("b.frag",),
+        sources=(),
+        verdicts=(Verdict(target="vulkan", ok=True, spirv_bytes=1234),),
+        declared=declared,
+    )
+    words = Page(write(run(record(passes=chain, programs=(program,))), tmp_path)).words()
+    assert words.index("shadow") < words.index("reads shadow.depth")
+    assert "a.vert × 3" in words and "r32f" in words
+    assert "reach float[4] 2" in words and "FragColor vec4 0 unused" in words
+    assert "1\u202f234 bytes" in words
+
+
+def test_several_drivers_stand_side_by_side(tmp_path: Path) -> None:
+    results = [
+        DriverResult(driver=d, renderer=f"{d} 1", id=i, variant="default", status=s, ulp=2.5)
+        for d, i, s in (
+            ("llvmpipe", "a", "pass"), ("softpipe", "a", "fail"),
+            ("llvmpipe", "b", "pass"), ("softpipe", "b", "pass"),
+        )
+    ]  # fmt: skip
+    found = Disagreement(
+        id="a", variant="default", output="factor", drivers=("llvmpipe", "softpipe"),
+        pixels=4096, differing=17, ulp=3.0,
+    )  # fmt: skip
+    made = run(record("a"), record("b"), drivers=tuple(results), disagreements=(found,))
+    page = Page(write(made, tmp_path))
+    words = page.words()
+    assert "2 variants on 2 drivers; 1 verdict differs, 1 output is not the same" in words
+    assert "factor llvmpipe, softpipe 17 4\u202f096 3" in words
+    assert 'href="#case-a-default"' in page.source
+    alone = Page(write(run(record("a"), drivers=tuple(results[:1])), tmp_path))
+    assert "side by side" not in alone.words()

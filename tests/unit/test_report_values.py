@@ -1,0 +1,118 @@
+"""Packed numbers come back as they were; previews and comparisons say what is there."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from shaderlab import pictures
+from shaderlab.errors import AssetError
+from shaderlab.pictures import Values, judged_part, pack, unpack
+from tests.unit.test_report_samples import INF, NAN
+
+ODD = (0.0, -0.0, 1.0, -1.5, NAN, INF, -INF, 1e-45, -1e-45, 3.4e38, -3.4e38, 16777217.0)
+
+
+def values(measured: np.ndarray, reference: np.ndarray) -> Values:
+    shape = measured.shape
+    return Values(
+        size=(shape[1], shape[0]),
+        origin=(0, 0),
+        unit=0.0,
+        whole=True,
+        measured=measured,
+        reference=reference,
+        low=np.full(shape, -INF),
+        high=np.full(shape, 0.1).astype("f4").astype(float),
+        judged=np.ones(shape, bool),
+        outside=measured > 0,
+    )
+
+
+def test_every_float32_comes_back_bit_for_bit() -> None:
+    generator = np.random.default_rng(3)
+    bits = generator.integers(0, 2**32, (9, 7, 3), dtype=np.uint32)
+    measured = bits.view(np.float32).astype(float)
+    measured.ravel()[: len(ODD)] = np.array(ODD, np.float32)
+    back = unpack(pack(values(measured, measured)))
+    same = np.float32(back.measured).view("u4") == np.float32(measured).view("u4")
+    assert (same | np.isnan(measured)).all() and np.isnan(back.measured[np.isnan(measured)]).all()
+    assert (back.low == -INF).all() and (back.high == np.float32(0.1)).all()
+    assert (back.outside == (measured > 0)).all()
+
+
+def test_references_keep_forty_bits() -> None:
+    generator = np.random.default_rng(4)
+    reference = np.exp(generator.uniform(-60, 60, (16, 16, 4))) * generator.choice([-1, 1], 4)
+    back = unpack(pack(values(reference.astype("f4").astype(float), reference)))
+    assert np.abs(back.reference / reference - 1).max() < 2.0**-39
+    assert np.abs(np.float32(reference) / reference - 1).max() > 2.0**-26  # or it would be idle
+
+
+def test_only_what_was_judged_is_kept() -> None:
+    covered = np.zeros((40, 50), bool)
+    covered[10:13, 20:25] = True
+    full = np.random.default_rng(5).random((40, 50, 2))
+    part = judged_part(arrays(full, covered))
+    assert part.origin == (20, 10) and part.size == (50, 40) and part.whole
+    assert (unpack(pack(part)).measured == np.float32(full[10:13, 20:25])).all()
+
+
+def test_a_huge_picture_is_cut_around_its_worst_value() -> None:
+    covered = np.ones((600, 600), bool)
+    full = np.zeros((600, 600, 4))
+    full[590, 3] = 7.0
+    part = judged_part(arrays(full, covered), (3, 590))
+    assert not part.whole and part.measured.shape == (192, 192, 4)
+    x, y = part.origin
+    assert (part.measured[590 - y, 3 - x] == 7.0).all()
+
+
+def test_nothing_judged_is_a_file_too() -> None:
+    part = judged_part(arrays(np.zeros((4, 4, 1)), np.zeros((4, 4), bool)))
+    assert not unpack(pack(part)).judged.any()
+
+
+@pytest.mark.parametrize("data", [b"", b"junk", pack(values(np.zeros((1, 1, 1)), np.zeros(1)))[:9]])
+def test_damaged_values_are_refused(data: bytes) -> None:
+    with pytest.raises(AssetError, match="no packed values"):
+        unpack(data)
+
+
+def test_smooth_values_are_small() -> None:
+    y, x = np.mgrid[0:64, 0:64] / 64
+    smooth = np.sqrt(x + y + 0.1)[..., None]
+    assert len(pack(values(smooth.astype("f4").astype(float), smooth))) < 0.4 * smooth.size * 18
+
+
+def arrays(full: np.ndarray, covered: np.ndarray) -> dict[str, np.ndarray]:
+    each = dict.fromkeys(("measured", "exact", "low", "high"), full)
+    return {**each, "outside": full > 9, "covered": covered, "unit": np.float64(0)}
+
+
+def test_the_palette_is_that_of_the_pictures() -> None:
+    table = pictures.palette(count=3)
+    ends = pictures.to_display(np.array([[0.0, 1.0]])).image[0]
+    assert len(table) == 18
+    assert table.startswith(ends[0].tobytes().hex()) and table.endswith(ends[1].tobytes().hex())
+
+
+@pytest.mark.parametrize("noisy", [True, False])
+def test_previews_are_the_smaller_of_their_formats(tmp_path: Path, noisy: bool) -> None:
+    generator = np.random.default_rng(6)
+    pixels = generator.integers(0, 255, (300, 400, 3), dtype=np.uint8)
+    if not noisy:  # hard edges between few colours
+        grid = generator.integers(0, 2, (30, 40, 1), dtype=np.uint8) * np.uint8([255, 30, 90])
+        pixels = grid.repeat(10, 0).repeat(10, 1)
+    path = tmp_path / "p.png"
+    pictures.save_png(path, pixels)
+    pictures.save_previews(path, pixels, (0, 100))
+    small = pictures.preview(path, 100)
+    assert small[:4] == (b"RIFF" if noisy else b"\x89PNG")
+    assert len(pictures.preview(path, 0)) <= path.stat().st_size
+    assert len(list(tmp_path.glob("p@100.*"))) == 1
+    (tmp_path / "p@100.png").unlink(missing_ok=True)
+    (tmp_path / "p@100.webp").unlink(missing_ok=True)
+    assert pictures.preview(path, 100)[:4] == b"\x89PNG"  # made on the spot

@@ -1,0 +1,132 @@
+"""Workers that crash, hang, fill the memory, raise and print: only the item at fault pays."""
+
+from __future__ import annotations
+
+import os
+import textwrap
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from shaderlab.errors import ShaderlabError
+from shaderlab.workers import Limits, Pool
+
+WORK = """
+import os, signal, sys, time
+
+def work(items):
+    for item in items:
+        if item == "crash":
+            os.kill(os.getpid(), signal.SIGSEGV)
+        if item == "exit":
+            print("the last words", file=sys.stderr)
+            os._exit(3)
+        if item == "hang":
+            time.sleep(600)
+        if item == "memory":
+            bytearray(1 << 40)
+        if item == "raise":
+            raise ValueError("so it is")
+        if item == "unsendable":
+            yield lambda: None
+        if item == "print":
+            print("this is not an answer")
+            os.system("echo nor is this")
+        if item == "second":
+            # Crashes only in a process that has done something before.
+            if done:
+                os.abort()
+        done.append(item)
+        yield os.getpid() if item == "pid" else f"did {item}"
+
+done = []
+"""
+
+
+@pytest.fixture
+def work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+    (tmp_path / "work_to_do.py").write_text(textwrap.dedent(WORK))
+    monkeypatch.syspath_prepend(str(tmp_path))
+    return "work_to_do:work"
+
+
+@pytest.fixture
+def pool(work: str) -> Iterator[Pool]:
+    with Pool(work, limits=Limits(seconds=0.7, memory=2 << 30), batch=4) as made:
+        yield made
+
+
+def test_results_come_in_order_from_one_process(pool: Pool) -> None:
+    outcomes = list(pool.each(range(30)))
+    assert [o.item for o in outcomes] == list(range(30))
+    assert [o.result for o in outcomes] == [f"did {i}" for i in range(30)]
+    pids = {o.result for o in pool.each(["pid"] * 10)}
+    assert len(pids) == 1 and os.getpid() not in pids
+    assert list(pool.each([])) == []
+
+
+def test_what_goes_wrong_costs_only_its_item(pool: Pool) -> None:
+    items = ["a", "crash", "b", "hang", "c", "exit", "memory", "d", "raise", "e", "unsendable", "f"]
+    outcomes = list(pool.each(items))
+    assert [o.item for o in outcomes] == items
+    assert [o.status for o in outcomes] == [
+        "done", "crash", "done", "timeout", "done", "crash", "crash", "done", "error", "done",
+        "error", "done",
+    ]  # fmt: skip
+    said = {o.item: o.message for o in outcomes}
+    assert "SIGSEGV" in said["crash"]
+    assert said["hang"] == "took longer than 0.7 s"
+    assert said["exit"] == "the process died: exit status 3, the last words"
+    assert "SIGABRT" in said["memory"]
+    errors = {o.item: o.result for o in outcomes if o.status == "error"}
+    assert str(errors["raise"]) == "so it is"
+    assert "can't be sent" in str(errors["unsendable"])
+
+
+def test_what_the_work_prints_is_not_taken_for_an_answer(pool: Pool) -> None:
+    assert [o.result for o in pool.each(["print", "a"])] == ["did print", "did a"]
+
+
+def test_an_item_that_only_fails_after_others_is_asked_again_alone(pool: Pool) -> None:
+    outcomes = list(pool.each(["a", "second", "b"]))
+    assert [o.status for o in outcomes] == ["done"] * 3
+    assert outcomes[1].result == "did second"
+
+
+def test_several_workers_share_the_items_and_keep_the_order(work: str) -> None:
+    with Pool(work, limits=Limits(seconds=5.0), jobs=2, batch=1) as pool:
+        items = ["a", "crash", *map(str, range(20))]
+        outcomes = list(pool.each(items))
+    assert [o.item for o in outcomes] == items
+    assert [o.status for o in outcomes].count("crash") == 1
+
+
+def test_items_are_taken_as_they_are_needed(pool: Pool) -> None:
+    taken = []
+
+    def items() -> Iterator[int]:
+        for number in range(10_000):
+            taken.append(number)
+            yield number
+
+    outcomes = pool.each(items())
+    assert next(outcomes).result == "did 0"
+    assert len(taken) <= 64
+    outcomes.close()
+
+
+def test_a_worker_that_cannot_start_is_an_error_and_not_a_crash_of_each_item() -> None:
+    with (
+        Pool("no_such_module:work") as pool,
+        pytest.raises(ShaderlabError, match="can't start a worker process") as raised,
+    ):
+        list(pool.each(["a"]))
+    assert "no_such_module" in raised.value.message
+
+
+def test_closing_ends_the_process(work: str) -> None:
+    with Pool(work) as pool:
+        (outcome,) = pool.each(["pid"])
+    with pytest.raises(ProcessLookupError):
+        os.kill(outcome.result, 0)
