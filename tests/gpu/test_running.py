@@ -131,7 +131,7 @@ def test_a_domain_reaches_the_shader_and_the_reference(lab: Lab, folder: Path) -
     assert record.curves[0].reference == pytest.approx((0.45, 0.9, 1.35))
     # Inputs that a sweep does not give stay at the middle of the screen: x = 1, y = 2.
     assert record.curves[1].measured == (2.0, 4.0)
-    assert record.compile == {"glsl": "pass", "opengl": "pass", "vulkan": "pass"}
+    assert record.compile == dict.fromkeys(("glsl", "opengl", "vulkan", "driver"), "pass")
 
 
 def test_a_wrong_formula_fails_with_the_pixel_and_its_inputs(lab: Lab, folder: Path) -> None:
@@ -459,3 +459,24 @@ def test_a_defect_of_the_lab_costs_one_scene_only(
         assert "IndexError: no such luck" in record.message
         assert record.expectations[0].status == "pass", "what was judged before is kept"
         assert run(lab, folder, ramp(), formula("product", product)).status == "pass"
+
+
+def test_a_driver_that_disagrees_with_the_compiler_is_told_on(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from shaderlab.pipeline import lab as laboratory
+    from shaderlab.records import Diagnostic, Verdict
+
+    said = Diagnostic(file="ramp.frag", line=3, severity="error", message="not on my machine")
+
+    def refusing(device: Any, sources: Any) -> Verdict:
+        return Verdict(target="driver", ok=False, diagnostics=(said,))
+
+    monkeypatch.setattr(laboratory, "driver_verdict", refusing)
+    with Lab(Options(size=16)) as lab:
+        record = run(lab, folder, ramp(), formula("product", product))
+    assert record.status == "fail"
+    assert record.compile["driver"] == "fail"
+    verdict = record.programs[0].verdicts[-1]
+    assert verdict.status == "disagrees"
+    assert "glslang accepts what the driver refuses" in verdict.diagnostics[0].message

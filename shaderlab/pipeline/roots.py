@@ -1,0 +1,22 @@
+"""Where a case finds its shaders."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from shaderlab.catalogue import data_folder
+from shaderlab.glsl.sources import Shaders
+
+
+def shaders_beside(folder: Path, overrides: Mapping[str, str | Path]) -> Shaders:
+    """The shaders of a case in `folder`: those beside it, in shaders/ there, or the shipped ones.
+
+    Args:
+        folder: where the case file is; a shipped case sees the shipped shaders alone.
+        overrides: texts or files to take in a shader's place, by its name.
+    """
+    shipped = data_folder("shaders")
+    inside = folder.resolve().is_relative_to(data_folder("cases").resolve())
+    beside = [] if inside else [p for p in (folder, folder / "shaders") if p.is_dir()]
+    return Shaders([*beside, shipped], overrides=dict(overrides))
