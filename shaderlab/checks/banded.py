@@ -165,7 +165,16 @@ def second_opinions(banded: Banded, also: Mapping[str, Reference]) -> list[Row]:
     rows = []
     for name, implementation in also.items():
         values = np.asarray(evaluate(implementation, banded.inputs, rules=None, decimal=False))
-        values = np.broadcast_to(values, banded.low.shape)
+        try:
+            values = np.broadcast_to(values, banded.low.shape)
+        except ValueError:
+            place = source_of(implementation)
+            raise FormulaError(
+                f"{name} gives an array of shape {values.shape}, "
+                f"the reference one of shape {banded.low.shape}",
+                file=place.file,
+                line=place.line,
+            ) from None
         outside = int((~((values >= banded.low) & (values <= banded.high))).sum())
         off = float(np.nanmax(np.abs(values - banded.reference))) if values.size else 0.0
         rows.append(

@@ -364,3 +364,12 @@ def test_an_output_or_draw_that_is_not_there_is_named() -> None:
     assert "main.y" in (caught.value.remedy or "")
     with pytest.raises(CaseError, match="no draw 3"):
         judged(coverage(1, draw=3), frame(XS))
+
+
+def test_an_independent_implementation_of_another_shape_is_named() -> None:
+    def other(x: Any) -> Any:
+        return np.zeros((3, 7))
+
+    with pytest.raises(FormulaError, match="other gives an array of shape") as caught:
+        judged(formula("y", doubled, also={"other": other}), frame(2.0 * XS))
+    assert caught.value.line
