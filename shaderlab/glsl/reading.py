@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from pathlib import Path
 
@@ -26,7 +27,9 @@ def read_shader(path: Path) -> str:
     """
     try:
         with open(path, "rb") as file:
-            data = file.read(MAX_BYTES + 1)
+            # Read by its size: a limit as large as this would be allocated for every file.
+            size = os.fstat(file.fileno()).st_size
+            data = file.read() if size <= MAX_BYTES else file.read(MAX_BYTES + 1)
     except FileNotFoundError:
         raise ShaderError("no such shader file", file=path) from None
     except OSError as error:
