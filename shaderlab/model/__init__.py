@@ -25,6 +25,7 @@ from shaderlab.model.expect import (
     value,
 )
 from shaderlab.model.laws import bounded, energy_conserving, mean_of, monotone, symmetric
+from shaderlab.model.measure import Bound, Measure, Reading, measure, reading
 from shaderlab.model.scene import (
     Draw,
     Mesh,
@@ -45,6 +46,7 @@ __all__ = [
     "DEFAULT_VARIANT",
     "GL_ERRORS",
     "Blend",
+    "Bound",
     "Case",
     "Cell",
     "CompileFails",
@@ -57,12 +59,14 @@ __all__ = [
     "Expectation",
     "Formula",
     "GlError",
+    "Measure",
     "Mesh",
     "Output",
     "Pass",
     "Pixel",
     "Property",
     "Ramp",
+    "Reading",
     "Scene",
     "State",
     "Stencil",
@@ -83,9 +87,11 @@ __all__ = [
     "fullscreen",
     "gl_error",
     "mean_of",
+    "measure",
     "mesh_pass",
     "monotone",
     "output_of",
+    "reading",
     "sweep",
     "symmetric",
     "up",

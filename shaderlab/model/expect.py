@@ -13,6 +13,7 @@ from typing import Any
 
 from shaderlab.bands import Rules
 from shaderlab.errors import CaseError
+from shaderlab.model.measure import Measure
 from shaderlab.model.scene import Output, UniformValue
 from shaderlab.model.state import one_of
 
@@ -144,7 +145,16 @@ class GlError:
 
 
 Expectation = (
-    Formula | Value | Sweep | Property | Exact | Coverage | Computed | CompileFails | GlError
+    Formula
+    | Value
+    | Sweep
+    | Property
+    | Measure
+    | Exact
+    | Coverage
+    | Computed
+    | CompileFails
+    | GlError
 )
 
 
