@@ -14,7 +14,15 @@ from shaderlab.frame import Array, Bindings, Image, PassDraw
 from shaderlab.gl import bind, formats, state, textures
 from shaderlab.gl.device import Device
 from shaderlab.gl.prepare import PreparedDraw, output_types, pass_colors
-from shaderlab.gl.programs import PRIMITIVES, Programs, output_locations, set_uniforms, vertex_array
+from shaderlab.gl.programs import (
+    PRIMITIVES,
+    Programs,
+    output_locations,
+    set_uniforms,
+    uniform_locations,
+    vertex_array,
+)
+from shaderlab.gl.stages import PREFIX
 from shaderlab.gl.target import RenderTarget
 from shaderlab.model import Output, Pass, Scene, Texture
 
@@ -125,6 +133,13 @@ class Session:
     def bind(self, draw: PreparedDraw) -> Bindings:
         """The draw's uniforms and textures as the shader will get them."""
         return bind.bind(draw.draw, draw.interface, self._values)
+
+    def locations(self, key: PassDraw) -> dict[str, int]:
+        """Where the driver put each uniform that a draw's program declares, samplers too."""
+        draw = self.prepared[key[0]][key[1]]
+        program = self.runner.programs.link({s.stage: s.text for s in draw.sources})
+        declared = [n for n in draw.interface.uniforms if not n.startswith(PREFIX)]
+        return uniform_locations(program, declared)
 
     def use(self, program: Any, draw: PreparedDraw, bindings: Bindings) -> None:
         """Set the program's uniforms and bind its textures."""

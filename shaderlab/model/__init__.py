@@ -3,7 +3,6 @@
 from shaderlab.model.case import DEFAULT_VARIANT, Case, Erratum, Scene, Variant
 from shaderlab.model.expect import (
     GL_ERRORS,
-    CompileFails,
     Computed,
     Coverage,
     Exact,
@@ -14,7 +13,6 @@ from shaderlab.model.expect import (
     Property,
     Sweep,
     Value,
-    compile_fails,
     computed,
     coverage,
     exact,
@@ -25,6 +23,14 @@ from shaderlab.model.expect import (
     value,
 )
 from shaderlab.model.laws import bounded, energy_conserving, mean_of, monotone, symmetric
+from shaderlab.model.refusals import (
+    CompileFails,
+    InactiveUniforms,
+    Refused,
+    compile_fails,
+    inactive_uniforms,
+    refused,
+)
 from shaderlab.model.scene import (
     Draw,
     Mesh,
@@ -57,12 +63,14 @@ __all__ = [
     "Expectation",
     "Formula",
     "GlError",
+    "InactiveUniforms",
     "Mesh",
     "Output",
     "Pass",
     "Pixel",
     "Property",
     "Ramp",
+    "Refused",
     "Scene",
     "State",
     "Stencil",
@@ -82,10 +90,12 @@ __all__ = [
     "formula",
     "fullscreen",
     "gl_error",
+    "inactive_uniforms",
     "mean_of",
     "mesh_pass",
     "monotone",
     "output_of",
+    "refused",
     "sweep",
     "symmetric",
     "up",

@@ -29,6 +29,8 @@ from shaderlab.model import (
     Coverage,
     Expectation,
     GlError,
+    InactiveUniforms,
+    Refused,
     Scene,
 )
 from shaderlab.pipeline import plan
@@ -223,7 +225,7 @@ class Trial:
             CaseError, FormulaError: as `shaderlab.checks.judge`.
         """
         expectation = self.scene.expect[index]
-        if isinstance(expectation, Computed | CompileFails):
+        if isinstance(expectation, Computed | CompileFails | Refused):
             return Outcome(name=expectation.name, kind="skipped", status="pass")
         return judge(index, self.scene, self._frame(index, expectation), {}).outcome
 
@@ -241,6 +243,7 @@ class Trial:
             vertices=vertices,
             probes=probes,
             gl_errors=self.gl_errors,
+            locations={key: self.session.locations(key) for key in wants.located},
         )
 
     def _gets_the_same(self, pass_name: str, other: Trial) -> bool:
@@ -265,9 +268,9 @@ def judged_passes(scene: Scene) -> dict[int, str | None]:
     """For each expectation of the scene, the pass it is about; None where no shader has a part."""
     found: dict[int, str | None] = {}
     for index, expectation in enumerate(scene.expect):
-        if isinstance(expectation, Computed | CompileFails):
+        if isinstance(expectation, Computed | CompileFails | Refused):
             found[index] = None
-        elif isinstance(expectation, Coverage | GlError):
+        elif isinstance(expectation, Coverage | GlError | InactiveUniforms):
             found[index] = draw_key(scene, expectation.pass_name, expectation.draw)[0]
         else:
             name, _ = split_output(expectation.output, scene)
