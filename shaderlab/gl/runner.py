@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from shaderlab.activity import doing
-from shaderlab.errors import CaseError, ShaderError, nearest
+from shaderlab.errors import CaseError, ShaderError, UnsupportedError, nearest
 from shaderlab.frame import Array, Bindings, Image, PassDraw
 from shaderlab.gl import bind, formats, state, textures
 from shaderlab.gl.device import Device
@@ -157,6 +157,7 @@ class Session:
             self._texture(source).use(unit)
 
     def _draw(self, key: PassDraw, draw: PreparedDraw, target: RenderTarget) -> None:
+        require_glsl(self.runner.device, draw)
         stages = {s.stage: s.text for s in draw.sources}
         try:
             program = self.runner.programs.link(stages)
@@ -202,6 +203,16 @@ class Session:
                 remedy=nearest(f"{source.pass_name}.{source.name}", known),
             )
         return self.images[key]
+
+
+def require_glsl(device: Device, draw: PreparedDraw) -> None:
+    """Raise UnsupportedError for a shader of a newer GLSL than the driver takes."""
+    for source in draw.sources:
+        number, profile = source.version
+        if profile != "es" and number > device.glsl:
+            raise UnsupportedError(
+                f"#version {number}: this driver takes GLSL up to {device.glsl}", file=source.path
+            )
 
 
 def step(key: PassDraw, draw: PreparedDraw) -> str:
