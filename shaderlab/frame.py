@@ -89,6 +89,8 @@ class Frame:
         vertices: captured vertices by (pass, draw), where they were asked for.
         probes: by the expectation's index, the program run on the inputs it gave.
         gl_errors: GL errors by (pass, draw); only draws that raised any have an entry.
+        locations: where the driver put each declared uniform, by (pass, draw), where that was
+            asked for; −1 for one that changes no output.
     """
 
     images: Mapping[tuple[str, str], Image]
@@ -98,3 +100,4 @@ class Frame:
     vertices: Mapping[PassDraw, Samples] = field(default_factory=dict)
     probes: Mapping[int, Samples] = field(default_factory=dict)
     gl_errors: Mapping[PassDraw, tuple[int, ...]] = field(default_factory=dict)
+    locations: Mapping[PassDraw, Mapping[str, int]] = field(default_factory=dict)

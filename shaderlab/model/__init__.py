@@ -3,7 +3,6 @@
 from shaderlab.model.case import DEFAULT_VARIANT, Case, Erratum, Scene, Variant
 from shaderlab.model.expect import (
     GL_ERRORS,
-    CompileFails,
     Computed,
     Coverage,
     Exact,
@@ -14,7 +13,6 @@ from shaderlab.model.expect import (
     Property,
     Sweep,
     Value,
-    compile_fails,
     computed,
     coverage,
     exact,
@@ -26,6 +24,14 @@ from shaderlab.model.expect import (
 )
 from shaderlab.model.laws import bounded, energy_conserving, mean_of, monotone, symmetric
 from shaderlab.model.measure import Bound, Measure, Reading, measure, reading
+from shaderlab.model.refusals import (
+    CompileFails,
+    InactiveUniforms,
+    Refused,
+    compile_fails,
+    inactive_uniforms,
+    refused,
+)
 from shaderlab.model.scene import (
     Draw,
     Mesh,
@@ -59,6 +65,7 @@ __all__ = [
     "Expectation",
     "Formula",
     "GlError",
+    "InactiveUniforms",
     "Measure",
     "Mesh",
     "Output",
@@ -67,6 +74,7 @@ __all__ = [
     "Property",
     "Ramp",
     "Reading",
+    "Refused",
     "Scene",
     "State",
     "Stencil",
@@ -86,12 +94,14 @@ __all__ = [
     "formula",
     "fullscreen",
     "gl_error",
+    "inactive_uniforms",
     "mean_of",
     "measure",
     "mesh_pass",
     "monotone",
     "output_of",
     "reading",
+    "refused",
     "sweep",
     "symmetric",
     "up",

@@ -14,6 +14,7 @@ from typing import Any
 from shaderlab.bands import Rules
 from shaderlab.errors import CaseError
 from shaderlab.model.measure import Measure
+from shaderlab.model.refusals import CompileFails, InactiveUniforms, Refused
 from shaderlab.model.scene import Output, UniformValue
 from shaderlab.model.state import one_of
 
@@ -126,15 +127,6 @@ class Computed:
 
 
 @dataclass(frozen=True, kw_only=True)
-class CompileFails:
-    """A shader is refused, with exactly these messages at exactly these lines."""
-
-    shader: str
-    messages: tuple[tuple[int, str], ...]
-    name: str = ""
-
-
-@dataclass(frozen=True, kw_only=True)
 class GlError:
     """A draw raises this GL error, and nothing else does."""
 
@@ -155,6 +147,8 @@ Expectation = (
     | Computed
     | CompileFails
     | GlError
+    | Refused
+    | InactiveUniforms
 )
 
 
@@ -287,11 +281,6 @@ def computed(
         name=label,
         note=note,
     )
-
-
-def compile_fails(shader: str, *messages: tuple[int, str], name: str = "") -> CompileFails:
-    """`shader` is refused with these whole messages, each (line, text), in this order."""
-    return CompileFails(shader=shader, messages=messages, name=name or f"{shader} is refused")
 
 
 def gl_error(

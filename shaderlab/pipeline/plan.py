@@ -15,16 +15,26 @@ from shaderlab.gl import bind, capture, feedback
 from shaderlab.gl.prepare import PreparedDraw
 from shaderlab.gl.runner import Prepared, Session
 from shaderlab.gl.varyings import elements
-from shaderlab.model import Coverage, Formula, Pixel, Property, Scene, Sweep, Value
+from shaderlab.model import (
+    Coverage,
+    Formula,
+    InactiveUniforms,
+    Pixel,
+    Property,
+    Scene,
+    Sweep,
+    Value,
+)
 
 
 @dataclass(frozen=True)
 class Plan:
-    """Draws to capture, and expectations to probe."""
+    """Draws to capture, expectations to probe, and draws whose uniforms are to be looked for."""
 
     fragments: frozenset[PassDraw]
     vertices: frozenset[PassDraw]
     probes: tuple[int, ...]
+    located: frozenset[PassDraw] = frozenset()
 
 
 def plan(scene: Scene, prepared: Prepared) -> Plan:
@@ -36,9 +46,12 @@ def plan(scene: Scene, prepared: Prepared) -> Plan:
     fragments: set[PassDraw] = set()
     vertices: set[PassDraw] = set()
     probes: list[int] = []
+    located: set[PassDraw] = set()
     for index, expectation in enumerate(scene.expect):
         if isinstance(expectation, Coverage):
             fragments.add(draw_key(scene, expectation.pass_name, expectation.draw))
+        if isinstance(expectation, InactiveUniforms):
+            located.add(draw_key(scene, expectation.pass_name, expectation.draw))
         if not isinstance(expectation, Formula | Sweep | Value):
             continue
         _, name = split_output(expectation.output, scene)
@@ -51,7 +64,7 @@ def plan(scene: Scene, prepared: Prepared) -> Plan:
             fragments.add(key)
         else:
             probes.append(index)
-    return Plan(frozenset(fragments), frozenset(vertices), tuple(probes))
+    return Plan(frozenset(fragments), frozenset(vertices), tuple(probes), frozenset(located))
 
 
 def key_of(scene: Scene, expectation: Formula | Sweep | Value) -> PassDraw:

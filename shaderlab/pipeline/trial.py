@@ -29,7 +29,9 @@ from shaderlab.model import (
     Coverage,
     Expectation,
     GlError,
+    InactiveUniforms,
     Measure,
+    Refused,
     Scene,
 )
 from shaderlab.pipeline import plan
@@ -224,7 +226,7 @@ class Trial:
             CaseError, FormulaError: as `shaderlab.checks.judge`.
         """
         expectation = self.scene.expect[index]
-        if isinstance(expectation, Computed | CompileFails):
+        if isinstance(expectation, Computed | CompileFails | Refused):
             return Outcome(name=expectation.name, kind="skipped", status="pass")
         return judge(index, self.scene, self._frame(index, expectation), {}).outcome
 
@@ -242,6 +244,7 @@ class Trial:
             vertices=vertices,
             probes=probes,
             gl_errors=self.gl_errors,
+            locations={key: self.session.locations(key) for key in wants.located},
         )
 
     def _gets_the_same(self, pass_name: str, other: Trial) -> bool:
@@ -267,12 +270,12 @@ def judged_passes(scene: Scene) -> dict[int, frozenset[str]]:
     part."""
     found: dict[int, frozenset[str]] = {}
     for index, expectation in enumerate(scene.expect):
-        if isinstance(expectation, Computed | CompileFails):
+        if isinstance(expectation, Computed | CompileFails | Refused):
             found[index] = frozenset()
         elif isinstance(expectation, Measure):
             key = draw_key(scene, expectation.pass_name, expectation.draw)
             found[index] = frozenset({key[0], *(p for p, _ in outputs_read(expectation, scene))})
-        elif isinstance(expectation, Coverage | GlError):
+        elif isinstance(expectation, Coverage | GlError | InactiveUniforms):
             found[index] = frozenset({draw_key(scene, expectation.pass_name, expectation.draw)[0]})
         else:
             name, _ = split_output(expectation.output, scene)
