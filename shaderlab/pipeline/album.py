@@ -16,7 +16,7 @@ from shaderlab.gl import formats
 from shaderlab.model import Output, Pass, Scene
 from shaderlab.records import Attachment, PassRecord
 
-# A value is a pixel of its own; the page enlarges them. (The check of those outside makes them 2 × 2.)
+# A value is a pixel of its own (2 × 2 where some are outside); the page enlarges them.
 JUDGED_SIDE = 1
 ATTACHMENT_SIDE = 160
 # The size in which a report's overview shows a picture.
