@@ -13,20 +13,12 @@ from typing import Any
 
 from shaderlab.bands import Rules
 from shaderlab.errors import CaseError
+from shaderlab.model.calls import GL_ERRORS, GlCall
 from shaderlab.model.scene import Output, UniformValue
 from shaderlab.model.state import one_of
 
 Reference = Callable[..., Any]
 Figure = float | Sequence[float]
-
-GL_ERRORS: Mapping[str, int] = {
-    "no_error": 0x0000,
-    "invalid_enum": 0x0500,
-    "invalid_value": 0x0501,
-    "invalid_operation": 0x0502,
-    "out_of_memory": 0x0505,
-    "invalid_framebuffer_operation": 0x0506,
-}
 
 
 @dataclass(frozen=True)
@@ -144,8 +136,9 @@ class GlError:
 
 
 Expectation = (
-    Formula | Value | Sweep | Property | Exact | Coverage | Computed | CompileFails | GlError
-)
+    Formula | Value | Sweep | Property | Exact | Coverage | Computed | CompileFails
+    | GlError | GlCall
+)  # fmt: skip
 
 
 def formula(

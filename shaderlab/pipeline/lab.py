@@ -22,14 +22,14 @@ from shaderlab.errors import (
     ShaderlabError,
     UnsupportedError,
 )
-from shaderlab.frame import Frame, PassDraw
+from shaderlab.frame import Answer, Frame, PassDraw
 from shaderlab.gl import capture
 from shaderlab.gl.device import Device, open_device
 from shaderlab.gl.opinion import driver_verdict
 from shaderlab.gl.prepare import Preparer
 from shaderlab.gl.runner import Drawn, Prepared, Runner, Session, step
 from shaderlab.glsl.sources import Source
-from shaderlab.model import CompileFails, GlError, Scene, Sweep, Value
+from shaderlab.model import CompileFails, GlCall, GlError, Scene, Sweep, Value
 from shaderlab.pipeline import album, frames, plan, write_up
 from shaderlab.pipeline.roots import shaders_beside
 from shaderlab.records import Diagnostic, Outcome, Record, Verdict
@@ -262,7 +262,16 @@ def _frame(session: Session, drawn: Drawn, plans: plan.Plan) -> Frame:
         vertices={key: _captured(capture.vertices, session, key) for key in sorted(plans.vertices)},
         probes=probes,
         gl_errors=drawn.gl_errors,
+        answers={index: _answered(session, index) for index in plans.calls},
+        sample_positions=drawn.sample_positions,
     )
+
+
+def _answered(session: Session, index: int) -> Answer:
+    expectation = session.scene.expect[index]
+    assert isinstance(expectation, GlCall)
+    with doing("draw", f"calling {expectation.call}"):
+        return plan.answer(session, expectation)
 
 
 def _captured(

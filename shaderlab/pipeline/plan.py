@@ -10,21 +10,22 @@ import numpy as np
 
 from shaderlab.checks import draw_key, split_output
 from shaderlab.errors import CaseError, nearest
-from shaderlab.frame import Array, Bindings, PassDraw, Samples
-from shaderlab.gl import bind, capture, feedback
+from shaderlab.frame import Answer, Array, Bindings, PassDraw, Samples
+from shaderlab.gl import bind, calls, capture, feedback
 from shaderlab.gl.prepare import PreparedDraw
 from shaderlab.gl.runner import Prepared, Session
 from shaderlab.gl.varyings import elements
-from shaderlab.model import Coverage, Formula, Pixel, Property, Scene, Sweep, Value
+from shaderlab.model import Coverage, Formula, GlCall, Pixel, Program, Property, Scene, Sweep, Value
 
 
 @dataclass(frozen=True)
 class Plan:
-    """Draws to capture, and expectations to probe."""
+    """Draws to capture, expectations to probe, and those that call the API."""
 
     fragments: frozenset[PassDraw]
     vertices: frozenset[PassDraw]
     probes: tuple[int, ...]
+    calls: tuple[int, ...]
 
 
 def plan(scene: Scene, prepared: Prepared) -> Plan:
@@ -51,7 +52,8 @@ def plan(scene: Scene, prepared: Prepared) -> Plan:
             fragments.add(key)
         else:
             probes.append(index)
-    return Plan(frozenset(fragments), frozenset(vertices), tuple(probes))
+    asked = tuple(i for i, e in enumerate(scene.expect) if isinstance(e, GlCall))
+    return Plan(frozenset(fragments), frozenset(vertices), tuple(probes), asked)
 
 
 def key_of(scene: Scene, expectation: Formula | Sweep | Value) -> PassDraw:
@@ -124,6 +126,20 @@ def probe(session: Session, expectation: Value | Sweep) -> Samples:
     if not uniform_names:
         return samples(steps)
     return _joined([samples([step]) for step in steps])
+
+
+def answer(session: Session, expectation: GlCall) -> Answer:
+    """Make the calls of a `gl_call`, with the programs of the scene that they name.
+
+    Raises:
+        CaseError: one of them names a pass or a draw that does not exist, or is no call of OpenGL.
+    """
+
+    def texts(program: Program) -> dict[str, str]:
+        name, index = draw_key(session.scene, program.pass_name, program.draw)
+        return {source.stage: source.text for source in session.prepared[name][index].sources}
+
+    return calls.answer(session.runner.device, expectation, texts)
 
 
 def _is_of_vertex(name: str, draw: PreparedDraw) -> bool:

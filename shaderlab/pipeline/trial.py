@@ -28,8 +28,10 @@ from shaderlab.model import (
     Computed,
     Coverage,
     Expectation,
+    GlCall,
     GlError,
     Scene,
+    programs_of,
 )
 from shaderlab.pipeline import plan
 from shaderlab.pipeline.roots import shaders_beside
@@ -223,7 +225,7 @@ class Trial:
             CaseError, FormulaError: as `shaderlab.checks.judge`.
         """
         expectation = self.scene.expect[index]
-        if isinstance(expectation, Computed | CompileFails):
+        if _without_shaders(expectation):
             return Outcome(name=expectation.name, kind="skipped", status="pass")
         return judge(index, self.scene, self._frame(index, expectation), {}).outcome
 
@@ -233,6 +235,9 @@ class Trial:
         fragments = {key: self.fragments(key) for key in wants.fragments}
         vertices = {key: self.vertices(key) for key in wants.vertices}
         probes = {index: self.probe(index)} if wants.probes else {}
+        answers = {}
+        if isinstance(expectation, GlCall):
+            answers[index] = plan.answer(self.session, expectation)
         return Frame(
             images=self.images,
             order=tuple(p.name for p in self.scene.passes),
@@ -241,6 +246,8 @@ class Trial:
             vertices=vertices,
             probes=probes,
             gl_errors=self.gl_errors,
+            answers=answers,
+            sample_positions=self.session.sample_positions,
         )
 
     def _gets_the_same(self, pass_name: str, other: Trial) -> bool:
@@ -265,14 +272,24 @@ def judged_passes(scene: Scene) -> dict[int, str | None]:
     """For each expectation of the scene, the pass it is about; None where no shader has a part."""
     found: dict[int, str | None] = {}
     for index, expectation in enumerate(scene.expect):
-        if isinstance(expectation, Computed | CompileFails):
+        if _without_shaders(expectation):
             found[index] = None
+        elif isinstance(expectation, GlCall):
+            program = programs_of(expectation)[0]
+            found[index] = draw_key(scene, program.pass_name, program.draw)[0]
         elif isinstance(expectation, Coverage | GlError):
             found[index] = draw_key(scene, expectation.pass_name, expectation.draw)[0]
         else:
-            name, _ = split_output(expectation.output, scene)
+            name, _ = split_output(getattr(expectation, "output", ""), scene)
             found[index] = scene.find_pass(name).name
     return found
+
+
+def _without_shaders(expectation: Expectation) -> bool:
+    """Whether no shader of the case has a part in what is expected."""
+    if isinstance(expectation, GlCall):
+        return not programs_of(expectation)
+    return isinstance(expectation, Computed | CompileFails)
 
 
 class _OpenGLOnly(Preparer):

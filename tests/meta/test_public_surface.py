@@ -14,6 +14,7 @@ PUBLIC = {
     "fullscreen", "mesh_pass", "Ramp", "across", "up",
     # what must hold
     "formula", "value", "sweep", "exact", "coverage", "computed", "compile_fails", "gl_error",
+    "gl_call", "call", "Object", "Program", "Location",
     "monotone", "bounded", "symmetric", "energy_conserving", "mean_of",
     "Pixel", "Rules",
     # the rest
