@@ -35,6 +35,7 @@ from shaderlab.model.expect import (
     value,
 )
 from shaderlab.model.laws import bounded, energy_conserving, mean_of, monotone, symmetric
+from shaderlab.model.measure import Bound, Measure, Reading, measure, reading
 from shaderlab.model.scene import (
     Draw,
     Mesh,
@@ -55,6 +56,7 @@ __all__ = [
     "DEFAULT_VARIANT",
     "GL_ERRORS",
     "Blend",
+    "Bound",
     "Call",
     "Case",
     "Cell",
@@ -70,6 +72,7 @@ __all__ = [
     "GlCall",
     "GlError",
     "Location",
+    "Measure",
     "Mesh",
     "Object",
     "Output",
@@ -78,6 +81,7 @@ __all__ = [
     "Program",
     "Property",
     "Ramp",
+    "Reading",
     "Scene",
     "State",
     "Stencil",
@@ -100,10 +104,12 @@ __all__ = [
     "gl_call",
     "gl_error",
     "mean_of",
+    "measure",
     "mesh_pass",
     "monotone",
     "output_of",
     "programs_of",
+    "reading",
     "sweep",
     "symmetric",
     "up",

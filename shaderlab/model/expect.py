@@ -14,6 +14,7 @@ from typing import Any
 from shaderlab.bands import Rules
 from shaderlab.errors import CaseError
 from shaderlab.model.calls import GL_ERRORS, GlCall
+from shaderlab.model.measure import Measure
 from shaderlab.model.scene import Output, UniformValue
 from shaderlab.model.state import one_of
 
@@ -136,9 +137,18 @@ class GlError:
 
 
 Expectation = (
-    Formula | Value | Sweep | Property | Exact | Coverage | Computed | CompileFails
-    | GlError | GlCall
-)  # fmt: skip
+    Formula
+    | Value
+    | Sweep
+    | Property
+    | Measure
+    | Exact
+    | Coverage
+    | Computed
+    | CompileFails
+    | GlError
+    | GlCall
+)
 
 
 def formula(
