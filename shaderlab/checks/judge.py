@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -28,6 +28,13 @@ from shaderlab.checks.naming import (
     subject_of,
 )
 from shaderlab.checks.properties import judge_property
+from shaderlab.checks.refusals import (
+    Answer,
+    Complaint,
+    judge_compile_fails,
+    judge_inactive,
+    judge_refused,
+)
 from shaderlab.errors import CaseError
 from shaderlab.frame import Array, Frame, Image
 from shaderlab.model import (
@@ -39,17 +46,19 @@ from shaderlab.model import (
     Formula,
     GlCall,
     GlError,
+    InactiveUniforms,
     Measure,
     Output,
     Pixel,
     Property,
+    Refused,
     Scene,
     Sweep,
     Value,
 )
-from shaderlab.records import Curve, Diagnostic, Outcome
+from shaderlab.records import Curve, Outcome
 
-Refusals = Mapping[str, tuple[Sequence[Diagnostic], bool]]
+Refusals = Mapping[int, Answer | Complaint]
 
 
 def judge(index: int, scene: Scene, frame: Frame, refusals: Refusals) -> Judgement:
@@ -59,7 +68,7 @@ def judge(index: int, scene: Scene, frame: Frame, refusals: Refusals) -> Judgeme
         index: its place in `scene.expect`.
         scene: what was run.
         frame: what it gave.
-        refusals: for each shader that must be refused, its diagnostics and whether it compiles.
+        refusals: what was said of that which must be refused, by the expectation's place.
 
     Raises:
         CaseError, FormulaError: the expectation asks for what is not there.
@@ -89,12 +98,21 @@ def judge(index: int, scene: Scene, frame: Frame, refusals: Refusals) -> Judgeme
         case Computed():
             return exactly.judge_computed(expectation)
         case CompileFails():
-            return exactly.judge_compile_fails(expectation, *refusals[expectation.shader])
+            answer = refusals[index]
+            assert isinstance(answer, Answer)
+            return judge_compile_fails(expectation, answer)
+        case Refused():
+            complaint = refusals[index]
+            assert isinstance(complaint, Complaint)
+            return judge_refused(expectation, complaint)
+        case InactiveUniforms():
+            key = draw_key(scene, expectation.pass_name, expectation.draw)
+            return judge_inactive(expectation, frame.locations[key])
         case GlError():
             key = draw_key(scene, expectation.pass_name, expectation.draw)
             return exactly.judge_gl_error(expectation, frame.gl_errors.get(key, ()))
         case GlCall():
-            return exactly.judge_gl_call(expectation, frame.answers[index])
+            return exactly.judge_gl_call(expectation, frame.replies[index])
 
 
 def _formula(expectation: Formula, scene: Scene, frame: Frame) -> Judgement:

@@ -17,7 +17,7 @@ from typing import Any, TypeGuard
 import numpy as np
 
 from shaderlab.errors import CaseError, DriverError, ShaderError, UnsupportedError, nearest
-from shaderlab.frame import Answer
+from shaderlab.frame import Reply
 from shaderlab.gl.device import REQUIRED_VERSION, Device
 from shaderlab.gl.runner import drain_errors
 from shaderlab.model import Call, GlCall, Location, Object, Program
@@ -36,7 +36,7 @@ _ARRAYS: Mapping[str, type[np.generic]] = {
 _ROOM = 4096  # numbers that a call may write
 
 
-def answer(device: Device, expectation: GlCall, texts: Texts) -> Answer:
+def answer(device: Device, expectation: GlCall, texts: Texts) -> Reply:
     """Make the calls in a context of their own, and say what came of the last one.
 
     Raises:
@@ -50,7 +50,7 @@ def answer(device: Device, expectation: GlCall, texts: Texts) -> Answer:
             maker.make(step, 0)
             errors = drain_errors()
             if errors:
-                return Answer(errors=errors, at=str(step), wanted=wanted)
+                return Reply(errors=errors, at=str(step), wanted=wanted)
         returned = maker.make(expectation.call, len(wanted))
         errors = drain_errors()
     words = [w if isinstance(w, str) else "" for w in expectation.returns or ()]
@@ -60,7 +60,7 @@ def answer(device: Device, expectation: GlCall, texts: Texts) -> Answer:
         if _is_constant(word)
         for n in (want, got)
     }
-    return Answer(
+    return Reply(
         errors=errors, at=str(expectation.call), wanted=wanted, returned=returned, names=names
     )
 

@@ -101,6 +101,11 @@ class Shaders:
             if not re.fullmatch(r"[A-Za-z_]\w*(\([\w, ]*\))?", word):
                 raise ShaderError(f"can't define {word!r}: it is not a GLSL name")
 
+    @property
+    def folders(self) -> tuple[Path, ...]:
+        """The root folders, in the order they are searched."""
+        return self._roots.folders
+
     def load(self, name: str, stage: str | None = None) -> Source:
         """The named shader with its includes expanded.
 

@@ -13,7 +13,6 @@ from shaderlab.model.calls import (
 )
 from shaderlab.model.case import DEFAULT_VARIANT, Case, Erratum, Scene, Variant
 from shaderlab.model.expect import (
-    CompileFails,
     Computed,
     Coverage,
     Exact,
@@ -24,7 +23,6 @@ from shaderlab.model.expect import (
     Property,
     Sweep,
     Value,
-    compile_fails,
     computed,
     coverage,
     exact,
@@ -36,6 +34,14 @@ from shaderlab.model.expect import (
 )
 from shaderlab.model.laws import bounded, energy_conserving, mean_of, monotone, symmetric
 from shaderlab.model.measure import Bound, Measure, Reading, measure, reading
+from shaderlab.model.refusals import (
+    CompileFails,
+    InactiveUniforms,
+    Refused,
+    compile_fails,
+    inactive_uniforms,
+    refused,
+)
 from shaderlab.model.scene import (
     Draw,
     Mesh,
@@ -71,6 +77,7 @@ __all__ = [
     "Formula",
     "GlCall",
     "GlError",
+    "InactiveUniforms",
     "Location",
     "Measure",
     "Mesh",
@@ -82,6 +89,7 @@ __all__ = [
     "Property",
     "Ramp",
     "Reading",
+    "Refused",
     "Scene",
     "State",
     "Stencil",
@@ -103,6 +111,7 @@ __all__ = [
     "fullscreen",
     "gl_call",
     "gl_error",
+    "inactive_uniforms",
     "mean_of",
     "measure",
     "mesh_pass",
@@ -110,6 +119,7 @@ __all__ = [
     "output_of",
     "programs_of",
     "reading",
+    "refused",
     "sweep",
     "symmetric",
     "up",

@@ -15,6 +15,7 @@ from shaderlab.bands import Rules
 from shaderlab.errors import CaseError
 from shaderlab.model.calls import GL_ERRORS, GlCall
 from shaderlab.model.measure import Measure
+from shaderlab.model.refusals import CompileFails, InactiveUniforms, Refused
 from shaderlab.model.scene import Output, UniformValue
 from shaderlab.model.state import one_of
 
@@ -118,15 +119,6 @@ class Computed:
 
 
 @dataclass(frozen=True, kw_only=True)
-class CompileFails:
-    """A shader is refused, with exactly these messages at exactly these lines."""
-
-    shader: str
-    messages: tuple[tuple[int, str], ...]
-    name: str = ""
-
-
-@dataclass(frozen=True, kw_only=True)
 class GlError:
     """A draw raises this GL error, and nothing else does."""
 
@@ -148,6 +140,8 @@ Expectation = (
     | CompileFails
     | GlError
     | GlCall
+    | Refused
+    | InactiveUniforms
 )
 
 
@@ -280,11 +274,6 @@ def computed(
         name=label,
         note=note,
     )
-
-
-def compile_fails(shader: str, *messages: tuple[int, str], name: str = "") -> CompileFails:
-    """`shader` is refused with these whole messages, each (line, text), in this order."""
-    return CompileFails(shader=shader, messages=messages, name=name or f"{shader} is refused")
 
 
 def gl_error(

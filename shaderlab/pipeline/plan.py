@@ -10,22 +10,35 @@ import numpy as np
 
 from shaderlab.checks import draw_key, split_output
 from shaderlab.errors import CaseError, nearest
-from shaderlab.frame import Answer, Array, Bindings, PassDraw, Samples
+from shaderlab.frame import Array, Bindings, PassDraw, Reply, Samples
 from shaderlab.gl import bind, calls, capture, feedback
 from shaderlab.gl.prepare import PreparedDraw
 from shaderlab.gl.runner import Prepared, Session
 from shaderlab.gl.varyings import elements
-from shaderlab.model import Coverage, Formula, GlCall, Pixel, Program, Property, Scene, Sweep, Value
+from shaderlab.model import (
+    Coverage,
+    Formula,
+    GlCall,
+    InactiveUniforms,
+    Pixel,
+    Program,
+    Property,
+    Scene,
+    Sweep,
+    Value,
+)
 
 
 @dataclass(frozen=True)
 class Plan:
-    """Draws to capture, expectations to probe, and those that call the API."""
+    """Draws to capture, expectations to probe, draws whose uniforms are to be looked for, and
+    expectations that call the API."""
 
     fragments: frozenset[PassDraw]
     vertices: frozenset[PassDraw]
     probes: tuple[int, ...]
-    calls: tuple[int, ...]
+    located: frozenset[PassDraw] = frozenset()
+    calls: tuple[int, ...] = ()
 
 
 def plan(scene: Scene, prepared: Prepared) -> Plan:
@@ -37,9 +50,12 @@ def plan(scene: Scene, prepared: Prepared) -> Plan:
     fragments: set[PassDraw] = set()
     vertices: set[PassDraw] = set()
     probes: list[int] = []
+    located: set[PassDraw] = set()
     for index, expectation in enumerate(scene.expect):
         if isinstance(expectation, Coverage):
             fragments.add(draw_key(scene, expectation.pass_name, expectation.draw))
+        if isinstance(expectation, InactiveUniforms):
+            located.add(draw_key(scene, expectation.pass_name, expectation.draw))
         if not isinstance(expectation, Formula | Sweep | Value):
             continue
         _, name = split_output(expectation.output, scene)
@@ -52,8 +68,13 @@ def plan(scene: Scene, prepared: Prepared) -> Plan:
             fragments.add(key)
         else:
             probes.append(index)
-    asked = tuple(i for i, e in enumerate(scene.expect) if isinstance(e, GlCall))
-    return Plan(frozenset(fragments), frozenset(vertices), tuple(probes), asked)
+    return Plan(
+        frozenset(fragments),
+        frozenset(vertices),
+        tuple(probes),
+        frozenset(located),
+        tuple(i for i, e in enumerate(scene.expect) if isinstance(e, GlCall)),
+    )
 
 
 def key_of(scene: Scene, expectation: Formula | Sweep | Value) -> PassDraw:
@@ -128,7 +149,7 @@ def probe(session: Session, expectation: Value | Sweep) -> Samples:
     return _joined([samples([step]) for step in steps])
 
 
-def answer(session: Session, expectation: GlCall) -> Answer:
+def answer(session: Session, expectation: GlCall) -> Reply:
     """Make the calls of a `gl_call`, with the programs of the scene that they name.
 
     Raises:

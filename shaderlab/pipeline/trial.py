@@ -14,7 +14,7 @@ from types import TracebackType
 from typing import Any, Self
 
 from shaderlab.checks import draw_key, judge, outputs_read, split_output
-from shaderlab.frame import Array, Bindings, Fragments, Frame, Image, PassDraw, Samples
+from shaderlab.frame import Array, Bindings, Fragments, Frame, Image, PassDraw, Reply, Samples
 from shaderlab.gl import bind, capture, feedback
 from shaderlab.gl import programs as linking
 from shaderlab.gl.device import Device, open_device
@@ -30,7 +30,9 @@ from shaderlab.model import (
     Expectation,
     GlCall,
     GlError,
+    InactiveUniforms,
     Measure,
+    Refused,
     Scene,
     programs_of,
 )
@@ -236,9 +238,9 @@ class Trial:
         fragments = {key: self.fragments(key) for key in wants.fragments}
         vertices = {key: self.vertices(key) for key in wants.vertices}
         probes = {index: self.probe(index)} if wants.probes else {}
-        answers = {}
+        replies: dict[int, Reply] = {}
         if isinstance(expectation, GlCall):
-            answers[index] = plan.answer(self.session, expectation)
+            replies[index] = plan.answer(self.session, expectation)
         return Frame(
             images=self.images,
             order=tuple(p.name for p in self.scene.passes),
@@ -247,8 +249,9 @@ class Trial:
             vertices=vertices,
             probes=probes,
             gl_errors=self.gl_errors,
-            answers=answers,
+            replies=replies,
             sample_positions=self.session.sample_positions,
+            locations={key: self.session.locations(key) for key in wants.located},
         )
 
     def _gets_the_same(self, pass_name: str, other: Trial) -> bool:
@@ -282,7 +285,7 @@ def judged_passes(scene: Scene) -> dict[int, frozenset[str]]:
         elif isinstance(expectation, Measure):
             key = draw_key(scene, expectation.pass_name, expectation.draw)
             found[index] = frozenset({key[0], *(p for p, _ in outputs_read(expectation, scene))})
-        elif isinstance(expectation, Coverage | GlError):
+        elif isinstance(expectation, Coverage | GlError | InactiveUniforms):
             found[index] = frozenset({draw_key(scene, expectation.pass_name, expectation.draw)[0]})
         else:
             name, _ = split_output(getattr(expectation, "output", ""), scene)
@@ -294,7 +297,7 @@ def _without_shaders(expectation: Expectation) -> bool:
     """Whether no shader of the case has a part in what is expected."""
     if isinstance(expectation, GlCall):
         return not programs_of(expectation)
-    return isinstance(expectation, Computed | CompileFails)
+    return isinstance(expectation, Computed | CompileFails | Refused)
 
 
 class _OpenGLOnly(Preparer):

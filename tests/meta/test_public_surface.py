@@ -15,6 +15,7 @@ PUBLIC = {
     # what must hold
     "formula", "value", "sweep", "exact", "coverage", "computed", "compile_fails", "gl_error",
     "gl_call", "call", "Object", "Program", "Location",
+    "refused", "inactive_uniforms",
     "monotone", "bounded", "symmetric", "energy_conserving", "mean_of",
     "measure", "reading",
     "Pixel", "Rules",
