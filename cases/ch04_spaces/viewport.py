@@ -19,11 +19,13 @@ from shaderlab import (
     Mesh,
     Pass,
     Pixel,
+    Ramp,
     State,
     Target,
     computed,
     coverage,
     formula,
+    fullscreen,
     value,
 )
 from shaderlab.assets import stage
@@ -68,8 +70,9 @@ PATCH = Mesh(
 )
 
 
-def patch(name, size, viewport, depths=(0.0, 1.0)):
-    """The patch in a viewport and a depth range of the hardware's own."""
+def patch(name, viewport, depths=(0.0, 1.0)):
+    """The patch in a viewport and a depth range of the hardware's own. The viewport reaches beyond
+    the window, and only what lies in both is seen."""
     draw = Draw(
         vertex="ch04_spaces/viewport.vert",
         fragment="ch04_spaces/viewport.frag",
@@ -77,7 +80,18 @@ def patch(name, size, viewport, depths=(0.0, 1.0)):
         uniforms={"viewport": viewport, "depthRange": depths},
         state=State(viewport=viewport, depth_range=depths),
     )
-    return Pass(name=name, target=Target(size=size, depth="depth24"), draws=(draw,))
+    return Pass(name=name, target=Target(size=(512, 256), depth="depth24"), draws=(draw,))
+
+
+def closeup(name, corner, side):
+    """A part of the square, far enlarged."""
+    (drawn,) = fullscreen(
+        "ch04_spaces/viewport.frag",
+        name=name,
+        domain={"Ndc": Ramp((*corner, 0.0), (side, 0.0, 0.0), (0.0, side, 0.0))},
+        target=Target(size=(96, 96)),
+    )
+    return drawn
 
 
 def by_hand(aPos, viewport, depthRange):
@@ -138,9 +152,11 @@ case = Case(
         *stage.photographed(
             [filled(cell) for cell in CELLS], (960, 480), clear=(0.93, 0.93, 0.92, 1)
         ),
-        patch("patch", (660, 512), LARGE),
-        patch("middle", (512, 384), (-10, -20, 640, 480), (0.25, 0.75)),
-        patch("turned", (512, 384), (-10, -20, 640, 480), (1.0, 0.0)),
+        closeup("chart", (-0.06, -0.06), 0.36),
+        closeup("disc", (0.41, -0.59), 0.18),
+        patch("patch", LARGE),
+        patch("middle", (-10, -20, 640, 480), (0.25, 0.75)),
+        patch("turned", (-10, -20, 640, 480), (1.0, 0.0)),
     ),
     picture="picture.FragColor",
     expect=[
@@ -148,8 +164,12 @@ case = Case(
         formula("judged.Window", by_hand),
         formula("judged.Ndc", same_place),
         formula("judged.gl_Position", clip),
-        formula("judged.FragColor", chart, draw=0, name="the large viewport"),
-        formula("judged.FragColor", chart, name="a small viewport"),
+        *(
+            formula("judged.FragColor", chart, draw=k, name=f"viewport {k + 1} of {len(CELLS)}")
+            for k in range(len(CELLS))
+        ),
+        formula("chart.FragColor", chart, name="axes and lines from near by"),
+        formula("disc.FragColor", chart, name="the disc from near by"),
         formula("judged.landed", where_it_is),
         at(
             (0.5, -0.5, 0.2), (490.0, 140.0, 0.6), "(½, −½, 0.2) in the viewport (10, 20, 640, 480)"

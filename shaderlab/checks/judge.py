@@ -112,7 +112,7 @@ def judge(index: int, scene: Scene, frame: Frame, refusals: Refusals) -> Judgeme
             key = draw_key(scene, expectation.pass_name, expectation.draw)
             return exactly.judge_gl_error(expectation, frame.gl_errors.get(key, ()))
         case GlCall():
-            return exactly.judge_gl_call(expectation, frame.answers[index])
+            return exactly.judge_gl_call(expectation, frame.replies[index])
 
 
 def _formula(expectation: Formula, scene: Scene, frame: Frame) -> Judgement:
