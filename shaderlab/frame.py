@@ -78,6 +78,38 @@ class Bindings:
 
 
 @dataclass(frozen=True, kw_only=True)
+class AttributeReading:
+    """Where OpenGL says that an attribute lies: `offset` bytes into the mesh's buffer number
+    `buffer`, a vertex every `stride` bytes, a new value every `divisor` instances (0: a vertex)."""
+
+    buffer: int
+    offset: int
+    stride: int
+    divisor: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class BlockReading:
+    """Where OpenGL says that a uniform block's members lie, and the block's size, in bytes; and
+    the same as the lab has `placed` them. A block without any effect has no offsets."""
+
+    offsets: Mapping[str, int]
+    size: int
+    placed: Mapping[str, int]
+    placed_size: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class Timing:
+    """What drawing one pass took: draw calls, vertices that were submitted (over all instances),
+    and the seconds of each repetition."""
+
+    draw_calls: int
+    vertices: int
+    seconds: tuple[float, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
 class Frame:
     """All that one scene gave.
 
@@ -89,6 +121,10 @@ class Frame:
         vertices: captured vertices by (pass, draw), where they were asked for.
         probes: by the expectation's index, the program run on the inputs it gave.
         gl_errors: GL errors by (pass, draw); only draws that raised any have an entry.
+        attributes: where each attribute lies, by (pass, draw), where it was asked for.
+        blocks: where each uniform block's members lie, likewise, by block.
+        queries: what the driver counted, by (pass, draw, query), where it was asked for.
+        timings: what passes took, by name, where it was asked for.
     """
 
     images: Mapping[tuple[str, str], Image]
@@ -98,3 +134,7 @@ class Frame:
     vertices: Mapping[PassDraw, Samples] = field(default_factory=dict)
     probes: Mapping[int, Samples] = field(default_factory=dict)
     gl_errors: Mapping[PassDraw, tuple[int, ...]] = field(default_factory=dict)
+    attributes: Mapping[PassDraw, Mapping[str, AttributeReading]] = field(default_factory=dict)
+    blocks: Mapping[PassDraw, Mapping[str, BlockReading]] = field(default_factory=dict)
+    queries: Mapping[tuple[str, int, str], int] = field(default_factory=dict)
+    timings: Mapping[str, Timing] = field(default_factory=dict)

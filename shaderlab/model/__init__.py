@@ -1,6 +1,7 @@
 """The case model: frozen, pure data. Importing it, or a case, touches no device."""
 
 from shaderlab.model.case import DEFAULT_VARIANT, Case, Erratum, Scene, Variant
+from shaderlab.model.counts import COUNTERS, Cost, Query, cost, query
 from shaderlab.model.expect import (
     GL_ERRORS,
     CompileFails,
@@ -25,14 +26,21 @@ from shaderlab.model.expect import (
     value,
 )
 from shaderlab.model.laws import bounded, energy_conserving, mean_of, monotone, symmetric
+from shaderlab.model.layouts import (
+    AttributeLayout,
+    BlockLayout,
+    attribute_layout,
+    block_layout,
+)
+from shaderlab.model.mesh import Mesh, Placement
 from shaderlab.model.scene import (
     Draw,
-    Mesh,
     Output,
     Pass,
     Ramp,
     Target,
     Texture,
+    UniformBuffer,
     UniformValue,
     across,
     fullscreen,
@@ -42,13 +50,17 @@ from shaderlab.model.scene import (
 from shaderlab.model.state import Blend, Cell, Depth, State, Stencil
 
 __all__ = [
+    "COUNTERS",
     "DEFAULT_VARIANT",
     "GL_ERRORS",
+    "AttributeLayout",
     "Blend",
+    "BlockLayout",
     "Case",
     "Cell",
     "CompileFails",
     "Computed",
+    "Cost",
     "Coverage",
     "Depth",
     "Draw",
@@ -61,7 +73,9 @@ __all__ = [
     "Output",
     "Pass",
     "Pixel",
+    "Placement",
     "Property",
+    "Query",
     "Ramp",
     "Scene",
     "State",
@@ -69,13 +83,17 @@ __all__ = [
     "Sweep",
     "Target",
     "Texture",
+    "UniformBuffer",
     "UniformValue",
     "Value",
     "Variant",
     "across",
+    "attribute_layout",
+    "block_layout",
     "bounded",
     "compile_fails",
     "computed",
+    "cost",
     "coverage",
     "energy_conserving",
     "exact",
@@ -86,6 +104,7 @@ __all__ = [
     "mesh_pass",
     "monotone",
     "output_of",
+    "query",
     "sweep",
     "symmetric",
     "up",

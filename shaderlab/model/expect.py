@@ -13,6 +13,8 @@ from typing import Any
 
 from shaderlab.bands import Rules
 from shaderlab.errors import CaseError
+from shaderlab.model.counts import Cost, Query
+from shaderlab.model.layouts import AttributeLayout, BlockLayout
 from shaderlab.model.scene import Output, UniformValue
 from shaderlab.model.state import one_of
 
@@ -144,7 +146,19 @@ class GlError:
 
 
 Expectation = (
-    Formula | Value | Sweep | Property | Exact | Coverage | Computed | CompileFails | GlError
+    Formula
+    | Value
+    | Sweep
+    | Property
+    | Exact
+    | Coverage
+    | Computed
+    | CompileFails
+    | GlError
+    | Query
+    | Cost
+    | AttributeLayout
+    | BlockLayout
 )
 
 

@@ -23,7 +23,7 @@ from shaderlab.errors import (
     UnsupportedError,
 )
 from shaderlab.frame import Frame, PassDraw
-from shaderlab.gl import capture
+from shaderlab.gl import capture, queries
 from shaderlab.gl.device import Device, open_device
 from shaderlab.gl.opinion import driver_verdict
 from shaderlab.gl.prepare import Preparer
@@ -262,6 +262,15 @@ def _frame(session: Session, drawn: Drawn, plans: plan.Plan) -> Frame:
         vertices={key: _captured(capture.vertices, session, key) for key in sorted(plans.vertices)},
         probes=probes,
         gl_errors=drawn.gl_errors,
+        attributes={key: queries.attributes(session, key) for key in sorted(plans.attributes)},
+        blocks={key: queries.block_readings(session, key) for key in sorted(plans.blocks)},
+        queries={
+            (name, index, counter): queries.counted(session, (name, index), counter)
+            for name, index, counter in sorted(plans.queries)
+        },
+        timings={
+            name: queries.timed(session, name, repeats) for name, repeats in plans.timings.items()
+        },
     )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -15,16 +15,33 @@ from shaderlab.gl import bind, capture, feedback
 from shaderlab.gl.prepare import PreparedDraw
 from shaderlab.gl.runner import Prepared, Session
 from shaderlab.gl.varyings import elements
-from shaderlab.model import Coverage, Formula, Pixel, Property, Scene, Sweep, Value
+from shaderlab.model import (
+    AttributeLayout,
+    BlockLayout,
+    Cost,
+    Coverage,
+    Formula,
+    Pixel,
+    Property,
+    Query,
+    Scene,
+    Sweep,
+    Value,
+)
 
 
 @dataclass(frozen=True)
 class Plan:
-    """Draws to capture, and expectations to probe."""
+    """Draws to capture, expectations to probe, and what to ask the driver: draws whose memory is
+    read, (pass, draw, counter) to count, and passes to time, with the number of times."""
 
     fragments: frozenset[PassDraw]
     vertices: frozenset[PassDraw]
     probes: tuple[int, ...]
+    attributes: frozenset[PassDraw] = frozenset()
+    blocks: frozenset[PassDraw] = frozenset()
+    queries: frozenset[tuple[str, int, str]] = frozenset()
+    timings: Mapping[str, int] = field(default_factory=dict)
 
 
 def plan(scene: Scene, prepared: Prepared) -> Plan:
@@ -36,6 +53,7 @@ def plan(scene: Scene, prepared: Prepared) -> Plan:
     fragments: set[PassDraw] = set()
     vertices: set[PassDraw] = set()
     probes: list[int] = []
+    asked = _asked(scene)
     for index, expectation in enumerate(scene.expect):
         if isinstance(expectation, Coverage):
             fragments.add(draw_key(scene, expectation.pass_name, expectation.draw))
@@ -51,7 +69,42 @@ def plan(scene: Scene, prepared: Prepared) -> Plan:
             fragments.add(key)
         else:
             probes.append(index)
-    return Plan(frozenset(fragments), frozenset(vertices), tuple(probes))
+    return replace(
+        asked,
+        fragments=frozenset(fragments),
+        vertices=frozenset(vertices),
+        probes=tuple(probes),
+    )
+
+
+def _asked(scene: Scene) -> Plan:
+    """What the expectations ask the driver itself."""
+    attributes: set[PassDraw] = set()
+    blocks: set[PassDraw] = set()
+    queries: set[tuple[str, int, str]] = set()
+    timings: dict[str, int] = {}
+    for expectation in scene.expect:
+        match expectation:
+            case AttributeLayout():
+                attributes.add(draw_key(scene, expectation.pass_name, expectation.draw))
+            case BlockLayout():
+                blocks.add(draw_key(scene, expectation.pass_name, expectation.draw))
+            case Query():
+                key = draw_key(scene, expectation.pass_name, expectation.draw)
+                queries.add((*key, expectation.counter))
+            case Cost():
+                for name in expectation.passes:
+                    known = scene.find_pass(name).name
+                    timings[known] = max(timings.get(known, 0), expectation.repeats)
+    return Plan(
+        frozenset(),
+        frozenset(),
+        (),
+        attributes=frozenset(attributes),
+        blocks=frozenset(blocks),
+        queries=frozenset(queries),
+        timings=timings,
+    )
 
 
 def key_of(scene: Scene, expectation: Formula | Sweep | Value) -> PassDraw:
@@ -140,8 +193,9 @@ def _is_of_vertex(name: str, draw: PreparedDraw) -> bool:
 
 def _with_uniforms(bindings: Bindings, draw: PreparedDraw, values: Mapping[str, Any]) -> Bindings:
     exact, decimal = dict(bindings.uniforms), dict(bindings.decimal)
+    known = bind.declared(draw.interface)
     for name, value in values.items():
-        exact[name], decimal[name] = bind.uniform_arrays(draw.interface.uniforms[name], value)
+        exact[name], decimal[name] = bind.uniform_arrays(known[name], value)
     return replace(bindings, uniforms=exact, decimal=decimal)
 
 

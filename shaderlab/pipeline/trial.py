@@ -15,7 +15,7 @@ from typing import Any, Self
 
 from shaderlab.checks import draw_key, judge, split_output
 from shaderlab.frame import Array, Bindings, Fragments, Frame, Image, PassDraw, Samples
-from shaderlab.gl import bind, capture, feedback
+from shaderlab.gl import bind, capture, feedback, queries
 from shaderlab.gl import programs as linking
 from shaderlab.gl.device import Device, open_device
 from shaderlab.gl.prepare import PreparedDraw, Preparer
@@ -24,11 +24,15 @@ from shaderlab.gl.varyings import elements
 from shaderlab.glsl.compile import Compiled, compile_program
 from shaderlab.glsl.sources import Source
 from shaderlab.model import (
+    AttributeLayout,
+    BlockLayout,
     CompileFails,
     Computed,
+    Cost,
     Coverage,
     Expectation,
     GlError,
+    Query,
     Scene,
 )
 from shaderlab.pipeline import plan
@@ -38,6 +42,7 @@ from shaderlab.records import Outcome
 Texts = Mapping[str, str]
 Programs = Prepared
 """Each pass's draws, compiled."""
+_NOT_OF_SHADERS = (Computed, CompileFails, Cost)
 _MAY_KEEP_OUT = ("discard", "gl_FragDepth", "gl_SampleMask")
 
 
@@ -171,6 +176,10 @@ class Trial:
         declared = self.draw(key).interface.varyings
         return {v.name: (bind.shape_of(v.type), v.type) for v in elements(declared.values())}
 
+    def uniform_types(self, key: PassDraw) -> dict[str, str]:
+        """The GLSL type of each uniform and each member of a uniform block."""
+        return {n: v.type for n, v in bind.declared(self.draw(key).interface).items()}
+
     def fragments(self, key: PassDraw) -> Fragments:
         """What a draw's fragment shader got."""
         if key not in self._fragments:
@@ -223,7 +232,7 @@ class Trial:
             CaseError, FormulaError: as `shaderlab.checks.judge`.
         """
         expectation = self.scene.expect[index]
-        if isinstance(expectation, Computed | CompileFails):
+        if isinstance(expectation, _NOT_OF_SHADERS):
             return Outcome(name=expectation.name, kind="skipped", status="pass")
         return judge(index, self.scene, self._frame(index, expectation), {}).outcome
 
@@ -241,6 +250,12 @@ class Trial:
             vertices=vertices,
             probes=probes,
             gl_errors=self.gl_errors,
+            attributes={key: queries.attributes(self.session, key) for key in wants.attributes},
+            blocks={key: queries.block_readings(self.session, key) for key in wants.blocks},
+            queries={
+                (name, at, counter): queries.counted(self.session, (name, at), counter)
+                for name, at, counter in wants.queries
+            },
         )
 
     def _gets_the_same(self, pass_name: str, other: Trial) -> bool:
@@ -265,9 +280,9 @@ def judged_passes(scene: Scene) -> dict[int, str | None]:
     """For each expectation of the scene, the pass it is about; None where no shader has a part."""
     found: dict[int, str | None] = {}
     for index, expectation in enumerate(scene.expect):
-        if isinstance(expectation, Computed | CompileFails):
+        if isinstance(expectation, _NOT_OF_SHADERS):
             found[index] = None
-        elif isinstance(expectation, Coverage | GlError):
+        elif isinstance(expectation, Coverage | GlError | Query | AttributeLayout | BlockLayout):
             found[index] = draw_key(scene, expectation.pass_name, expectation.draw)[0]
         else:
             name, _ = split_output(expectation.output, scene)

@@ -10,10 +10,12 @@ import shaderlab
 PUBLIC = {
     # a case and what it is made of
     "Case", "Variant", "Erratum", "Pass", "Draw", "Target", "Mesh", "Texture", "Output",
+    "UniformBuffer",
     "State", "Depth", "Stencil", "Blend", "Cell",
     "fullscreen", "mesh_pass", "Ramp", "across", "up",
     # what must hold
     "formula", "value", "sweep", "exact", "coverage", "computed", "compile_fails", "gl_error",
+    "query", "cost", "attribute_layout", "block_layout",
     "monotone", "bounded", "symmetric", "energy_conserving", "mean_of",
     "Pixel", "Rules",
     # the rest
