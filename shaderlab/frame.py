@@ -125,6 +125,8 @@ class Frame:
         blocks: where each uniform block's members lie, likewise, by block.
         queries: what the driver counted, by (pass, draw, query), where it was asked for.
         timings: what passes took, by name, where it was asked for.
+        locations: where the driver put each declared uniform, by (pass, draw), where that was
+            asked for; −1 for one that changes no output.
     """
 
     images: Mapping[tuple[str, str], Image]
@@ -138,3 +140,4 @@ class Frame:
     blocks: Mapping[PassDraw, Mapping[str, BlockReading]] = field(default_factory=dict)
     queries: Mapping[tuple[str, int, str], int] = field(default_factory=dict)
     timings: Mapping[str, Timing] = field(default_factory=dict)
+    locations: Mapping[PassDraw, Mapping[str, int]] = field(default_factory=dict)

@@ -12,8 +12,8 @@ from shaderlab.checks.inputs import source_of
 from shaderlab.checks.judgement import Judgement, plain, shown
 from shaderlab.errors import CaseError, FormulaError
 from shaderlab.frame import Array, Image
-from shaderlab.model import GL_ERRORS, CompileFails, Computed, Coverage, Exact, GlError
-from shaderlab.records import Diagnostic, Outcome, Row, Worst
+from shaderlab.model import GL_ERRORS, Computed, Coverage, Exact, GlError
+from shaderlab.records import Outcome, Row, Worst
 
 
 def judge_exact(expectation: Exact, image: Image, expected: Any) -> Judgement:
@@ -87,7 +87,7 @@ def judge_coverage(expectation: Coverage, covered: Array) -> Judgement:
     ok = count == expectation.pixels
     row = Row(label="pixels", expected=str(expectation.pixels), measured=str(count), ok=ok)
     message = "" if ok else f"{count} pixels are covered, not {expectation.pixels}"
-    return _table(expectation.name, "coverage", [row], message, judged=covered.size)
+    return table(expectation.name, "coverage", [row], message, judged=covered.size)
 
 
 def judge_computed(expectation: Computed) -> Judgement:
@@ -112,33 +112,7 @@ def judge_computed(expectation: Computed) -> Judgement:
         expectation.note or "float64, no shader",
     )
     message = "" if ok else f"the reference gives {shown(got, expectation.digits + 3)}"
-    return _table(expectation.name, "computed", [row], message, judged=1)
-
-
-def judge_compile_fails(
-    expectation: CompileFails, diagnostics: Sequence[Diagnostic], accepted: bool
-) -> Judgement:
-    """Compare all errors of a compiler with the expected ones: lines and whole messages."""
-    errors = [(d.line, d.message) for d in diagnostics if d.severity == "error"]
-    rows = []
-    for index in range(max(len(errors), len(expectation.messages))):
-        want = expectation.messages[index] if index < len(expectation.messages) else None
-        got = errors[index] if index < len(errors) else None
-        rows.append(
-            Row(
-                label=f"{expectation.shader}:{(want or got or ('?',))[0]}",
-                expected="no further message" if want is None else want[1],
-                measured="nothing" if got is None else f"line {got[0]}: {got[1]}",
-                ok=want == got,
-            )
-        )
-    if accepted:
-        message = f"{expectation.shader} compiles, but must be refused"
-    elif not all(row.ok for row in rows):
-        message = f"{expectation.shader} is refused with other messages"
-    else:
-        message = ""
-    return _table(expectation.name, "compile fails", rows, message, judged=len(rows) or 1)
+    return table(expectation.name, "computed", [row], message, judged=1)
 
 
 def judge_gl_error(expectation: GlError, errors: Sequence[int]) -> Judgement:
@@ -153,7 +127,7 @@ def judge_gl_error(expectation: GlError, errors: Sequence[int]) -> Judgement:
         ok=ok,
     )
     message = "" if ok else f"the draw raises {row.measured}"
-    return _table(expectation.name, "GL error", [row], message, judged=1)
+    return table(expectation.name, "GL error", [row], message, judged=1)
 
 
 def error_name(code: int) -> str:
@@ -168,7 +142,8 @@ def error_name(code: int) -> str:
     return f"GL error 0x{code:04X}"
 
 
-def _table(name: str, kind: str, rows: Sequence[Row], message: str, judged: int) -> Judgement:
+def table(name: str, kind: str, rows: Sequence[Row], message: str, judged: int) -> Judgement:
+    """A judgement of rows: it fails where there is a message."""
     return Judgement(
         outcome=Outcome(
             name=name,

@@ -64,6 +64,13 @@ def output_locations(program: Any, names: Iterable[str]) -> dict[str, int]:
     return {name: int(GL.glGetFragDataLocation(program.glo, name.encode())) for name in names}
 
 
+def uniform_locations(program: Any, names: Iterable[str]) -> dict[str, int]:
+    """Where the linked program has each of these uniforms; −1 for one that it left out."""
+    from OpenGL import GL
+
+    return {name: int(GL.glGetUniformLocation(program.glo, name.encode())) for name in names}
+
+
 def set_uniforms(program: Any, values: Mapping[str, Array]) -> list[str]:
     """Upload uniforms; matrices are transposed into GLSL's columns-first order.
 

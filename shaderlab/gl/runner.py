@@ -9,12 +9,18 @@ from pathlib import Path
 from typing import Any
 
 from shaderlab.activity import doing
-from shaderlab.errors import CaseError, ShaderError, nearest
+from shaderlab.errors import CaseError, ShaderError, UnsupportedError, nearest
 from shaderlab.frame import Array, Bindings, Image, PassDraw
 from shaderlab.gl import bind, blocks, formats, state, textures
 from shaderlab.gl.device import Device
 from shaderlab.gl.prepare import PreparedDraw, output_types, pass_colors
-from shaderlab.gl.programs import Programs, output_locations, set_uniforms
+from shaderlab.gl.programs import (
+    Programs,
+    output_locations,
+    set_uniforms,
+    uniform_locations,
+)
+from shaderlab.gl.stages import PREFIX
 from shaderlab.gl.target import RenderTarget
 from shaderlab.gl.uniform_buffers import UniformBuffers
 from shaderlab.gl.vertices import PRIMITIVES, VertexArray, vertex_array
@@ -129,6 +135,13 @@ class Session:
         """The draw's uniforms and textures as the shader will get them."""
         return bind.bind(draw.draw, draw.interface, self._values)
 
+    def locations(self, key: PassDraw) -> dict[str, int]:
+        """Where the driver put each uniform that a draw's program declares, samplers too."""
+        draw = self.prepared[key[0]][key[1]]
+        program = self.runner.programs.link({s.stage: s.text for s in draw.sources})
+        declared = [n for n in draw.interface.uniforms if not n.startswith(PREFIX)]
+        return uniform_locations(program, declared)
+
     def use(self, program: Any, draw: PreparedDraw, bindings: Bindings) -> None:
         """Set the program's uniforms and bind its textures."""
         ramps = {}
@@ -160,6 +173,7 @@ class Session:
     ) -> tuple[Any, VertexArray]:
         """Bind and set everything for a draw, which `submit` then issues: its program and vertex
         array. Raises ShaderError if the driver refuses the program."""
+        require_glsl(self.runner.device, draw)
         stages = {s.stage: s.text for s in draw.sources}
         try:
             program = self.runner.programs.link(stages)
@@ -201,6 +215,16 @@ class Session:
                 remedy=nearest(f"{source.pass_name}.{source.name}", known),
             )
         return self.images[key]
+
+
+def require_glsl(device: Device, draw: PreparedDraw) -> None:
+    """Raise UnsupportedError for a shader of a newer GLSL than the driver takes."""
+    for source in draw.sources:
+        number, profile = source.version
+        if profile != "es" and number > device.glsl:
+            raise UnsupportedError(
+                f"#version {number}: this driver takes GLSL up to {device.glsl}", file=source.path
+            )
 
 
 def step(key: PassDraw, draw: PreparedDraw) -> str:

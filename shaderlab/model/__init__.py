@@ -4,7 +4,6 @@ from shaderlab.model.case import DEFAULT_VARIANT, Case, Erratum, Scene, Variant
 from shaderlab.model.counts import COUNTERS, Cost, Query, cost, query
 from shaderlab.model.expect import (
     GL_ERRORS,
-    CompileFails,
     Computed,
     Coverage,
     Exact,
@@ -15,7 +14,6 @@ from shaderlab.model.expect import (
     Property,
     Sweep,
     Value,
-    compile_fails,
     computed,
     coverage,
     exact,
@@ -32,7 +30,16 @@ from shaderlab.model.layouts import (
     attribute_layout,
     block_layout,
 )
+from shaderlab.model.measure import Bound, Measure, Reading, measure, reading
 from shaderlab.model.mesh import Mesh, Placement
+from shaderlab.model.refusals import (
+    CompileFails,
+    InactiveUniforms,
+    Refused,
+    compile_fails,
+    inactive_uniforms,
+    refused,
+)
 from shaderlab.model.scene import (
     Draw,
     Output,
@@ -56,6 +63,7 @@ __all__ = [
     "AttributeLayout",
     "Blend",
     "BlockLayout",
+    "Bound",
     "Case",
     "Cell",
     "CompileFails",
@@ -69,6 +77,8 @@ __all__ = [
     "Expectation",
     "Formula",
     "GlError",
+    "InactiveUniforms",
+    "Measure",
     "Mesh",
     "Output",
     "Pass",
@@ -77,6 +87,8 @@ __all__ = [
     "Property",
     "Query",
     "Ramp",
+    "Reading",
+    "Refused",
     "Scene",
     "State",
     "Stencil",
@@ -100,11 +112,15 @@ __all__ = [
     "formula",
     "fullscreen",
     "gl_error",
+    "inactive_uniforms",
     "mean_of",
+    "measure",
     "mesh_pass",
     "monotone",
     "output_of",
     "query",
+    "reading",
+    "refused",
     "sweep",
     "symmetric",
     "up",

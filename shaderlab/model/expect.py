@@ -15,6 +15,8 @@ from shaderlab.bands import Rules
 from shaderlab.errors import CaseError
 from shaderlab.model.counts import Cost, Query
 from shaderlab.model.layouts import AttributeLayout, BlockLayout
+from shaderlab.model.measure import Measure
+from shaderlab.model.refusals import CompileFails, InactiveUniforms, Refused
 from shaderlab.model.scene import Output, UniformValue
 from shaderlab.model.state import one_of
 
@@ -127,15 +129,6 @@ class Computed:
 
 
 @dataclass(frozen=True, kw_only=True)
-class CompileFails:
-    """A shader is refused, with exactly these messages at exactly these lines."""
-
-    shader: str
-    messages: tuple[tuple[int, str], ...]
-    name: str = ""
-
-
-@dataclass(frozen=True, kw_only=True)
 class GlError:
     """A draw raises this GL error, and nothing else does."""
 
@@ -150,6 +143,7 @@ Expectation = (
     | Value
     | Sweep
     | Property
+    | Measure
     | Exact
     | Coverage
     | Computed
@@ -159,6 +153,8 @@ Expectation = (
     | Cost
     | AttributeLayout
     | BlockLayout
+    | Refused
+    | InactiveUniforms
 )
 
 
@@ -291,11 +287,6 @@ def computed(
         name=label,
         note=note,
     )
-
-
-def compile_fails(shader: str, *messages: tuple[int, str], name: str = "") -> CompileFails:
-    """`shader` is refused with these whole messages, each (line, text), in this order."""
-    return CompileFails(shader=shader, messages=messages, name=name or f"{shader} is refused")
 
 
 def gl_error(

@@ -21,6 +21,7 @@ from shaderlab.model import (
     Cost,
     Coverage,
     Formula,
+    InactiveUniforms,
     Pixel,
     Property,
     Query,
@@ -33,7 +34,8 @@ from shaderlab.model import (
 @dataclass(frozen=True)
 class Plan:
     """Draws to capture, expectations to probe, and what to ask the driver: draws whose memory is
-    read, (pass, draw, counter) to count, and passes to time, with the number of times."""
+    read or whose uniforms are looked for, (pass, draw, counter) to count, and passes to time, with
+    the number of times."""
 
     fragments: frozenset[PassDraw]
     vertices: frozenset[PassDraw]
@@ -42,6 +44,7 @@ class Plan:
     blocks: frozenset[PassDraw] = frozenset()
     queries: frozenset[tuple[str, int, str]] = frozenset()
     timings: Mapping[str, int] = field(default_factory=dict)
+    located: frozenset[PassDraw] = frozenset()
 
 
 def plan(scene: Scene, prepared: Prepared) -> Plan:
@@ -54,9 +57,12 @@ def plan(scene: Scene, prepared: Prepared) -> Plan:
     vertices: set[PassDraw] = set()
     probes: list[int] = []
     asked = _asked(scene)
+    located: set[PassDraw] = set()
     for index, expectation in enumerate(scene.expect):
         if isinstance(expectation, Coverage):
             fragments.add(draw_key(scene, expectation.pass_name, expectation.draw))
+        if isinstance(expectation, InactiveUniforms):
+            located.add(draw_key(scene, expectation.pass_name, expectation.draw))
         if not isinstance(expectation, Formula | Sweep | Value):
             continue
         _, name = split_output(expectation.output, scene)
@@ -74,6 +80,7 @@ def plan(scene: Scene, prepared: Prepared) -> Plan:
         fragments=frozenset(fragments),
         vertices=frozenset(vertices),
         probes=tuple(probes),
+        located=frozenset(located),
     )
 
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-from shaderlab.checks import draw_key, judge, split_output
+from shaderlab.checks import draw_key, judge, outputs_read, split_output
 from shaderlab.frame import Array, Bindings, Fragments, Frame, Image, PassDraw, Samples
 from shaderlab.gl import bind, capture, feedback, queries
 from shaderlab.gl import programs as linking
@@ -32,7 +32,10 @@ from shaderlab.model import (
     Coverage,
     Expectation,
     GlError,
+    InactiveUniforms,
+    Measure,
     Query,
+    Refused,
     Scene,
 )
 from shaderlab.pipeline import plan
@@ -42,7 +45,7 @@ from shaderlab.records import Outcome
 Texts = Mapping[str, str]
 Programs = Prepared
 """Each pass's draws, compiled."""
-_NOT_OF_SHADERS = (Computed, CompileFails, Cost)
+_NOT_OF_SHADERS = (Computed, CompileFails, Refused, Cost)
 _MAY_KEEP_OUT = ("discard", "gl_FragDepth", "gl_SampleMask")
 
 
@@ -256,6 +259,7 @@ class Trial:
                 (name, at, counter): queries.counted(self.session, (name, at), counter)
                 for name, at, counter in wants.queries
             },
+            locations={key: self.session.locations(key) for key in wants.located},
         )
 
     def _gets_the_same(self, pass_name: str, other: Trial) -> bool:
@@ -276,17 +280,24 @@ class Trial:
         return True
 
 
-def judged_passes(scene: Scene) -> dict[int, str | None]:
-    """For each expectation of the scene, the pass it is about; None where no shader has a part."""
-    found: dict[int, str | None] = {}
+def judged_passes(scene: Scene) -> dict[int, frozenset[str]]:
+    """For each expectation of the scene, the passes it is about; none where no shader has a
+    part."""
+    found: dict[int, frozenset[str]] = {}
     for index, expectation in enumerate(scene.expect):
         if isinstance(expectation, _NOT_OF_SHADERS):
-            found[index] = None
-        elif isinstance(expectation, Coverage | GlError | Query | AttributeLayout | BlockLayout):
-            found[index] = draw_key(scene, expectation.pass_name, expectation.draw)[0]
+            found[index] = frozenset()
+        elif isinstance(expectation, Measure):
+            key = draw_key(scene, expectation.pass_name, expectation.draw)
+            found[index] = frozenset({key[0], *(p for p, _ in outputs_read(expectation, scene))})
+        elif isinstance(
+            expectation,
+            Coverage | GlError | InactiveUniforms | Query | AttributeLayout | BlockLayout,
+        ):
+            found[index] = frozenset({draw_key(scene, expectation.pass_name, expectation.draw)[0]})
         else:
             name, _ = split_output(expectation.output, scene)
-            found[index] = scene.find_pass(name).name
+            found[index] = frozenset({scene.find_pass(name).name})
     return found
 
 

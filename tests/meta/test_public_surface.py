@@ -16,7 +16,9 @@ PUBLIC = {
     # what must hold
     "formula", "value", "sweep", "exact", "coverage", "computed", "compile_fails", "gl_error",
     "query", "cost", "attribute_layout", "block_layout",
+    "refused", "inactive_uniforms",
     "monotone", "bounded", "symmetric", "energy_conserving", "mean_of",
+    "measure", "reading",
     "Pixel", "Rules",
     # the rest
     "ShaderlabError", "__version__",
