@@ -132,6 +132,30 @@ class Curve:
 
 
 @dataclass(frozen=True, kw_only=True)
+class PlotPoint:
+    """One point of a plot, with the bounds that it was held against (infinite: none)."""
+
+    series: str
+    x: float
+    y: float
+    low: float
+    high: float
+    ok: bool
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plot:
+    """Measured figures over a number, in one or several named series."""
+
+    title: str
+    x_label: str
+    y_label: str
+    points: tuple[PlotPoint, ...]
+    log_x: bool = False
+    log_y: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
 class ErratumNote:
     """Where the notes are wrong: what they say, what is true, which expectation proves it."""
 
@@ -187,6 +211,7 @@ class Record:
     programs: tuple[ProgramRecord, ...] = ()
     expectations: tuple[Outcome, ...] = ()
     curves: tuple[Curve, ...] = ()
+    plots: tuple[Plot, ...] = ()
     errata: tuple[ErratumNote, ...] = ()
     inputs: Mapping[str, str] = field(default_factory=dict)
     notices: tuple[str, ...] = ()

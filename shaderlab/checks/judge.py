@@ -17,6 +17,7 @@ from shaderlab.checks.banded import (
 )
 from shaderlab.checks.inputs import Inputs, evaluate
 from shaderlab.checks.judgement import Judgement, Lazy, shown
+from shaderlab.checks.measured import judge_measure
 from shaderlab.checks.naming import (
     draw_key,
     find_image,
@@ -44,6 +45,7 @@ from shaderlab.model import (
     Formula,
     GlError,
     InactiveUniforms,
+    Measure,
     Output,
     Pixel,
     Property,
@@ -80,6 +82,8 @@ def judge(index: int, scene: Scene, frame: Frame, refusals: Refusals) -> Judgeme
             return _sweep(expectation, index, scene, frame)
         case Value():
             return _value(expectation, index, scene, frame)
+        case Measure():
+            return judge_measure(expectation, scene, frame)
         case Exact():
             image = find_image(expectation.output, scene, frame)
             expected = expectation.equals

@@ -23,6 +23,7 @@ from shaderlab.model.expect import (
     value,
 )
 from shaderlab.model.laws import bounded, energy_conserving, mean_of, monotone, symmetric
+from shaderlab.model.measure import Bound, Measure, Reading, measure, reading
 from shaderlab.model.refusals import (
     CompileFails,
     InactiveUniforms,
@@ -51,6 +52,7 @@ __all__ = [
     "DEFAULT_VARIANT",
     "GL_ERRORS",
     "Blend",
+    "Bound",
     "Case",
     "Cell",
     "CompileFails",
@@ -64,12 +66,14 @@ __all__ = [
     "Formula",
     "GlError",
     "InactiveUniforms",
+    "Measure",
     "Mesh",
     "Output",
     "Pass",
     "Pixel",
     "Property",
     "Ramp",
+    "Reading",
     "Refused",
     "Scene",
     "State",
@@ -92,9 +96,11 @@ __all__ = [
     "gl_error",
     "inactive_uniforms",
     "mean_of",
+    "measure",
     "mesh_pass",
     "monotone",
     "output_of",
+    "reading",
     "refused",
     "sweep",
     "symmetric",

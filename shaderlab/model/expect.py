@@ -13,6 +13,7 @@ from typing import Any
 
 from shaderlab.bands import Rules
 from shaderlab.errors import CaseError
+from shaderlab.model.measure import Measure
 from shaderlab.model.refusals import CompileFails, InactiveUniforms, Refused
 from shaderlab.model.scene import Output, UniformValue
 from shaderlab.model.state import one_of
@@ -140,11 +141,12 @@ Expectation = (
     | Value
     | Sweep
     | Property
+    | Measure
     | Exact
     | Coverage
     | Computed
-    | GlError
     | CompileFails
+    | GlError
     | Refused
     | InactiveUniforms
 )

@@ -13,7 +13,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-from shaderlab.checks import draw_key, judge, split_output
+from shaderlab.checks import draw_key, judge, outputs_read, split_output
 from shaderlab.frame import Array, Bindings, Fragments, Frame, Image, PassDraw, Samples
 from shaderlab.gl import bind, capture, feedback
 from shaderlab.gl import programs as linking
@@ -30,6 +30,7 @@ from shaderlab.model import (
     Expectation,
     GlError,
     InactiveUniforms,
+    Measure,
     Refused,
     Scene,
 )
@@ -264,17 +265,21 @@ class Trial:
         return True
 
 
-def judged_passes(scene: Scene) -> dict[int, str | None]:
-    """For each expectation of the scene, the pass it is about; None where no shader has a part."""
-    found: dict[int, str | None] = {}
+def judged_passes(scene: Scene) -> dict[int, frozenset[str]]:
+    """For each expectation of the scene, the passes it is about; none where no shader has a
+    part."""
+    found: dict[int, frozenset[str]] = {}
     for index, expectation in enumerate(scene.expect):
         if isinstance(expectation, Computed | CompileFails | Refused):
-            found[index] = None
+            found[index] = frozenset()
+        elif isinstance(expectation, Measure):
+            key = draw_key(scene, expectation.pass_name, expectation.draw)
+            found[index] = frozenset({key[0], *(p for p, _ in outputs_read(expectation, scene))})
         elif isinstance(expectation, Coverage | GlError | InactiveUniforms):
-            found[index] = draw_key(scene, expectation.pass_name, expectation.draw)[0]
+            found[index] = frozenset({draw_key(scene, expectation.pass_name, expectation.draw)[0]})
         else:
             name, _ = split_output(expectation.output, scene)
-            found[index] = scene.find_pass(name).name
+            found[index] = frozenset({scene.find_pass(name).name})
     return found
 
 

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from shaderlab.checks.judgement import shown
+from shaderlab.checks.judgement import Judgement, shown
 from shaderlab.errors import ShaderlabError
 from shaderlab.gl.prepare import PreparedDraw
 from shaderlab.glsl.opinion import compared
@@ -24,6 +24,7 @@ from shaderlab.records import (
     ErratumNote,
     Outcome,
     PassRecord,
+    Plot,
     ProgramRecord,
     Record,
     SourceText,
@@ -42,6 +43,7 @@ class Draft:
         self._programs: dict[tuple[Source, ...], ProgramRecord] = {}
         self._outcomes: list[Outcome] = []
         self._curves: list[Curve] = []
+        self._plots: list[Plot] = []
         self._notices: list[str] = []
         self._picture = Shown()
         self._passes: tuple[PassRecord, ...] = ()
@@ -78,14 +80,17 @@ class Draft:
         for name in sorted(names):
             self._notices.append(f"uniform {name} is declared but inactive: it changes no output")
 
-    def add(self, outcome: Outcome, curve: Curve | None, output: str) -> None:
-        """Note one expectation's outcome; `output` is the shader output it is about, or ""."""
+    def add(self, outcome: Outcome, found: Judgement, output: str) -> None:
+        """Note one expectation's outcome, and what there is to plot of its judgement; `output` is
+        the shader output it is about, or ""."""
         where = [replace(s, file=near(s.file)) for s in outcome.sources]
         if where and output:
             where += self._assignments(output.rpartition(".")[2])
         self._outcomes.append(replace(outcome, sources=tuple(where)))
-        if curve is not None:
-            self._curves.append(curve)
+        if found.curve is not None:
+            self._curves.append(found.curve)
+        if found.plot is not None:
+            self._plots.append(found.plot)
 
     def portrait(self, picture: Shown, passes: tuple[PassRecord, ...] = ()) -> None:
         """Note the case's picture, and those of its passes."""
@@ -112,6 +117,7 @@ class Draft:
             programs=tuple(self._programs.values()),
             expectations=tuple(self._outcomes),
             curves=tuple(self._curves),
+            plots=tuple(self._plots),
             errata=tuple(
                 ErratumNote(
                     section=e.section or case.section, says=e.says, truth=e.truth, proof=e.proof

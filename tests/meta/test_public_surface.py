@@ -16,6 +16,7 @@ PUBLIC = {
     "formula", "value", "sweep", "exact", "coverage", "computed", "compile_fails", "gl_error",
     "refused", "inactive_uniforms",
     "monotone", "bounded", "symmetric", "energy_conserving", "mean_of",
+    "measure", "reading",
     "Pixel", "Rules",
     # the rest
     "ShaderlabError", "__version__",
