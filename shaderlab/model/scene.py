@@ -87,6 +87,12 @@ class Mesh:
             )
         object.__setattr__(self, "indices", indices.astype(np.uint32))
 
+    @staticmethod
+    def later(make: Callable[[], Mesh]) -> Mesh:
+        """A mesh that `make` makes when it is first looked at, such as one read from a file:
+        importing a case need not wait for that."""
+        return _Later(make)
+
     @property
     def vertices(self) -> int:
         """Number of vertices stored (not of indices)."""
@@ -98,6 +104,28 @@ class Mesh:
             if name not in self.attributes:
                 raise CaseError(f"Mesh has no {name!r}", remedy=nearest(name, self.attributes))
         return replace(self, attributes={name: self.attributes[name] for name in names})
+
+
+class _Later(Mesh):
+    """A mesh made when its arrays are first asked for, once."""
+
+    def __init__(self, make: Callable[[], Mesh]) -> None:
+        object.__setattr__(self, "_make", make)
+
+    def __getattribute__(self, name: str) -> Any:
+        if name in ("attributes", "indices", "primitive"):
+            return getattr(self._made(), name)
+        return super().__getattribute__(name)
+
+    def _made(self) -> Mesh:
+        if "_mesh" not in self.__dict__:
+            object.__setattr__(self, "_mesh", self.__dict__["_make"]())
+        made: Mesh = self.__dict__["_mesh"]
+        return made
+
+    def only(self, *names: str) -> Mesh:
+        """As `Mesh.only`, and as late."""
+        return _Later(lambda: self._made().only(*names))
 
 
 @dataclass(frozen=True, kw_only=True)
