@@ -78,6 +78,22 @@ class Bindings:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Reply:
+    """What the API said to a call.
+
+    `errors` are those that the call `at` raised: the last one, or the first before it that raised
+    any. `wanted` are the values asked for and `returned` as many that came, names of constants
+    resolved; `names` has such a constant's name for each of its numbers.
+    """
+
+    errors: tuple[int, ...]
+    at: str
+    wanted: tuple[Any, ...] = ()
+    returned: tuple[Any, ...] = ()
+    names: Mapping[int, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, kw_only=True)
 class Frame:
     """All that one scene gave.
 
@@ -91,6 +107,9 @@ class Frame:
         gl_errors: GL errors by (pass, draw); only draws that raised any have an entry.
         locations: where the driver put each declared uniform, by (pass, draw), where that was
             asked for; −1 for one that changes no output.
+        answers: by the expectation's index, what the API said to the call it makes.
+        sample_positions: where the driver takes a pixel's samples, by pass, for passes that have
+            several: (samples, 2), from the pixel's lower left corner, 0…1.
     """
 
     images: Mapping[tuple[str, str], Image]
@@ -101,3 +120,5 @@ class Frame:
     probes: Mapping[int, Samples] = field(default_factory=dict)
     gl_errors: Mapping[PassDraw, tuple[int, ...]] = field(default_factory=dict)
     locations: Mapping[PassDraw, Mapping[str, int]] = field(default_factory=dict)
+    answers: Mapping[int, Reply] = field(default_factory=dict)
+    sample_positions: Mapping[str, Array] = field(default_factory=dict)

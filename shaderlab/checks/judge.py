@@ -21,6 +21,7 @@ from shaderlab.checks.measured import judge_measure
 from shaderlab.checks.naming import (
     draw_key,
     find_image,
+    inputs_of,
     pixel_inputs,
     reference_for,
     split_output,
@@ -43,6 +44,7 @@ from shaderlab.model import (
     Exact,
     Expectation,
     Formula,
+    GlCall,
     GlError,
     InactiveUniforms,
     Measure,
@@ -109,6 +111,8 @@ def judge(index: int, scene: Scene, frame: Frame, refusals: Refusals) -> Judgeme
         case GlError():
             key = draw_key(scene, expectation.pass_name, expectation.draw)
             return exactly.judge_gl_error(expectation, frame.gl_errors.get(key, ()))
+        case GlCall():
+            return exactly.judge_gl_call(expectation, frame.replies[index])
 
 
 def _formula(expectation: Formula, scene: Scene, frame: Frame) -> Judgement:
@@ -222,7 +226,7 @@ def _probe(
     else:
         samples = frame.probes[index]
         measured, each, decimal = samples.outputs[name], dict(samples.inputs), samples.decimal
-    inputs = Inputs.of(frame.bindings[key], each=each, given=expectation.given, decimal=decimal)
+    inputs = inputs_of(frame, key, each=each, given=expectation.given, decimal=decimal)
     return (
         judge_band(measured, reference, inputs, rules=expectation.rules, format=format),
         inputs,

@@ -32,12 +32,14 @@ Prepared = Mapping[str, tuple[PreparedDraw, ...]]
 
 @dataclass(frozen=True, kw_only=True)
 class Drawn:
-    """What one run of a scene's passes gave. `inactive` are uniforms without any effect."""
+    """What one run of a scene's passes gave, as in `Frame`. `inactive` are uniforms without any
+    effect."""
 
     images: Mapping[tuple[str, str], Image]
     bindings: Mapping[PassDraw, Bindings]
     gl_errors: Mapping[PassDraw, tuple[int, ...]]
     inactive: frozenset[str] = field(default_factory=frozenset)
+    sample_positions: Mapping[str, Array] = field(default_factory=dict)
 
 
 class Runner:
@@ -72,6 +74,7 @@ class Session:
         self.prepared = prepared
         self.images: dict[tuple[str, str], Image] = {}
         self.bindings: dict[PassDraw, Bindings] = {}
+        self.sample_positions: dict[str, Array] = {}
         self._size = size
         self._stack = stack
         self._targets: dict[str, RenderTarget] = {}
@@ -92,6 +95,7 @@ class Session:
             bindings=self.bindings,
             gl_errors=self._gl_errors,
             inactive=frozenset(self._inactive),
+            sample_positions=self.sample_positions,
         )
 
     def extent(self, description: Pass) -> Size:
@@ -108,6 +112,8 @@ class Session:
             self._stack.callback(target.release)
             self._targets[description.name] = target
             target.clear()
+            if description.target.samples:
+                self.sample_positions[description.name] = target.sample_positions()
         for index, draw in enumerate(prepared):
             key = (description.name, index)
             with doing("draw", step(key, draw)):

@@ -238,6 +238,13 @@ class Pass:
         object.__setattr__(self, "draws", tuple(self.draws))
         if not self.draws:
             raise CaseError(f"Pass {self.name!r} draws nothing")
+        for index, draw in enumerate(self.draws):
+            if draw.state.in_pixels and self.target.size is None:
+                raise CaseError(
+                    f"Pass {self.name!r}: draw {index} has a {draw.state.in_pixels} in pixels, "
+                    "but its target has no size of its own",
+                    remedy="Target(size=(width, height)), or Cell(…), which fits every size",
+                )
 
 
 def fullscreen(

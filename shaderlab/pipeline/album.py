@@ -98,7 +98,8 @@ class Album:
         covered = arrays.get("covered", np.ones(distance.shape, bool))
         shown = {w: np.where(covered[..., None], arrays[w], 0) for w in ("measured", "reference")}
         span = _common_range(*(values[covered] for values in shown.values()))
-        files, captions = {}, {}
+        files: dict[str, str] = {}
+        captions: dict[str, str] = {}
         displayed: dict[str, Array] = {}
         for what, values in shown.items():
             kept = values.astype(arrays[what].dtype)

@@ -23,14 +23,14 @@ from shaderlab.errors import (
     ShaderlabError,
     UnsupportedError,
 )
-from shaderlab.frame import Frame, PassDraw
+from shaderlab.frame import Frame, PassDraw, Reply
 from shaderlab.gl import capture
 from shaderlab.gl.device import Device, open_device
 from shaderlab.gl.opinion import driver_verdict
 from shaderlab.gl.prepare import Preparer
 from shaderlab.gl.runner import Drawn, Prepared, Runner, Session, step
 from shaderlab.glsl.sources import Source
-from shaderlab.model import GlError, Scene, Sweep, Value
+from shaderlab.model import GlCall, GlError, Scene, Sweep, Value
 from shaderlab.pipeline import album, frames, plan, refusals, write_up
 from shaderlab.pipeline.roots import shaders_beside
 from shaderlab.records import Outcome, Record, Verdict
@@ -264,7 +264,16 @@ def _frame(session: Session, drawn: Drawn, plans: plan.Plan) -> Frame:
         probes=probes,
         gl_errors=drawn.gl_errors,
         locations={key: session.locations(key) for key in sorted(plans.located)},
+        answers={index: _answered(session, index) for index in plans.calls},
+        sample_positions=drawn.sample_positions,
     )
+
+
+def _answered(session: Session, index: int) -> Reply:
+    expectation = session.scene.expect[index]
+    assert isinstance(expectation, GlCall)
+    with doing("draw", f"calling {expectation.call}"):
+        return plan.answer(session, expectation)
 
 
 def _captured(

@@ -10,16 +10,18 @@ import numpy as np
 
 from shaderlab.checks import draw_key, split_output
 from shaderlab.errors import CaseError, nearest
-from shaderlab.frame import Array, Bindings, PassDraw, Samples
-from shaderlab.gl import bind, capture, feedback
+from shaderlab.frame import Array, Bindings, PassDraw, Reply, Samples
+from shaderlab.gl import bind, calls, capture, feedback
 from shaderlab.gl.prepare import PreparedDraw
 from shaderlab.gl.runner import Prepared, Session
 from shaderlab.gl.varyings import elements
 from shaderlab.model import (
     Coverage,
     Formula,
+    GlCall,
     InactiveUniforms,
     Pixel,
+    Program,
     Property,
     Scene,
     Sweep,
@@ -29,12 +31,14 @@ from shaderlab.model import (
 
 @dataclass(frozen=True)
 class Plan:
-    """Draws to capture, expectations to probe, and draws whose uniforms are to be looked for."""
+    """Draws to capture, expectations to probe, draws whose uniforms are to be looked for, and
+    expectations that call the API."""
 
     fragments: frozenset[PassDraw]
     vertices: frozenset[PassDraw]
     probes: tuple[int, ...]
     located: frozenset[PassDraw] = frozenset()
+    calls: tuple[int, ...] = ()
 
 
 def plan(scene: Scene, prepared: Prepared) -> Plan:
@@ -64,7 +68,8 @@ def plan(scene: Scene, prepared: Prepared) -> Plan:
             fragments.add(key)
         else:
             probes.append(index)
-    return Plan(frozenset(fragments), frozenset(vertices), tuple(probes), frozenset(located))
+    asked = tuple(i for i, e in enumerate(scene.expect) if isinstance(e, GlCall))
+    return Plan(frozenset(fragments), frozenset(vertices), tuple(probes), frozenset(located), asked)
 
 
 def key_of(scene: Scene, expectation: Formula | Sweep | Value) -> PassDraw:
@@ -137,6 +142,20 @@ def probe(session: Session, expectation: Value | Sweep) -> Samples:
     if not uniform_names:
         return samples(steps)
     return _joined([samples([step]) for step in steps])
+
+
+def answer(session: Session, expectation: GlCall) -> Reply:
+    """Make the calls of a `gl_call`, with the programs of the scene that they name.
+
+    Raises:
+        CaseError: one of them names a pass or a draw that does not exist, or is no call of OpenGL.
+    """
+
+    def texts(program: Program) -> dict[str, str]:
+        name, index = draw_key(session.scene, program.pass_name, program.draw)
+        return {source.stage: source.text for source in session.prepared[name][index].sources}
+
+    return calls.answer(session.runner.device, expectation, texts)
 
 
 def _is_of_vertex(name: str, draw: PreparedDraw) -> bool:

@@ -28,11 +28,13 @@ from shaderlab.model import (
     Computed,
     Coverage,
     Expectation,
+    GlCall,
     GlError,
     InactiveUniforms,
     Measure,
     Refused,
     Scene,
+    programs_of,
 )
 from shaderlab.pipeline import plan
 from shaderlab.pipeline.roots import shaders_beside
@@ -226,7 +228,7 @@ class Trial:
             CaseError, FormulaError: as `shaderlab.checks.judge`.
         """
         expectation = self.scene.expect[index]
-        if isinstance(expectation, Computed | CompileFails | Refused):
+        if _without_shaders(expectation):
             return Outcome(name=expectation.name, kind="skipped", status="pass")
         return judge(index, self.scene, self._frame(index, expectation), {}).outcome
 
@@ -236,6 +238,9 @@ class Trial:
         fragments = {key: self.fragments(key) for key in wants.fragments}
         vertices = {key: self.vertices(key) for key in wants.vertices}
         probes = {index: self.probe(index)} if wants.probes else {}
+        answers = {}
+        if isinstance(expectation, GlCall):
+            answers[index] = plan.answer(self.session, expectation)
         return Frame(
             images=self.images,
             order=tuple(p.name for p in self.scene.passes),
@@ -245,6 +250,8 @@ class Trial:
             probes=probes,
             gl_errors=self.gl_errors,
             locations={key: self.session.locations(key) for key in wants.located},
+            answers=answers,
+            sample_positions=self.session.sample_positions,
         )
 
     def _gets_the_same(self, pass_name: str, other: Trial) -> bool:
@@ -270,17 +277,27 @@ def judged_passes(scene: Scene) -> dict[int, frozenset[str]]:
     part."""
     found: dict[int, frozenset[str]] = {}
     for index, expectation in enumerate(scene.expect):
-        if isinstance(expectation, Computed | CompileFails | Refused):
+        if _without_shaders(expectation):
             found[index] = frozenset()
+        elif isinstance(expectation, GlCall):
+            named = programs_of(expectation)
+            found[index] = frozenset(draw_key(scene, p.pass_name, p.draw)[0] for p in named)
         elif isinstance(expectation, Measure):
             key = draw_key(scene, expectation.pass_name, expectation.draw)
             found[index] = frozenset({key[0], *(p for p, _ in outputs_read(expectation, scene))})
         elif isinstance(expectation, Coverage | GlError | InactiveUniforms):
             found[index] = frozenset({draw_key(scene, expectation.pass_name, expectation.draw)[0]})
         else:
-            name, _ = split_output(expectation.output, scene)
+            name, _ = split_output(getattr(expectation, "output", ""), scene)
             found[index] = frozenset({scene.find_pass(name).name})
     return found
+
+
+def _without_shaders(expectation: Expectation) -> bool:
+    """Whether no shader of the case has a part in what is expected."""
+    if isinstance(expectation, GlCall):
+        return not programs_of(expectation)
+    return isinstance(expectation, Computed | CompileFails | Refused)
 
 
 class _OpenGLOnly(Preparer):

@@ -15,6 +15,7 @@ PUBLIC = {
     # what must hold
     "formula", "value", "sweep", "exact", "coverage", "computed", "compile_fails", "gl_error",
     "refused", "inactive_uniforms",
+    "gl_call", "call", "Object", "Program", "Location",
     "monotone", "bounded", "symmetric", "energy_conserving", "mean_of",
     "measure", "reading",
     "Pixel", "Rules",
