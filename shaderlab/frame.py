@@ -105,11 +105,11 @@ class Frame:
         vertices: captured vertices by (pass, draw), where they were asked for.
         probes: by the expectation's index, the program run on the inputs it gave.
         gl_errors: GL errors by (pass, draw); only draws that raised any have an entry.
-        locations: where the driver put each declared uniform, by (pass, draw), where that was
-            asked for; −1 for one that changes no output.
-        answers: by the expectation's index, what the API said to the call it makes.
+        replies: by the expectation's index, what the API said to the call it makes.
         sample_positions: where the driver takes a pixel's samples, by pass, for passes that have
             several: (samples, 2), from the pixel's lower left corner, 0…1.
+        locations: where the driver put each declared uniform, by (pass, draw), where that was
+            asked for; −1 for one that changes no output.
     """
 
     images: Mapping[tuple[str, str], Image]
@@ -119,6 +119,6 @@ class Frame:
     vertices: Mapping[PassDraw, Samples] = field(default_factory=dict)
     probes: Mapping[int, Samples] = field(default_factory=dict)
     gl_errors: Mapping[PassDraw, tuple[int, ...]] = field(default_factory=dict)
-    locations: Mapping[PassDraw, Mapping[str, int]] = field(default_factory=dict)
-    answers: Mapping[int, Reply] = field(default_factory=dict)
+    replies: Mapping[int, Reply] = field(default_factory=dict)
     sample_positions: Mapping[str, Array] = field(default_factory=dict)
+    locations: Mapping[PassDraw, Mapping[str, int]] = field(default_factory=dict)

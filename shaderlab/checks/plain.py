@@ -130,15 +130,15 @@ def judge_gl_error(expectation: GlError, errors: Sequence[int]) -> Judgement:
     return table(expectation.name, "GL error", [row], message, judged=1)
 
 
-def judge_gl_call(expectation: GlCall, answer: Reply) -> Judgement:
+def judge_gl_call(expectation: GlCall, reply: Reply) -> Judgement:
     """Compare the errors that a call of the API raised, and what it returned, with the expected."""
     want = GL_ERRORS[expectation.raises]
-    errors = ", ".join(error_name(code) for code in answer.errors) or error_name(0)
-    first = answer.at == str(expectation.call)
-    ok = first and list(answer.errors) == ([want] if want else [])
+    errors = ", ".join(error_name(code) for code in reply.errors) or error_name(0)
+    first = reply.at == str(expectation.call)
+    ok = first and list(reply.errors) == ([want] if want else [])
     rows = [
         Row(
-            label=answer.at,
+            label=reply.at,
             expected=error_name(want if first else 0),
             measured=errors,
             ok=ok,
@@ -147,14 +147,14 @@ def judge_gl_call(expectation: GlCall, answer: Reply) -> Judgement:
     ]
     if expectation.returns is not None and first and not want:
         expected, returned = (
-            ", ".join(_named(v, answer.names) for v in values) or "nothing"
-            for values in (answer.wanted, answer.returned)
+            ", ".join(_named(v, reply.names) for v in values) or "nothing"
+            for values in (reply.wanted, reply.returned)
         )
-        same = answer.wanted == answer.returned
+        same = reply.wanted == reply.returned
         rows.append(Row(label="its answer", expected=expected, measured=returned, ok=same))
     wrong = next((row for row in rows if not row.ok), None)
     verb = "raises" if wrong is rows[0] else "answers"
-    message = f"{answer.at} {verb} {wrong.measured}" if wrong else ""
+    message = f"{reply.at} {verb} {wrong.measured}" if wrong else ""
     return table(expectation.name, "GL call", rows, message, judged=len(rows))
 
 

@@ -139,9 +139,9 @@ Expectation = (
     | Computed
     | CompileFails
     | GlError
+    | GlCall
     | Refused
     | InactiveUniforms
-    | GlCall
 )
 
 

@@ -263,13 +263,13 @@ def _frame(session: Session, drawn: Drawn, plans: plan.Plan) -> Frame:
         vertices={key: _captured(capture.vertices, session, key) for key in sorted(plans.vertices)},
         probes=probes,
         gl_errors=drawn.gl_errors,
-        locations={key: session.locations(key) for key in sorted(plans.located)},
-        answers={index: _answered(session, index) for index in plans.calls},
+        replies={index: _replied(session, index) for index in plans.calls},
         sample_positions=drawn.sample_positions,
+        locations={key: session.locations(key) for key in sorted(plans.located)},
     )
 
 
-def _answered(session: Session, index: int) -> Reply:
+def _replied(session: Session, index: int) -> Reply:
     expectation = session.scene.expect[index]
     assert isinstance(expectation, GlCall)
     with doing("draw", f"calling {expectation.call}"):

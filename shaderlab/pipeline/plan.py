@@ -68,8 +68,13 @@ def plan(scene: Scene, prepared: Prepared) -> Plan:
             fragments.add(key)
         else:
             probes.append(index)
-    asked = tuple(i for i, e in enumerate(scene.expect) if isinstance(e, GlCall))
-    return Plan(frozenset(fragments), frozenset(vertices), tuple(probes), frozenset(located), asked)
+    return Plan(
+        frozenset(fragments),
+        frozenset(vertices),
+        tuple(probes),
+        frozenset(located),
+        tuple(i for i, e in enumerate(scene.expect) if isinstance(e, GlCall)),
+    )
 
 
 def key_of(scene: Scene, expectation: Formula | Sweep | Value) -> PassDraw:

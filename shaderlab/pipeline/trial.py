@@ -14,7 +14,7 @@ from types import TracebackType
 from typing import Any, Self
 
 from shaderlab.checks import draw_key, judge, outputs_read, split_output
-from shaderlab.frame import Array, Bindings, Fragments, Frame, Image, PassDraw, Samples
+from shaderlab.frame import Array, Bindings, Fragments, Frame, Image, PassDraw, Reply, Samples
 from shaderlab.gl import bind, capture, feedback
 from shaderlab.gl import programs as linking
 from shaderlab.gl.device import Device, open_device
@@ -238,9 +238,9 @@ class Trial:
         fragments = {key: self.fragments(key) for key in wants.fragments}
         vertices = {key: self.vertices(key) for key in wants.vertices}
         probes = {index: self.probe(index)} if wants.probes else {}
-        answers = {}
+        replies: dict[int, Reply] = {}
         if isinstance(expectation, GlCall):
-            answers[index] = plan.answer(self.session, expectation)
+            replies[index] = plan.answer(self.session, expectation)
         return Frame(
             images=self.images,
             order=tuple(p.name for p in self.scene.passes),
@@ -249,9 +249,9 @@ class Trial:
             vertices=vertices,
             probes=probes,
             gl_errors=self.gl_errors,
-            locations={key: self.session.locations(key) for key in wants.located},
-            answers=answers,
+            replies=replies,
             sample_positions=self.session.sample_positions,
+            locations={key: self.session.locations(key) for key in wants.located},
         )
 
     def _gets_the_same(self, pass_name: str, other: Trial) -> bool:

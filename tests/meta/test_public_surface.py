@@ -14,8 +14,8 @@ PUBLIC = {
     "fullscreen", "mesh_pass", "Ramp", "across", "up",
     # what must hold
     "formula", "value", "sweep", "exact", "coverage", "computed", "compile_fails", "gl_error",
-    "refused", "inactive_uniforms",
     "gl_call", "call", "Object", "Program", "Location",
+    "refused", "inactive_uniforms",
     "monotone", "bounded", "symmetric", "energy_conserving", "mean_of",
     "measure", "reading",
     "Pixel", "Rules",
