@@ -173,6 +173,11 @@ class _Later(Mesh):
             return getattr(self._made(), name)
         return super().__getattribute__(name)
 
+    @property
+    def instances(self) -> int | None:
+        """As `Mesh.instances`; None before it is made: a draw asks when it is written."""
+        return self._made().instances if "_mesh" in self.__dict__ else None
+
     def _made(self) -> Mesh:
         if "_mesh" not in self.__dict__:
             object.__setattr__(self, "_mesh", self.__dict__["_make"]())
