@@ -1,5 +1,6 @@
 """The case model: frozen, pure data. Importing it, or a case, touches no device."""
 
+from shaderlab.model.asked import names_asked_for
 from shaderlab.model.case import DEFAULT_VARIANT, Case, Erratum, Scene, Variant
 from shaderlab.model.expect import (
     GL_ERRORS,
@@ -28,11 +29,9 @@ from shaderlab.model.laws import bounded, energy_conserving, mean_of, monotone, 
 from shaderlab.model.scene import (
     Draw,
     Mesh,
-    Output,
     Pass,
     Ramp,
     Target,
-    Texture,
     UniformValue,
     across,
     fullscreen,
@@ -40,6 +39,14 @@ from shaderlab.model.scene import (
     up,
 )
 from shaderlab.model.state import Blend, Cell, Depth, State, Stencil
+from shaderlab.model.textures import (
+    CubeTexture,
+    Output,
+    Texture,
+    TextureArray,
+    TextureSource,
+    outputs_read,
+)
 
 __all__ = [
     "DEFAULT_VARIANT",
@@ -50,6 +57,7 @@ __all__ = [
     "CompileFails",
     "Computed",
     "Coverage",
+    "CubeTexture",
     "Depth",
     "Draw",
     "Erratum",
@@ -69,6 +77,8 @@ __all__ = [
     "Sweep",
     "Target",
     "Texture",
+    "TextureArray",
+    "TextureSource",
     "UniformValue",
     "Value",
     "Variant",
@@ -85,7 +95,9 @@ __all__ = [
     "mean_of",
     "mesh_pass",
     "monotone",
+    "names_asked_for",
     "output_of",
+    "outputs_read",
     "sweep",
     "symmetric",
     "up",

@@ -13,8 +13,9 @@ from typing import Any
 
 from shaderlab.bands import Rules
 from shaderlab.errors import CaseError
-from shaderlab.model.scene import Output, UniformValue
+from shaderlab.model.scene import UniformValue
 from shaderlab.model.state import one_of
+from shaderlab.model.textures import Output
 
 Reference = Callable[..., Any]
 Figure = float | Sequence[float]
