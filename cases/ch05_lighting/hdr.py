@@ -31,12 +31,15 @@ from shaderlab import (
     exact,
     formula,
     fullscreen,
+    measure,
+    reading,
     sweep,
     value,
 )
 from shaderlab.glslmath import clamp, dot, normalize, pow, swizzle, vec4
 from shaderlab.glslmath import max as larger
 from shaderlab.reference import tone_mapping
+from shaderlab.reference.colour_difference import delta_e_2000
 from shaderlab.reference.transforms import (
     clip_position,
     look_at,
@@ -135,6 +138,22 @@ def reinhard(light, exposure):
     return tone_mapping.reinhard(light)
 
 
+def mean_difference(picture, column, row, where_white):
+    """The mean ΔE 2000 between the clipped quarter of the picture, upper left, and another one;
+    of all pixels, or of those that clipping makes plain white."""
+    height, width = picture.shape[0] // 2, picture.shape[1] // 2
+    quarters = picture[..., :3].reshape(2, height, 2, width, 3).swapaxes(1, 2)
+    clipped, other = quarters[1, 0], quarters[int(row), int(column)]
+    found = delta_e_2000(clipped, other)
+    return found[(clipped == 1.0).all(axis=-1)].mean() if where_white else found.mean()
+
+
+def difference(label, column, row, low, high, where_white=False):
+    """One row of the table of differences."""
+    given = {"column": column, "row": row, "where_white": where_white}
+    return reading(label, given=given, between=(low, high))
+
+
 def curve_of(which, light, exposure, equals):
     """A figure of one of the curves."""
     return value(
@@ -206,6 +225,18 @@ case = Case(
         formula("picture.FragColor", through(reinhard), draw=1, name="Reinhard"),
         formula("picture.FragColor", through(tone_mapping.exposed), draw=2, name="exposure 0.25"),
         formula("picture.FragColor", through(tone_mapping.exposed), draw=3, name="exposure 4"),
+        measure(
+            "mean ΔE 2000 from clipping",
+            mean_difference,
+            reads={"picture": "picture.FragColor"},
+            readings=[
+                difference("Reinhard", 1, 1, 3.0, 3.6),
+                difference("Reinhard, where clipping is white", 1, 1, 6.0, 7.0, True),
+                difference("exposure 0.25", 0, 0, 15.0, 16.0),
+                difference("exposure 4", 1, 0, 19.0, 20.2),
+                difference("exposure 4, where clipping is white", 1, 0, 0.0, 0.5, True),
+            ],
+        ),
         formula("curves.byReinhard", tone_mapping.reinhard),
         formula("curves.byExposure", tone_mapping.exposed),
         formula("curves.clipped", tone_mapping.clipped),

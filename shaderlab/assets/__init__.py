@@ -5,10 +5,11 @@ A mesh is a mapping that `Mesh` takes as it is: `Mesh(**assets.sphere())`. A tex
 """
 
 from shaderlab.assets.meshes import Geometry, cube, joined, moved, plane, quad, sphere, torus
-from shaderlab.assets.textures import brick_wall, checker, crate, emblem, solid
+from shaderlab.assets.textures import brick_normals, brick_wall, checker, crate, emblem, solid
 
 __all__ = [
     "Geometry",
+    "brick_normals",
     "brick_wall",
     "checker",
     "crate",

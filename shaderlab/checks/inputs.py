@@ -140,9 +140,11 @@ def evaluate(reference: Reference, inputs: Inputs, *, rules: Rules | None, decim
         if name in inputs.textures:
             return Sampler(inputs.textures[name], rules)
         values = (inputs.decimal if decimal and name in inputs.decimal else exact)[name]
-        pieces = list(values) if name in inputs.arrays else [values]
-        made = [_number(piece, rules) for piece in pieces]
-        return made if name in inputs.arrays else made[0]
+        if name not in inputs.arrays:
+            return _number(values, rules)
+        # What differs from value to value has the array's own axis behind theirs.
+        pieces = np.moveaxis(values, 1, 0) if name in inputs.each else values
+        return [_number(piece, rules) for piece in pieces]
 
     arguments = {}
     for parameter, names in wanted(reference, inputs).items():
@@ -160,7 +162,8 @@ def evaluate(reference: Reference, inputs: Inputs, *, rules: Rules | None, decim
             remedy=error.remedy,
         ) from error
     except Exception as error:
-        raise _located(reference, error) from error
+        remedy = "references use + − * / and the functions of shaderlab.glslmath only"
+        raise located(reference, error, remedy) from error
 
 
 def source_of(reference: Reference) -> SourceText:
@@ -176,7 +179,7 @@ def source_of(reference: Reference) -> SourceText:
     return SourceText(file=file, line=max(line, 1), language="python", text="".join(lines))
 
 
-def _located(reference: Reference, error: Exception) -> FormulaError:
+def located(reference: Reference, error: Exception, remedy: str) -> FormulaError:
     """The foreign error with the line of the formula's own file where it happened."""
     place = source_of(reference)
     line, trace = place.line, error.__traceback__
@@ -188,7 +191,7 @@ def _located(reference: Reference, error: Exception) -> FormulaError:
         f"{reference.__name__}() fails: {type(error).__name__}: {error}",
         file=place.file,
         line=line,
-        remedy="references use + − * / and the functions of shaderlab.glslmath only",
+        remedy=remedy,
     )
 
 

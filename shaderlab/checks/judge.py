@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -15,37 +15,56 @@ from shaderlab.checks.banded import (
     rounds_to,
     second_opinions,
 )
+from shaderlab.checks.counts import judge_cost, judge_query
 from shaderlab.checks.inputs import Inputs, evaluate
 from shaderlab.checks.judgement import Judgement, Lazy, shown
+from shaderlab.checks.layouts import judge_attributes, judge_block
+from shaderlab.checks.measured import judge_measure
 from shaderlab.checks.naming import (
     draw_key,
     find_image,
+    inputs_of,
     pixel_inputs,
     reference_for,
     split_output,
     subject_of,
 )
 from shaderlab.checks.properties import judge_property
+from shaderlab.checks.refusals import (
+    Answer,
+    Complaint,
+    judge_compile_fails,
+    judge_inactive,
+    judge_refused,
+)
 from shaderlab.errors import CaseError
 from shaderlab.frame import Array, Frame, Image
 from shaderlab.model import (
+    AttributeLayout,
+    BlockLayout,
     CompileFails,
     Computed,
+    Cost,
     Coverage,
     Exact,
     Expectation,
     Formula,
+    GlCall,
     GlError,
+    InactiveUniforms,
+    Measure,
     Output,
     Pixel,
     Property,
+    Query,
+    Refused,
     Scene,
     Sweep,
     Value,
 )
-from shaderlab.records import Curve, Diagnostic, Outcome
+from shaderlab.records import Curve, Outcome
 
-Refusals = Mapping[str, tuple[Sequence[Diagnostic], bool]]
+Refusals = Mapping[int, Answer | Complaint]
 
 
 def judge(index: int, scene: Scene, frame: Frame, refusals: Refusals) -> Judgement:
@@ -55,7 +74,7 @@ def judge(index: int, scene: Scene, frame: Frame, refusals: Refusals) -> Judgeme
         index: its place in `scene.expect`.
         scene: what was run.
         frame: what it gave.
-        refusals: for each shader that must be refused, its diagnostics and whether it compiles.
+        refusals: what was said of that which must be refused, by the expectation's place.
 
     Raises:
         CaseError, FormulaError: the expectation asks for what is not there.
@@ -71,6 +90,8 @@ def judge(index: int, scene: Scene, frame: Frame, refusals: Refusals) -> Judgeme
             return _sweep(expectation, index, scene, frame)
         case Value():
             return _value(expectation, index, scene, frame)
+        case Measure():
+            return judge_measure(expectation, scene, frame)
         case Exact():
             image = find_image(expectation.output, scene, frame)
             expected = expectation.equals
@@ -83,10 +104,32 @@ def judge(index: int, scene: Scene, frame: Frame, refusals: Refusals) -> Judgeme
         case Computed():
             return exactly.judge_computed(expectation)
         case CompileFails():
-            return exactly.judge_compile_fails(expectation, *refusals[expectation.shader])
+            answer = refusals[index]
+            assert isinstance(answer, Answer)
+            return judge_compile_fails(expectation, answer)
+        case Refused():
+            complaint = refusals[index]
+            assert isinstance(complaint, Complaint)
+            return judge_refused(expectation, complaint)
+        case InactiveUniforms():
+            key = draw_key(scene, expectation.pass_name, expectation.draw)
+            return judge_inactive(expectation, frame.locations[key])
         case GlError():
             key = draw_key(scene, expectation.pass_name, expectation.draw)
             return exactly.judge_gl_error(expectation, frame.gl_errors.get(key, ()))
+        case GlCall():
+            return exactly.judge_gl_call(expectation, frame.replies[index])
+        case Query():
+            key = draw_key(scene, expectation.pass_name, expectation.draw)
+            return judge_query(expectation, frame.queries[*key, expectation.counter])
+        case Cost():
+            return judge_cost(expectation, frame.timings)
+        case AttributeLayout():
+            key = draw_key(scene, expectation.pass_name, expectation.draw)
+            return judge_attributes(expectation, frame.attributes[key])
+        case BlockLayout():
+            key = draw_key(scene, expectation.pass_name, expectation.draw)
+            return judge_block(expectation, frame.blocks[key])
 
 
 def _formula(expectation: Formula, scene: Scene, frame: Frame) -> Judgement:
@@ -200,7 +243,7 @@ def _probe(
     else:
         samples = frame.probes[index]
         measured, each, decimal = samples.outputs[name], dict(samples.inputs), samples.decimal
-    inputs = Inputs.of(frame.bindings[key], each=each, given=expectation.given, decimal=decimal)
+    inputs = inputs_of(frame, key, each=each, given=expectation.given, decimal=decimal)
     return (
         judge_band(measured, reference, inputs, rules=expectation.rules, format=format),
         inputs,

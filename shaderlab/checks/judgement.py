@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from shaderlab.frame import Array
-from shaderlab.records import Curve, Outcome
+from shaderlab.records import Curve, Outcome, Plot
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,6 +25,7 @@ class Judgement:
     outcome: Outcome
     pictures: Mapping[str, Array] = field(default_factory=dict)
     curve: Curve | None = None
+    plot: Plot | None = None
 
 
 class Lazy(Mapping[str, Array]):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,9 +11,9 @@ from shaderlab.checks.banded import figure_row, rounds_to
 from shaderlab.checks.inputs import source_of
 from shaderlab.checks.judgement import Judgement, plain, shown
 from shaderlab.errors import CaseError, FormulaError
-from shaderlab.frame import Array, Image
-from shaderlab.model import GL_ERRORS, CompileFails, Computed, Coverage, Exact, GlError
-from shaderlab.records import Diagnostic, Outcome, Row, Worst
+from shaderlab.frame import Array, Image, Reply
+from shaderlab.model import GL_ERRORS, Computed, Coverage, Exact, GlCall, GlError
+from shaderlab.records import Outcome, Row, Worst
 
 
 def judge_exact(expectation: Exact, image: Image, expected: Any) -> Judgement:
@@ -87,7 +87,7 @@ def judge_coverage(expectation: Coverage, covered: Array) -> Judgement:
     ok = count == expectation.pixels
     row = Row(label="pixels", expected=str(expectation.pixels), measured=str(count), ok=ok)
     message = "" if ok else f"{count} pixels are covered, not {expectation.pixels}"
-    return _table(expectation.name, "coverage", [row], message, judged=covered.size)
+    return table(expectation.name, "coverage", [row], message, judged=covered.size)
 
 
 def judge_computed(expectation: Computed) -> Judgement:
@@ -112,33 +112,7 @@ def judge_computed(expectation: Computed) -> Judgement:
         expectation.note or "float64, no shader",
     )
     message = "" if ok else f"the reference gives {shown(got, expectation.digits + 3)}"
-    return _table(expectation.name, "computed", [row], message, judged=1)
-
-
-def judge_compile_fails(
-    expectation: CompileFails, diagnostics: Sequence[Diagnostic], accepted: bool
-) -> Judgement:
-    """Compare all errors of a compiler with the expected ones: lines and whole messages."""
-    errors = [(d.line, d.message) for d in diagnostics if d.severity == "error"]
-    rows = []
-    for index in range(max(len(errors), len(expectation.messages))):
-        want = expectation.messages[index] if index < len(expectation.messages) else None
-        got = errors[index] if index < len(errors) else None
-        rows.append(
-            Row(
-                label=f"{expectation.shader}:{(want or got or ('?',))[0]}",
-                expected="no further message" if want is None else want[1],
-                measured="nothing" if got is None else f"line {got[0]}: {got[1]}",
-                ok=want == got,
-            )
-        )
-    if accepted:
-        message = f"{expectation.shader} compiles, but must be refused"
-    elif not all(row.ok for row in rows):
-        message = f"{expectation.shader} is refused with other messages"
-    else:
-        message = ""
-    return _table(expectation.name, "compile fails", rows, message, judged=len(rows) or 1)
+    return table(expectation.name, "computed", [row], message, judged=1)
 
 
 def judge_gl_error(expectation: GlError, errors: Sequence[int]) -> Judgement:
@@ -153,7 +127,42 @@ def judge_gl_error(expectation: GlError, errors: Sequence[int]) -> Judgement:
         ok=ok,
     )
     message = "" if ok else f"the draw raises {row.measured}"
-    return _table(expectation.name, "GL error", [row], message, judged=1)
+    return table(expectation.name, "GL error", [row], message, judged=1)
+
+
+def judge_gl_call(expectation: GlCall, reply: Reply) -> Judgement:
+    """Compare the errors that a call of the API raised, and what it returned, with the expected."""
+    want = GL_ERRORS[expectation.raises]
+    errors = ", ".join(error_name(code) for code in reply.errors) or error_name(0)
+    first = reply.at == str(expectation.call)
+    ok = first and list(reply.errors) == ([want] if want else [])
+    rows = [
+        Row(
+            label=reply.at,
+            expected=error_name(want if first else 0),
+            measured=errors,
+            ok=ok,
+            note="" if first else f"comes before {expectation.call}",
+        )
+    ]
+    if expectation.returns is not None and first and not want:
+        expected, returned = (
+            ", ".join(_named(v, reply.names) for v in values) or "nothing"
+            for values in (reply.wanted, reply.returned)
+        )
+        same = reply.wanted == reply.returned
+        rows.append(Row(label="its answer", expected=expected, measured=returned, ok=same))
+    wrong = next((row for row in rows if not row.ok), None)
+    verb = "raises" if wrong is rows[0] else "answers"
+    message = f"{reply.at} {verb} {wrong.measured}" if wrong else ""
+    return table(expectation.name, "GL call", rows, message, judged=len(rows))
+
+
+def _named(value: Any, names: Mapping[int, str]) -> str:
+    """A returned value as people read it: a constant by its name, with its number."""
+    if isinstance(value, int) and names.get(value):
+        return f"{names[value]} (0x{value:04X})"
+    return str(value)
 
 
 def error_name(code: int) -> str:
@@ -168,7 +177,8 @@ def error_name(code: int) -> str:
     return f"GL error 0x{code:04X}"
 
 
-def _table(name: str, kind: str, rows: Sequence[Row], message: str, judged: int) -> Judgement:
+def table(name: str, kind: str, rows: Sequence[Row], message: str, judged: int) -> Judgement:
+    """A judgement of rows: it fails where there is a message."""
     return Judgement(
         outcome=Outcome(
             name=name,

@@ -7,6 +7,7 @@ Embedded Mesa (llvmpipe, a software driver) is the default, because it is the sa
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -33,6 +34,12 @@ class Device:
     def version(self) -> int:
         """OpenGL version as an integer: 450 for 4.5."""
         return int(self.context.version_code)
+
+    @property
+    def glsl(self) -> int:
+        """The newest GLSL it takes, as `#version` has it: 330 for "3.30"."""
+        found = re.match(r"(\d+)\.(\d\d)", self.info["glsl"])
+        return int(found[1]) * 100 + int(found[2]) if found else REQUIRED_VERSION
 
     def close(self) -> None:
         """Give the context back."""

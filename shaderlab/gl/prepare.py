@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 from shaderlab.errors import CaseError, ShaderError, UnsupportedError, nearest
 from shaderlab.gl import bind, formats, stages
@@ -91,9 +92,19 @@ class Preparer:
             bind.check_attributes(draw, compiled.interface)
         return PreparedDraw(draw=draw, sources=sources, authored=authored, compiled=compiled)
 
-    def refusal(self, name: str) -> Compiled:
-        """What the plain GLSL compiler says of one shader file alone."""
-        return compile_program((self._load(name),), ("glsl",))
+    @property
+    def folders(self) -> tuple[Path, ...]:
+        """Where shader files are found."""
+        return self._shaders.folders
+
+    def source(self, name: str) -> Source:
+        """One shader file with its includes. Raises ShaderError if it can't be read."""
+        return self._load(name)
+
+    def refusal(self, names: Sequence[str]) -> tuple[tuple[Source, ...], Compiled]:
+        """Some shader files as one program, and what the plain GLSL compiler says of it."""
+        sources = tuple(self._load(name) for name in names)
+        return sources, compile_program(sources, ("glsl",))
 
     def compile(self, sources: tuple[Source, ...]) -> Compiled:
         """A program's verdicts for every target, from memory if it was compiled before."""

@@ -8,14 +8,22 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from shaderlab.activity import doing
-from shaderlab.errors import ShaderError
-from shaderlab.frame import Bindings, Image, PassDraw
-from shaderlab.gl import bind, formats, state
+from shaderlab.errors import ShaderError, UnsupportedError
+from shaderlab.frame import Array, Bindings, Image, PassDraw
+from shaderlab.gl import bind, blocks, formats, state
 from shaderlab.gl.bound import BoundTextures
 from shaderlab.gl.device import Device
 from shaderlab.gl.prepare import PreparedDraw, output_types, pass_colors
-from shaderlab.gl.programs import PRIMITIVES, Programs, output_locations, set_uniforms, vertex_array
+from shaderlab.gl.programs import (
+    Programs,
+    output_locations,
+    set_uniforms,
+    uniform_locations,
+)
+from shaderlab.gl.stages import PREFIX
 from shaderlab.gl.target import RenderTarget
+from shaderlab.gl.uniform_buffers import UniformBuffers
+from shaderlab.gl.vertices import PRIMITIVES, VertexArray, vertex_array
 from shaderlab.model import Pass, Scene, names_asked_for
 
 Size = tuple[int, int]
@@ -24,12 +32,14 @@ Prepared = Mapping[str, tuple[PreparedDraw, ...]]
 
 @dataclass(frozen=True, kw_only=True)
 class Drawn:
-    """What one run of a scene's passes gave. `inactive` are uniforms without any effect."""
+    """What one run of a scene's passes gave, as in `Frame`. `inactive` are uniforms without any
+    effect."""
 
     images: Mapping[tuple[str, str], Image]
     bindings: Mapping[PassDraw, Bindings]
     gl_errors: Mapping[PassDraw, tuple[int, ...]]
     inactive: frozenset[str] = field(default_factory=frozenset)
+    sample_positions: Mapping[str, Array] = field(default_factory=dict)
 
 
 class Runner:
@@ -64,10 +74,12 @@ class Session:
         self.prepared = prepared
         self.images: dict[tuple[str, str], Image] = {}
         self.bindings: dict[PassDraw, Bindings] = {}
+        self.sample_positions: dict[str, Array] = {}
         self._size = size
         self._stack = stack
         self._targets: dict[str, RenderTarget] = {}
         self._textures = BoundTextures(runner.device, scene, self.images, self._targets, stack)
+        self._blocks = UniformBuffers(runner.device, stack)
         self._gl_errors: dict[PassDraw, tuple[int, ...]] = {}
         self._inactive: set[str] = set()
         self._asked = names_asked_for(scene)
@@ -85,6 +97,7 @@ class Session:
             bindings=self.bindings,
             gl_errors=self._gl_errors,
             inactive=frozenset(self._inactive),
+            sample_positions=self.sample_positions,
         )
 
     def extent(self, description: Pass) -> Size:
@@ -101,6 +114,8 @@ class Session:
             self._stack.callback(target.release)
             self._targets[description.name] = target
             target.clear()
+            if description.target.samples:
+                self.sample_positions[description.name] = target.sample_positions()
         for index, draw in enumerate(prepared):
             key = (description.name, index)
             with doing("draw", step(key, draw)):
@@ -130,19 +145,42 @@ class Session:
         """The draw's uniforms and textures as the shader will get them."""
         return bind.bind(draw.draw, draw.interface, self._textures.texels)
 
+    def locations(self, key: PassDraw) -> dict[str, int]:
+        """Where the driver put each uniform that a draw's program declares, samplers too."""
+        draw = self.prepared[key[0]][key[1]]
+        program = self.runner.programs.link({s.stage: s.text for s in draw.sources})
+        declared = [n for n in draw.interface.uniforms if not n.startswith(PREFIX)]
+        return uniform_locations(program, declared)
+
     def use(self, program: Any, draw: PreparedDraw, bindings: Bindings) -> None:
         """Set the program's uniforms and bind its textures."""
         ramps = {}
         if draw.draw.domain is not None:
             ramps = bind.ramp_uniforms(draw.draw, draw.interface.varyings)
         set_uniforms(program, ramps)
-        self._inactive.update(set_uniforms(program, bindings.uniforms))
+        members = blocks.variables(draw.interface)
+        plain = {name: v for name, v in bindings.uniforms.items() if name not in members}
+        self._inactive.update(set_uniforms(program, plain))
+        self._inactive.update(self._blocks.bind(program, draw, bindings.uniforms))
         for unit, (name, source) in enumerate(draw.draw.textures.items()):
             variable = draw.interface.uniforms[name]
             if not self._textures.bind(program, unit, variable, source):
                 self._inactive.add(name)
 
     def _draw(self, key: PassDraw, draw: PreparedDraw, target: RenderTarget) -> None:
+        program, vao = self.ready(key, draw, target)
+        drain_errors()
+        submit(vao, program, draw)
+        errors = drain_errors()
+        if errors:
+            self._gl_errors[key] = errors
+
+    def ready(
+        self, key: PassDraw, draw: PreparedDraw, target: RenderTarget
+    ) -> tuple[Any, VertexArray]:
+        """Bind and set everything for a draw, which `submit` then issues: its program and vertex
+        array. Raises ShaderError if the driver refuses the program."""
+        require_glsl(self.runner.device, draw)
         stages = {s.stage: s.text for s in draw.sources}
         try:
             program = self.runner.programs.link(stages)
@@ -154,11 +192,17 @@ class Session:
         vao = vertex_array(self.runner.device, program, draw.draw.mesh)
         target.bind(output_locations(program, target.colors))
         state.apply(draw.draw.state, target.size)
-        drain_errors()
-        submit(vao, program, draw)
-        errors = drain_errors()
-        if errors:
-            self._gl_errors[key] = errors
+        return program, vao
+
+
+def require_glsl(device: Device, draw: PreparedDraw) -> None:
+    """Raise UnsupportedError for a shader of a newer GLSL than the driver takes."""
+    for source in draw.sources:
+        number, profile = source.version
+        if profile != "es" and number > device.glsl:
+            raise UnsupportedError(
+                f"#version {number}: this driver takes GLSL up to {device.glsl}", file=source.path
+            )
 
 
 def step(key: PassDraw, draw: PreparedDraw) -> str:
@@ -166,20 +210,18 @@ def step(key: PassDraw, draw: PreparedDraw) -> str:
     return f"draw {key[1]} of pass {key[0]!r}, program {' + '.join(draw.draw.shaders)}"
 
 
-def submit(vao: Any, program: Any, draw: PreparedDraw) -> None:
+def submit(vao: VertexArray, program: Any, draw: PreparedDraw) -> None:
     """Issue the draw call itself."""
     from OpenGL import GL
 
     description = draw.draw
     mode = PRIMITIVES[description.mesh.primitive if description.mesh else "triangles"]
-    count = 3 if description.mesh is None else description.mesh.vertices
     if not description.vertex_array:
         GL.glUseProgram(program.glo)
         GL.glBindVertexArray(0)
-        GL.glDrawArrays(mode, 0, count)
+        GL.glDrawArrays(mode, 0, vao.count)
         return
-    vertices = -1 if description.mesh is not None else count
-    vao.render(mode, vertices=vertices, instances=description.instances)
+    vao.render(mode, instances=description.instances)
 
 
 def drain_errors() -> tuple[int, ...]:

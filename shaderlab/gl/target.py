@@ -148,6 +148,16 @@ class RenderTarget:
             box = (0, 0, width, height)
             GL.glBlitFramebuffer(*box, *box, GL.GL_COLOR_BUFFER_BIT, GL.GL_NEAREST)
 
+    def sample_positions(self) -> Array:
+        """Where the driver takes a pixel's samples: (samples, 2), from its lower left corner."""
+        from OpenGL import GL
+
+        self._drawn.use()
+        found = np.empty((int(GL.glGetIntegerv(GL.GL_SAMPLES)), 2), np.float32)
+        for index, position in enumerate(found):
+            GL.glGetMultisamplefv(GL.GL_SAMPLE_POSITION, index, position)
+        return found
+
     def read(self, name: str) -> Image:
         """One attachment in its own components and type, row 0 at the bottom.
 

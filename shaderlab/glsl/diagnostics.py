@@ -90,7 +90,7 @@ def declaration(source: Source, name: str, kind: str = "") -> tuple[int, str] | 
 
 def has_errors(diagnostics: Sequence[Diagnostic]) -> bool:
     """Whether any of them is an error."""
-    return any(d.severity == "error" for d in diagnostics)
+    return bool(diagnostics) and any(d.severity == "error" for d in diagnostics)
 
 
 def _entries(log: str) -> Iterator[tuple[Severity, str]]:

@@ -83,10 +83,11 @@ def _blocks(code: str) -> Iterator[tuple[str, int]]:
     # Looking back from each brace is eight times as fast as a regular expression over it all.
     brace = code.find("{")
     while brace >= 0:
-        head = " ".join(code[max(brace - _LONGEST_NAME - 64, 0) : brace].split()[-2:])
-        block = _BLOCK.search(head)
-        if block:
-            yield block.group(1), brace + 1
+        before = code[max(brace - _LONGEST_NAME - 64, 0) : brace].rstrip()
+        if not before.endswith(")"):  # a function's body, a loop's, a branch's
+            block = _BLOCK.search(" ".join(before.rsplit(None, 2)[-2:]))
+            if block:
+                yield block.group(1), brace + 1
         brace = code.find("{", brace + 1)
 
 
@@ -105,7 +106,9 @@ def _too_deep(code: str) -> tuple[str, str, int] | None:
 def _is_small(code: str) -> bool:
     """Whether the whole text has fewer signs and words than one statement may have."""
     branches = sum(map(code.count, ("{", "(", "[", "?", "if", "else", "for", "while", "do")))
-    return branches <= MAX_NESTING and sum(map(code.count, _OPERATORS)) <= MAX_OPERATORS
+    if branches > MAX_NESTING:
+        return False
+    return len(code) <= MAX_OPERATORS or sum(map(code.count, _OPERATORS)) <= MAX_OPERATORS
 
 
 def _depths(code: str) -> Iterator[tuple[int, int, int]]:

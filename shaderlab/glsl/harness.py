@@ -16,7 +16,7 @@ from shaderlab.glsl.jobs import FileResult, Job, Options, lost, work
 from shaderlab.glsl.sources import STAGES
 from shaderlab.glsl.tree import ShaderFile, find_shaders
 
-_BATCH = 32
+_BATCH = 128
 # Checks at once, then for each of three SPIR-V targets the compiler and the validator.
 _COMMANDS_PER_FILE = 8
 

@@ -12,6 +12,7 @@ import re
 from dataclasses import dataclass, field
 
 from shaderlab.errors import ShaderError, nearest
+from shaderlab.glsl.linemap import LineMap
 from shaderlab.glsl.reading import version_of, without_comments
 from shaderlab.glsl.roots import File, OutsideError, Roots, inside
 
@@ -32,7 +33,7 @@ class Expanded:
 
     text: str
     code: str
-    lines: tuple[tuple[str, int], ...]
+    lines: LineMap
     parts: tuple[tuple[str, str], ...]
 
 
@@ -59,14 +60,14 @@ class _Site:
 class _Output:
     rows: list[str] = field(default_factory=list)
     codes: list[str] = field(default_factory=list)
-    places: list[tuple[str, int]] = field(default_factory=list)
+    spans: list[tuple[str, int, int]] = field(default_factory=list)
     parts: dict[str, str] = field(default_factory=dict)
     includes: int = 0
 
     def add(self, row: str, code: str, place: tuple[str, int]) -> None:
         self.rows.append(row)
         self.codes.append(code)
-        self.places.append(place)
+        self.spans.append((*place, 1))
 
 
 def expand(file: File, roots: Roots) -> Expanded:
@@ -81,7 +82,7 @@ def expand(file: File, roots: Roots) -> Expanded:
     version = version_of(code)
     _expand(file, code, roots, None, out, version[0] if version else 110)
     return Expanded(
-        "\n".join(out.rows), "\n".join(out.codes), tuple(out.places), tuple(out.parts.items())
+        "\n".join(out.rows), "\n".join(out.codes), LineMap.of(out.spans), tuple(out.parts.items())
     )
 
 
@@ -101,7 +102,7 @@ def _expand(
     if not _ANY_DIRECTIVE.search(code):
         out.rows += rows
         out.codes += codes[: len(rows)]
-        out.places += [(file.path, number) for number in range(1, len(rows) + 1)]
+        out.spans.append((file.path, 1, len(rows)))
         return
     said_file, shift = file.path, 0  # what the author's own #line makes of file and line
     for number, (row, code) in enumerate(zip(rows, codes, strict=False), start=1):

@@ -8,10 +8,9 @@ from pathlib import Path
 
 from shaderlab.errors import ShaderError
 
-# A quoted include path may hold "//"; everything else that looks like a comment is one.
-_COMMENT = re.compile(
-    r'"[^"\n]*"|(?P<line>//(?:\\\n|[^\n])*)|(?P<block>/\*.*?(?:\*/|\Z))', re.DOTALL
-)
+# A quoted include path may hold "//"; everything else that looks like a comment is one. Without
+# groups the search skips to the next quote or slash, which is several times as fast.
+_COMMENT = re.compile(r'"[^"\n]*"|//(?:\\\n|[^\n])*|/\*.*?(?:\*/|\Z)', re.DOTALL)
 _VERSION = re.compile(r"#[ \t]*version[ \t]+(\d+)[ \t]*(\w*)")
 MAX_BYTES = 4 << 20
 """The largest file that is taken for a shader."""
@@ -19,7 +18,7 @@ MAX_BYTES = 4 << 20
 _WIDE = {b"\xff\xfe": "UTF-16", b"\xfe\xff": "UTF-16"}
 
 
-def read_shader(path: Path) -> str:
+def read_shader(path: str | Path) -> str:
     """The file's text with "\\n" line ends and no byte order mark.
 
     Raises:
@@ -33,7 +32,7 @@ def read_shader(path: Path) -> str:
     except FileNotFoundError:
         raise ShaderError("no such shader file", file=path) from None
     except OSError as error:
-        if path.is_dir():
+        if os.path.isdir(path):
             raise ShaderError(
                 "is a directory, not a shader", file=path, remedy="name a file in it"
             ) from None
@@ -97,7 +96,7 @@ def without_comments(text: str) -> str:
 
 def _blank(match: re.Match[str]) -> str:
     comment = match.group()
-    if match.lastgroup is None:
+    if comment[0] == '"':
         return comment
     if "\n" not in comment:
         return " " * len(comment)

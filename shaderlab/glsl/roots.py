@@ -69,11 +69,11 @@ class Roots:
             if isinstance(new, Path):
                 return File(name, str(new), read_shader(new))
             return File(name, name, normalise(new, name))
-        for folder in self.folders:
-            path = folder / name
+        for folder in self._named_folders:
+            path = os.path.join(folder, name)
             if os.path.lexists(path):
                 self._refuse_escape(path)
-                return File(name, str(path), read_shader(path))
+                return File(name, path, read_shader(path))
         return None
 
     def names(self) -> tuple[str, ...]:
@@ -81,20 +81,25 @@ class Roots:
         found = {name for folder in self.folders for name in _below(folder)}
         return tuple(sorted(found | set(self.overrides)))
 
-    def _real(self, path: Path) -> str:
+    def _real(self, path: str) -> str:
         """A file's place without links in its folder's name, which is resolved only once."""
-        parent = str(path.parent)
+        parent, name = os.path.split(path)
         if parent not in self._real_parents:
             self._real_parents[parent] = os.path.realpath(parent)
-        return os.path.join(self._real_parents[parent], path.name)
+        return os.path.join(self._real_parents[parent], name)
+
+    @functools.cached_property
+    def _named_folders(self) -> tuple[str, ...]:
+        """The folders as text: joining that is several times as fast as joining paths."""
+        return tuple("" if folder == Path() else str(folder) for folder in self.folders)
 
     @functools.cached_property
     def _real_folders(self) -> tuple[str, ...]:
         """The folders without links in them, each ending in a separator."""
         return tuple(os.path.join(os.path.realpath(folder), "") for folder in self.folders)
 
-    def _refuse_escape(self, path: Path) -> None:
-        real = os.path.realpath(path) if path.is_symlink() else self._real(path)
+    def _refuse_escape(self, path: str) -> None:
+        real = os.path.realpath(path) if os.path.islink(path) else self._real(path)
         if not real.startswith(self._real_folders):
             raise OutsideError(f"a symbolic link leads out of the shader folders, to {real}")
 

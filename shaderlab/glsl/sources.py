@@ -7,13 +7,15 @@ A name is a path inside one of the shader roots, with forward slashes, such as
 from __future__ import annotations
 
 import functools
+import posixpath
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 
 from shaderlab.errors import ShaderError, nearest
 from shaderlab.glsl.include import Expanded, expand
+from shaderlab.glsl.linemap import LineMap
 from shaderlab.glsl.reading import normalise, version_of, without_comments
 from shaderlab.glsl.roots import File, Roots
 
@@ -55,7 +57,7 @@ class Source:
     path: str
     stage: str
     text: str
-    lines: tuple[tuple[str, int], ...]
+    lines: LineMap
     parts: tuple[tuple[str, str], ...]
     stripped: str | None = field(default=None, repr=False, compare=False)
 
@@ -98,6 +100,11 @@ class Shaders:
         for word in self._defines:
             if not re.fullmatch(r"[A-Za-z_]\w*(\([\w, ]*\))?", word):
                 raise ShaderError(f"can't define {word!r}: it is not a GLSL name")
+
+    @property
+    def folders(self) -> tuple[Path, ...]:
+        """The root folders, in the order they are searched."""
+        return self._roots.folders
 
     def load(self, name: str, stage: str | None = None) -> Source:
         """The named shader with its includes expanded.
@@ -149,11 +156,11 @@ def stage_of(name: str, text: str, path: str | None = None) -> str:
     Raises:
         ShaderError: neither tells, or the pragma names no stage.
     """
-    suffixes = PurePosixPath(name).suffixes
-    telling = suffixes[-1:] if suffixes[-1:] != [".glsl"] else suffixes[-2:-1]
-    for suffix in telling:
-        if suffix in EXTENSIONS:
-            return EXTENSIONS[suffix]
+    stem, suffix = posixpath.splitext(name)
+    if suffix == ".glsl":
+        suffix = posixpath.splitext(stem)[1]
+    if suffix in EXTENSIONS:
+        return EXTENSIONS[suffix]
     pragma = _PRAGMA.search(without_comments(text))
     if pragma is None:
         raise ShaderError(
@@ -187,6 +194,6 @@ def _define(expanded: Expanded, defines: Mapping[str, str]) -> Expanded:
     return Expanded(
         "\n".join([*rows[:at], *new, *rows[at:]]),
         "\n".join([*codes[:at], *new, *codes[at:]]),
-        (*expanded.lines[:at], *[place] * len(new), *expanded.lines[at:]),
+        expanded.lines.with_inserted(at, len(new), place),
         expanded.parts,
     )

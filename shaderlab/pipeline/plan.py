@@ -3,28 +3,51 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from shaderlab.checks import draw_key, split_output
 from shaderlab.errors import CaseError, nearest
-from shaderlab.frame import Array, Bindings, PassDraw, Samples
-from shaderlab.gl import bind, capture, feedback
+from shaderlab.frame import Array, Bindings, PassDraw, Reply, Samples
+from shaderlab.gl import bind, calls, capture, feedback
 from shaderlab.gl.prepare import PreparedDraw
 from shaderlab.gl.runner import Prepared, Session
 from shaderlab.gl.varyings import elements
-from shaderlab.model import Coverage, Formula, Pixel, Property, Scene, Sweep, Value
+from shaderlab.model import (
+    AttributeLayout,
+    BlockLayout,
+    Cost,
+    Coverage,
+    Formula,
+    GlCall,
+    InactiveUniforms,
+    Pixel,
+    Program,
+    Property,
+    Query,
+    Scene,
+    Sweep,
+    Value,
+)
 
 
 @dataclass(frozen=True)
 class Plan:
-    """Draws to capture, and expectations to probe."""
+    """Draws to capture, expectations to probe, and what to ask the driver: draws whose memory is
+    read or whose uniforms are looked for, (pass, draw, counter) to count, passes to time with the
+    number of times, and expectations that call the API."""
 
     fragments: frozenset[PassDraw]
     vertices: frozenset[PassDraw]
     probes: tuple[int, ...]
+    attributes: frozenset[PassDraw] = frozenset()
+    blocks: frozenset[PassDraw] = frozenset()
+    queries: frozenset[tuple[str, int, str]] = frozenset()
+    timings: Mapping[str, int] = field(default_factory=dict)
+    located: frozenset[PassDraw] = frozenset()
+    calls: tuple[int, ...] = ()
 
 
 def plan(scene: Scene, prepared: Prepared) -> Plan:
@@ -36,9 +59,13 @@ def plan(scene: Scene, prepared: Prepared) -> Plan:
     fragments: set[PassDraw] = set()
     vertices: set[PassDraw] = set()
     probes: list[int] = []
+    asked = _asked(scene)
+    located: set[PassDraw] = set()
     for index, expectation in enumerate(scene.expect):
         if isinstance(expectation, Coverage):
             fragments.add(draw_key(scene, expectation.pass_name, expectation.draw))
+        if isinstance(expectation, InactiveUniforms):
+            located.add(draw_key(scene, expectation.pass_name, expectation.draw))
         if not isinstance(expectation, Formula | Sweep | Value):
             continue
         _, name = split_output(expectation.output, scene)
@@ -55,7 +82,44 @@ def plan(scene: Scene, prepared: Prepared) -> Plan:
             fragments.add(key)
         else:
             probes.append(index)
-    return Plan(frozenset(fragments), frozenset(vertices), tuple(probes))
+    return replace(
+        asked,
+        fragments=frozenset(fragments),
+        vertices=frozenset(vertices),
+        probes=tuple(probes),
+        located=frozenset(located),
+        calls=tuple(i for i, e in enumerate(scene.expect) if isinstance(e, GlCall)),
+    )
+
+
+def _asked(scene: Scene) -> Plan:
+    """What the expectations ask the driver itself."""
+    attributes: set[PassDraw] = set()
+    blocks: set[PassDraw] = set()
+    queries: set[tuple[str, int, str]] = set()
+    timings: dict[str, int] = {}
+    for expectation in scene.expect:
+        match expectation:
+            case AttributeLayout():
+                attributes.add(draw_key(scene, expectation.pass_name, expectation.draw))
+            case BlockLayout():
+                blocks.add(draw_key(scene, expectation.pass_name, expectation.draw))
+            case Query():
+                key = draw_key(scene, expectation.pass_name, expectation.draw)
+                queries.add((*key, expectation.counter))
+            case Cost():
+                for name in expectation.passes:
+                    known = scene.find_pass(name).name
+                    timings[known] = max(timings.get(known, 0), expectation.repeats)
+    return Plan(
+        frozenset(),
+        frozenset(),
+        (),
+        attributes=frozenset(attributes),
+        blocks=frozenset(blocks),
+        queries=frozenset(queries),
+        timings=timings,
+    )
 
 
 def key_of(scene: Scene, expectation: Formula | Sweep | Value) -> PassDraw:
@@ -130,6 +194,20 @@ def probe(session: Session, expectation: Value | Sweep) -> Samples:
     return _joined([samples([step]) for step in steps])
 
 
+def answer(session: Session, expectation: GlCall) -> Reply:
+    """Make the calls of a `gl_call`, with the programs of the scene that they name.
+
+    Raises:
+        CaseError: one of them names a pass or a draw that does not exist, or is no call of OpenGL.
+    """
+
+    def texts(program: Program) -> dict[str, str]:
+        name, index = draw_key(session.scene, program.pass_name, program.draw)
+        return {source.stage: source.text for source in session.prepared[name][index].sources}
+
+    return calls.answer(session.runner.device, expectation, texts)
+
+
 def _is_of_vertex(name: str, draw: PreparedDraw) -> bool:
     outputs = draw.interface.outputs
     if name in outputs:
@@ -151,8 +229,9 @@ def _of_depth(scene: Scene, key: PassDraw, draw: PreparedDraw) -> tuple[str, ...
 
 def _with_uniforms(bindings: Bindings, draw: PreparedDraw, values: Mapping[str, Any]) -> Bindings:
     exact, decimal = dict(bindings.uniforms), dict(bindings.decimal)
+    known = bind.declared(draw.interface)
     for name, value in values.items():
-        exact[name], decimal[name] = bind.uniform_arrays(draw.interface.uniforms[name], value)
+        exact[name], decimal[name] = bind.uniform_arrays(known[name], value)
     return replace(bindings, uniforms=exact, decimal=decimal)
 
 

@@ -13,9 +13,9 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-from shaderlab.checks import draw_key, judge, split_output
-from shaderlab.frame import Array, Bindings, Fragments, Frame, Image, PassDraw, Samples
-from shaderlab.gl import bind, capture, feedback
+from shaderlab.checks import draw_key, judge, outputs_read, split_output
+from shaderlab.frame import Array, Bindings, Fragments, Frame, Image, PassDraw, Reply, Samples
+from shaderlab.gl import bind, capture, feedback, queries
 from shaderlab.gl import programs as linking
 from shaderlab.gl.device import Device, open_device
 from shaderlab.gl.prepare import PreparedDraw, Preparer
@@ -24,12 +24,21 @@ from shaderlab.gl.varyings import elements
 from shaderlab.glsl.compile import Compiled, compile_program
 from shaderlab.glsl.sources import Source
 from shaderlab.model import (
+    AttributeLayout,
+    BlockLayout,
     CompileFails,
     Computed,
+    Cost,
     Coverage,
     Expectation,
+    GlCall,
     GlError,
+    InactiveUniforms,
+    Measure,
+    Query,
+    Refused,
     Scene,
+    programs_of,
 )
 from shaderlab.pipeline import plan
 from shaderlab.pipeline.roots import shaders_beside
@@ -171,6 +180,10 @@ class Trial:
         declared = self.draw(key).interface.varyings
         return {v.name: (bind.shape_of(v.type), v.type) for v in elements(declared.values())}
 
+    def uniform_types(self, key: PassDraw) -> dict[str, str]:
+        """The GLSL type of each uniform and each member of a uniform block."""
+        return {n: v.type for n, v in bind.declared(self.draw(key).interface).items()}
+
     def fragments(self, key: PassDraw) -> Fragments:
         """What a draw's fragment shader got."""
         if key not in self._fragments:
@@ -223,7 +236,7 @@ class Trial:
             CaseError, FormulaError: as `shaderlab.checks.judge`.
         """
         expectation = self.scene.expect[index]
-        if isinstance(expectation, Computed | CompileFails):
+        if _without_shaders(expectation):
             return Outcome(name=expectation.name, kind="skipped", status="pass")
         return judge(index, self.scene, self._frame(index, expectation), {}).outcome
 
@@ -233,6 +246,9 @@ class Trial:
         fragments = {key: self.fragments(key) for key in wants.fragments}
         vertices = {key: self.vertices(key) for key in wants.vertices}
         probes = {index: self.probe(index)} if wants.probes else {}
+        replies: dict[int, Reply] = {}
+        if isinstance(expectation, GlCall):
+            replies[index] = plan.answer(self.session, expectation)
         return Frame(
             images=self.images,
             order=tuple(p.name for p in self.scene.passes),
@@ -241,6 +257,15 @@ class Trial:
             vertices=vertices,
             probes=probes,
             gl_errors=self.gl_errors,
+            replies=replies,
+            sample_positions=self.session.sample_positions,
+            attributes={key: queries.attributes(self.session, key) for key in wants.attributes},
+            blocks={key: queries.block_readings(self.session, key) for key in wants.blocks},
+            queries={
+                (name, at, counter): queries.counted(self.session, (name, at), counter)
+                for name, at, counter in wants.queries
+            },
+            locations={key: self.session.locations(key) for key in wants.located},
         )
 
     def _gets_the_same(self, pass_name: str, other: Trial) -> bool:
@@ -261,18 +286,35 @@ class Trial:
         return True
 
 
-def judged_passes(scene: Scene) -> dict[int, str | None]:
-    """For each expectation of the scene, the pass it is about; None where no shader has a part."""
-    found: dict[int, str | None] = {}
+def judged_passes(scene: Scene) -> dict[int, frozenset[str]]:
+    """For each expectation of the scene, the passes it is about; none where no shader has a
+    part."""
+    found: dict[int, frozenset[str]] = {}
     for index, expectation in enumerate(scene.expect):
-        if isinstance(expectation, Computed | CompileFails):
-            found[index] = None
-        elif isinstance(expectation, Coverage | GlError):
-            found[index] = draw_key(scene, expectation.pass_name, expectation.draw)[0]
+        if _without_shaders(expectation):
+            found[index] = frozenset()
+        elif isinstance(expectation, GlCall):
+            named = programs_of(expectation)
+            found[index] = frozenset(draw_key(scene, p.pass_name, p.draw)[0] for p in named)
+        elif isinstance(expectation, Measure):
+            key = draw_key(scene, expectation.pass_name, expectation.draw)
+            found[index] = frozenset({key[0], *(p for p, _ in outputs_read(expectation, scene))})
+        elif isinstance(
+            expectation,
+            Coverage | GlError | InactiveUniforms | Query | AttributeLayout | BlockLayout,
+        ):
+            found[index] = frozenset({draw_key(scene, expectation.pass_name, expectation.draw)[0]})
         else:
-            name, _ = split_output(expectation.output, scene)
-            found[index] = scene.find_pass(name).name
+            name, _ = split_output(getattr(expectation, "output", ""), scene)
+            found[index] = frozenset({scene.find_pass(name).name})
     return found
+
+
+def _without_shaders(expectation: Expectation) -> bool:
+    """Whether no shader of the case has a part in what is expected."""
+    if isinstance(expectation, GlCall):
+        return not programs_of(expectation)
+    return isinstance(expectation, Computed | CompileFails | Refused | Cost)
 
 
 class _OpenGLOnly(Preparer):

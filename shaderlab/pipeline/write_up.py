@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from shaderlab.checks.judgement import shown
+from shaderlab.checks.judgement import Judgement, shown
 from shaderlab.errors import ShaderlabError
 from shaderlab.gl.prepare import PreparedDraw
 from shaderlab.glsl.opinion import compared
@@ -17,13 +17,16 @@ from shaderlab.glsl.sources import Source
 from shaderlab.glsl.spirv import Interface
 from shaderlab.model import Ramp, Scene
 from shaderlab.pipeline.album import Shown
+from shaderlab.pipeline.memory import buffers
 from shaderlab.records import (
+    BufferRecord,
     Curve,
     Declared,
     Diagnostic,
     ErratumNote,
     Outcome,
     PassRecord,
+    Plot,
     ProgramRecord,
     Record,
     SourceText,
@@ -42,9 +45,11 @@ class Draft:
         self._programs: dict[tuple[Source, ...], ProgramRecord] = {}
         self._outcomes: list[Outcome] = []
         self._curves: list[Curve] = []
+        self._plots: list[Plot] = []
         self._notices: list[str] = []
         self._picture = Shown()
         self._passes: tuple[PassRecord, ...] = ()
+        self._buffers: tuple[BufferRecord, ...] = ()
 
     def stop(self, status: Status, error: ShaderlabError) -> None:
         """The scene could not be run to its end."""
@@ -61,6 +66,7 @@ class Draft:
             for draw in draws:
                 if draw.sources not in self._programs:
                     self._programs[draw.sources] = _program(draw)
+        self._buffers = buffers(prepared)
 
     def second_opinions(self, opinion: Callable[[tuple[Source, ...]], Verdict]) -> None:
         """Add the driver's own verdict on each program noted so far, beside the compilers'."""
@@ -78,14 +84,17 @@ class Draft:
         for name in sorted(names):
             self._notices.append(f"uniform {name} is declared but inactive: it changes no output")
 
-    def add(self, outcome: Outcome, curve: Curve | None, output: str) -> None:
-        """Note one expectation's outcome; `output` is the shader output it is about, or ""."""
+    def add(self, outcome: Outcome, found: Judgement, output: str) -> None:
+        """Note one expectation's outcome, and what there is to plot of its judgement; `output` is
+        the shader output it is about, or ""."""
         where = [replace(s, file=near(s.file)) for s in outcome.sources]
         if where and output:
             where += self._assignments(output.rpartition(".")[2])
         self._outcomes.append(replace(outcome, sources=tuple(where)))
-        if curve is not None:
-            self._curves.append(curve)
+        if found.curve is not None:
+            self._curves.append(found.curve)
+        if found.plot is not None:
+            self._plots.append(found.plot)
 
     def portrait(self, picture: Shown, passes: tuple[PassRecord, ...] = ()) -> None:
         """Note the case's picture, and those of its passes."""
@@ -112,6 +121,7 @@ class Draft:
             programs=tuple(self._programs.values()),
             expectations=tuple(self._outcomes),
             curves=tuple(self._curves),
+            plots=tuple(self._plots),
             errata=tuple(
                 ErratumNote(
                     section=e.section or case.section, says=e.says, truth=e.truth, proof=e.proof
@@ -123,6 +133,7 @@ class Draft:
             images=self._picture.files,
             captions=self._picture.captions,
             passes=self._passes,
+            buffers=self._buffers,
         )
 
     def _final_status(self, verdicts: Mapping[str, str]) -> Status:
@@ -225,7 +236,12 @@ def _inputs(scene: Scene) -> dict[str, str]:
     seen: dict[str, str] = {}
     for description in scene.passes:
         for draw in description.draws:
-            for name, value in {**draw.uniforms, **(draw.domain or {})}.items():
+            members = {
+                f"{block}.{name}": value
+                for block, buffer in draw.blocks.items()
+                for name, value in buffer.values.items()
+            }
+            for name, value in {**draw.uniforms, **members, **(draw.domain or {})}.items():
                 seen.setdefault(name, _spelt(value))
     return {name: seen[name] for name in sorted(seen, key=lambda n: n not in scene.changes)}
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import TypeVar
 
-from shaderlab.records import Curve, Outcome, Record, Run
+from shaderlab.records import Curve, Outcome, Plot, Record, Run
 from shaderlab.report import markup
 from shaderlab.report.chart import Chart, chart
 from shaderlab.report.grouping import CHAPTERS, CaseGroup, group_cases, total
@@ -12,6 +13,7 @@ from shaderlab.report.inline import Picture, Pictures
 from shaderlab.report.listing import Listing
 from shaderlab.report.page import CaseView, ChapterView, Check, Page, Plate, VariantView
 from shaderlab.report.passes import steps
+from shaderlab.report.plot import PlotView, plot_view
 from shaderlab.report.sources import Shown, anchor_of, compiled, listings
 from shaderlab.report.text import Anchors
 from shaderlab.report.worst import worst_panel
@@ -43,7 +45,7 @@ def _case(group: CaseGroup, anchors: Anchors, pictures: Pictures, shown: Shown) 
     several = len(group.records) > 1
     glsl, python = listings(group, anchors, shown)
     figures = tuple(
-        (record.variant if several else "", row)
+        (record.variant if several and outcome.kind != "computed" else "", row)
         for record in group.records
         for outcome in record.expectations
         for row in outcome.rows
@@ -62,6 +64,7 @@ def _case(group: CaseGroup, anchors: Anchors, pictures: Pictures, shown: Shown) 
             for name, file in record.images.items()
         ),
         charts=_charts(group),
+        plots=_plots(group),
         figures=figures if together else (),
         errata=tuple(dict.fromkeys(note for record in group.records for note in record.errata)),
         compiled=compiled(group),
@@ -83,15 +86,27 @@ def _case(group: CaseGroup, anchors: Anchors, pictures: Pictures, shown: Shown) 
 
 
 def _charts(group: CaseGroup) -> tuple[tuple[str, Chart], ...]:
-    """Each curve with the variants it is of; one that all of them share is of none."""
-    users: dict[Curve, list[str]] = {}
-    for record in group.records:
-        for curve in dict.fromkeys(record.curves):
-            users.setdefault(curve, []).append(record.variant)
-    return tuple(
-        ("" if len(names) == len(group.records) else ", ".join(names), chart(curve))
-        for curve, names in users.items()
-    )
+    curves = ((record.variant, curve) for record in group.records for curve in record.curves)
+    return tuple((names, chart(curve)) for names, curve in _shared(group, curves))
+
+
+def _plots(group: CaseGroup) -> tuple[tuple[str, PlotView], ...]:
+    plots = ((record.variant, plot) for record in group.records for plot in record.plots)
+    return tuple((names, plot_view(plot)) for names, plot in _shared(group, plots))
+
+
+Drawn = TypeVar("Drawn", Curve, Plot)
+
+
+def _shared(group: CaseGroup, drawn: Iterable[tuple[str, Drawn]]) -> Iterator[tuple[str, Drawn]]:
+    """Each curve or plot with the variants it is of; one that all of them share is of none."""
+    users: dict[Drawn, list[str]] = {}
+    for variant, one in drawn:
+        names = users.setdefault(one, [])
+        if variant not in names:
+            names.append(variant)
+    for one, names in users.items():
+        yield "" if len(names) == len(group.records) else ", ".join(names), one
 
 
 def _variant(

@@ -10,6 +10,7 @@ from shaderlab.report.chart import Chart
 from shaderlab.report.grouping import PASSABLE, CaseGroup, Totals, worst
 from shaderlab.report.inline import Numbers, Picture
 from shaderlab.report.listing import Listing
+from shaderlab.report.plot import PlotView
 from shaderlab.report.worst import WorstPanel
 
 if TYPE_CHECKING:
@@ -75,6 +76,7 @@ class CaseView:
     thumbnail: Picture | None
     plates: tuple[Plate, ...]
     charts: tuple[tuple[str, Chart], ...]
+    plots: tuple[tuple[str, PlotView], ...]
     figures: tuple[tuple[str, Row], ...]
     errata: tuple[ErratumNote, ...]
     compiled: tuple[Compiled, ...]

@@ -11,7 +11,7 @@ import pytest
 from shaderlab.catalogue import Catalogue, data_folder
 from shaderlab.gl.prepare import Preparer
 from shaderlab.glsl.sources import Shaders
-from shaderlab.model import Case, CompileFails, Computed, Coverage
+from shaderlab.model import Case, CompileFails, Computed, Coverage, Refused
 
 FIRST = {
     "orange-triangle", "indexed-quad", "texture-mix", "uniform-over-time", "mvp", "attenuation",
@@ -44,7 +44,7 @@ def test_a_case_teaches(case: Case) -> None:
 def test_a_case_looks_at_what_it_draws(case: Case) -> None:
     """An expectation that reads no pixel and no vertex can't tell a wrong shader."""
     for scene in case.scenes():
-        blind = (CompileFails, Computed, Coverage)
+        blind = (CompileFails, Computed, Coverage, Refused)
         assert any(not isinstance(e, blind) for e in scene.expect), scene.variant
 
 
@@ -71,7 +71,10 @@ def test_every_shader_is_used() -> None:
             for draw in (d for p in scene.passes for d in p.draws):
                 for source in preparer.prepare(draw).authored:
                     used |= {Path(path).resolve() for path, _ in source.parts}
-            refused = [e.shader for e in scene.expect if isinstance(e, CompileFails)]
+            refused = [n for e in scene.expect if isinstance(e, CompileFails) for n in e.shaders]
+            refused += [
+                e.what for e in scene.expect if isinstance(e, Refused) and isinstance(e.what, str)
+            ]
             used |= {(root / name).resolve() for name in refused}
     there = {path.resolve() for path in root.rglob("*") if path.is_file()}
     assert there - used == set()

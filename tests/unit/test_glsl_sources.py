@@ -6,6 +6,7 @@ import pytest
 
 from shaderlab.errors import ShaderError
 from shaderlab.glsl import Shaders, compile_program
+from shaderlab.glsl.linemap import LineMap
 
 FRAGMENT = "#version 330 core\nout vec4 color;\nvoid main() { color = vec4(1.0); }\n"
 
@@ -64,7 +65,7 @@ def test_an_include_is_expanded_and_every_line_keeps_its_author(tmp_path: Path) 
     source = Shaders([tmp_path]).load("ch/main.frag")
     assert source.text == "#version 330 core\nfloat a;\nfloat b;\nfloat aa;\nout vec4 c;\n"
     main, a, b = (str(tmp_path / name) for name in ("ch/main.frag", "lib/a.glsl", "lib/b.glsl"))
-    assert source.lines == ((main, 1), (a, 1), (b, 1), (a, 3), (main, 3), (main, 4))
+    assert tuple(source.lines) == ((main, 1), (a, 1), (b, 1), (a, 3), (main, 3), (main, 4))
     assert len(source.lines) == len(source.text.split("\n"))
     assert [path for path, _ in source.parts] == [main, a, b]
     assert dict(source.parts)[b] == "float b;\n"
@@ -212,3 +213,20 @@ def test_text_that_is_no_file_may_include(tmp_path: Path) -> None:
     source = Shaders([tmp_path]).from_text('#include "lib/x.glsl"\n', "vertex", "<generated>")
     assert source.text == "float x;\n"
     assert (source.path, source.stage) == ("<generated>", "vertex")
+
+
+def test_a_line_map_counts_lines_from_either_end_and_refuses_others():
+    lines = LineMap.of([("a", 1, 2), ("a", 3, 1), ("b", 9, 2)])
+    assert lines.spans == (("a", 1, 3), ("b", 9, 2))
+    assert tuple(lines) == (("a", 1), ("a", 2), ("a", 3), ("b", 9), ("b", 10))
+    assert lines[-2:] == (("b", 9), ("b", 10))
+    for index in (5, -6):
+        with pytest.raises(IndexError, match=f"no line {index}"):
+            lines[index]
+
+
+@pytest.mark.parametrize("at", range(6))
+def test_lines_put_into_a_line_map_move_the_others(at):
+    lines = LineMap.of([("a", 1, 3), ("b", 9, 2)])
+    wanted = [*lines[:at], ("x", 7), ("x", 7), *lines[at:]]
+    assert list(lines.with_inserted(at, 2, ("x", 7))) == wanted

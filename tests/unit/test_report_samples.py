@@ -12,6 +12,8 @@ from shaderlab.records import (
     Diagnostic,
     ErratumNote,
     Outcome,
+    Plot,
+    PlotPoint,
     ProgramRecord,
     Record,
     Row,
@@ -146,6 +148,12 @@ def hostile() -> Run:
         captions={h: h},
         sources=(source, formula),
     )
+    points = tuple(
+        PlotPoint(
+            series=h + "2" * n, x=float(n), y=NAN if n == 2 else n, low=-INF, high=INF, ok=n < 2
+        )
+        for n in range(3)
+    )
     bad = record(
         h,
         h,
@@ -161,6 +169,7 @@ def hostile() -> Run:
         programs=(ProgramRecord(files=(h,), sources=(source,), verdicts=(verdict,)),),
         expectations=(check,),
         curves=(curve(title=h, x_label=h, y_label=h),),
+        plots=(Plot(title=h, x_label=h, y_label=h, points=points),),
         errata=(ErratumNote(section=h, says=h, truth=h, proof=h),),
         inputs={h: h},
         notices=(h,),

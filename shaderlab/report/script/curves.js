@@ -31,10 +31,14 @@ function readChart(chart, svg, rows) {
 
   svg.addEventListener("pointermove", (event) => {
     const box = svg.getBoundingClientRect();
-    const x = (event.clientX - box.left) / box.width * svg.viewBox.baseVal.width;
+    const scale = svg.viewBox.baseVal.width / box.width;
+    const x = (event.clientX - box.left) * scale;
+    const y = (event.clientY - box.top) * scale;
+    // Of several curves' points at one x, the one at the pointer's height.
+    const far = (at) => Math.abs(places[at] - x) + Math.abs((rows[at].dataset.y || y) - y) / 1000;
     let best = 0;
     order.forEach((at, n) => {
-      if (Math.abs(places[at] - x) < Math.abs(places[order[best]] - x)) best = n;
+      if (far(at) < far(order[best])) best = n;
     });
     show(best);
   });

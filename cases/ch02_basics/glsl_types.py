@@ -1,0 +1,158 @@
+"""Vectors of every kind: float, bool, int and uint go in as uniforms and come out bit for bit.
+
+A `vec` has two, three or four floats of 32 bits, `bvec`, `ivec` and `uvec` as many booleans,
+integers and unsigned integers. A fragment shader may write floats and both kinds of integers; a
+boolean has to become a number first, and `int(true)` is 1. Doubles came with GLSL 4.00: in 3.30 the
+word `dvec2` is reserved, and a shader that uses it does not compile.
+
+Look at: the bits, the highest at the left. From above, four rows each of bool, float, int and
+uint. Bright is 1. A float has a sign (red), eight bits of exponent (green) and 23 of fraction
+(blue): of 1, 2, −0.5 and 0.1 only the last has anything in its fraction, and there the pattern
+1001 repeats, because a tenth is no sum of powers of two. −1 as an int is the same 32 ones as the
+largest uint.
+"""
+
+import numpy as np
+
+from shaderlab import (
+    Case,
+    Erratum,
+    Ramp,
+    Target,
+    Variant,
+    compile_fails,
+    exact,
+    fullscreen,
+)
+
+TRUTHS = (True, False, False, True)
+REALS = (1.0, 2.0, -0.5, 0.1)
+INTEGERS = (1, -1, 2**31 - 1, -(2**31))
+NATURALS = (1, 2**32 - 1, 2**31, 0xCAFE)
+DOUBLES = (0.1, -1.0 / 3.0)
+
+
+def halves(*numbers):
+    """Each double's low and high 32 bits, as `unpackDouble2x32` gives them."""
+    return np.array(numbers, "<f8").view("<u4")
+
+
+def bits():
+    """Every word's bits, 32 columns from the highest, 16 rows from the lowest one up."""
+    words = np.concatenate(
+        [
+            np.array(TRUTHS, np.uint32),
+            np.array(REALS, np.float32).view(np.uint32),
+            np.array(INTEGERS, np.int32).view(np.uint32),
+            np.array(NATURALS, np.uint32),
+        ]
+    )
+    table = (words[:, None] >> np.arange(31, -1, -1, dtype=np.uint32)) & 1
+    return table[::-1, :, None].astype(np.uint32)
+
+
+BITS = fullscreen(
+    "ch02_basics/glsl_types_bits.frag",
+    name="bits",
+    domain={"field": Ramp((0.0, 0.0), (32.0, 0.0), (0.0, 16.0))},
+    uniforms={"truths": TRUTHS, "reals": REALS, "integers": INTEGERS, "naturals": NATURALS},
+    target=Target(size=(1024, 512)),
+)
+
+
+def floats(truths, reals):
+    """The pass that hands floats and booleans through."""
+    uniforms = {"truths2": truths[:2], "truths3": truths[:3], "truths4": truths}
+    uniforms |= {"pair": reals[:2], "triple": reals[:3], "quad": reals}
+    return fullscreen(
+        "ch02_basics/glsl_types_float.frag", name="floats", domain={}, uniforms=uniforms
+    )
+
+
+def integers(signed, unsigned):
+    """The pass that hands both kinds of integers through."""
+    uniforms = {"pair": signed[:2], "triple": signed[:3], "quad": signed}
+    uniforms |= {"natural2": unsigned[:2], "natural3": unsigned[:3], "natural4": unsigned}
+    return fullscreen(
+        "ch02_basics/glsl_types_int.frag", name="integers", domain={}, uniforms=uniforms
+    )
+
+
+def unchanged(truths, reals, signed, unsigned):
+    """Each output is its uniform."""
+    reals, truths = np.float32(reals), np.int32(truths)
+    return [
+        *(exact(f"floats.{name}Out", reals[:n], name=f"vec{n}") for name, n in SIZES),
+        *(exact(f"floats.truths{n}Out", truths[:n], name=f"bvec{n}") for n in (2, 3, 4)),
+        *(exact(f"integers.{name}Out", np.int32(signed[:n]), name=f"ivec{n}") for name, n in SIZES),
+        *(
+            exact(f"integers.natural{n}Out", np.uint32(unsigned[:n]), name=f"uvec{n}")
+            for n in (2, 3, 4)
+        ),
+    ]
+
+
+SIZES = (("pair", 2), ("triple", 3), ("quad", 4))
+OTHERS = (
+    (False, True, True, False),
+    (3.4028234663852886e38, -0.0, 1.1754943508222875e-38, 16777217.0),
+    (-7, 0, 65536, -65537),
+    (0, 7, 65536, 4294967294),
+)
+
+case = Case(
+    title="The types of GLSL",
+    section="2.3.2",
+    math=r"(-1)^{s} \cdot 2^{e - 127} \cdot \left(1 + \tfrac{f}{2^{23}}\right)",
+    passes=(*floats(TRUTHS, REALS), *integers(INTEGERS, NATURALS), *BITS),
+    picture="bits.FragColor",
+    expect=[],
+    variants=[
+        Variant(
+            "ones and extremes",
+            expect=[
+                *unchanged(TRUTHS, REALS, INTEGERS, NATURALS),
+                exact("bits.bit", bits(), name="the bits of all sixteen words"),
+                compile_fails(
+                    "ch02_basics/errata/double_in_330.frag",
+                    (2, "'dvec2' : Reserved word."),
+                    (
+                        2,
+                        "'double vector' : not supported for this version or the enabled "
+                        "extensions",
+                    ),
+                    name="dvec2 in 3.30 is refused",
+                ),
+            ],
+        ),
+        Variant(
+            "others",
+            passes=(*floats(*OTHERS[:2]), *integers(*OTHERS[2:]), *BITS),
+            expect=unchanged(*OTHERS),
+        ),
+        Variant(
+            "doubles, GLSL 4.00",
+            passes=(
+                *fullscreen(
+                    "ch02_basics/glsl_types_double.frag",
+                    name="doubles",
+                    domain={},
+                    uniforms={"real": DOUBLES[0], "pair": DOUBLES},
+                ),
+                *BITS,
+            ),
+            expect=[
+                exact("doubles.realOut", halves(DOUBLES[0]), name="double"),
+                exact("doubles.pairOut", halves(*DOUBLES), name="dvec2"),
+            ],
+        ),
+    ],
+    errata=[
+        Erratum(
+            section="2.3.2",
+            says="dvecn is a vector of n doubles, listed among the types of GLSL 330",
+            truth="double, dvec2, dvec3 and dvec4 need #version 400; in 330 the words are reserved",
+            proof="dvec2 in 3.30 is refused",
+        )
+    ],
+)

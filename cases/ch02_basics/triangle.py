@@ -1,0 +1,100 @@
+"""Three vertices in a buffer: the smallest thing that the pipeline draws.
+
+The vertex shader hands each corner on as it is, so the corners are device coordinates: −1…1 across
+the window and −1…1 up it, whatever its size in pixels. Rasterisation then asks for each pixel's
+centre whether it lies inside, and runs the fragment shader where it does. Half the width times the
+height gives an area of ½ of the window's 4, one eighth: 64800 of 720 × 720 pixels, exactly, because
+a centre on an edge belongs to one side only.
+
+Look at: the paper, whose lines are a quarter apart. The corners lie on its crossings, two lines
+left and right of the middle, two below it and two above.
+"""
+
+import numpy as np
+
+from shaderlab import (
+    Case,
+    Draw,
+    Mesh,
+    Pass,
+    Ramp,
+    Target,
+    computed,
+    coverage,
+    formula,
+    mesh_pass,
+    value,
+)
+from shaderlab.glslmath import swizzle, vec4
+from shaderlab.reference.transforms import signed_area
+
+CORNERS = np.array([(-0.5, -0.5, 0.0), (0.5, -0.5, 0.0), (0.0, 0.5, 0.0)])
+WINDOW = Target(size=(720, 720))
+DEVICE = {"place": Ramp((-1.0, -1.0), (2.0, 0.0), (0.0, 2.0))}
+
+
+def triangle(fragment):
+    """The triangle, with one fragment shader or the other."""
+    mesh = Mesh(attributes={"aPos": CORNERS})
+    return mesh_pass("ch02_basics/triangle.vert", f"ch02_basics/{fragment}", mesh)[0].draws[0]
+
+
+def orange():
+    """One colour everywhere."""
+    return vec4(1.0, 0.5, 0.2, 1.0)
+
+
+def as_it_is(aPos):
+    """Corners are device coordinates already: w is 1."""
+    return vec4(aPos, 1.0)
+
+
+def flat(aPos):
+    """Where on the paper the corner is."""
+    return swizzle(aPos, "xy")
+
+
+case = Case(
+    title="A triangle",
+    section="2.2.2",
+    math=r"\text{pixels} = \tfrac12 \cdot 1 \cdot 1 \cdot \frac{720^2}{2 \cdot 2} = 64800",
+    passes=(
+        Pass(
+            name="picture",
+            target=WINDOW,
+            draws=(
+                Draw(fragment="ch02_basics/graph_paper.frag", domain=DEVICE),
+                triangle("triangle_picture.frag"),
+            ),
+        ),
+        Pass(target=WINDOW, draws=(triangle("triangle.frag"),)),
+    ),
+    picture="picture.FragColor",
+    expect=[
+        coverage(64800, name="pixels covered"),
+        formula("gl_Position", as_it_is),
+        formula("place", flat),
+        formula("FragColor", orange),
+        value(
+            "gl_Position",
+            at={"aPos": (0.25, -0.75, 0.5)},
+            equals=(0.25, -0.75, 0.5, 1.0),
+            digits=6,
+            name="a corner somewhere",
+        ),
+        computed(
+            "signed area",
+            lambda: signed_area(CORNERS),
+            equals=0.5,
+            digits=6,
+            note="positive: counter-clockwise",
+        ),
+        computed(
+            "share of the window",
+            lambda: signed_area(CORNERS) / 4.0,
+            equals=0.125,
+            digits=4,
+            note="64800 of 518400 pixels",
+        ),
+    ],
+)
