@@ -55,12 +55,28 @@ class Samples:
 
 @dataclass(frozen=True)
 class Texels:
-    """A texture's contents as exact values, and how it is sampled."""
+    """A texture's contents as exact values, and how it is sampled.
+
+    Attributes:
+        values: the largest level: (height, width, channels), or with one more axis in front the
+            layers of an array, the faces of a cube, the samples of a multisampled texture.
+        filter, wrap, border, compare, lod: as in `shaderlab.model.Texture`.
+        kind: what comes after "sampler" in GLSL, without "Shadow": "2D", "2DArray", "Cube", "2DMS".
+        format: the texture's format; 8-bit texels are codes.
+        smaller: the mipmap levels below the largest one, if there are any.
+        seamless: whether a cube's filters reach over its edges.
+    """
 
     values: Array
     filter: tuple[str, str]
     wrap: tuple[str, str]
     border: tuple[float, float, float, float]
+    kind: str = field(default="2D", kw_only=True)
+    format: str = field(default="rgba32f", kw_only=True)
+    smaller: tuple[Array, ...] = field(default=(), kw_only=True)
+    compare: str | None = field(default=None, kw_only=True)
+    lod: tuple[float, float] = field(default=(-1000.0, 1000.0), kw_only=True)
+    seamless: bool = field(default=True, kw_only=True)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,5 +1,6 @@
 """The case model: frozen, pure data. Importing it, or a case, touches no device."""
 
+from shaderlab.model.asked import names_asked_for
 from shaderlab.model.calls import (
     GL_ERRORS,
     Call,
@@ -52,11 +53,9 @@ from shaderlab.model.refusals import (
 )
 from shaderlab.model.scene import (
     Draw,
-    Output,
     Pass,
     Ramp,
     Target,
-    Texture,
     UniformBuffer,
     UniformValue,
     across,
@@ -65,6 +64,14 @@ from shaderlab.model.scene import (
     up,
 )
 from shaderlab.model.state import Blend, Cell, Depth, State, Stencil
+from shaderlab.model.textures import (
+    CubeTexture,
+    Output,
+    Texture,
+    TextureArray,
+    TextureSource,
+    outputs_read,
+)
 
 __all__ = [
     "COUNTERS",
@@ -81,6 +88,7 @@ __all__ = [
     "Computed",
     "Cost",
     "Coverage",
+    "CubeTexture",
     "Depth",
     "Draw",
     "Erratum",
@@ -110,6 +118,8 @@ __all__ = [
     "Sweep",
     "Target",
     "Texture",
+    "TextureArray",
+    "TextureSource",
     "UniformBuffer",
     "UniformValue",
     "Value",
@@ -134,7 +144,9 @@ __all__ = [
     "measure",
     "mesh_pass",
     "monotone",
+    "names_asked_for",
     "output_of",
+    "outputs_read",
     "programs_of",
     "query",
     "reading",

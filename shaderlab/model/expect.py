@@ -18,8 +18,9 @@ from shaderlab.model.counts import Cost, Query
 from shaderlab.model.layouts import AttributeLayout, BlockLayout
 from shaderlab.model.measure import Measure
 from shaderlab.model.refusals import CompileFails, InactiveUniforms, Refused
-from shaderlab.model.scene import Output, UniformValue
+from shaderlab.model.scene import UniformValue
 from shaderlab.model.state import one_of
+from shaderlab.model.textures import Output
 
 Reference = Callable[..., Any]
 Figure = float | Sequence[float]

@@ -71,7 +71,11 @@ def plan(scene: Scene, prepared: Prepared) -> Plan:
         _, name = split_output(expectation.output, scene)
         key = key_of(scene, expectation)
         draw = prepared[key[0]][key[1]]
-        of_vertex = _is_of_vertex(name, draw)
+        at_pixels = isinstance(expectation, Formula) or (
+            isinstance(expectation, Value) and isinstance(expectation.at, Pixel)
+        )
+        of_depth = at_pixels and name in _of_depth(scene, key, draw)
+        of_vertex = not of_depth and _is_of_vertex(name, draw)
         if isinstance(expectation, Formula):
             (vertices if of_vertex else fragments).add(key)
         elif isinstance(expectation, Value) and isinstance(expectation.at, Pixel):
@@ -214,6 +218,13 @@ def _is_of_vertex(name: str, draw: PreparedDraw) -> bool:
             raise CaseError(f"{name!r} is the lab's own vertex stage's: draw a mesh to judge it")
         return True
     raise CaseError(f"there is no output {name!r}", remedy=nearest(name, [*outputs, *of_vertex]))
+
+
+def _of_depth(scene: Scene, key: PassDraw, draw: PreparedDraw) -> tuple[str, ...]:
+    """The names that a pass's depth attachment goes by, unless its shader has such an output."""
+    if scene.find_pass(key[0]).target.depth is None:
+        return ()
+    return tuple(name for name in ("depth", "stencil") if name not in draw.interface.outputs)
 
 
 def _with_uniforms(bindings: Bindings, draw: PreparedDraw, values: Mapping[str, Any]) -> Bindings:
