@@ -16,6 +16,7 @@ from shaderlab import (
     Case,
     Depth,
     Draw,
+    Output,
     Pass,
     Pixel,
     Ramp,
@@ -23,6 +24,7 @@ from shaderlab import (
     Target,
     across,
     coverage,
+    exact,
     formula,
     fullscreen,
     value,
@@ -32,7 +34,7 @@ from shaderlab.glslmath import abs, clamp, mix, swizzle, vec3, vec4
 SQUARE = Ramp((-1.0, -1.0), (2.0, 0.0), (0.0, 2.0))
 THRESHOLD = 0.1
 CLEAR = (0.82, 0.87, 0.92, 1.0)
-LEAVES = 128  # side of the judged leaf in pixels
+LEAVES = 64  # side of the judged leaf in pixels
 
 
 def leaf_alpha(place):
@@ -68,7 +70,7 @@ def leaf(threshold, depth, box):
 
 def bunch(left, threshold):
     """Five leaves, the nearest first."""
-    boxes = [(left + 30 + 74 * k, 40 + 46 * (k * 2 % 3), 190, 300) for k in range(5)]
+    boxes = [(left + 30 + 74 * k, 8 + 42 * (k * 2 % 3), 190, 300) for k in range(5)]
     return [leaf(threshold, 0.1 + 0.1 * k, box) for k, box in enumerate(boxes)]
 
 
@@ -135,5 +137,6 @@ case = Case(
         coverage(kept(64), pass_name="behind", draw=0, name="the nearer leaf"),
         coverage(64 * 64 - kept(64), pass_name="behind", name="seen where the nearer one is cut"),
         formula("behind.FragColor", leaf_color, name="the farther leaf"),
+        exact("behind.FragColor", Output("whole", "FragColor"), name="two leaves that are one"),
     ],
 )  # fmt: skip

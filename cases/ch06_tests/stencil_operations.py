@@ -39,11 +39,9 @@ COLUMNS, ROWS = len(FARES) * len(STORED), len(NAMES)
 NOTHING = (False,) * 4
 
 
-def draw(state, bit=0.0):
+def draw(state, worth=0.0):
     """A draw over the whole table, or over the state's cell."""
-    return Draw(
-        fragment="ch06_tests/stencil_bit.frag", domain={}, uniforms={"bit": bit}, state=state
-    )
+    return Draw(fragment="ch06_tests/count.frag", domain={}, uniforms={"worth": worth}, state=state)
 
 
 def remember(column):
@@ -81,7 +79,7 @@ def table(write_mask):
     fields = [(column, row) for row in range(ROWS) for column in range(COLUMNS)]
     values = Pass(
         name="table",
-        target=Target(size=(COLUMNS, ROWS), colors={"stored": "r32f"}, depth="depth24_stencil8"),
+        target=Target(size=(COLUMNS, ROWS), colors={"total": "r32f"}, depth="depth24_stencil8"),
         draws=(
             *(remember(column) for column in range(COLUMNS)),
             *(change(*field, write_mask) for field in fields),
@@ -92,7 +90,7 @@ def table(write_mask):
         fragment="ch06_tests/numbers.frag",
         domain={"place": Ramp((0.0, 0.0), (COLUMNS, 0.0), (0.0, ROWS))},
         uniforms={"group": float(len(STORED)), "whole": 255.0},
-        textures={"values": Output("table", "stored")},
+        textures={"values": Output("table", "total")},
     )
     return (values, Pass(name="picture", target=Target(size=(960, 384)), draws=(picture,)))
 
@@ -121,11 +119,11 @@ case = Case(
     r"\mathbin{\&} m)",
     passes=table(0xFF),
     variants=[
-        Variant("every bit", expect=[exact("table.stored", truth(0xFF), name=EVERY)]),
+        Variant("every bit", expect=[exact("table.total", truth(0xFF), name=EVERY)]),
         Variant(
             "write mask 0x3C",
             passes=table(0x3C),
-            expect=[exact("table.stored", truth(0x3C), name=EVERY)],
+            expect=[exact("table.total", truth(0x3C), name=EVERY)],
         ),
     ],
     expect=[],

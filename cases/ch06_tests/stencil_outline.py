@@ -14,7 +14,20 @@ from math import radians
 
 import numpy as np
 
-from shaderlab import Case, Depth, Draw, Mesh, Pass, State, Stencil, Target, formula, measure
+from shaderlab import (
+    Case,
+    Depth,
+    Draw,
+    Mesh,
+    Output,
+    Pass,
+    State,
+    Stencil,
+    Target,
+    exact,
+    formula,
+    measure,
+)
 from shaderlab.assets import solids, stage
 from shaderlab.glslmath import vec4
 from shaderlab.reference.studio import handed_on, softened, studio_color
@@ -116,6 +129,17 @@ case = Case(
             (960, 540),
             depth="depth24_stencil8",
         ),
+        Pass(
+            name="reordered",
+            target=Target(size=JUDGED, depth="depth24_stencil8", clear=stage.SKY),
+            draws=(
+                marked(1),
+                marked(0),
+                stage.prop(FLOOR, VIEW, PROJECTION),
+                outlined(1),
+                outlined(0),
+            ),
+        ),
         silhouette("objects", lambda k: MODELS[k]),
         silhouette("larger", lambda k: MODELS[k] @ GROWN),
     ),
@@ -132,6 +156,11 @@ case = Case(
             for k in range(2)
         ),
         formula("judged.gl_Position", clip_position, name="the larger box in clip space"),
+        exact(
+            "judged.FragColor",
+            Output("reordered", "FragColor"),
+            name="boxes first, or floor first: the same",
+        ),
         measure("pixels where outline ≠ larger − objects", wrong, reads=SETS, equals=0, digits=0),
         measure(
             "pixels of the outline",

@@ -65,3 +65,16 @@ def stencil_after(operation: str, stored: int, reference: int, write_mask: int =
     """
     changed = OPERATIONS[operation](stored, reference)
     return (stored & ~write_mask & 0xFF) | (changed & write_mask)
+
+
+def depth_after(func: str | None, write: bool, incoming: float, stored: float) -> float:
+    """The value in the depth buffer after a fragment: its own, where the test passes and the mask
+    (glDepthMask) is open. With the test off (None) nothing is ever written.
+
+    >>> depth_after("less", True, 0.25, 0.5), depth_after("less", False, 0.25, 0.5)
+    (0.25, 0.5)
+    >>> depth_after(None, True, 0.25, 0.5), depth_after("always", True, 0.75, 0.5)
+    (0.5, 0.75)
+    """
+    written = func is not None and write and depth_passes(func, incoming, stored)
+    return incoming if written else stored
