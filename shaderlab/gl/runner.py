@@ -11,19 +11,19 @@ from typing import Any
 from shaderlab.activity import doing
 from shaderlab.errors import CaseError, ShaderError, UnsupportedError, nearest
 from shaderlab.frame import Array, Bindings, Image, PassDraw
-from shaderlab.gl import bind, formats, state, textures
+from shaderlab.gl import bind, blocks, formats, state, textures
 from shaderlab.gl.device import Device
 from shaderlab.gl.prepare import PreparedDraw, output_types, pass_colors
 from shaderlab.gl.programs import (
-    PRIMITIVES,
     Programs,
     output_locations,
     set_uniforms,
     uniform_locations,
-    vertex_array,
 )
 from shaderlab.gl.stages import PREFIX
 from shaderlab.gl.target import RenderTarget
+from shaderlab.gl.uniform_buffers import UniformBuffers
+from shaderlab.gl.vertices import PRIMITIVES, VertexArray, vertex_array
 from shaderlab.model import Output, Pass, Scene, Texture
 
 Size = tuple[int, int]
@@ -79,6 +79,7 @@ class Session:
         self._stack = stack
         self._targets: dict[str, RenderTarget] = {}
         self._uploaded: dict[int, tuple[Array, Any]] = {}
+        self._blocks = UniformBuffers(runner.device, stack)
         self._gl_errors: dict[PassDraw, tuple[int, ...]] = {}
         self._inactive: set[str] = set()
 
@@ -153,7 +154,10 @@ class Session:
         if draw.draw.domain is not None:
             ramps = bind.ramp_uniforms(draw.draw, draw.interface.varyings)
         set_uniforms(program, ramps)
-        self._inactive.update(set_uniforms(program, bindings.uniforms))
+        members = blocks.variables(draw.interface)
+        plain = {name: v for name, v in bindings.uniforms.items() if name not in members}
+        self._inactive.update(set_uniforms(program, plain))
+        self._inactive.update(self._blocks.bind(program, draw, bindings.uniforms))
         for unit, (name, source) in enumerate(draw.draw.textures.items()):
             sampler = program.get(name, None)
             if sampler is None:
@@ -163,6 +167,18 @@ class Session:
             self._texture(source).use(unit)
 
     def _draw(self, key: PassDraw, draw: PreparedDraw, target: RenderTarget) -> None:
+        program, vao = self.ready(key, draw, target)
+        drain_errors()
+        submit(vao, program, draw)
+        errors = drain_errors()
+        if errors:
+            self._gl_errors[key] = errors
+
+    def ready(
+        self, key: PassDraw, draw: PreparedDraw, target: RenderTarget
+    ) -> tuple[Any, VertexArray]:
+        """Bind and set everything for a draw, which `submit` then issues: its program and vertex
+        array. Raises ShaderError if the driver refuses the program."""
         require_glsl(self.runner.device, draw)
         stages = {s.stage: s.text for s in draw.sources}
         try:
@@ -175,11 +191,7 @@ class Session:
         vao = vertex_array(self.runner.device, program, draw.draw.mesh)
         target.bind(output_locations(program, target.colors))
         state.apply(draw.draw.state, target.size)
-        drain_errors()
-        submit(vao, program, draw)
-        errors = drain_errors()
-        if errors:
-            self._gl_errors[key] = errors
+        return program, vao
 
     def _values(self, source: Texture | Output) -> Array:
         if isinstance(source, Output):
@@ -226,20 +238,18 @@ def step(key: PassDraw, draw: PreparedDraw) -> str:
     return f"draw {key[1]} of pass {key[0]!r}, program {' + '.join(draw.draw.shaders)}"
 
 
-def submit(vao: Any, program: Any, draw: PreparedDraw) -> None:
+def submit(vao: VertexArray, program: Any, draw: PreparedDraw) -> None:
     """Issue the draw call itself."""
     from OpenGL import GL
 
     description = draw.draw
     mode = PRIMITIVES[description.mesh.primitive if description.mesh else "triangles"]
-    count = 3 if description.mesh is None else description.mesh.vertices
     if not description.vertex_array:
         GL.glUseProgram(program.glo)
         GL.glBindVertexArray(0)
-        GL.glDrawArrays(mode, 0, count)
+        GL.glDrawArrays(mode, 0, vao.count)
         return
-    vertices = -1 if description.mesh is not None else count
-    vao.render(mode, vertices=vertices, instances=description.instances)
+    vao.render(mode, instances=description.instances)
 
 
 def drain_errors() -> tuple[int, ...]:

@@ -12,6 +12,7 @@ from shaderlab.model.calls import (
     programs_of,
 )
 from shaderlab.model.case import DEFAULT_VARIANT, Case, Erratum, Scene, Variant
+from shaderlab.model.counts import COUNTERS, Cost, Query, cost, query
 from shaderlab.model.expect import (
     Computed,
     Coverage,
@@ -33,7 +34,14 @@ from shaderlab.model.expect import (
     value,
 )
 from shaderlab.model.laws import bounded, energy_conserving, mean_of, monotone, symmetric
+from shaderlab.model.layouts import (
+    AttributeLayout,
+    BlockLayout,
+    attribute_layout,
+    block_layout,
+)
 from shaderlab.model.measure import Bound, Measure, Reading, measure, reading
+from shaderlab.model.mesh import Mesh, Placement
 from shaderlab.model.refusals import (
     CompileFails,
     InactiveUniforms,
@@ -44,12 +52,12 @@ from shaderlab.model.refusals import (
 )
 from shaderlab.model.scene import (
     Draw,
-    Mesh,
     Output,
     Pass,
     Ramp,
     Target,
     Texture,
+    UniformBuffer,
     UniformValue,
     across,
     fullscreen,
@@ -59,15 +67,19 @@ from shaderlab.model.scene import (
 from shaderlab.model.state import Blend, Cell, Depth, State, Stencil
 
 __all__ = [
+    "COUNTERS",
     "DEFAULT_VARIANT",
     "GL_ERRORS",
+    "AttributeLayout",
     "Blend",
+    "BlockLayout",
     "Bound",
     "Call",
     "Case",
     "Cell",
     "CompileFails",
     "Computed",
+    "Cost",
     "Coverage",
     "Depth",
     "Draw",
@@ -85,8 +97,10 @@ __all__ = [
     "Output",
     "Pass",
     "Pixel",
+    "Placement",
     "Program",
     "Property",
+    "Query",
     "Ramp",
     "Reading",
     "Refused",
@@ -96,14 +110,18 @@ __all__ = [
     "Sweep",
     "Target",
     "Texture",
+    "UniformBuffer",
     "UniformValue",
     "Value",
     "Variant",
     "across",
+    "attribute_layout",
+    "block_layout",
     "bounded",
     "call",
     "compile_fails",
     "computed",
+    "cost",
     "coverage",
     "energy_conserving",
     "exact",
@@ -118,6 +136,7 @@ __all__ = [
     "monotone",
     "output_of",
     "programs_of",
+    "query",
     "reading",
     "refused",
     "sweep",

@@ -14,6 +14,8 @@ from typing import Any
 from shaderlab.bands import Rules
 from shaderlab.errors import CaseError
 from shaderlab.model.calls import GL_ERRORS, GlCall
+from shaderlab.model.counts import Cost, Query
+from shaderlab.model.layouts import AttributeLayout, BlockLayout
 from shaderlab.model.measure import Measure
 from shaderlab.model.refusals import CompileFails, InactiveUniforms, Refused
 from shaderlab.model.scene import Output, UniformValue
@@ -140,6 +142,10 @@ Expectation = (
     | CompileFails
     | GlError
     | GlCall
+    | Query
+    | Cost
+    | AttributeLayout
+    | BlockLayout
     | Refused
     | InactiveUniforms
 )

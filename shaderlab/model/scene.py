@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from shaderlab.errors import CaseError, nearest
+from shaderlab.errors import CaseError
+from shaderlab.model.mesh import Mesh
 from shaderlab.model.state import State, one_of
 
 Array = npt.NDArray[Any]
 Number = float | int | bool
 UniformValue = Number | Sequence[Any] | Array
 
-PRIMITIVES = ("triangles", "triangle_strip", "triangle_fan", "lines", "line_strip", "points")
 COLOR_FORMATS = (
     "r8", "rg8", "rgba8", "srgb8_alpha8", "r16f", "rg16f", "rgba16f", "r32f", "rg32f", "rgba32f",
     "r32i", "rg32i", "rgba32i", "r32ui", "rg32ui", "rgba32ui",
@@ -58,49 +58,6 @@ UNIT_SQUARE: Mapping[str, Ramp] = {"TexCoords": Ramp((0.0, 0.0), (1.0, 0.0), (0.
 
 
 @dataclass(frozen=True, kw_only=True)
-class Mesh:
-    """Vertices by attribute name, each an array of shape (vertices, components).
-
-    Float arrays are uploaded as float32. `indices` is a flat integer array, or None.
-    """
-
-    attributes: Mapping[str, Array]
-    indices: Array | None = None
-    primitive: str = "triangles"
-
-    def __post_init__(self) -> None:
-        one_of("Mesh", "primitive", self.primitive, PRIMITIVES)
-        arrays = {name: _rows(name, value) for name, value in self.attributes.items()}
-        counts = {name: len(a) for name, a in arrays.items()}
-        if not arrays or len(set(counts.values())) != 1:
-            raise CaseError(f"Mesh: attributes need one common number of vertices, not {counts}")
-        object.__setattr__(self, "attributes", arrays)
-        if self.indices is not None:
-            self._check_indices(next(iter(counts.values())))
-
-    def _check_indices(self, vertices: int) -> None:
-        indices = np.asarray(self.indices).ravel()
-        if indices.size and (indices.min() < 0 or indices.max() >= vertices):
-            raise CaseError(
-                f"Mesh: indices run from {indices.min()} to {indices.max()}, "
-                f"but there are {vertices} vertices"
-            )
-        object.__setattr__(self, "indices", indices.astype(np.uint32))
-
-    @property
-    def vertices(self) -> int:
-        """Number of vertices stored (not of indices)."""
-        return len(next(iter(self.attributes.values())))
-
-    def only(self, *names: str) -> Mesh:
-        """The same mesh with these attributes alone, for shaders that read no others."""
-        for name in names:
-            if name not in self.attributes:
-                raise CaseError(f"Mesh has no {name!r}", remedy=nearest(name, self.attributes))
-        return replace(self, attributes={name: self.attributes[name] for name in names})
-
-
-@dataclass(frozen=True, kw_only=True)
 class Texture:
     """A two-dimensional texture.
 
@@ -131,6 +88,18 @@ class Output:
     name: str
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class UniformBuffer:
+    """Values for a uniform block's members, by their GLSL names inside the block ("projection",
+    "lights[0].position"). The lab lays them out by the std140 rules.
+
+    It is one buffer on the device, wherever it is used: give the same object to several draws,
+    and their programs share it.
+    """
+
+    values: Mapping[str, UniformValue]
+
+
 @dataclass(frozen=True, kw_only=True)
 class Draw:
     """One draw call: a program, what it draws, and everything that is bound while it does.
@@ -138,7 +107,8 @@ class Draw:
     Either `vertex` and `mesh` are given, or `domain` (the fragment shader's inputs laid over the
     whole target; the vertex stage is then made by the lab). Uniforms are keyed as GLSL spells
     them: "model", "light.constant", "weights", "lights[0].position". Matrices are given as
-    mathematics writes them, rows first; the lab transposes for GLSL.
+    mathematics writes them, rows first; the lab transposes for GLSL. `blocks` are uniform blocks
+    by the name that GLSL gives the block itself.
     """
 
     fragment: str
@@ -148,6 +118,7 @@ class Draw:
     domain: Mapping[str, Ramp] | None = None
     uniforms: Mapping[str, UniformValue] = field(default_factory=dict)
     textures: Mapping[str, Texture | Output] = field(default_factory=dict)
+    blocks: Mapping[str, UniformBuffer] = field(default_factory=dict)
     state: State = field(default_factory=State)
     instances: int = 1
     vertex_array: bool = True
@@ -163,6 +134,13 @@ class Draw:
             raise CaseError(
                 f"Draw of {self.fragment}: over a domain the vertex stage is the lab's; "
                 "drop vertex= and geometry=, or draw a mesh"
+            )
+        given = self.mesh.instances if self.mesh is not None else None
+        if given not in (None, self.instances):
+            raise CaseError(
+                f"Draw of {self.fragment}: the mesh has attributes for {given} instances, "
+                f"{self.instances} are drawn",
+                remedy=f"draw instances={given}",
             )
 
     @property
@@ -225,6 +203,7 @@ def fullscreen(
     domain: Mapping[str, Ramp] | None = None,
     uniforms: Mapping[str, UniformValue] | None = None,
     textures: Mapping[str, Texture | Output] | None = None,
+    blocks: Mapping[str, UniformBuffer] | None = None,
     target: Target | None = None,
     state: State | None = None,
     name: str = "main",
@@ -239,6 +218,7 @@ def fullscreen(
         domain=UNIT_SQUARE if domain is None else domain,
         uniforms=uniforms or {},
         textures=textures or {},
+        blocks=blocks or {},
         state=state or State(),
     )
     return (Pass(name=name, target=target or Target(), draws=(draw,)),)
@@ -252,8 +232,10 @@ def mesh_pass(
     geometry: str | None = None,
     uniforms: Mapping[str, UniformValue] | None = None,
     textures: Mapping[str, Texture | Output] | None = None,
+    blocks: Mapping[str, UniformBuffer] | None = None,
     target: Target | None = None,
     state: State | None = None,
+    instances: int = 1,
     name: str = "main",
 ) -> tuple[Pass, ...]:
     """One pass that draws one mesh with one program."""
@@ -264,23 +246,8 @@ def mesh_pass(
         mesh=mesh,
         uniforms=uniforms or {},
         textures=textures or {},
+        blocks=blocks or {},
         state=state or State(),
+        instances=instances,
     )
     return (Pass(name=name, target=target or Target(), draws=(draw,)),)
-
-
-def _rows(name: str, value: Array) -> Array:
-    array = np.asarray(value)
-    if array.dtype.kind == "f":
-        array = array.astype(np.float32)
-    elif array.dtype.kind in "iub":
-        array = array.astype(np.int32)
-    else:
-        raise CaseError(f"Mesh: attribute {name!r} must be numbers, not {array.dtype}")
-    if array.ndim == 1:
-        array = array[:, None]
-    if array.ndim != 2 or not 1 <= array.shape[1] <= 4:
-        raise CaseError(f"Mesh: attribute {name!r} must be (vertices, 1…4), not {array.shape}")
-    if array.dtype.kind == "f" and not np.isfinite(array).all():
-        raise CaseError(f"Mesh: attribute {name!r} holds a NaN or an infinity")
-    return array
