@@ -55,12 +55,28 @@ class Samples:
 
 @dataclass(frozen=True)
 class Texels:
-    """A texture's contents as exact values, and how it is sampled."""
+    """A texture's contents as exact values, and how it is sampled.
+
+    Attributes:
+        values: the largest level: (height, width, channels), or with one more axis in front the
+            layers of an array, the faces of a cube, the samples of a multisampled texture.
+        filter, wrap, border, compare, lod: as in `shaderlab.model.Texture`.
+        kind: what comes after "sampler" in GLSL, without "Shadow": "2D", "2DArray", "Cube", "2DMS".
+        format: the texture's format; 8-bit texels are codes.
+        smaller: the mipmap levels below the largest one, if there are any.
+        seamless: whether a cube's filters reach over its edges.
+    """
 
     values: Array
     filter: tuple[str, str]
     wrap: tuple[str, str]
     border: tuple[float, float, float, float]
+    kind: str = field(default="2D", kw_only=True)
+    format: str = field(default="rgba32f", kw_only=True)
+    smaller: tuple[Array, ...] = field(default=(), kw_only=True)
+    compare: str | None = field(default=None, kw_only=True)
+    lod: tuple[float, float] = field(default=(-1000.0, 1000.0), kw_only=True)
+    seamless: bool = field(default=True, kw_only=True)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,6 +110,38 @@ class Reply:
 
 
 @dataclass(frozen=True, kw_only=True)
+class AttributeReading:
+    """Where OpenGL says that an attribute lies: `offset` bytes into the mesh's buffer number
+    `buffer`, a vertex every `stride` bytes, a new value every `divisor` instances (0: a vertex)."""
+
+    buffer: int
+    offset: int
+    stride: int
+    divisor: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class BlockReading:
+    """Where OpenGL says that a uniform block's members lie, and the block's size, in bytes; and
+    the same as the lab has `placed` them. A block without any effect has no offsets."""
+
+    offsets: Mapping[str, int]
+    size: int
+    placed: Mapping[str, int]
+    placed_size: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class Timing:
+    """What drawing one pass took: draw calls, vertices that were submitted (over all instances),
+    and the seconds of each repetition."""
+
+    draw_calls: int
+    vertices: int
+    seconds: tuple[float, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
 class Frame:
     """All that one scene gave.
 
@@ -108,6 +156,10 @@ class Frame:
         replies: by the expectation's index, what the API said to the call it makes.
         sample_positions: where the driver takes a pixel's samples, by pass, for passes that have
             several: (samples, 2), from the pixel's lower left corner, 0…1.
+        attributes: where each attribute lies, by (pass, draw), where it was asked for.
+        blocks: where each uniform block's members lie, likewise, by block.
+        queries: what the driver counted, by (pass, draw, query), where it was asked for.
+        timings: what passes took, by name, where it was asked for.
         locations: where the driver put each declared uniform, by (pass, draw), where that was
             asked for; −1 for one that changes no output.
     """
@@ -121,4 +173,8 @@ class Frame:
     gl_errors: Mapping[PassDraw, tuple[int, ...]] = field(default_factory=dict)
     replies: Mapping[int, Reply] = field(default_factory=dict)
     sample_positions: Mapping[str, Array] = field(default_factory=dict)
+    attributes: Mapping[PassDraw, Mapping[str, AttributeReading]] = field(default_factory=dict)
+    blocks: Mapping[PassDraw, Mapping[str, BlockReading]] = field(default_factory=dict)
+    queries: Mapping[tuple[str, int, str], int] = field(default_factory=dict)
+    timings: Mapping[str, Timing] = field(default_factory=dict)
     locations: Mapping[PassDraw, Mapping[str, int]] = field(default_factory=dict)

@@ -189,11 +189,37 @@ class PassRecord:
 
 
 @dataclass(frozen=True, kw_only=True)
+class BufferPart:
+    """Where one attribute or member lies in a buffer, in bytes; `stride` is from one vertex, or
+    one element of an array, to the next, `divisor` 1 where attributes go on once an instance."""
+
+    name: str
+    offset: int
+    stride: int = 0
+    divisor: int = 0
+
+
+@dataclass(frozen=True, kw_only=True)
+class BufferRecord:
+    """One buffer that a scene's draws read: `kind` is "vertex" or "uniform", `used` says how many
+    draws read it. `usage` and `upload` are as in `Mesh`."""
+
+    name: str
+    kind: str
+    size: int
+    used: int
+    parts: tuple[BufferPart, ...]
+    usage: str = ""
+    upload: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
 class Record:
     """One variant of one case, run and judged. `id` and `variant` name it within a run.
 
     `images` maps "picture" (and what else there is) to files relative to the run's folder,
     `captions` the same names to how they are to be read. `passes` are in the order they ran.
+    `buffers` are those of uniform blocks, and of meshes that say how they lie in memory.
     """
 
     id: str
@@ -218,6 +244,7 @@ class Record:
     images: Mapping[str, str] = field(default_factory=dict)
     captions: Mapping[str, str] = field(default_factory=dict)
     passes: tuple[PassRecord, ...] = ()
+    buffers: tuple[BufferRecord, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,12 +8,13 @@ Models and point clouds of one's own are read by `load_obj` and `load_pcd`.
 from shaderlab.assets.meshes import Geometry, cube, joined, moved, plane, quad, sphere, torus
 from shaderlab.assets.obj import Part, load_obj
 from shaderlab.assets.pcd import Cloud, load_pcd
-from shaderlab.assets.textures import brick_wall, checker, crate, emblem, solid
+from shaderlab.assets.textures import brick_normals, brick_wall, checker, crate, emblem, solid
 
 __all__ = [
     "Cloud",
     "Geometry",
     "Part",
+    "brick_normals",
     "brick_wall",
     "checker",
     "crate",

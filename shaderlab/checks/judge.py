@@ -15,8 +15,10 @@ from shaderlab.checks.banded import (
     rounds_to,
     second_opinions,
 )
+from shaderlab.checks.counts import judge_cost, judge_query
 from shaderlab.checks.inputs import Inputs, evaluate
 from shaderlab.checks.judgement import Judgement, Lazy, shown
+from shaderlab.checks.layouts import judge_attributes, judge_block
 from shaderlab.checks.measured import judge_measure
 from shaderlab.checks.naming import (
     draw_key,
@@ -38,8 +40,11 @@ from shaderlab.checks.refusals import (
 from shaderlab.errors import CaseError
 from shaderlab.frame import Array, Frame, Image
 from shaderlab.model import (
+    AttributeLayout,
+    BlockLayout,
     CompileFails,
     Computed,
+    Cost,
     Coverage,
     Exact,
     Expectation,
@@ -51,6 +56,7 @@ from shaderlab.model import (
     Output,
     Pixel,
     Property,
+    Query,
     Refused,
     Scene,
     Sweep,
@@ -113,6 +119,17 @@ def judge(index: int, scene: Scene, frame: Frame, refusals: Refusals) -> Judgeme
             return exactly.judge_gl_error(expectation, frame.gl_errors.get(key, ()))
         case GlCall():
             return exactly.judge_gl_call(expectation, frame.replies[index])
+        case Query():
+            key = draw_key(scene, expectation.pass_name, expectation.draw)
+            return judge_query(expectation, frame.queries[*key, expectation.counter])
+        case Cost():
+            return judge_cost(expectation, frame.timings)
+        case AttributeLayout():
+            key = draw_key(scene, expectation.pass_name, expectation.draw)
+            return judge_attributes(expectation, frame.attributes[key])
+        case BlockLayout():
+            key = draw_key(scene, expectation.pass_name, expectation.draw)
+            return judge_block(expectation, frame.blocks[key])
 
 
 def _formula(expectation: Formula, scene: Scene, frame: Frame) -> Judgement:

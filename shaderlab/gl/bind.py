@@ -13,43 +13,56 @@ import numpy as np
 
 from shaderlab.errors import CaseError, nearest
 from shaderlab.frame import Array, Bindings, Texels
-from shaderlab.gl import formats
+from shaderlab.gl import blocks, formats
 from shaderlab.gl.stages import PREFIX
 from shaderlab.glsl.spirv import Interface, Variable
-from shaderlab.model import Draw, Output, Ramp, Texture
+from shaderlab.model import Draw, Ramp, TextureSource
 from shaderlab.model.scene import UNIT_SQUARE
 
-TextureValues = Callable[[Texture | Output], Array]
+Contents = Callable[[str, Variable, TextureSource], Texels]
+"""Gives a texture's contents to a sampler of a program, once it has checked that they fit."""
 
 
-def bind(draw: Draw, interface: Interface, texels: TextureValues) -> Bindings:
-    """All uniforms and textures of `draw`, checked against what its program declares.
+def bind(draw: Draw, interface: Interface, texels: Contents) -> Bindings:
+    """All uniforms, block members and textures of `draw`, checked against what its program
+    declares.
 
     Args:
         draw: what the case gives.
         interface: what the program declares.
-        texels: gives a texture's contents as an exact array.
+        texels: gives a texture's contents, exactly.
 
     Raises:
-        CaseError: a uniform or texture is missing, unknown, or of the wrong type or shape.
+        CaseError: a uniform, a block's member or a texture is missing, unknown, or of the wrong
+            type or shape.
     """
     samplers = {n: v for n, v in interface.uniforms.items() if "sampler" in v.type}
-    declared = {
+    plain = {
         n: v
         for n, v in interface.uniforms.items()
         if n not in samplers and not n.startswith(PREFIX)
     }
-    _compare("uniform", draw, draw.uniforms, declared, other={"texture": samplers})
-    _compare("texture", draw, draw.textures, samplers, other={"uniform": declared})
+    _compare("uniform", draw, draw.uniforms, plain, other={"texture": samplers})
+    _compare("texture", draw, draw.textures, samplers, other={"uniform": plain})
+    known = declared(interface)
+    values = {**draw.uniforms, **blocks.given(draw, interface)}
     exact, decimal = {}, {}
-    for name, value in draw.uniforms.items():
-        exact[name], decimal[name] = uniform_arrays(declared[name], value)
+    for name, value in values.items():
+        exact[name], decimal[name] = uniform_arrays(known[name], value)
     return Bindings(
         uniforms=exact,
         decimal=decimal,
-        textures={name: _texels(source, texels) for name, source in draw.textures.items()},
-        arrays=frozenset(n for n in draw.uniforms if declared[n].array is not None),
+        textures={
+            name: texels(" + ".join(draw.shaders), samplers[name], source)
+            for name, source in draw.textures.items()
+        },
+        arrays=frozenset(n for n in values if known[n].array is not None),
     )
+
+
+def declared(interface: Interface) -> dict[str, Variable]:
+    """Uniforms and members of uniform blocks by name."""
+    return {**interface.uniforms, **blocks.variables(interface)}
 
 
 def uniform_arrays(variable: Variable, value: Any) -> tuple[Array, Array]:
@@ -112,16 +125,15 @@ def check_attributes(draw: Draw, interface: Interface) -> None:
     _compare(
         "attribute",
         draw,
-        draw.mesh.attributes,
+        draw.mesh.inputs,
         interface.attributes,
         surplus="the vertex shader does not read it; pass mesh.only(…) with those it does read",
     )
     for name, variable in interface.attributes.items():
-        have = draw.mesh.attributes[name].shape[1]
-        if have != variable.components:
-            raise CaseError(
-                f"attribute {name!r} is {variable.type}, but the mesh gives {have} components"
-            )
+        have = draw.mesh.inputs[name].shape[1:]
+        if have != shape_of(variable.type):
+            given = f"{have[0]} components" if len(have) == 1 else f"{have[0]} × {have[1]} numbers"
+            raise CaseError(f"attribute {name!r} is {variable.type}, but the mesh gives {given}")
 
 
 def check_domain(draw: Draw, inputs: Mapping[str, Variable]) -> None:
@@ -181,13 +193,6 @@ def _compare(
             f"{program}: nothing is given for {what} {listed}",
             remedy=f"add it to the draw's {'domain' if what == 'input' else what + 's'}",
         )
-
-
-def _texels(source: Texture | Output, texels: TextureValues) -> Texels:
-    values = texels(source)
-    if isinstance(source, Output):
-        return Texels(values, ("nearest", "nearest"), ("clamp_to_edge",) * 2, (0.0,) * 4)
-    return Texels(values, source.filter, source.wrap, source.border)
 
 
 def _spelt(variable: Variable) -> str:

@@ -19,10 +19,11 @@ from shaderlab.gl import bind, formats, stages
 from shaderlab.gl import state as fixed
 from shaderlab.gl.feedback import probe_vertices, vertices
 from shaderlab.gl.prepare import PreparedDraw
-from shaderlab.gl.programs import PRIMITIVES, output_locations, set_uniforms, vertex_array
+from shaderlab.gl.programs import output_locations, set_uniforms
 from shaderlab.gl.runner import Session, drain_errors, submit
 from shaderlab.gl.target import RenderTarget
 from shaderlab.gl.varyings import Piece, assembled, elements
+from shaderlab.gl.vertices import PRIMITIVES, vertex_array
 from shaderlab.glsl.spirv import Variable
 from shaderlab.model import Draw, Mesh, State, Target
 
@@ -145,7 +146,7 @@ def probe_fragments(
         mesh = Mesh(attributes=attributes, primitive="points")
         vao = vertex_array(runner.device, program, mesh)
         target.bind(output_locations(program, target.colors))
-        vao.render(PRIMITIVES["points"], vertices=count)
+        vao.render(PRIMITIVES["points"])
         drain_errors()
         outputs = {
             name: target.read(name).values.reshape(-1, formats.COLOR[word].components)

@@ -77,7 +77,7 @@ def probe_vertices(
     count = max((len(v) for v in inputs.values()), default=1)
     attributes = {
         name: inputs[name] if name in inputs else np.repeat(values[:1], count, axis=0)
-        for name, values in mesh.attributes.items()
+        for name, values in mesh.inputs.items()
     }
     return vertices(session, key, bindings, Mesh(attributes=attributes))
 
@@ -113,7 +113,12 @@ def _stored(
         draw.draw, mesh=Mesh(attributes=mesh.attributes, primitive="points"), instances=instances
     ))  # fmt: skip
     got = recorded(session, points, text, parts, bindings, mesh.vertices * instances)
-    repeated = {name: np.tile(values, (instances, 1)) for name, values in mesh.attributes.items()}
+    repeated = {
+        name: np.tile(values, (instances, *(1,) * (values.ndim - 1)))
+        for name, values in mesh.attributes.items()
+    }
+    for name, values in mesh.instance_attributes.items():
+        repeated[name] = np.repeat(values, mesh.vertices, axis=0)
     repeated["gl_VertexID"] = np.tile(np.arange(mesh.vertices, dtype=np.int32), instances)[:, None]
     repeated["gl_InstanceID"] = np.repeat(np.arange(instances, dtype=np.int32), mesh.vertices)[
         :, None

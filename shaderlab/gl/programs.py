@@ -11,16 +11,6 @@ from shaderlab.activity import doing
 from shaderlab.errors import ShaderError
 from shaderlab.frame import Array
 from shaderlab.gl.device import Device
-from shaderlab.model import Mesh
-
-PRIMITIVES = {
-    "points": 0x0000,
-    "lines": 0x0001,
-    "line_strip": 0x0003,
-    "triangles": 0x0004,
-    "triangle_strip": 0x0005,
-    "triangle_fan": 0x0006,
-}
 
 KEPT = 64
 
@@ -85,6 +75,7 @@ def set_uniforms(program: Any, values: Mapping[str, Array]) -> list[str]:
     """Upload uniforms; matrices are transposed into GLSL's columns-first order.
 
     Returns the names that the driver does not know: declared, but with no effect on any output.
+    Members of uniform blocks are no uniforms to be set; leave them out.
     """
     inactive = []
     for name, array in values.items():
@@ -97,22 +88,3 @@ def set_uniforms(program: Any, values: Mapping[str, Array]) -> list[str]:
         count = getattr(member, "array_length", 1)
         member.write(data.reshape(-1)[: count * member.dimension].tobytes())
     return inactive
-
-
-def vertex_array(device: Device, program: Any, mesh: Mesh | None) -> Any:
-    """A vertex array of `mesh` for `program`, or one without attributes for None."""
-    context = device.context
-    if mesh is None:
-        return context.vertex_array(program, [])
-    content = []
-    for name, array in mesh.attributes.items():
-        if program.get(name, None) is None:
-            continue  # declared, but the driver found that it has no effect
-        kind = {"f": "f", "i": "i", "u": "u"}[array.dtype.kind]
-        buffer = context.buffer(np.ascontiguousarray(array))
-        content.append((buffer, f"{array.shape[1]}{kind}", name))
-    if mesh.indices is None:
-        return context.vertex_array(program, content)
-    return context.vertex_array(
-        program, content, index_buffer=context.buffer(mesh.indices), index_element_size=4
-    )

@@ -13,10 +13,10 @@ from shaderlab.frame import Array, Bindings
 from shaderlab.gl import formats
 from shaderlab.gl import state as fixed
 from shaderlab.gl.prepare import PreparedDraw
-from shaderlab.gl.programs import PRIMITIVES, vertex_array
 from shaderlab.gl.runner import Session, drain_errors, submit
 from shaderlab.gl.target import RenderTarget
 from shaderlab.gl.varyings import Piece
+from shaderlab.gl.vertices import PRIMITIVES, vertex_array
 from shaderlab.model import State, Target
 
 # What every OpenGL 3.3 driver can write of one vertex at once.

@@ -5,26 +5,26 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 from shaderlab.activity import doing
-from shaderlab.errors import CaseError, ShaderError, UnsupportedError, nearest
+from shaderlab.errors import ShaderError, UnsupportedError
 from shaderlab.frame import Array, Bindings, Image, PassDraw
-from shaderlab.gl import bind, formats, state, textures
+from shaderlab.gl import bind, blocks, formats, state
+from shaderlab.gl.bound import BoundTextures
 from shaderlab.gl.device import Device
 from shaderlab.gl.prepare import PreparedDraw, output_types, pass_colors
 from shaderlab.gl.programs import (
-    PRIMITIVES,
     Programs,
     output_locations,
     set_uniforms,
     uniform_locations,
-    vertex_array,
 )
 from shaderlab.gl.stages import PREFIX
 from shaderlab.gl.target import RenderTarget
-from shaderlab.model import Output, Pass, Scene, Texture
+from shaderlab.gl.uniform_buffers import UniformBuffers
+from shaderlab.gl.vertices import PRIMITIVES, VertexArray, vertex_array
+from shaderlab.model import Pass, Scene, names_asked_for
 
 Size = tuple[int, int]
 Prepared = Mapping[str, tuple[PreparedDraw, ...]]
@@ -78,9 +78,11 @@ class Session:
         self._size = size
         self._stack = stack
         self._targets: dict[str, RenderTarget] = {}
-        self._uploaded: dict[int, tuple[Array, Any]] = {}
+        self._textures = BoundTextures(runner.device, scene, self.images, self._targets, stack)
+        self._blocks = UniformBuffers(runner.device, stack)
         self._gl_errors: dict[PassDraw, tuple[int, ...]] = {}
         self._inactive: set[str] = set()
+        self._asked = names_asked_for(scene)
 
     def run(self) -> Drawn:
         """Draw all passes in order.
@@ -103,7 +105,7 @@ class Session:
         return description.target.size or self._size
 
     def _run_pass(self, description: Pass) -> None:
-        """Draw one pass, then read its colour attachments."""
+        """Draw one pass, then read its colour attachments, and depth or stencil if asked for."""
         prepared = self.prepared[description.name]
         colors = pass_colors(description, prepared)
         extent = self.extent(description)
@@ -135,10 +137,13 @@ class Session:
                 count = formats.components_of(kinds[name])
                 image = Image(image.values[..., :count], image.format)
             self.images[description.name, name] = image
+        for name in self._asked.get(description.name, ()):
+            if name in target.attached and name not in target.colors:
+                self.images[description.name, name] = target.read(name)
 
     def bind(self, draw: PreparedDraw) -> Bindings:
         """The draw's uniforms and textures as the shader will get them."""
-        return bind.bind(draw.draw, draw.interface, self._values)
+        return bind.bind(draw.draw, draw.interface, self._textures.texels)
 
     def locations(self, key: PassDraw) -> dict[str, int]:
         """Where the driver put each uniform that a draw's program declares, samplers too."""
@@ -153,16 +158,28 @@ class Session:
         if draw.draw.domain is not None:
             ramps = bind.ramp_uniforms(draw.draw, draw.interface.varyings)
         set_uniforms(program, ramps)
-        self._inactive.update(set_uniforms(program, bindings.uniforms))
+        members = blocks.variables(draw.interface)
+        plain = {name: v for name, v in bindings.uniforms.items() if name not in members}
+        self._inactive.update(set_uniforms(program, plain))
+        self._inactive.update(self._blocks.bind(program, draw, bindings.uniforms))
         for unit, (name, source) in enumerate(draw.draw.textures.items()):
-            sampler = program.get(name, None)
-            if sampler is None:
+            variable = draw.interface.uniforms[name]
+            if not self._textures.bind(program, unit, variable, source):
                 self._inactive.add(name)
-                continue
-            sampler.value = unit
-            self._texture(source).use(unit)
 
     def _draw(self, key: PassDraw, draw: PreparedDraw, target: RenderTarget) -> None:
+        program, vao = self.ready(key, draw, target)
+        drain_errors()
+        submit(vao, program, draw)
+        errors = drain_errors()
+        if errors:
+            self._gl_errors[key] = errors
+
+    def ready(
+        self, key: PassDraw, draw: PreparedDraw, target: RenderTarget
+    ) -> tuple[Any, VertexArray]:
+        """Bind and set everything for a draw, which `submit` then issues: its program and vertex
+        array. Raises ShaderError if the driver refuses the program."""
         require_glsl(self.runner.device, draw)
         stages = {s.stage: s.text for s in draw.sources}
         try:
@@ -175,40 +192,7 @@ class Session:
         vao = vertex_array(self.runner.device, program, draw.draw.mesh)
         target.bind(output_locations(program, target.colors))
         state.apply(draw.draw.state, target.size)
-        drain_errors()
-        submit(vao, program, draw)
-        errors = drain_errors()
-        if errors:
-            self._gl_errors[key] = errors
-
-    def _values(self, source: Texture | Output) -> Array:
-        if isinstance(source, Output):
-            return self._image(source).values
-        return self._upload(source)[0]
-
-    def _texture(self, source: Texture | Output) -> Any:
-        if isinstance(source, Output):
-            self._image(source)
-            return self._targets[source.pass_name].textures[source.name]
-        return self._upload(source)[1]
-
-    def _upload(self, texture: Texture) -> tuple[Array, Any]:
-        if id(texture) not in self._uploaded:
-            values = textures.texel_values(texture, Path(self.scene.case.file).parent)
-            made = textures.upload(self.runner.device, texture, values)
-            self._stack.callback(made.release)
-            self._uploaded[id(texture)] = (values, made)
-        return self._uploaded[id(texture)]
-
-    def _image(self, source: Output) -> Image:
-        key = (source.pass_name, source.name)
-        if key not in self.images:
-            known = [f"{p}.{n}" for p, n in self.images]
-            raise CaseError(
-                f"no earlier pass gives {source.pass_name}.{source.name}",
-                remedy=nearest(f"{source.pass_name}.{source.name}", known),
-            )
-        return self.images[key]
+        return program, vao
 
 
 def require_glsl(device: Device, draw: PreparedDraw) -> None:
@@ -226,20 +210,18 @@ def step(key: PassDraw, draw: PreparedDraw) -> str:
     return f"draw {key[1]} of pass {key[0]!r}, program {' + '.join(draw.draw.shaders)}"
 
 
-def submit(vao: Any, program: Any, draw: PreparedDraw) -> None:
+def submit(vao: VertexArray, program: Any, draw: PreparedDraw) -> None:
     """Issue the draw call itself."""
     from OpenGL import GL
 
     description = draw.draw
     mode = PRIMITIVES[description.mesh.primitive if description.mesh else "triangles"]
-    count = 3 if description.mesh is None else description.mesh.vertices
     if not description.vertex_array:
         GL.glUseProgram(program.glo)
         GL.glBindVertexArray(0)
-        GL.glDrawArrays(mode, 0, count)
+        GL.glDrawArrays(mode, 0, vao.count)
         return
-    vertices = -1 if description.mesh is not None else count
-    vao.render(mode, vertices=vertices, instances=description.instances)
+    vao.render(mode, instances=description.instances)
 
 
 def drain_errors() -> tuple[int, ...]:

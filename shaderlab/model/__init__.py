@@ -1,5 +1,6 @@
 """The case model: frozen, pure data. Importing it, or a case, touches no device."""
 
+from shaderlab.model.asked import names_asked_for
 from shaderlab.model.calls import (
     GL_ERRORS,
     Call,
@@ -12,6 +13,7 @@ from shaderlab.model.calls import (
     programs_of,
 )
 from shaderlab.model.case import DEFAULT_VARIANT, Case, Erratum, Scene, Variant
+from shaderlab.model.counts import COUNTERS, Cost, Query, cost, query
 from shaderlab.model.expect import (
     Computed,
     Coverage,
@@ -33,7 +35,14 @@ from shaderlab.model.expect import (
     value,
 )
 from shaderlab.model.laws import bounded, energy_conserving, mean_of, monotone, symmetric
+from shaderlab.model.layouts import (
+    AttributeLayout,
+    BlockLayout,
+    attribute_layout,
+    block_layout,
+)
 from shaderlab.model.measure import Bound, Measure, Reading, measure, reading
+from shaderlab.model.mesh import Mesh, Placement
 from shaderlab.model.refusals import (
     CompileFails,
     InactiveUniforms,
@@ -44,12 +53,10 @@ from shaderlab.model.refusals import (
 )
 from shaderlab.model.scene import (
     Draw,
-    Mesh,
-    Output,
     Pass,
     Ramp,
     Target,
-    Texture,
+    UniformBuffer,
     UniformValue,
     across,
     fullscreen,
@@ -57,18 +64,31 @@ from shaderlab.model.scene import (
     up,
 )
 from shaderlab.model.state import Blend, Cell, Depth, State, Stencil
+from shaderlab.model.textures import (
+    CubeTexture,
+    Output,
+    Texture,
+    TextureArray,
+    TextureSource,
+    outputs_read,
+)
 
 __all__ = [
+    "COUNTERS",
     "DEFAULT_VARIANT",
     "GL_ERRORS",
+    "AttributeLayout",
     "Blend",
+    "BlockLayout",
     "Bound",
     "Call",
     "Case",
     "Cell",
     "CompileFails",
     "Computed",
+    "Cost",
     "Coverage",
+    "CubeTexture",
     "Depth",
     "Draw",
     "Erratum",
@@ -85,8 +105,10 @@ __all__ = [
     "Output",
     "Pass",
     "Pixel",
+    "Placement",
     "Program",
     "Property",
+    "Query",
     "Ramp",
     "Reading",
     "Refused",
@@ -96,14 +118,20 @@ __all__ = [
     "Sweep",
     "Target",
     "Texture",
+    "TextureArray",
+    "TextureSource",
+    "UniformBuffer",
     "UniformValue",
     "Value",
     "Variant",
     "across",
+    "attribute_layout",
+    "block_layout",
     "bounded",
     "call",
     "compile_fails",
     "computed",
+    "cost",
     "coverage",
     "energy_conserving",
     "exact",
@@ -116,8 +144,11 @@ __all__ = [
     "measure",
     "mesh_pass",
     "monotone",
+    "names_asked_for",
     "output_of",
+    "outputs_read",
     "programs_of",
+    "query",
     "reading",
     "refused",
     "sweep",

@@ -8,7 +8,7 @@ from typing import Any
 
 from shaderlab.errors import CaseError, nearest
 from shaderlab.model.expect import Computed, Expectation
-from shaderlab.model.scene import Draw, Pass, Ramp
+from shaderlab.model.scene import Draw, Pass, Ramp, UniformBuffer
 
 DEFAULT_VARIANT = "default"
 
@@ -17,9 +17,9 @@ DEFAULT_VARIANT = "default"
 class Variant:
     """A named change of a case's inputs.
 
-    `changes` replaces uniforms, textures or ramps of the domain, by the names the case uses, in
-    every draw that has them; `passes` replaces the passes altogether. `expect` is added to the
-    case's own expectations.
+    `changes` replaces uniforms, textures, ramps of the domain, or members of uniform blocks
+    ("Matrices.view"), by the names the case uses, in every draw that has them; `passes` replaces
+    the passes altogether. `expect` is added to the case's own expectations.
     """
 
     name: str
@@ -144,6 +144,18 @@ class Scene:
 def _changed(passes: tuple[Pass, ...], variant: Variant) -> tuple[Pass, ...]:
     unused = set(variant.changes)
     known: list[str] = []
+    # A buffer that several draws share is changed once, and stays shared.
+    buffers: dict[tuple[str, int], UniformBuffer] = {}
+
+    def change_block(name: str, buffer: UniformBuffer) -> UniformBuffer:
+        if (name, id(buffer)) not in buffers:
+            present = {f"{name}.{member}": member for member in buffer.values}
+            known.extend(present)
+            hits = {present[k]: v for k, v in variant.changes.items() if k in present}
+            unused.difference_update(f"{name}.{member}" for member in hits)
+            changed = UniformBuffer(values={**buffer.values, **hits}) if hits else buffer
+            buffers[name, id(buffer)] = changed
+        return buffers[name, id(buffer)]
 
     def change(draw: Draw) -> Draw:
         slots: dict[str, Mapping[str, Any]] = {
@@ -160,6 +172,9 @@ def _changed(passes: tuple[Pass, ...], variant: Variant) -> tuple[Pass, ...]:
             unused.difference_update(hits)
             if hits:
                 edits[slot] = {**present, **hits}
+        blocks = {name: change_block(name, buffer) for name, buffer in draw.blocks.items()}
+        if any(blocks[name] is not draw.blocks[name] for name in blocks):
+            edits["blocks"] = blocks
         return replace(draw, **edits) if edits else draw
 
     changed = tuple(replace(p, draws=tuple(change(d) for d in p.draws)) for p in passes)

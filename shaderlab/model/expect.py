@@ -14,10 +14,13 @@ from typing import Any
 from shaderlab.bands import Rules
 from shaderlab.errors import CaseError
 from shaderlab.model.calls import GL_ERRORS, GlCall
+from shaderlab.model.counts import Cost, Query
+from shaderlab.model.layouts import AttributeLayout, BlockLayout
 from shaderlab.model.measure import Measure
 from shaderlab.model.refusals import CompileFails, InactiveUniforms, Refused
-from shaderlab.model.scene import Output, UniformValue
+from shaderlab.model.scene import UniformValue
 from shaderlab.model.state import one_of
+from shaderlab.model.textures import Output
 
 Reference = Callable[..., Any]
 Figure = float | Sequence[float]
@@ -140,6 +143,10 @@ Expectation = (
     | CompileFails
     | GlError
     | GlCall
+    | Query
+    | Cost
+    | AttributeLayout
+    | BlockLayout
     | Refused
     | InactiveUniforms
 )

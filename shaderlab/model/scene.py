@@ -1,34 +1,22 @@
-"""What is drawn: meshes, domains, textures, draws, targets and passes. Pure data, no GL."""
+"""What is drawn: meshes, domains, draws, targets and passes. Pure data, no GL."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from pathlib import Path
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from shaderlab.errors import CaseError, nearest
+from shaderlab.errors import CaseError
+from shaderlab.model.mesh import Mesh
 from shaderlab.model.state import State, one_of
+from shaderlab.model.textures import COLOR_FORMATS, DEPTH_FORMATS, TextureSource
 
 Array = npt.NDArray[Any]
 Number = float | int | bool
 UniformValue = Number | Sequence[Any] | Array
-
-PRIMITIVES = ("triangles", "triangle_strip", "triangle_fan", "lines", "line_strip", "points")
-COLOR_FORMATS = (
-    "r8", "rg8", "rgba8", "srgb8_alpha8", "r16f", "rg16f", "rgba16f", "r32f", "rg32f", "rgba32f",
-    "r32i", "rg32i", "rgba32i", "r32ui", "rg32ui", "rgba32ui",
-)  # fmt: skip
-DEPTH_FORMATS = ("depth16", "depth24", "depth32f", "depth24_stencil8", "depth32f_stencil8")
-TEXTURE_FORMATS = (*COLOR_FORMATS, "rgb8", "rgb32f")
-FILTERS = (
-    "nearest", "linear", "nearest_mipmap_nearest", "linear_mipmap_nearest",
-    "nearest_mipmap_linear", "linear_mipmap_linear",
-)  # fmt: skip
-WRAPS = ("repeat", "mirrored_repeat", "clamp_to_edge", "clamp_to_border")
 
 
 @dataclass(frozen=True)
@@ -57,106 +45,16 @@ def up(start: UniformValue, stop: UniformValue) -> Ramp:
 UNIT_SQUARE: Mapping[str, Ramp] = {"TexCoords": Ramp((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))}
 
 
-@dataclass(frozen=True, kw_only=True)
-class Mesh:
-    """Vertices by attribute name, each an array of shape (vertices, components).
+@dataclass(frozen=True, kw_only=True, eq=False)
+class UniformBuffer:
+    """Values for a uniform block's members, by their GLSL names inside the block ("projection",
+    "lights[0].position"). The lab lays them out by the std140 rules.
 
-    Float arrays are uploaded as float32. `indices` is a flat integer array, or None.
+    It is one buffer on the device, wherever it is used: give the same object to several draws,
+    and their programs share it.
     """
 
-    attributes: Mapping[str, Array]
-    indices: Array | None = None
-    primitive: str = "triangles"
-
-    def __post_init__(self) -> None:
-        one_of("Mesh", "primitive", self.primitive, PRIMITIVES)
-        arrays = {name: _rows(name, value) for name, value in self.attributes.items()}
-        counts = {name: len(a) for name, a in arrays.items()}
-        if not arrays or len(set(counts.values())) != 1:
-            raise CaseError(f"Mesh: attributes need one common number of vertices, not {counts}")
-        object.__setattr__(self, "attributes", arrays)
-        if self.indices is not None:
-            self._check_indices(next(iter(counts.values())))
-
-    def _check_indices(self, vertices: int) -> None:
-        indices = np.asarray(self.indices).ravel()
-        if indices.size and (indices.min() < 0 or indices.max() >= vertices):
-            raise CaseError(
-                f"Mesh: indices run from {indices.min()} to {indices.max()}, "
-                f"but there are {vertices} vertices"
-            )
-        object.__setattr__(self, "indices", indices.astype(np.uint32))
-
-    @staticmethod
-    def later(make: Callable[[], Mesh]) -> Mesh:
-        """A mesh that `make` makes when it is first looked at, such as one read from a file:
-        importing a case need not wait for that."""
-        return _Later(make)
-
-    @property
-    def vertices(self) -> int:
-        """Number of vertices stored (not of indices)."""
-        return len(next(iter(self.attributes.values())))
-
-    def only(self, *names: str) -> Mesh:
-        """The same mesh with these attributes alone, for shaders that read no others."""
-        for name in names:
-            if name not in self.attributes:
-                raise CaseError(f"Mesh has no {name!r}", remedy=nearest(name, self.attributes))
-        return replace(self, attributes={name: self.attributes[name] for name in names})
-
-
-class _Later(Mesh):
-    """A mesh made when its arrays are first asked for, once."""
-
-    def __init__(self, make: Callable[[], Mesh]) -> None:
-        object.__setattr__(self, "_make", make)
-
-    def __getattribute__(self, name: str) -> Any:
-        if name in ("attributes", "indices", "primitive"):
-            return getattr(self._made(), name)
-        return super().__getattribute__(name)
-
-    def _made(self) -> Mesh:
-        if "_mesh" not in self.__dict__:
-            object.__setattr__(self, "_mesh", self.__dict__["_make"]())
-        made: Mesh = self.__dict__["_mesh"]
-        return made
-
-    def only(self, *names: str) -> Mesh:
-        """As `Mesh.only`, and as late."""
-        return _Later(lambda: self._made().only(*names))
-
-
-@dataclass(frozen=True, kw_only=True)
-class Texture:
-    """A two-dimensional texture.
-
-    `image` is an array (height, width, channels) whose row 0 is the bottom one, a function that
-    makes such an array when the case runs, or an image file's path (relative to the case file;
-    files are flipped so that their lowest row comes first).
-    """
-
-    image: Array | Callable[[], Array] | str | Path
-    format: str = "rgba32f"
-    filter: tuple[str, str] = ("nearest", "nearest")
-    wrap: tuple[str, str] = ("repeat", "repeat")
-    border: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
-
-    def __post_init__(self) -> None:
-        one_of("Texture", "format", self.format, TEXTURE_FORMATS)
-        one_of("Texture", "filter[0] (minifying)", self.filter[0], FILTERS)
-        one_of("Texture", "filter[1] (magnifying)", self.filter[1], FILTERS[:2])
-        for axis, word in zip("st", self.wrap, strict=True):
-            one_of("Texture", f"wrap along {axis}", word, WRAPS)
-
-
-@dataclass(frozen=True)
-class Output:
-    """A colour output of an earlier pass, used as a texture: `Output("shadow", "FragColor")`."""
-
-    pass_name: str
-    name: str
+    values: Mapping[str, UniformValue]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -166,7 +64,8 @@ class Draw:
     Either `vertex` and `mesh` are given, or `domain` (the fragment shader's inputs laid over the
     whole target; the vertex stage is then made by the lab). Uniforms are keyed as GLSL spells
     them: "model", "light.constant", "weights", "lights[0].position". Matrices are given as
-    mathematics writes them, rows first; the lab transposes for GLSL.
+    mathematics writes them, rows first; the lab transposes for GLSL. `blocks` are uniform blocks
+    by the name that GLSL gives the block itself.
     """
 
     fragment: str
@@ -175,7 +74,8 @@ class Draw:
     mesh: Mesh | None = None
     domain: Mapping[str, Ramp] | None = None
     uniforms: Mapping[str, UniformValue] = field(default_factory=dict)
-    textures: Mapping[str, Texture | Output] = field(default_factory=dict)
+    textures: Mapping[str, TextureSource] = field(default_factory=dict)
+    blocks: Mapping[str, UniformBuffer] = field(default_factory=dict)
     state: State = field(default_factory=State)
     instances: int = 1
     vertex_array: bool = True
@@ -191,6 +91,13 @@ class Draw:
             raise CaseError(
                 f"Draw of {self.fragment}: over a domain the vertex stage is the lab's; "
                 "drop vertex= and geometry=, or draw a mesh"
+            )
+        given = self.mesh.instances if self.mesh is not None else None
+        if given not in (None, self.instances):
+            raise CaseError(
+                f"Draw of {self.fragment}: the mesh has attributes for {given} instances, "
+                f"{self.instances} are drawn",
+                remedy=f"draw instances={given}",
             )
 
     @property
@@ -252,7 +159,8 @@ def fullscreen(
     *,
     domain: Mapping[str, Ramp] | None = None,
     uniforms: Mapping[str, UniformValue] | None = None,
-    textures: Mapping[str, Texture | Output] | None = None,
+    textures: Mapping[str, TextureSource] | None = None,
+    blocks: Mapping[str, UniformBuffer] | None = None,
     target: Target | None = None,
     state: State | None = None,
     name: str = "main",
@@ -267,6 +175,7 @@ def fullscreen(
         domain=UNIT_SQUARE if domain is None else domain,
         uniforms=uniforms or {},
         textures=textures or {},
+        blocks=blocks or {},
         state=state or State(),
     )
     return (Pass(name=name, target=target or Target(), draws=(draw,)),)
@@ -279,9 +188,11 @@ def mesh_pass(
     *,
     geometry: str | None = None,
     uniforms: Mapping[str, UniformValue] | None = None,
-    textures: Mapping[str, Texture | Output] | None = None,
+    textures: Mapping[str, TextureSource] | None = None,
+    blocks: Mapping[str, UniformBuffer] | None = None,
     target: Target | None = None,
     state: State | None = None,
+    instances: int = 1,
     name: str = "main",
 ) -> tuple[Pass, ...]:
     """One pass that draws one mesh with one program."""
@@ -292,23 +203,8 @@ def mesh_pass(
         mesh=mesh,
         uniforms=uniforms or {},
         textures=textures or {},
+        blocks=blocks or {},
         state=state or State(),
+        instances=instances,
     )
     return (Pass(name=name, target=target or Target(), draws=(draw,)),)
-
-
-def _rows(name: str, value: Array) -> Array:
-    array = np.asarray(value)
-    if array.dtype.kind == "f":
-        array = array.astype(np.float32)
-    elif array.dtype.kind in "iub":
-        array = array.astype(np.int32)
-    else:
-        raise CaseError(f"Mesh: attribute {name!r} must be numbers, not {array.dtype}")
-    if array.ndim == 1:
-        array = array[:, None]
-    if array.ndim != 2 or not 1 <= array.shape[1] <= 4:
-        raise CaseError(f"Mesh: attribute {name!r} must be (vertices, 1…4), not {array.shape}")
-    if array.dtype.kind == "f" and not np.isfinite(array).all():
-        raise CaseError(f"Mesh: attribute {name!r} holds a NaN or an infinity")
-    return array

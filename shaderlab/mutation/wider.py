@@ -39,12 +39,12 @@ def rounds(original: Trial, key: PassDraw, seed: int) -> list[Round]:
     random = np.random.default_rng(seed)
     turns = _turning_points((draw.text("vertex") or "") + (draw.text("fragment") or ""))
     own = original.bindings[key].uniforms
-    kinds = {name: variable.type for name, variable in draw.interface.uniforms.items()}
+    kinds = original.uniform_types(key)
     mesh = draw.draw.mesh
     attributes: dict[str, tuple[tuple[int, ...], str]] = {}
     if mesh is not None and draw.draw.geometry is None:
         kinds_of = {n: v.type for n, v in draw.interface.attributes.items()}
-        attributes = {n: (a.shape[1:], kinds_of[n]) for n, a in mesh.attributes.items()}
+        attributes = {n: (a.shape[1:], kinds_of[n]) for n, a in mesh.inputs.items()}
     return [
         Round(
             fragments=_inputs(random, original.inputs_of(key), turns),

@@ -24,7 +24,7 @@ from shaderlab.errors import (
     UnsupportedError,
 )
 from shaderlab.frame import Frame, PassDraw, Reply
-from shaderlab.gl import capture
+from shaderlab.gl import capture, queries
 from shaderlab.gl.device import Device, open_device
 from shaderlab.gl.opinion import driver_verdict
 from shaderlab.gl.prepare import Preparer
@@ -265,6 +265,15 @@ def _frame(session: Session, drawn: Drawn, plans: plan.Plan) -> Frame:
         gl_errors=drawn.gl_errors,
         replies={index: _replied(session, index) for index in plans.calls},
         sample_positions=drawn.sample_positions,
+        attributes={key: queries.attributes(session, key) for key in sorted(plans.attributes)},
+        blocks={key: queries.block_readings(session, key) for key in sorted(plans.blocks)},
+        queries={
+            (name, index, counter): queries.counted(session, (name, index), counter)
+            for name, index, counter in sorted(plans.queries)
+        },
+        timings={
+            name: queries.timed(session, name, repeats) for name, repeats in plans.timings.items()
+        },
         locations={key: session.locations(key) for key in sorted(plans.located)},
     )
 

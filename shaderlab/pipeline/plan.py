@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,9 @@ from shaderlab.gl.prepare import PreparedDraw
 from shaderlab.gl.runner import Prepared, Session
 from shaderlab.gl.varyings import elements
 from shaderlab.model import (
+    AttributeLayout,
+    BlockLayout,
+    Cost,
     Coverage,
     Formula,
     GlCall,
@@ -23,6 +26,7 @@ from shaderlab.model import (
     Pixel,
     Program,
     Property,
+    Query,
     Scene,
     Sweep,
     Value,
@@ -31,12 +35,17 @@ from shaderlab.model import (
 
 @dataclass(frozen=True)
 class Plan:
-    """Draws to capture, expectations to probe, draws whose uniforms are to be looked for, and
-    expectations that call the API."""
+    """Draws to capture, expectations to probe, and what to ask the driver: draws whose memory is
+    read or whose uniforms are looked for, (pass, draw, counter) to count, passes to time with the
+    number of times, and expectations that call the API."""
 
     fragments: frozenset[PassDraw]
     vertices: frozenset[PassDraw]
     probes: tuple[int, ...]
+    attributes: frozenset[PassDraw] = frozenset()
+    blocks: frozenset[PassDraw] = frozenset()
+    queries: frozenset[tuple[str, int, str]] = frozenset()
+    timings: Mapping[str, int] = field(default_factory=dict)
     located: frozenset[PassDraw] = frozenset()
     calls: tuple[int, ...] = ()
 
@@ -50,6 +59,7 @@ def plan(scene: Scene, prepared: Prepared) -> Plan:
     fragments: set[PassDraw] = set()
     vertices: set[PassDraw] = set()
     probes: list[int] = []
+    asked = _asked(scene)
     located: set[PassDraw] = set()
     for index, expectation in enumerate(scene.expect):
         if isinstance(expectation, Coverage):
@@ -61,19 +71,54 @@ def plan(scene: Scene, prepared: Prepared) -> Plan:
         _, name = split_output(expectation.output, scene)
         key = key_of(scene, expectation)
         draw = prepared[key[0]][key[1]]
-        of_vertex = _is_of_vertex(name, draw)
+        at_pixels = isinstance(expectation, Formula) or (
+            isinstance(expectation, Value) and isinstance(expectation.at, Pixel)
+        )
+        of_depth = at_pixels and name in _of_depth(scene, key, draw)
+        of_vertex = not of_depth and _is_of_vertex(name, draw)
         if isinstance(expectation, Formula):
             (vertices if of_vertex else fragments).add(key)
         elif isinstance(expectation, Value) and isinstance(expectation.at, Pixel):
             fragments.add(key)
         else:
             probes.append(index)
+    return replace(
+        asked,
+        fragments=frozenset(fragments),
+        vertices=frozenset(vertices),
+        probes=tuple(probes),
+        located=frozenset(located),
+        calls=tuple(i for i, e in enumerate(scene.expect) if isinstance(e, GlCall)),
+    )
+
+
+def _asked(scene: Scene) -> Plan:
+    """What the expectations ask the driver itself."""
+    attributes: set[PassDraw] = set()
+    blocks: set[PassDraw] = set()
+    queries: set[tuple[str, int, str]] = set()
+    timings: dict[str, int] = {}
+    for expectation in scene.expect:
+        match expectation:
+            case AttributeLayout():
+                attributes.add(draw_key(scene, expectation.pass_name, expectation.draw))
+            case BlockLayout():
+                blocks.add(draw_key(scene, expectation.pass_name, expectation.draw))
+            case Query():
+                key = draw_key(scene, expectation.pass_name, expectation.draw)
+                queries.add((*key, expectation.counter))
+            case Cost():
+                for name in expectation.passes:
+                    known = scene.find_pass(name).name
+                    timings[known] = max(timings.get(known, 0), expectation.repeats)
     return Plan(
-        frozenset(fragments),
-        frozenset(vertices),
-        tuple(probes),
-        frozenset(located),
-        tuple(i for i, e in enumerate(scene.expect) if isinstance(e, GlCall)),
+        frozenset(),
+        frozenset(),
+        (),
+        attributes=frozenset(attributes),
+        blocks=frozenset(blocks),
+        queries=frozenset(queries),
+        timings=timings,
     )
 
 
@@ -175,10 +220,18 @@ def _is_of_vertex(name: str, draw: PreparedDraw) -> bool:
     raise CaseError(f"there is no output {name!r}", remedy=nearest(name, [*outputs, *of_vertex]))
 
 
+def _of_depth(scene: Scene, key: PassDraw, draw: PreparedDraw) -> tuple[str, ...]:
+    """The names that a pass's depth attachment goes by, unless its shader has such an output."""
+    if scene.find_pass(key[0]).target.depth is None:
+        return ()
+    return tuple(name for name in ("depth", "stencil") if name not in draw.interface.outputs)
+
+
 def _with_uniforms(bindings: Bindings, draw: PreparedDraw, values: Mapping[str, Any]) -> Bindings:
     exact, decimal = dict(bindings.uniforms), dict(bindings.decimal)
+    known = bind.declared(draw.interface)
     for name, value in values.items():
-        exact[name], decimal[name] = bind.uniform_arrays(draw.interface.uniforms[name], value)
+        exact[name], decimal[name] = bind.uniform_arrays(known[name], value)
     return replace(bindings, uniforms=exact, decimal=decimal)
 
 

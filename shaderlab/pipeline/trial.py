@@ -15,7 +15,7 @@ from typing import Any, Self
 
 from shaderlab.checks import draw_key, judge, outputs_read, split_output
 from shaderlab.frame import Array, Bindings, Fragments, Frame, Image, PassDraw, Reply, Samples
-from shaderlab.gl import bind, capture, feedback
+from shaderlab.gl import bind, capture, feedback, queries
 from shaderlab.gl import programs as linking
 from shaderlab.gl.device import Device, open_device
 from shaderlab.gl.prepare import PreparedDraw, Preparer
@@ -24,14 +24,18 @@ from shaderlab.gl.varyings import elements
 from shaderlab.glsl.compile import Compiled, compile_program
 from shaderlab.glsl.sources import Source
 from shaderlab.model import (
+    AttributeLayout,
+    BlockLayout,
     CompileFails,
     Computed,
+    Cost,
     Coverage,
     Expectation,
     GlCall,
     GlError,
     InactiveUniforms,
     Measure,
+    Query,
     Refused,
     Scene,
     programs_of,
@@ -176,6 +180,10 @@ class Trial:
         declared = self.draw(key).interface.varyings
         return {v.name: (bind.shape_of(v.type), v.type) for v in elements(declared.values())}
 
+    def uniform_types(self, key: PassDraw) -> dict[str, str]:
+        """The GLSL type of each uniform and each member of a uniform block."""
+        return {n: v.type for n, v in bind.declared(self.draw(key).interface).items()}
+
     def fragments(self, key: PassDraw) -> Fragments:
         """What a draw's fragment shader got."""
         if key not in self._fragments:
@@ -251,6 +259,12 @@ class Trial:
             gl_errors=self.gl_errors,
             replies=replies,
             sample_positions=self.session.sample_positions,
+            attributes={key: queries.attributes(self.session, key) for key in wants.attributes},
+            blocks={key: queries.block_readings(self.session, key) for key in wants.blocks},
+            queries={
+                (name, at, counter): queries.counted(self.session, (name, at), counter)
+                for name, at, counter in wants.queries
+            },
             locations={key: self.session.locations(key) for key in wants.located},
         )
 
@@ -285,7 +299,10 @@ def judged_passes(scene: Scene) -> dict[int, frozenset[str]]:
         elif isinstance(expectation, Measure):
             key = draw_key(scene, expectation.pass_name, expectation.draw)
             found[index] = frozenset({key[0], *(p for p, _ in outputs_read(expectation, scene))})
-        elif isinstance(expectation, Coverage | GlError | InactiveUniforms):
+        elif isinstance(
+            expectation,
+            Coverage | GlError | InactiveUniforms | Query | AttributeLayout | BlockLayout,
+        ):
             found[index] = frozenset({draw_key(scene, expectation.pass_name, expectation.draw)[0]})
         else:
             name, _ = split_output(getattr(expectation, "output", ""), scene)
@@ -297,7 +314,7 @@ def _without_shaders(expectation: Expectation) -> bool:
     """Whether no shader of the case has a part in what is expected."""
     if isinstance(expectation, GlCall):
         return not programs_of(expectation)
-    return isinstance(expectation, Computed | CompileFails | Refused)
+    return isinstance(expectation, Computed | CompileFails | Refused | Cost)
 
 
 class _OpenGLOnly(Preparer):

@@ -17,7 +17,9 @@ from shaderlab.glsl.sources import Source
 from shaderlab.glsl.spirv import Interface
 from shaderlab.model import Ramp, Scene
 from shaderlab.pipeline.album import Shown
+from shaderlab.pipeline.memory import buffers
 from shaderlab.records import (
+    BufferRecord,
     Curve,
     Declared,
     Diagnostic,
@@ -47,6 +49,7 @@ class Draft:
         self._notices: list[str] = []
         self._picture = Shown()
         self._passes: tuple[PassRecord, ...] = ()
+        self._buffers: tuple[BufferRecord, ...] = ()
 
     def stop(self, status: Status, error: ShaderlabError) -> None:
         """The scene could not be run to its end."""
@@ -63,6 +66,7 @@ class Draft:
             for draw in draws:
                 if draw.sources not in self._programs:
                     self._programs[draw.sources] = _program(draw)
+        self._buffers = buffers(prepared)
 
     def second_opinions(self, opinion: Callable[[tuple[Source, ...]], Verdict]) -> None:
         """Add the driver's own verdict on each program noted so far, beside the compilers'."""
@@ -129,6 +133,7 @@ class Draft:
             images=self._picture.files,
             captions=self._picture.captions,
             passes=self._passes,
+            buffers=self._buffers,
         )
 
     def _final_status(self, verdicts: Mapping[str, str]) -> Status:
@@ -231,7 +236,12 @@ def _inputs(scene: Scene) -> dict[str, str]:
     seen: dict[str, str] = {}
     for description in scene.passes:
         for draw in description.draws:
-            for name, value in {**draw.uniforms, **(draw.domain or {})}.items():
+            members = {
+                f"{block}.{name}": value
+                for block, buffer in draw.blocks.items()
+                for name, value in buffer.values.items()
+            }
+            for name, value in {**draw.uniforms, **members, **(draw.domain or {})}.items():
                 seen.setdefault(name, _spelt(value))
     return {name: seen[name] for name in sorted(seen, key=lambda n: n not in scene.changes)}
 

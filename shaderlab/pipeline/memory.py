@@ -1,0 +1,72 @@
+"""How a scene's buffers are laid out, for showing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from shaderlab.gl import blocks
+from shaderlab.gl.prepare import PreparedDraw
+from shaderlab.model import Mesh, UniformBuffer
+from shaderlab.records import BufferPart, BufferRecord
+
+_MOST = 24  # buffers that are shown
+
+
+def buffers(prepared: Mapping[str, tuple[PreparedDraw, ...]]) -> tuple[BufferRecord, ...]:
+    """The uniform buffers of a scene, and the vertex buffers of meshes that say how they lie,
+    each once."""
+    draws = [draw for some in prepared.values() for draw in some]
+    found = [*_uniform(draws), *_vertex(prepared)]
+    return tuple(found[:_MOST])
+
+
+def _uniform(draws: list[PreparedDraw]) -> Iterator[BufferRecord]:
+    users: dict[int, list[tuple[str, UniformBuffer, PreparedDraw]]] = {}
+    for draw in draws:
+        for name, buffer in draw.draw.blocks.items():
+            users.setdefault(id(buffer), []).append((name, buffer, draw))
+    for some in users.values():
+        name, _, draw = some[0]
+        interface = draw.compiled.interface
+        block = None if interface is None else blocks.uniform_blocks(interface).get(name)
+        if block is not None:
+            layout = blocks.layout_of(block)
+            parts = tuple(
+                BufferPart(name=member, offset=slot.offset, stride=slot.array_stride)
+                for member, slot in layout.slots.items()
+            )
+            yield BufferRecord(
+                name=name, kind="uniform", size=layout.size, used=len(some), parts=parts
+            )
+
+
+def _vertex(prepared: Mapping[str, tuple[PreparedDraw, ...]]) -> Iterator[BufferRecord]:
+    meshes: dict[int, tuple[str, Mesh, int]] = {}
+    for name, draws in prepared.items():
+        for draw in draws:
+            mesh = draw.draw.mesh
+            if mesh is not None and _says_how(mesh):
+                first, _, count = meshes.get(id(mesh), (name, mesh, 0))
+                meshes[id(mesh)] = (first, mesh, count + 1)
+    for name, mesh, count in meshes.values():
+        places = mesh.placements()
+        for number, pieces in enumerate(mesh.parts()):
+            yield BufferRecord(
+                name=f"{name}, buffer {number}",
+                kind="vertex",
+                size=sum(len(piece) for _, piece in pieces),
+                used=count,
+                parts=tuple(
+                    BufferPart(name=attribute, offset=p.offset, stride=p.stride, divisor=p.divisor)
+                    for attribute, p in places.items()
+                    if p.buffer == number
+                ),
+                usage=mesh.usage,
+                upload=mesh.upload,
+            )
+
+
+def _says_how(mesh: Mesh) -> bool:
+    """Whether the mesh lies otherwise than meshes do that say nothing."""
+    plain = ("separate", "static_draw", "data")
+    return bool(mesh.instance_attributes) or (mesh.layout, mesh.usage, mesh.upload) != plain
