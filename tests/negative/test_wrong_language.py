@@ -13,7 +13,7 @@ from shaderlab.model import Case, CompileFails, Computed, InactiveUniforms, Refu
 from shaderlab.pipeline import Lab, Options
 from shaderlab.records import Record
 
-CH2 = "ch02_basics"
+CH2, CH11 = "ch02_basics", "ch11_window"
 
 # case, shader, what stands there, the mistake
 MISTAKES = [
@@ -46,6 +46,14 @@ MISTAKES = [
     ("point-cloud", "ch14_point_clouds/point_cloud.vert", "gl_PointSize = diameter",
      "gl_PointSize = 0.5 * diameter"),
     ("point-cloud", "ch14_point_clouds/point_cloud.frag", "gl_PointCoord - 0.5", "gl_PointCoord"),
+    ("sampler-units", f"{CH2}/sampler_units.frag", "base = texture(BaseMap",
+     "base = texture(ReflectMap"),
+    ("sampler-units", f"{CH2}/sampler_units.frag", "mix(refracted,", "mix(base,"),
+    ("window-origin", f"{CH11}/window_origin.frag", "gl_FragCoord.xy", "gl_FragCoord.xy - 0.5"),
+    ("window-origin", f"{CH11}/window_origin_upper.frag", "layout (origin_", "// ("),
+    ("ellipsoid", f"{CH11}/ellipsoid.vert", "/ (axes * axes)", "* (axes * axes)"),
+    ("ellipsoid", f"{CH11}/ellipsoid.vert", "vec4(aPos, 1.0)", "vec4(1.02 * aPos, 1.0)"),
+    ("ellipsoid", f"{CH11}/ellipsoid.frag", "Local / (axes * axes)", "Local / axes"),
 ]  # fmt: skip
 MINE = {case_id for case_id, *_ in MISTAKES}
 FOR_PEOPLE = {"picture", "scene"}
