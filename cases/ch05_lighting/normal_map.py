@@ -97,7 +97,7 @@ def lit_wall(lamp, *, model, repeat=1.0, flat=False, cell=None, maps):
 def quarter(column, row, lamp, flat=False):
     """One quarter of the picture."""
     cell = Cell(column=column, row=row, columns=2, rows=2)
-    smooth = {"format": "rgba8", "filter": ("linear_mipmap_linear", "linear")}
+    smooth = {"format": "rgba8", "filter": ("linear_mipmap_linear", "linear"), "mipmaps": True}
     return lit_wall(LAMPS[lamp], model=TURNED, flat=flat, cell=cell, maps=brick_maps(512, **smooth))
 
 
