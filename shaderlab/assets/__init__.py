@@ -4,7 +4,9 @@ A mesh is a mapping that `Mesh` takes as it is: `Mesh(**assets.sphere())`. A tex
 (height, width, channels) in 0…1 whose row 0 is the bottom one: `Texture(image=assets.crate)`.
 """
 
+from shaderlab.assets.charts import uv_grid
 from shaderlab.assets.meshes import Geometry, cube, joined, moved, plane, quad, sphere, torus
+from shaderlab.assets.sky import sky_faces
 from shaderlab.assets.textures import brick_normals, brick_wall, checker, crate, emblem, solid
 
 __all__ = [
@@ -19,7 +21,9 @@ __all__ = [
     "moved",
     "plane",
     "quad",
+    "sky_faces",
     "solid",
     "sphere",
     "torus",
+    "uv_grid",
 ]
