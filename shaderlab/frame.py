@@ -55,12 +55,28 @@ class Samples:
 
 @dataclass(frozen=True)
 class Texels:
-    """A texture's contents as exact values, and how it is sampled."""
+    """A texture's contents as exact values, and how it is sampled.
+
+    Attributes:
+        values: the largest level: (height, width, channels), or with one more axis in front the
+            layers of an array, the faces of a cube, the samples of a multisampled texture.
+        filter, wrap, border, compare, lod: as in `shaderlab.model.Texture`.
+        kind: what comes after "sampler" in GLSL, without "Shadow": "2D", "2DArray", "Cube", "2DMS".
+        format: the texture's format; 8-bit texels are codes.
+        smaller: the mipmap levels below the largest one, if there are any.
+        seamless: whether a cube's filters reach over its edges.
+    """
 
     values: Array
     filter: tuple[str, str]
     wrap: tuple[str, str]
     border: tuple[float, float, float, float]
+    kind: str = field(default="2D", kw_only=True)
+    format: str = field(default="rgba32f", kw_only=True)
+    smaller: tuple[Array, ...] = field(default=(), kw_only=True)
+    compare: str | None = field(default=None, kw_only=True)
+    lod: tuple[float, float] = field(default=(-1000.0, 1000.0), kw_only=True)
+    seamless: bool = field(default=True, kw_only=True)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,6 +91,22 @@ class Bindings:
     decimal: Mapping[str, Array] = field(default_factory=dict)
     textures: Mapping[str, Texels] = field(default_factory=dict)
     arrays: frozenset[str] = frozenset()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Reply:
+    """What the API said to a call.
+
+    `errors` are those that the call `at` raised: the last one, or the first before it that raised
+    any. `wanted` are the values asked for and `returned` as many that came, names of constants
+    resolved; `names` has such a constant's name for each of its numbers.
+    """
+
+    errors: tuple[int, ...]
+    at: str
+    wanted: tuple[Any, ...] = ()
+    returned: tuple[Any, ...] = ()
+    names: Mapping[int, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -121,6 +153,9 @@ class Frame:
         vertices: captured vertices by (pass, draw), where they were asked for.
         probes: by the expectation's index, the program run on the inputs it gave.
         gl_errors: GL errors by (pass, draw); only draws that raised any have an entry.
+        replies: by the expectation's index, what the API said to the call it makes.
+        sample_positions: where the driver takes a pixel's samples, by pass, for passes that have
+            several: (samples, 2), from the pixel's lower left corner, 0…1.
         attributes: where each attribute lies, by (pass, draw), where it was asked for.
         blocks: where each uniform block's members lie, likewise, by block.
         queries: what the driver counted, by (pass, draw, query), where it was asked for.
@@ -136,6 +171,8 @@ class Frame:
     vertices: Mapping[PassDraw, Samples] = field(default_factory=dict)
     probes: Mapping[int, Samples] = field(default_factory=dict)
     gl_errors: Mapping[PassDraw, tuple[int, ...]] = field(default_factory=dict)
+    replies: Mapping[int, Reply] = field(default_factory=dict)
+    sample_positions: Mapping[str, Array] = field(default_factory=dict)
     attributes: Mapping[PassDraw, Mapping[str, AttributeReading]] = field(default_factory=dict)
     blocks: Mapping[PassDraw, Mapping[str, BlockReading]] = field(default_factory=dict)
     queries: Mapping[tuple[str, int, str], int] = field(default_factory=dict)

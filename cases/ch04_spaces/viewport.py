@@ -19,11 +19,13 @@ from shaderlab import (
     Mesh,
     Pass,
     Pixel,
+    Ramp,
     State,
     Target,
     computed,
     coverage,
     formula,
+    fullscreen,
     value,
 )
 from shaderlab.assets import stage
@@ -36,7 +38,8 @@ SQUARE = Mesh(
     attributes={"aPos": np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], float)},
     indices=np.array([0, 1, 2, 0, 2, 3]),
 )
-NOTES = {"viewport": (10.0, 20.0, 640.0, 480.0), "depthRange": (0.0, 1.0)}
+LARGE = (10, 20, 640, 480)
+NOTES = {"viewport": LARGE, "depthRange": (0.0, 1.0)}
 CELLS = (
     Cell(column=0, row=0, columns=2, rows=1),
     Cell(column=1, row=1, columns=2, rows=2),
@@ -56,17 +59,39 @@ def filled(cell, mesh=SQUARE):
     )
 
 
-# In the upper right quarter of 128 × 96 pixels: the viewport (64, 48, 64, 48). A patch from
-# (½, −½) to (⅝, −⅜) is 4 × 3 pixels there, and lies flat at 0.2.
+# A patch of 4 × 3 pixels of the notes' viewport, whose lower left corner is (½, −½); flat at 0.2.
 PATCH = Mesh(
     attributes={
         "aPos": np.array(
-            [(x, y, 0.2) for x, y in ((0.5, -0.5), (0.625, -0.5), (0.625, -0.375), (0.5, -0.375))]
+            [(0.5, -0.5, 0.2), (0.5125, -0.5, 0.2), (0.5125, -0.4875, 0.2), (0.5, -0.4875, 0.2)]
         )
     },
     indices=np.array([0, 1, 2, 0, 2, 3]),
 )
-UPPER_RIGHT = Cell(column=1, row=1, columns=2, rows=2)
+
+
+def patch(name, viewport, depths=(0.0, 1.0)):
+    """The patch in a viewport and a depth range of the hardware's own. The viewport reaches beyond
+    the window, and only what lies in both is seen."""
+    draw = Draw(
+        vertex="ch04_spaces/viewport.vert",
+        fragment="ch04_spaces/viewport.frag",
+        mesh=PATCH,
+        uniforms={"viewport": viewport, "depthRange": depths},
+        state=State(viewport=viewport, depth_range=depths),
+    )
+    return Pass(name=name, target=Target(size=(512, 256), depth="depth24"), draws=(draw,))
+
+
+def closeup(name, corner, side):
+    """A part of the square, far enlarged."""
+    (drawn,) = fullscreen(
+        "ch04_spaces/viewport.frag",
+        name=name,
+        domain={"Ndc": Ramp((*corner, 0.0), (side, 0.0, 0.0), (0.0, side, 0.0))},
+        target=Target(size=(96, 96)),
+    )
+    return drawn
 
 
 def by_hand(aPos, viewport, depthRange):
@@ -113,9 +138,9 @@ def at(place, equals, name, **changes):
     )
 
 
-def landing(x, y, equals, name):
-    """What a pixel of the large window holds: its own place, or nothing."""
-    return value("patch.landed", at=Pixel(x, y), equals=equals, digits=6, name=name)
+def landing(x, y, equals, name, into="patch"):
+    """What a pixel of the window holds: its own place and depth, or nothing."""
+    return value(f"{into}.landed", at=Pixel(x, y), equals=equals, digits=6, name=name)
 
 
 case = Case(
@@ -127,11 +152,11 @@ case = Case(
         *stage.photographed(
             [filled(cell) for cell in CELLS], (960, 480), clear=(0.93, 0.93, 0.92, 1)
         ),
-        Pass(
-            name="patch",
-            target=Target(size=(128, 96), depth="depth24"),
-            draws=(filled(UPPER_RIGHT, PATCH),),
-        ),
+        closeup("chart", (-0.06, -0.06), 0.36),
+        closeup("disc", (0.41, -0.59), 0.18),
+        patch("patch", LARGE),
+        patch("middle", (-10, -20, 640, 480), (0.25, 0.75)),
+        patch("turned", (-10, -20, 640, 480), (1.0, 0.0)),
     ),
     picture="picture.FragColor",
     expect=[
@@ -139,8 +164,12 @@ case = Case(
         formula("judged.Window", by_hand),
         formula("judged.Ndc", same_place),
         formula("judged.gl_Position", clip),
-        formula("judged.FragColor", chart, draw=0, name="the large viewport"),
-        formula("judged.FragColor", chart, name="a small viewport"),
+        *(
+            formula("judged.FragColor", chart, draw=k, name=f"viewport {k + 1} of {len(CELLS)}")
+            for k in range(len(CELLS))
+        ),
+        formula("chart.FragColor", chart, name="axes and lines from near by"),
+        formula("disc.FragColor", chart, name="the disc from near by"),
         formula("judged.landed", where_it_is),
         at(
             (0.5, -0.5, 0.2), (490.0, 140.0, 0.6), "(½, −½, 0.2) in the viewport (10, 20, 640, 480)"
@@ -150,21 +179,15 @@ case = Case(
         at((0.5, -0.5, 0.2), (490.0, 140.0, 0.55), "depth range ¼ … ¾", depthRange=(0.25, 0.75)),
         at((0.5, -0.5, -1.0), (490.0, 140.0, 1.0), "depth range 1 … 0", depthRange=(1.0, 0.0)),
         coverage(12, pass_name="patch", name="the patch covers 4 × 3 pixels"),
-        landing(112, 60, (112.5, 60.5, 0.6), "the patch's first pixel"),
-        landing(115, 62, (115.5, 62.5, 0.6), "its last pixel"),
-        landing(111, 60, (0.0, 0.0, 0.0), "one pixel to the left"),
-        landing(112, 59, (0.0, 0.0, 0.0), "one pixel below"),
-        landing(116, 62, (0.0, 0.0, 0.0), "one pixel to the right"),
-        landing(115, 63, (0.0, 0.0, 0.0), "one pixel above"),
-        computed(
-            "(½, −½, 0.2) in the viewport (64, 48, 64, 48)",
-            lambda: window(
-                np.array([0.5, -0.5, 0.2]), np.array([64, 48, 64, 48]), np.array([0, 1])
-            ),
-            equals=(112.0, 60.0, 0.6),
-            digits=9,
-            note="the patch's lower left corner",
-        ),
+        landing(490, 140, (490.5, 140.5, 0.6), "the patch's first pixel"),
+        landing(493, 142, (493.5, 142.5, 0.6), "its last pixel"),
+        landing(489, 140, (0.0, 0.0, 0.0), "one pixel to the left"),
+        landing(490, 139, (0.0, 0.0, 0.0), "one pixel below"),
+        landing(494, 142, (0.0, 0.0, 0.0), "one pixel to the right"),
+        landing(493, 143, (0.0, 0.0, 0.0), "one pixel above"),
+        landing(470, 100, (470.5, 100.5, 0.55), "in the depth range ¼ … ¾", "middle"),
+        landing(470, 100, (470.5, 100.5, 0.4), "in the depth range 1 … 0", "turned"),
+        coverage(12, pass_name="middle", name="a viewport may reach beyond the window"),
         computed(
             "(½, −½, 0.2) in the viewport (10, 20, 640, 480), in float64",
             lambda: window(

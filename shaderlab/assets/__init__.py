@@ -2,19 +2,27 @@
 
 A mesh is a mapping that `Mesh` takes as it is: `Mesh(**assets.sphere())`. A texture is an array
 (height, width, channels) in 0…1 whose row 0 is the bottom one: `Texture(image=assets.crate)`.
+Models and point clouds of one's own are read by `load_obj` and `load_pcd`.
 """
 
 from shaderlab.assets.meshes import Geometry, cube, joined, moved, plane, quad, sphere, torus
-from shaderlab.assets.textures import brick_wall, checker, crate, emblem, solid
+from shaderlab.assets.obj import Part, load_obj
+from shaderlab.assets.pcd import Cloud, load_pcd
+from shaderlab.assets.textures import brick_normals, brick_wall, checker, crate, emblem, solid
 
 __all__ = [
+    "Cloud",
     "Geometry",
+    "Part",
+    "brick_normals",
     "brick_wall",
     "checker",
     "crate",
     "cube",
     "emblem",
     "joined",
+    "load_obj",
+    "load_pcd",
     "moved",
     "plane",
     "quad",

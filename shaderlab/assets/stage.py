@@ -96,7 +96,10 @@ def prop_checks(
 
 
 def photographed(
-    draws: Sequence[Draw], size: tuple[int, int], clear: tuple[float, float, float, float] = SKY
+    draws: Sequence[Draw],
+    size: tuple[int, int],
+    clear: tuple[float, float, float, float] = SKY,
+    depth: str = "depth24",
 ) -> tuple[Pass, ...]:
     """Passes "scene" and "picture" for people, and "soft" and "judged" for checks.
 
@@ -104,13 +107,14 @@ def photographed(
         draws: the same for all of them.
         size: of the picture in pixels; at least 256 each way, or it is shown enlarged.
         clear: the background.
+        depth: format of the depth buffer, "depth24_stencil8" where the draws test the stencil.
     """
     width, height = size
     small = (96, 2 * round(48 * height / width))
 
     def drawn(name: str, size: tuple[int, int]) -> Pass:
         return Pass(
-            name=name, target=Target(size=size, depth="depth24", clear=clear), draws=tuple(draws)
+            name=name, target=Target(size=size, depth=depth, clear=clear), draws=tuple(draws)
         )
 
     def half(name: str, of: str, size: tuple[int, int]) -> tuple[Pass, ...]:

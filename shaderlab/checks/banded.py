@@ -203,6 +203,8 @@ def _stored(band: Band, format: str, components: int) -> Band | Allowed:
     """The band as it may come back from an attachment of this format."""
     if format in _FLOAT_FORMATS:
         return band
+    if format.startswith("depth"):
+        return band.quantise(format.removesuffix("_stencil8"))
     if format.endswith("16f"):
         return band.quantise("rgba16f")
     if format in _UNORM_FORMATS:
@@ -231,6 +233,8 @@ def in_format(values: Array, format: str) -> Array:
     """A float64 reference as it would be read back from `format`, unrounded."""
     if format in _UNORM_FORMATS:
         return np.clip(values, 0.0, 1.0) * 255.0
+    if format.startswith("depth"):
+        return np.clip(values, 0.0, 1.0)
     if format == "srgb8_alpha8":
         from shaderlab.reference.gamma import srgb_encode
 

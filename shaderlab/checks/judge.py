@@ -23,6 +23,7 @@ from shaderlab.checks.measured import judge_measure
 from shaderlab.checks.naming import (
     draw_key,
     find_image,
+    inputs_of,
     pixel_inputs,
     reference_for,
     split_output,
@@ -48,6 +49,7 @@ from shaderlab.model import (
     Exact,
     Expectation,
     Formula,
+    GlCall,
     GlError,
     InactiveUniforms,
     Measure,
@@ -115,6 +117,8 @@ def judge(index: int, scene: Scene, frame: Frame, refusals: Refusals) -> Judgeme
         case GlError():
             key = draw_key(scene, expectation.pass_name, expectation.draw)
             return exactly.judge_gl_error(expectation, frame.gl_errors.get(key, ()))
+        case GlCall():
+            return exactly.judge_gl_call(expectation, frame.replies[index])
         case Query():
             key = draw_key(scene, expectation.pass_name, expectation.draw)
             return judge_query(expectation, frame.queries[*key, expectation.counter])
@@ -239,7 +243,7 @@ def _probe(
     else:
         samples = frame.probes[index]
         measured, each, decimal = samples.outputs[name], dict(samples.inputs), samples.decimal
-    inputs = Inputs.of(frame.bindings[key], each=each, given=expectation.given, decimal=decimal)
+    inputs = inputs_of(frame, key, each=each, given=expectation.given, decimal=decimal)
     return (
         judge_band(measured, reference, inputs, rules=expectation.rules, format=format),
         inputs,

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -69,7 +70,7 @@ def subject_of(expectation: Formula, scene: Scene, frame: Frame) -> Subject:
     key = draw_key(scene, pass_name, expectation.draw)
 
     def given(each: dict[str, Array]) -> Inputs:
-        return Inputs.of(frame.bindings[key], each=each, given=expectation.given)
+        return inputs_of(frame, key, each=each, given=expectation.given)
 
     if key in frame.vertices and (key[0], name) not in frame.images:
         samples = frame.vertices[key]
@@ -90,6 +91,25 @@ def subject_of(expectation: Formula, scene: Scene, frame: Frame) -> Subject:
         image=image,
         covered=covered,
     )
+
+
+def inputs_of(
+    frame: Frame,
+    key: PassDraw,
+    *,
+    each: Mapping[str, Array],
+    given: Mapping[str, Any],
+    decimal: Mapping[str, Array] | None = None,
+) -> Inputs:
+    """All that a reference may ask for about one draw: its bindings, what differs from value to
+    value, the check's own constants, and where the driver takes samples (`sample_positions` of its
+    own pass, `edge_sample_positions` of the pass "edge")."""
+    inputs = Inputs.of(frame.bindings[key], each=each, given=given, decimal=decimal)
+    found = {f"{name}_sample_positions": p for name, p in frame.sample_positions.items()}
+    if key[0] in frame.sample_positions:
+        found["sample_positions"] = frame.sample_positions[key[0]]
+    found = {name: p for name, p in found.items() if name not in inputs.exact}
+    return replace(inputs, shared={**found, **inputs.shared}, arrays=inputs.arrays | found.keys())
 
 
 def pixel_inputs(frame: Frame, key: PassDraw) -> dict[str, Array]:

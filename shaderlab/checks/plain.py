@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,8 +11,8 @@ from shaderlab.checks.banded import figure_row, rounds_to
 from shaderlab.checks.inputs import source_of
 from shaderlab.checks.judgement import Judgement, plain, shown
 from shaderlab.errors import CaseError, FormulaError
-from shaderlab.frame import Array, Image
-from shaderlab.model import GL_ERRORS, Computed, Coverage, Exact, GlError
+from shaderlab.frame import Array, Image, Reply
+from shaderlab.model import GL_ERRORS, Computed, Coverage, Exact, GlCall, GlError
 from shaderlab.records import Outcome, Row, Worst
 
 
@@ -128,6 +128,41 @@ def judge_gl_error(expectation: GlError, errors: Sequence[int]) -> Judgement:
     )
     message = "" if ok else f"the draw raises {row.measured}"
     return table(expectation.name, "GL error", [row], message, judged=1)
+
+
+def judge_gl_call(expectation: GlCall, reply: Reply) -> Judgement:
+    """Compare the errors that a call of the API raised, and what it returned, with the expected."""
+    want = GL_ERRORS[expectation.raises]
+    errors = ", ".join(error_name(code) for code in reply.errors) or error_name(0)
+    first = reply.at == str(expectation.call)
+    ok = first and list(reply.errors) == ([want] if want else [])
+    rows = [
+        Row(
+            label=reply.at,
+            expected=error_name(want if first else 0),
+            measured=errors,
+            ok=ok,
+            note="" if first else f"comes before {expectation.call}",
+        )
+    ]
+    if expectation.returns is not None and first and not want:
+        expected, returned = (
+            ", ".join(_named(v, reply.names) for v in values) or "nothing"
+            for values in (reply.wanted, reply.returned)
+        )
+        same = reply.wanted == reply.returned
+        rows.append(Row(label="its answer", expected=expected, measured=returned, ok=same))
+    wrong = next((row for row in rows if not row.ok), None)
+    verb = "raises" if wrong is rows[0] else "answers"
+    message = f"{reply.at} {verb} {wrong.measured}" if wrong else ""
+    return table(expectation.name, "GL call", rows, message, judged=len(rows))
+
+
+def _named(value: Any, names: Mapping[int, str]) -> str:
+    """A returned value as people read it: a constant by its name, with its number."""
+    if isinstance(value, int) and names.get(value):
+        return f"{names[value]} (0x{value:04X})"
+    return str(value)
 
 
 def error_name(code: int) -> str:

@@ -16,20 +16,21 @@ from shaderlab.frame import Array, Bindings, Texels
 from shaderlab.gl import blocks, formats
 from shaderlab.gl.stages import PREFIX
 from shaderlab.glsl.spirv import Interface, Variable
-from shaderlab.model import Draw, Output, Ramp, Texture
+from shaderlab.model import Draw, Ramp, TextureSource
 from shaderlab.model.scene import UNIT_SQUARE
 
-TextureValues = Callable[[Texture | Output], Array]
+Contents = Callable[[str, Variable, TextureSource], Texels]
+"""Gives a texture's contents to a sampler of a program, once it has checked that they fit."""
 
 
-def bind(draw: Draw, interface: Interface, texels: TextureValues) -> Bindings:
+def bind(draw: Draw, interface: Interface, texels: Contents) -> Bindings:
     """All uniforms, block members and textures of `draw`, checked against what its program
     declares.
 
     Args:
         draw: what the case gives.
         interface: what the program declares.
-        texels: gives a texture's contents as an exact array.
+        texels: gives a texture's contents, exactly.
 
     Raises:
         CaseError: a uniform, a block's member or a texture is missing, unknown, or of the wrong
@@ -51,7 +52,10 @@ def bind(draw: Draw, interface: Interface, texels: TextureValues) -> Bindings:
     return Bindings(
         uniforms=exact,
         decimal=decimal,
-        textures={name: _texels(source, texels) for name, source in draw.textures.items()},
+        textures={
+            name: texels(" + ".join(draw.shaders), samplers[name], source)
+            for name, source in draw.textures.items()
+        },
         arrays=frozenset(n for n in values if known[n].array is not None),
     )
 
@@ -189,13 +193,6 @@ def _compare(
             f"{program}: nothing is given for {what} {listed}",
             remedy=f"add it to the draw's {'domain' if what == 'input' else what + 's'}",
         )
-
-
-def _texels(source: Texture | Output, texels: TextureValues) -> Texels:
-    values = texels(source)
-    if isinstance(source, Output):
-        return Texels(values, ("nearest", "nearest"), ("clamp_to_edge",) * 2, (0.0,) * 4)
-    return Texels(values, source.filter, source.wrap, source.border)
 
 
 def _spelt(variable: Variable) -> str:

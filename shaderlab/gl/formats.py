@@ -26,6 +26,11 @@ class ColorFormat:
         """Whether shaders write plain integers to it."""
         return self.dtype in ("i4", "u4")
 
+    @property
+    def scalar(self) -> str:
+        """The letter that a sampler of such a texture begins with: "", "i" or "u"."""
+        return self.dtype[0] if self.integer else ""
+
 
 COLOR: dict[str, ColorFormat] = {
     "r8": ColorFormat(1, "f1", np.uint8),
@@ -47,6 +52,42 @@ COLOR: dict[str, ColorFormat] = {
     "rg32ui": ColorFormat(2, "u4", np.uint32),
     "rgba32ui": ColorFormat(4, "u4", np.uint32),
 }
+
+
+@dataclass(frozen=True)
+class Transfer:
+    """How OpenGL names a format: as it is kept, and the components and type it comes in."""
+
+    internal: int
+    components: int
+    type: int
+
+
+_KEPT = {
+    "r8": 0x8229, "rg8": 0x822B, "rgb8": 0x8051, "rgba8": 0x8058, "srgb8_alpha8": 0x8C43,
+    "r16f": 0x822D, "rg16f": 0x822F, "rgba16f": 0x881A,
+    "r32f": 0x822E, "rg32f": 0x8230, "rgb32f": 0x8815, "rgba32f": 0x8814,
+    "r32i": 0x8235, "rg32i": 0x823B, "rgba32i": 0x8D82,
+    "r32ui": 0x8236, "rg32ui": 0x823C, "rgba32ui": 0x8D70,
+}  # fmt: skip
+_COMPONENTS = {1: 0x1903, 2: 0x8227, 3: 0x1907, 4: 0x1908}
+_INTEGERS = {1: 0x8D94, 2: 0x8228, 3: 0x8D98, 4: 0x8D99}
+_TYPE = {"f1": 0x1401, "f2": 0x140B, "f4": 0x1406, "i4": 0x1404, "u4": 0x1405}
+_DEPTH_COMPONENT, _FLOAT = 0x1902, 0x1406
+
+
+def transfer(word: str) -> Transfer:
+    """How a colour or depth format is uploaded and read; depths as floats.
+
+    >>> hex(transfer("rgba8").internal), hex(transfer("depth24").components)
+    ('0x8058', '0x1902')
+    """
+    if word in DEPTH:
+        return Transfer(DEPTH[word][0], _DEPTH_COMPONENT, _FLOAT)
+    kind = COLOR[word]
+    names = _INTEGERS if kind.integer else _COMPONENTS
+    return Transfer(_KEPT[word], names[kind.components], _TYPE[kind.dtype])
+
 
 # name: (internal format, has stencil)
 DEPTH: dict[str, tuple[int, bool]] = {
@@ -93,3 +134,11 @@ def numpy_type(glsl_type: str) -> Any:
     if glsl_type == "double" or glsl_type.startswith(("dvec", "dmat")):
         return np.float64
     return np.float32
+
+
+def depth_storage(word: str) -> tuple[int, int]:
+    """The components and type that an empty depth texture of this format is made with."""
+    return {
+        "depth24_stencil8": (0x84F9, 0x84FA),
+        "depth32f_stencil8": (0x84F9, 0x8DAD),
+    }.get(word, (_DEPTH_COMPONENT, _FLOAT))

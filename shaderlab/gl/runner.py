@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 from shaderlab.activity import doing
-from shaderlab.errors import CaseError, ShaderError, UnsupportedError, nearest
+from shaderlab.errors import ShaderError, UnsupportedError
 from shaderlab.frame import Array, Bindings, Image, PassDraw
-from shaderlab.gl import bind, blocks, formats, state, textures
+from shaderlab.gl import bind, blocks, formats, state
+from shaderlab.gl.bound import BoundTextures
 from shaderlab.gl.device import Device
 from shaderlab.gl.prepare import PreparedDraw, output_types, pass_colors
 from shaderlab.gl.programs import (
@@ -24,7 +24,7 @@ from shaderlab.gl.stages import PREFIX
 from shaderlab.gl.target import RenderTarget
 from shaderlab.gl.uniform_buffers import UniformBuffers
 from shaderlab.gl.vertices import PRIMITIVES, VertexArray, vertex_array
-from shaderlab.model import Mesh, Output, Pass, Scene, Texture
+from shaderlab.model import Mesh, Pass, Scene, names_asked_for
 
 Size = tuple[int, int]
 Prepared = Mapping[str, tuple[PreparedDraw, ...]]
@@ -32,12 +32,14 @@ Prepared = Mapping[str, tuple[PreparedDraw, ...]]
 
 @dataclass(frozen=True, kw_only=True)
 class Drawn:
-    """What one run of a scene's passes gave. `inactive` are uniforms without any effect."""
+    """What one run of a scene's passes gave, as in `Frame`. `inactive` are uniforms without any
+    effect."""
 
     images: Mapping[tuple[str, str], Image]
     bindings: Mapping[PassDraw, Bindings]
     gl_errors: Mapping[PassDraw, tuple[int, ...]]
     inactive: frozenset[str] = field(default_factory=frozenset)
+    sample_positions: Mapping[str, Array] = field(default_factory=dict)
 
 
 class Runner:
@@ -72,14 +74,16 @@ class Session:
         self.prepared = prepared
         self.images: dict[tuple[str, str], Image] = {}
         self.bindings: dict[PassDraw, Bindings] = {}
+        self.sample_positions: dict[str, Array] = {}
         self._size = size
         self._stack = stack
         self._targets: dict[str, RenderTarget] = {}
-        self._uploaded: dict[int, tuple[Array, Any]] = {}
+        self._textures = BoundTextures(runner.device, scene, self.images, self._targets, stack)
         self._blocks = UniformBuffers(runner.device, stack)
         self._arrays: dict[tuple[int, int], tuple[Any, Mesh | None, VertexArray]] = {}
         self._gl_errors: dict[PassDraw, tuple[int, ...]] = {}
         self._inactive: set[str] = set()
+        self._asked = names_asked_for(scene)
 
     def run(self) -> Drawn:
         """Draw all passes in order.
@@ -94,6 +98,7 @@ class Session:
             bindings=self.bindings,
             gl_errors=self._gl_errors,
             inactive=frozenset(self._inactive),
+            sample_positions=self.sample_positions,
         )
 
     def extent(self, description: Pass) -> Size:
@@ -101,7 +106,7 @@ class Session:
         return description.target.size or self._size
 
     def _run_pass(self, description: Pass) -> None:
-        """Draw one pass, then read its colour attachments."""
+        """Draw one pass, then read its colour attachments, and depth or stencil if asked for."""
         prepared = self.prepared[description.name]
         colors = pass_colors(description, prepared)
         extent = self.extent(description)
@@ -110,6 +115,8 @@ class Session:
             self._stack.callback(target.release)
             self._targets[description.name] = target
             target.clear()
+            if description.target.samples:
+                self.sample_positions[description.name] = target.sample_positions()
         for index, draw in enumerate(prepared):
             key = (description.name, index)
             with doing("draw", step(key, draw)):
@@ -131,10 +138,13 @@ class Session:
                 count = formats.components_of(kinds[name])
                 image = Image(image.values[..., :count], image.format)
             self.images[description.name, name] = image
+        for name in self._asked.get(description.name, ()):
+            if name in target.attached and name not in target.colors:
+                self.images[description.name, name] = target.read(name)
 
     def bind(self, draw: PreparedDraw) -> Bindings:
         """The draw's uniforms and textures as the shader will get them."""
-        return bind.bind(draw.draw, draw.interface, self._values)
+        return bind.bind(draw.draw, draw.interface, self._textures.texels)
 
     def locations(self, key: PassDraw) -> dict[str, int]:
         """Where the driver put each uniform that a draw's program declares, samplers too."""
@@ -154,12 +164,9 @@ class Session:
         self._inactive.update(set_uniforms(program, plain))
         self._inactive.update(self._blocks.bind(program, draw, bindings.uniforms))
         for unit, (name, source) in enumerate(draw.draw.textures.items()):
-            sampler = program.get(name, None)
-            if sampler is None:
+            variable = draw.interface.uniforms[name]
+            if not self._textures.bind(program, unit, variable, source):
                 self._inactive.add(name)
-                continue
-            sampler.value = unit
-            self._texture(source).use(unit)
 
     def _draw(self, key: PassDraw, draw: PreparedDraw, target: RenderTarget) -> None:
         program, vao = self.ready(key, draw, target)
@@ -196,35 +203,6 @@ class Session:
             # Program and mesh are kept with it, so that nothing else gets their identity.
             self._arrays[key] = (program, mesh, made)
         return self._arrays[key][2]
-
-    def _values(self, source: Texture | Output) -> Array:
-        if isinstance(source, Output):
-            return self._image(source).values
-        return self._upload(source)[0]
-
-    def _texture(self, source: Texture | Output) -> Any:
-        if isinstance(source, Output):
-            self._image(source)
-            return self._targets[source.pass_name].textures[source.name]
-        return self._upload(source)[1]
-
-    def _upload(self, texture: Texture) -> tuple[Array, Any]:
-        if id(texture) not in self._uploaded:
-            values = textures.texel_values(texture, Path(self.scene.case.file).parent)
-            made = textures.upload(self.runner.device, texture, values)
-            self._stack.callback(made.release)
-            self._uploaded[id(texture)] = (values, made)
-        return self._uploaded[id(texture)]
-
-    def _image(self, source: Output) -> Image:
-        key = (source.pass_name, source.name)
-        if key not in self.images:
-            known = [f"{p}.{n}" for p, n in self.images]
-            raise CaseError(
-                f"no earlier pass gives {source.pass_name}.{source.name}",
-                remedy=nearest(f"{source.pass_name}.{source.name}", known),
-            )
-        return self.images[key]
 
 
 def require_glsl(device: Device, draw: PreparedDraw) -> None:

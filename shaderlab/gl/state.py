@@ -1,12 +1,13 @@
 """Setting OpenGL's fixed-function state from a `State`.
 
-moderngl has no stencil, no separate write masks and no constant blend colour, so all of it is set
-through PyOpenGL on the same context. `apply` sets every state it knows, each time: a draw gets
-exactly what it says, whatever ran before it.
+moderngl has no stencil, no separate write masks, no depth range and no constant blend colour, so
+all of it is set through PyOpenGL on the same context. `apply` sets every state it knows, each time:
+a draw gets exactly what it says, whatever ran before it.
 """
 
 from __future__ import annotations
 
+from shaderlab.errors import UnsupportedError
 from shaderlab.model import Blend, Cell, Depth, State, Stencil
 from shaderlab.model.state import BLEND_EQUATIONS, BLEND_FACTORS, COMPARISONS, STENCIL_OPERATIONS
 
@@ -36,9 +37,11 @@ def apply(state: State, size: tuple[int, int]) -> None:
     """Make the current context's state what `state` says, for a target of `size` pixels."""
     from OpenGL import GL
 
-    _confine(state.cell, size)
+    _confine(state, size)
     _depth(state.depth)
-    _stencil(state.stencil)
+    GL.glDepthRange(*state.depth_range)
+    _polygon_offset(state.polygon_offset)
+    _stencil(state.stencil, state.stencil_back or state.stencil)
     _blend(state.blend)
     _switch(GL.GL_CULL_FACE, state.cull is not None)
     if state.cull is not None:
@@ -46,6 +49,9 @@ def apply(state: State, size: tuple[int, int]) -> None:
     GL.glFrontFace(_WINDING[state.front_face])
     GL.glColorMask(*state.color_mask)
     _switch(GL.GL_FRAMEBUFFER_SRGB, state.srgb)
+    _switch(GL.GL_PROGRAM_POINT_SIZE, isinstance(state.point_size, str))
+    GL.glPointSize(1.0 if isinstance(state.point_size, str) else state.point_size)
+    _multisample(state)
 
 
 def rectangle(cell: Cell, size: tuple[int, int]) -> tuple[int, int, int, int]:
@@ -65,13 +71,15 @@ def _switch(capability: int, on: bool) -> None:
     (GL.glEnable if on else GL.glDisable)(capability)
 
 
-def _confine(cell: Cell | None, size: tuple[int, int]) -> None:
+def _confine(state: State, size: tuple[int, int]) -> None:
     from OpenGL import GL
 
-    box = (0, 0, *size) if cell is None else rectangle(cell, size)
-    GL.glViewport(*box)
-    GL.glScissor(*box)
-    _switch(GL.GL_SCISSOR_TEST, cell is not None)
+    whole = (0, 0, *size)
+    cell = None if state.cell is None else rectangle(state.cell, size)
+    scissor = state.scissor if cell is None else cell
+    GL.glViewport(*(cell or state.viewport or whole))
+    GL.glScissor(*(scissor or whole))
+    _switch(GL.GL_SCISSOR_TEST, scissor is not None)
 
 
 def _depth(depth: Depth | None) -> None:
@@ -83,17 +91,40 @@ def _depth(depth: Depth | None) -> None:
     GL.glDepthMask(depth is None or depth.write)
 
 
-def _stencil(stencil: Stencil | None) -> None:
+def _polygon_offset(offset: tuple[float, float] | None) -> None:
     from OpenGL import GL
 
-    _switch(GL.GL_STENCIL_TEST, stencil is not None)
-    if stencil is None:
-        GL.glStencilMask(0xFF)
+    for primitive in (GL.GL_POLYGON_OFFSET_FILL, GL.GL_POLYGON_OFFSET_LINE):
+        _switch(primitive, offset is not None)
+    GL.glPolygonOffset(*(offset or (0.0, 0.0)))
+
+
+def _stencil(front: Stencil | None, back: Stencil | None) -> None:
+    from OpenGL import GL
+
+    _switch(GL.GL_STENCIL_TEST, front is not None)
+    for face, stencil in ((GL.GL_FRONT, front), (GL.GL_BACK, back)):
+        if stencil is None:
+            GL.glStencilMaskSeparate(face, 0xFF)
+            continue
+        func = _COMPARISON[stencil.func]
+        GL.glStencilFuncSeparate(face, func, stencil.reference, stencil.mask)
+        operations = (stencil.fail, stencil.depth_fail, stencil.depth_pass)
+        GL.glStencilOpSeparate(face, *(_STENCIL_OPERATION[word] for word in operations))
+        GL.glStencilMaskSeparate(face, stencil.write_mask)
+
+
+def _multisample(state: State) -> None:
+    from OpenGL import GL
+
+    _switch(GL.GL_MULTISAMPLE, state.multisample)
+    _switch(GL.GL_SAMPLE_ALPHA_TO_COVERAGE, state.alpha_to_coverage)
+    if int(GL.glGetIntegerv(GL.GL_MAJOR_VERSION)) < 4:
+        if state.sample_shading is not None:
+            raise UnsupportedError("shading each sample (sample_shading): it takes OpenGL 4.0")
         return
-    GL.glStencilFunc(_COMPARISON[stencil.func], stencil.reference, stencil.mask)
-    operations = (stencil.fail, stencil.depth_fail, stencil.depth_pass)
-    GL.glStencilOp(*(_STENCIL_OPERATION[word] for word in operations))
-    GL.glStencilMask(stencil.write_mask)
+    _switch(GL.GL_SAMPLE_SHADING, state.sample_shading is not None)
+    GL.glMinSampleShading(state.sample_shading or 0.0)
 
 
 def _blend(blend: Blend | None) -> None:

@@ -8,12 +8,13 @@ from typing import Any
 import numpy as np
 
 from shaderlab.errors import UnsupportedError
-from shaderlab.frame import Image
+from shaderlab.frame import Array, Image
 from shaderlab.gl import formats
+from shaderlab.gl.depth import UNREADABLE, Attached, attach_depth, read_depth
 from shaderlab.gl.device import Device
+from shaderlab.gl.multisample import read_samples
+from shaderlab.gl.textures import DeviceTexture
 from shaderlab.model import Target
-
-_COMPLETE = 0x8CD5
 
 
 class RenderTarget:
@@ -51,20 +52,47 @@ class RenderTarget:
         ]
         self._resolved = self._framebuffer(list(self.textures.values()))
         self._drawn = self._framebuffer(self._sampled) if target.samples else self._resolved
-        self._depth: int | None = None
+        self._depth: Attached | None = None
         if target.depth is not None:
-            self._depth = _attach_depth(self._drawn, target.depth, size, target.samples)
+            self._depth = attach_depth(self._drawn, target.depth, size, target.samples)
 
     def release(self) -> None:
         """Give all of its memory on the device back; the target is of no use afterwards."""
-        from OpenGL import GL
 
         for framebuffer in {self._drawn, self._resolved}:
             framebuffer.release()
         for texture in (*self.textures.values(), *self._sampled):
             texture.release()
         if self._depth is not None:
-            GL.glDeleteRenderbuffers(1, [self._depth])
+            self._depth.release()
+
+    @property
+    def samples(self) -> int:
+        """How many samples a pixel has; 0 for one."""
+        return self._target.samples
+
+    @property
+    def attached(self) -> tuple[str, ...]:
+        """The attachments that can be read: colours by name, "depth" and "stencil"."""
+        if self._target.depth is None:
+            return tuple(self.colors)
+        stencil = formats.DEPTH[self._target.depth][1]
+        return (*self.colors, "depth", *(("stencil",) if stencil else ()))
+
+    def texture(self, name: str, *, sampled: bool = False) -> DeviceTexture:
+        """A colour attachment, or "depth", as a texture; `sampled`: that of all samples.
+
+        Raises:
+            UnsupportedError: it is kept in a way that no sampler can read.
+        """
+        if name in self.colors:
+            if sampled:
+                index = list(self.colors).index(name)
+                return DeviceTexture(self._sampled[index].glo, "2DMS")
+            return DeviceTexture(self.textures[name].glo, "2D")
+        if name == "depth" and self._depth is not None and self._depth.texture is not None:
+            return self._depth.texture
+        raise UnsupportedError(f"sampling the {name} of this target", remedy=UNREADABLE)
 
     def clear(self) -> None:
         """Bind the target and set every attachment to its clear value, unmasked."""
@@ -120,13 +148,40 @@ class RenderTarget:
             box = (0, 0, width, height)
             GL.glBlitFramebuffer(*box, *box, GL.GL_COLOR_BUFFER_BIT, GL.GL_NEAREST)
 
+    def sample_positions(self) -> Array:
+        """Where the driver takes a pixel's samples: (samples, 2), from its lower left corner."""
+        from OpenGL import GL
+
+        self._drawn.use()
+        found = np.empty((int(GL.glGetIntegerv(GL.GL_SAMPLES)), 2), np.float32)
+        for index, position in enumerate(found):
+            GL.glGetMultisamplefv(GL.GL_SAMPLE_POSITION, index, position)
+        return found
+
     def read(self, name: str) -> Image:
-        """One colour attachment in its own components and type, row 0 at the bottom."""
+        """One attachment in its own components and type, row 0 at the bottom.
+
+        "depth" is read as floats, whatever its format, "stencil" as unsigned bytes.
+
+        Raises:
+            UnsupportedError: depth or stencil of a multisampled target.
+        """
+        if name not in self.colors:
+            assert self._target.depth is not None
+            return read_depth(self._drawn, self._target, name, self.size)
         word = self.colors[name]
         kind = formats.COLOR[word]
         values = np.empty((self.size[1], self.size[0], kind.components), kind.numpy)
         self.textures[name].read_into(values, alignment=1)
         return Image(values, word)
+
+    def read_samples(self, name: str) -> Array:
+        """All samples of a colour attachment: (samples, height, width, components)."""
+        kind = formats.COLOR[self.colors[name]]
+        found = read_samples(
+            self._device, self.texture(name, sampled=True), self.size, self.samples
+        )
+        return found[..., : kind.components]
 
     def _texture(self, word: str, samples: int = 0) -> Any:
         kind = formats.COLOR[word]
@@ -160,20 +215,3 @@ class RenderTarget:
         if GL.GL_OUT_OF_MEMORY in iter(GL.glGetError, GL.GL_NO_ERROR) or wanted >= 1 << 30:
             return MemoryError(f"{what} takes {wanted / (1 << 30):.3g} GB")
         return UnsupportedError(f"{what}: {said}")
-
-
-def _attach_depth(framebuffer: Any, word: str, size: tuple[int, int], samples: int) -> int:
-    from OpenGL import GL
-
-    internal, has_stencil = formats.DEPTH[word]
-    framebuffer.use()
-    buffer = GL.glGenRenderbuffers(1)
-    GL.glBindRenderbuffer(GL.GL_RENDERBUFFER, buffer)
-    GL.glRenderbufferStorageMultisample(GL.GL_RENDERBUFFER, samples, internal, *size)
-    point = GL.GL_DEPTH_STENCIL_ATTACHMENT if has_stencil else GL.GL_DEPTH_ATTACHMENT
-    GL.glFramebufferRenderbuffer(GL.GL_FRAMEBUFFER, point, GL.GL_RENDERBUFFER, buffer)
-    status = GL.glCheckFramebufferStatus(GL.GL_FRAMEBUFFER)
-    if status != _COMPLETE:
-        GL.glDeleteRenderbuffers(1, [buffer])
-        raise UnsupportedError(f"a framebuffer with {word} (status 0x{status:04X})")
-    return int(buffer)

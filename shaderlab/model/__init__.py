@@ -1,9 +1,20 @@
 """The case model: frozen, pure data. Importing it, or a case, touches no device."""
 
+from shaderlab.model.asked import names_asked_for
+from shaderlab.model.calls import (
+    GL_ERRORS,
+    Call,
+    GlCall,
+    Location,
+    Object,
+    Program,
+    call,
+    gl_call,
+    programs_of,
+)
 from shaderlab.model.case import DEFAULT_VARIANT, Case, Erratum, Scene, Variant
 from shaderlab.model.counts import COUNTERS, Cost, Query, cost, query
 from shaderlab.model.expect import (
-    GL_ERRORS,
     Computed,
     Coverage,
     Exact,
@@ -42,11 +53,9 @@ from shaderlab.model.refusals import (
 )
 from shaderlab.model.scene import (
     Draw,
-    Output,
     Pass,
     Ramp,
     Target,
-    Texture,
     UniformBuffer,
     UniformValue,
     across,
@@ -55,6 +64,14 @@ from shaderlab.model.scene import (
     up,
 )
 from shaderlab.model.state import Blend, Cell, Depth, State, Stencil
+from shaderlab.model.textures import (
+    CubeTexture,
+    Output,
+    Texture,
+    TextureArray,
+    TextureSource,
+    outputs_read,
+)
 
 __all__ = [
     "COUNTERS",
@@ -64,26 +81,32 @@ __all__ = [
     "Blend",
     "BlockLayout",
     "Bound",
+    "Call",
     "Case",
     "Cell",
     "CompileFails",
     "Computed",
     "Cost",
     "Coverage",
+    "CubeTexture",
     "Depth",
     "Draw",
     "Erratum",
     "Exact",
     "Expectation",
     "Formula",
+    "GlCall",
     "GlError",
     "InactiveUniforms",
+    "Location",
     "Measure",
     "Mesh",
+    "Object",
     "Output",
     "Pass",
     "Pixel",
     "Placement",
+    "Program",
     "Property",
     "Query",
     "Ramp",
@@ -95,6 +118,8 @@ __all__ = [
     "Sweep",
     "Target",
     "Texture",
+    "TextureArray",
+    "TextureSource",
     "UniformBuffer",
     "UniformValue",
     "Value",
@@ -103,6 +128,7 @@ __all__ = [
     "attribute_layout",
     "block_layout",
     "bounded",
+    "call",
     "compile_fails",
     "computed",
     "cost",
@@ -111,13 +137,17 @@ __all__ = [
     "exact",
     "formula",
     "fullscreen",
+    "gl_call",
     "gl_error",
     "inactive_uniforms",
     "mean_of",
     "measure",
     "mesh_pass",
     "monotone",
+    "names_asked_for",
     "output_of",
+    "outputs_read",
+    "programs_of",
     "query",
     "reading",
     "refused",

@@ -13,24 +13,17 @@ from typing import Any
 
 from shaderlab.bands import Rules
 from shaderlab.errors import CaseError
+from shaderlab.model.calls import GL_ERRORS, GlCall
 from shaderlab.model.counts import Cost, Query
 from shaderlab.model.layouts import AttributeLayout, BlockLayout
 from shaderlab.model.measure import Measure
 from shaderlab.model.refusals import CompileFails, InactiveUniforms, Refused
-from shaderlab.model.scene import Output, UniformValue
+from shaderlab.model.scene import UniformValue
 from shaderlab.model.state import one_of
+from shaderlab.model.textures import Output
 
 Reference = Callable[..., Any]
 Figure = float | Sequence[float]
-
-GL_ERRORS: Mapping[str, int] = {
-    "no_error": 0x0000,
-    "invalid_enum": 0x0500,
-    "invalid_value": 0x0501,
-    "invalid_operation": 0x0502,
-    "out_of_memory": 0x0505,
-    "invalid_framebuffer_operation": 0x0506,
-}
 
 
 @dataclass(frozen=True)
@@ -149,6 +142,7 @@ Expectation = (
     | Computed
     | CompileFails
     | GlError
+    | GlCall
     | Query
     | Cost
     | AttributeLayout

@@ -1,10 +1,9 @@
-"""What is drawn: meshes, domains, textures, draws, targets and passes. Pure data, no GL."""
+"""What is drawn: meshes, domains, draws, targets and passes. Pure data, no GL."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,22 +12,11 @@ import numpy.typing as npt
 from shaderlab.errors import CaseError
 from shaderlab.model.mesh import Mesh
 from shaderlab.model.state import State, one_of
+from shaderlab.model.textures import COLOR_FORMATS, DEPTH_FORMATS, TextureSource
 
 Array = npt.NDArray[Any]
 Number = float | int | bool
 UniformValue = Number | Sequence[Any] | Array
-
-COLOR_FORMATS = (
-    "r8", "rg8", "rgba8", "srgb8_alpha8", "r16f", "rg16f", "rgba16f", "r32f", "rg32f", "rgba32f",
-    "r32i", "rg32i", "rgba32i", "r32ui", "rg32ui", "rgba32ui",
-)  # fmt: skip
-DEPTH_FORMATS = ("depth16", "depth24", "depth32f", "depth24_stencil8", "depth32f_stencil8")
-TEXTURE_FORMATS = (*COLOR_FORMATS, "rgb8", "rgb32f")
-FILTERS = (
-    "nearest", "linear", "nearest_mipmap_nearest", "linear_mipmap_nearest",
-    "nearest_mipmap_linear", "linear_mipmap_linear",
-)  # fmt: skip
-WRAPS = ("repeat", "mirrored_repeat", "clamp_to_edge", "clamp_to_border")
 
 
 @dataclass(frozen=True)
@@ -55,37 +43,6 @@ def up(start: UniformValue, stop: UniformValue) -> Ramp:
 
 
 UNIT_SQUARE: Mapping[str, Ramp] = {"TexCoords": Ramp((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))}
-
-
-@dataclass(frozen=True, kw_only=True)
-class Texture:
-    """A two-dimensional texture.
-
-    `image` is an array (height, width, channels) whose row 0 is the bottom one, a function that
-    makes such an array when the case runs, or an image file's path (relative to the case file;
-    files are flipped so that their lowest row comes first).
-    """
-
-    image: Array | Callable[[], Array] | str | Path
-    format: str = "rgba32f"
-    filter: tuple[str, str] = ("nearest", "nearest")
-    wrap: tuple[str, str] = ("repeat", "repeat")
-    border: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
-
-    def __post_init__(self) -> None:
-        one_of("Texture", "format", self.format, TEXTURE_FORMATS)
-        one_of("Texture", "filter[0] (minifying)", self.filter[0], FILTERS)
-        one_of("Texture", "filter[1] (magnifying)", self.filter[1], FILTERS[:2])
-        for axis, word in zip("st", self.wrap, strict=True):
-            one_of("Texture", f"wrap along {axis}", word, WRAPS)
-
-
-@dataclass(frozen=True)
-class Output:
-    """A colour output of an earlier pass, used as a texture: `Output("shadow", "FragColor")`."""
-
-    pass_name: str
-    name: str
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -117,7 +74,7 @@ class Draw:
     mesh: Mesh | None = None
     domain: Mapping[str, Ramp] | None = None
     uniforms: Mapping[str, UniformValue] = field(default_factory=dict)
-    textures: Mapping[str, Texture | Output] = field(default_factory=dict)
+    textures: Mapping[str, TextureSource] = field(default_factory=dict)
     blocks: Mapping[str, UniformBuffer] = field(default_factory=dict)
     state: State = field(default_factory=State)
     instances: int = 1
@@ -188,6 +145,13 @@ class Pass:
         object.__setattr__(self, "draws", tuple(self.draws))
         if not self.draws:
             raise CaseError(f"Pass {self.name!r} draws nothing")
+        for index, draw in enumerate(self.draws):
+            if draw.state.in_pixels and self.target.size is None:
+                raise CaseError(
+                    f"Pass {self.name!r}: draw {index} has a {draw.state.in_pixels} in pixels, "
+                    "but its target has no size of its own",
+                    remedy="Target(size=(width, height)), or Cell(…), which fits every size",
+                )
 
 
 def fullscreen(
@@ -195,7 +159,7 @@ def fullscreen(
     *,
     domain: Mapping[str, Ramp] | None = None,
     uniforms: Mapping[str, UniformValue] | None = None,
-    textures: Mapping[str, Texture | Output] | None = None,
+    textures: Mapping[str, TextureSource] | None = None,
     blocks: Mapping[str, UniformBuffer] | None = None,
     target: Target | None = None,
     state: State | None = None,
@@ -224,7 +188,7 @@ def mesh_pass(
     *,
     geometry: str | None = None,
     uniforms: Mapping[str, UniformValue] | None = None,
-    textures: Mapping[str, Texture | Output] | None = None,
+    textures: Mapping[str, TextureSource] | None = None,
     blocks: Mapping[str, UniformBuffer] | None = None,
     target: Target | None = None,
     state: State | None = None,

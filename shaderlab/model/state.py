@@ -2,10 +2,12 @@
 
 Every enumerated word is checked when the state is made, so a misspelt one fails where it was
 written and not where the driver meets it. Defaults are OpenGL's, with one test at a time off.
+Rectangles are (x, y, width, height) in pixels, from the target's lower left corner.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from shaderlab.errors import CaseError, nearest
@@ -50,6 +52,8 @@ BLEND_FACTORS = (
 )
 FACES = ("front", "back", "front_and_back")
 WINDINGS = ("ccw", "cw")
+
+Rectangle = tuple[int, int, int, int]
 
 
 def one_of(owner: str, field: str, word: str, choices: tuple[str, ...]) -> None:
@@ -141,18 +145,83 @@ class Cell:
 
 @dataclass(frozen=True, kw_only=True)
 class State:
-    """All fixed-function state of one draw. None turns that test or stage off."""
+    """All fixed-function state of one draw. None turns that test or stage off.
+
+    Attributes:
+        depth, stencil, blend: the tests and the blending; a depth test that is off writes nothing.
+        stencil_back: the stencil test of faces that look away, where it differs from `stencil`.
+        cull, front_face: which faces are dropped, and which winding looks this way.
+        color_mask: which channels are written.
+        cell: one cell of a grid over the target; takes the place of `viewport` and `scissor`.
+        srgb: whether colours are encoded for attachments that hold sRGB.
+        viewport: the rectangle that device coordinates from −1 to 1 are laid over; None is the
+            whole target.
+        scissor: the rectangle outside which nothing is drawn; None turns the test off.
+        depth_range: window depths of the near and the far plane, each 0…1.
+        polygon_offset: (factor, units), added to a triangle's depth: factor times its steepest
+            slope, and units of the smallest step that the depth buffer can tell.
+        point_size: a point's diameter in pixels, or "program" for what gl_PointSize says.
+        multisample: whether a target with several samples a pixel is covered sample by sample.
+        sample_shading: the least share (0…1) of a pixel's samples that are shaded one by one.
+        alpha_to_coverage: whether a fragment's alpha thins out the samples it covers.
+    """
 
     depth: Depth | None = None
     stencil: Stencil | None = None
+    stencil_back: Stencil | None = None
     blend: Blend | None = None
     cull: str | None = None
     front_face: str = "ccw"
     color_mask: tuple[bool, bool, bool, bool] = (True, True, True, True)
     cell: Cell | None = None
     srgb: bool = False
+    viewport: Rectangle | None = None
+    scissor: Rectangle | None = None
+    depth_range: tuple[float, float] = (0.0, 1.0)
+    polygon_offset: tuple[float, float] | None = None
+    point_size: float | str = 1.0
+    multisample: bool = True
+    sample_shading: float | None = None
+    alpha_to_coverage: bool = False
 
     def __post_init__(self) -> None:
         one_of("State", "front_face", self.front_face, WINDINGS)
         if self.cull is not None:
             one_of("State", "cull", self.cull, FACES)
+        if self.stencil_back is not None and self.stencil is None:
+            raise CaseError(
+                "State: stencil_back without stencil",
+                remedy="give stencil= for front faces as well; one test is on for both or neither",
+            )
+        for field in ("viewport", "scissor"):
+            self._check_rectangle(field, getattr(self, field))
+        self._check_numbers()
+
+    @property
+    def in_pixels(self) -> str:
+        """The first field that counts pixels from the target's corner; "" if there is none."""
+        return next((f for f in ("viewport", "scissor") if getattr(self, f) is not None), "")
+
+    def _check_rectangle(self, field: str, box: Rectangle | None) -> None:
+        if box is None:
+            return
+        if len(box) != 4 or not all(isinstance(n, int) for n in box) or min(box[2:]) < 0:
+            raise CaseError(
+                f"State: {field} is {box!r}", remedy="whole pixels: (x, y, width, height)"
+            )
+        if self.cell is not None:
+            raise CaseError(f"State: {field} and cell both confine the draw; give one of them")
+
+    def _check_numbers(self) -> None:
+        if isinstance(self.point_size, str):
+            one_of("State", "point_size", self.point_size, ("program",))
+        elif not (math.isfinite(self.point_size) and self.point_size > 0):
+            raise CaseError(f"State: point_size must be above 0, not {self.point_size}")
+        shares = {"depth_range": self.depth_range, "sample_shading": (self.sample_shading or 0.0,)}
+        for field, values in shares.items():
+            if not all(0.0 <= v <= 1.0 for v in values):
+                raise CaseError(f"State: {field} must lie in 0…1, not {getattr(self, field)}")
+        pairs = {"depth_range": self.depth_range, "polygon_offset": self.polygon_offset or (0, 0)}
+        for field, pair in pairs.items():
+            if len(pair) != 2 or not all(math.isfinite(v) for v in pair):
+                raise CaseError(f"State: {field} takes two numbers, not {pair!r}")

@@ -1,5 +1,6 @@
 """Mistakes in a case's fixed-function state: another depth or stencil function, another operation,
-mask, blend factor or equation, another winding, a face culled or not, a test forgotten."""
+mask, blend factor or equation, another winding, a face culled or not, a rectangle that is a pixel
+off, a depth range or an offset the other way round, a test forgotten."""
 
 from __future__ import annotations
 
@@ -8,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
-from shaderlab.model import Case, Draw, Scene, State
+from shaderlab.model import Blend, Case, Draw, Scene, State, Stencil
 
 MOST_ALIKE = 4  # of many draws with the very same change, so many are tried
 
@@ -103,34 +104,81 @@ def _fields(state: State) -> Iterator[tuple[str, Any, Any]]:
         yield "depth", state.depth, None
         yield "depth.write", state.depth.write, not state.depth.write
         yield from _each("depth.func", state.depth.func, _FUNCTION)
-    if state.stencil is not None:
-        stencil = state.stencil
-        yield "stencil", stencil, None
-        yield from _each("stencil.func", stencil.func, _FUNCTION)
-        for name in ("fail", "depth_fail", "depth_pass"):
-            yield from _each(f"stencil.{name}", getattr(stencil, name), _OPERATION)
-        yield "stencil.reference", stencil.reference, (stencil.reference + 1) & 0xFF
-        for name in ("mask", "write_mask"):
-            value = getattr(stencil, name)
-            yield f"stencil.{name}", value, 0
-            yield f"stencil.{name}", value, value ^ 1
+    for path, stencil in (("stencil", state.stencil), ("stencil_back", state.stencil_back)):
+        if stencil is not None:
+            yield from _of_stencil(path, stencil, alone=state.stencil_back is None)
     if state.blend is not None:
         blend = state.blend
         yield "blend", blend, None
         for name in ("source", "destination", "source_alpha", "destination_alpha"):
             for other in _factors(getattr(blend, name)):
                 yield f"blend.{name}", getattr(blend, name), other
-        yield from _each("blend.equation", blend.equation, _EQUATION)
+        for name in ("equation", "equation_alpha"):
+            if getattr(blend, name) is not None:
+                yield from _each(f"blend.{name}", getattr(blend, name), _EQUATION)
+        if any("constant" in factor for factor in _all_factors(blend)):
+            yield "blend.constant", blend.constant, tuple(reversed(blend.constant))
     if state.cull is not None:
         yield from _each("cull", state.cull, _FACE)
+    if state.cull is not None or state.stencil_back is not None:
         yield "front_face", state.front_face, "cw" if state.front_face == "ccw" else "ccw"
     if state.srgb:
         yield "srgb", True, False
-    for index, channel in enumerate(state.color_mask):
-        mask = tuple(not c if i == index else c for i, c in enumerate(state.color_mask))
-        if state.color_mask != (True,) * 4:
+    if state.color_mask != (True,) * 4:
+        for index in range(4):
+            mask = tuple(not c if i == index else c for i, c in enumerate(state.color_mask))
             yield "color_mask", state.color_mask, mask
-        del channel
+    yield from _of_rasterizing(state)
+
+
+def _of_stencil(path: str, stencil: Stencil, *, alone: bool) -> Iterator[tuple[str, Any, Any]]:
+    if alone or path == "stencil_back":
+        yield path, stencil, None
+    yield from _each(f"{path}.func", stencil.func, _FUNCTION)
+    for name in ("fail", "depth_fail", "depth_pass"):
+        yield from _each(f"{path}.{name}", getattr(stencil, name), _OPERATION)
+    yield f"{path}.reference", stencil.reference, (stencil.reference + 1) & 0xFF
+    for name in ("mask", "write_mask"):
+        value = getattr(stencil, name)
+        yield f"{path}.{name}", value, 0
+        yield f"{path}.{name}", value, value ^ 1
+
+
+def _of_rasterizing(state: State) -> Iterator[tuple[str, Any, Any]]:
+    """Where triangles land, and which samples they cover: forgotten, shifted, swapped."""
+    for name in ("viewport", "scissor"):
+        box = getattr(state, name)
+        if box is not None:
+            x, y, width, height = box
+            yield name, box, None
+            for other in ((x + 1, y, width, height), (x, y + 1, width, height),
+                          (x, y, width + 1, height), (x, y, width, height + 1)):  # fmt: skip
+                yield name, box, other
+    near, far = state.depth_range
+    if (near, far) != (0.0, 1.0):
+        yield "depth_range", (near, far), (0.0, 1.0)
+        yield "depth_range", (near, far), (far, near)
+    if state.polygon_offset is not None:
+        factor, units = state.polygon_offset
+        yield "polygon_offset", (factor, units), None
+        for offset in ((-factor, -units), (0.0, units), (factor, 0.0)):
+            yield "polygon_offset", (factor, units), offset
+    if state.point_size == "program":
+        yield "point_size", "program", 1.0
+    elif state.point_size != 1.0 and not isinstance(state.point_size, str):
+        for size in (1.0, state.point_size + 1.0):
+            yield "point_size", state.point_size, size
+    if not state.multisample:
+        yield "multisample", False, True
+    if state.sample_shading is not None:
+        yield "sample_shading", state.sample_shading, None
+    if state.alpha_to_coverage:
+        yield "alpha_to_coverage", True, False
+
+
+def _all_factors(blend: Blend) -> tuple[str, ...]:
+    every = (blend.source, blend.destination, blend.source_alpha, blend.destination_alpha)
+    return tuple(factor for factor in every if factor is not None)
 
 
 def _each(path: str, before: Any, table: dict[Any, tuple[Any, ...]]) -> Iterator[Any]:

@@ -12,8 +12,7 @@ import numpy as np
 
 from shaderlab import pictures
 from shaderlab.frame import Array, Image
-from shaderlab.gl import formats
-from shaderlab.model import Output, Pass, Scene
+from shaderlab.model import Pass, Scene, outputs_read
 from shaderlab.records import Attachment, PassRecord
 
 # A value is a pixel of its own (2 × 2 where some are outside); the page enlarges them.
@@ -149,16 +148,16 @@ def _numbers(arrays: Mapping[str, Array]) -> Mapping[str, Array]:
 def _read(description: Pass) -> Iterable[str]:
     """The earlier outputs that a pass reads, each once."""
     return dict.fromkeys(
-        f"{source.pass_name}.{source.name}"
+        f"{output.pass_name}.{output.name}"
         for draw in description.draws
         for source in draw.textures.values()
-        if isinstance(source, Output)
+        for output in outputs_read(source)
     )
 
 
 def _colours(image: Image) -> Array:
     """The image without alpha: what a window would show."""
-    return image.values[..., :3] if formats.COLOR[image.format].components == 4 else image.values
+    return image.values[..., :3] if image.values.shape[-1] == 4 else image.values
 
 
 def _common_range(measured: Array, reference: Array) -> tuple[float, float] | None:

@@ -23,14 +23,14 @@ from shaderlab.errors import (
     ShaderlabError,
     UnsupportedError,
 )
-from shaderlab.frame import Frame, PassDraw
+from shaderlab.frame import Frame, PassDraw, Reply
 from shaderlab.gl import capture, queries
 from shaderlab.gl.device import Device, open_device
 from shaderlab.gl.opinion import driver_verdict
 from shaderlab.gl.prepare import Preparer
 from shaderlab.gl.runner import Drawn, Prepared, Runner, Session, step
 from shaderlab.glsl.sources import Source
-from shaderlab.model import GlError, Scene, Sweep, Value
+from shaderlab.model import GlCall, GlError, Scene, Sweep, Value
 from shaderlab.pipeline import album, frames, plan, refusals, write_up
 from shaderlab.pipeline.roots import shaders_beside
 from shaderlab.records import Outcome, Record, Verdict
@@ -263,6 +263,8 @@ def _frame(session: Session, drawn: Drawn, plans: plan.Plan) -> Frame:
         vertices={key: _captured(capture.vertices, session, key) for key in sorted(plans.vertices)},
         probes=probes,
         gl_errors=drawn.gl_errors,
+        replies={index: _replied(session, index) for index in plans.calls},
+        sample_positions=drawn.sample_positions,
         attributes={key: queries.attributes(session, key) for key in sorted(plans.attributes)},
         blocks={key: queries.block_readings(session, key) for key in sorted(plans.blocks)},
         queries={
@@ -274,6 +276,13 @@ def _frame(session: Session, drawn: Drawn, plans: plan.Plan) -> Frame:
         },
         locations={key: session.locations(key) for key in sorted(plans.located)},
     )
+
+
+def _replied(session: Session, index: int) -> Reply:
+    expectation = session.scene.expect[index]
+    assert isinstance(expectation, GlCall)
+    with doing("draw", f"calling {expectation.call}"):
+        return plan.answer(session, expectation)
 
 
 def _captured(

@@ -10,8 +10,8 @@ import numpy as np
 
 from shaderlab.checks import draw_key, split_output
 from shaderlab.errors import CaseError, nearest
-from shaderlab.frame import Array, Bindings, PassDraw, Samples
-from shaderlab.gl import bind, capture, feedback
+from shaderlab.frame import Array, Bindings, PassDraw, Reply, Samples
+from shaderlab.gl import bind, calls, capture, feedback
 from shaderlab.gl.prepare import PreparedDraw
 from shaderlab.gl.runner import Prepared, Session
 from shaderlab.gl.varyings import elements
@@ -21,8 +21,10 @@ from shaderlab.model import (
     Cost,
     Coverage,
     Formula,
+    GlCall,
     InactiveUniforms,
     Pixel,
+    Program,
     Property,
     Query,
     Scene,
@@ -34,8 +36,8 @@ from shaderlab.model import (
 @dataclass(frozen=True)
 class Plan:
     """Draws to capture, expectations to probe, and what to ask the driver: draws whose memory is
-    read or whose uniforms are looked for, (pass, draw, counter) to count, and passes to time, with
-    the number of times."""
+    read or whose uniforms are looked for, (pass, draw, counter) to count, passes to time with the
+    number of times, and expectations that call the API."""
 
     fragments: frozenset[PassDraw]
     vertices: frozenset[PassDraw]
@@ -45,6 +47,7 @@ class Plan:
     queries: frozenset[tuple[str, int, str]] = frozenset()
     timings: Mapping[str, int] = field(default_factory=dict)
     located: frozenset[PassDraw] = frozenset()
+    calls: tuple[int, ...] = ()
 
 
 def plan(scene: Scene, prepared: Prepared) -> Plan:
@@ -68,7 +71,11 @@ def plan(scene: Scene, prepared: Prepared) -> Plan:
         _, name = split_output(expectation.output, scene)
         key = key_of(scene, expectation)
         draw = prepared[key[0]][key[1]]
-        of_vertex = _is_of_vertex(name, draw)
+        at_pixels = isinstance(expectation, Formula) or (
+            isinstance(expectation, Value) and isinstance(expectation.at, Pixel)
+        )
+        of_depth = at_pixels and name in _of_depth(scene, key, draw)
+        of_vertex = not of_depth and _is_of_vertex(name, draw)
         if isinstance(expectation, Formula):
             (vertices if of_vertex else fragments).add(key)
         elif isinstance(expectation, Value) and isinstance(expectation.at, Pixel):
@@ -81,6 +88,7 @@ def plan(scene: Scene, prepared: Prepared) -> Plan:
         vertices=frozenset(vertices),
         probes=tuple(probes),
         located=frozenset(located),
+        calls=tuple(i for i, e in enumerate(scene.expect) if isinstance(e, GlCall)),
     )
 
 
@@ -186,6 +194,20 @@ def probe(session: Session, expectation: Value | Sweep) -> Samples:
     return _joined([samples([step]) for step in steps])
 
 
+def answer(session: Session, expectation: GlCall) -> Reply:
+    """Make the calls of a `gl_call`, with the programs of the scene that they name.
+
+    Raises:
+        CaseError: one of them names a pass or a draw that does not exist, or is no call of OpenGL.
+    """
+
+    def texts(program: Program) -> dict[str, str]:
+        name, index = draw_key(session.scene, program.pass_name, program.draw)
+        return {source.stage: source.text for source in session.prepared[name][index].sources}
+
+    return calls.answer(session.runner.device, expectation, texts)
+
+
 def _is_of_vertex(name: str, draw: PreparedDraw) -> bool:
     outputs = draw.interface.outputs
     if name in outputs:
@@ -196,6 +218,13 @@ def _is_of_vertex(name: str, draw: PreparedDraw) -> bool:
             raise CaseError(f"{name!r} is the lab's own vertex stage's: draw a mesh to judge it")
         return True
     raise CaseError(f"there is no output {name!r}", remedy=nearest(name, [*outputs, *of_vertex]))
+
+
+def _of_depth(scene: Scene, key: PassDraw, draw: PreparedDraw) -> tuple[str, ...]:
+    """The names that a pass's depth attachment goes by, unless its shader has such an output."""
+    if scene.find_pass(key[0]).target.depth is None:
+        return ()
+    return tuple(name for name in ("depth", "stencil") if name not in draw.interface.outputs)
 
 
 def _with_uniforms(bindings: Bindings, draw: PreparedDraw, values: Mapping[str, Any]) -> Bindings:

@@ -14,7 +14,7 @@ from types import TracebackType
 from typing import Any, Self
 
 from shaderlab.checks import draw_key, judge, outputs_read, split_output
-from shaderlab.frame import Array, Bindings, Fragments, Frame, Image, PassDraw, Samples
+from shaderlab.frame import Array, Bindings, Fragments, Frame, Image, PassDraw, Reply, Samples
 from shaderlab.gl import bind, capture, feedback, queries
 from shaderlab.gl import programs as linking
 from shaderlab.gl.device import Device, open_device
@@ -31,12 +31,14 @@ from shaderlab.model import (
     Cost,
     Coverage,
     Expectation,
+    GlCall,
     GlError,
     InactiveUniforms,
     Measure,
     Query,
     Refused,
     Scene,
+    programs_of,
 )
 from shaderlab.pipeline import plan
 from shaderlab.pipeline.roots import shaders_beside
@@ -45,7 +47,6 @@ from shaderlab.records import Outcome
 Texts = Mapping[str, str]
 Programs = Prepared
 """Each pass's draws, compiled."""
-_NOT_OF_SHADERS = (Computed, CompileFails, Refused, Cost)
 _MAY_KEEP_OUT = ("discard", "gl_FragDepth", "gl_SampleMask")
 
 
@@ -235,7 +236,7 @@ class Trial:
             CaseError, FormulaError: as `shaderlab.checks.judge`.
         """
         expectation = self.scene.expect[index]
-        if isinstance(expectation, _NOT_OF_SHADERS):
+        if _without_shaders(expectation):
             return Outcome(name=expectation.name, kind="skipped", status="pass")
         return judge(index, self.scene, self._frame(index, expectation), {}).outcome
 
@@ -245,6 +246,9 @@ class Trial:
         fragments = {key: self.fragments(key) for key in wants.fragments}
         vertices = {key: self.vertices(key) for key in wants.vertices}
         probes = {index: self.probe(index)} if wants.probes else {}
+        replies: dict[int, Reply] = {}
+        if isinstance(expectation, GlCall):
+            replies[index] = plan.answer(self.session, expectation)
         return Frame(
             images=self.images,
             order=tuple(p.name for p in self.scene.passes),
@@ -253,6 +257,8 @@ class Trial:
             vertices=vertices,
             probes=probes,
             gl_errors=self.gl_errors,
+            replies=replies,
+            sample_positions=self.session.sample_positions,
             attributes={key: queries.attributes(self.session, key) for key in wants.attributes},
             blocks={key: queries.block_readings(self.session, key) for key in wants.blocks},
             queries={
@@ -285,8 +291,11 @@ def judged_passes(scene: Scene) -> dict[int, frozenset[str]]:
     part."""
     found: dict[int, frozenset[str]] = {}
     for index, expectation in enumerate(scene.expect):
-        if isinstance(expectation, _NOT_OF_SHADERS):
+        if _without_shaders(expectation):
             found[index] = frozenset()
+        elif isinstance(expectation, GlCall):
+            named = programs_of(expectation)
+            found[index] = frozenset(draw_key(scene, p.pass_name, p.draw)[0] for p in named)
         elif isinstance(expectation, Measure):
             key = draw_key(scene, expectation.pass_name, expectation.draw)
             found[index] = frozenset({key[0], *(p for p, _ in outputs_read(expectation, scene))})
@@ -296,9 +305,16 @@ def judged_passes(scene: Scene) -> dict[int, frozenset[str]]:
         ):
             found[index] = frozenset({draw_key(scene, expectation.pass_name, expectation.draw)[0]})
         else:
-            name, _ = split_output(expectation.output, scene)
+            name, _ = split_output(getattr(expectation, "output", ""), scene)
             found[index] = frozenset({scene.find_pass(name).name})
     return found
+
+
+def _without_shaders(expectation: Expectation) -> bool:
+    """Whether no shader of the case has a part in what is expected."""
+    if isinstance(expectation, GlCall):
+        return not programs_of(expectation)
+    return isinstance(expectation, Computed | CompileFails | Refused | Cost)
 
 
 class _OpenGLOnly(Preparer):

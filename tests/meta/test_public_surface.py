@@ -10,11 +10,13 @@ import shaderlab
 PUBLIC = {
     # a case and what it is made of
     "Case", "Variant", "Erratum", "Pass", "Draw", "Target", "Mesh", "Texture", "Output",
+    "TextureArray", "CubeTexture",
     "UniformBuffer",
     "State", "Depth", "Stencil", "Blend", "Cell",
     "fullscreen", "mesh_pass", "Ramp", "across", "up",
     # what must hold
     "formula", "value", "sweep", "exact", "coverage", "computed", "compile_fails", "gl_error",
+    "gl_call", "call", "Object", "Program", "Location",
     "query", "cost", "attribute_layout", "block_layout",
     "refused", "inactive_uniforms",
     "monotone", "bounded", "symmetric", "energy_conserving", "mean_of",

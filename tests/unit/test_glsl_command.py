@@ -180,9 +180,13 @@ def test_linked_verdicts_and_modules_are_the_commands_own(
             if too_old(source, target):
                 continue
             printed = run_command([*flags, "--aml", "--amb", source.path], folder)
-            assert ("ERROR: " in printed) is (not linked.ok), source.name
-            assert linked.log.strip() in printed, source.name
-            ours = link([source], ENVIRONMENTS[target]).modules
+            # Some texts are wrong for SPIR-V alone: two inputs at one location, for one.
+            made_here = link([source], ENVIRONMENTS[target])
+            assert ("ERROR: " in printed) is (not made_here.ok), source.name
+            assert linked.ok or not made_here.ok, source.name
+            if linked.ok is made_here.ok:
+                assert linked.log.strip() in printed, source.name
+            ours = made_here.modules
             file = folder / f"{SUFFIX[source.stage]}.spv"
             theirs = {source.stage: file.read_bytes()} if file.exists() else {}
             assert ours == theirs, (source.name, target)

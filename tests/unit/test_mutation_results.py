@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 
-from shaderlab.model import Blend, Case, Depth, Mesh, State, Stencil, exact, mesh_pass
+from shaderlab.model import Blend, Case, Depth, Mesh, State, Stencil, Target, exact, mesh_pass
 from shaderlab.mutation import CaseResult, Fate, Tried, as_json, score, state_mutants, summary_rows
 from shaderlab.mutation.results import STATE, Status
 
@@ -87,6 +87,32 @@ def test_mistakes_in_state() -> None:
         ("blend", None), ("blend.source", "one"), ("blend.source", "one_minus_src_alpha"),
         ("blend.destination", "src_alpha"), ("blend.equation", "subtract"),
     } <= blend  # fmt: skip
+
+
+def test_mistakes_in_what_covers_which_pixels() -> None:
+    state = State(depth_range=(0.25, 1.0), polygon_offset=(0.0, -2.0), point_size=3.0)
+    assert changes(state) == {
+        ("depth_range", (0.0, 1.0)), ("depth_range", (1.0, 0.25)), ("polygon_offset", None),
+        ("polygon_offset", (0.0, 2.0)), ("polygon_offset", (0.0, 0.0)), ("point_size", 1.0),
+        ("point_size", 4.0),
+    }  # fmt: skip
+    samples = State(
+        point_size="program", multisample=False, sample_shading=1.0, alpha_to_coverage=True
+    )
+    assert changes(samples) == {
+        ("point_size", 1.0), ("multisample", True), ("sample_shading", None),
+        ("alpha_to_coverage", False),
+    }  # fmt: skip
+    both = changes(State(stencil=Stencil(), stencil_back=Stencil(func="less")))
+    assert {("stencil_back", None), ("stencil_back.func", "greater"), ("front_face", "cw")} <= both
+    assert ("stencil", None) not in both  # the back's needs it
+    boxed = State(viewport=(1, 2, 3, 4))
+    (draw,) = mesh_pass("a.vert", "a.frag", Mesh(attributes={"aPos": [[0.0]]}),
+                        target=Target(size=(8, 8)), state=boxed)  # fmt: skip
+    made = Case(title="t", passes=[draw], expect=[exact("c", 1.0)])
+    assert [m.after for m in state_mutants(made) if m.path == "viewport"] == [
+        None, (2, 2, 3, 4), (1, 3, 3, 4), (1, 2, 4, 4), (1, 2, 3, 5),
+    ]  # fmt: skip
 
 
 def test_a_state_mutant_changes_its_own_draw_alone() -> None:

@@ -1,0 +1,201 @@
+"""Deferred shading: first what is seen, then how it is lit.
+
+Forward shading lights every fragment with every lamp, also those fragments that something nearer
+covers later. Deferred shading draws the scene once into several attachments, the G-buffer: place,
+normal, albedo with the specular strength in alpha. A second pass over the screen reads them and
+adds up the lamps for what is left, once for each pixel. The sum is the same law on the same
+numbers, so the result must be the same, if the buffer keeps them: 16-bit floats round places to
+thousandths, and bytes round colours and cannot hold a direction without scaling it.
+
+Look at: the three attachments of the G-buffer, places (upper left), normals (upper right), albedo
+(lower left), and what sixteen small lamps make of them (lower right). Nothing in the three knows
+of any lamp.
+"""
+
+from math import cos, radians, sin
+
+import numpy as np
+
+from shaderlab import (
+    Case,
+    Depth,
+    Draw,
+    Mesh,
+    Output,
+    Pass,
+    State,
+    Target,
+    formula,
+    fullscreen,
+    measure,
+    reading,
+    value,
+)
+from shaderlab.assets.plaza import plaza
+from shaderlab.glslmath import dot, length, max, normalize, swizzle, vec4
+from shaderlab.reference.blinn_phong import lobe
+from shaderlab.reference.transforms import (
+    clip_position,
+    look_at,
+    normal_matrix,
+    perspective,
+    rotate,
+    world_normal,
+    world_position,
+)
+from shaderlab.sampling import texture
+
+EYE = (0.0, 4.6, 7.4)
+MODEL = rotate(radians(12.0), (0.0, 1.0, 0.0))
+HUES = ((3.4, 1.5, 0.5), (0.6, 1.7, 3.6), (2.7, 0.6, 1.6), (0.7, 2.6, 1.2))
+BUFFER = ("gPosition", "gNormal", "gAlbedoSpec")
+HALF = {"gPosition": "rgba16f", "gNormal": "rgba16f", "gAlbedoSpec": "rgba8"}
+
+
+def lamp(k):
+    """Where lamp `k` hangs: on a spiral from the middle outwards, at two heights."""
+    angle, away = 2.4 * k, 0.55 + 0.2 * k
+    return away * cos(angle), 0.9 + 0.9 * (k % 2), away * sin(angle)
+
+
+LIGHTS = {
+    name: setting
+    for k in range(16)
+    for name, setting in {
+        f"lamps[{k}].position": lamp(k),
+        f"lamps[{k}].color": tuple(1.5 * c for c in HUES[k % 4]),
+    }.items()
+}
+
+
+def scene(name, fragment, uniforms, segments=40, **target):
+    """The plaza in one of the two ways."""
+    draw = Draw(
+        vertex="ch05_lighting/lit_painted.vert",
+        fragment=f"ch05_lighting/{fragment}",
+        mesh=Mesh(**plaza(segments=segments)),
+        uniforms={
+            "model": MODEL,
+            "normalMatrix": normal_matrix(MODEL),
+            "view": look_at(EYE, (0.0, 0.2, 0.4)),
+            "projection": perspective(radians(36.0), 1.0, 0.1, 30.0),
+            **uniforms,
+        },
+        state=State(depth=Depth()),
+    )
+    return Pass(name=name, target=Target(depth="depth24", **target), draws=(draw,))
+
+
+def lit(name, buffer):
+    """The second pass: the lamps on what a buffer holds."""
+    return fullscreen(
+        "ch05_lighting/deferred_lit.frag",
+        name=name,
+        uniforms={**LIGHTS, "viewPos": EYE},
+        textures={output: Output(buffer, output) for output in BUFFER},
+    )
+
+
+def all_lamps(place, normal, albedo, gloss, viewPos, places, colors):
+    """The law of both ways: every lamp's diffuse and specular part on one surface."""
+    total = 0.03 * albedo
+    for position, color in zip(places, colors, strict=True):
+        ray = position - place
+        light = normalize(ray)
+        lambert = max(dot(normal, light), 0.0)
+        glint = lobe(dot(normal, normalize(light + normalize(viewPos - place))), 32.0) * gloss
+        left = 1.0 / (1.0 + 1.4 * length(ray) + 3.6 * dot(ray, ray))
+        total = total + left * color * (albedo * lambert + glint)
+    return vec4(total, 1.0)
+
+
+def forward(FragPos, Normal, Color, viewPos, lamps_position, lamps_color):
+    """Light on a fragment while it is drawn."""
+    gloss = 0.8 * swizzle(Color, "r")
+    return all_lamps(FragPos, normalize(Normal), Color, gloss, viewPos, lamps_position, lamps_color)
+
+
+def deferred(gPosition, gNormal, gAlbedoSpec, TexCoords, viewPos, lamps_position, lamps_color):
+    """Light on what the buffer holds."""
+    place, normal, surface = (
+        texture(buffer, TexCoords) for buffer in (gPosition, gNormal, gAlbedoSpec)
+    )
+    albedo, gloss = swizzle(surface, "rgb"), swizzle(surface, "a")
+    return all_lamps(
+        swizzle(place, "rgb"), swizzle(normal, "rgb"), albedo, gloss, viewPos,
+        lamps_position, lamps_color,
+    )  # fmt: skip
+
+
+def place_of(FragPos):
+    """The first attachment."""
+    return FragPos
+
+
+def normal_of(Normal):
+    """The second."""
+    return normalize(Normal)
+
+
+def surface_of(Color):
+    """The third: albedo, and the specular strength in alpha."""
+    return vec4(Color, 0.8 * swizzle(Color, "r"))
+
+
+def largest_difference(lit, forward):
+    """Between the two ways, of any pixel and channel."""
+    return np.abs(lit - forward).max()
+
+
+def difference(label, buffer, **bound):
+    """The two ways compared, with one kind of buffer."""
+    reads = {"lit": f"{buffer}.FragColor", "forward": "forward.FragColor"}
+    return reading(label, reads=reads, **bound)
+
+
+case = Case(
+    title="Deferred shading",
+    section="5.12",
+    math=r"G(x, y) = (p,\ n,\ a,\ s), \qquad c(x, y) = \sum_i L_i(p, n, a, s)",
+    passes=(
+        scene("buffer", "deferred_buffer.frag", {}),
+        *lit("lit", "buffer"),
+        scene("forward", "deferred_forward.frag", {**LIGHTS, "viewPos": EYE}, clear=(0, 0, 0, 1)),
+        scene("small-buffer", "deferred_buffer.frag", {}, colors=HALF),
+        *lit("small-lit", "small-buffer"),
+        *fullscreen(
+            "ch05_lighting/deferred_picture.frag",
+            name="picture",
+            textures={
+                **{output: Output("buffer", output) for output in BUFFER},
+                "lit": Output("lit", "FragColor"),
+            },
+        ),
+    ),
+    picture="picture.FragColor",
+    expect=[
+        formula("buffer.gl_Position", clip_position),
+        formula("buffer.FragPos", world_position),
+        formula("buffer.Normal", world_normal),
+        formula("buffer.gPosition", place_of),
+        formula("buffer.gNormal", normal_of),
+        formula("buffer.gAlbedoSpec", surface_of),
+        formula("lit.FragColor", deferred, name="deferred"),
+        formula("forward.FragColor", forward, name="forward"),
+        measure(
+            "largest difference from forward shading",
+            largest_difference,
+            readings=[
+                difference("places, normals and colours as 32-bit floats", "lit", at_most=2e-6),
+                difference("16-bit floats, colours in bytes", "small-lit", between=(1e-4, 2e-2)),
+            ],
+        ),
+        value(
+            "forward.FragColor",
+            at={"FragPos": (0.0, 0.0, 0.0), "Normal": (0.0, 1.0, 0.0), "Color": (0.5, 0.5, 0.5)},
+            equals=(1.010453, 0.657102, 0.704490, 1.0),
+            digits=6,
+            name="a grey point in the middle",
+        ),
+    ],
+)

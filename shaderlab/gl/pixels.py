@@ -1,0 +1,77 @@
+"""Pixel transfers from and to NumPy arrays, as they lie in memory.
+
+PyOpenGL's own wrappers of these calls convert and copy what they are given, and know neither
+half floats nor packed depth and stencil.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import numpy as np
+
+from shaderlab.frame import Array
+
+
+def tex_image_2d(
+    target: int, level: int, internal: int, size: tuple[int, int], place: tuple[int, int],
+    values: Array | None,
+) -> None:  # fmt: skip
+    """glTexImage2D; `place` is (components, type), `values` None for an empty image."""
+    from OpenGL.raw.GL.VERSION import GL_1_0
+
+    data = None if values is None else np.ascontiguousarray(values)
+    with tightly():
+        GL_1_0.glTexImage2D(target, level, internal, *size, 0, *place, _address(data))
+
+
+def tex_image_3d(
+    target: int, level: int, internal: int, size: tuple[int, int, int], place: tuple[int, int],
+    values: Array,
+) -> None:  # fmt: skip
+    """glTexImage3D of (layers, height, width, components)."""
+    from OpenGL.raw.GL.VERSION import GL_1_2
+
+    data = np.ascontiguousarray(values)
+    with tightly():
+        GL_1_2.glTexImage3D(target, level, internal, *size, 0, *place, _address(data))
+
+
+def get_tex_image(target: int, level: int, place: tuple[int, int], values: Array) -> None:
+    """glGetTexImage into a contiguous array of the right size and type."""
+    from OpenGL.raw.GL.VERSION import GL_1_0
+
+    with tightly():
+        GL_1_0.glGetTexImage(target, level, *place, _address(values))
+
+
+def read_pixels(size: tuple[int, int], place: tuple[int, int], values: Array) -> None:
+    """glReadPixels of the whole framebuffer that is bound, likewise."""
+    from OpenGL.raw.GL.VERSION import GL_1_0
+
+    with tightly():
+        GL_1_0.glReadPixels(0, 0, *size, *place, _address(values))
+
+
+@contextmanager
+def tightly() -> Iterator[None]:
+    """Rows one after the other, without padding."""
+    from OpenGL import GL
+
+    words = (GL.GL_PACK_ALIGNMENT, GL.GL_UNPACK_ALIGNMENT)
+    for word in words:
+        GL.glPixelStorei(word, 1)
+    try:
+        yield
+    finally:
+        for word in words:
+            GL.glPixelStorei(word, 4)
+
+
+def _address(values: Array | None) -> ctypes.c_void_p | None:
+    if values is None:
+        return None
+    assert values.flags.c_contiguous
+    return ctypes.c_void_p(values.ctypes.data)

@@ -1,0 +1,162 @@
+"""Calls of the OpenGL API as data: what the API itself answers, or which error it raises.
+
+A call is made in a context of its own, in the state in which OpenGL starts, after the passes are
+drawn. Words are resolved when it is made: "GL_TEXTURE_2D" to its number, an `Object` to the name
+of an object that the lab makes and deletes, a `Location` to where a program has a uniform.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from shaderlab.errors import CaseError
+from shaderlab.model.state import one_of
+
+OBJECTS = (
+    "buffer", "framebuffer", "program_pipeline", "query", "renderbuffer", "sampler", "texture",
+    "transform_feedback", "vertex_array",
+)  # fmt: skip
+
+GL_ERRORS = {
+    "no_error": 0x0000,
+    "invalid_enum": 0x0500,
+    "invalid_value": 0x0501,
+    "invalid_operation": 0x0502,
+    "out_of_memory": 0x0505,
+    "invalid_framebuffer_operation": 0x0506,
+}
+
+
+@dataclass(frozen=True)
+class Object:
+    """An object of the API, made when a call first names it: `Object("texture")`.
+
+    `label` tells two of a kind apart: `Object("texture", "left")`. The first call that binds it
+    gives it its target, as in OpenGL.
+    """
+
+    kind: str
+    label: str = ""
+
+    def __post_init__(self) -> None:
+        one_of("Object", "kind", self.kind, OBJECTS)
+
+    def __str__(self) -> str:
+        return f"{self.kind} {self.label}".rstrip()
+
+
+@dataclass(frozen=True)
+class Program:
+    """The linked program of one of the case's draws; the last draw of the last pass by default."""
+
+    pass_name: str | None = None
+    draw: int = -1
+
+    def __str__(self) -> str:
+        return "program" if self.pass_name is None else f"program of {self.pass_name}"
+
+
+@dataclass(frozen=True)
+class Location:
+    """Where a program has a uniform, −1 if it has no such one in use. The program is made the
+    current one (glUseProgram) before the first call that names it."""
+
+    uniform: str
+    program: Program = Program()
+
+    def __str__(self) -> str:
+        return f"location of {self.uniform}"
+
+
+Argument = int | float | str | bytes | None | Object | Program | Location | Sequence[float]
+
+
+@dataclass(frozen=True)
+class Call:
+    """A function of the API with its arguments, in C's order.
+
+    A word that begins with "GL_" is a constant ("GL_MAP_READ_BIT | GL_MAP_WRITE_BIT" several of
+    them), any other word a C string, a sequence an array of the parameter's own type, None a null
+    pointer. The array that a glGet… function fills, its last parameter, is left out.
+    """
+
+    function: str
+    arguments: tuple[Argument, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not self.function.startswith("gl"):
+            raise CaseError(
+                f"call: {self.function!r} is no function of OpenGL",
+                remedy="the C name, as glTexParameteri",
+            )
+
+    def __str__(self) -> str:
+        return f"{self.function}({', '.join(_spelt(a) for a in self.arguments)})"
+
+
+@dataclass(frozen=True, kw_only=True)
+class GlCall:
+    """A call of the API raises this error and no other, and answers this, if that is asked."""
+
+    call: Call
+    raises: str
+    returns: tuple[int | float | str, ...] | None = None
+    before: tuple[Call, ...] = ()
+    name: str = ""
+
+
+def call(function: str, *arguments: Argument) -> Call:
+    """One step of what comes `before` a `gl_call`; it must raise no error itself."""
+    return Call(function, arguments)
+
+
+def gl_call(
+    function: str,
+    *arguments: Argument,
+    raises: str = "no_error",
+    returns: int | float | str | Sequence[int | float | str] | None = None,
+    before: Sequence[Call] = (),
+    name: str = "",
+) -> GlCall:
+    """What the API itself says to a call, judged by exact code.
+
+    Args:
+        function: its C name.
+        arguments: as in `Call`.
+        raises: the one error it must raise; none by default.
+        returns: what it must return, or, for a glGet… function, what it must write: a number, a
+            "GL_" word, or several.
+        before: calls that come first, in order, each of which must raise no error.
+        name: how outcomes call it; the call itself by default.
+
+    Raises:
+        CaseError: `raises` is no error of OpenGL; or an error and a value are asked for at once.
+    """
+    one_of("gl_call", "raises", raises, tuple(GL_ERRORS))
+    if raises != "no_error" and returns is not None:
+        raise CaseError(f"gl_call {function}: a call that raises an error returns nothing")
+    made = Call(function, arguments)
+    several = None
+    if returns is not None:
+        several = (returns,) if isinstance(returns, int | float | str) else tuple(returns)
+    return GlCall(
+        call=made, raises=raises, returns=several, before=tuple(before), name=name or str(made)
+    )
+
+
+def programs_of(expectation: GlCall) -> list[Program]:
+    """The case's programs that a call and those before it name."""
+    arguments = [a for c in (*expectation.before, expectation.call) for a in c.arguments]
+    named = [a.program if isinstance(a, Location) else a for a in arguments]
+    return list(dict.fromkeys(a for a in named if isinstance(a, Program)))
+
+
+def _spelt(argument: Argument) -> str:
+    if argument is None:
+        return "NULL"
+    if isinstance(argument, str):
+        return argument if argument.startswith("GL_") else f'"{argument}"'
+    if isinstance(argument, bytes):
+        return f"{len(argument)} bytes"
+    return str(argument)

@@ -1,0 +1,202 @@
+"""What samplers read: textures of every shape, and the attachments of earlier passes. Pure data."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from shaderlab.errors import CaseError
+from shaderlab.model.state import COMPARISONS, one_of
+
+Array = npt.NDArray[Any]
+
+COLOR_FORMATS = (
+    "r8", "rg8", "rgba8", "srgb8_alpha8", "r16f", "rg16f", "rgba16f", "r32f", "rg32f", "rgba32f",
+    "r32i", "rg32i", "rgba32i", "r32ui", "rg32ui", "rgba32ui",
+)  # fmt: skip
+DEPTH_FORMATS = ("depth16", "depth24", "depth32f", "depth24_stencil8", "depth32f_stencil8")
+TEXTURE_FORMATS = (*COLOR_FORMATS, "rgb8", "rgb32f", *DEPTH_FORMATS[:3])
+FILTERS = (
+    "nearest", "linear", "nearest_mipmap_nearest", "linear_mipmap_nearest",
+    "nearest_mipmap_linear", "linear_mipmap_linear",
+)  # fmt: skip
+WRAPS = ("repeat", "mirrored_repeat", "clamp_to_edge", "clamp_to_border")
+FACES = ("+X", "−X", "+Y", "−Y", "+Z", "−Z")
+ANY_LEVEL = (-1000.0, 1000.0)
+
+Filters = tuple[str, str]
+Pixels = Array | Callable[[], Array] | str | Path
+Levels = bool | Sequence[Array]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sampling:
+    """How a texture is sampled.
+
+    Args:
+        filter: for minifying and for magnifying; a mipmap filter can only be the first.
+        wrap: what coordinates outside 0…1 mean, along s and t.
+        border: the colour beyond the edge under "clamp_to_border".
+        compare: a depth comparison for a shadow sampler, `reference func texel`; None for all
+            others.
+        lod: the least and the greatest mipmap level that sampling may choose.
+    """
+
+    filter: Filters = ("nearest", "nearest")
+    wrap: tuple[str, str] = ("repeat", "repeat")
+    border: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+    compare: str | None = None
+    lod: tuple[float, float] = ANY_LEVEL
+
+    def __post_init__(self) -> None:
+        owner = type(self).__name__
+        one_of(owner, "filter[0] (minifying)", self.filter[0], FILTERS)
+        one_of(owner, "filter[1] (magnifying)", self.filter[1], FILTERS[:2])
+        for axis, word in zip("st", self.wrap, strict=True):
+            one_of(owner, f"wrap along {axis}", word, WRAPS)
+        if self.compare is not None:
+            one_of(owner, "compare", self.compare, COMPARISONS)
+        if self.lod[0] > self.lod[1]:
+            raise CaseError(f"{owner}: lod runs from {self.lod[0]} down to {self.lod[1]}")
+
+    def _check_format(self, format: str) -> None:
+        owner = type(self).__name__
+        one_of(owner, "format", format, TEXTURE_FORMATS)
+        if format.endswith("i") and any(word != "nearest" for word in self.filter):
+            raise CaseError(
+                f"{owner}: OpenGL filters no integers; a {format} texture is incomplete",
+                remedy='filter=("nearest", "nearest")',
+            )
+        if self.compare is not None and format not in DEPTH_FORMATS:
+            raise CaseError(
+                f"{owner}: compare={self.compare!r} compares depths, and {format} is no depth",
+                remedy=f"format= one of {', '.join(DEPTH_FORMATS[:3])}",
+            )
+
+    def _check_levels(self, mipmaps: Levels) -> None:
+        if self.filter[0] not in FILTERS[:2] and mipmaps is False:
+            raise CaseError(
+                f"{type(self).__name__}: {self.filter[0]!r} reads mipmap levels and there are "
+                "none: the texture is incomplete, and every sample is black",
+                remedy="mipmaps=True, or give the levels",
+            )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Texture(Sampling):
+    """A two-dimensional texture.
+
+    `image` is an array (height, width, channels) whose row 0 is the bottom one, a function that
+    makes such an array when the case runs, or an image file's path (relative to the case file;
+    files are flipped so that their lowest row comes first). `mipmaps` are made by the driver
+    (True) or given: all smaller levels, each half as large as the one before (rounded down).
+    """
+
+    image: Pixels
+    format: str = "rgba32f"
+    mipmaps: Levels = False
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._check_format(self.format)
+        self._check_levels(self.mipmaps)
+
+
+@dataclass(frozen=True)
+class Output(Sampling):
+    """An output of an earlier pass, used as a texture: `Output("shadow", "FragColor")`.
+
+    "depth" is the depth attachment of a pass whose target has one, unless a shader has an output
+    of that name. Read by a `sampler2DMS`, the output of a multisampled target gives its samples;
+    by any other sampler, their mean. `mipmaps=True` has the driver make the smaller levels.
+    """
+
+    pass_name: str
+    name: str
+    wrap: tuple[str, str] = field(default=("clamp_to_edge", "clamp_to_edge"), kw_only=True)
+    mipmaps: bool = field(default=False, kw_only=True)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._check_levels(self.mipmaps)
+
+
+Image = Pixels | Output
+
+
+@dataclass(frozen=True, kw_only=True)
+class TextureArray(Sampling):
+    """A stack of two-dimensional textures of one size, for `sampler2DArray`.
+
+    Each of `layers` is what `Texture` takes as its image, or an `Output` of an earlier pass,
+    which is copied. `mipmaps` are made by the driver, layer by layer.
+    """
+
+    layers: Sequence[Image]
+    format: str = "rgba32f"
+    mipmaps: bool = False
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._check_format(self.format)
+        self._check_levels(self.mipmaps)
+        object.__setattr__(self, "layers", tuple(self.layers))
+        if not self.layers:
+            raise CaseError("TextureArray: there are no layers")
+
+
+@dataclass(frozen=True, kw_only=True)
+class CubeTexture(Sampling):
+    """Six square textures around a point, for `samplerCube`: +X, −X, +Y, −Y, +Z, −Z.
+
+    Each of `faces` is what `Texture` takes as its image, or an `Output` of an earlier pass, which
+    is copied. Row 0 is the first one in memory, t = 0: seen from inside, with y upward, that is
+    the upper edge of the four faces around. `seamless` lets LINEAR mix texels across an edge.
+    """
+
+    faces: Sequence[Image]
+    format: str = "rgba32f"
+    wrap: tuple[str, str] = ("clamp_to_edge", "clamp_to_edge")
+    mipmaps: bool = False
+    seamless: bool = True
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._check_format(self.format)
+        self._check_levels(self.mipmaps)
+        object.__setattr__(self, "faces", tuple(self.faces))
+        if len(self.faces) != len(FACES):
+            raise CaseError(
+                f"CubeTexture: there are {len(self.faces)} faces, not 6",
+                remedy=f"one each for {', '.join(FACES)}",
+            )
+
+
+TextureSource = Texture | TextureArray | CubeTexture | Output
+
+
+def outputs_read(source: TextureSource) -> Iterator[Output]:
+    """The outputs of earlier passes that a texture is or is made of."""
+    if isinstance(source, Output):
+        yield source
+    parts: Sequence[Image] = ()
+    if isinstance(source, TextureArray):
+        parts = source.layers
+    elif isinstance(source, CubeTexture):
+        parts = source.faces
+    yield from (part for part in parts if isinstance(part, Output))
+
+
+def level_sizes(width: int, height: int) -> list[tuple[int, int]]:
+    """(width, height) of every mipmap level: halved, rounded down, until it is 1 × 1.
+
+    >>> level_sizes(5, 2)
+    [(5, 2), (2, 1), (1, 1)]
+    """
+    count = int(np.log2(max(width, height))) + 1
+    return [(max(width >> k, 1), max(height >> k, 1)) for k in range(count)]

@@ -1,0 +1,107 @@
+"""The white furnace: what a rough surface reflects of a light that is 1 from every side.
+
+A mirror that absorbs nothing (F = 1) must give all of it back. A microfacet model that follows one
+bounce only gives back less: what a second bounce would bring out is lost.
+
+Sources: B. Walter, S. R. Marschner, H. Li, K. E. Torrance, "Microfacet Models for Refraction
+through Rough Surfaces", EGSR 2007, equations 34 (masking of GGX), 35, 36 and 41 (sampling by D and
+the weight of a sample); B. Karis, "Real Shading in Unreal Engine 4", SIGGRAPH course notes 2013
+(the rational G with k = α/2 for light from everywhere); E. Heitz, "Understanding the
+Masking-Shadowing Function in Microfacet-Based BRDFs", Journal of Computer Graphics Techniques
+3(2), 2014, section 5 (the furnace as a test).
+
+Cosines and factors are (…, 1). α is roughness².
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from shaderlab.glslmath import Value, max, sqrt
+from shaderlab.reference.microfacets import distribution
+
+Masking = Callable[[Value, Value], Value]
+
+
+def shadowing_under_sky(cosine: Value, roughness: Value) -> Value:
+    """The rational half of G with k = α/2, for light from everywhere.
+
+    >>> print(f"{shadowing_under_sky(0.5, 0.5):.6f}")
+    0.888889
+    """
+    k = 0.5 * (roughness * roughness)
+    return cosine / (cosine * (1.0 - k) + k)
+
+
+def masking(cosine: Value, roughness: Value) -> Value:
+    """The half of G that belongs to GGX's own mirrors: 2c / (c + √(α² + (1 − α²) c²)).
+
+    >>> print(f"{masking(0.5, 0.5):.6f}")
+    0.956917
+    """
+    alpha = roughness * roughness
+    squared = alpha * alpha
+    return 2.0 * cosine / (cosine + sqrt(squared + (1.0 - squared) * (cosine * cosine)))
+
+
+def reflected_share(
+    normal_view: Value, roughness: Value, half_of_g: Masking, levels: int, ring: Any
+) -> Value:
+    """The share of a white furnace's light that leaves towards the viewer, for F = 1.
+
+    The mean of G (v·h) / ((n·v) (n·h)) over halfway vectors chosen as D·(n·h) is distributed: at
+    the middles of `levels` equal parts of their cumulative distribution, at azimuths whose
+    cosines are `ring`. The other half of the azimuths gives the same.
+
+    Args:
+        normal_view: n·v, above 0.
+        roughness: above 0, up to 1.
+        half_of_g: `shadowing`, `shadowing_under_sky` or `masking`.
+        levels: how many parts.
+        ring: cosines of azimuths to the viewer, evenly over 0…π, as a sequence.
+
+    >>> ring = np.cos((np.arange(8) + 0.5) / 8.0 * np.pi)
+    >>> print(f"{reflected_share(0.7, 0.5, masking, 16, ring).item():.4f}")
+    0.8940
+    """
+    alpha = roughness * roughness
+    squared = alpha * alpha
+    sine_view = sqrt(max(1.0 - normal_view * normal_view, 0.0))
+    total: Value = 0.0
+    for level in range(levels):
+        u = (level + 0.5) / levels
+        around = 1.0 - u + squared * u
+        cosine = sqrt((1.0 - u) / around)
+        sine = sqrt(squared * u / around)
+        for azimuth in ring:
+            view_half = max(sine_view * sine * azimuth + normal_view * cosine, 0.0)
+            normal_light = max(2.0 * view_half * cosine - normal_view, 0.0)
+            total = total + half_of_g(normal_light, roughness) * view_half / cosine
+    share = total * half_of_g(normal_view, roughness) / normal_view
+    return share / float(levels * len(ring))
+
+
+def reflected_share_by_directions(
+    normal_view: float, roughness: float, half_of_g: Masking, points: int = 400
+) -> float:
+    """The same share by its definition, ∫ D G / (4 (n·v)) dω over directions of light.
+
+    Gauss–Legendre in cos θ by the trapezoidal rule in the azimuth; for roughness 0.3 and more.
+
+    >>> print(f"{reflected_share_by_directions(0.7, 0.5, shadowing):.4f}")
+    0.7047
+    """
+    nodes, weights = np.polynomial.legendre.leggauss(points)
+    cosine = 0.5 * (nodes + 1.0)[:, None]
+    phi = (np.arange(points) + 0.5)[None, :] * (2.0 * math.pi / points)
+    sine = np.sqrt(1.0 - cosine * cosine)
+    view = np.array([math.sqrt(1.0 - normal_view**2), 0.0, normal_view])
+    x, y, z = sine * np.cos(phi) + view[0], sine * np.sin(phi), cosine + view[2]
+    normal_half = z / np.sqrt(x * x + y * y + z * z)
+    reflected = distribution(normal_half, roughness) * half_of_g(cosine, roughness)
+    share = np.mean(reflected, axis=1) @ (0.5 * weights) * (2.0 * math.pi)
+    return float(share * half_of_g(normal_view, roughness) / (4.0 * normal_view))

@@ -1,0 +1,205 @@
+"""GLSL's texture functions (GLSL 4.60, 8.9), under their own names."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from shaderlab.bands import Band
+from shaderlab.errors import FormulaError
+from shaderlab.frame import Array
+from shaderlab.sampling import cube, filters, levels, reading
+from shaderlab.sampling.reading import Integers, Sampler
+from shaderlab.sampling.spans import Span, component, components, hull, span_of
+
+_COORDINATES = {"2D": 2, "2DArray": 3, "Cube": 3}
+
+
+def texture(sampler: Sampler, p: Any, lod: Any = None) -> Any:
+    """GLSL's `texture`: a filtered sample at the point `p`.
+
+    Args:
+        sampler: a texture; a shadow sampler answers with one component, how much of the four
+            texels around (the nearest one, with NEAREST) passes the comparison. A band allows
+            anything where the four disagree (OpenGL 4.5, §8.23.1, leaves it to the driver).
+        p: coordinates (count, n) or (n,), as an array or a band: s, t; then the layer of an
+            array; of a cube the direction; last the value that a shadow sampler compares.
+        lod: the mipmap level that the derivatives give, where the filters depend on it.
+
+    Returns:
+        (count, 4), or (count, 1) of a shadow sampler.
+
+    Raises:
+        FormulaError: `p` has another number of components, the filters need a level and none is
+            given, or a band reaches over several texels.
+    """
+    texels = sampler.texels
+    wanted = _COORDINATES.get(texels.kind, 0) + (texels.compare is not None)
+    if texels.kind not in _COORDINATES:
+        raise FormulaError(f"texture(): a sampler{texels.kind} is read by texelFetch() alone")
+    given = components(span_of(p))
+    if given != wanted:
+        shadow = "Shadow" * (texels.compare is not None)
+        raise FormulaError(
+            f"texture(): a sampler{texels.kind}{shadow} takes {wanted} coordinates, not {given}"
+        )
+    level = None if lod is None else component(span_of(lod), 0)
+    sampled = _of_cube if texels.kind == "Cube" else _of_plane
+    return _value(sampler, sampled(sampler, p, level))
+
+
+def textureLod(sampler: Sampler, p: Any, lod: Any) -> Any:
+    """GLSL's `textureLod`: a sample of an explicit mipmap level; else as `texture`."""
+    return texture(sampler, p, lod)
+
+
+def texelFetch(sampler: Sampler, p: Any, lod: Any = 0) -> Any:
+    """GLSL's `texelFetch`: the texel at integer column and row (and layer), unfiltered.
+
+    Args:
+        sampler: any texture but a cube.
+        p: integers (count, 2), of an array (count, 3).
+        lod: the level; of a multisampled texture the sample's number. One for all.
+
+    Raises:
+        FormulaError: a texel or level is asked for that the texture does not have, which GLSL
+            leaves undefined.
+    """
+    texels = sampler.texels
+    if texels.kind == "Cube":
+        raise FormulaError("texelFetch(): GLSL fetches no texels of cubes")
+    low, high = span_of(p)
+    if not np.array_equal(np.rint(low), np.rint(high)):
+        raise FormulaError("texelFetch(): a band holds several texels")
+    place = np.rint(low).astype(np.int64)
+    number = int(np.ravel(np.asarray(lod))[0])
+    level, layer = (0, number) if texels.kind == "2DMS" else (number, 0)
+    if not 0 <= level <= len(texels.smaller):
+        raise FormulaError(f"texelFetch(): there is no level {level}")
+    layers: Integers = np.full(place.shape[:-1], layer, np.int64)
+    if texels.kind == "2DArray":
+        layers = place[..., 2]
+    count, height, width, _ = reading.level_values(sampler, level).shape
+    place = np.stack([place[..., 0], place[..., 1], layers], axis=-1)
+    if (place < 0).any() or (place >= (width, height, count)).any():
+        raise FormulaError(
+            f"texelFetch(): a texel outside {width} × {height}"
+            + (f" × {count}" if count > 1 else "")
+        )
+    return _value(sampler, reading.stored(sampler, level, *(place[..., k] for k in range(3))))
+
+
+def textureSize(sampler: Sampler, lod: int = 0) -> Array:
+    """GLSL's `textureSize`: (width, height) of a level in texels, then the layers of an array.
+
+    >>> from shaderlab.frame import Texels
+    >>> image = Texels(np.zeros((2, 4, 1)), ("nearest",) * 2, ("repeat",) * 2, (0.0,) * 4)
+    >>> textureSize(Sampler(image))
+    array([4., 2.])
+    """
+    count, height, width, _ = reading.level_values(sampler, int(lod)).shape
+    size = (width, height, count) if sampler.texels.kind == "2DArray" else (width, height)
+    return np.array(size, np.float64)
+
+
+def textureQueryLevels(sampler: Sampler) -> int:
+    """GLSL's `textureQueryLevels`: how many mipmap levels there are."""
+    return 1 + len(sampler.texels.smaller)
+
+
+def _of_plane(sampler: Sampler, p: Any, lod: Span | None) -> Span:
+    texels = sampler.texels
+    reference = _reference(sampler, p)
+    layers: list[Array] = [np.zeros(span_of(p)[0].shape[:-1])]
+    if texels.kind == "2DArray":
+        count = reading.level_values(sampler, 0).shape[0]
+        low, high = component(span_of(p), 2)
+        ends = [low] if low is high else [low, high]
+        layers = [np.clip(np.floor(end + 0.5), 0, count - 1) for end in ends]
+
+    def filtered(level: int, word: str) -> Span:
+        height, width = reading.level_values(sampler, level).shape[1:3]
+        uv = p[..., 0:2] if isinstance(p, Band) else np.asarray(p, np.float64)[..., 0:2]
+        place = span_of(uv * np.array([width, height], np.float64))
+        x, y = component(place, 0), component(place, 1)
+        found = []
+        for layer in layers:
+            number = layer.astype(np.int64)
+
+            def texel(column: Array, row: Array, number: Integers = number) -> Span:
+                return _compared(
+                    sampler, reference, reading.wrapped(sampler, level, column, row, number)
+                )
+
+            if word == "nearest":
+                found.append(filters.nearest(texel, x, y))
+            else:
+                found.append(_linear(sampler, texel, x, y))
+        return hull(found)
+
+    return levels.at_level(sampler, filtered, lod)
+
+
+def _of_cube(sampler: Sampler, p: Any, lod: Span | None) -> Span:
+    reference = _reference(sampler, p)
+    bounds = span_of(p)
+    shorter = bounds[0][..., :3]
+    direction = (shorter,) * 2 if bounds[0] is bounds[1] else (shorter, bounds[1][..., :3])
+    faces = list(cube.met_faces(direction, sampler.rules is None))
+
+    def filtered(level: int, word: str) -> Span:
+        size = reading.level_values(sampler, level).shape[1]
+        low: Any = np.inf
+        high: Any = -np.inf
+        for face, may, s, t in faces:
+            number = np.full(np.shape(s[0]), face, np.int64)
+
+            def texel(column: Array, row: Array, number: Integers = number) -> Span:
+                if word == "nearest":
+                    column, row = np.clip(column, 0, size - 1), np.clip(row, 0, size - 1)
+                found = cube.across_edges(sampler, level, column, row, number)
+                return _compared(sampler, reference, found)
+
+            x, y = (
+                (e[0] * size,) * 2 if e[0] is e[1] else (e[0] * size, e[1] * size) for e in (s, t)
+            )
+            if word == "nearest":
+                part = filters.nearest(texel, x, y)
+            else:
+                part = _linear(sampler, texel, x, y)
+            low = np.where(may[..., None], np.minimum(low, part[0]), low)
+            high = np.where(may[..., None], np.maximum(high, part[1]), high)
+        return low, high
+
+    return levels.at_level(sampler, filtered, lod)
+
+
+def _linear(sampler: Sampler, texel: filters.Texel, x: Span, y: Span) -> Span:
+    compared = sampler.texels.compare is not None
+    return filters.linear(texel, x, y, exact=sampler.rules is None, compared=compared)
+
+
+def _reference(sampler: Sampler, p: Any) -> Span | None:
+    """What a shadow sampler compares with, (count, 1); clamped as fixed-point depths are."""
+    if sampler.texels.compare is None:
+        return None
+    span = span_of(p)
+    last = components(span) - 1
+    bounds = tuple(bound[..., last:] for bound in span)
+    if sampler.texels.format[:7] in reading.LARGEST:
+        bounds = tuple(np.clip(bound, 0.0, 1.0) for bound in bounds)
+    return bounds[0], bounds[1]
+
+
+def _compared(sampler: Sampler, reference: Span | None, found: Span) -> Span:
+    if reference is None or sampler.texels.compare is None:
+        return found
+    depth = (found[0][..., 0:1], found[1][..., 0:1])
+    return reading.compared(sampler.texels.compare, reference, depth)
+
+
+def _value(sampler: Sampler, span: Span) -> Any:
+    if sampler.rules is None:
+        return span[0]
+    return Band.between(span[0], span[1], sampler.rules)

@@ -1,0 +1,135 @@
+"""Single texels: wrap modes, the border, absent components, formats, depth comparison.
+
+Source: OpenGL 4.5 core profile specification, §8.14.2 (wrap modes, table 8.20), §8.15 (the
+border), §8.16 (absent components), §8.23.1 (depth comparison), §2.3.5.1 (normalised integers).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from shaderlab.bands import Rules
+from shaderlab.errors import FormulaError
+from shaderlab.frame import Array, Texels
+from shaderlab.sampling.spans import Span
+
+Integers = npt.NDArray[np.int64]
+
+LARGEST = {"depth16": 2.0**16 - 1.0, "depth24": 2.0**24 - 1.0}
+# A code is turned into a float by a division, which may be off by 2.5 ULP.
+CODE_PRECISION = 2.5 * 2.0**-23
+
+
+@dataclass(frozen=True)
+class Sampler:
+    """A bound texture; `rules` are those of the bands it returns, None for float64 arrays."""
+
+    texels: Texels
+    rules: Rules | None = None
+
+
+def level_values(sampler: Sampler, level: int) -> Array:
+    """One mipmap level as (layers, height, width, channels); a plain texture has one layer."""
+    texels = sampler.texels
+    values = texels.values if level == 0 else texels.smaller[level - 1]
+    return values[None] if values.ndim == 3 else values
+
+
+def wrap_index(index: Integers, size: int, mode: str) -> Integers:
+    """The texel that an index outside 0…size−1 stands for; −1 means the border.
+
+    >>> [int(wrap_index(np.array([i]), 4, "mirrored_repeat")[0]) for i in (-2, -1, 0, 4, 5)]
+    [1, 0, 0, 3, 2]
+    """
+    if mode == "repeat":
+        return np.mod(index, size)
+    if mode == "mirrored_repeat":
+        folded = np.mod(index, 2 * size)
+        return np.where(folded < size, folded, 2 * size - 1 - folded)
+    if mode == "clamp_to_edge":
+        return np.clip(index, 0, size - 1)
+    return np.where((index < 0) | (index >= size), -1, index)
+
+
+def stored(sampler: Sampler, level: int, x: Integers, y: Integers, layer: Integers) -> Span:
+    """Texels inside a level, by column, row and layer, as (count, 4): absent components are 0,
+    absent alpha is 1."""
+    found = level_values(sampler, level)[layer, y, x]
+    return _completed(_decoded(sampler, found))
+
+
+def wrapped(sampler: Sampler, level: int, x: Array, y: Array, layer: Integers) -> Span:
+    """Texels at any integer column and row, by the sampler's wrap modes; (count, 4)."""
+    texels = sampler.texels
+    height, width, channels = level_values(sampler, level).shape[1:]
+    column = wrap_index(x.astype(np.int64), width, texels.wrap[0])
+    row = wrap_index(y.astype(np.int64), height, texels.wrap[1])
+    low, high = stored(sampler, level, np.maximum(column, 0), np.maximum(row, 0), layer)
+    outside = ((column < 0) | (row < 0))[..., None]
+    if outside.any():
+        border = np.asarray(texels.border[:channels], np.float32).astype(np.float64)
+        fixed = texels.values.dtype == np.uint8 or texels.format in LARGEST
+        color, _ = _completed((np.clip(border, 0.0, 1.0) if fixed else border,) * 2)
+        same = low is high
+        low = np.where(outside, color, low)
+        high = low if same else np.where(outside, color, high)
+    return low, high
+
+
+def compared(function: str, reference: Span, texel: Span) -> Span:
+    """A shadow sampler's answer for one texel: 1 where `reference function texel` holds, else 0;
+    both where that depends on the last bits."""
+    (r_low, r_high), (t_low, t_high) = reference, texel
+    sure: Any
+    may: Any
+    match function:
+        case "less":
+            sure, may = r_high < t_low, r_low < t_high
+        case "lequal":
+            sure, may = r_high <= t_low, r_low <= t_high
+        case "greater":
+            sure, may = r_low > t_high, r_high > t_low
+        case "gequal":
+            sure, may = r_low >= t_high, r_high >= t_low
+        case "equal" | "notequal":
+            may = (r_low <= t_high) & (t_low <= r_high)
+            sure = may & (r_low == r_high) & (t_low == t_high)
+            if function == "notequal":
+                sure, may = ~may, ~sure
+        case _:
+            sure = may = np.full(np.broadcast_shapes(r_low.shape, t_low.shape), function[0] == "a")
+    return sure.astype(np.float64), may.astype(np.float64)
+
+
+def _decoded(sampler: Sampler, values: Array) -> Span:
+    """Stored values as the shader reads them."""
+    texels = sampler.texels
+    if texels.format.startswith("srgb"):
+        raise FormulaError(
+            "texture(): how precisely an sRGB texel is decoded differs from driver to driver",
+            remedy='use a float format, such as Texture(format="rgba32f")',
+        )
+    numbers = values.astype(np.float64)
+    if values.dtype == np.uint8:
+        numbers = numbers / 255.0
+    elif texels.format[:7] not in LARGEST:
+        return numbers, numbers
+    if sampler.rules is None:
+        return numbers, numbers
+    # 0 and 1 are floats, so that only the others are rounded.
+    give = np.where((numbers == 0.0) | (numbers == 1.0), 0.0, CODE_PRECISION * numbers)
+    return numbers - give, numbers + give
+
+
+def _completed(span: Span) -> Span:
+    low, high = span
+    channels = low.shape[-1]
+    filler = np.broadcast_to(
+        np.array([0.0, 0.0, 0.0, 1.0])[channels:], (*low.shape[:-1], 4 - channels)
+    )
+    whole = np.concatenate([low, filler], axis=-1)
+    return whole, whole if low is high else np.concatenate([high, filler], axis=-1)
