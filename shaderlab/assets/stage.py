@@ -71,6 +71,7 @@ def prop_checks(
     light: Callable[..., Any],
     *,
     draw: int = 0,
+    pass_name: str = "judged",
 ) -> tuple[Expectation, ...]:
     """What must hold of a prop: its vertices and pixels, and one colour under a long normal.
 
@@ -78,12 +79,12 @@ def prop_checks(
     'a prop in clip space'
     """
     return (
-        formula("judged.gl_Position", position, draw=draw, name="a prop in clip space"),
-        formula("judged.Normal", normal, draw=draw, name="a prop's normals"),
-        formula("judged.Color", color, draw=draw, name="a prop's colours"),
-        formula("judged.FragColor", light, draw=draw, name="a prop in the light"),
+        formula(f"{pass_name}.gl_Position", position, draw=draw, name="a prop in clip space"),
+        formula(f"{pass_name}.Normal", normal, draw=draw, name="a prop's normals"),
+        formula(f"{pass_name}.Color", color, draw=draw, name="a prop's colours"),
+        formula(f"{pass_name}.FragColor", light, draw=draw, name="a prop in the light"),
         value(
-            "judged.FragColor",
+            f"{pass_name}.FragColor",
             at={"Color": (0.5, 0.5, 0.5), "Normal": (0.0, 2.0, 0.0)},
             equals=(0.742866, 0.742866, 0.742866, 1.0),
             digits=6,
