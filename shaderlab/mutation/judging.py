@@ -111,10 +111,12 @@ class Judge:
         vertex outputs only where the change is in one of the passes `vertex`."""
         images = self._originals[scene.variant].images
         found = []
-        for index, name in judged_passes(scene).items():
+        for index, names in judged_passes(scene).items():
             output = getattr(scene.expect[index], "output", None)
-            of_vertex = output is not None and (name, split_output(output, scene)[1]) not in images
-            if name in (vertex if of_vertex else touched):
+            of_vertex = output is not None and not any(
+                (name, split_output(output, scene)[1]) in images for name in names
+            )
+            if names & (vertex if of_vertex else touched):
                 found.append(index)
         return found
 

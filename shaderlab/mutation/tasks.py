@@ -30,7 +30,8 @@ class Task:
     def part(self, everything: bool = False) -> Scene:
         """As much of the changed scene as these expectations need, or `everything` touched."""
         passes = judged_passes(self.scene)
-        names = {passes[i] or "" for i in self.about} | (self.touched if everything else set())
+        names = {name for i in self.about for name in passes[i]}
+        names |= self.touched if everything else set()
         return part_of(self.changed, with_what_they_read(self.scene, names), self.about)
 
 

@@ -27,8 +27,10 @@ from shaderlab.model import (
     CompileFails,
     Computed,
     Coverage,
+    Exact,
     Expectation,
     GlError,
+    Output,
     Scene,
 )
 from shaderlab.pipeline import plan
@@ -261,17 +263,20 @@ class Trial:
         return True
 
 
-def judged_passes(scene: Scene) -> dict[int, str | None]:
-    """For each expectation of the scene, the pass it is about; None where no shader has a part."""
-    found: dict[int, str | None] = {}
+def judged_passes(scene: Scene) -> dict[int, frozenset[str]]:
+    """For each expectation of the scene, the passes it is about: two where it compares them, none
+    where no shader has a part."""
+    found: dict[int, frozenset[str]] = {}
     for index, expectation in enumerate(scene.expect):
         if isinstance(expectation, Computed | CompileFails):
-            found[index] = None
+            found[index] = frozenset()
         elif isinstance(expectation, Coverage | GlError):
-            found[index] = draw_key(scene, expectation.pass_name, expectation.draw)[0]
+            found[index] = frozenset({draw_key(scene, expectation.pass_name, expectation.draw)[0]})
         else:
             name, _ = split_output(expectation.output, scene)
-            found[index] = scene.find_pass(name).name
+            found[index] = frozenset({scene.find_pass(name).name})
+            if isinstance(expectation, Exact) and isinstance(expectation.equals, Output):
+                found[index] |= {expectation.equals.pass_name}
     return found
 
 
