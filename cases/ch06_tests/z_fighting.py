@@ -37,8 +37,8 @@ BITS = {"depth16": 16, "depth24": 24, "depth32f": 24}
 STEPS = (0.125, 0.5, 0.875, 2.0, 8.0)  # gaps, in steps of the depth buffer at the wall's middle
 SIZE = (640, 4 * len(STEPS))
 # Codes that 32-bit arithmetic may misplace the two walls by: a vertex's depth is rounded in some
-# operations on its way to the buffer, by 2^-24 of itself each. With 16 bits that is next to nothing,
-# but softpipe steps along a row of pixels in fixed point and loses up to a tenth of a code.
+# operations on its way to the buffer, by 2^-24 of itself each. With 16 bits that is next to
+# nothing, but softpipe steps along a row of pixels in fixed point: up to a tenth of a code.
 ROUNDED = {16: 0.125, 24: 4.0}
 # Each column of pixels is one trial whether two depths share a code: three standard deviations.
 CHANCE = 3.0 * (0.25 / SIZE[0]) ** 0.5

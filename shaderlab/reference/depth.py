@@ -93,7 +93,7 @@ def same_code_share(
     0.49
     """
     ends = window_depth(np.array([middle - slant, middle + slant]), near, far)
-    across = np.linspace(*ends, 2001)
+    across = np.linspace(float(ends[0]), float(ends[1]), 2001)
     behind = window_depth(distance_of(across, near, far) + gap, near, far)
     codes = (behind - across) * 2.0**bits
     return float(np.clip(1.0 - codes, 0.0, 1.0).mean())
