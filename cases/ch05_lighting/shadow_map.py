@@ -29,20 +29,11 @@ from shaderlab import (
 )
 from shaderlab.assets.courtyard import boxes
 from shaderlab.assets.shadow_stage import EYE, SUN, cast, lit
-from shaderlab.glslmath import dot, max, mul, normalize, swizzle, vec4
-from shaderlab.reference.blinn_phong import lobe
+from shaderlab.reference.courtyard import courtyard_references, light_position, stored_depth
 from shaderlab.reference.lighting import finished
 from shaderlab.reference.shadow_truth import blocked
-from shaderlab.reference.shadows import shadow_coordinates, shadow_of_fragment
-from shaderlab.reference.transforms import (
-    clip_position,
-    look_at,
-    orthographic,
-    perspective,
-    rotate,
-    world_normal,
-    world_position,
-)
+from shaderlab.reference.shadows import shadow_coordinates
+from shaderlab.reference.transforms import look_at, orthographic, perspective, rotate
 from shaderlab.sampling import texture
 
 MODEL = rotate(radians(6.0), (0.0, 1.0, 0.0))
@@ -65,32 +56,6 @@ def scene(name, camera=CAMERA, wrap=WHITE, **target):
     """The courtyard with the shadow map."""
     shadow_map = Output("shadow", "depth", **wrap)
     return lit(name, shadow_map, LIGHT_SPACE, MODEL, camera, BIAS, **target)
-
-
-def light_position(aPos, model, lightSpaceMatrix):
-    """Clip coordinates seen from the light."""
-    return mul(lightSpaceMatrix, mul(model, vec4(aPos, 1.0)))
-
-
-def stored(frag_coord):
-    """What the shadow map keeps: the window depth."""
-    return swizzle(frag_coord, "z")
-
-
-dark = shadow_of_fragment(texture)
-
-
-def color(
-    FragPos, Normal, Color, FragPosLightSpace, shadowMap, lightPos, viewPos, leastBias, mostBias,
-    radius,
-):  # fmt: skip
-    """Ambient light, and what the shadow leaves of the sun."""
-    shadow = dark(Normal, FragPosLightSpace, shadowMap, lightPos, leastBias, mostBias, radius)
-    normal, to_sun = normalize(Normal), normalize(lightPos)
-    lambert = max(dot(normal, to_sun), 0.0)
-    halfway = normalize(to_sun + normalize(viewPos - FragPos))
-    glint = 0.2 * lobe(dot(normal, halfway), 32.0)
-    return vec4((0.15 + (1.0 - shadow) * (lambert + glint)) * Color, 1.0)
 
 
 def in_light(matrix):
@@ -127,13 +92,7 @@ def reads(name):
     return {output: f"{name}.{output}" for output in ("FragColor", "shadow", "place", "upright")}
 
 
-def checks(name):
-    """What each look at the courtyard has to keep."""
-    return (
-        formula(f"{name}.shadow", dark),
-        formula(f"{name}.FragColor", color),
-    )
-
+LAWS = courtyard_references(texture)
 
 case = Case(
     title="Shadow mapping",
@@ -165,14 +124,10 @@ case = Case(
     picture="picture.FragColor",
     expect=[
         formula("shadow.gl_Position", light_position),
-        formula("shadow.depth", stored),
-        formula("judged.gl_Position", clip_position),
-        formula("judged.FragPos", world_position),
-        formula("judged.Normal", world_normal),
-        formula("judged.FragPosLightSpace", light_position),
-        *checks("judged"),
-        *checks("wide"),
-        *checks("repeated"),
+        formula("shadow.depth", stored_depth),
+        *(formula(f"judged.{output}", law) for output, law in LAWS.items()),
+        formula("wide.shadow", LAWS["shadow"]),
+        formula("repeated.shadow", LAWS["shadow"]),
         formula("picture.FragColor", finished(texture), name="the picture"),
         measure(
             "shadows told wrongly",

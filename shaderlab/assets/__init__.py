@@ -5,6 +5,7 @@ A mesh is a mapping that `Mesh` takes as it is: `Mesh(**assets.sphere())`. A tex
 Models and point clouds of one's own are read by `load_obj` and `load_pcd`.
 """
 
+from shaderlab.assets.charts import uv_grid
 from shaderlab.assets.meshes import (
     Geometry,
     cube,
@@ -18,6 +19,7 @@ from shaderlab.assets.meshes import (
 )
 from shaderlab.assets.obj import Part, load_obj
 from shaderlab.assets.pcd import Cloud, load_pcd
+from shaderlab.assets.sky import sky_faces
 from shaderlab.assets.textures import brick_normals, brick_wall, checker, crate, emblem, solid
 
 __all__ = [
@@ -37,7 +39,9 @@ __all__ = [
     "moved",
     "plane",
     "quad",
+    "sky_faces",
     "solid",
     "sphere",
     "torus",
+    "uv_grid",
 ]

@@ -24,7 +24,7 @@ from shaderlab.gl.stages import PREFIX
 from shaderlab.gl.target import RenderTarget
 from shaderlab.gl.uniform_buffers import UniformBuffers
 from shaderlab.gl.vertices import PRIMITIVES, VertexArray, vertex_array
-from shaderlab.model import Pass, Scene, names_asked_for
+from shaderlab.model import Mesh, Pass, Scene, names_asked_for
 
 Size = tuple[int, int]
 Prepared = Mapping[str, tuple[PreparedDraw, ...]]
@@ -80,6 +80,7 @@ class Session:
         self._targets: dict[str, RenderTarget] = {}
         self._textures = BoundTextures(runner.device, scene, self.images, self._targets, stack)
         self._blocks = UniformBuffers(runner.device, stack)
+        self._arrays: dict[tuple[int, int], tuple[Any, Mesh | None, VertexArray]] = {}
         self._gl_errors: dict[PassDraw, tuple[int, ...]] = {}
         self._inactive: set[str] = set()
         self._asked = names_asked_for(scene)
@@ -189,10 +190,19 @@ class Session:
                 error.message, file=draw.authored[-1].path, remedy=error.remedy
             ) from error
         self.use(program, draw, self.bindings[key])
-        vao = vertex_array(self.runner.device, program, draw.draw.mesh)
+        vao = self._vertex_array(program, draw.draw.mesh)
         target.bind(output_locations(program, target.colors))
         state.apply(draw.draw.state, target.size)
         return program, vao
+
+    def _vertex_array(self, program: Any, mesh: Mesh | None) -> VertexArray:
+        """The vertex array of a mesh for a program, made once and kept."""
+        key = (id(program), id(mesh))
+        if key not in self._arrays:
+            made = vertex_array(self.runner.device, program, mesh)
+            # Program and mesh are kept with it, so that nothing else gets their identity.
+            self._arrays[key] = (program, mesh, made)
+        return self._arrays[key][2]
 
 
 def require_glsl(device: Device, draw: PreparedDraw) -> None:
@@ -215,6 +225,9 @@ def submit(vao: VertexArray, program: Any, draw: PreparedDraw) -> None:
     from OpenGL import GL
 
     description = draw.draw
+    last = draw.text("geometry") or draw.text("vertex") or ""
+    # A shader that gives points no size gets the default one, a pixel.
+    (GL.glEnable if "gl_PointSize" in last else GL.glDisable)(GL.GL_PROGRAM_POINT_SIZE)
     mode = PRIMITIVES[description.mesh.primitive if description.mesh else "triangles"]
     if not description.vertex_array:
         GL.glUseProgram(program.glo)
