@@ -124,6 +124,11 @@ def lit(Local, axes, normalMatrix, stretched, lightDir):
     return vec4(light * lines * vec3(0.95, 0.62, 0.30), 1.0)
 
 
+def outer(gl_FrontFacing):
+    """Every pixel shows the ellipsoid from outside."""
+    return 1.0 + 0.0 * gl_FrontFacing
+
+
 def stored():
     """The largest difference between the mesh's own normals and the gradient at its points."""
     found = SOLID["attributes"]
@@ -175,6 +180,10 @@ case = Case(
         formula("both.normal", surface_normal, draw=1, name="the globe's, stretched"),
         formula("both.FragColor", lit, draw=0, name="light on the left"),
         formula("both.FragColor", lit, draw=1, name="light on the right"),
+        *(
+            formula(f"{name}.facing", outer, draw=k, name=f"the outer side is seen: {name} {k}")
+            for name, k in (("both", 0), ("both", 1), ("mesh", 0))
+        ),
         formula("silhouette.inside", outline, name="the outline against the true one"),
         value(
             "mesh.normal",

@@ -9,6 +9,7 @@ uniform bool stretched;   // the mistake: the globe's normals, stretched along w
 layout (location = 0) out vec4 FragColor;
 layout (location = 1) out vec3 normal;
 layout (location = 2) out float covered;
+layout (location = 3) out float facing;   // 1 where the side that we see is the outer one
 
 void main()
 {
@@ -21,4 +22,5 @@ void main()
     float light = 0.16 + 0.84 * max(dot(normal, lightDir), 0.0);
     FragColor = vec4(light * lines * vec3(0.95, 0.62, 0.30), 1.0);
     covered = 1.0;
+    facing = gl_FrontFacing ? 1.0 : 0.0;
 }

@@ -54,6 +54,9 @@ MISTAKES = [
     ("ellipsoid", f"{CH11}/ellipsoid.vert", "/ (axes * axes)", "* (axes * axes)"),
     ("ellipsoid", f"{CH11}/ellipsoid.vert", "vec4(aPos, 1.0)", "vec4(1.02 * aPos, 1.0)"),
     ("ellipsoid", f"{CH11}/ellipsoid.frag", "Local / (axes * axes)", "Local / axes"),
+    ("fixed-timestep", f"{CH11}/fixed_timestep.frag", "left -= dt", "left = 0.0"),
+    ("fixed-timestep", f"{CH11}/fixed_timestep.frag", "left >= dt", "left > dt"),
+    ("fixed-timestep", f"{CH11}/fixed_timestep.frag", "-0.75 * speed", "-0.74 * speed"),
 ]  # fmt: skip
 MINE = {case_id for case_id, *_ in MISTAKES}
 FOR_PEOPLE = {"picture", "scene"}
