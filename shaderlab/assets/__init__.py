@@ -6,8 +6,16 @@ A mesh is a mapping that `Mesh` takes as it is: `Mesh(**assets.sphere())`. A tex
 
 from shaderlab.assets.charts import uv_grid
 from shaderlab.assets.meshes import Geometry, cube, joined, moved, plane, quad, sphere, torus
-from shaderlab.assets.sky import sky_faces
-from shaderlab.assets.textures import brick_normals, brick_wall, checker, crate, emblem, solid
+from shaderlab.assets.sky import sky_face
+from shaderlab.assets.textures import (
+    brick_normals,
+    brick_wall,
+    checker,
+    crate,
+    emblem,
+    plaster,
+    solid,
+)
 
 __all__ = [
     "Geometry",
@@ -20,8 +28,9 @@ __all__ = [
     "joined",
     "moved",
     "plane",
+    "plaster",
     "quad",
-    "sky_faces",
+    "sky_face",
     "solid",
     "sphere",
     "torus",
