@@ -40,7 +40,7 @@ AXES = (1.0, 0.45, 0.7)
 SOLID = assets.ellipsoid(AXES, segments=64, rings=32)
 MODEL = rotate(radians(25.0), (0.0, 0.0, 1.0)) @ rotate(radians(35.0), (0.0, 1.0, 0.0))
 # The view plane, 2.1 by 1.68 of the half axes' units, seen straight on.
-PROJECTION = orthographic(-1.05, 1.05, -0.84, 0.84, -2.0, 2.0)
+PROJECTION = orthographic(-1.05, 1.05, -0.84, 0.84, -2.0, 3.0)
 LIGHT = np.array([-0.36, 0.80, 0.48])
 
 

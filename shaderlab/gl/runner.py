@@ -12,6 +12,7 @@ from shaderlab.errors import ShaderError, UnsupportedError
 from shaderlab.frame import Array, Bindings, Image, PassDraw
 from shaderlab.gl import bind, blocks, formats, state
 from shaderlab.gl.bound import BoundTextures
+from shaderlab.gl.continuing import refuse_stale, taken_over
 from shaderlab.gl.device import Device
 from shaderlab.gl.prepare import PreparedDraw, output_types, pass_colors
 from shaderlab.gl.programs import (
@@ -111,14 +112,18 @@ class Session:
         colors = pass_colors(description, prepared)
         extent = self.extent(description)
         with doing("draw", f"making the target of pass {description.name!r}"):
-            target = RenderTarget(self.runner.device, description.target, colors, extent)
-            self._stack.callback(target.release)
+            if description.onto:
+                target = taken_over(self.scene, description, colors, self._targets)
+            else:
+                target = RenderTarget(self.runner.device, description.target, colors, extent)
+                self._stack.callback(target.release)
+                target.clear()
             self._targets[description.name] = target
-            target.clear()
             if description.target.samples:
                 self.sample_positions[description.name] = target.sample_positions()
         for index, draw in enumerate(prepared):
             key = (description.name, index)
+            refuse_stale(description, draw.draw, self._targets)
             with doing("draw", step(key, draw)):
                 self.bindings[key] = self.bind(draw)
                 self._draw(key, draw, target)

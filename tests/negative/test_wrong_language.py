@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from shaderlab.catalogue import Catalogue, data_folder
-from shaderlab.model import Case, CompileFails, Computed, InactiveUniforms, Refused
+from shaderlab.model import Case, CompileFails, Computed, InactiveUniforms, Output, Refused
 from shaderlab.pipeline import Lab, Options
 from shaderlab.records import Record
 
@@ -57,6 +57,8 @@ MISTAKES = [
     ("fixed-timestep", f"{CH11}/fixed_timestep.frag", "left -= dt", "left = 0.0"),
     ("fixed-timestep", f"{CH11}/fixed_timestep.frag", "left >= dt", "left > dt"),
     ("fixed-timestep", f"{CH11}/fixed_timestep.frag", "-0.75 * speed", "-0.74 * speed"),
+    ("double-buffer", f"{CH11}/double_buffer_ball.frag", "/ 0.3", "/ 0.31"),
+    ("double-buffer", f"{CH11}/double_buffer_screen.frag", "gl_FragCoord.xy", "gl_FragCoord.yx"),
 ]  # fmt: skip
 MINE = {case_id for case_id, *_ in MISTAKES}
 FOR_PEOPLE = {"picture", "scene"}
@@ -114,6 +116,20 @@ def shortened(expectation: object) -> object:
         messages = tuple((file, line, text[:-1]) for file, line, text in expectation.messages)
         return replace(expectation, messages=messages)
     return expectation
+
+
+def test_a_screen_that_reads_the_back_buffer_is_noticed() -> None:
+    """With two buffers, pointed at the one that is drawn into, it shows half a frame."""
+    case = judged_only("double-buffer")
+    passes = []
+    for made in case.passes:
+        if made.name == "two seen 3":
+            draw = replace(made.draws[0], textures={"front": Output("two 2 half", "FragColor")})
+            made = replace(made, draws=(draw,))
+        passes.append(made)
+    (record,) = run(replace(case, passes=tuple(passes)))
+    failed = [o.name for o in record.expectations if o.status == "fail"]
+    assert failed == ["two buffers, refresh 3: frame 1, whole"]
 
 
 def test_another_file_s_figures_are_noticed() -> None:
