@@ -195,7 +195,7 @@ def test_what_is_compared_with_another_pass_is_drawn_with_it(folder: Path) -> No
     assert "survived" in {f.status for f in shaders}
     assert not [f for f in shaders + hidden if "CaseError" in f.by]
     killed = [f.by for f in hidden if f.status == "killed"]
-    assert killed and set(killed) == {"default · quads: any order of drawing"}
+    assert killed and set(killed) == {"default · quads.FragColor: any order of drawing"}
 
 
 TROUBLE = """
