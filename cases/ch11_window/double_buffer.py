@@ -17,7 +17,7 @@ from shaderlab import Case, Cell, Draw, Output, Pass, Ramp, State, Target, exact
 from shaderlab.glslmath import dot, mix, swizzle, vec3, vec4, where
 
 FRAMES = 4
-SMALL = Target(size=(128, 128))
+SMALL = Target(size=(96, 96))
 WINDOW = {"place": Ramp((-1.0, -1.0), (2.0, 0.0), (0.0, 2.0))}
 
 
