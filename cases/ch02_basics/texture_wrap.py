@@ -106,8 +106,8 @@ case = Case(
     r"\text{edge: } \operatorname{clamp}(i, 0, n - 1)",
     passes=(
         tables("picture", CHART, (1024, 512)),
-        # 35 and 33 pixels over 20 and 12 texels: none has its centre on an edge of texels.
-        tables("judged", TEXELS, (140, 66)),
+        # 40 and 32 pixels over 20 and 12 texels: none of them lies on a texel's edge or centre.
+        tables("judged", TEXELS, (160, 64)),
         *place("repeat", "repeat"),
         *place("mirror", "mirrored_repeat"),
         *place("edge", "clamp_to_edge"),

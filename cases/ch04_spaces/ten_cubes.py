@@ -131,6 +131,13 @@ case = Case(
             formula("judged.FragColor", of_wood, draw=k, name=f"pixels of box {k + 1}")
             for k in range(10)
         ),
+        value(
+            "judged.FragColor",
+            at={"Normal": (-2.0, 1.0, 2.0), "TexCoords": (0.5, 0.5)},
+            equals=(0.346979, 0.244959, 0.143558, 1.0),
+            digits=6,
+            name="wood, its normal not of length 1",
+        ),
         formula("judged.box", box_number),
         formula("judged.Normal", turned_normal),
         formula("judged.TexCoords", texture_place),

@@ -9,6 +9,7 @@ white from the first sleeper on, because with n = 0.1 all that is farther away t
 0.95. On the right is z / f, even from black at the camera to white at the far plane.
 """
 
+from dataclasses import replace
 from math import radians
 
 import numpy as np
@@ -19,8 +20,12 @@ from shaderlab import (
     Depth,
     Draw,
     Mesh,
+    Output,
+    Pass,
     State,
+    Target,
     computed,
+    exact,
     formula,
     measure,
 )
@@ -35,11 +40,14 @@ NEAR, FAR = 0.1, 30.0
 VIEW = look_at((0.5, 1.1, 2.6), (0.1, 0.55, -3.0))
 PROJECTION = perspective(radians(48.0), 1.0, NEAR, FAR)
 RAILWAY = solids.railway()
+WHITE = (1.0, 1.0, 1.0, 0.0)
 
 
-def half(column, linearly):
-    """The railway in one half of the picture."""
+def half(column, linearly, backwards=False):
+    """The railway in one half of the picture; `backwards` from its last triangle to its first."""
     mesh = Mesh(**RAILWAY)
+    if backwards:
+        mesh = replace(mesh, indices=mesh.indices.reshape(-1, 3)[::-1].ravel())
     return Draw(
         vertex="ch06_tests/depth_linear.vert",
         fragment="ch06_tests/depth_linear.frag",
@@ -90,8 +98,13 @@ case = Case(
     title="Distance out of depth",
     section="6.2.2",
     math=r"z = \frac{2\,n f}{f + n - d\,(f - n)}, \qquad d = 2F - 1",
-    passes=stage.photographed(
-        [half(0, 0.0), half(1, 1.0)], (1000, 500), clear=(1.0, 1.0, 1.0, 0.0)
+    passes=(
+        *stage.photographed([half(0, 0.0), half(1, 1.0)], (1000, 500), clear=WHITE),
+        Pass(
+            name="backwards",
+            target=Target(size=(96, 48), depth="depth24", clear=WHITE),
+            draws=(half(0, 0.0, backwards=True), half(1, 1.0, backwards=True)),
+        ),
     ),
     picture="picture.FragColor",
     expect=[
@@ -108,6 +121,11 @@ case = Case(
         formula("judged.Distance", seen_distance, name="distance of a vertex"),
         formula("judged.Color", handed_on),
         formula("judged.gl_Position", clip_position),
+        exact(
+            "judged.FragColor",
+            Output("backwards", "FragColor"),
+            name="the nearest is seen, in whichever order it is drawn",
+        ),
         measure(
             "error of the distance",
             error,

@@ -19,8 +19,16 @@ from shaderlab.assets.meshes import (
 )
 from shaderlab.assets.obj import Part, load_obj
 from shaderlab.assets.pcd import Cloud, load_pcd
-from shaderlab.assets.sky import sky_faces
-from shaderlab.assets.textures import brick_normals, brick_wall, checker, crate, emblem, solid
+from shaderlab.assets.sky import sky_face
+from shaderlab.assets.textures import (
+    brick_normals,
+    brick_wall,
+    checker,
+    crate,
+    emblem,
+    plaster,
+    solid,
+)
 
 __all__ = [
     "Cloud",
@@ -38,8 +46,9 @@ __all__ = [
     "load_pcd",
     "moved",
     "plane",
+    "plaster",
     "quad",
-    "sky_faces",
+    "sky_face",
     "solid",
     "sphere",
     "torus",

@@ -21,23 +21,20 @@ _TOWARDS = np.array(
 )  # fmt: skip
 
 
-def sky_faces(size: int = 128, seed: int = 21) -> list[Array]:
-    """Morning over hills, for `CubeTexture(faces=…)`: +X, −X, +Y, −Y, +Z, −Z, each RGBA.
+def sky_face(number: int, size: int = 256, seed: int = 21) -> Array:
+    """Morning over hills, one face for `CubeTexture`: 0…5 for +X, −X, +Y, −Y, +Z, −Z. RGBA.
 
     Row 0 is t = 0, as a cube map wants it: the upper edge of the four faces around.
 
-    >>> [face.shape for face in sky_faces(4)][:2]
-    [(4, 4, 4), (4, 4, 4)]
+    >>> sky_face(2, 4).shape
+    (4, 4, 4)
     """
     place = (np.arange(size) + 0.5) / size * 2.0 - 1.0
     t, s = np.meshgrid(place, place, indexing="ij")
-    faces = []
-    for towards in _TOWARDS:
-        direction = np.stack([s, t, np.ones_like(s)], -1) @ towards.T
-        direction /= np.linalg.norm(direction, axis=-1, keepdims=True)
-        color = _colour(direction, seed)
-        faces.append(np.concatenate([color, np.ones((size, size, 1))], -1).astype(np.float32))
-    return faces
+    direction = np.stack([s, t, np.ones_like(s)], -1) @ _TOWARDS[number].T
+    direction /= np.linalg.norm(direction, axis=-1, keepdims=True)
+    opaque = np.ones((size, size, 1))
+    return np.concatenate([_colour(direction, seed), opaque], -1).astype(np.float32)
 
 
 def _colour(direction: Array, seed: int) -> Array:

@@ -33,9 +33,11 @@ def still_life() -> Geometry:
     )
 
 
-def photographed(view: Array, projection: Array, name: str = "scene") -> Pass:
-    """A pass that draws the still life, turned a little to the left."""
-    target = Target(depth="depth24", clear=SKY)
+def photographed(
+    view: Array, projection: Array, name: str = "scene", size: tuple[int, int] | None = None
+) -> Pass:
+    """A pass that draws the still life, turned a little to the left; `size` is the target's."""
+    target = Target(depth="depth24", clear=SKY, size=size)
     model = np.eye(4)
     c, s = np.cos(0.2), np.sin(0.2)
     model[:3, :3] = (c, 0.0, s), (0.0, 1.0, 0.0), (-s, 0.0, c)
