@@ -236,9 +236,7 @@ def png(folder: Path, width: int = 32, height: int = 32) -> bytes:
         ("half.hdr", lambda folder: b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8 +X 8\nxx"),
     ],
 )
-def test_a_damaged_image_is_named(
-    tmp_path: Path, name: str, make: Callable[[Path], bytes]
-) -> None:
+def test_a_damaged_image_is_named(tmp_path: Path, name: str, make: Callable[[Path], bytes]) -> None:
     """Nothing, half of it, or a size that is not there: the file's name and a remedy, no crash."""
     path = tmp_path / name
     path.write_bytes(make(tmp_path))
