@@ -13,11 +13,24 @@ Below, with two, they show the last whole frame once more.
 
 import numpy as np
 
-from shaderlab import Case, Cell, Draw, Output, Pass, Ramp, State, Target, exact, formula, value
+from shaderlab import (
+    Case,
+    Cell,
+    Draw,
+    Output,
+    Pass,
+    Ramp,
+    State,
+    Target,
+    coverage,
+    exact,
+    formula,
+    value,
+)
 from shaderlab.glslmath import dot, mix, swizzle, vec3, vec4, where
 
 FRAMES = 4
-SMALL = Target(size=(128, 128))
+SMALL = Target(size=(96, 96))
 WINDOW = {"place": Ramp((-1.0, -1.0), (2.0, 0.0), (0.0, 2.0))}
 
 
@@ -97,6 +110,14 @@ def ball(place, middle):
     return vec4(light * vec3(1.0, 0.86, 0.32), 1.0)
 
 
+def disc(frame):
+    """How many pixels' centres lie in the ball."""
+    centres = (np.arange(96) + 0.5) / 48.0 - 1.0
+    across = (centres - (-0.6 + 0.4 * frame)) / 0.3
+    upward = (centres + 0.2) / 0.3
+    return int((across[None] ** 2 + upward[:, None] ** 2 <= 1.0).sum())
+
+
 REFRESHES = range(2 * FRAMES - 1)
 DARK, RED = (0.07, 0.08, 0.10), (0.85, 0.20, 0.15)
 
@@ -126,6 +147,10 @@ case = Case(
     expect=[
         *(
             formula(f"frame {k}.FragColor", ball, name=f"the ball in frame {k}")
+            for k in range(FRAMES)
+        ),
+        *(
+            coverage(disc(k), pass_name=f"frame {k}", name=f"pixels of the ball in frame {k}")
             for k in range(FRAMES)
         ),
         formula("frame 0.FragColor", sky, draw=0, name="the sky behind it"),

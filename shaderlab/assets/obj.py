@@ -258,6 +258,11 @@ def _material(arrays: Mapping[str, Any]) -> str:
 
 
 def _spelt(corner: tuple[int, int, int]) -> str:
+    """A corner as OBJ writes it.
+
+    >>> _spelt((4, 0, 2))
+    '4//2'
+    """
     return "/".join(str(index) if index else "" for index in corner)
 
 

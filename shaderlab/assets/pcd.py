@@ -197,6 +197,11 @@ def _check_size(header: _Header, data: bytes, source: Path) -> None:
 
 
 def _numbers(words: list[str], name: str, source: Path) -> list[int]:
+    """Counts in the header.
+
+    >>> _numbers(["4", "4", "1"], "SIZE", Path("cloud.pcd"))
+    [4, 4, 1]
+    """
     if not all(word.isdecimal() and len(word) < 16 for word in words):
         raise _no_pcd(f"its {name} is {' '.join(words)!r}, which is no count", source)
     return [int(word) for word in words]

@@ -46,28 +46,9 @@ ROWS = {
 }
 MISSING = {
     "texture-compression",
-    "point-shadow",
-    "cascaded-shadows",
-    "transparency-order",
-    "multitexture",
-    "light-map",
-    "cubemap",
-    "environment-map",
-    "face-culling",
-    "framebuffer-texture",
-    "framebuffer-renderbuffer",
-    "multiple-render-targets",
-    "uniform-buffer",
-    "batching",
-    "geometry-houses",
-    "geometry-explode",
-    "geometry-normals",
-    "reduced-resolution",
     "multisample-coverage",
     "msaa",
     "msaa-offscreen",
-    "buffer-map",
-    "skybox",
 }
 
 # These hold or not whatever the shaders compute: alone they would let any formula pass.

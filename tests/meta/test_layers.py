@@ -66,6 +66,8 @@ OWNERS: dict[str, set[str]] = {
     "OpenGL": {"gl"},
     "ctypes": {"gl", "glsl", "workers"},
     "OpenImageIO": {"pictures"},
+    "trimesh": {"assets"},
+    "pypcd4": {"assets"},
     "jinja2": {"report"},
     "tree_sitter": {"mutation"},
     "tree_sitter_glsl": {"mutation"},

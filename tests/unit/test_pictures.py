@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import os
+import struct
+import zlib
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -206,3 +209,38 @@ def test_thumbnails_are_small_and_never_enlarged(tmp_path: Path) -> None:
     (tmp_path / "small.png").write_bytes(pictures.thumbnail(tmp_path / "a.png", 50))
     assert pictures.load(tmp_path / "small.png").shape == (25, 50, 3)
     assert pictures.thumbnail(tmp_path / "a.png", 400) == (tmp_path / "a.png").read_bytes()
+
+
+def png(folder: Path, width: int = 32, height: int = 32) -> bytes:
+    """A PNG file of 32 × 32 pixels whose header says another size."""
+    noise = np.random.default_rng(0).integers(0, 256, (32, 32, 3), dtype=np.uint8)
+    pictures.save_png(folder / "good.png", noise)
+    good = (folder / "good.png").read_bytes()
+    header = b"IHDR" + struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
+    return good[:12] + header + struct.pack(">I", zlib.crc32(header)) + good[33:]
+
+
+@pytest.mark.parametrize(
+    ("name", "make"),
+    [
+        ("zero.png", lambda folder: png(folder, 0, 0)),
+        ("enormous.png", lambda folder: png(folder, 10**6, 10**6)),
+        ("wider.png", lambda folder: png(folder, 16384, 16384)),
+        ("half.png", lambda folder: png(folder)[:900]),
+        ("start.png", lambda folder: png(folder)[:20]),
+        ("empty.png", lambda folder: b""),
+        ("words.png", lambda folder: b"no image"),
+        ("zero.pnm", lambda folder: b"P6 0 0 255\n"),
+        ("enormous.pnm", lambda folder: b"P6 16000 16000 255\nabc"),
+        ("zero.tga", lambda folder: bytes(2) + b"\2" + bytes(13) + b"\x18\0"),
+        ("half.hdr", lambda folder: b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8 +X 8\nxx"),
+    ],
+)
+def test_a_damaged_image_is_named(tmp_path: Path, name: str, make: Callable[[Path], bytes]) -> None:
+    """Nothing, half of it, or a size that is not there: the file's name and a remedy, no crash."""
+    path = tmp_path / name
+    path.write_bytes(make(tmp_path))
+    with pytest.raises(AssetError) as caught:
+        pictures.load(path)
+    assert caught.value.file == str(path) and caught.value.remedy
+    assert caught.value.message.startswith(("can't read the image (", "the image is "))
