@@ -5,9 +5,21 @@ A mesh is a mapping that `Mesh` takes as it is: `Mesh(**assets.sphere())`. A tex
 Models and point clouds of one's own are read by `load_obj` and `load_pcd`.
 """
 
-from shaderlab.assets.meshes import Geometry, cube, joined, moved, plane, quad, sphere, torus
+from shaderlab.assets.charts import uv_grid
+from shaderlab.assets.meshes import (
+    Geometry,
+    cube,
+    ellipsoid,
+    joined,
+    moved,
+    plane,
+    quad,
+    sphere,
+    torus,
+)
 from shaderlab.assets.obj import Part, load_obj
 from shaderlab.assets.pcd import Cloud, load_pcd
+from shaderlab.assets.sky import sky_faces
 from shaderlab.assets.textures import brick_normals, brick_wall, checker, crate, emblem, solid
 
 __all__ = [
@@ -19,6 +31,7 @@ __all__ = [
     "checker",
     "crate",
     "cube",
+    "ellipsoid",
     "emblem",
     "joined",
     "load_obj",
@@ -26,7 +39,9 @@ __all__ = [
     "moved",
     "plane",
     "quad",
+    "sky_faces",
     "solid",
     "sphere",
     "torus",
+    "uv_grid",
 ]

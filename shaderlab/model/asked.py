@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 from shaderlab.model.case import Scene
 from shaderlab.model.expect import Exact, output_of
+from shaderlab.model.measure import Measure
 from shaderlab.model.textures import Output, outputs_read
 
 
@@ -34,3 +35,6 @@ def _asked(scene: Scene) -> Iterator[str | Output]:
         yield getattr(expectation, "output", "")
         if isinstance(expectation, Exact) and isinstance(expectation.equals, Output):
             yield expectation.equals
+        if isinstance(expectation, Measure):
+            for row in expectation.readings:
+                yield from row.reads.values()
