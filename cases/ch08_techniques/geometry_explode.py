@@ -36,6 +36,7 @@ from shaderlab.glslmath import (
     normalize,
     sin,
     sqrt,
+    swizzle,
     vec3,
     vec4,
     where,
