@@ -41,10 +41,10 @@ from shaderlab.glslmath import (
     vec4,
     where,
 )
-from shaderlab.reference.transforms import look_at, perspective, rotate
+from shaderlab.reference.transforms import look_at, perspective, rotate, translate
 
 BALL = Mesh(**solids.painted(meshes.sphere(0.8, segments=16, rings=10), CORAL))
-MODEL = rotate(radians(25.0), (1.0, 0.3, 0.0))
+MODEL = translate((0.1, -0.05, 0.2)) @ rotate(radians(25.0), (1.0, 0.3, 0.0))
 VIEW = look_at((0.0, 0.8, 5.0), (0.0, 0.0, 0.0))
 
 

@@ -36,6 +36,15 @@ SOLIDS = {
 }
 
 
+# Drivers draw lines with small differences, so these are bounds.
+IN_FRONT = {
+    "box": (539, 539),
+    "ring": (513, 513),
+    "normals of the box": (85, 98),
+    "normals of the ring": (450, 477),
+}
+
+
 def surface(name):
     """A solid as it is."""
     geometry, color, model = SOLIDS[name]
@@ -138,6 +147,17 @@ case = Case(
                 name=f"{name} lines",
             )
             for lines, draw, name in ((36, 2, "12 · 3"), (1200, 3, "400 · 3"))
+        ),
+        *(
+            query(
+                "samples_passed",
+                at_least=low,
+                at_most=high,
+                pass_name="judged",
+                draw=draw,
+                name=f"samples in front, {name}",
+            )
+            for draw, (name, (low, high)) in enumerate(IN_FRONT.items())
         ),
         formula("plain.gl_Position", in_view, name="vertices in view space"),
         formula("plain.VS_OUT.normal", turned, name="normals in view space"),
