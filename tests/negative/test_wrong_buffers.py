@@ -169,7 +169,7 @@ def test_projection_and_view_exchanged_in_the_buffer_are_noticed() -> None:
     with Lab() as lab:
         right = lab.run(next(case.scenes()))
         record = lab.run(next(with_draws(case, change).scenes()))
-    # Each program is judged by what the buffer holds, so only what is seen of it can change.
+    # Each program is judged by what the buffer holds; but nothing is seen of the cubes any more.
     assert right.status == "pass"
     assert record.status != "pass"
 
