@@ -21,14 +21,15 @@ from shaderlab.assets.courtyard import boxes
 from shaderlab.assets.shadow_stage import SUN, cast, lit
 from shaderlab.reference.courtyard import courtyard_references, light_position, stored_depth
 from shaderlab.reference.lighting import finished
-from shaderlab.reference.shadow_truth import blocked
+from shaderlab.reference.shadow_truth import blocked, hidden_share
 from shaderlab.reference.transforms import look_at, orthographic, perspective, rotate
 from shaderlab.sampling import texture
 
 MODEL = rotate(radians(6.0), (0.0, 1.0, 0.0))
 BOXES = [MODEL @ box for box in boxes()]
 LIGHT_SPACE = orthographic(-6.0, 6.0, -6.0, 6.0, 1.0, 9.0) @ look_at(SUN, (0.0, 0.0, 0.0))
-NEAR_BY = look_at((1.4, 1.9, -2.6), (0.55, 0.15, -0.5))
+EYE = (1.4, 1.9, -2.6)
+NEAR_BY = look_at(EYE, (0.55, 0.15, -0.5))
 BIAS = {"leastBias": 0.002, "mostBias": 0.03}
 WHITE = {"wrap": ("clamp_to_border",) * 2, "border": (1.0, 1.0, 1.0, 1.0)}
 
@@ -94,7 +95,7 @@ case = Case(
                 colors={
                     "FragColor": "rgba16f",
                     "shadow": "r8",
-                    "place": "rgba16f",
+                    "place": "rgba32f",
                     "upright": "rgba16f",
                 },
                 depth="depth24",
@@ -116,6 +117,21 @@ case = Case(
         *(formula(f"nine.{output}", law) for output, law in LAWS.items()),
         formula("one.shadow", LAWS["shadow"]),
         formula("picture.FragColor", finished(texture), name="the picture"),
+        measure(
+            "places hidden from the eye",
+            hidden_share(EYE, BOXES, step=1),
+            readings=[
+                reading(name, reads={key: f"{name}.{key}" for key in ("FragColor", "place")})
+                for name in ("one", "nine")
+            ],
+            at_most=0.002,
+        ),
+        measure(
+            "places hidden from the eye, in the large picture",
+            hidden_share(EYE, BOXES, step=8),
+            reads={key: f"scene.{key}" for key in ("FragColor", "place")},
+            at_most=0.002,
+        ),
         measure(
             "distance from the nearest step",
             off_the_steps,
