@@ -104,7 +104,11 @@ def lit_wall(lamp, *, model, mesh, flat=False, cell=None, maps):
 def quarter(column, row, lamp, flat=False):
     """One quarter of the picture."""
     cell = Cell(column=column, row=row, columns=2, rows=2)
-    smooth = {"format": "rgba8", "filter": ("linear_mipmap_linear", "linear")}
+    smooth = {
+        "format": "rgba8",
+        "filter": ("linear_mipmap_linear", "linear"),
+        "mipmaps": True,
+    }
     maps = brick_maps(512, **smooth)
     return lit_wall(LAMPS[lamp], model=TURNED, mesh=wall(), flat=flat, cell=cell, maps=maps)
 

@@ -16,7 +16,7 @@ from math import radians
 
 import numpy as np
 
-from shaderlab import Case, Cell, Output, Pass, Target, formula, fullscreen, measure, reading
+from shaderlab import Case, Cell, Output, Pass, Target, formula, fullscreen, measure, reading, value
 from shaderlab.assets.courtyard import boxes
 from shaderlab.assets.shadow_stage import SUN, cast, lit
 from shaderlab.reference.courtyard import courtyard_references, light_position, stored_depth
@@ -31,13 +31,14 @@ LIGHT_SPACE = orthographic(-6.0, 6.0, -6.0, 6.0, 1.0, 9.0) @ look_at(SUN, (0.0, 
 EYE = (1.4, 1.9, -2.6)
 NEAR_BY = look_at(EYE, (0.55, 0.15, -0.5))
 BIAS = {"leastBias": 0.002, "mostBias": 0.03}
+STEADY = {"leastBias": 0.012, "mostBias": 0.0}
 WHITE = {"wrap": ("clamp_to_border",) * 2, "border": (1.0, 1.0, 1.0, 1.0)}
 
 
 def seen(name, radius, aspect=1.0, **target):
     """The edge of a shadow from nearby, with 1 or 9 texels asked."""
     camera = NEAR_BY, perspective(radians(34.0), aspect, 0.1, 60.0)
-    uniforms = {**BIAS, "radius": radius}
+    uniforms = {**(BIAS if radius else STEADY), "radius": radius}
     shadow_map = Output("map", "depth", **WHITE)
     return lit(name, shadow_map, LIGHT_SPACE, MODEL, camera, uniforms, **target)
 
@@ -131,6 +132,18 @@ case = Case(
             hidden_share(EYE, BOXES, step=8),
             reads={key: f"scene.{key}" for key in ("FragColor", "place")},
             at_most=0.002,
+        ),
+        value(
+            "nine.shadow",
+            at={
+                "FragPosLightSpace": (0.0, 0.0, 1.01, 1.0),
+                "FragPos": (0.0, 0.0, 0.0),
+                "Normal": (0.0, 1.0, 0.0),
+                "Color": (1.0, 1.0, 1.0),
+            },
+            equals=0.0,
+            digits=6,
+            name="past the far plane nothing is dark",
         ),
         measure(
             "distance from the nearest step",
