@@ -101,6 +101,12 @@ def kept(size):
     domain={"alpha": across(0.0, 1.0)},
     target=Target(size=(200, 8)),
 )
+(edge,) = fullscreen(
+    "ch06_tests/alpha_discard.frag",
+    name="edge",
+    domain={"alpha": across(0.0999, 0.1001)},
+    target=Target(size=(200, 8)),
+)
 # Two leaves on the same pixels, the nearer one first: the second shows where the first was cut.
 behind = Pass(
     name="behind",
@@ -114,6 +120,7 @@ case = Case(
     math=r"\alpha < 0.1 \implies \text{neither colour nor depth is written}",
     passes=(
         ramp,
+        edge,
         alone,
         whole,
         behind,
@@ -125,6 +132,15 @@ case = Case(
     ),
     expect=[
         coverage(180 * 8, pass_name="ramp", name="180 of 200 columns are kept"),
+        coverage(100 * 8, pass_name="edge", name="from 0.0999 to 0.1001, the upper half is kept"),
+        value(
+            "edge.FragColor",
+            at={"alpha": 0.1},
+            equals=(0.2, 0.5, 0.2, 0.1),
+            digits=6,
+            reference=ramp_color,
+            name="0.1 itself is kept",
+        ),
         formula("ramp.FragColor", ramp_color, name="what is kept of the ramp"),
         value(
             "ramp.FragColor", at=Pixel(20, 4), equals=(0.2, 0.5, 0.2, 0.1025), digits=6,

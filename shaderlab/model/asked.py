@@ -3,10 +3,13 @@ where something samples or judges them."""
 
 from __future__ import annotations
 
+import inspect
+import re
 from collections.abc import Iterator
 
 from shaderlab.model.case import Scene
 from shaderlab.model.expect import Exact, output_of
+from shaderlab.model.measure import Measure
 from shaderlab.model.textures import Output, outputs_read
 
 
@@ -34,3 +37,12 @@ def _asked(scene: Scene) -> Iterator[str | Output]:
         yield getattr(expectation, "output", "")
         if isinstance(expectation, Exact) and isinstance(expectation.equals, Output):
             yield expectation.equals
+        if isinstance(expectation, Measure):
+            for row in expectation.readings:
+                yield from row.reads.values()
+            names = set(inspect.signature(expectation.statistic).parameters)
+            for description in scene.passes:
+                for name in ("depth", "stencil"):
+                    # A parameter is a name without its dots.
+                    if re.sub(r"\W+", "_", f"{description.name}.{name}") in names:
+                        yield Output(description.name, name)
