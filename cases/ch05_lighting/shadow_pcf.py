@@ -167,7 +167,7 @@ case = Case(
             edge,
             readings=[
                 reading("one texel", **of("one", *ALL[:2], "upright"), equals=0.0, digits=6),
-                reading("nine texels", **of("nine", *ALL[:2], "upright"), between=(0.02, 0.9)),
+                reading("nine texels", **of("nine", *ALL[:2], "upright"), between=(0.045, 0.06)),
             ],
         ),
         measure(
