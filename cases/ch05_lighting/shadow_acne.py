@@ -47,6 +47,11 @@ BRIGHT = {
 }
 
 
+def drawn(FragColor):
+    """The share of pixels that show anything: the floor reaches to all edges."""
+    return (FragColor[..., 3] > 0.0).mean()
+
+
 def looked_at(name, texels, bias, radius=0, **target):
     """The courtyard with one map and one bias."""
     least, most = BIASES[bias]
@@ -162,6 +167,12 @@ case = Case(
                 for name in (PASSES)
             ],
             at_most=0.002,
+        ),
+        measure(
+            "share of the large picture that is drawn",
+            drawn,
+            reads={"FragColor": "scene.FragColor"},
+            at_least=0.99,
         ),
         measure(
             "places hidden from the eye, in the large picture",

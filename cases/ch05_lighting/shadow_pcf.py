@@ -35,6 +35,11 @@ STEADY = {"leastBias": 0.012, "mostBias": 0.0}
 WHITE = {"wrap": ("clamp_to_border",) * 2, "border": (1.0, 1.0, 1.0, 1.0)}
 
 
+def drawn(FragColor):
+    """The share of pixels that show anything: the floor reaches to all edges."""
+    return (FragColor[..., 3] > 0.0).mean()
+
+
 def seen(name, radius, aspect=1.0, **target):
     """The edge of a shadow from nearby, with 1 or 9 texels asked."""
     camera = NEAR_BY, perspective(radians(34.0), aspect, 0.1, 60.0)
@@ -126,6 +131,12 @@ case = Case(
                 for name in ("one", "nine")
             ],
             at_most=0.002,
+        ),
+        measure(
+            "share of the large picture that is drawn",
+            drawn,
+            reads={"FragColor": "scene.FragColor"},
+            at_least=0.99,
         ),
         measure(
             "places hidden from the eye, in the large picture",
