@@ -30,6 +30,7 @@ from shaderlab import (
     assets,
     formula,
     fullscreen,
+    measure,
     value,
 )
 from shaderlab.glslmath import dot, max, normalize, swizzle, vec4
@@ -122,6 +123,12 @@ BALL, BOX = np.eye(4), np.diag([0.999, 0.999, 0.999, 1.0])
 SOLIDS = [wrapped(assets.sphere(1.15, 96, 48), BALL), wrapped(assets.cube(1.7), BOX)]
 
 
+def share_of_faces(texels, table):
+    """The share of pixels where both name the same face, edges aside, where either may be right."""
+    far = np.all(np.abs(table[..., 1:] - 0.5) < 0.499, axis=-1)
+    return float(np.mean(texels[far][:, 0] == table[far][:, 0]))
+
+
 def painted(faces, FragPos, Normal, light):
     """The chart's colour in a simple light."""
     shade = 0.45 + 0.55 * max(dot(normalize(Normal), light), 0.0)
@@ -181,6 +188,12 @@ case = Case(
         *(
             formula("main.onceMore", stretched, draw=k, name=f"three times as long, around {name}")
             for k, name in enumerate(NAMES)
+        ),
+        measure(
+            "the texel's face is the table's",
+            share_of_faces,
+            reads={"texels": "main.FragColor", "table": "main.byHand"},
+            at_least=1.0,
         ),
         formula("small.FragColor", painted, draw=0, name="the ball's colours"),
         formula("small.FragColor", painted, draw=1, name="the cube's colours"),

@@ -131,14 +131,14 @@ case = Case(
     passes=(
         Pass(
             name="scene",
-            target=Target(size=(2048, 1024), depth="depth24", colors={"FragColor": "rgba8"}),
+            target=Target(size=(1536, 768), depth="depth24", colors={"FragColor": "rgba8"}),
             draws=(behind(), *(thing(*one, MORNING) for one in THINGS)),
         ),
         *fullscreen(
             "ch03_transforms/soften.frag",
             name="picture",
             textures={"scene": Output("scene", "FragColor")},
-            target=Target(size=(1024, 512)),
+            target=Target(size=(768, 384)),
         ),
         Pass(
             name="judged",

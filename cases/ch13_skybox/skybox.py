@@ -140,7 +140,7 @@ case = Case(
     passes=(
         Pass(
             name="scene",
-            target=Target(size=(2048, 1024), depth="depth24", colors={"FragColor": "rgba8"}),
+            target=Target(size=(1536, 768), depth="depth24", colors={"FragColor": "rgba8"}),
             draws=tuple(
                 draw
                 for view, cell in zip((HERE, THERE), HALVES, strict=True)
@@ -151,7 +151,7 @@ case = Case(
             "ch03_transforms/soften.frag",
             name="picture",
             textures={"scene": Output("scene", "FragColor")},
-            target=Target(size=(1024, 512)),
+            target=Target(size=(768, 384)),
         ),
         alone("here", HERE),
         alone("there", THERE),

@@ -5,6 +5,7 @@ A mesh is a mapping that `Mesh` takes as it is: `Mesh(**assets.sphere())`. A tex
 """
 
 from shaderlab.assets.charts import uv_grid
+from shaderlab.assets.compressed import compressed
 from shaderlab.assets.meshes import Geometry, cube, joined, moved, plane, quad, sphere, torus
 from shaderlab.assets.sky import sky_face
 from shaderlab.assets.textures import (
@@ -22,6 +23,7 @@ __all__ = [
     "brick_normals",
     "brick_wall",
     "checker",
+    "compressed",
     "crate",
     "cube",
     "emblem",

@@ -66,6 +66,8 @@ OWNERS: dict[str, set[str]] = {
     "OpenGL": {"gl"},
     "ctypes": {"gl", "glsl", "workers"},
     "OpenImageIO": {"pictures"},
+    "etcpak": {"assets"},
+    "texture2ddecoder": {"reference"},
     "jinja2": {"report"},
     "tree_sitter": {"mutation"},
     "tree_sitter_glsl": {"mutation"},
