@@ -27,6 +27,7 @@ from shaderlab import (
     State,
     Target,
     assets,
+    exact,
     formula,
     fullscreen,
     value,
@@ -145,6 +146,11 @@ case = Case(
             target=Target(size=(112, 56), depth="depth24"),
             draws=tuple(thing(*one, NOISE) for one in THINGS),
         ),
+        Pass(
+            name="reversed",
+            target=Target(size=(112, 56), depth="depth24"),
+            draws=tuple(thing(*one, NOISE) for one in reversed(THINGS)),
+        ),
     ),
     picture="picture.FragColor",
     expect=[
@@ -166,7 +172,14 @@ case = Case(
         ),
         formula("judged.gl_Position", clip_position),
         formula("judged.FragPos", world_position),
-        formula("judged.Normal", world_normal),
+        *(
+            formula("judged.Normal", world_normal, draw=k, name=f"normals of {name}")
+            for k, name in enumerate(NAMES)
+        ),
+        exact("judged.FragColor", Output("reversed", "FragColor"), name="the order of drawing"),
+        exact("reversed.FragColor", Output("judged", "FragColor"), name="the other order"),
+        exact("judged.depth", Output("reversed", "depth"), name="depths in either order"),
+        exact("reversed.depth", Output("judged", "depth"), name="depths in the other order"),
         ray("mirrored", mirrored, (3.0, 4.0, 0.0), (-0.6, 0.8, 0.0), "mirrored from (3, 4, 0)"),
         ray("bent", bent, (3.0, 4.0, 0.0), (-0.394737, -0.918794, 0.0), "into glass"),
         ray("bent", bent, (0.0, 2.0, 0.0), (0.0, -1.0, 0.0), "straight in, nothing is bent"),
