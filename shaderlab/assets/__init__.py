@@ -2,11 +2,24 @@
 
 A mesh is a mapping that `Mesh` takes as it is: `Mesh(**assets.sphere())`. A texture is an array
 (height, width, channels) in 0…1 whose row 0 is the bottom one: `Texture(image=assets.crate)`.
+Models and point clouds of one's own are read by `load_obj` and `load_pcd`.
 """
 
 from shaderlab.assets.charts import uv_grid
 from shaderlab.assets.compressed import compressed
-from shaderlab.assets.meshes import Geometry, cube, joined, moved, plane, quad, sphere, torus
+from shaderlab.assets.meshes import (
+    Geometry,
+    cube,
+    ellipsoid,
+    joined,
+    moved,
+    plane,
+    quad,
+    sphere,
+    torus,
+)
+from shaderlab.assets.obj import Part, load_obj
+from shaderlab.assets.pcd import Cloud, load_pcd
 from shaderlab.assets.sky import sky_face
 from shaderlab.assets.textures import (
     brick_normals,
@@ -19,15 +32,20 @@ from shaderlab.assets.textures import (
 )
 
 __all__ = [
+    "Cloud",
     "Geometry",
+    "Part",
     "brick_normals",
     "brick_wall",
     "checker",
     "compressed",
     "crate",
     "cube",
+    "ellipsoid",
     "emblem",
     "joined",
+    "load_obj",
+    "load_pcd",
     "moved",
     "plane",
     "plaster",

@@ -142,7 +142,7 @@ def probe_fragments(
         session.use(program, replace(draw, draw=_without_domain(draw.draw)), bindings)
         set_uniforms(program, {stages.PREFIX + "size": np.array(size, np.int32)})
         attributes = {name: _column(complete, piece) for piece, name in columns.items()}
-        attributes = attributes or {"unused": np.zeros((count, 1), np.float32)}
+        attributes = attributes or {stages.PREFIX + "nothing": np.zeros((count, 1), np.float32)}
         mesh = Mesh(attributes=attributes, primitive="points")
         vao = vertex_array(runner.device, program, mesh)
         target.bind(output_locations(program, target.colors))

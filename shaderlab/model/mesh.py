@@ -6,8 +6,8 @@ alone, so they are worked out here, without a device, and can be held against th
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
@@ -94,6 +94,16 @@ class Mesh:
             )
         object.__setattr__(self, "indices", indices.astype(np.uint32))
 
+    @staticmethod
+    def later(make: Callable[[], Mesh]) -> Mesh:
+        """A mesh that `make` makes when it is first looked at, such as one read from a file:
+        importing a case need not wait for that."""
+        return _Later(make)
+
+    def made(self) -> Mesh:
+        """The mesh itself, made now if it was to be made later."""
+        return self
+
     @property
     def vertices(self) -> int:
         """Number of vertices stored (not of indices)."""
@@ -154,6 +164,37 @@ class Mesh:
             else:
                 made += [[(0, a.tobytes())] for a in rows.values()]
         return made
+
+
+class _Later(Mesh):
+    """A mesh made when one of its fields is first asked for, once."""
+
+    def __init__(self, make: Callable[[], Mesh]) -> None:
+        object.__setattr__(self, "_make", make)
+
+    def __getattribute__(self, name: str) -> Any:
+        if name in _FIELDS:
+            return getattr(self.made(), name)
+        return super().__getattribute__(name)
+
+    @property
+    def instances(self) -> int | None:
+        """As `Mesh.instances`; None before it is made: a draw asks when it is written."""
+        return self.made().instances if "_mesh" in self.__dict__ else None
+
+    def made(self) -> Mesh:
+        """As `Mesh.made`. Raises whatever making it does, such as a damaged file."""
+        if "_mesh" not in self.__dict__:
+            object.__setattr__(self, "_mesh", self.__dict__["_make"]())
+        made: Mesh = self.__dict__["_mesh"]
+        return made
+
+    def only(self, *names: str) -> Mesh:
+        """As `Mesh.only`, and as late."""
+        return _Later(lambda: self.made().only(*names))
+
+
+_FIELDS = frozenset(each.name for each in fields(Mesh))
 
 
 def _placed(

@@ -91,7 +91,7 @@ def refused(
     what: str | Callable[[], Any],
     *,
     message: str,
-    file: str = "",
+    file: str | None = None,
     line: int | None = None,
     remedy: str = "",
     name: str = "",
@@ -103,7 +103,7 @@ def refused(
             that must raise one of the lab's errors, such as one that reads a mesh.
         message: the error's message. Folders of the case and of the shaders are left out of
             paths, here and in `file`, so that they are the same on every machine.
-        file: the file that the error names; the shader itself by default.
+        file: the file that the error names, "" for none; the shader itself by default.
         line: the line that it names, if it names one.
         remedy: what it advises, "" for nothing.
         name: how outcomes call it.
@@ -114,7 +114,7 @@ def refused(
     return Refused(
         what=what,
         message=message,
-        file=file or own,
+        file=own if file is None else file,
         line=line,
         remedy=remedy,
         name=name or f"{own or file or 'it'} is refused",

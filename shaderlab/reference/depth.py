@@ -10,6 +10,8 @@ All distances z are positive, along the view direction, in units of the scene: 0
 
 from __future__ import annotations
 
+import numpy as np
+
 from ..glslmath import Value
 
 
@@ -72,3 +74,26 @@ def depth_step(distance: Value, near: Value, far: Value, bits: int = 24) -> Valu
     0.00148863 0.000147521
     """
     return distance * distance * (1.0 / near - 1.0 / far) / 2.0**bits
+
+
+def same_code_share(
+    gap: float, middle: float, slant: float, near: float, far: float, bits: int
+) -> float:
+    """The share of a slanted wall's pixels that fall on one code with another wall `gap` behind.
+
+    Two depths ΔF apart have the same code with the probability 1 − ΔF·2^bits, or never; the wall
+    runs from middle − slant to middle + slant, evenly over the screen in 1/z.
+
+    Args:
+        gap: along the view direction, 0 or more (less: the order is reversed, and all are wrong).
+        middle, slant: distances, slant < middle.
+        near, far, bits: as in `depth_step`.
+
+    >>> round(same_code_share(0.0763, 10.0, 1.0, 0.01, 100.0, 16), 2)
+    0.49
+    """
+    ends = window_depth(np.array([middle - slant, middle + slant]), near, far)
+    across = np.linspace(float(ends[0]), float(ends[1]), 2001)
+    behind = window_depth(distance_of(across, near, far) + gap, near, far)
+    codes = (behind - across) * 2.0**bits
+    return float(np.clip(1.0 - codes, 0.0, 1.0).mean())

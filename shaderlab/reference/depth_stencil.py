@@ -40,3 +40,41 @@ def stencil_passes(func: str, reference: int, stored: int, mask: int) -> bool:
     (True, False)
     """
     return bool(FUNCTIONS[func](reference & mask, stored & mask))
+
+
+OPERATIONS: Mapping[str, Callable[[int, int], int]] = {
+    "keep": lambda stored, reference: stored,
+    "zero": lambda stored, reference: 0,
+    "replace": lambda stored, reference: reference,
+    "incr": lambda stored, reference: min(stored + 1, 0xFF),
+    "incr_wrap": lambda stored, reference: (stored + 1) & 0xFF,
+    "decr": lambda stored, reference: max(stored - 1, 0),
+    "decr_wrap": lambda stored, reference: (stored - 1) & 0xFF,
+    "invert": lambda stored, reference: ~stored & 0xFF,
+}
+"""What becomes of a stored value of 8 bits: section 4.1.4; INCR and DECR stop at the ends."""
+
+
+def stencil_after(operation: str, stored: int, reference: int, write_mask: int = 0xFF) -> int:
+    """The value in the stencil buffer after an operation; only bits in `write_mask` change.
+
+    >>> stencil_after("incr", 255, 9), stencil_after("incr_wrap", 255, 9)
+    (255, 0)
+    >>> stencil_after("invert", 90, 9), stencil_after("replace", 0xF0, 0x0F, 0x3C)
+    (165, 204)
+    """
+    changed = OPERATIONS[operation](stored, reference)
+    return (stored & ~write_mask & 0xFF) | (changed & write_mask)
+
+
+def depth_after(func: str | None, write: bool, incoming: float, stored: float) -> float:
+    """The value in the depth buffer after a fragment: its own, where the test passes and the mask
+    (glDepthMask) is open. With the test off (None) nothing is ever written.
+
+    >>> depth_after("less", True, 0.25, 0.5), depth_after("less", False, 0.25, 0.5)
+    (0.25, 0.5)
+    >>> depth_after(None, True, 0.25, 0.5), depth_after("always", True, 0.75, 0.5)
+    (0.5, 0.75)
+    """
+    written = func is not None and write and depth_passes(func, incoming, stored)
+    return incoming if written else stored

@@ -141,3 +141,20 @@ def test_cases_are_frozen_and_travel_between_processes() -> None:
         made.title = "other"  # type: ignore[misc]
     copy = pickle.loads(pickle.dumps(made))
     assert copy.passes[0].draws[0].uniforms == {"light.linear": 0.5}
+
+
+def test_a_mesh_may_be_made_later() -> None:
+    made: list[int] = []
+
+    def make() -> Mesh:
+        made.append(1)
+        return Mesh(attributes={"aPos": np.zeros((3, 2)), "aNormal": np.ones((3, 3))})
+
+    mesh = Mesh.later(make).only("aPos")
+    assert made == []
+    assert (mesh.vertices, list(mesh.attributes), mesh.indices, mesh.primitive) == (
+        3, ["aPos"], None, "triangles",
+    )  # fmt: skip
+    assert made == [1]
+    with pytest.raises(CaseError, match="did you mean aPos"):
+        _ = Mesh.later(make).only("aPoss").attributes

@@ -1,0 +1,144 @@
+"""Reading a shader from a file: what can go wrong, and what must not.
+
+A shader is a text, and a file holds bytes. The lab reads UTF-8, with or without a byte order mark,
+and any line ends; what a compiler could not see all of it refuses before the compiler is asked, and
+says in which file, in which line, and what to do. A NUL character is such a case: C ends a string
+there, so everything behind it would be left out without a word.
+
+Look at: the first 48 bytes of seven files, one a row. From above: plain, with a byte order mark,
+with carriage returns, in Latin-1, in UTF-16, with a NUL, and empty. Characters are blue, line feeds
+green, carriage returns yellow, and bytes that ASCII does not have are red; NUL is black, and in
+UTF-16 every second byte is one. The first three draw the same picture, to the bit. The others are
+refused, as are the ones that are missing, a folder, or include themselves.
+"""
+
+from pathlib import Path
+
+import numpy as np
+
+from shaderlab import Case, Output, Ramp, Target, Texture, exact, fullscreen, refused
+
+FILES = "ch02_basics/errata/files"
+FOLDER = Path(__file__).parents[2] / "shaders" / FILES
+SHOWN = ("plain", "bom", "crlf", "latin1", "utf16", "nul", "empty")
+COLUMNS = 48
+
+
+def first_bytes():
+    """The files' first bytes, the last file in row 0; −1 past a file's end."""
+    table = np.full((len(SHOWN), COLUMNS, 1), -1.0, np.float32)
+    for row, name in enumerate(reversed(SHOWN)):
+        data = (FOLDER / f"{name}.frag").read_bytes()[:COLUMNS]
+        table[row, : len(data), 0] = list(data)
+    return table
+
+
+def kinds():
+    """0 for nothing, 1 for a character, then NUL, line feed, carriage return and not ASCII."""
+    table = first_bytes()
+    choices = [
+        (table < 0, 0),
+        (table == 0, 2),
+        (table == 10, 3),
+        (table == 13, 4),
+        (table > 127, 5),
+    ]
+    return np.select([c for c, _ in choices], [k for _, k in choices], 1).astype(np.float32)
+
+
+def drawn(name):
+    """A pass that draws with one of the files."""
+    return fullscreen(f"{FILES}/{name}.frag", name=name, domain={})
+
+
+def no(name, message, **place):
+    """The file is refused in exactly these words."""
+    return refused(f"{FILES}/{name}.frag", message=message, name=f"{name}.frag", **place)
+
+
+case = Case(
+    title="Shaders from files",
+    section="2.3.5",
+    math=r"\text{text} = \text{UTF-8}^{-1}(\text{bytes})",
+    passes=(
+        *drawn("plain"),
+        *drawn("bom"),
+        *drawn("crlf"),
+        *fullscreen(
+            "ch02_basics/shader_files.frag",
+            name="bytes",
+            domain={"field": Ramp((0.0, 0.0), (COLUMNS, 0.0), (0.0, len(SHOWN)))},
+            textures={"bytes": Texture(image=first_bytes, format="r32f")},
+            target=Target(size=(20 * COLUMNS, 40 * len(SHOWN))),
+        ),
+    ),
+    picture="bytes.FragColor",
+    expect=[
+        exact("plain.FragColor", (0.25, 0.5, 0.75, 1.0), name="a plain file"),
+        exact("bom.FragColor", Output("plain", "FragColor"), name="a byte order mark is skipped"),
+        exact(
+            "crlf.FragColor",
+            Output("plain", "FragColor"),
+            name="carriage returns, in an included file as well",
+        ),
+        exact("bytes.kind", kinds(), name="what kind of byte each one is"),
+        no("empty", "the shader is empty"),
+        no("folder", "is a directory, not a shader", remedy="name a file in it"),
+        no(
+            "latin1",
+            "is not UTF-8: byte 23 is 0xfc",
+            line=2,
+            remedy="save the file as UTF-8",
+        ),
+        no(
+            "utf16",
+            "is not UTF-8: byte 0 is 0xff (it looks like UTF-16)",
+            remedy="save the file as UTF-8",
+        ),
+        no(
+            "nul",
+            "holds a NUL character, at which compilers stop reading",
+            line=2,
+            remedy="delete it",
+        ),
+        no(
+            "cycle",
+            f"'cycle.frag' includes itself (included by {FILES}/cycle.frag:2)",
+            file=f"{FILES}/cycle_back.frag",
+            line=3,
+            remedy="break the cycle of includes",
+        ),
+        no(
+            "cycle_back",
+            f"'cycle_back.frag' includes itself (included by {FILES}/cycle_back.frag:3)",
+            file=f"{FILES}/cycle.frag",
+            line=2,
+            remedy="break the cycle of includes",
+        ),
+        no(
+            "itself",
+            "'itself.frag' includes itself",
+            line=2,
+            remedy="break the cycle of includes",
+        ),
+        no(
+            "emtpy",
+            f"no shader '{FILES}/emtpy.frag' in shaders",
+            remedy=f"did you mean {FILES}/empty.frag or {FILES}/bom.frag or {FILES}/utf16.frag?",
+        ),
+        no(
+            "missing",
+            f"no file to #include: '{FILES}/folder.frag/color.glsl'",
+            line=2,
+            remedy=f"did you mean {FILES}/folder.frag/colour.glsl or {FILES}/cycle.frag or "
+            f"{FILES}/nul.frag?",
+        ),
+        refused(
+            "../secret.frag",
+            message="shader '../secret.frag': leads out of the shader folders",
+            file="",
+            remedy="name it by its path inside a shader folder",
+            name="a path out of the folders",
+        ),
+    ],
+)

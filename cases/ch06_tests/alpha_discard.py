@@ -1,0 +1,158 @@
+"""Throwing fragments away: `if (alpha < 0.1) discard;` for leaves and grass on plain rectangles.
+
+A picture of a leaf is a rectangle with an alpha of 0 around the leaf. Drawn as it is, the rectangle
+hides what lies behind it: its empty corners write colour and depth like any other fragment.
+`discard` ends a fragment before either is written. What is left is cut out with a hard edge: no
+blending, and so no order to keep.
+
+Look at: the same leaves twice, the nearest drawn first. On the left nothing is discarded, and each
+rectangle's corners cover the leaves behind it; on the right fragments below 0.1 are, and one leaf
+shows behind the other although it was drawn later.
+"""
+
+import numpy as np
+
+from shaderlab import (
+    Case,
+    Depth,
+    Draw,
+    Output,
+    Pass,
+    Pixel,
+    Ramp,
+    State,
+    Target,
+    across,
+    coverage,
+    exact,
+    formula,
+    fullscreen,
+    value,
+)
+from shaderlab.glslmath import abs, clamp, mix, swizzle, vec3, vec4
+
+SQUARE = Ramp((-1.0, -1.0), (2.0, 0.0), (0.0, 2.0))
+THRESHOLD = 0.1
+CLEAR = (0.82, 0.87, 0.92, 1.0)
+LEAVES = 64  # side of the judged leaf in pixels
+
+
+def leaf_alpha(place):
+    """Width of the leaf at this height, less the distance from its middle, eightfold."""
+    t = 0.5 + 0.5 * swizzle(place, "y")
+    return clamp(8.0 * (2.4 * t * (1.0 - t) - abs(swizzle(place, "x"))), 0.0, 1.0)
+
+
+def leaf_color(place):
+    """The leaf on light grey paper, where it is not thrown away."""
+    t, alpha = 0.5 + 0.5 * swizzle(place, "y"), leaf_alpha(place)
+    rib = clamp(1.0 - 14.0 * abs(swizzle(place, "x")), 0.0, 1.0)
+    color = mix(vec3(0.13, 0.36, 0.12), vec3(0.47, 0.68, 0.20), t)
+    color = mix(color, vec3(0.78, 0.85, 0.50), 0.7 * rib)
+    return vec4(mix(vec3(0.90, 0.90, 0.90), color, alpha), alpha)
+
+
+def ramp_color(alpha):
+    """Green with the alpha that came in."""
+    return vec4(0.2, 0.5, 0.2, alpha)
+
+
+def leaf(threshold, depth, box):
+    """A leaf on a rectangle of the target, at one depth."""
+    state = State(depth=Depth(), viewport=box, depth_range=(depth, depth))
+    return Draw(
+        fragment="ch06_tests/leaf.frag",
+        domain={"place": SQUARE},
+        uniforms={"threshold": threshold},
+        state=state,
+    )
+
+
+def bunch(left, threshold):
+    """Five leaves, the nearest first."""
+    boxes = [(left + 30 + 74 * k, 8 + 42 * (k * 2 % 3), 190, 300) for k in range(5)]
+    return [leaf(threshold, 0.1 + 0.1 * k, box) for k, box in enumerate(boxes)]
+
+
+def kept(size):
+    """How many pixels of a leaf `size` pixels wide and high are at or above the threshold."""
+    at = (np.arange(size) + 0.5) / size * 2.0 - 1.0
+    place = np.stack(np.meshgrid(at, at), axis=-1)
+    return int(np.count_nonzero(leaf_alpha(place) >= THRESHOLD))
+
+
+(alone,) = fullscreen(
+    "ch06_tests/leaf.frag",
+    name="leaf",
+    domain={"place": SQUARE},
+    uniforms={"threshold": THRESHOLD},
+    target=Target(size=(LEAVES, LEAVES)),
+)
+(whole,) = fullscreen(
+    "ch06_tests/leaf.frag",
+    name="whole",
+    domain={"place": SQUARE},
+    uniforms={"threshold": 0.0},
+    target=Target(size=(LEAVES, LEAVES)),
+)
+(ramp,) = fullscreen(
+    "ch06_tests/alpha_discard.frag",
+    name="ramp",
+    domain={"alpha": across(0.0, 1.0)},
+    target=Target(size=(200, 8)),
+)
+(edge,) = fullscreen(
+    "ch06_tests/alpha_discard.frag",
+    name="edge",
+    domain={"alpha": across(0.0999, 0.1001)},
+    target=Target(size=(200, 8)),
+)
+# Two leaves on the same pixels, the nearer one first: the second shows where the first was cut.
+behind = Pass(
+    name="behind",
+    target=Target(size=(64, 64), depth="depth24", clear=CLEAR),
+    draws=(leaf(THRESHOLD, 0.25, (0, 0, 64, 64)), leaf(0.0, 0.5, (0, 0, 64, 64))),
+)
+
+case = Case(
+    title="Discarding by alpha",
+    section="6.3.1",
+    math=r"\alpha < 0.1 \implies \text{neither colour nor depth is written}",
+    passes=(
+        ramp,
+        edge,
+        alone,
+        whole,
+        behind,
+        Pass(
+            name="picture",
+            target=Target(size=(1080, 400), depth="depth24", clear=CLEAR),
+            draws=(*bunch(0, 0.0), *bunch(540, THRESHOLD)),
+        ),
+    ),
+    expect=[
+        coverage(180 * 8, pass_name="ramp", name="180 of 200 columns are kept"),
+        coverage(100 * 8, pass_name="edge", name="from 0.0999 to 0.1001, the upper half is kept"),
+        value(
+            "edge.FragColor",
+            at={"alpha": 0.1},
+            equals=(0.2, 0.5, 0.2, 0.1),
+            digits=6,
+            reference=ramp_color,
+            name="0.1 itself is kept",
+        ),
+        formula("ramp.FragColor", ramp_color, name="what is kept of the ramp"),
+        value(
+            "ramp.FragColor", at=Pixel(20, 4), equals=(0.2, 0.5, 0.2, 0.1025), digits=6,
+            reference=ramp_color, name="α = 0.1025",
+        ),
+        coverage(kept(LEAVES), pass_name="leaf", name="the leaf's own pixels"),
+        formula("leaf.FragColor", leaf_color, name="the leaf"),
+        coverage(LEAVES * LEAVES, pass_name="whole", name="without discard, the whole rectangle"),
+        formula("whole.FragColor", leaf_color, name="the leaf and its paper"),
+        coverage(kept(64), pass_name="behind", draw=0, name="the nearer leaf"),
+        coverage(64 * 64 - kept(64), pass_name="behind", name="seen where the nearer one is cut"),
+        formula("behind.FragColor", leaf_color, name="the farther leaf"),
+        exact("behind.FragColor", Output("whole", "FragColor"), name="two leaves that are one"),
+    ],
+)  # fmt: skip

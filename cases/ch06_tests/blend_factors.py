@@ -1,0 +1,122 @@
+"""The blend factors and equations: every pair of factors under every equation, held to the formula.
+
+A fragment's colour S and the stored one D are weighted by a factor each, then added, subtracted
+(S·f − D·g), subtracted the other way round, or the smaller or larger of them is taken, channel by
+channel; MIN and MAX leave the factors out. The factors are 0, 1, the two colours, the two alphas, a
+constant colour and its alpha, one minus each of these, and SRC_ALPHA_SATURATE: min(As, 1 − Ad) for
+the colour and 1 for the alpha.
+
+Look at: 15 × 15 fields for each equation. The source's factor changes to the right, the
+destination's upward, in the order ZERO, ONE, SRC_COLOR, 1 − it, DST_COLOR, 1 − it, SRC_ALPHA,
+1 − it, DST_ALPHA, 1 − it, the constant's four, and SATURATE. Each field shows its colour, and in
+the lower right half its alpha. In floats the numbers are chosen so that nothing needs rounding, and
+every field is exact, below zero and above one too. In eight bits what leaves 0…1 is cut off, and
+no code is more than one from the formula's: half a code for each of the two products.
+"""
+
+import numpy as np
+
+from shaderlab import (
+    Blend,
+    Case,
+    Cell,
+    Draw,
+    Output,
+    Pass,
+    Ramp,
+    State,
+    Target,
+    Variant,
+    exact,
+    measure,
+)
+from shaderlab.reference.blending import EQUATIONS, FACTORS, blended
+
+# Sums of a few powers of two: products and sums of them are exact in 32-bit floats.
+FLOATS = ((0.75, 0.3125, 0.9375, 0.625), (0.25, 0.5, 0.125, 0.8125), (0.5625, 0.875, 0.1875, 0.375))
+# Much the same in whole codes of 8 bits, so that nothing is rounded on the way in.
+BYTES = tuple(tuple(round(255 * v) / 255 for v in color) for color in FLOATS)
+NAMES = tuple(FACTORS)
+N = len(NAMES)
+
+
+def layer(color, state):
+    """A draw in one colour."""
+    return Draw(
+        fragment="ch06_tests/blend_equation.frag",
+        domain={"alpha": Ramp(color[3])},
+        uniforms={"color": color[:3]},
+        state=state,
+    )
+
+
+def field(equation, source, destination, colors):
+    """One draw with its equation and factors."""
+    blend = Blend(source=source, destination=destination, equation=equation, constant=colors[2])
+    cell = Cell(column=NAMES.index(source), row=NAMES.index(destination), columns=N, rows=N)
+    return layer(colors[0], State(blend=blend, cell=cell))
+
+
+def table(equation, name, format, colors):
+    """All pairs of factors under one equation, a pixel each, over the stored colour."""
+    fields = (field(equation, s, d, colors) for d in NAMES for s in NAMES)
+    return Pass(
+        name=name,
+        target=Target(size=(N, N), colors={"FragColor": format}),
+        draws=(layer(colors[1], State()), *fields),
+    )
+
+
+def passes(equation):
+    """The table in floats and in bytes, and its picture."""
+    picture = Draw(
+        fragment="ch06_tests/fields.frag",
+        domain={"place": Ramp((0.0, 0.0), (N, 0.0), (0.0, N))},
+        textures={"values": Output("float", "FragColor")},
+    )
+    return (
+        table(equation, "float", "rgba32f", FLOATS),
+        table(equation, "bytes", "rgba8", BYTES),
+        Pass(name="picture", target=Target(size=(720, 720)), draws=(picture,)),
+    )
+
+
+def truth(equation, colors):
+    """What the formula says of every pair."""
+    return np.array([[blended(equation, (s, d), *colors) for s in NAMES] for d in NAMES])
+
+
+def codes_apart(equation):
+    """The largest distance of a stored code from the formula's, before that is rounded."""
+    wanted = 255.0 * np.clip(truth(equation, BYTES), 0.0, 1.0)
+    return lambda bytes_: np.abs(bytes_ - wanted).max()
+
+
+def variant(equation):
+    """One equation's table and what must hold of it."""
+    return Variant(
+        equation,
+        passes=passes(equation),
+        expect=[
+            exact("float.FragColor", truth(equation, FLOATS), name="15 × 15 factors, bit for bit"),
+            measure(
+                "largest distance in codes of 8 bits",
+                codes_apart(equation),
+                reads={"bytes_": "bytes.FragColor"},
+                at_most=1.001,
+                note="a code is 1/255; two products are rounded to half a code each",
+            ),
+        ],
+    )
+
+
+case = Case(
+    title="Blend factors and equations",
+    section="6.3.2",
+    math=r"C = S \cdot f \;\circ\; D \cdot g, \qquad \circ \in \{+,\ -,\ \text{reverse } -,\ "
+    r"\min(S, D),\ \max(S, D)\}",
+    passes=passes("add"),
+    variants=[variant(equation) for equation in EQUATIONS],
+    picture="picture.FragColor",
+    expect=[],
+)

@@ -1,0 +1,146 @@
+"""Distance out of depth: F, turned round.
+
+A shader that reads a depth, its own gl_FragCoord.z or a texture's, gets F and not the distance. In
+normalised device coordinates d = 2F − 1 the distance is z = 2nf / (f + n − d·(f − n)). Nothing is
+gained by it: the distance comes back as exactly as F was kept, to one step of the depth buffer.
+
+Look at: one railway twice, as grey from 0 to 1. On the left is gl_FragCoord.z as it is: almost
+white from the first sleeper on, because with n = 0.1 all that is farther away than 2 has an F above
+0.95. On the right is z / f, even from black at the camera to white at the far plane.
+"""
+
+from dataclasses import replace
+from math import radians
+
+import numpy as np
+
+from shaderlab import (
+    Case,
+    Cell,
+    Depth,
+    Draw,
+    Mesh,
+    Output,
+    Pass,
+    State,
+    Target,
+    computed,
+    exact,
+    formula,
+    measure,
+)
+from shaderlab.assets import solids, stage
+from shaderlab.glslmath import mix, mul, swizzle, vec3, vec4, where
+from shaderlab.reference.depth import distance_of, window_depth
+from shaderlab.reference.studio import handed_on, softened
+from shaderlab.reference.transforms import clip_position, look_at, perspective
+from shaderlab.sampling import texture
+
+NEAR, FAR = 0.1, 30.0
+VIEW = look_at((0.5, 1.1, 2.6), (0.1, 0.55, -3.0))
+PROJECTION = perspective(radians(48.0), 1.0, NEAR, FAR)
+RAILWAY = solids.railway()
+WHITE = (1.0, 1.0, 1.0, 0.0)
+
+
+def half(column, linearly, backwards=False):
+    """The railway in one half of the picture; `backwards` from its last triangle to its first."""
+    mesh = Mesh(**RAILWAY)
+    if backwards:
+        mesh = replace(mesh, indices=mesh.indices.reshape(-1, 3)[::-1].ravel())
+    return Draw(
+        vertex="ch06_tests/depth_linear.vert",
+        fragment="ch06_tests/depth_linear.frag",
+        mesh=mesh.only("aPos", "aColor"),
+        uniforms={
+            "model": np.eye(4),
+            "view": VIEW,
+            "projection": PROJECTION,
+            "near": NEAR,
+            "far": FAR,
+            "linearly": linearly,
+        },
+        state=State(depth=Depth(), cell=Cell(column=column, row=0, columns=2, rows=1)),
+    )
+
+
+def linear(frag_coord, near, far):
+    """The distance out of gl_FragCoord.z."""
+    return distance_of(swizzle(frag_coord, "z"), near, far)
+
+
+def grey(frag_coord, Color, near, far, linearly):
+    """What the picture shows."""
+    z = swizzle(frag_coord, "z")
+    shown = where(linearly > 0.5, linear(frag_coord, near, far) / far, z)
+    return vec4(mix(vec3(shown, shown, shown), Color, 0.12), 1.0)
+
+
+def travelled(Distance):
+    """The distance that was interpolated."""
+    return Distance
+
+
+def seen_distance(aPos, model, view):
+    """Minus the third coordinate in the camera's space."""
+    return -swizzle(mul(view, mul(model, vec4(aPos, 1.0))), "z")
+
+
+def error(linear, travelled):
+    """The largest error, as a share of the distance."""
+    seen = travelled > 0.0
+    return (np.abs(linear - travelled)[seen] / travelled[seen]).max()
+
+
+SIDES = ("as it is", "as a distance")
+
+case = Case(
+    title="Distance out of depth",
+    section="6.2.2",
+    math=r"z = \frac{2\,n f}{f + n - d\,(f - n)}, \qquad d = 2F - 1",
+    passes=(
+        *stage.photographed([half(0, 0.0), half(1, 1.0)], (1000, 500), clear=WHITE),
+        Pass(
+            name="backwards",
+            target=Target(size=(96, 48), depth="depth24", clear=WHITE),
+            draws=(half(0, 0.0, backwards=True), half(1, 1.0, backwards=True)),
+        ),
+    ),
+    picture="picture.FragColor",
+    expect=[
+        formula("soft.FragColor", softened(texture), name="four texels a pixel"),
+        *(
+            check
+            for draw, side in enumerate(SIDES)
+            for check in (
+                formula("judged.linear", linear, draw=draw, name=f"distance out of depth, {side}"),
+                formula("judged.FragColor", grey, draw=draw, name=f"depth, {side}"),
+            )
+        ),
+        formula("judged.travelled", travelled),
+        formula("judged.Distance", seen_distance, name="distance of a vertex"),
+        formula("judged.Color", handed_on),
+        formula("judged.gl_Position", clip_position),
+        exact(
+            "judged.FragColor",
+            Output("backwards", "FragColor"),
+            name="the nearest is seen, in whichever order it is drawn",
+        ),
+        measure(
+            "error of the distance",
+            error,
+            reads={"linear": "judged.linear", "travelled": "judged.travelled"},
+            at_most=1.0e-4,
+            note="a step of F below 1 is 6e-8: 5e-6 of the distance at z = 10",
+        ),
+        computed("F at z = 2", lambda: window_depth(2.0, NEAR, FAR), equals=0.953177, digits=6),
+        computed(
+            "there and back at z = 12.5",
+            lambda: distance_of(window_depth(12.5, NEAR, FAR), NEAR, FAR),
+            equals=12.5,
+            digits=9,
+        ),
+        computed("distance at F = ½", lambda: distance_of(0.5, NEAR, FAR), equals=0.199336,
+                 digits=6, note="half of all codes lie before it"),
+    ],
+)  # fmt: skip

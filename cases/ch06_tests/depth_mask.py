@@ -1,0 +1,116 @@
+"""The depth mask: with glDepthMask(GL_FALSE) the depth buffer is read but not written.
+
+Whether a fragment is drawn is the depth function's business; whether its depth is kept is decided
+by the function and the mask together. A depth buffer that is only read is what transparent things
+want: they are hidden by what stands before them and hide nothing themselves. Turning the depth test
+off is not the same as ALWAYS: without the test nothing is written, whatever the mask says.
+
+Look at: the table of what the depth buffer holds in the end, in hundredths; before, it held 50. Its
+columns are NEVER, LESS, EQUAL, LEQUAL, GREATER, NOTEQUAL, GEQUAL, ALWAYS, and last the test
+turned off; its rows, from the bottom, a fragment at 25, 50 and 75 with the mask closed, then the
+same three with the mask open. The lower half never changes.
+"""
+
+import numpy as np
+
+from shaderlab import (
+    Blend,
+    Case,
+    Cell,
+    Depth,
+    Draw,
+    Output,
+    Pass,
+    Ramp,
+    State,
+    Target,
+    exact,
+)
+from shaderlab.reference.depth_stencil import FUNCTIONS, depth_after, depth_passes
+
+STORED = 0.5
+DEPTHS = (0.25, 0.5, 0.75)  # exact in a depth buffer of 32-bit floats
+FUNCS = (*FUNCTIONS, None)
+FIELDS = [(write, depth) for write in (False, True) for depth in DEPTHS]
+COLUMNS, ROWS = len(FUNCS), len(FIELDS)
+ADDED = Blend(source="one", destination="one")
+
+
+def draw(state, worth):
+    """A draw over the state's cell, or over the whole table."""
+    return Draw(fragment="ch06_tests/count.frag", domain={}, uniforms={"worth": worth}, state=state)
+
+
+def tried(column, row):
+    """One fragment in its field, counted where it is drawn."""
+    write, depth = FIELDS[row]
+    func = FUNCS[column]
+    test = None if func is None else Depth(func=func, write=write)
+    cell = Cell(column=column, row=row, columns=COLUMNS, rows=ROWS)
+    return draw(State(depth=test, cell=cell, depth_range=(depth, depth)), 1.0)
+
+
+def found(depth):
+    """Adds up a depth, in hundredths, wherever it is the stored one."""
+    test = Depth(func="equal", write=False)
+    return draw(State(depth=test, depth_range=(depth, depth), blend=ADDED), 100.0 * depth)
+
+
+fields = [tried(column, row) for row in range(ROWS) for column in range(COLUMNS)]
+target = Target(
+    size=(COLUMNS, ROWS), colors={"total": "r32f"}, depth="depth32f", clear_depth=STORED
+)
+nothing = State(blend=Blend(source="zero", destination="zero"))
+
+case = Case(
+    title="The depth mask",
+    section="6.2.1",
+    math=r"z' = \begin{cases} z_{\text{incoming}} & \text{test on, passed, mask open} \\ "
+    r"z_{\text{stored}} & \text{otherwise} \end{cases}",
+    passes=(
+        Pass(name="drawn", target=target, draws=tuple(fields)),
+        # The same fragments; then the colours are wiped out, and the depths written instead.
+        Pass(
+            name="kept",
+            target=target,
+            draws=(*fields, draw(nothing, 0.0), *(found(depth) for depth in DEPTHS)),
+        ),
+        Pass(
+            name="picture",
+            target=Target(size=(864, 384)),
+            draws=(
+                Draw(
+                    fragment="ch06_tests/numbers.frag",
+                    domain={"place": Ramp((0.0, 0.0), (COLUMNS, 0.0), (0.0, ROWS))},
+                    uniforms={"group": 3.0, "whole": 100.0},
+                    textures={"values": Output("kept", "total")},
+                ),
+            ),
+        ),
+    ),
+    picture="picture.FragColor",
+    expect=[
+        exact(
+            "drawn.total",
+            np.array(
+                [
+                    [[1.0 if f is None else depth_passes(f, z, STORED)] for f in FUNCS]
+                    for _, z in FIELDS
+                ],
+                np.float32,
+            ),
+            name="what is drawn: the mask has no say",
+        ),
+        exact(
+            "kept.total",
+            np.array(
+                [
+                    [[100.0 * depth_after(f, write, z, STORED)] for f in FUNCS]
+                    for write, z in FIELDS
+                ],
+                np.float32,
+            ),
+            name="what the depth buffer holds: 9 tests × 3 depths × mask closed, open",
+        ),
+    ],
+)

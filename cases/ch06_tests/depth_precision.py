@@ -1,0 +1,214 @@
+"""What the depth buffer holds: not the distance z but F = (1/z − 1/n) / (1/f − 1/n).
+
+The perspective division makes window depth even in 1/z, so that most of its codes lie close to the
+near plane. Two surfaces at a distance z are told apart by a buffer of b bits if they are
+z²·(1/n − 1/f) / 2^b apart: far away, that grows with the square of the distance, and the only help
+is a near plane that is farther away. Ten times farther, and every step is ten times finer.
+
+Look at: two charts over the distance from 0.1 to 100, in decades, with lines at 1 and 10: F with
+the near plane at 1 above, at 0.1 below, and the far plane at 100. Each stripe is a twentieth of all
+codes. With n = 0.1 half of them are used up before z = 0.2. The steps in the curve were counted in
+the buffer itself: strips of it that run from 2 % before a distance to 2 % behind it.
+"""
+
+import numpy as np
+
+from shaderlab import (
+    Case,
+    Cell,
+    Depth,
+    Draw,
+    Erratum,
+    Mesh,
+    Pass,
+    State,
+    Target,
+    across,
+    assets,
+    computed,
+    formula,
+    measure,
+    reading,
+    up,
+    value,
+)
+from shaderlab.glslmath import abs, floor, min, mix, mod, pow, vec3, vec4, where
+from shaderlab.reference.depth import depth_step, window_depth
+from shaderlab.reference.transforms import perspective
+
+FAR = 100.0
+NEARS = {"n = 0.1": 0.1, "n = 1": 1.0}
+PLACES = (2.0, 5.0, 10.0, 20.0, 50.0, 90.0)
+AROUND = 0.02  # of the distance, to either side
+WIDTH = 512
+SQUARE = Mesh(**assets.quad(2.0)).only("aPos")
+
+
+def chart(row, near):
+    """F over the distance in one half of the picture."""
+    return Draw(
+        fragment="ch06_tests/depth_ruler.frag",
+        domain={"decade": across(-1.0, 2.0), "height": up(0.0, 1.0)},
+        uniforms={"near": near, "far": FAR},
+        state=State(cell=Cell(column=0, row=row, columns=1, rows=2)),
+    )
+
+
+def strip(row, near):
+    """A strip of the depth buffer around one distance."""
+    return Draw(
+        vertex="ch06_tests/depth_strip.vert",
+        fragment="ch06_tests/depth_strip.frag",
+        mesh=SQUARE,
+        uniforms={
+            "projection": perspective(1.0, 1.0, near, FAR),
+            "middle": PLACES[row],
+            "slope": AROUND * PLACES[row],
+            "near": near,
+            "far": FAR,
+        },
+        state=State(
+            depth=Depth(func="always"),
+            cell=Cell(column=0, row=row, columns=1, rows=len(PLACES)),
+        ),
+    )
+
+
+def strips(name, near):
+    """The depth buffer around all places."""
+    return Pass(
+        name=name,
+        target=Target(size=(WIDTH, 2 * len(PLACES)), depth="depth24"),
+        draws=tuple(strip(row, near) for row in range(len(PLACES))),
+    )
+
+
+def charted(decade, near, far):
+    """F of ten to the power of the decade."""
+    return window_depth(pow(10.0, decade), near, far)
+
+
+def painted(decade, height, near, far):
+    """The chart's colours."""
+    depth = charted(decade, near, far)
+    share = mod(floor(20.0 * depth), 2.0)
+    below = mix(vec3(0.93, 0.62, 0.16), vec3(0.50, 0.27, 0.07), share)
+    color = where(height < depth, below, vec3(0.10, 0.13, 0.20))
+    line = min(abs(decade), abs(decade - 1.0))
+    color = where(line < 0.004, vec3(0.75, 0.75, 0.75), color)
+    return vec4(where(height > 0.985, vec3(0.97, 0.97, 0.97), color), 1.0)
+
+
+def of_distance(Distance, near, far):
+    """F of a strip's distance."""
+    return window_depth(Distance, near, far)
+
+
+def distance(aPos, middle, slope):
+    """Even across the strip."""
+    return middle + slope * aPos[..., 0:1]
+
+
+def counted_step(depth, row):
+    """How far a step of the buffer reaches: the strip's length over the codes that it takes."""
+    codes = np.round(depth[2 * int(row), :, 0] * (2.0**24 - 1.0))
+    length = 2.0 * AROUND * PLACES[int(row)] * (WIDTH - 1) / WIDTH
+    return length / np.ptp(codes)
+
+
+def steps(series, near):
+    """The counted steps, each within half a percent of the formula's."""
+    for row, z in enumerate(PLACES):
+        exact = float(depth_step(z, near, FAR))
+        yield reading(
+            z,
+            reads={"depth": f"{'tenth' if near < 1 else 'one'}.depth"},
+            given={"row": float(row)},
+            between=(0.995 * exact, 1.005 * exact),
+            series=series,
+        )
+
+
+def share(start, stop, near):
+    """The share of all codes between two distances."""
+    return lambda: window_depth(stop, near, FAR) - window_depth(start, near, FAR)
+
+
+def largest_error(depth, F):
+    """Depth buffer against formula."""
+    return np.abs(depth - F).max()
+
+
+case = Case(
+    title="The precision of depth",
+    section="6.2.2",
+    math=r"F = \frac{1/z - 1/n}{1/f - 1/n}, \qquad \Delta z \approx "
+    r"\frac{z^2}{2^b}\left(\frac 1n - \frac 1f\right)",
+    passes=(
+        strips("tenth", 0.1),
+        strips("one", 1.0),
+        Pass(
+            name="judged",
+            target=Target(size=(96, 96)),
+            draws=(chart(0, 0.1), chart(1, 1.0)),
+        ),
+        Pass(
+            name="picture",
+            target=Target(size=(960, 480)),
+            draws=(chart(0, 0.1), chart(1, 1.0)),
+        ),
+    ),
+    picture="picture.FragColor",
+    expect=[
+        formula("judged.depth", charted, draw=0, name="F with n = 0.1"),
+        formula("judged.depth", charted, draw=1, name="F with n = 1"),
+        formula("judged.FragColor", painted, draw=0, name="the lower chart"),
+        formula("judged.FragColor", painted, draw=1, name="the upper chart"),
+        formula("tenth.F", of_distance, name="F of a strip, n = 0.1"),
+        formula("one.F", of_distance, name="F of a strip, n = 1"),
+        formula("one.Distance", distance, name="the strip's distance"),
+        measure(
+            "depth buffer against F",
+            largest_error,
+            readings=[
+                reading("n = 0.1", reads={"depth": "tenth.depth", "F": "tenth.F"}),
+                reading("n = 1", reads={"depth": "one.depth", "F": "one.F"}),
+            ],
+            at_most=1.0e-6,
+            note="a step of the buffer is 6e-8, and so is one of a float below 1",
+        ),
+        measure(
+            "distance of two steps",
+            counted_step,
+            readings=[r for series, near in NEARS.items() for r in steps(series, near)],
+            x_label="z",
+            y_label="Δz of a 24-bit depth buffer",
+            log_x=True,
+            log_y=True,
+        ),
+        value(
+            "judged.depth", at={"decade": 0.30102999566398, "near": 1.0}, equals=0.505051,
+            digits=6, reference=charted, draw=1, name="F at z = 2 with n = 1",
+        ),
+        computed("step at z = 50, n = 0.1", lambda: depth_step(50.0, 0.1, FAR),
+                 equals=0.00148863, digits=8),
+        computed("step at z = 50, n = 1", lambda: depth_step(50.0, 1.0, FAR),
+                 equals=0.000147521, digits=9),
+        computed("z from 1 to 2, n = 1", share(1.0, 2.0, 1.0), equals=0.505051, digits=6),
+        computed("z from 1 to 2, n = 0.1", share(1.0, 2.0, 0.1), equals=0.050050, digits=6),
+        computed("z from 50 to 100, n = 1", share(50.0, 100.0, 1.0), equals=0.010101, digits=6),
+        computed("z from 50 to 100, n = 0.1", share(50.0, 100.0, 0.1), equals=0.001001, digits=6),
+    ],
+    errata=[
+        Erratum(
+            says="distances from 1 to 2 take half of the depth range",
+            truth="50.5 % for n = 1 and f = 100, but 5.0 % for n = 0.1",
+            proof="z from 1 to 2, n = 0.1",
+        ),
+        Erratum(
+            says="distances from 50 to 100 take 2 % of the depth range",
+            truth="1.0101 % for n = 1 and f = 100, 0.1001 % for n = 0.1",
+            proof="z from 50 to 100, n = 1",
+        ),
+    ],
+)  # fmt: skip

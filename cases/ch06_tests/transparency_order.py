@@ -1,0 +1,192 @@
+"""The order of transparent things: from far to near, or the blend equation adds up something else.
+
+The operator *over* is not commutative: red over blue is not blue over red. Seen through three panes
+the colour is C₃ over (C₂ over (C₁ over background)), with C₁ the farthest, and blending computes
+just that if the farthest is drawn first. Opaque things come before them all, with the depth test
+and its mask on; the panes are tested, so that opaque things hide them, but write no depth.
+
+Look at: three discs of glass before a wall, red the farthest, blue the nearest, and a dark disc
+that stands between green and blue. Left: drawn from far to near. Middle: from near to far, and red
+seems to lie in front where all three overlap. Right: from near to far with the depth written, and
+what is behind a pane is not seen at all.
+"""
+
+import numpy as np
+
+from shaderlab import (
+    Blend,
+    Case,
+    Cell,
+    Depth,
+    Draw,
+    Output,
+    Pass,
+    Pixel,
+    Ramp,
+    State,
+    Target,
+    computed,
+    formula,
+    measure,
+    value,
+)
+from shaderlab.glslmath import dot, vec4, where
+from shaderlab.reference.blending import over
+
+SQUARE = Ramp((-1.0, -1.0), (2.0, 0.0), (0.0, 2.0))
+OVER = Blend(source="src_alpha", destination="one_minus_src_alpha")
+WALL = (0.90, 0.88, 0.82, 1.0)
+DARK, DARK_DEPTH = (0.16, 0.18, 0.22, 1.0), 0.4
+# From far to near: centre, colour and α, depth.
+PANES = (
+    ((-0.26, -0.20), (0.90, 0.15, 0.10, 0.6), 0.7),
+    ((0.26, -0.20), (0.15, 0.75, 0.25, 0.5), 0.5),
+    ((0.0, 0.26), (0.15, 0.30, 0.95, 0.4), 0.3),
+)
+RADIUS = 0.55
+DARK_CENTRE, DARK_RADIUS = (0.62, 0.50), 0.3
+SIZES = {"judged": 64, "seen": 360}
+
+
+def disc(centre, radius, color, depth, state):
+    """A disc at one depth."""
+    return Draw(
+        fragment="ch06_tests/glass.frag",
+        domain={"place": SQUARE},
+        uniforms={"centre": centre, "radius": radius, "color": color},
+        state=State(depth_range=(depth, depth), **state),
+    )
+
+
+def opaque():
+    """The wall behind everything, and what stands between the panes."""
+    depth = {"depth": Depth()}
+    return (
+        disc((0.0, 0.0), 2.0, WALL, 0.9, depth),
+        disc(DARK_CENTRE, DARK_RADIUS, DARK, DARK_DEPTH, depth),
+    )
+
+
+def panes(order, write=False):
+    """The panes in an order, blended."""
+    state = {"depth": Depth(write=write), "blend": OVER}
+    return tuple(disc(c, RADIUS, color, depth, state) for c, color, depth in order)
+
+
+def scene(name, drawn, size):
+    """Opaque things, then the panes."""
+    return Pass(
+        name=name, target=Target(size=(size, size), depth="depth24"), draws=(*opaque(), *drawn)
+    )
+
+
+def scenes(kind, size):
+    """The three ways to draw them."""
+    return (
+        scene(f"{kind}_sorted", panes(PANES), size),
+        scene(f"{kind}_reversed", panes(PANES[::-1]), size),
+        scene(f"{kind}_written", panes(PANES[::-1], write=True), size),
+    )
+
+
+def shown(kind, which, cell=None):
+    """All three side by side in outputs, and one of them for people."""
+    names = ("sorted", "reversed", "written")
+    samplers = ("far_to_near", "near_to_far", "depth_written")
+    return Draw(
+        fragment="ch06_tests/transparency_order.frag",
+        domain={"place": SQUARE},
+        uniforms={"shown": float(which)},
+        textures={
+            s: Output(f"{kind}_{n}", "FragColor") for s, n in zip(samplers, names, strict=True)
+        },
+        state=State(cell=cell),
+    )
+
+
+def inside(place, centre, radius):
+    """Whether a place lies in a disc."""
+    away = place - np.array(centre)
+    return dot(away, away) <= radius * radius
+
+
+def layered(place, order, hides):
+    """Wall, dark disc, and the panes over them in an order; with `hides`, only the first one."""
+    dark = inside(place, DARK_CENTRE, DARK_RADIUS)
+    color = where(dark, vec4(*DARK), vec4(*WALL))
+    free = where(dark, DARK_DEPTH, 1.0)
+    for centre, pane, depth in order:
+        seen = where(depth < free, where(inside(place, centre, RADIUS), 1.0, 0.0), 0.0)
+        color = where(seen > 0.5, over(vec4(*pane), color), color)
+        free = where(seen > 0.5, depth, free) if hides else free
+    return color
+
+
+def sorted_panes(place):
+    """From far to near: over, over, over."""
+    return layered(place, PANES, False)
+
+
+def reversed_panes(place):
+    """What blending makes of the other order."""
+    return layered(place, PANES[::-1], False)
+
+
+def written_panes(place):
+    """The nearest pane alone."""
+    return layered(place, PANES[::-1], True)
+
+
+def stack(order):
+    """The colour of all panes before the wall."""
+    color = np.array(WALL)
+    for _, pane, _ in order:
+        color = over(np.array(pane), color)
+    return color
+
+
+def order_error(right, other):
+    """The largest difference of a channel."""
+    return np.abs(right[..., :3] - other[..., :3]).max()
+
+
+MIDDLE = Pixel(32, 30)
+
+case = Case(
+    title="Transparent things in order",
+    section="6.3",
+    math=r"C = C_3 \mathbin{\text{over}} (C_2 \mathbin{\text{over}} (C_1 "
+    r"\mathbin{\text{over}} B)), \qquad S \mathbin{\text{over}} D = \alpha S + (1 - \alpha) D",
+    passes=(
+        *scenes("judged", SIZES["judged"]),
+        Pass(name="table", target=Target(size=(64, 64)), draws=(shown("judged", 0),)),
+        *scenes("seen", SIZES["seen"]),
+        Pass(
+            name="picture",
+            target=Target(size=(1080, 360)),
+            draws=tuple(
+                shown("seen", k, Cell(column=k, row=0, columns=3, rows=1)) for k in range(3)
+            ),
+        ),
+    ),
+    picture="picture.FragColor",
+    expect=[
+        formula("table.sorted", sorted_panes, name="far to near is over, over, over"),
+        formula("table.reversed_", reversed_panes, name="near to far"),
+        formula("table.written", written_panes, name="near to far, depth written"),
+        value("judged_sorted.FragColor", at=MIDDLE, equals=(0.375, 0.4776, 0.5714, 0.538),
+              digits=6, name="behind all three panes, far to near"),
+        value("judged_reversed.FragColor", at=MIDDLE, equals=(0.69, 0.3696, 0.2844, 0.612),
+              digits=6, name="behind all three panes, near to far"),
+        computed("all three, far to near", lambda: stack(PANES), digits=6,
+                 equals=(0.375, 0.4776, 0.5714, 0.538)),
+        measure(
+            "error of the order",
+            order_error,
+            reads={"right": "judged_sorted.FragColor", "other": "judged_reversed.FragColor"},
+            equals=0.315,
+            digits=6,
+            note="red, where all three overlap: 0.69 instead of 0.375",
+        ),
+    ],
+)  # fmt: skip

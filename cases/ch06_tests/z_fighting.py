@@ -1,0 +1,248 @@
+"""Z-fighting: two surfaces so close that the depth buffer can't tell which is in front.
+
+Where both fall on the same code, LESS keeps whichever came first. Here that is the wall behind, so
+each of its pixels is wrong: of two walls d apart, with steps of Δz, the share 1 − d/Δz. A step is
+the longer the closer the near plane is (see depth-precision), so the remedies are, in this order:
+move the near plane out, take more bits, or push one surface's depth by an offset (glPolygonOffset),
+which only hides the question. A 32-bit float depth buffer gains nothing here: F lies between ½ and
+1, and there floats are no finer than 24 bits.
+
+Look at: an orange wall right behind a teal one, slanting away to the right, in 16 bits of depth.
+From left to right the near plane is at 0.01, at 0.1, and at 0.01 with a polygon offset of (−1, −1)
+for the teal wall. Orange should be seen nowhere; the stripes are pairs of equal codes.
+"""
+
+from itertools import product
+
+from shaderlab import (
+    Case,
+    Depth,
+    Draw,
+    Mesh,
+    Pass,
+    State,
+    Target,
+    assets,
+    formula,
+    measure,
+    reading,
+)
+from shaderlab.glslmath import swizzle, vec4
+from shaderlab.reference.depth import same_code_share
+
+FAR, MIDDLE, SLANT = 100.0, 10.0, 1.0
+NEARS = (0.01, 0.1, 1.0)
+BITS = {"depth16": 16, "depth24": 24, "depth32f": 24}
+# Gaps, in steps of the depth buffer at the wall's middle. The smallest one with 24 bits is lost in
+# the vertices themselves: both walls are the same, and every pixel shows the first.
+STEPS = {16: (0.125, 0.5, 0.875, 2.0, 8.0), 24: (0.0001, 0.5, 1.0, 4.0, 16.0)}
+ROWS = 5
+SIZE = (640, 4 * ROWS)
+# Codes that 32-bit arithmetic may misplace the two walls by: a vertex's depth is rounded in some
+# operations on its way to the buffer, by 2^-24 of itself each. With 16 bits that is next to
+# nothing, but softpipe steps along a row of pixels in fixed point: up to a tenth of a code.
+ROUNDED = {16: 0.125, 24: 1.5}
+# Each column of pixels is one trial whether two depths share a code: three standard deviations.
+CHANCE = 3.0 * (0.25 / SIZE[0]) ** 0.5
+SQUARE = Mesh(**assets.quad(2.0)).only("aPos")
+MARGIN = 0.05  # of a wall's width, where the wall in front is cut off
+ORANGE, TEAL = (0.95, 0.55, 0.12), (0.10, 0.45, 0.50)
+
+
+def wall(near, gap, box, nearer, offset=None, rise=0.0):
+    """One of the two walls in a rectangle of the target."""
+    x, y, width, height = box
+    cut = int(MARGIN * width) if nearer else 0
+    return Draw(
+        vertex="ch06_tests/z_fighting.vert",
+        fragment="ch06_tests/z_fighting.frag",
+        mesh=SQUARE,
+        uniforms={
+            "near": near,
+            "far": FAR,
+            "middle": MIDDLE,
+            "slant": SLANT,
+            "rise": rise,
+            "gap": gap,
+            "color": TEAL if nearer else ORANGE,
+            "number": 1.0 if nearer else 2.0,
+        },
+        state=State(
+            depth=Depth(),
+            polygon_offset=offset,
+            viewport=box,
+            scissor=(x + cut, y, width - cut, height),
+        ),
+    )
+
+
+def both(near, gap, box, offset=None, rise=0.0):
+    """The wall behind, then the wall in front."""
+    behind = wall(near, gap, box, False, rise=rise)
+    return (behind, wall(near, 0.0, box, True, offset, rise))
+
+
+def step(near, bits):
+    """A step of the depth buffer in the middle of the wall."""
+    return MIDDLE * MIDDLE * (1.0 / near - 1.0 / FAR) / 2.0**bits
+
+
+def gaps(near, bits):
+    """The distances of the walls that are tried."""
+    return [share * step(near, bits) for share in STEPS[bits]]
+
+
+def name_of(format, near):
+    """The pass of one depth format and near plane."""
+    return f"{format}_{near:g}".replace(".", "")
+
+
+def trials(format, near, offset=None, prefix=""):
+    """A pass with a row for each gap."""
+    high = SIZE[1] // ROWS
+    rows = [((0, k * high, SIZE[0], high), gap) for k, gap in enumerate(gaps(near, BITS[format]))]
+    return Pass(
+        name=prefix + name_of(format, near),
+        target=Target(size=SIZE, depth=format, colors={"winner": "r32f"}),
+        draws=tuple(draw for box, gap in rows for draw in both(near, gap, box, offset)),
+    )
+
+
+def wrong_winners(winner, row):
+    """The share of pixels that should show the wall in front and do not."""
+    rows = SIZE[1] // ROWS
+    front = winner[int(row) * rows : (int(row) + 1) * rows, int(MARGIN * SIZE[0]) :]
+    return (front != 1.0).mean()
+
+
+def seen_behind(winner):
+    """The share of the margin that shows the wall behind."""
+    return (winner[:, : int(MARGIN * SIZE[0])] == 2.0).mean()
+
+
+def orange(winner, panel):
+    """The share of one panel of the picture in which the wall behind is seen, without margins."""
+    left = int(panel)
+    return (winner[20:340, left + 17 : left + 340] != 1.0).mean()
+
+
+def allowed(near, bits, gap):
+    """The share of equal codes, with what rounding may add or take away."""
+    if gap < 0.001 * step(near, bits):
+        return (1.0, 1.0)
+    slack = ROUNDED[bits] * step(near, bits)
+    low, high = (
+        same_code_share(gap + error, MIDDLE, SLANT, near, FAR, bits) for error in (slack, -slack)
+    )
+    return (max(low - CHANCE, 0.0), min(high + CHANCE, 1.0))
+
+
+def curve(format, near):
+    """Readings over the distance of the walls, for one depth format and near plane."""
+    bits = BITS[format]
+    for row, gap in enumerate(gaps(near, bits)):
+        yield reading(
+            gap,
+            reads={"winner": f"{name_of(format, near)}.winner"},
+            given={"row": float(row)},
+            between=allowed(near, bits, gap),
+            series=f"{format}, n = {near:g}",
+        )
+
+
+def mended(format):
+    """Readings with a polygon offset, where it is worst."""
+    for row, gap in enumerate(gaps(NEARS[0], BITS[format])):
+        yield reading(
+            gap,
+            reads={"winner": f"offset_{name_of(format, NEARS[0])}.winner"},
+            given={"row": float(row)},
+            series=format,
+        )
+
+
+def clip(aPos, near, far, middle, slant, rise, gap):
+    """The corner of a wall in clip space."""
+    z = middle + slant * swizzle(aPos, "x") + rise * swizzle(aPos, "y") + gap
+    depth = (far + near) / (far - near) * z - 2.0 * far * near / (far - near)
+    return vec4(swizzle(aPos, "xy") * z, depth, z)
+
+
+def one_color(color):
+    """A wall's colour."""
+    return vec4(color, 1.0)
+
+
+PANELS = ((0.01, None), (0.1, None), (0.01, (-1.0, -1.0)))
+GAP = 0.5 * step(0.01, 16)
+ALL = tuple(product(BITS, NEARS))
+
+case = Case(
+    title="Z-fighting",
+    section="6.2.3",
+    math=r"\text{wrong} = \max\left(0,\ 1 - \frac{d}{\Delta z}\right), \qquad "
+    r"\Delta z \approx \frac{z^2}{2^b}\left(\frac 1n - \frac 1f\right)",
+    passes=(
+        *(trials(format, near) for format, near in ALL),
+        *(trials(format, NEARS[0], (-1.0, -1.0), "offset_") for format in BITS),
+        Pass(
+            name="picture",
+            target=Target(size=(1080, 360), depth="depth16", clear=(0.93, 0.93, 0.91, 1.0)),
+            draws=tuple(
+                draw
+                for k, (near, offset) in enumerate(PANELS)
+                for draw in both(near, GAP, (20 + 350 * k, 20, 340, 320), offset, 0.6)
+            ),
+        ),
+    ),
+    picture="picture.FragColor",
+    expect=[
+        formula("picture.gl_Position", clip, name="the teal wall"),
+        formula("picture.gl_Position", clip, draw=0, name="the orange wall"),
+        formula("picture.FragColor", one_color),
+        measure(
+            "share of wrong winners",
+            wrong_winners,
+            readings=[r for format, near in ALL for r in curve(format, near)],
+            x_label="distance of the walls",
+            y_label="share of pixels that show the wall behind",
+            log_x=True,
+        ),
+        measure(
+            "with a polygon offset",
+            wrong_winners,
+            readings=[r for format in BITS for r in mended(format)],
+            equals=0.0,
+            digits=9,
+            x_label="distance of the walls",
+            log_x=True,
+        ),
+        formula("picture.FragColor", one_color, draw=0, name="what is seen of the orange wall"),
+        measure(
+            "margin in which the wall behind is seen",
+            seen_behind,
+            readings=[
+                *(
+                    reading(f"{f}, n = {n:g}", reads={"winner": f"{name_of(f, n)}.winner"})
+                    for f, n in ALL
+                ),
+                *(
+                    reading(f"{f}, offset", reads={"winner": f"offset_{name_of(f, 0.01)}.winner"})
+                    for f in BITS
+                ),
+            ],
+            equals=1.0,
+            digits=9,
+        ),
+        measure(
+            "orange in the picture",
+            orange,
+            reads={"winner": "picture.winner"},
+            readings=[
+                reading("n = 0.01", given={"panel": 20.0}, between=(0.4, 0.6)),
+                reading("n = 0.1", given={"panel": 370.0}, equals=0.0, digits=9),
+                reading("n = 0.01 with an offset", given={"panel": 720.0}, equals=0.0, digits=9),
+            ],
+        ),
+    ],
+)
