@@ -136,7 +136,7 @@ def kept_clip(aPos, view, projection):
 
 
 TEXEL = assets.crate(64)[int(0.3 * 64), int(0.4 * 64), :3].astype(float)
-IN_FRONT = np.ravel(studio_color(1.3 * TEXEL * TEXEL, np.array([0.0, 0.0, 2.0]))).tolist()
+IN_FRONT = np.ravel(studio_color(1.3 * TEXEL * TEXEL, np.array([0.0, 2.0, 0.0]))).tolist()
 
 
 def changed(one, other):
@@ -198,7 +198,7 @@ case = Case(
         value(
             "sky-last.FragColor",
             draw=0,
-            at={"Normal": (0.0, 0.0, 2.0), "TexCoords": (0.4, 0.3)},
+            at={"Normal": (0.0, 2.0, 0.0), "TexCoords": (0.4, 0.3)},
             equals=IN_FRONT,
             digits=6,
             reference=of_wood,
@@ -206,6 +206,7 @@ case = Case(
         ),
         formula("kept-here.gl_Position", kept_clip, name="with the translation kept"),
         formula("kept-there.gl_Position", kept_clip, name="with the translation kept, elsewhere"),
+        formula("kept-there.FragColor", along, name="the sky with the translation kept"),
         formula("kept-here.TexCoords", point, name="directions with the translation kept"),
         exact(
             "sky-first.FragColor",
