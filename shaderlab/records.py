@@ -32,7 +32,8 @@ class Verdict:
     `ok` covers the compiler and, for SPIR-V targets, SPIRV-Tools' validator as well; the
     validator alone is in `valid`, None where there was no module to look at.
     `spirv_bytes` is the size of all its stages' modules and `instructions` how many SPIR-V
-    instructions they have; both are 0 for plain GLSL.
+    instructions they have; both are 0 for plain GLSL. `assembly` is the file of the modules as
+    text, relative to the run's folder, or "".
     `status` is "" for an answer; "crash" or "timeout" where the compiler gave none, and
     "disagrees" where a driver's answer is not that of the plain GLSL compiler.
     """
@@ -43,6 +44,7 @@ class Verdict:
     spirv_bytes: int = 0
     instructions: int = 0
     valid: bool | None = None
+    assembly: str = ""
     status: Literal["", "crash", "timeout", "disagrees"] = ""
 
 

@@ -44,6 +44,11 @@ def drawn(name, mesh, **state):
     )
 
 
+def across_the_quad(aPos):
+    """A corner's x and y, handed on."""
+    return swizzle(aPos, "xy")
+
+
 def two_triangles(place):
     """Amber above the shared edge, teal below it."""
     above = swizzle(place, "x") + swizzle(place, "y") > 0.0
@@ -63,6 +68,7 @@ case = Case(
     picture="indexed.FragColor",
     expect=[
         coverage(129600, pass_name="indexed", name="pixels covered"),
+        formula("indexed.place", across_the_quad),
         formula("indexed.FragColor", two_triangles, name="one colour a triangle"),
         exact("indexed.FragColor", Output("plain", "FragColor"), name="same as six vertices"),
         coverage(0, pass_name="cull-back", name="culled when counter-clockwise is front"),

@@ -18,6 +18,7 @@ import numpy as np
 
 from shaderlab import Case, Cell, Depth, Draw, Mesh, State, assets, computed, formula, value
 from shaderlab.assets import solids, stage
+from shaderlab.assets.order import any_order
 from shaderlab.reference.euler import euler_matrix, euler_turned, gimbal_axes, gimbal_freedom
 from shaderlab.reference.glm import euler_by_glm
 from shaderlab.reference.studio import handed_on, softened, studio_color
@@ -101,6 +102,7 @@ def checked(index, name):
     draw = 2 * index + 1
     return (
         formula("judged.Turned", euler_turned, draw=draw, also={"PyGLM": euler_by_glm}, name=name),
+        formula("judged.Normal", turned_normal, draw=draw, name=f"normals, {name}"),
         formula("judged.FragColor", studio_color, draw=draw, name=f"colour, {name}"),
     )
 
@@ -136,9 +138,9 @@ case = Case(
     picture="picture.FragColor",
     expect=[
         formula("soft.FragColor", softened(texture), name="four texels a pixel"),
+        any_order("judged.FragColor"),
         *stage.prop_checks(clip_position, world_normal, handed_on, studio_color),
         *(e for k, name in enumerate(POSES) for e in checked(k, name)),
-        formula("judged.Normal", turned_normal, name="normals turn"),
         formula("judged.Color", handed_on),
         formula("judged.gl_Position", position, name="clip coordinates"),
         wing_tip("yaw alone", 40.0, 0.0, 0.0, (0.766044, 0.0, -0.642788)),

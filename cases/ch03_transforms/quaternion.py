@@ -30,6 +30,7 @@ from shaderlab import (
     value,
 )
 from shaderlab.assets import solids, stage
+from shaderlab.assets.order import any_order
 from shaderlab.glslmath import vec4
 from shaderlab.reference.euler import euler_matrix
 from shaderlab.reference.glm import slerp_by_glm, turned_by_glm
@@ -171,6 +172,7 @@ case = Case(
     picture="picture.FragColor",
     expect=[
         formula("soft.FragColor", softened(texture), name="four texels a pixel"),
+        any_order("judged.FragColor"),
         *stage.prop_checks(clip_position, world_normal, handed_on, studio_color),
         formula(
             "tilted.Turned",
@@ -188,7 +190,8 @@ case = Case(
             for step in range(FRAMES)
         ),
         formula("judged.Orientation", orientation, also={"PyGLM": slerp_by_glm(START, END)}),
-        formula("judged.Normal", turned_normal, name="normals turn"),
+        formula("judged.Normal", turned_normal, draw=4, name="normals turn, on top"),
+        formula("judged.Normal", turned_normal, name="normals turn, at the end"),
         formula("judged.Color", handed_on),
         formula("judged.gl_Position", position, name="clip coordinates"),
         formula("judged.FragColor", studio_color, draw=4, name="colour, on top"),

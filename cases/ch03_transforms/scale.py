@@ -16,6 +16,7 @@ import numpy as np
 
 from shaderlab import Case, Cell, Depth, Draw, Mesh, State, computed, formula, value
 from shaderlab.assets import solids, stage
+from shaderlab.assets.order import any_order
 from shaderlab.glslmath import mul
 from shaderlab.reference.glm import scaled_by_glm
 from shaderlab.reference.studio import handed_on, softened, studio_color
@@ -85,6 +86,7 @@ case = Case(
     picture="picture.FragColor",
     expect=[
         formula("soft.FragColor", softened(texture), name="four texels a pixel"),
+        any_order("judged.FragColor"),
         *stage.prop_checks(clip_position, world_normal, handed_on, studio_color),
         *(
             formula("judged.Scaled", scaled, draw=k, also={"PyGLM": scaled_by_glm}, name=name)

@@ -18,6 +18,7 @@ import numpy as np
 
 from shaderlab import Case, Cell, Depth, Draw, Mesh, State, computed, formula, value
 from shaderlab.assets import solids, stage
+from shaderlab.assets.order import any_order
 from shaderlab.glslmath import mul, vec4
 from shaderlab.reference.studio import handed_on, softened, studio_color
 from shaderlab.reference.transforms import (
@@ -155,6 +156,7 @@ case = Case(
     picture="picture.FragColor",
     expect=[
         formula("soft.FragColor", softened(texture), name="four texels a pixel"),
+        any_order("judged.FragColor"),
         *stage.prop_checks(clip_position, world_normal, handed_on, studio_color),
         *(e for k, row in enumerate(ORDERS.items()) for e in figures(k, *row)),
         formula("judged.gl_Position", position, name="clip coordinates"),

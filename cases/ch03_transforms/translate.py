@@ -26,6 +26,7 @@ from shaderlab import (
     value,
 )
 from shaderlab.assets import solids, stage
+from shaderlab.assets.order import any_order
 from shaderlab.glslmath import swizzle
 from shaderlab.reference.glm import translated_by_glm
 from shaderlab.reference.studio import handed_on, softened, studio_color
@@ -85,6 +86,7 @@ case = Case(
     picture="picture.FragColor",
     expect=[
         formula("soft.FragColor", softened(texture), name="four texels a pixel"),
+        any_order("judged.FragColor"),
         *stage.prop_checks(clip_position, world_normal, handed_on, studio_color),
         formula(
             "judged.Moved", translated, draw=3, also={"PyGLM": translated_by_glm}, name="w = 1"

@@ -17,6 +17,7 @@ import numpy as np
 
 from shaderlab import Case, Cell, Depth, Draw, Mesh, State, formula, value
 from shaderlab.assets import solids, stage
+from shaderlab.assets.order import any_order
 from shaderlab.glslmath import mul, swizzle, vec4
 from shaderlab.reference.glm import clip_by_glm
 from shaderlab.reference.spaces import device, window
@@ -187,6 +188,7 @@ case = Case(
     picture="picture.FragColor",
     expect=[
         formula("soft.FragColor", softened(texture), name="four texels a pixel"),
+        any_order("judged.FragColor"),
         *stage.prop_checks(clip_position, world_normal, handed_on, studio_color),
         formula("judged.World", in_world, name="1 · local to world"),
         formula("judged.View", in_view, name="2 · world to view"),

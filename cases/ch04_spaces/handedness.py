@@ -30,6 +30,7 @@ from shaderlab import (
     value,
 )
 from shaderlab.assets import solids, stage
+from shaderlab.assets.order import any_order
 from shaderlab.glslmath import cross, vec3, where
 from shaderlab.reference.spaces import depth_of
 from shaderlab.reference.studio import handed_on, softened, studio_color
@@ -124,6 +125,7 @@ case = Case(
     picture="picture.FragColor",
     expect=[
         formula("soft.FragColor", softened(texture), name="four texels a pixel"),
+        any_order("judged.FragColor"),
         *stage.prop_checks(clip_position, world_normal, handed_on, studio_color),
         formula("judged.Seen", in_hand, draw=1, name="right-handed"),
         formula("judged.Seen", in_hand, draw=3, name="left-handed"),

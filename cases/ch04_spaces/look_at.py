@@ -16,6 +16,7 @@ import numpy as np
 
 from shaderlab import Case, Cell, Depth, Draw, Mesh, State, computed, formula, value
 from shaderlab.assets import solids, stage
+from shaderlab.assets.order import any_order
 from shaderlab.glslmath import mul, vec4
 from shaderlab.reference.glm import in_camera_by_glm, rotation_by_glm_float32
 from shaderlab.reference.spaces import in_camera
@@ -144,6 +145,7 @@ case = Case(
     picture="picture.FragColor",
     expect=[
         formula("soft.FragColor", softened(texture), name="four texels a pixel"),
+        any_order("judged.FragColor"),
         *stage.prop_checks(clip_position, world_normal, handed_on, studio_color),
         formula("judged.InView", seen_place, also={"PyGLM": in_camera_by_glm}, name="every vertex"),
         formula("judged.gl_Position", position, name="clip coordinates"),
@@ -154,6 +156,13 @@ case = Case(
         view_from(ORIGIN, (0.0, 0.0, -1.0), (1.0, 2.0, 3.0), (1.0, 2.0, 3.0), "the default camera"),
         view_from(
             ORIGIN, TOWARDS_MINUS_X, (1.0, 2.0, 3.0), (-3.0, 2.0, 1.0), "towards −x: (−z, y, x)"
+        ),
+        view_from(
+            (1.0, 2.0, 3.0),
+            (4.0, 0.0, 2.0),
+            (2.0, -1.0, 5.0),
+            (2.213594, -2.366432, -1.870829),
+            "askew",
         ),
         view_from(EYE, TARGET, EYE, (0.0, 0.0, 0.0), "the eye is the origin"),
         view_from(EYE, TARGET, TARGET, (0.0, 0.0, -5.916080), "the target is straight ahead"),

@@ -31,6 +31,7 @@ from shaderlab import (
     sweep,
     value,
 )
+from shaderlab.assets.order import any_order, both_ways
 from shaderlab.glslmath import clamp, dot, max, normalize, pow, swizzle, vec3, vec4, where
 from shaderlab.reference import blinn_phong as lobes
 from shaderlab.reference.transforms import (
@@ -144,10 +145,12 @@ case = Case(
     math=r"H = \frac{L + V}{\lVert L + V \rVert}, \qquad "
     r"\text{Blinn} = (N \cdot H)^s, \quad \text{Phong} = (R \cdot V)^s",
     passes=(
-        Pass(
-            name="picture",
-            target=Target(depth="depth24", clear=(0.16, 0.20, 0.26, 1.0)),
-            draws=(half(0, blinn=False), half(1, blinn=True)),
+        *both_ways(
+            Pass(
+                name="picture",
+                target=Target(depth="depth24", clear=(0.16, 0.20, 0.26, 1.0)),
+                draws=(half(0, blinn=False), half(1, blinn=True)),
+            ),
         ),
         *fullscreen(
             "ch05_lighting/blinn_phong_lobes.frag",
@@ -168,6 +171,7 @@ case = Case(
         formula("picture.specular", halfway, draw=1, name="Blinn, right half"),
         formula("picture.FragColor", shaded_mirrored, draw=0, name="colour, left half"),
         formula("picture.FragColor", shaded_halfway, draw=1, name="colour, right half"),
+        any_order("picture.FragColor"),
         formula("phong", phong_over_slope),
         formula("blinn", blinn_over_slope),
         sweep("phong", phong_over_slope, over="slope", values=SLOPES),

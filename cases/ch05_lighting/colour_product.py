@@ -26,6 +26,7 @@ from shaderlab import (
     fullscreen,
     value,
 )
+from shaderlab.assets.order import any_order, both_ways
 from shaderlab.glslmath import dot, normalize, vec3, vec4
 from shaderlab.reference.lighting import finished, reflected_color
 from shaderlab.reference.transforms import (
@@ -98,24 +99,33 @@ case = Case(
     section="5.1",
     math=r"C = L \odot O = (L_r O_r,\ L_g O_g,\ L_b O_b)",
     passes=(
-        rooms("scene", size=(1024, 1024), colors={"shaded": "rgba16f"}),
+        *both_ways(rooms("scene", size=(1024, 1024), colors={"shaded": "rgba16f"})),
         *fullscreen(
             "ch05_lighting/finish.frag",
             name="picture",
             textures={"scene": Output("scene", "shaded")},
         ),
-        rooms("rooms"),
+        *both_ways(rooms("rooms")),
     ),
     picture="picture.FragColor",
     expect=[
         formula("gl_Position", clip_position),
         formula("FragPos", world_position),
         formula("Normal", world_normal),
+        value(
+            "Normal",
+            at={"aNormal": (1.0, 2.0, 3.0), "normalMatrix": [[1, 2, 2], [0, 1, 2], [2, 0, 1]]},
+            equals=(11.0, 8.0, 5.0),
+            digits=6,
+            name="a normal by the matrix given",
+        ),
         formula("FragColor", product, draw=1, name="coral in white light"),
         formula("FragColor", product, draw=14, name="sky blue in green light"),
         formula("shaded", rounded, draw=1, name="rounded, coral in white light"),
         formula("shaded", rounded, draw=13, name="rounded, green in green light"),
         formula("picture.FragColor", finished(texture), name="the picture"),
+        any_order("scene.shaded"),
+        any_order("rooms.shaded"),
         value(
             "FragColor",
             at={"Normal": (0.0, 0.0, 1.0), "lightColor": WHITE, "objectColor": CORAL},

@@ -34,6 +34,7 @@ from shaderlab import (
     value,
 )
 from shaderlab.assets import normals
+from shaderlab.assets.order import any_order, both_ways
 from shaderlab.glslmath import inverse, mat3, mul, transpose
 from shaderlab.reference.lighting import diffuse_color, diffuse_factor, finished
 from shaderlab.reference.transforms import (
@@ -145,13 +146,13 @@ case = Case(
     section="5.2.2",
     math=r"d = \max(N \cdot L,\ 0), \qquad N = (M^{-1})^{\mathsf T} N_{\text{mesh}}",
     passes=(
-        quarters("scene", True, size=(1024, 1024), colors={"FragColor": "rgba16f"}),
+        *both_ways(quarters("scene", True, size=(1024, 1024), colors={"FragColor": "rgba16f"})),
         *fullscreen(
             "ch05_lighting/finish.frag",
             name="picture",
             textures={"scene": Output("scene", "FragColor")},
         ),
-        quarters("judged", False),
+        *both_ways(quarters("judged", False)),
     ),
     picture="picture.FragColor",
     expect=[
@@ -164,6 +165,8 @@ case = Case(
         formula("FragColor", diffuse_color, draw=1, name="colour, normals as they are"),
         formula("FragColor", diffuse_color, name="colour, normals by the inverse transpose"),
         formula("picture.FragColor", finished(texture), name="the picture"),
+        any_order("scene.FragColor"),
+        any_order("judged.FragColor"),
         value("diff", at=POINT, equals=0.788110, digits=6, name="diffuse factor at the point"),
         value(
             "FragColor",

@@ -24,6 +24,7 @@ from shaderlab import (
     mesh_pass,
     value,
 )
+from shaderlab.assets.order import any_order, both_ways
 from shaderlab.assets.plaza import plaza
 from shaderlab.glslmath import vec4
 from shaderlab.reference import light_sources
@@ -107,13 +108,13 @@ case = Case(
     math=r"L = -\frac{D}{\lVert D \rVert}, \qquad "
     r"C = (L_a + d\,L_d) \odot M_d + s\,L_s \odot M_s",
     passes=(
-        *evening("scene", plaza(), size=(1024, 1024), colors={"FragColor": "rgba16f"}),
+        *both_ways(*evening("scene", plaza(), size=(1024, 1024), colors={"FragColor": "rgba16f"})),
         *fullscreen(
             "ch05_lighting/finish.frag",
             name="picture",
             textures={"scene": Output("scene", "FragColor")},
         ),
-        *evening("judged", plaza(tiles=6, segments=16)),
+        *both_ways(*evening("judged", plaza(tiles=6, segments=16))),
     ),
     picture="picture.FragColor",
     expect=[
@@ -124,6 +125,8 @@ case = Case(
         formula("lightDir", back_to_the_light),
         formula("FragColor", color),
         formula("picture.FragColor", finished(texture), name="the picture"),
+        any_order("scene.FragColor"),
+        any_order("judged.FragColor"),
         value(
             "lightDir",
             at=POINT,

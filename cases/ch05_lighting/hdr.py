@@ -36,6 +36,7 @@ from shaderlab import (
     sweep,
     value,
 )
+from shaderlab.assets.order import any_order, both_ways
 from shaderlab.glslmath import clamp, dot, normalize, pow, swizzle, vec4
 from shaderlab.glslmath import max as larger
 from shaderlab.reference import tone_mapping
@@ -172,7 +173,7 @@ case = Case(
     section="5.11",
     math=r"\text{Reinhard: } \frac{x}{1 + x}, \qquad \text{exposure: } 1 - e^{-x\,e}",
     passes=(
-        room("hdr", size=(512, 512), colors={"FragColor": "rgba16f"}),
+        *both_ways(room("hdr", size=(512, 512), colors={"FragColor": "rgba16f"})),
         Pass(
             name="picture",
             draws=(
@@ -182,7 +183,7 @@ case = Case(
                 shown(1, 0, EXPOSURE, 4.0),
             ),
         ),
-        room("judged"),
+        *both_ways(room("judged")),
         *fullscreen(
             "ch05_lighting/lamp.frag",
             name="half-floats",
@@ -204,6 +205,8 @@ case = Case(
     ),
     picture="picture.FragColor",
     expect=[
+        any_order("hdr.FragColor"),
+        any_order("judged.FragColor"),
         formula("judged.gl_Position", clip_position),
         formula("judged.FragPos", world_position),
         formula("judged.Normal", world_normal),
@@ -218,6 +221,17 @@ case = Case(
             equals=(0.005253, 0.005078, 0.004728, 1.0),
             digits=6,
             name="turned away from all lamps",
+        ),
+        value(
+            "judged.FragColor",
+            at={
+                "FragPos": (0.0, 0.0, 4.0),
+                "Normal": (0.0, 0.0, -2.0),
+                "TexCoords": (0.5, 0.5),
+            },
+            equals=(0.344580, 0.286686, 0.246223, 1.0),
+            digits=6,
+            name="facing the lamps, its normal not of length 1",
         ),
         exact("half-floats.FragColor", (*BRIGHT, 1.0), name="half floats keep what is past 1"),
         exact("bytes.FragColor", (255, 255, 64, 255), name="eight bits cut it"),

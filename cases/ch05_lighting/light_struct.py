@@ -27,6 +27,7 @@ from shaderlab import (
     fullscreen,
     value,
 )
+from shaderlab.assets.order import any_order, both_ways
 from shaderlab.assets.pottery import vase
 from shaderlab.reference.lighting import finished, lit_material
 from shaderlab.reference.transforms import (
@@ -107,13 +108,13 @@ case = Case(
     section="5.3.3",
     math=r"C = L_a \odot M_a + d\, L_d \odot M_d + s\, L_s \odot M_s",
     passes=(
-        quarters("scene", size=(1024, 1024), colors={"FragColor": "rgba16f"}),
+        *both_ways(quarters("scene", size=(1024, 1024), colors={"FragColor": "rgba16f"})),
         *fullscreen(
             "ch05_lighting/finish.frag",
             name="picture",
             textures={"scene": Output("scene", "FragColor")},
         ),
-        quarters("judged"),
+        *both_ways(quarters("judged")),
     ),
     picture="picture.FragColor",
     expect=[
@@ -127,6 +128,8 @@ case = Case(
         formula("FragColor", lit_material, draw=10, name="floor in the notes' light"),
         formula("FragColor", lit_material, name="vase in the notes' light"),
         formula("picture.FragColor", finished(texture), name="the picture"),
+        any_order("scene.FragColor"),
+        any_order("judged.FragColor"),
         value(
             "FragColor",
             at=POINT,

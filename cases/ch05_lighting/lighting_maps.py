@@ -30,6 +30,7 @@ from shaderlab import (
     value,
 )
 from shaderlab.assets.chest import chest_diffuse, chest_specular
+from shaderlab.assets.order import any_order, both_ways
 from shaderlab.glslmath import swizzle, vec4
 from shaderlab.reference.lighting import diffuse_factor, finished, specular_factor
 from shaderlab.reference.transforms import (
@@ -49,8 +50,9 @@ LAMP = (0.1, 0.5, 1.55)
 CHEST = Mesh(**assets.cube(1.25))
 LANTERN = Mesh(**assets.sphere(0.07)).only("aPos")
 FLOOR = Mesh(**assets.plane(30.0, repeat=12.0))
-WITH_MAP = translate((-0.86, 0.625, 0.2)) @ rotate(radians(24.0), (0.0, 1.0, 0.0))
-WITHOUT = translate((1.05, 0.625, 0.0)) @ rotate(radians(-28.0), (0.0, 1.0, 0.0))
+# A hair above the floor, so that nowhere both are equally near.
+WITH_MAP = translate((-0.86, 0.626, 0.2)) @ rotate(radians(24.0), (0.0, 1.0, 0.0))
+WITHOUT = translate((1.05, 0.626, 0.0)) @ rotate(radians(-28.0), (0.0, 1.0, 0.0))
 
 CHEST_DIFFUSE = Texture(image=lambda: chest_diffuse(512))
 CHEST_SPECULAR = Texture(image=lambda: chest_specular(512))
@@ -153,13 +155,13 @@ case = Case(
     math=r"C = (L_a + d\,L_d) \odot T_{\text{diffuse}}(u, v) + "
     r"s\,L_s \odot T_{\text{specular}}(u, v)",
     passes=(
-        pair("scene", size=(1024, 1024), colors={"FragColor": "rgba16f"}),
+        *both_ways(pair("scene", size=(1024, 1024), colors={"FragColor": "rgba16f"})),
         *fullscreen(
             "ch05_lighting/finish.frag",
             name="picture",
             textures={"scene": Output("scene", "FragColor")},
         ),
-        pair("judged"),
+        *both_ways(pair("judged")),
         Pass(
             name="four",
             target=Target(size=(16, 16), depth="depth24"),
@@ -180,12 +182,14 @@ case = Case(
         formula("judged.FragColor", color, draw=2, name="colour without a specular map"),
         formula("judged.FragColor", color, name="colour with both maps"),
         formula("picture.FragColor", finished(texture), name="the picture"),
+        any_order("scene.FragColor"),
+        any_order("judged.FragColor"),
         *(
             value(
                 "four.FragColor",
                 at={
                     "FragPos": (0.0, 0.0, 0.0),
-                    "Normal": (0.0, 0.0, 1.0),
+                    "Normal": (0.0, 0.0, 3.0),  # of no unit length, as scaling leaves it
                     "TexCoords": at,
                     "viewPos": (0.0, 0.0, 3.0),
                     "light.position": (1.2, 1.0, 2.0),

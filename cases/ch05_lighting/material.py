@@ -26,6 +26,7 @@ from shaderlab import (
     fullscreen,
     value,
 )
+from shaderlab.assets.order import any_order, both_ways
 from shaderlab.reference.lighting import finished, lit_material
 from shaderlab.reference.transforms import (
     clip_position,
@@ -98,13 +99,13 @@ case = Case(
     math=r"C = L_a \odot M_a + d\, L_d \odot M_d + s\, L_s \odot M_s, \qquad "
     r"s = \max(R \cdot V, 0)^{M_n}",
     passes=(
-        shelf("scene", size=(1024, 1024), colors={"FragColor": "rgba16f"}),
+        *both_ways(shelf("scene", size=(1024, 1024), colors={"FragColor": "rgba16f"})),
         *fullscreen(
             "ch05_lighting/finish.frag",
             name="picture",
             textures={"scene": Output("scene", "FragColor")},
         ),
-        shelf("judged"),
+        *both_ways(shelf("judged")),
     ),
     picture="picture.FragColor",
     expect=[
@@ -116,6 +117,8 @@ case = Case(
             for k, name in enumerate(("wall", *MATERIALS))
         ),
         formula("picture.FragColor", finished(texture), name="the picture"),
+        any_order("scene.FragColor"),
+        any_order("judged.FragColor"),
         value(
             "FragColor",
             at={

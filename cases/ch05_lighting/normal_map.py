@@ -20,7 +20,6 @@ import numpy as np
 from shaderlab import (
     Case,
     Cell,
-    Depth,
     Draw,
     Mesh,
     Output,
@@ -55,13 +54,21 @@ EYE = (0.0, 0.0, 4.0)
 TURNED = rotate(radians(-24.0), (0.3, 1.0, 0.0)) @ rotate(radians(4.0), (0.0, 0.0, 1.0))
 # Squeezed and moved, so that positions, normals and tangents each need their own way.
 SQUEEZED = translate((0.1, -0.05, 0.2)) @ TURNED @ scale((1.0, 0.8, 1.0))
-LAMPS = {"left": (-1.7, 0.9, 1.1), "above": (0.2, 1.7, 0.9), "right": (1.5, -0.4, 1.3)}
+LAMPS = {
+    "left": (-1.7, 0.9, 1.1),
+    "above": (0.2, 1.7, 0.9),
+    "right": (1.5, -0.4, 1.3),
+    "behind": (0.8, 0.3, -2.0),
+}
 
 
-def wall(repeat):
-    """A square wall; a negative `repeat` mirrors its picture."""
+def wall(repeat=1.0, bulge=0.0):
+    """A square wall; a negative `repeat` mirrors its picture. With a `bulge` its normals lean
+    outwards at the corners, as those of a round wall made of few triangles do."""
     made = assets.quad(2.0)
     made["attributes"]["aTexCoords"] *= np.float32((repeat, 1.0))
+    lean = np.float32((1.0, 0.6, 0.0)) * made["attributes"]["aPos"]
+    made["attributes"]["aNormal"] = made["attributes"]["aNormal"] + np.float32(bulge) * lean
     return Mesh(**made)
 
 
@@ -73,13 +80,13 @@ def brick_maps(size, **sampling):
     }
 
 
-def lit_wall(lamp, *, model, repeat=1.0, flat=False, cell=None, maps):
+def lit_wall(lamp, *, model, mesh, flat=False, cell=None, maps):
     """The wall under one lamp."""
     return Draw(
         vertex="ch05_lighting/normal_map.vert",
         geometry="ch05_lighting/normal_map.geom",
         fragment="ch05_lighting/normal_map.frag",
-        mesh=wall(repeat),
+        mesh=mesh,
         uniforms={
             "model": model,
             "normalMatrix": normal_matrix(model),
@@ -90,15 +97,20 @@ def lit_wall(lamp, *, model, repeat=1.0, flat=False, cell=None, maps):
             "viewPos": EYE,
         },
         textures=maps,
-        state=State(depth=Depth(), cell=cell),
+        state=State(cell=cell),
     )
 
 
 def quarter(column, row, lamp, flat=False):
     """One quarter of the picture."""
     cell = Cell(column=column, row=row, columns=2, rows=2)
-    smooth = {"format": "rgba8", "filter": ("linear_mipmap_linear", "linear")}
-    return lit_wall(LAMPS[lamp], model=TURNED, flat=flat, cell=cell, maps=brick_maps(512, **smooth))
+    smooth = {
+        "format": "rgba8",
+        "filter": ("linear_mipmap_linear", "linear"),
+        "mipmaps": True,
+    }
+    maps = brick_maps(512, **smooth)
+    return lit_wall(LAMPS[lamp], model=TURNED, mesh=wall(), flat=flat, cell=cell, maps=maps)
 
 
 def frame(place, uv, upright, emitted):
@@ -154,14 +166,11 @@ def color(TBN, TexCoords, FragPos, normalMap, diffuseMap, flatWall, lightPos, vi
     return vec4(bricks * (0.05 + 1.15 * lit) + 0.28 * glint, 1.0)
 
 
-def judged(name, **draw):
-    """The wall in float textures, whose texels references can read."""
-    maps = brick_maps(64)
-    return Pass(
-        name=name,
-        target=Target(depth="depth24"),
-        draws=[lit_wall(LAMPS["left"], model=SQUEEZED, maps=maps, **draw)],
-    )
+def judged(name, lamp, repeat=1.0, flat=False):
+    """A bulging wall in float textures, whose texels references can read."""
+    mesh, maps = wall(repeat, bulge=0.5), brick_maps(64)
+    draw = lit_wall(LAMPS[lamp], model=SQUEEZED, mesh=mesh, flat=flat, maps=maps)
+    return Pass(name=name, draws=[draw])
 
 
 def checks(name):
@@ -196,7 +205,6 @@ case = Case(
             target=Target(
                 size=(1024, 1024),
                 colors={"FragColor": "rgba16f"},
-                depth="depth24",
                 clear=(0.012, 0.014, 0.02, 1.0),
             ),
             draws=(
@@ -227,7 +235,7 @@ case = Case(
                 Draw(
                     vertex="ch05_lighting/normal_map.vert",
                     fragment="ch05_lighting/lamp.frag",
-                    mesh=wall(1.0),
+                    mesh=wall(bulge=0.5),
                     uniforms={
                         "model": SQUEEZED,
                         "normalMatrix": normal_matrix(SQUEEZED),
@@ -236,9 +244,9 @@ case = Case(
                 )
             ],
         ),
-        judged("mapped"),
-        judged("mirrored", repeat=-1.0),
-        judged("flat", flat=True),
+        judged("mapped", "left"),
+        judged("mirrored", "behind", repeat=-1.0),
+        judged("flat", "left", flat=True),
     ),
     picture="picture.FragColor",
     expect=[

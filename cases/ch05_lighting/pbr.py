@@ -33,6 +33,7 @@ from shaderlab import (
     sweep,
     value,
 )
+from shaderlab.assets.order import any_order, both_ways
 from shaderlab.glslmath import dot, max, normalize, vec4
 from shaderlab.reference import microfacets
 from shaderlab.reference.lighting import finished
@@ -175,6 +176,13 @@ def reciprocity():
 
 
 AT_HALF = at_the_point(0.5)
+# Viewer and lamp half a hundredth above the surface: F is nearly 1, and 4 (n·v)(n·l) is small.
+GRAZING = {
+    **at_the_point(1.0),
+    "camPos": (3.0, 0.0, 0.015),
+    "lights[0].position": (-3.0, 0.0, 0.015),
+    "lights[0].color": (9000.0, 9000.0, 9000.0),
+}
 
 case = Case(
     title="Physically based shading",
@@ -182,13 +190,15 @@ case = Case(
     math=r"f = \frac{k_d\,a}{\pi} + \frac{D\,F\,G}{4\,(n \cdot v)(n \cdot l)}, \qquad "
     r"D = \frac{\alpha^2}{\pi\left((n \cdot h)^2(\alpha^2 - 1) + 1\right)^2}",
     passes=(
-        grid("scene", SMOOTH, EVERY, size=(1024, 1024), colors={"FragColor": "rgba16f"}),
+        *both_ways(
+            grid("scene", SMOOTH, EVERY, size=(1024, 1024), colors={"FragColor": "rgba16f"})
+        ),
         *fullscreen(
             "ch05_lighting/finish.frag",
             name="picture",
             textures={"scene": Output("scene", "FragColor")},
         ),
-        grid("judged", COARSE, SOME, size=(112, 112)),
+        *both_ways(grid("judged", COARSE, SOME, size=(112, 112))),
     ),
     picture="picture.FragColor",
     expect=[
@@ -213,6 +223,8 @@ case = Case(
             )
         ),
         formula("picture.FragColor", finished(texture), name="the picture"),
+        any_order("scene.FragColor"),
+        any_order("judged.FragColor"),
         value("D", at=AT_HALF, equals=0.759711, digits=6, name="D at the point"),
         value("G", at=AT_HALF, equals=0.929700, digits=6, name="G at the point"),
         value(
@@ -231,6 +243,13 @@ case = Case(
             equals=(0.196570, 0.098285, 0.060937, 1.0),
             digits=6,
             name="metal at the point",
+        ),
+        value(
+            "FragColor",
+            at=GRAZING,
+            equals=(0.826932, 0.798025, 0.787040, 1.0),
+            digits=6,
+            name="along the surface",
         ),
         sweep(
             "D",

@@ -140,6 +140,20 @@ case = Case(
         value(
             "blinn", at=AT_20, equals=0.612698, digits=6, name="Blinn with four times it, 20° off"
         ),
+        value(
+            "phong",
+            at={"place": (0.6, 0.8), "lightDir": (-0.48, 0.6, 0.64), "shininess": 2.0},
+            equals=0.589824,
+            digits=6,
+            name="Phong, the lamp beside the drawing's plane",
+        ),
+        value(
+            "blinn",
+            at={"place": (0.8074, -0.59), "lightDir": (0.0, 0.6, 0.8), "blinnExponent": 0.5},
+            equals=0.093789,
+            digits=6,
+            name="Blinn, halfway along the ground",
+        ),
         value("phong", at=past_the_mirrored_ray(0.0), equals=1.0, digits=6, name="Phong's peak"),
         value("blinn", at=past_the_mirrored_ray(0.0), equals=1.0, digits=6, name="Blinn's peak"),
         *(
@@ -148,6 +162,8 @@ case = Case(
                 ("on the normal", (0.30, 0.32, 0.36), {"place": (0.00597, 0.5)}),
                 ("beside the normal", (0.012, 0.015, 0.022), {"place": (0.00603, 0.5)}),
                 ("red, if Blinn's is too narrow", (0.75, 0.05, 0.03), NARROW),
+                ("in the middle, above the ground", (0.30, 0.32, 0.36), {"place": (0.003, 0.004)}),
+                ("where the ground begins", (0.95, 0.85, 0.45), {"place": (-0.003, 0.0)}),
                 ("beyond both", (0.012, 0.015, 0.022), {**NARROW, "place": (0.87, 0.48)}),
             )
         ),

@@ -26,6 +26,7 @@ from shaderlab import (
     sweep,
     value,
 )
+from shaderlab.assets.order import any_order, both_ways
 from shaderlab.assets.plaza import plaza
 from shaderlab.glslmath import vec4
 from shaderlab.reference import light_sources
@@ -134,13 +135,13 @@ case = Case(
     math=r"C = F(d)\,(L_a \odot M_d + n\,L_d \odot M_d + s\,L_s \odot M_s), \qquad "
     r"F(d) = \frac{1}{K_c + K_l\,d + K_q\,d^2}",
     passes=(
-        night("scene", plaza(), size=(1024, 1024), colors={"FragColor": "rgba16f"}),
+        *both_ways(night("scene", plaza(), size=(1024, 1024), colors={"FragColor": "rgba16f"})),
         *fullscreen(
             "ch05_lighting/finish.frag",
             name="picture",
             textures={"scene": Output("scene", "FragColor")},
         ),
-        night("judged", plaza(tiles=6, segments=16)),
+        *both_ways(night("judged", plaza(tiles=6, segments=16))),
     ),
     picture="picture.FragColor",
     expect=[
@@ -153,6 +154,8 @@ case = Case(
         formula("FragColor", color),
         formula("FragColor", glowing, draw=0, name="the bulb"),
         formula("picture.FragColor", finished(texture), name="the picture"),
+        any_order("scene.FragColor"),
+        any_order("judged.FragColor"),
         value(
             "attenuation",
             at=POINT,

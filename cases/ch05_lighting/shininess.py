@@ -11,7 +11,7 @@ half-power angle, twice. A real polished ball would reflect more than a dull one
 plain Phong lobe does not know that.
 """
 
-from math import radians, tan
+from math import acos, radians, tan
 
 import numpy as np
 
@@ -34,6 +34,7 @@ from shaderlab import (
     up,
     value,
 )
+from shaderlab.assets.order import any_order, both_ways
 from shaderlab.glslmath import vec3, vec4, where
 from shaderlab.reference.blinn_phong import phong
 from shaderlab.reference.lighting import finished, half_power_angle, phong_color, specular_factor
@@ -133,7 +134,7 @@ case = Case(
     section="5.2.3",
     math=r"s(\alpha) = \cos^n \alpha, \qquad \alpha_{1/2} = \arccos\!\left(2^{-1/n}\right)",
     passes=(
-        strip("scene", BALL, (2048, 512), colors={"FragColor": "rgba16f"}),
+        *both_ways(strip("scene", BALL, (2048, 512), colors={"FragColor": "rgba16f"})),
         *fullscreen(
             "ch05_lighting/finish.frag",
             name="picture",
@@ -145,7 +146,7 @@ case = Case(
             name="small",
             textures={"scene": Output("scene", "FragColor")},
         ),
-        strip("balls", SMALL_BALL, (192, 48)),
+        *both_ways(strip("balls", SMALL_BALL, (192, 48))),
         *fullscreen(
             "ch05_lighting/shininess_profile.frag",
             domain={"slope": across(-1.2, 1.2), "level": up(-0.05, 1.2)},
@@ -166,13 +167,23 @@ case = Case(
         formula("lobe", lobe),
         formula("FragColor", profile_color, name="the lobe, filled"),
         formula("small.FragColor", finished(texture), name="the picture, small"),
+        any_order("scene.FragColor"),
+        any_order("balls.FragColor"),
         *(e for row in zip(SHININESS, HALF_POWER, strict=True) for e in half_power(*row)),
-        value(
-            "FragColor",
-            at={"slope": 0.0, "level": 0.005, "shininess": 8.0},
-            equals=(0.90, 0.42, 0.06, 1.0),
-            digits=6,
-            name="just above the base line",
+        *(
+            value(
+                "FragColor",
+                at={"slope": tan(acos(height ** (1.0 / 8.0))), "level": level, "shininess": 8.0},
+                equals=(*color, 1.0),
+                digits=6,
+                name=name,
+            )
+            for name, height, level, color in (
+                ("just above the base line", 1.0, 0.005, (0.90, 0.42, 0.06)),
+                ("on the base line", 1.0, 0.0, (0.90, 0.42, 0.06)),
+                ("just above one half", 0.502, 0.25, (0.90, 0.42, 0.06)),
+                ("just below one half", 0.498, 0.25, (0.06, 0.13, 0.26)),
+            )
         ),
         sweep(
             "lobe",

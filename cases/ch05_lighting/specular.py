@@ -28,6 +28,7 @@ from shaderlab import (
     sweep,
     value,
 )
+from shaderlab.assets.order import any_order, both_ways
 from shaderlab.reference.lighting import finished, phong_color, specular_factor
 from shaderlab.reference.transforms import (
     clip_position,
@@ -105,13 +106,13 @@ case = Case(
     math=r"s = \max(R \cdot V,\ 0)^{32}, \qquad R = 2\,(N \cdot L)\,N - L, \qquad "
     r"C = (k_a + k_d\, d + k_s\, s)\, L_c \odot O",
     passes=(
-        rows("scene", size=(1024, 1024), colors={"FragColor": "rgba16f"}),
+        *both_ways(rows("scene", size=(1024, 1024), colors={"FragColor": "rgba16f"})),
         *fullscreen(
             "ch05_lighting/finish.frag",
             name="picture",
             textures={"scene": Output("scene", "FragColor")},
         ),
-        rows("judged"),
+        *both_ways(rows("judged")),
     ),
     picture="picture.FragColor",
     expect=[
@@ -125,6 +126,8 @@ case = Case(
         formula("FragColor", phong_color, draw=3, name="ring, specular part"),
         formula("FragColor", phong_color, draw=5, name="ring, ambient and diffuse part"),
         formula("picture.FragColor", finished(texture), name="the picture"),
+        any_order("scene.FragColor"),
+        any_order("judged.FragColor"),
         value(
             "spec",
             at={**POINT, "shininess": 1.0},

@@ -23,6 +23,7 @@ from shaderlab import (
     mesh_pass,
     value,
 )
+from shaderlab.assets.order import any_order, both_ways
 from shaderlab.assets.plaza import plaza
 from shaderlab.glslmath import vec4
 from shaderlab.reference import light_sources
@@ -108,13 +109,13 @@ case = Case(
     r"s\,L_s \odot M_s & \cos\theta > \cos\varphi \\ A & \text{otherwise} \end{cases}, \quad "
     r"A = L_a \odot M_d",
     passes=(
-        *stage("scene", plaza(), size=(1024, 1024), colors={"FragColor": "rgba16f"}),
+        *both_ways(*stage("scene", plaza(), size=(1024, 1024), colors={"FragColor": "rgba16f"})),
         *fullscreen(
             "ch05_lighting/finish.frag",
             name="picture",
             textures={"scene": Output("scene", "FragColor")},
         ),
-        *stage("judged", plaza(tiles=6, segments=16)),
+        *both_ways(*stage("judged", plaza(tiles=6, segments=16))),
     ),
     picture="picture.FragColor",
     expect=[
@@ -125,6 +126,8 @@ case = Case(
         formula("theta", spot_cosine),
         formula("FragColor", color),
         formula("picture.FragColor", finished(texture), name="the picture"),
+        any_order("scene.FragColor"),
+        any_order("judged.FragColor"),
         value(
             "FragColor",
             at={**POINT, "light.direction": AT_IT},

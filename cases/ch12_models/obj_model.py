@@ -18,10 +18,26 @@ from pathlib import Path
 
 import numpy as np
 
-from shaderlab import Case, Depth, Draw, Mesh, State, assets, computed, formula, refused, value
+from shaderlab import (
+    Case,
+    Depth,
+    Draw,
+    Mesh,
+    Output,
+    Pass,
+    State,
+    Target,
+    assets,
+    computed,
+    exact,
+    formula,
+    refused,
+    value,
+)
 from shaderlab.assets import solids, stage
 from shaderlab.glslmath import clamp, dot, fract, max, normalize, pow, swizzle, vec4, where
-from shaderlab.reference.studio import softened
+from shaderlab.reference.studio import handed_on as same_color
+from shaderlab.reference.studio import softened, studio_color
 from shaderlab.reference.transforms import (
     clip_position,
     look_at,
@@ -63,7 +79,7 @@ def draw(material, diffuse, shininess):
             "lightDir": LIGHT,
             "viewPos": EYE,
         },
-        state=State(depth=Depth(), cull="back"),
+        state=State(depth=Depth()),
     )
 
 
@@ -125,17 +141,23 @@ FIGURES = [
     ("triangles of the paint", lambda: len(arrays("paint")[2]) // 3, 168),
 ]
 
+DRAWS = [
+    stage.prop(solids.tile(1.5, 0.5), VIEW, PROJECTION),
+    draw("plaster", (0.86, 0.83, 0.76), 8.0),
+    draw("paint", (0.62, 0.07, 0.05), 48.0),
+]
+
 case = Case(
     title="A model from an OBJ file",
     section="12",
     math=r"f\ v_1/t_1/n_1\ v_2/t_2/n_2\ v_3/t_3/n_3\ \dots, \qquad -k \mapsto \text{count} - k + 1",
-    passes=stage.photographed(
-        [
-            stage.prop(solids.tile(1.5, 0.5), VIEW, PROJECTION),
-            draw("plaster", (0.86, 0.83, 0.76), 8.0),
-            draw("paint", (0.62, 0.07, 0.05), 48.0),
-        ],
-        (800, 600),
+    passes=(
+        *stage.photographed(DRAWS, (800, 600)),
+        Pass(
+            name="reversed",
+            target=Target(size=(96, 72), depth="depth24", clear=stage.SKY),
+            draws=tuple(reversed(DRAWS)),
+        ),
     ),
     picture="picture.FragColor",
     expect=[
@@ -181,10 +203,12 @@ case = Case(
                 "lightDir": (0.0, 0.6, 0.8),
                 "viewPos": (0.0, 3.0, 4.0),
             },
-            equals=(0.7, 0.6, 0.5, 1.0),
+            equals=(0.646373, 0.492882, 0.388432, 1.0),
             digits=6,
             name="a stone's middle, seen aslant",
         ),
+        *stage.prop_checks(clip_position, world_normal, same_color, studio_color),
+        exact("judged.FragColor", Output("reversed", "FragColor"), name="the order of drawing"),
         formula("soft.FragColor", softened(texture), name="four texels a pixel"),
         bad("truncated.obj", "a face has 2 corners; it needs three", line=8),
         bad("out_of_range.obj", "a face names v 5, but there are 4", line=8),

@@ -5,10 +5,30 @@ A mesh is a mapping that `Mesh` takes as it is: `Mesh(**assets.sphere())`. A tex
 Models and point clouds of one's own are read by `load_obj` and `load_pcd`.
 """
 
-from shaderlab.assets.meshes import Geometry, cube, joined, moved, plane, quad, sphere, torus
+from shaderlab.assets.charts import uv_grid
+from shaderlab.assets.meshes import (
+    Geometry,
+    cube,
+    ellipsoid,
+    joined,
+    moved,
+    plane,
+    quad,
+    sphere,
+    torus,
+)
 from shaderlab.assets.obj import Part, load_obj
 from shaderlab.assets.pcd import Cloud, load_pcd
-from shaderlab.assets.textures import brick_normals, brick_wall, checker, crate, emblem, solid
+from shaderlab.assets.sky import sky_face
+from shaderlab.assets.textures import (
+    brick_normals,
+    brick_wall,
+    checker,
+    crate,
+    emblem,
+    plaster,
+    solid,
+)
 
 __all__ = [
     "Cloud",
@@ -19,14 +39,18 @@ __all__ = [
     "checker",
     "crate",
     "cube",
+    "ellipsoid",
     "emblem",
     "joined",
     "load_obj",
     "load_pcd",
     "moved",
     "plane",
+    "plaster",
     "quad",
+    "sky_face",
     "solid",
     "sphere",
     "torus",
+    "uv_grid",
 ]

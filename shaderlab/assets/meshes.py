@@ -104,6 +104,24 @@ def sphere(radius: float = 1.0, segments: int = 48, rings: int = 24) -> Geometry
     return _geometry(normals * radius, normals, np.column_stack([s, t]), indices)
 
 
+def ellipsoid(
+    axes: tuple[float, float, float] = (1.0, 0.6, 0.8), segments: int = 48, rings: int = 24
+) -> Geometry:
+    """The points with (x/a)² + (y/b)² + (z/c)² = 1, as a globe stretched by its half axes a, b, c.
+
+    Normals are the gradient of that sum, not the stretched globe's own: (x/a², y/b², z/c²), made
+    unit length. Texture coordinates are the globe's.
+
+    >>> ellipsoid((2.0, 1.0, 3.0))["attributes"]["aPos"].max(axis=0).tolist()
+    [2.0, 1.0, 3.0]
+    """
+    if min(axes) <= 0.0:
+        raise ValueError(f"ellipsoid: half axes must be above 0, not {axes}")
+    globe = sphere(1.0, segments, rings)
+    unit = globe["attributes"]["aNormal"].astype(float)
+    return _geometry(unit * axes, unit / axes, globe["attributes"]["aTexCoords"], globe["indices"])
+
+
 def torus(radius: float = 0.7, tube: float = 0.3, segments: int = 64, sides: int = 32) -> Geometry:
     """A ring around the y axis: `radius` from the centre to the middle of a tube of radius `tube`.
 

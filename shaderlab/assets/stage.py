@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from shaderlab.assets.meshes import Geometry
+from shaderlab.assets.order import both_ways
 from shaderlab.model import (
     Cell,
     Depth,
@@ -31,6 +32,8 @@ from shaderlab.model import (
 
 Matrix = npt.NDArray[Any]
 SKY = (0.80, 0.83, 0.86, 1.0)
+# No symmetry, so that a product the wrong way round shows.
+SHEAR = np.array([[1.0, 2.0, 2.0, 1.0], [0.0, 1.0, 2.0, 3.0], [2.0, 0.0, 1.0, 1.0], [1, 0, 0, 1]])
 
 
 def prop(
@@ -71,6 +74,7 @@ def prop_checks(
     light: Callable[..., Any],
     *,
     draw: int = 0,
+    pass_name: str = "judged",
 ) -> tuple[Expectation, ...]:
     """What must hold of a prop: its vertices and pixels, and one colour under a long normal.
 
@@ -78,19 +82,58 @@ def prop_checks(
     'a prop in clip space'
     """
     return (
-        formula("judged.gl_Position", position, draw=draw, name="a prop in clip space"),
-        formula("judged.Normal", normal, draw=draw, name="a prop's normals"),
-        formula("judged.Color", color, draw=draw, name="a prop's colours"),
-        formula("judged.FragColor", light, draw=draw, name="a prop in the light"),
+        formula(f"{pass_name}.gl_Position", position, draw=draw, name="a prop in clip space"),
         value(
-            "judged.FragColor",
-            at={"Color": (0.5, 0.5, 0.5), "Normal": (0.0, 2.0, 0.0)},
-            equals=(0.742866, 0.742866, 0.742866, 1.0),
+            f"{pass_name}.gl_Position",
+            at={"aPos": (1.0, 2.0, 3.0), "model": SHEAR, "view": np.eye(4), "projection": SHEAR},
+            equals=(48.0, 29.0, 32.0, 14.0),
+            digits=6,
+            reference=position,
+            draw=draw,
+            name="matrices before columns",
+        ),
+        formula(f"{pass_name}.Normal", normal, draw=draw, name="a prop's normals"),
+        value(
+            f"{pass_name}.Normal",
+            at={"aNormal": (1.0, 2.0, 3.0), "normalMatrix": SHEAR[:3, :3]},
+            equals=(11.0, 8.0, 5.0),
+            digits=6,
+            reference=normal,
+            draw=draw,
+            name="a normal by the matrix given",
+        ),
+        formula(f"{pass_name}.Color", color, draw=draw, name="a prop's colours"),
+        formula(f"{pass_name}.FragColor", light, draw=draw, name="a prop in the light"),
+        *light_checks(light, draw=draw, pass_name=pass_name),
+    )
+
+
+def light_checks(
+    light: Callable[..., Any], *, draw: int = -1, pass_name: str = "judged"
+) -> tuple[Expectation, ...]:
+    """The studio's light on surfaces that a scene may lack: turned away, black, too bright.
+
+    >>> [check.name for check in light_checks(abs)][0]
+    'grey, facing up'
+    """
+    grey, green, up = (0.5, 0.5, 0.5), (0.2, 0.4, 0.6), (0.0, 2.0, 0.0)
+    return tuple(
+        value(
+            f"{pass_name}.FragColor",
+            at={"Color": color, "Normal": normal},
+            equals=(*equals, 1.0),
             digits=6,
             reference=light,
             draw=draw,
-            name="grey, facing up",
-        ),
+            name=name,
+        )
+        for name, color, normal, equals in (
+            ("grey, facing up", grey, up, (0.742866, 0.742866, 0.742866)),
+            ("towards the lamp", green, (-2.0, 1.0, 2.0), (0.471116, 0.645595, 0.776250)),
+            ("away from the lamp", green, (2.0, -1.0, -2.0), (0.317252, 0.434747, 0.522730)),
+            ("black, as dark as it gets", (0.0, 0.0, 0.0), up, (0.001874, 0.001874, 0.001874)),
+            ("brighter than white", (4.0, 4.0, 4.0), up, (1.0, 1.0, 1.0)),
+        )
     )
 
 
@@ -100,7 +143,7 @@ def photographed(
     clear: tuple[float, float, float, float] = SKY,
     depth: str = "depth24",
 ) -> tuple[Pass, ...]:
-    """Passes "scene" and "picture" for people, and "soft" and "judged" for checks.
+    """Passes "scene" and "picture" for people, and "soft" and "judged" (`both_ways`) for checks.
 
     Args:
         draws: the same for all of them.
@@ -128,6 +171,6 @@ def photographed(
     return (
         drawn("scene", (2 * width, 2 * height)),
         *half("picture", "scene", size),
-        drawn("judged", small),
+        *both_ways(drawn("judged", small)),
         *half("soft", "judged", (small[0] // 2, small[1] // 2)),
     )

@@ -175,3 +175,18 @@ def _bump(distance: Array, width: float) -> Array:
 def _rgba(image: Array) -> Array:
     opaque = np.ones((*image.shape[:2], 1))
     return np.concatenate([np.clip(image, 0.0, 1.0), opaque], -1).astype(np.float32)
+
+
+def plaster(size: int = 256, seed: int = 9) -> Array:
+    """Old plaster: chalky and stained; alpha is 1 where it still holds and 0 where it came off.
+
+    RGBA, without a seam in both directions.
+    """
+    stains = (
+        _noise(size, 5, seed) + 0.5 * _noise(size, 13, seed + 1) + 0.25 * _noise(size, 41, seed)
+    )
+    left = np.clip((stains - 0.78) / 0.05 + 0.5, 0.0, 1.0)
+    tone = 0.80 + 0.10 * _noise(size, 7, seed + 2) + 0.06 * (_noise(size, 90, seed + 3) - 0.5)
+    tone = tone * (1.0 - 0.25 * _bump(left - 0.5, 0.4))
+    chalk = tone[..., None] * np.array([0.98, 0.93, 0.83])
+    return np.concatenate([np.clip(chalk, 0.0, 1.0), left[..., None]], -1).astype(np.float32)

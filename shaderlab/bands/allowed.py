@@ -50,11 +50,12 @@ class Allowed:
         return widths(self.lo, self.hi, self.nan, measured, self.unit)
 
 
-def contains(lo: Floats, hi: Floats, nan: Any, measured: ArrayLike) -> Flags:
+@np.errstate(invalid="ignore")  # a signalling NaN, read back, is converted like any other
+def contains(lo: Any, hi: Any, nan: Any, measured: ArrayLike) -> Flags:
     """Where lo ≤ measured ≤ hi, or measured is NaN and may be.
 
     Equal shapes are gone through in blocks that stay in the processor's cache, without any other
-    array of full size than the result.
+    array of full size than the result. Bounds are float64, or float32 as what is measured is.
     """
     values = np.asarray(measured)
     shape = np.broadcast_shapes(lo.shape, hi.shape, values.shape, np.shape(nan))
@@ -63,11 +64,14 @@ def contains(lo: Floats, hi: Floats, nan: Any, measured: ArrayLike) -> Flags:
     rows = [_flat(array, shape) for array in (values, lo, hi)]
     legal = _flat(np.asarray(nan), shape) if np.any(nan) else None
     size = min(BLOCK, flat.size)
+    alike = values.dtype == lo.dtype == hi.dtype
     number, below = np.empty(size), np.empty(size, np.bool_)
     for start in range(0, flat.size, BLOCK):
         block = slice(start, start + BLOCK)
-        got, found = number[: flat[block].size], flat[block]
-        np.copyto(got, rows[0][block])
+        got, found = rows[0][block], flat[block]
+        if not alike:
+            got = number[: found.size]
+            np.copyto(got, rows[0][block])
         np.greater_equal(got, rows[1][block], out=found)
         found &= np.less_equal(got, rows[2][block], out=below[: got.size])
         if legal is not None:

@@ -18,7 +18,7 @@ A plain band has no `mag` of its own (None: its own absolute value), and pays no
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -270,20 +270,18 @@ def sum_last(a: Band) -> Band:
         both = ((a_hi == np.inf) & (a_lo == -np.inf)).sum(axis=-1, keepdims=True)
         nan = rises * falls > both
     sizes = a.mag
-    mag = sizes.sum(axis=-1, keepdims=True)
+    mag = _total(sizes)
     reach = None
     if is_tiny(mag, a.terms):
-        reach = np.broadcast_to(reach_of(sizes, a.terms), sizes.shape).sum(axis=-1, keepdims=True)
+        reach = _total(np.broadcast_to(reach_of(sizes, a.terms), sizes.shape))
     # The terms of the products are not counted: no compiler expands what a dot product is given.
     terms = Terms(mag, None, a.shape[-1], reach)
-    count = (sizes > 0.0).sum(axis=-1, keepdims=True)
+    count = _total((sizes > 0.0).astype(np.float64))
     step = terms.step()
     # All partial sums but the last, which `made` rounds, may each lose a step.
-    between = np.maximum(count - 2, 0) * step
-    lo, hi = _moved_out(
-        lo, hi, between, a_lo.min(-1, keepdims=True) >= 0.0, a_hi.max(-1, keepdims=True) <= 0.0
-    )
-    slack = np.where(count >= 2, step, 0.0)
+    between = np.maximum(count - 2.0, 0.0) * step
+    lo, hi = _moved_out(lo, hi, between, _everywhere(a_lo >= 0.0), _everywhere(a_hi <= 0.0))
+    slack = np.where(count >= 2.0, step, 0.0)
     return a.flags_over_last().made(
         lo,
         hi,
@@ -291,6 +289,30 @@ def sum_last(a: Band) -> Band:
         nan=nan,
         terms=Terms(mag, slack, terms.count, reach) if a.rules.rearrange else None,
     )
+
+
+def _components(values: Any) -> list[Any]:
+    """The components along the last axis, which stays with size 1. Taken one by one, because
+    NumPy's reductions of so few numbers spend their time between them."""
+    return [values[..., j : j + 1] for j in range(values.shape[-1])]
+
+
+def _total(values: Floats) -> Floats:
+    """The sum over the last axis, from the first component to the last."""
+    first, *rest = _components(values)
+    total: Floats = first
+    for one in rest:
+        total = total + one
+    return total
+
+
+def _everywhere(found: Flags) -> Flags:
+    """Where all components have it."""
+    first, *rest = _components(found)
+    every: Flags = first
+    for one in rest:
+        every = every & one
+    return every
 
 
 def _running_sum(values: Floats) -> tuple[Floats, Floats]:

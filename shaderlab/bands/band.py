@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -33,6 +34,8 @@ class Band(Operators):
     Attributes:
         lo, hi: float64 arrays; -inf and inf where the value may be infinite.
         rules: what was allowed for. Two bands of different rules don't mix.
+        direction: what `glslmath.normalize` made of this very value before, or None; formulas ask
+            for the same few directions again and again.
 
     >>> x = Band.exact([0.1])
     >>> float((x * 0.5).lo[0]) == float((x * 0.5).hi[0]) == float(np.float32(0.1)) / 2
@@ -42,7 +45,7 @@ class Band(Operators):
     (array([ True]), array([False]))
     """
 
-    __slots__ = ("_anything", "_nan", "_undecided", "hi", "lo", "rules", "terms")
+    __slots__ = ("_anything", "_nan", "_undecided", "direction", "hi", "lo", "rules", "terms")
 
     def __init__(
         self,
@@ -59,6 +62,7 @@ class Band(Operators):
         self.rules = rules
         self._nan, self._anything, self._undecided = flags
         self.terms = terms
+        self.direction: Band | None = None
 
     @classmethod
     def exact(cls, values: ArrayLike, rules: Rules = _DEFAULT) -> Band:
@@ -94,14 +98,10 @@ class Band(Operators):
         shader computes it in float32, so it has 3 ULP on either side.
         """
         given = np.atleast_1d(np.asarray(value, dtype=np.float64))
-        with np.errstate(all="ignore"):
-            low, high = down(given), up(given)
-        if (low == high).all():
-            return cls._leaf(low, low, rules)
         if given.size <= 16:
-            computed = np.reshape([float(f"{x:.9g}") != x for x in given.flat], given.shape)
-            wide = np.where(computed & (low != high), 2.0 * (high - low), 0.0)
-            low, high = down(low - wide), up(high + wide)
+            low, high = _literal(given.tobytes(), given.shape)
+        else:
+            low, high = _neighbours(given)
         return cls._leaf(low, high, rules)
 
     @classmethod
@@ -187,6 +187,10 @@ class Band(Operators):
         if slack is None:
             return self.lo, self.hi
         return self.lo - slack, self.hi + slack
+
+    def again(self) -> Band:
+        """An equal value that is another one: a product of the two is no square."""
+        return Band(self.lo, self.hi, self.rules, self.flags, self.terms)
 
     def opaque(self) -> Band:
         """The same values, forgotten that they are sums: nothing distributes over them."""
@@ -301,3 +305,23 @@ class Band(Operators):
                 "a condition is not a number", remedy="choose with glslmath.where(condition, a, b)"
             )
         return Band.literal(other, self.rules)
+
+
+@np.errstate(all="ignore")
+def _neighbours(given: Floats) -> tuple[Floats, Floats]:
+    """The float32 on either side, the same array twice where all are float32 themselves."""
+    low, high = down(given), up(given)
+    return (low, low) if (low == high).all() else (low, high)
+
+
+@lru_cache(maxsize=512)
+def _literal(data: bytes, shape: tuple[int, ...]) -> tuple[Floats, Floats]:
+    """The bounds of a few constants; a formula has the same ones for every block of pixels."""
+    given = np.frombuffer(data, np.float64).reshape(shape)
+    low, high = _neighbours(given)
+    if low is not high:
+        computed = np.reshape([float(f"{x:.9g}") != x for x in given.flat], given.shape)
+        wide = np.where(computed & (low != high), 2.0 * (high - low), 0.0)
+        low, high = down(low - wide), up(high + wide)
+    low.flags.writeable = high.flags.writeable = False
+    return low, high

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -31,43 +29,59 @@ def ulp(x: Floats) -> Floats:
     >>> [float(u * 2**24) for u in ulp(np.array([1.0, 1.5, 2.0, 3.0]))]
     [1.0, 2.0, 2.0, 4.0]
     """
-    size = np.clip(np.abs(x), SMALLEST_DENORMAL, LARGEST)
+    size = np.asarray(np.abs(x))
+    np.clip(size, SMALLEST_DENORMAL, LARGEST, out=size)
     # One less than a power of two's bits lies in the octave below: no special case is left.
-    octave = ((size.view(np.int64) - 1) & _EXPONENT_BITS).view(np.float64)
-    step: Floats = np.maximum(octave * 2.0**-23, SMALLEST_DENORMAL)
+    bits = size.view(np.int64)
+    bits -= 1
+    bits &= _EXPONENT_BITS
+    size *= 2.0**-23
+    step: Floats = np.maximum(size, SMALLEST_DENORMAL, out=size)
     return step
 
 
-def _stepped(nearest: NDArray[np.float32], past: Any, direction: int) -> Floats:
-    """`nearest`, moved to the next float32 in `direction` wherever it lies `past` the bound."""
+def _stepped(nearest: NDArray[np.float32], found: Floats, past: Flags, direction: int) -> Floats:
+    """`nearest`, which as float64 is `found`, moved to the next float32 in `direction` wherever it
+    lies `past` the bound; may write to both."""
     # The integers behind floats of one sign are in the floats' order.
     bits = nearest.view(np.int32)
-    bits += (past * direction).astype(np.int32) * (1 | (bits >> 31))
-    return nearest.astype(np.float64)
+    step = bits >> 31
+    step |= 1
+    step *= past.view(np.int8)
+    if direction > 0:
+        bits += step
+    else:
+        bits -= step
+    np.copyto(found, nearest)
+    return found
 
 
 def down(x: Floats, residue: Floats | None = None) -> Floats:
     """The largest float32 not above `x + residue`, where the residue is below x's own last bit."""
     nearest = np.asarray(x).astype(np.float32)
-    past = nearest > x
+    found = nearest.astype(np.float64)
+    past = np.asarray(found > x)
     if residue is not None:
-        past |= (nearest == x) & (residue < 0.0)
-    return _stepped(nearest, past, -1)
+        past |= (found == x) & (residue < 0.0)
+    return _stepped(nearest, found, past, -1)
 
 
 def up(x: Floats, residue: Floats | None = None) -> Floats:
     """The smallest float32 not below `x + residue`, where the residue is below x's own last bit."""
     nearest = np.asarray(x).astype(np.float32)
-    past = nearest < x
+    found = nearest.astype(np.float64)
+    past = np.asarray(found < x)
     if residue is not None:
-        past |= (nearest == x) & (residue > 0.0)
-    return _stepped(nearest, past, 1)
+        past |= (found == x) & (residue > 0.0)
+    return _stepped(nearest, found, past, 1)
 
 
 def flushed(lo: Floats, hi: Floats) -> tuple[Floats, Floats]:
     """The same bounds, but those that touch denormals include zero."""
-    small_lo = (lo > 0.0) & (lo < SMALLEST_NORMAL)
-    small_hi = (hi < 0.0) & (hi > -SMALLEST_NORMAL)
+    small_lo = lo < SMALLEST_NORMAL
+    small_lo &= lo > 0.0
+    small_hi = hi > -SMALLEST_NORMAL
+    small_hi &= hi < 0.0
     if small_lo.any() or small_hi.any():
         return np.where(small_lo, 0.0, lo), np.where(small_hi, 0.0, hi)
     return lo, hi
@@ -76,8 +90,13 @@ def flushed(lo: Floats, hi: Floats) -> tuple[Floats, Floats]:
 def two_sum(a: Floats, b: Floats) -> tuple[Floats, Floats]:
     """a + b rounded to float64, and what the rounding lost (Knuth, TAOCP 2, 4.2.2 theorem B)."""
     total = a + b
-    b_part = total - a
-    return total, (a - (total - b_part)) + (b - b_part)
+    b_part = np.asarray(total - a)
+    # (a - (total - b_part)) + (b - b_part), without an array for each step.
+    lost = np.asarray(total - b_part)
+    np.subtract(a, lost, out=lost)
+    np.subtract(b, b_part, out=b_part)
+    np.add(lost, b_part, out=lost)
+    return total, lost
 
 
 def is_power_of_two(x: Floats) -> bool:

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from shaderlab.bands import Allowed, Band, Rules
+from shaderlab.bands.allowed import contains
 from shaderlab.checks.inputs import Inputs, Reference, evaluate, source_of, wanted
 from shaderlab.checks.judgement import plain, shown
 from shaderlab.errors import FormulaError
@@ -28,6 +29,7 @@ _UNORM_FORMATS = ("r8", "rg8", "rgb8", "rgba8")
 class Banded:
     """Measured values beside their reference and band; all arrays are (count, components).
 
+    `low` and `high` are float32 where the attachment's format is: a band's bounds are.
     `inside` says which are in their band, `widths` how far each is from its middle in half
     widths, `low` and `high` are the band in the measured values' own units. `unit` is the size
     of one code for fixed-point formats, None for floats.
@@ -86,7 +88,7 @@ class Banded:
         size = np.where(self.inside, np.minimum(self.widths, 1.0), np.inf)
         worst = np.argmax(size, axis=1)[:, None]
         with np.errstate(invalid="ignore"):
-            below = self.measured < 0.5 * (self.low + self.high)
+            below = self.measured < 0.5 * np.add(self.low, self.high, dtype=np.float64)
         signed = np.where(below, -size, size)
         return np.take_along_axis(signed, worst, axis=1)[:, 0]
 
@@ -127,7 +129,9 @@ def judge_band(
     """
     shape = measured.shape
     chosen = rules or Rules()
-    numbers = {name: np.empty(shape) for name in ("reference", "low", "high", "widths")}
+    numbers = {name: np.empty(shape) for name in ("reference", "widths")}
+    bounds = np.float32 if format in _FLOAT_FORMATS else np.float64
+    low, high = np.empty(shape, bounds), np.empty(shape, bounds)
     flags = {name: np.empty(shape, np.bool_) for name in ("inside", "vacuous", "undecided")}
     unit = None
     for start in range(0, max(len(measured), 1), CHUNK):
@@ -142,15 +146,17 @@ def judge_band(
         allowed = _stored(band, format, shape[1])
         unit = None if isinstance(allowed, Band) else float(allowed.unit) or None
         numbers["reference"][rows] = np.asarray(exact, np.float64)
-        numbers["low"][rows], numbers["high"][rows] = allowed.lo, allowed.hi
+        low[rows], high[rows] = allowed.lo, allowed.hi
         numbers["widths"][rows] = allowed.widths(some)
-        flags["inside"][rows] = allowed.contains(some)
+        flags["inside"][rows] = contains(low[rows], high[rows], allowed.nan, some)
         flags["vacuous"][rows], flags["undecided"][rows] = band.vacuous, band.undecided
+    with np.errstate(invalid="ignore"):  # a signalling NaN, read back, is a NaN like any other
+        values = measured.astype(np.float64)
     return Banded(
-        measured=measured.astype(np.float64),
+        measured=values,
         reference=in_format(numbers["reference"], format),
-        low=numbers["low"],
-        high=numbers["high"],
+        low=low,
+        high=high,
         widths=numbers["widths"],
         **flags,
         source=source_of(reference),

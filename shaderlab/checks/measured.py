@@ -89,13 +89,16 @@ def _known(expectation: Measure, scene: Scene, frame: Frame) -> dict[str, Array]
 
 
 def _of_draw(bindings: Bindings) -> dict[str, Array]:
-    """Uniforms and textures, members of arrays of structs together as one array."""
+    """Uniforms and textures, members of arrays of structs together as one array; where they are
+    single numbers, without an axis for components."""
     known: dict[str, Array] = {}
     lists: dict[str, list[Array]] = {}
     for name, values in bindings.uniforms.items():
-        known[parameter_name(name)] = values[0] if values.shape == (1,) else values
+        known[parameter_name(name)] = values[..., 0] if values.shape[-1] == 1 else values
         if _INDEXED.search(name):
-            lists.setdefault(parameter_name(_INDEXED.sub("", name)), []).append(values)
+            lists.setdefault(parameter_name(_INDEXED.sub("", name)), []).append(
+                known[parameter_name(name)]
+            )
     known |= {name: np.stack(values) for name, values in lists.items()}
     known |= {parameter_name(n): texels.values for n, texels in bindings.textures.items()}
     return known

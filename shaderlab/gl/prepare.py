@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from shaderlab.errors import CaseError, ShaderError, UnsupportedError, nearest
@@ -74,6 +74,8 @@ class Preparer:
             CaseError: a domain does not fit the fragment shader's inputs, or a mesh its vertex
                 stage.
         """
+        if draw.mesh is not None and draw.mesh is not draw.mesh.made():
+            draw = replace(draw, mesh=draw.mesh.made())
         authored = tuple(self._load(name) for name in draw.shaders)
         sources = authored
         if draw.domain is not None:

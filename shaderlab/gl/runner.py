@@ -12,6 +12,7 @@ from shaderlab.errors import ShaderError, UnsupportedError
 from shaderlab.frame import Array, Bindings, Image, PassDraw
 from shaderlab.gl import bind, blocks, formats, state
 from shaderlab.gl.bound import BoundTextures
+from shaderlab.gl.continuing import refuse_stale, taken_over
 from shaderlab.gl.device import Device
 from shaderlab.gl.prepare import PreparedDraw, output_types, pass_colors
 from shaderlab.gl.programs import (
@@ -24,7 +25,7 @@ from shaderlab.gl.stages import PREFIX
 from shaderlab.gl.target import RenderTarget
 from shaderlab.gl.uniform_buffers import UniformBuffers
 from shaderlab.gl.vertices import PRIMITIVES, VertexArray, vertex_array
-from shaderlab.model import Pass, Scene, names_asked_for
+from shaderlab.model import Mesh, Pass, Scene, names_asked_for
 
 Size = tuple[int, int]
 Prepared = Mapping[str, tuple[PreparedDraw, ...]]
@@ -80,6 +81,7 @@ class Session:
         self._targets: dict[str, RenderTarget] = {}
         self._textures = BoundTextures(runner.device, scene, self.images, self._targets, stack)
         self._blocks = UniformBuffers(runner.device, stack)
+        self._arrays: dict[tuple[int, int], tuple[Any, Mesh | None, VertexArray]] = {}
         self._gl_errors: dict[PassDraw, tuple[int, ...]] = {}
         self._inactive: set[str] = set()
         self._asked = names_asked_for(scene)
@@ -110,14 +112,18 @@ class Session:
         colors = pass_colors(description, prepared)
         extent = self.extent(description)
         with doing("draw", f"making the target of pass {description.name!r}"):
-            target = RenderTarget(self.runner.device, description.target, colors, extent)
-            self._stack.callback(target.release)
+            if description.onto:
+                target = taken_over(self.scene, description, colors, self._targets)
+            else:
+                target = RenderTarget(self.runner.device, description.target, colors, extent)
+                self._stack.callback(target.release)
+                target.clear()
             self._targets[description.name] = target
-            target.clear()
             if description.target.samples:
                 self.sample_positions[description.name] = target.sample_positions()
         for index, draw in enumerate(prepared):
             key = (description.name, index)
+            refuse_stale(description, draw.draw, self._targets)
             with doing("draw", step(key, draw)):
                 self.bindings[key] = self.bind(draw)
                 self._draw(key, draw, target)
@@ -189,10 +195,19 @@ class Session:
                 error.message, file=draw.authored[-1].path, remedy=error.remedy
             ) from error
         self.use(program, draw, self.bindings[key])
-        vao = vertex_array(self.runner.device, program, draw.draw.mesh)
+        vao = self._vertex_array(program, draw.draw.mesh)
         target.bind(output_locations(program, target.colors))
         state.apply(draw.draw.state, target.size)
         return program, vao
+
+    def _vertex_array(self, program: Any, mesh: Mesh | None) -> VertexArray:
+        """The vertex array of a mesh for a program, made once and kept."""
+        key = (id(program), id(mesh))
+        if key not in self._arrays:
+            made = vertex_array(self.runner.device, program, mesh)
+            # Program and mesh are kept with it, so that nothing else gets their identity.
+            self._arrays[key] = (program, mesh, made)
+        return self._arrays[key][2]
 
 
 def require_glsl(device: Device, draw: PreparedDraw) -> None:
@@ -215,6 +230,9 @@ def submit(vao: VertexArray, program: Any, draw: PreparedDraw) -> None:
     from OpenGL import GL
 
     description = draw.draw
+    last = draw.text("geometry") or draw.text("vertex") or ""
+    # A shader that gives points no size gets the default one, a pixel.
+    (GL.glEnable if "gl_PointSize" in last else GL.glDisable)(GL.GL_PROGRAM_POINT_SIZE)
     mode = PRIMITIVES[description.mesh.primitive if description.mesh else "triangles"]
     if not description.vertex_array:
         GL.glUseProgram(program.glo)

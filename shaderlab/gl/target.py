@@ -191,6 +191,7 @@ class RenderTarget:
         )  # fmt: skip
         if not samples:
             texture.filter = (self._device.context.NEAREST,) * 2
+            texture.repeat_x = texture.repeat_y = False  # later passes read its edge beyond it
         return texture
 
     def _framebuffer(self, textures: list[Any]) -> Any:

@@ -61,14 +61,19 @@ def normalize(v: Value) -> Value:
         return v / length(v)
 
     def banded(v: Band) -> Band:
-        v = v.opaque()
-        squared = arithmetic.sum_last(arithmetic.square(v))
-        quotient = arithmetic.divide(v, functions.sqrt(squared))
-        product = arithmetic.multiply(v, functions.inversesqrt(squared))
-        either: Band = clamp(arithmetic.union(quotient, product), -_BEYOND_UNIT, _BEYOND_UNIT)
-        return either
+        if v.direction is None:
+            v.direction = _direction(v.opaque())
+        return v.direction.again()
 
     return applied(plain, banded, v)
+
+
+def _direction(v: Band) -> Band:
+    squared = arithmetic.sum_last(arithmetic.square(v))
+    quotient = arithmetic.divide(v, functions.sqrt(squared))
+    product = arithmetic.multiply(v, functions.inversesqrt(squared))
+    either: Band = clamp(arithmetic.union(quotient, product), -_BEYOND_UNIT, _BEYOND_UNIT)
+    return either
 
 
 def cross(a: Value, b: Value) -> Value:

@@ -3,6 +3,8 @@ where something samples or judges them."""
 
 from __future__ import annotations
 
+import inspect
+import re
 from collections.abc import Iterator
 
 from shaderlab.model.case import Scene
@@ -38,3 +40,9 @@ def _asked(scene: Scene) -> Iterator[str | Output]:
         if isinstance(expectation, Measure):
             for row in expectation.readings:
                 yield from row.reads.values()
+            names = set(inspect.signature(expectation.statistic).parameters)
+            for description in scene.passes:
+                for name in ("depth", "stencil"):
+                    # A parameter is a name without its dots.
+                    if re.sub(r"\W+", "_", f"{description.name}.{name}") in names:
+                        yield Output(description.name, name)

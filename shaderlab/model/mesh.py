@@ -100,6 +100,10 @@ class Mesh:
         importing a case need not wait for that."""
         return _Later(make)
 
+    def made(self) -> Mesh:
+        """The mesh itself, made now if it was to be made later."""
+        return self
+
     @property
     def vertices(self) -> int:
         """Number of vertices stored (not of indices)."""
@@ -170,15 +174,16 @@ class _Later(Mesh):
 
     def __getattribute__(self, name: str) -> Any:
         if name in _FIELDS:
-            return getattr(self._made(), name)
+            return getattr(self.made(), name)
         return super().__getattribute__(name)
 
     @property
     def instances(self) -> int | None:
         """As `Mesh.instances`; None before it is made: a draw asks when it is written."""
-        return self._made().instances if "_mesh" in self.__dict__ else None
+        return self.made().instances if "_mesh" in self.__dict__ else None
 
-    def _made(self) -> Mesh:
+    def made(self) -> Mesh:
+        """As `Mesh.made`. Raises whatever making it does, such as a damaged file."""
         if "_mesh" not in self.__dict__:
             object.__setattr__(self, "_mesh", self.__dict__["_make"]())
         made: Mesh = self.__dict__["_mesh"]
@@ -186,7 +191,7 @@ class _Later(Mesh):
 
     def only(self, *names: str) -> Mesh:
         """As `Mesh.only`, and as late."""
-        return _Later(lambda: self._made().only(*names))
+        return _Later(lambda: self.made().only(*names))
 
 
 _FIELDS = frozenset(each.name for each in fields(Mesh))

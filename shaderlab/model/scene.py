@@ -135,16 +135,28 @@ class Target:
 
 @dataclass(frozen=True, kw_only=True)
 class Pass:
-    """A target and the draws into it, in order."""
+    """A target and the draws into it, in order.
+
+    With `onto` the name of an earlier pass, they go on where that one stopped, in its very target,
+    which is not cleared; `target` must then be the same. What the earlier pass drew is read as the
+    later one's output from then on.
+    """
 
     name: str = "main"
     target: Target = field(default_factory=Target)
     draws: tuple[Draw, ...]
+    onto: str = ""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "draws", tuple(self.draws))
         if not self.draws:
             raise CaseError(f"Pass {self.name!r} draws nothing")
+        if self.onto and (self.target.depth or self.target.samples):
+            raise CaseError(
+                f"Pass {self.name!r} goes on in the target of {self.onto!r}, which has depth, "
+                "stencil or samples: its draws could not be captured alone",
+                remedy="draw all of it in one pass",
+            )
         for index, draw in enumerate(self.draws):
             if draw.state.in_pixels and self.target.size is None:
                 raise CaseError(

@@ -113,8 +113,8 @@ class Judge:
         found = []
         for index, names in judged_passes(scene).items():
             output = getattr(scene.expect[index], "output", None)
-            of_vertex = output is not None and all(
-                (name, split_output(output, scene)[1]) not in images for name in names
+            of_vertex = output is not None and not any(
+                (name, split_output(output, scene)[1]) in images for name in names
             )
             if names & (vertex if of_vertex else touched):
                 found.append(index)

@@ -94,13 +94,14 @@ def downstream(scene: Scene, passes: Collection[str]) -> set[str]:
 
 
 def reads(description: Pass) -> set[str]:
-    """Names of the earlier passes whose outputs a pass reads as textures."""
-    return {
+    """Names of the earlier passes whose outputs a pass reads as textures, or goes on in."""
+    found = {
         texture.pass_name
         for draw in description.draws
         for texture in draw.textures.values()
         if isinstance(texture, Output)
     }
+    return found | ({description.onto} if description.onto else set())
 
 
 def with_what_they_read(scene: Scene, passes: Iterable[str]) -> set[str]:

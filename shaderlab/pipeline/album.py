@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -12,6 +13,7 @@ import numpy as np
 
 from shaderlab import pictures
 from shaderlab.frame import Array, Image
+from shaderlab.glsl.spirv import disassemble
 from shaderlab.model import Pass, Scene, outputs_read
 from shaderlab.records import Attachment, PassRecord
 
@@ -116,6 +118,26 @@ class Album:
         relative, path = self._file(label, "values")
         path.write_bytes(pictures.pack(pictures.judged_part(_numbers(arrays), worst)))
         return Shown(files, captions, relative)
+
+    def assembly(self, modules: Mapping[str, bytes]) -> str:
+        """A program's modules as SPIR-V assembly, by stage; one file for all that are the same.
+
+        Returns:
+            the file, relative to the run's folder; "" where there is none.
+        """
+        if self._folder is None or not modules:
+            return ""
+        name = hashlib.blake2s(b"".join(modules.values()), digest_size=8).hexdigest()
+        relative = f"spirv/{name}.spvasm"
+        path = self._folder / relative
+        if not path.exists():
+            path.parent.mkdir(parents=True, exist_ok=True)
+            stages = (f"; {stage}\n{disassemble(data)}" for stage, data in modules.items())
+            # Other workers may write the same at the same time: each a file of its own first.
+            whole = path.with_suffix(f".{os.getpid()}")
+            whole.write_text("\n".join(stages), encoding="utf-8")
+            whole.replace(path)
+        return relative
 
     def _save(self, label: str, image: Array, side: int) -> str:
         relative, path = self._file(label, "png")

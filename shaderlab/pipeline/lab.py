@@ -154,7 +154,15 @@ class Lab:
         preparer = self._preparer(str(Path(scene.case.file).parent))
         with doing("compile", "compiling"):
             prepared = {p.name: tuple(preparer.prepare(d) for d in p.draws) for p in scene.passes}
-        draft.programs(prepared)
+        book = album.Album(self.options.folder, scene.case.id, scene.variant)
+
+        def assembly(modules: Mapping[str, bytes]) -> str:
+            file = ""
+            with _unless_unwritable(draft):
+                file = book.assembly(modules)
+            return file
+
+        draft.programs(prepared, assembly)
         for draws in prepared.values():
             for draw in draws:
                 _ = draw.interface  # raises the compiler's first error where there is one
@@ -225,7 +233,8 @@ class Lab:
 
 @contextmanager
 def _unless_unwritable(draft: write_up.Draft) -> Iterator[None]:
-    """A picture that can't be written, on a full disk say, changes no verdict: it is a notice."""
+    """A file for people that can't be written, on a full disk say, changes no verdict: it is a
+    notice."""
     try:
         yield
     except AssetError as error:

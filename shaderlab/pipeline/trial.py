@@ -30,11 +30,13 @@ from shaderlab.model import (
     Computed,
     Cost,
     Coverage,
+    Exact,
     Expectation,
     GlCall,
     GlError,
     InactiveUniforms,
     Measure,
+    Output,
     Query,
     Refused,
     Scene,
@@ -287,8 +289,8 @@ class Trial:
 
 
 def judged_passes(scene: Scene) -> dict[int, frozenset[str]]:
-    """For each expectation of the scene, the passes it is about; none where no shader has a
-    part."""
+    """For each expectation of the scene, the passes it is about: several where it compares
+    them, none where no shader has a part."""
     found: dict[int, frozenset[str]] = {}
     for index, expectation in enumerate(scene.expect):
         if _without_shaders(expectation):
@@ -307,6 +309,8 @@ def judged_passes(scene: Scene) -> dict[int, frozenset[str]]:
         else:
             name, _ = split_output(getattr(expectation, "output", ""), scene)
             found[index] = frozenset({scene.find_pass(name).name})
+            if isinstance(expectation, Exact) and isinstance(expectation.equals, Output):
+                found[index] |= {expectation.equals.pass_name}
     return found
 
 

@@ -34,6 +34,8 @@ from shaderlab.records import (
     Verdict,
 )
 
+Assembly = Callable[[Mapping[str, bytes]], str]
+
 
 class Draft:
     """A record in the making."""
@@ -60,12 +62,15 @@ class Draft:
         remedy = f"\n→ {error.remedy}" if error.remedy else ""
         self._message = f"{place}{error.message}{remedy}"
 
-    def programs(self, prepared: Mapping[str, tuple[PreparedDraw, ...]]) -> None:
-        """Note each different program's sources and verdicts."""
+    def programs(
+        self, prepared: Mapping[str, tuple[PreparedDraw, ...]], assembly: Assembly
+    ) -> None:
+        """Note each different program's sources and verdicts; `assembly` writes down its modules
+        and tells the file."""
         for draws in prepared.values():
             for draw in draws:
                 if draw.sources not in self._programs:
-                    self._programs[draw.sources] = _program(draw)
+                    self._programs[draw.sources] = _program(draw, assembly)
         self._buffers = buffers(prepared)
 
     def second_opinions(self, opinion: Callable[[tuple[Source, ...]], Verdict]) -> None:
@@ -167,7 +172,8 @@ def near(path: str) -> str:
     return path if relative.startswith("..") or not os.path.isabs(path) else relative
 
 
-def _program(draw: PreparedDraw) -> ProgramRecord:
+def _program(draw: PreparedDraw, assembly: Assembly) -> ProgramRecord:
+    modules = draw.compiled.spirv
     parts: dict[str, str] = {}
     for source in draw.authored:
         parts.update(dict(source.parts))
@@ -177,7 +183,10 @@ def _program(draw: PreparedDraw) -> ProgramRecord:
             SourceText(file=near(path), line=1, language="glsl", text=text)
             for path, text in parts.items()
         ),
-        verdicts=tuple(_nearer(verdict) for verdict in draw.compiled.verdicts),
+        verdicts=tuple(
+            replace(_nearer(verdict), assembly=assembly(modules.get(verdict.target, {})))
+            for verdict in draw.compiled.verdicts
+        ),
         declared=tuple(_declared(draw.compiled.interface)),
     )
 

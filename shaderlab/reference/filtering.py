@@ -9,8 +9,16 @@ in Direct3D 11.3, section 7.18.8 ("Texture Addressing and LOD Precision"), at le
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
 from ..bands import Band
 from ..glslmath import Value, clamp, floor, fract, mix
+
+Array = npt.NDArray[Any]
 
 
 def nearest_texel(coordinate: Value, size: Value) -> Value:
@@ -81,3 +89,66 @@ def box(lower_left: Value, lower_right: Value, upper_left: Value, upper_right: V
     3.0
     """
     return (lower_left + lower_right + upper_left + upper_right) * 0.25
+
+
+def wrapped_texel(index: Array, size: int, mode: str) -> Array:
+    """The texel that a number outside 0…size − 1 stands for (table 8.20); −1 is the border.
+
+    >>> wrapped_texel(np.array([-2, -1, 0, 3, 4, 5]), 4, "mirrored_repeat").tolist()
+    [1, 0, 0, 3, 3, 2]
+    """
+
+    def mirror(a: Array) -> Array:
+        return np.where(a >= 0, a, -(1 + a))
+
+    rules: dict[str, Callable[[Array], Array]] = {
+        "repeat": lambda i: i % size,
+        "mirrored_repeat": lambda i: (size - 1) - mirror((i % (2 * size)) - size),
+        "clamp_to_edge": lambda i: np.clip(i, 0, size - 1),
+        "clamp_to_border": lambda i: np.where((i < 0) | (i >= size), -1, i),
+    }
+    return rules[mode](index)
+
+
+def linear_sample(image: Any, TexCoords: Array) -> Array:
+    """A sample with LINEAR in plain NumPy, from the equations above, with the texture's own wrap
+    modes and border: (count, 4).
+
+    Args:
+        image: a `shaderlab.sampling.Sampler` of four channels.
+        TexCoords: (count, 2).
+    """
+    texels = image.texels
+    height, width = texels.values.shape[:2]
+    padded = np.pad(texels.values.astype(np.float64), ((0, 1), (0, 1), (0, 0)))
+    padded[-1], padded[:, -1] = texels.border, texels.border  # what the index −1 finds
+    u, v = TexCoords[:, 0], TexCoords[:, 1]
+    left, low = first_texel(u, width).astype(int), first_texel(v, height).astype(int)
+
+    def texel(i: int, j: int) -> Array:
+        column = wrapped_texel(left + i, width, texels.wrap[0])
+        row = wrapped_texel(low + j, height, texels.wrap[1])
+        found: Array = padded[row, column]
+        return found
+
+    across, up = weight(u, width)[:, None], weight(v, height)[:, None]
+    mixed: Array = bilinear(texel(0, 0), texel(1, 0), texel(0, 1), texel(1, 1), across, up)
+    return mixed
+
+
+def level_count(width: int, height: int) -> int:
+    """How many mipmap levels a texture has: ⌊log₂ max(width, height)⌋ + 1 (§8.14.3).
+
+    >>> level_count(256, 256), level_count(5, 3)
+    (9, 3)
+    """
+    return int(max(width, height)).bit_length()
+
+
+def texel_count(width: int, height: int) -> int:
+    """How many texels all levels have together; each is half as wide and high, rounded down.
+
+    >>> texel_count(256, 256)
+    87381
+    """
+    return sum(max(width >> n, 1) * max(height >> n, 1) for n in range(level_count(width, height)))

@@ -11,9 +11,12 @@ Depths are window depths, 0 next to the light and 1 at its far plane.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import Any
 
-from ..glslmath import Value, dot, max, normalize, swizzle, where
+import numpy as np
+
+from shaderlab.glslmath import Value, dot, max, normalize, swizzle, vec2, where
 
 
 def shadow_coordinates(light_space: Value) -> Value:
@@ -66,6 +69,57 @@ def shadow(current: Value, closest: Value, bias: Value = 0.0) -> Value:
     [0.0, 1.0, 0.0]
     """
     return where(current > 1.0, 0.0, where(current - bias > closest, 1.0, 0.0))
+
+
+def shadow_of_fragment(texture: Callable[[Any, Value], Value]) -> Callable[..., Value]:
+    """How dark the map says that a fragment is, from the inputs of the shadow cases' shader.
+
+    Args:
+        texture: how the map is read; `shaderlab.sampling.texture`.
+
+    Returns:
+        a function of the fragment's normal, its place in the light's clip space, the map, the
+        direction to the light, the two biases and the radius of the texels to be asked.
+
+    >>> import numpy as np
+    >>> class Map:
+    ...     texels = type("Texels", (), {"values": np.zeros((4, 4, 1))})
+    >>> dark = shadow_of_fragment(lambda map, uv: np.array([[0.3, 0.0, 0.0, 1.0]]))
+    >>> up, middle = np.array([[0.0, 1.0, 0.0]]), np.array([[0.0, 0.0, 0.0, 1.0]])
+    >>> float(dark(up, middle, Map, np.array([0.0, 1.0, 0.0]), 0.0, 0.0, 0).item())
+    1.0
+    """
+
+    def shadow(
+        Normal: Value,
+        FragPosLightSpace: Value,
+        shadowMap: Any,
+        lightPos: Value,
+        leastBias: Value,
+        mostBias: Value,
+        radius: Value,
+    ) -> Value:
+        place = shadow_coordinates(FragPosLightSpace)
+        bias = slope_bias(Normal, lightPos, leastBias, mostBias)
+        height, width = shadowMap.texels.values.shape[:2]
+        reach = range(-whole(radius), whole(radius) + 1)
+        closest = [
+            swizzle(texture(shadowMap, swizzle(place, "xy") + vec2(x / width, y / height)), "x")
+            for y in reach
+            for x in reach
+        ]
+        return filtered_shadow(swizzle(place, "z"), closest, bias)
+
+    return shadow
+
+
+def whole(number: Any) -> int:
+    """An integer uniform, given as a number, an array or a band of one value.
+
+    >>> whole(2.0)
+    2
+    """
+    return int(np.ravel(getattr(number, "lo", number))[0])
 
 
 def filtered_shadow(current: Value, closest: Sequence[Value], bias: Value = 0.0) -> Value:

@@ -13,6 +13,7 @@ from shaderlab.glslmath import (
     cos,
     cross,
     dot,
+    mul,
     normalize,
     sin,
     swizzle,
@@ -126,3 +127,20 @@ def depth_of(view_z: Value, near: Value, far: Value) -> Value:
     """
     reach = 2.0 * far * near / (far - near)
     return vec2((far + near) / (far - near) + reach / view_z, reach * -1.0 / (view_z * view_z))
+
+
+def sky_clip(aPos: Value, view: Value, projection: Value) -> Value:
+    """A sky's vertex in clip space: turned with the camera, but not moved, and as far away as
+    anything can be, z = w: (…, 4).
+
+    Args:
+        aPos: (…, 3), a point of a box around the camera.
+        view, projection: 4 × 4.
+
+    >>> import numpy as np
+    >>> far = np.eye(4) + 9.0 * np.eye(4, k=3)
+    >>> sky_clip(np.array([1.0, 2, 3]), far, np.eye(4)).tolist()
+    [1.0, 2.0, 1.0, 1.0]
+    """
+    turned = mul(view[:3, :3], aPos)
+    return swizzle(mul(projection, vec4(turned, 1.0)), "xyww")

@@ -7,6 +7,7 @@ from typing import TypeVar
 
 from shaderlab.records import Curve, Outcome, Plot, Record, Run
 from shaderlab.report import markup
+from shaderlab.report.assembly import Packed, assemblies
 from shaderlab.report.chart import Chart, chart
 from shaderlab.report.grouping import CHAPTERS, CaseGroup, group_cases, total
 from shaderlab.report.inline import Picture, Pictures
@@ -30,7 +31,8 @@ def build(run: Run, pictures: Pictures) -> Page:
     anchors = Anchors()
     groups = group_cases(run.records)
     shown: Shown = {}
-    cases = tuple(_case(group, anchors, pictures, shown) for group in groups)
+    packed: Packed = {}
+    cases = tuple(_case(group, anchors, pictures, shown, packed) for group in groups)
     chapters = []
     for number, name in CHAPTERS.items():
         members = tuple(case for case in cases if case.group.chapter == number)
@@ -39,7 +41,9 @@ def build(run: Run, pictures: Pictures) -> Page:
     return Page(run, total(run, groups), tuple(chapters), cases)
 
 
-def _case(group: CaseGroup, anchors: Anchors, pictures: Pictures, shown: Shown) -> CaseView:
+def _case(
+    group: CaseGroup, anchors: Anchors, pictures: Pictures, shown: Shown, packed: Packed
+) -> CaseView:
     first = group.first
     anchor = anchors.new("case", group.id)
     several = len(group.records) > 1
@@ -70,6 +74,7 @@ def _case(group: CaseGroup, anchors: Anchors, pictures: Pictures, shown: Shown) 
         compiled=compiled(group),
         glsl=glsl,
         python=python,
+        assemblies=assemblies(group, anchors, pictures, packed),
         variants=tuple(
             _variant(
                 record,

@@ -84,6 +84,13 @@ class Pictures:
             return False
         return first == second
 
+    def text(self, name: str) -> bytes:
+        """What is in the file `name`; nothing if there is none."""
+        try:
+            return self._inside(name).read_bytes()
+        except (OSError, ValueError):
+            return b""
+
     def numbers(self, name: str) -> Numbers | None:
         """The file of values `name`, or None if there is none."""
         try:

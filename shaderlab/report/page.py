@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from shaderlab.records import Declared, ErratumNote, Outcome, Record, Row, Run, Status, Verdict
+from shaderlab.report.assembly import Assembly
 from shaderlab.report.chart import Chart
 from shaderlab.report.grouping import PASSABLE, CaseGroup, Totals, worst
 from shaderlab.report.inline import Numbers, Picture
@@ -82,6 +83,7 @@ class CaseView:
     compiled: tuple[Compiled, ...]
     glsl: tuple[Listing, ...]
     python: tuple[Listing, ...]
+    assemblies: tuple[Assembly, ...]
     variants: tuple[VariantView, ...]
     passes: tuple[Step, ...] = ()
 

@@ -98,9 +98,13 @@ def lamp(folder: Path) -> Sample:
     program = ProgramRecord(
         files=("lamp.frag",),
         sources=(SourceText(file="lamp.frag", line=1, language="glsl", text=text),),
-        verdicts=(Verdict(target="vulkan", ok=True, spirv_bytes=640),),
+        verdicts=(
+            Verdict(target="vulkan", ok=True, spirv_bytes=640, assembly="spirv/lamp.spvasm"),
+        ),
         declared=(Declared(kind="uniform", name="a", type="float", location=0),),
     )
+    (folder / "spirv").mkdir(parents=True)
+    (folder / "spirv" / "lamp.spvasm").write_text("; fragment\n%main = OpFunction <img src=x>\n")
     picture = np.random.default_rng(2).random((256, 256, 3)).astype("f4")
     album = Album(folder, "lamp", "good")
     shown = album.portrait(Image(picture, "rgba32f"))

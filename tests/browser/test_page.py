@@ -84,6 +84,24 @@ def test_a_source_that_was_shown_before_is_copied_when_opened(visit: Visit, lamp
     assert "FragColor = a;" in listing.locator("pre").text_content()
 
 
+def test_spirv_is_shown_when_unfolded_also_where_an_earlier_case_has_it(
+    visit: Visit, lamp: Sample
+) -> None:
+    page = visit(lamp.page)
+    for case in ("lamp", "blend"):
+        article = page.locator("article", has=page.locator(f"#case-{case}"))
+        folded = article.locator("[data-assembly]")
+        assert folded.count() == 1 and folded.locator("pre").count() == 0
+        folded.locator("summary").click()
+        folded.locator("pre").wait_for()
+        text = folded.locator("pre").text_content()
+        assert text == "; fragment\n%main = OpFunction <img src=x>\n"
+        folded.locator("summary").click()
+        folded.locator("summary").click()
+        assert folded.locator("pre").count() == 1
+    assert page.locator("template").count() >= 1
+
+
 def test_hostile_strings_do_nothing(visit: Visit, hostile_page: Path) -> None:
     page = visit(hostile_page)
     page.wait_for_timeout(200)

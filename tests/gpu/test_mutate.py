@@ -72,6 +72,26 @@ case = Case(
 )
 '''
 
+COMPARED = '''\
+"""Two overlapping quads, in either order."""
+from shaderlab import Depth, Draw, Mesh, Pass, State, Target, Case
+from shaderlab.assets.order import any_order, both_ways
+
+
+def quad(z):
+    corners = [[-0.5, -0.5, z], [0.5, -0.5, z], [-0.5, 0.5, z], [0.5, 0.5, z]]
+    mesh = Mesh(attributes={"aPos": corners}, primitive="triangle_strip")
+    return Draw(vertex="deep.vert", fragment="deep.frag", mesh=mesh, state=State(depth=Depth()))
+
+
+target = Target(size=(8, 8), depth="depth24")
+case = Case(
+    title="Two quads",
+    passes=both_ways(Pass(name="quads", target=target, draws=(quad(0.5), quad(-0.5)))),
+    expect=[any_order("quads.FragColor")],
+)
+'''
+
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
@@ -85,6 +105,14 @@ def folder(tmp_path: Path) -> Path:
     )
     (tmp_path / "quad.frag").write_text(
         "#version 330 core\nout vec4 FragColor;\nvoid main() { FragColor = vec4(1.0); }\n"
+    )
+    (tmp_path / "compared.py").write_text(COMPARED)
+    (tmp_path / "deep.vert").write_text(
+        "#version 330 core\nin vec3 aPos;\nvoid main() { gl_Position = vec4(aPos, 1.0); }\n"
+    )
+    (tmp_path / "deep.frag").write_text(
+        "#version 330 core\nout vec4 FragColor;\n"
+        "void main() { FragColor = vec4(gl_FragCoord.z); }\n"
     )
     return tmp_path
 
@@ -154,6 +182,20 @@ def test_state_is_mutated_too(folder: Path) -> None:
         ("depth.func", "lequal"): "equivalent",
         ("depth.func", "greater"): "killed",
     }
+
+
+def test_what_is_compared_with_another_pass_is_drawn_with_it(folder: Path) -> None:
+    case = load_case(folder / "compared.py")
+    with Bench() as bench:
+        judge = Judge(bench, case)
+        shaders = [judge.fate(m) for m in mutants_of_case(case, Options(state=False))]
+        # The far quad, drawn first, and the near one, drawn last.
+        hidden = [judge.fate(m) for m in state_mutants(case) if m.path == "depth.func"]
+    # Both passes are drawn with the same mistake: a comparison of them can't tell.
+    assert "survived" in {f.status for f in shaders}
+    assert not [f for f in shaders + hidden if "CaseError" in f.by]
+    killed = [f.by for f in hidden if f.status == "killed"]
+    assert killed and set(killed) == {"default · quads: any order of drawing"}
 
 
 TROUBLE = """

@@ -1,18 +1,19 @@
-"""Realistic mistakes in the cases about GLSL itself: each makes its case fail."""
+"""Realistic mistakes in the cases about GLSL itself and about files: each makes its case fail."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
 
+import numpy as np
 import pytest
 
 from shaderlab.catalogue import Catalogue, data_folder
-from shaderlab.model import Case, CompileFails, InactiveUniforms, Refused
+from shaderlab.model import Case, CompileFails, Computed, InactiveUniforms, Output, Refused
 from shaderlab.pipeline import Lab, Options
 from shaderlab.records import Record
 
-CH2 = "ch02_basics"
+CH2, CH11 = "ch02_basics", "ch11_window"
 
 # case, shader, what stands there, the mistake
 MISTAKES = [
@@ -37,9 +38,30 @@ MISTAKES = [
     ("shader-files", f"{CH2}/shader_files.frag", "byte == 13.0", "byte == 12.0"),
     ("shader-files", f"{CH2}/shader_files.frag", "byte >= 128.0", "byte > 240.0"),
     ("shader-files", f"{CH2}/errata/files/nul.frag", "\0", " "),
+    ("obj-model", "ch12_models/obj_model.vert", "normalMatrix * aNormal", "-aNormal"),
+    ("obj-model", "ch12_models/obj_model.frag", "normalize(viewPos - FragPos)", "viewPos"),
+    ("obj-model", "ch12_models/obj_model.frag", "TexCoords.t", "TexCoords.s"),
+    ("point-cloud", "ch14_point_clouds/point_cloud.vert", "pointScale / gl_Position.w",
+     "pointScale"),
+    ("point-cloud", "ch14_point_clouds/point_cloud.vert", "gl_PointSize = diameter",
+     "gl_PointSize = 0.5 * diameter"),
+    ("point-cloud", "ch14_point_clouds/point_cloud.frag", "gl_PointCoord - 0.5", "gl_PointCoord"),
+    ("sampler-units", f"{CH2}/sampler_units.frag", "base = texture(BaseMap",
+     "base = texture(ReflectMap"),
+    ("sampler-units", f"{CH2}/sampler_units.frag", "mix(refracted,", "mix(base,"),
+    ("window-origin", f"{CH11}/window_origin.frag", "gl_FragCoord.xy", "gl_FragCoord.xy - 0.5"),
+    ("window-origin", f"{CH11}/window_origin_upper.frag", "layout (origin_", "// ("),
+    ("ellipsoid", f"{CH11}/ellipsoid.vert", "/ (axes * axes)", "* (axes * axes)"),
+    ("ellipsoid", f"{CH11}/ellipsoid.vert", "vec4(aPos, 1.0)", "vec4(1.02 * aPos, 1.0)"),
+    ("ellipsoid", f"{CH11}/ellipsoid.frag", "Local / (axes * axes)", "Local / axes"),
+    ("fixed-timestep", f"{CH11}/fixed_timestep.frag", "left -= dt", "left = 0.0"),
+    ("fixed-timestep", f"{CH11}/fixed_timestep.frag", "left >= dt", "left > dt"),
+    ("fixed-timestep", f"{CH11}/fixed_timestep.frag", "-0.75 * speed", "-0.74 * speed"),
+    ("double-buffer", f"{CH11}/double_buffer_ball.frag", "/ 0.3", "/ 0.31"),
+    ("double-buffer", f"{CH11}/double_buffer_screen.frag", "gl_FragCoord.xy", "gl_FragCoord.yx"),
 ]  # fmt: skip
 MINE = {case_id for case_id, *_ in MISTAKES}
-FOR_PEOPLE = {"picture"}
+FOR_PEOPLE = {"picture", "scene"}
 
 
 @cache
@@ -75,7 +97,12 @@ def test_every_case_is_broken_at_least_twice() -> None:
 
 def test_a_refusal_in_other_words_is_noticed() -> None:
     """Each expected message, with its last letter gone, is not what is said."""
-    for case_id, kind in (("compile-and-link", CompileFails), ("shader-files", Refused)):
+    for case_id, kind in (
+        ("compile-and-link", CompileFails),
+        ("shader-files", Refused),
+        ("obj-model", Refused),
+        ("point-cloud", Refused),
+    ):
         case = judged_only(case_id)
         (record,) = run(replace(case, expect=[shortened(e) for e in case.expect]))
         failed = {outcome.name for outcome in record.expectations if outcome.status == "fail"}
@@ -89,6 +116,33 @@ def shortened(expectation: object) -> object:
         messages = tuple((file, line, text[:-1]) for file, line, text in expectation.messages)
         return replace(expectation, messages=messages)
     return expectation
+
+
+def test_a_screen_that_reads_the_back_buffer_is_noticed() -> None:
+    """With two buffers, pointed at the one that is drawn into, it shows half a frame."""
+    case = judged_only("double-buffer")
+    passes = []
+    for made in case.passes:
+        if made.name == "two seen 3":
+            draw = replace(made.draws[0], textures={"front": Output("two 2 half", "FragColor")})
+            made = replace(made, draws=(draw,))
+        passes.append(made)
+    (record,) = run(replace(case, passes=tuple(passes)))
+    failed = [o.name for o in record.expectations if o.status == "fail"]
+    assert failed == ["two buffers, refresh 3: frame 1, whole"]
+
+
+def test_another_file_s_figures_are_noticed() -> None:
+    for case_id in ("obj-model", "point-cloud"):
+        case = judged_only(case_id)
+        wrong = [
+            replace(e, equals=np.add(e.equals, 1e-3)) if isinstance(e, Computed) else e
+            for e in case.expect
+        ]
+        (record,) = run(replace(case, expect=wrong))
+        failed = {o.name for o in record.expectations if o.status == "fail"}
+        figures = {e.name for e in case.expect if isinstance(e, Computed) and e.digits >= 6}
+        assert figures and figures <= failed
 
 
 def test_an_active_uniform_that_is_called_inactive_is_noticed() -> None:

@@ -88,7 +88,7 @@ def test_uniforms_textures_and_constants_are_found_by_name() -> None:
     def total(
         lit: Any, light_gain: float, lights_reach: Any, offsets: Any, map: Any, steps: float
     ) -> Any:
-        assert lights_reach.shape == (2, 1) and offsets.shape == (3, 2)
+        assert lights_reach.shape == (2,) and offsets.shape == (3, 2)
         return light_gain + lights_reach.sum() + offsets.sum() + map.sum() + steps + 0 * lit.sum()
 
     found = judged(measure("sum", total, given={"steps": 4.0}, equals=45.0, digits=0))

@@ -1,10 +1,15 @@
 // Unpacks a check's numbers; shaderlab/pictures/values.py says how they were packed.
 
-/** The numbers in base64 text; rejects where the browser has no DecompressionStream. */
-async function unpackValues(text) {
+/** The bytes that base64 text holds deflated; rejects in a browser without DecompressionStream. */
+async function inflated(text) {
   const packed = Uint8Array.from(atob(text.trim()), (c) => c.charCodeAt(0));
   const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
-  const bytes = new Uint8Array(await new Response(stream).arrayBuffer());
+  return new Uint8Array(await new Response(stream).arrayBuffer());
+}
+
+/** The numbers in such text. */
+async function unpackValues(text) {
+  const bytes = await inflated(text);
   const end = bytes.indexOf(10);
   const head = JSON.parse(new TextDecoder().decode(bytes.subarray(0, end)));
   const { rows, columns, components } = head;

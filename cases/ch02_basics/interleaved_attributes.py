@@ -1,0 +1,119 @@
+"""Three attributes in one buffer: the stride steps from vertex to vertex, the offset into one.
+
+A vertex is a position, a colour and a place in a texture: 3 + 3 + 2 floats, 32 bytes. Behind each
+other in one buffer they stand as 123123123: every attribute comes around again after a *stride* of
+32 bytes, and within a vertex the position begins at byte 0, the colour at 12, the texture place at
+24. OpenGL copies nothing and sorts nothing, it reads at offset + stride · n. Each of the three
+corners has one whole primary colour, so the colour of a pixel is its three barycentric coordinates.
+
+Look at: the corners, pure red, green and blue, and the fields, which are an eighth of the texture's
+coordinates wide and high. Both grow evenly over the triangle: they are interpolated alike.
+"""
+
+import numpy as np
+
+from shaderlab import (
+    Case,
+    Mesh,
+    Output,
+    Target,
+    attribute_layout,
+    coverage,
+    exact,
+    formula,
+    measure,
+    mesh_pass,
+    value,
+)
+from shaderlab.glslmath import floor, mod, swizzle, vec4, where
+from shaderlab.reference.rasterisation import barycentric
+
+CORNERS = np.array([(-0.5, -0.5, 0.0), (0.5, -0.5, 0.0), (0.0, 0.5, 0.0)])
+VERTICES = {
+    "aPos": CORNERS,
+    "aColor": np.eye(3),
+    "aTexCoord": np.array([(0.0, 0.0), (1.0, 0.0), (0.5, 1.0)]),
+}
+SIDE = 720
+
+
+def triangle(layout, name):
+    """The triangle, its attributes in memory one way or another."""
+    return mesh_pass(
+        "ch02_basics/interleaved_attributes.vert",
+        "ch02_basics/interleaved_attributes.frag",
+        Mesh(attributes=VERTICES, layout=layout),
+        target=Target(size=(SIDE, SIDE), clear=(0.93, 0.93, 0.92, 1.0)),
+        name=name,
+    )
+
+
+def as_it_is(aPos):
+    """Corners are device coordinates already."""
+    return vec4(aPos, 1.0)
+
+
+def color_of(aColor):
+    """Handed on."""
+    return aColor
+
+
+def place_of(aTexCoord):
+    """Handed on."""
+    return aTexCoord
+
+
+def fields(ourColor, TexCoord):
+    """The colour, by turns as it is and by a quarter darker."""
+    field = floor(8.0 * TexCoord)
+    even = mod(swizzle(field, "x") + swizzle(field, "y"), 2.0) < 0.5
+    return vec4(where(even, 1.0, 0.75) * ourColor, 1.0)
+
+
+def interpolated(ourColor):
+    """What was interpolated, as it is."""
+    return ourColor
+
+
+def off_by(share):
+    """Largest distance of a pixel's three shares from its barycentric coordinates."""
+    y, x = np.mgrid[0:SIDE, 0:SIDE] + 0.5
+    pixels = (CORNERS[:, :2] + 1.0) * SIDE / 2.0
+    expected = barycentric(np.stack([x, y], axis=-1), pixels)
+    inside = (expected > 1e-9).all(axis=-1)
+    return np.abs(share - expected)[inside].max()
+
+
+case = Case(
+    title="Attributes in one buffer",
+    section="2.2.2",
+    math=r"\text{address}(n) = \text{offset} + n \cdot \text{stride}, \qquad "
+    r"\text{stride} = (3 + 3 + 2) \cdot 4 = 32",
+    passes=(*triangle("separate", "separate"), *triangle("interleaved", "main")),
+    expect=[
+        attribute_layout(
+            {"aPos": (0, 32), "aColor": (12, 32), "aTexCoord": (24, 32)},
+            name="stride 32, offsets 0, 12, 24",
+        ),
+        formula("gl_Position", as_it_is),
+        formula("ourColor", color_of),
+        formula("TexCoord", place_of),
+        formula("FragColor", fields),
+        formula("share", interpolated),
+        measure(
+            "distance from the barycentric coordinates",
+            off_by,
+            at_most=1e-5,
+            note="interpolation is the driver's: OpenGL gives no bound, 24-bit floats leave 1e-7",
+        ),
+        exact("FragColor", Output("separate", "FragColor"), name="same as three buffers"),
+        coverage(64800, name="pixels covered"),
+        value(
+            "FragColor",
+            at={"ourColor": (0.5, 0.25, 1.0), "TexCoord": (0.2, 0.1)},
+            equals=(0.375, 0.1875, 0.75, 1.0),
+            digits=6,
+            name="a dark field",
+        ),
+    ],
+)

@@ -1,0 +1,123 @@
+"""The chain of mipmaps: every level is half as large as the one before, down to a single texel.
+
+A distant surface puts hundreds of texels into a pixel, and one of them taken by chance flickers.
+So the means are worked out beforehand: each texel of a level is the mean of the four below it. An
+image of 256 × 256 gets 9 levels, which together hold 87 381 texels, a third more than the image.
+OpenGL leaves the filter to the driver and recommends the box; that is what is asked for here.
+
+Look at: a wall of bricks and its eight smaller levels, each in half the size of the one before, and
+four pixels a texel throughout. The joints go first, then the bricks, and a single brown is left.
+"""
+
+import numpy as np
+
+from shaderlab import (
+    Case,
+    Draw,
+    Pass,
+    Ramp,
+    State,
+    Target,
+    Texture,
+    assets,
+    computed,
+    formula,
+    fullscreen,
+    value,
+)
+from shaderlab.glslmath import floor, swizzle, vec2
+from shaderlab.reference.filtering import box, level_count, texel_count
+from shaderlab.sampling import texelFetch, textureSize
+
+SIDE = 256
+LEVELS = level_count(SIDE, SIDE)
+NOISE = np.random.default_rng(244).random((SIDE, SIDE, 4))
+STEPS = ("nearest_mipmap_nearest", "nearest")
+
+
+def of_level(level):
+    """A level as the box filter makes it of the one below, and the first as it was given."""
+
+    def texel(image, frag_coord):
+        place = floor(swizzle(frag_coord, "xy"))
+        if level == 0:
+            return texelFetch(image, place, 0)
+        corners = ((0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0))
+        return box(*(texelFetch(image, 2.0 * place + np.array(c), level - 1) for c in corners))
+
+    return texel
+
+
+def size_of(level):
+    """Half as wide and high with each level."""
+
+    def extent(image):
+        return (
+            textureSize(image, level) if image.rules is None else vec2(*textureSize(image, level))
+        )
+
+    return extent
+
+
+def level_pass(level):
+    """One level, a texel a pixel."""
+    return fullscreen(
+        "ch02_basics/mipmap_chain.frag",
+        name=f"level{level}",
+        domain={},
+        uniforms={"level": level},
+        textures={"image": Texture(image=NOISE, mipmaps=True, filter=STEPS)},
+        target=Target(size=(SIDE >> level,) * 2),
+    )
+
+
+def shown(level):
+    """A level in the picture: the first at the left, the others above one another beside it."""
+    side = SIDE >> level
+    where = (0, 0) if level == 0 else (SIDE, SIDE - 2 * side)
+    return Draw(
+        fragment="ch02_basics/mipmapped.frag",
+        domain={"TexCoords": Ramp((0.0, 0.0), (1.0, 0.0), (0.0, 1.0)), "lod": Ramp(float(level))},
+        textures={"image": Texture(image=assets.brick_wall, mipmaps=True, filter=STEPS)},
+        state=State(viewport=(2 * where[0], 2 * (SIDE - where[1] - side), 2 * side, 2 * side)),
+    )
+
+
+case = Case(
+    title="The chain of mipmaps",
+    section="2.4.4",
+    math=r"\tau^{n+1}_{i,j} = \tfrac14\left(\tau^n_{2i,2j} + \tau^n_{2i+1,2j} + \tau^n_{2i,2j+1} + "
+    r"\tau^n_{2i+1,2j+1}\right), \qquad 1 + \lfloor \log_2 256 \rfloor = 9",
+    passes=(
+        Pass(
+            name="picture",
+            target=Target(size=(3 * SIDE, 2 * SIDE), clear=(0.93, 0.93, 0.92, 1.0)),
+            draws=tuple(shown(level) for level in range(LEVELS)),
+        ),
+        *(one for level in range(2, LEVELS) for one in level_pass(level)),
+        *level_pass(1),
+    ),
+    picture="picture.FragColor",
+    expect=[
+        *(
+            formula(
+                f"level{n}.FragColor", of_level(n), name=f"level {n} is the mean of level {n - 1}"
+            )
+            for n in range(1, LEVELS)
+        ),
+        *(
+            value(
+                f"level{n}.extent",
+                at={},
+                equals=(float(SIDE >> n),) * 2,
+                digits=6,
+                reference=size_of(n),
+                name=f"level {n}'s width and height",
+            )
+            for n in range(1, LEVELS)
+        ),
+        computed("levels of 256 × 256", lambda: level_count(256, 256), equals=9, digits=0),
+        computed("texels of all levels", lambda: texel_count(256, 256), equals=87381, digits=0),
+        computed("levels of 5 × 3", lambda: level_count(5, 3), equals=3, digits=0),
+    ],
+)

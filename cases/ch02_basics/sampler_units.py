@@ -1,0 +1,158 @@
+"""A sampler is a number: which texture unit it reads from, not which texture.
+
+A texture is bound to a unit, and a sampler uniform is told the unit with `glUniform1i`: 0, 1 or 2.
+Two mistakes are common. `GL_TEXTURE0` is the name of the unit for `glActiveTexture`, 0x84C0, and no
+unit's number: as a sampler's value it is out of range, GL_INVALID_VALUE. And a sampler is an int
+among uniforms, so `glUniform1ui` on it is GL_INVALID_OPERATION. Both leave the sampler as it was. A
+sampler that nobody ever set is 0 and reads whatever is bound to unit 0, so all three samplers of a
+program show the same texture.
+
+Look at: the first three panels, what `BaseMap`, `ReflectMap` and `RefractMap` read from units 0, 1
+and 2, and at the last one, the mixture of all three. Which unit a texture is on makes no difference
+as long as its sampler is told: with the three exchanged, the picture is the same to the bit.
+"""
+
+import numpy as np
+
+from shaderlab import (
+    Case,
+    Location,
+    Output,
+    Program,
+    Ramp,
+    Target,
+    Texture,
+    assets,
+    call,
+    exact,
+    formula,
+    fullscreen,
+    gl_call,
+    sweep,
+)
+from shaderlab.glslmath import mix, swizzle, vec4
+from shaderlab.sampling import texture
+
+MAPS = {
+    "BaseMap": Texture(image=assets.crate),
+    "ReflectMap": Texture(image=assets.emblem),
+    "RefractMap": Texture(image=lambda: assets.checker(size=64, cells=8)),
+}
+
+
+def drawn(name, *order):
+    """The program with its textures on units 0, 1 and 2 in this order."""
+    return fullscreen(
+        "ch02_basics/sampler_units.frag",
+        name=name,
+        uniforms={"reflectance": 0.3},
+        textures={sampler: MAPS[sampler] for sampler in order},
+    )
+
+
+def of(sampler, TexCoords):
+    """The colour that one sampler reads."""
+    return swizzle(texture(sampler, TexCoords), "rgb")
+
+
+def from_base(BaseMap, TexCoords):
+    """Unit 0."""
+    return of(BaseMap, TexCoords)
+
+
+def from_reflect(ReflectMap, TexCoords):
+    """Unit 1."""
+    return of(ReflectMap, TexCoords)
+
+
+def from_refract(RefractMap, TexCoords):
+    """Unit 2."""
+    return of(RefractMap, TexCoords)
+
+
+def mixture(BaseMap, ReflectMap, RefractMap, TexCoords, reflectance):
+    """Half of the base, and half of what is reflected and refracted."""
+    light = mix(of(RefractMap, TexCoords), of(ReflectMap, TexCoords), reflectance)
+    return vec4(0.5 * of(BaseMap, TexCoords) + 0.5 * light, 1.0)
+
+
+SAMPLERS = tuple(MAPS)
+PROGRAM = Program("other-units")
+
+
+def at(sampler):
+    """Where the program has one of its samplers."""
+    return Location(sampler, PROGRAM)
+
+
+case = Case(
+    title="Samplers and texture units",
+    section="2.3.4",
+    math=r"\text{sampler} = u \;\Rightarrow\; \text{texture}(\text{sampler}, st) "
+    r"\text{ reads what is bound to GL\_TEXTURE0} + u",
+    passes=(
+        *fullscreen(
+            "ch02_basics/sampler_units_picture.frag",
+            name="picture",
+            domain={"place": Ramp((0.0, 0.0), (4.0, 0.0), (0.0, 1.0))},
+            uniforms={"reflectance": 0.3},
+            textures=MAPS,
+            target=Target(size=(1152, 288)),
+        ),
+        *drawn("other-units", *reversed(SAMPLERS)),
+        *drawn("units", *SAMPLERS),
+    ),
+    picture="picture.FragColor",
+    expect=[
+        formula("base", from_base, name="BaseMap on unit 0"),
+        formula("reflected", from_reflect, name="ReflectMap on unit 1"),
+        formula("refracted", from_refract, name="RefractMap on unit 2"),
+        formula("FragColor", mixture),
+        exact("FragColor", Output("other-units", "FragColor"), name="other units, same picture"),
+        sweep(
+            "FragColor",
+            mixture,
+            over="reflectance",
+            values=np.linspace(0.0, 1.0, 11),
+            at={"TexCoords": (0.3, 0.6)},
+        ),
+        *(
+            gl_call(
+                "glGetUniformiv",
+                PROGRAM,
+                at(name),
+                returns=0,
+                name=f"{name}, never set, is unit 0",
+            )
+            for name in SAMPLERS
+        ),
+        *(
+            gl_call(
+                "glGetUniformiv",
+                PROGRAM,
+                at(name),
+                before=[call("glUniform1i", at(name), unit)],
+                returns=unit,
+                name=f"{name} set to unit {unit}",
+            )
+            for unit, name in enumerate(SAMPLERS)
+        ),
+        *(
+            gl_call(
+                "glUniform1i",
+                at(name),
+                f"GL_TEXTURE{unit}",
+                raises="invalid_value",
+                name=f"GL_TEXTURE{unit} is no value for {name}",
+            )
+            for unit, name in enumerate(SAMPLERS)
+        ),
+        gl_call(
+            "glUniform1ui",
+            at("BaseMap"),
+            1,
+            raises="invalid_operation",
+            name="glUniform1ui does not set a sampler",
+        ),
+    ],
+)

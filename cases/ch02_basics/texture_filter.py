@@ -1,0 +1,190 @@
+"""Filtering: what stands between the texels.
+
+A texel is a sample at its centre. GL_NEAREST takes the texel that the point lies in. GL_LINEAR
+mixes the four whose centres are around it, by how near they are: along s first, then along t. The
+centre of a texel i of n is at (i + ½)/n, so half a texel is taken off before the parts are read.
+How finely the weights are kept is the hardware's: 8 bits are usual, and a band is as wide as that.
+
+Look at: the same small fruit, of 12 × 12 texels, with NEAREST on the left and LINEAR on the
+right. In the row below are five texels of one line: steps, and straight ramps from centre to
+centre that stay level outside of the outermost.
+"""
+
+import numpy as np
+
+from shaderlab import (
+    Case,
+    Cell,
+    Draw,
+    Erratum,
+    Object,
+    Pass,
+    Ramp,
+    State,
+    Target,
+    Texture,
+    call,
+    formula,
+    fullscreen,
+    gl_call,
+    value,
+)
+from shaderlab.reference.filtering import linear_sample
+from shaderlab.sampling import texture
+
+FRUIT = (
+    "......##....",
+    ".....#......",
+    "....##......",
+    "..rrrrrrrr..",
+    ".rwwrrrrrrr.",
+    "rrwrrrrrrrrr",
+    "rrrrrrrrrrrr",
+    "rrrrrrrrrrdr",
+    ".rrrrrrrrddr",
+    ".rrrrrrrrdr.",
+    "..rrrrrrdd..",
+    "...rrr.rr...",
+)
+INK = {
+    ".": (0.93, 0.92, 0.88), "#": (0.28, 0.42, 0.16), "r": (0.83, 0.19, 0.16),
+    "w": (1.00, 0.86, 0.78), "d": (0.58, 0.08, 0.14),
+}  # fmt: skip
+APPLE = np.array([[(*INK[c], 1.0) for c in line] for line in reversed(FRUIT)])
+LINE = np.array([[0.1, 0.9, 0.35, 0.6, 0.2]])[..., None] * np.ones(4)
+TEXELS = np.random.default_rng(243).random((4, 5, 4))
+WORDS = ("nearest", "linear")
+EDGE = ("clamp_to_edge", "clamp_to_edge")
+
+
+def sampled(image, TexCoords):
+    """The specification's equations, by the texture's own filter."""
+    return texture(image, TexCoords)
+
+
+def magnified(image, word, cell):
+    """A texture over one field of the target, much larger than it is."""
+    return Draw(
+        fragment="ch02_basics/textured.frag",
+        domain={"TexCoords": Ramp((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))},
+        textures={"image": Texture(image=image, filter=(word, word), wrap=EDGE)},
+        state=State(cell=cell),
+    )
+
+
+FIELDS = [Cell(column=k, row=0, columns=2, rows=1) for k in range(2)]
+ABOVE = {"rows": 5, "row": 0}
+
+TEXTURE = call("glBindTexture", "GL_TEXTURE_2D", Object("texture"))
+
+
+def default_of(parameter, number):
+    """What a texture that nobody has told anything says of one of its filters."""
+    return gl_call(
+        "glGetTexParameteriv",
+        "GL_TEXTURE_2D",
+        parameter,
+        before=[TEXTURE],
+        returns=number,
+        name=f"the default of {parameter}",
+    )
+
+
+def line_of(word):
+    """Five texels in a row, for the curves."""
+    return fullscreen(
+        "ch02_basics/textured.frag",
+        name=f"line-{word}",
+        textures={"image": Texture(image=LINE, filter=(word, word), wrap=EDGE)},
+        target=Target(size=(64, 1)),
+    )
+
+
+case = Case(
+    title="Nearest and linear filtering",
+    section="2.4.3",
+    math=r"\tau = (1-\alpha)(1-\beta)\,\tau_{i_0 j_0} + \alpha(1-\beta)\,\tau_{i_1 j_0} + "
+    r"(1-\alpha)\beta\,\tau_{i_0 j_1} + \alpha\beta\,\tau_{i_1 j_1}, \qquad "
+    r"\alpha = \operatorname{frac}(s\,w - \tfrac12)",
+    passes=(
+        Pass(
+            name="picture",
+            target=Target(size=(1024, 640)),
+            draws=(
+                *(
+                    magnified(LINE, word, Cell(column=k, columns=2, **ABOVE))
+                    for k, word in enumerate(WORDS)
+                ),
+                *(
+                    Draw(
+                        fragment="ch02_basics/textured.frag",
+                        textures={"image": Texture(image=APPLE, filter=(word, word), wrap=EDGE)},
+                        domain={"TexCoords": Ramp((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))},
+                        state=State(viewport=(512 * k, 128, 512, 512)),
+                    )
+                    for k, word in enumerate(WORDS)
+                ),
+            ),
+        ),
+        Pass(
+            name="judged",
+            target=Target(size=(128, 62)),
+            draws=tuple(magnified(TEXELS, *pair) for pair in zip(WORDS, FIELDS, strict=True)),
+        ),
+        *line_of("nearest"),
+        *line_of("linear"),
+    ),
+    picture="picture.FragColor",
+    expect=[
+        formula("judged.FragColor", sampled, draw=0, name="NEAREST, every pixel"),
+        formula(
+            "judged.FragColor",
+            sampled,
+            draw=1,
+            also={"NumPy, equation 8.17": linear_sample},
+            name="LINEAR, every pixel",
+        ),
+        value(
+            "line-linear.FragColor",
+            at={"TexCoords": (0.3, 0.5)},
+            equals=(0.9,) * 4,
+            digits=6,
+            reference=sampled,
+            name="LINEAR at a texel's centre is that texel",
+        ),
+        value(
+            "line-linear.FragColor",
+            at={"TexCoords": (0.2, 0.5)},
+            equals=(0.5,) * 4,
+            digits=6,
+            reference=sampled,
+            name="LINEAR between two texels is their mean",
+        ),
+        value(
+            "line-linear.FragColor",
+            at={"TexCoords": (0.25, 0.5)},
+            equals=(0.7,) * 4,
+            digits=6,
+            reference=sampled,
+            name="LINEAR a quarter before a centre",
+        ),
+        value(
+            "line-nearest.FragColor",
+            at={"TexCoords": (0.25, 0.5)},
+            equals=(0.9,) * 4,
+            digits=6,
+            reference=sampled,
+            name="NEAREST a quarter before a centre",
+        ),
+        default_of("GL_TEXTURE_MIN_FILTER", 0x2702),
+        default_of("GL_TEXTURE_MAG_FILTER", 0x2601),
+    ],
+    errata=[
+        Erratum(
+            says="GL_NEAREST is OpenGL's default filter",
+            truth="minifying starts as GL_NEAREST_MIPMAP_LINEAR (0x2702), which is black without "
+            "mipmaps, magnifying as GL_LINEAR (0x2601)",
+            proof="the default of GL_TEXTURE_MIN_FILTER",
+        )
+    ],
+)

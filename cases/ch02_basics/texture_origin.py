@@ -1,0 +1,118 @@
+"""Where a texture begins: (0, 0) is the first texel in memory, and OpenGL draws it lowest.
+
+OpenGL knows nothing of pictures and their upper edges. The first row that glTexImage2D is given is
+t = 0, the last is t = 1, and a quad that has t grow upward shows the first row at its lower edge.
+Most image files, and most loaders with them, put the top row first: what they give is upside down
+unless the rows are turned round before they are uploaded (or t is, as 1 − t).
+
+Look at: the field 00, which holds the texel that comes first. On the left the rows lie in memory
+as OpenGL wants them, the lowest first. On the right they came as a loader delivers them, the top
+row first: 00 is where 07 should be, and every figure stands on its head.
+"""
+
+import numpy as np
+
+from shaderlab import (
+    Case,
+    Cell,
+    Draw,
+    Erratum,
+    Pass,
+    Pixel,
+    Ramp,
+    State,
+    Target,
+    Texture,
+    assets,
+    exact,
+    formula,
+    fullscreen,
+    value,
+)
+from shaderlab.sampling import texture
+
+# Twelve texels that say their column and row; the first row in memory is row 0.
+COLUMN, ROW = np.meshgrid(np.arange(4.0), np.arange(3.0))
+NUMBERED = np.stack([COLUMN, ROW, 0.0 * ROW, 1.0 + 0.0 * ROW], axis=-1)
+
+
+def sampled(image, TexCoords):
+    """The texel that holds the point."""
+    return texture(image, TexCoords)
+
+
+def numbered(name, image):
+    """The twelve texels over a target of as many pixels."""
+    return fullscreen(
+        "ch02_basics/textured.frag",
+        name=name,
+        textures={"image": Texture(image=image)},
+        target=Target(size=(4, 3)),
+    )
+
+
+def shown(column, image):
+    """The chart in one half of the picture, with a margin around it."""
+    return Draw(
+        fragment="ch02_basics/textured.frag",
+        domain={"TexCoords": Ramp((-0.04, -0.04), (1.08, 0.0), (0.0, 1.08))},
+        textures={
+            "image": Texture(
+                image=image, wrap=("clamp_to_border",) * 2, border=(0.93, 0.93, 0.92, 1.0)
+            )
+        },
+        state=State(cell=Cell(column=column, row=0, columns=2, rows=1)),
+    )
+
+
+case = Case(
+    title="Where a texture begins",
+    section="2.4.1",
+    math=r"\text{texel}(i, j) = \text{memory}[\,j \cdot \text{width} + i\,], \qquad "
+    r"i = \lfloor s \cdot \text{width} \rfloor,\ j = \lfloor t \cdot \text{height} \rfloor",
+    passes=(
+        Pass(
+            name="picture",
+            target=Target(size=(1024, 512)),
+            draws=(shown(0, assets.uv_grid), shown(1, lambda: assets.uv_grid()[::-1])),
+        ),
+        *numbered("lowest-first", NUMBERED),
+        *numbered("topmost-first", NUMBERED[::-1]),
+    ),
+    picture="picture.FragColor",
+    expect=[
+        formula("lowest-first.FragColor", sampled),
+        exact("lowest-first.FragColor", NUMBERED, name="the first row in memory is the lowest"),
+        exact("topmost-first.FragColor", NUMBERED[::-1], name="a top-first image is upside down"),
+        value(
+            "lowest-first.FragColor",
+            at={"TexCoords": (0.0, 0.0)},
+            equals=(0.0, 0.0, 0.0, 1.0),
+            digits=6,
+            name="(0, 0) is the first texel",
+        ),
+        value(
+            "topmost-first.FragColor",
+            at={"TexCoords": (0.0, 0.0)},
+            equals=(0.0, 2.0, 0.0, 1.0),
+            digits=6,
+            name="(0, 0) of a top-first image is its upper left",
+            reference=sampled,
+        ),
+        value(
+            "lowest-first.FragColor",
+            at=Pixel(3, 2),
+            equals=(3.0, 2.0, 0.0, 1.0),
+            digits=6,
+            name="the last texel is upper right",
+        ),
+    ],
+    errata=[
+        Erratum(
+            says="(0, 0) is the lower left corner of the picture",
+            truth="(0, 0) is the first texel in memory; of an image whose loader puts the top row "
+            "first, that is the upper left corner, and it is drawn upside down",
+            proof="a top-first image is upside down",
+        )
+    ],
+)

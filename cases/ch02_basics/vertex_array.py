@@ -1,0 +1,75 @@
+"""No vertex array, no picture: the core profile draws nothing without one.
+
+A vertex array object remembers what the attribute calls have said: which buffer each attribute is
+read from, at which stride and offset, and which attributes are on. Whatever draws, draws with the
+one that is bound. In the compatibility profile there is one by default, number 0; in the core
+profile number 0 is no object, and a draw call raises GL_INVALID_OPERATION (0x0502), writes no
+pixel and says nothing else. Nobody who does not ask glGetError ever learns why the window is empty.
+
+Look at: the triangle, drawn with its vertex array bound. The same draw without one is the other
+pass, "nothing bound": its window is as it was cleared.
+"""
+
+import numpy as np
+
+from shaderlab import (
+    Case,
+    Draw,
+    Mesh,
+    Pass,
+    Target,
+    coverage,
+    exact,
+    formula,
+    gl_error,
+    query,
+    value,
+)
+from shaderlab.glslmath import mix, swizzle, vec3, vec4
+
+TRIANGLE = Mesh(attributes={"aPos": np.array([(-0.5, -0.5, 0), (0.5, -0.5, 0), (0, 0.5, 0)])})
+PAPER = (0.93, 0.93, 0.92, 1.0)
+
+
+def drawn(name, bound):
+    """The triangle, with its vertex array or with none."""
+    draw = Draw(
+        vertex="ch02_basics/vertex_array.vert",
+        fragment="ch02_basics/vertex_array.frag",
+        mesh=TRIANGLE,
+        vertex_array=bound,
+    )
+    return Pass(name=name, target=Target(size=(720, 720), clear=PAPER), draws=(draw,))
+
+
+def as_it_is(aPos):
+    """Corners are device coordinates already."""
+    return vec4(aPos, 1.0)
+
+
+def above_the_foot(aPos):
+    """How high a corner is."""
+    return swizzle(aPos, "y") + 0.5
+
+
+def sunset(height):
+    """From blue at the foot to amber at the tip."""
+    return vec4(mix(vec3(0.16, 0.42, 0.55), vec3(1.0, 0.72, 0.30), height), 1.0)
+
+
+case = Case(
+    title="The vertex array",
+    section="2.2.2",
+    passes=(drawn("nothing bound", False), drawn("bound", True)),
+    expect=[
+        gl_error("invalid_operation", pass_name="nothing bound", name="nothing bound: 0x0502"),
+        exact("nothing bound.FragColor", PAPER, name="nothing bound: nothing drawn"),
+        gl_error("no_error", name="bound: no error"),
+        coverage(64800, name="bound: pixels covered"),
+        query("vertices_submitted", equals=3, name="bound: three vertices"),
+        formula("gl_Position", as_it_is),
+        formula("height", above_the_foot),
+        formula("FragColor", sunset),
+        value("FragColor", at={"height": 0.5}, equals=(0.58, 0.57, 0.425, 1.0), digits=6),
+    ],
+)

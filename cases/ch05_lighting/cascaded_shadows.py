@@ -1,0 +1,297 @@
+"""Cascaded shadow maps: a map for what is near, another for what is far.
+
+One map for a long view has the same texels for the post at your feet as for one sixty metres away,
+which covers a hundredth of as many pixels. So the view is cut into slices, and each gets a map
+fitted around it. Where to cut? In equal parts the first slice is still much too deep. In equal
+ratios, dᵢ = n (f/n)^(i/N), near things get the best shadows, but most of the road has to share the
+last map. The practical scheme is the mean of both. The depth of a fragment tells its cascade, and
+rays tell how many shadows each scheme gets wrong, near and everywhere.
+
+Look at: an avenue. Above, each of three cascades in a colour of its own: red, green, blue. Below,
+their shadows: as sharp at the end of the road as at its beginning.
+"""
+
+from itertools import pairwise
+from math import radians
+
+import numpy as np
+
+from shaderlab import (
+    Case,
+    Cell,
+    Depth,
+    Draw,
+    Mesh,
+    Output,
+    Pass,
+    State,
+    Target,
+    TextureArray,
+    computed,
+    formula,
+    fullscreen,
+    measure,
+    reading,
+)
+from shaderlab.assets.courtyard import avenue, avenue_boxes
+from shaderlab.glslmath import dot, max, mix, mul, normalize, swizzle, vec3, vec4, where
+from shaderlab.reference.cascades import cascade_index, fitted, slice_corners, split_distances
+from shaderlab.reference.courtyard import light_position, seen_place, stored_depth, unit_normal
+from shaderlab.reference.lighting import finished
+from shaderlab.reference.shadow_truth import blocked
+from shaderlab.reference.shadows import shadow, shadow_coordinates, slope_bias
+from shaderlab.reference.transforms import (
+    clip_position,
+    look_at,
+    perspective,
+    world_normal,
+    world_position,
+)
+from shaderlab.sampling import texture
+
+SUN = (2.6, 3.0, 1.4)
+NEAR, FAR, CASCADES = 0.5, 60.0, 3
+BLENDS = {"uniform": 0.0, "practical": 0.5, "logarithmic": 1.0}
+SPLITS = {name: split_distances(NEAR, FAR, CASCADES, blend) for name, blend in BLENDS.items()}
+# One map for everything, in the place of all three.
+SPLITS["one map"] = [FAR, FAR, FAR]
+MAP = 256
+# Between what the shares of wrong places lie: of near ones, and of all.
+WRONG = {
+    "one map": ((0.009, 0.014), (0.0065, 0.0100)),
+    "uniform": ((0.0035, 0.0053), (0.0020, 0.0033)),
+    "practical": ((0.0033, 0.0049), (0.0022, 0.0038)),
+    "logarithmic": ((0.0018, 0.0033), (0.0030, 0.0045)),
+}
+VIEW = look_at((3.0, 4.4, 5.2), (-0.9, 0.0, -11.0))
+LIGHT_VIEW = look_at(SUN, (0.0, 0.0, 0.0))
+# Along the light, everything that can be seen or throw a shadow there.
+DEPTHS = (-40.0, 80.0)
+BOXES = avenue_boxes()
+
+
+def projection(aspect):
+    """The camera's, as far as the cascades reach."""
+    return perspective(radians(38.0), aspect, NEAR, FAR)
+
+
+def slices(scheme):
+    """Where each cascade begins and ends."""
+    ends = SPLITS[scheme]
+    return [(NEAR, FAR)] * CASCADES if scheme == "one map" else [*pairwise([NEAR, *ends])]
+
+
+def light_spaces(scheme, aspect):
+    """Each cascade's light-space matrix."""
+    return np.array(
+        [
+            fitted(LIGHT_VIEW, slice_corners(VIEW, projection(aspect), *ends), DEPTHS)
+            for ends in slices(scheme)
+        ]
+    )
+
+
+def texel_depths(matrices):
+    """How deep the largest texel of each map is, in its depths, at a slope of 1."""
+    texels = [2.0 / np.abs(m[:2, :3]).max(axis=1).min() / MAP for m in matrices]
+    return [texel / (DEPTHS[1] - DEPTHS[0]) for texel in texels]
+
+
+def maps(scheme, aspect):
+    """A pass for each cascade's map."""
+    return tuple(
+        Pass(
+            name=f"{scheme}-{k}-{aspect:g}",
+            target=Target(size=(MAP, MAP), depth="depth32f"),
+            draws=[
+                Draw(
+                    vertex="ch05_lighting/shadow_depth.vert",
+                    fragment="ch05_lighting/shadow_depth.frag",
+                    mesh=Mesh(**avenue()).only("aPos"),
+                    uniforms={"model": np.eye(4), "lightSpaceMatrix": matrix},
+                    state=State(depth=Depth()),
+                )
+            ],
+        )
+        for k, matrix in enumerate(light_spaces(scheme, aspect))
+    )
+
+
+def drawn(scheme, aspect=1.0, tint=0.0, cell=None):
+    """The avenue with one scheme's cascades."""
+    matrices = light_spaces(scheme, aspect)
+    return Draw(
+        vertex="ch05_lighting/lit_painted.vert",
+        fragment="ch05_lighting/cascaded_shadows.frag",
+        mesh=Mesh(**avenue()),
+        uniforms={
+            "model": np.eye(4),
+            "normalMatrix": np.eye(3),
+            "view": VIEW,
+            "projection": projection(aspect),
+            "lightSpaceMatrices": matrices,
+            "splits": SPLITS[scheme],
+            "biases": texel_depths(matrices),
+            "lightPos": SUN,
+            "tint": tint,
+        },
+        textures={
+            "shadowMaps": TextureArray(
+                layers=[Output(f"{scheme}-{k}-{aspect:g}", "depth") for k in range(CASCADES)],
+                format="depth32f",
+                wrap=("clamp_to_edge", "clamp_to_edge"),
+            )
+        },
+        state=State(depth=Depth(), cell=cell),
+    )
+
+
+def view_depth(FragPos, view):
+    """How far in front of the camera a fragment is."""
+    return -swizzle(mul(view, vec4(FragPos, 1.0)), "z")
+
+
+def index(FragPos, view, splits):
+    """A fragment's cascade."""
+    return cascade_index(view_depth(FragPos, view), splits)
+
+
+def dark(FragPos, Normal, view, splits, biases, lightSpaceMatrices, shadowMaps, lightPos):
+    """What the cascade's own map says."""
+    number = index(FragPos, view, splits)
+    found = None
+    for k in range(CASCADES):
+        place = shadow_coordinates(mul(lightSpaceMatrices[k], vec4(FragPos, 1.0)))
+        stored = swizzle(texture(shadowMaps, vec3(swizzle(place, "xy"), float(k))), "x")
+        bias = slope_bias(Normal, lightPos, biases[k], 6.0 * biases[k])
+        told = shadow(swizzle(place, "z"), stored, bias)
+        found = told if found is None else where(number == float(k), told, found)
+    return found
+
+
+def color(
+    FragPos, Normal, Color, view, splits, biases, lightSpaceMatrices, shadowMaps, lightPos, tint
+):
+    """Ambient light and the sun, on the colour of the thing or of its cascade."""
+    number = index(FragPos, view, splits)
+    told = dark(FragPos, Normal, view, splits, biases, lightSpaceMatrices, shadowMaps, lightPos)
+    lambert = max(dot(normalize(Normal), normalize(lightPos)), 0.0)
+    far = where(number > 1.0, vec3(0.2, 0.35, 0.9), vec3(0.25, 0.75, 0.3))
+    own = where(number > 0.0, far, vec3(0.9, 0.25, 0.2))
+    return vec4((0.15 + (1.0 - told) * lambert) * mix(Color, own, tint), 1.0)
+
+
+def wrong(FragColor, shadow, place, upright, within):
+    """The share of places that face the sun of which the maps tell something else than rays."""
+    depth = -(place @ VIEW[:3, :3].T + VIEW[:3, 3])[..., 2]
+    there = (FragColor[..., 3] > 0.0) & ((upright * SUN).sum(axis=-1) > 0.0) & (depth < within)
+    return np.mean((shadow[..., 0] > 0.5)[there] != blocked(place, SUN, BOXES)[there])
+
+
+def wrong_cascade(FragColor, cascade, place, view, splits):
+    """The share of pixels whose cascade is not the one that their place has in float64."""
+    depth = -(place @ view[:3, :3].T + view[:3, 3])[..., 2]
+    right = (depth[..., None] >= splits[:-1]).sum(axis=-1)
+    there = FragColor[..., 3] > 0.0
+    return np.mean(cascade[..., 0][there] != right[there])
+
+
+def of(scheme, *outputs):
+    """What a reading reads of one scheme."""
+    return {output: f"{scheme}.{output}" for output in outputs}
+
+
+def split_figures(scheme, equals):
+    """The first two splits, as printed."""
+    return computed(
+        f"{scheme} splits",
+        lambda: split_distances(NEAR, FAR, CASCADES, BLENDS[scheme])[:2],
+        equals=equals,
+        digits=6,
+    )
+
+
+case = Case(
+    title="Cascaded shadow maps",
+    section="5.9.3",
+    math=r"d_i = \lambda\, n \left(\frac{f}{n}\right)^{i/N} + (1 - \lambda)\left(n + "
+    r"\frac{i}{N}(f - n)\right)",
+    passes=(
+        *maps("practical", 2.0),
+        Pass(
+            name="scene",
+            target=Target(
+                size=(1024, 1024),
+                colors={
+                    "FragColor": "rgba16f",
+                    "cascade": "r8",
+                    "shadow": "r8",
+                    "place": "rgba16f",
+                    "upright": "rgba16f",
+                },
+                depth="depth24",
+                clear=(0.30, 0.40, 0.52, 0.0),
+            ),
+            draws=(
+                drawn("practical", 2.0, 0.7, Cell(column=0, row=1, columns=1, rows=2)),
+                drawn("practical", 2.0, 0.0, Cell(column=0, row=0, columns=1, rows=2)),
+            ),
+        ),
+        *fullscreen(
+            "ch05_lighting/finish.frag",
+            name="picture",
+            textures={"scene": Output("scene", "FragColor")},
+        ),
+        *(made for scheme in SPLITS for made in maps(scheme, 1.0)),
+        *(
+            Pass(
+                name=scheme,
+                target=Target(size=(96, 96), depth="depth24"),
+                draws=[drawn(scheme, tint=0.5)],
+            )
+            for scheme in SPLITS
+        ),
+    ),
+    picture="picture.FragColor",
+    expect=[
+        formula("practical-0-1.gl_Position", light_position),
+        formula("practical-0-1.depth", stored_depth),
+        formula("practical.gl_Position", clip_position),
+        formula("practical.FragPos", world_position),
+        formula("practical.Normal", world_normal),
+        formula("practical.place", seen_place),
+        formula("practical.upright", unit_normal),
+        *(formula(f"{scheme}.cascade", index) for scheme in BLENDS),
+        *(formula(f"{scheme}.shadow", dark) for scheme in BLENDS),
+        formula("practical.FragColor", color),
+        formula("picture.FragColor", finished(texture), name="the picture"),
+        *(
+            measure(
+                f"{scheme}: pixels in a wrong cascade",
+                wrong_cascade,
+                reads=of(scheme, "FragColor", "cascade", "place"),
+                pass_name=scheme,
+                equals=0.0,
+                digits=9,
+            )
+            for scheme in BLENDS
+        ),
+        measure(
+            "shadows told wrongly",
+            wrong,
+            readings=[
+                reading(
+                    f"{scheme}, {where}",
+                    reads=of(scheme, "FragColor", "shadow", "place", "upright"),
+                    given={"within": within},
+                    between=bounds[n],
+                )
+                for n, (where, within) in enumerate({"nearer than 12": 12.0, "all": FAR}.items())
+                for scheme, bounds in WRONG.items()
+            ],
+        ),
+        split_figures("uniform", (20.333333, 40.166667)),
+        split_figures("logarithmic", (2.466212, 12.164404)),
+        split_figures("practical", (11.399773, 26.165535)),
+    ],
+)

@@ -1,0 +1,191 @@
+"""Shadow mapping: what the light does not see is in shadow.
+
+The scene is drawn from the light first, and only the depths are kept: the shadow map. Then it is
+drawn from the camera. Each fragment asks where it would be in that map, by the same light-space
+matrix, (x, y, z)/w from −1…1 to 0…1, and whether something nearer to the light was stored there.
+A small bias keeps surfaces from shadowing themselves. What lies outside the map was never
+drawn, so it must count as lit: a border of 1 around the map, and no shadow past its far plane.
+Ambient light comes from everywhere; a shadow does not take it away.
+
+Look at: the courtyard, its box that hangs in the air and throws a shadow on nothing it touches, and
+below it the shadow map itself among the passes. The sun stands behind on the left. Shadows are as
+light as the ambient term makes them, never black.
+"""
+
+from math import radians
+
+import numpy as np
+
+from shaderlab import (
+    Case,
+    Erratum,
+    Output,
+    computed,
+    formula,
+    fullscreen,
+    measure,
+    reading,
+    value,
+)
+from shaderlab.assets.courtyard import boxes
+from shaderlab.assets.shadow_stage import EYE, SUN, cast, lit
+from shaderlab.reference.courtyard import courtyard_references, light_position, stored_depth
+from shaderlab.reference.lighting import finished
+from shaderlab.reference.shadow_truth import blocked
+from shaderlab.reference.shadows import shadow_coordinates
+from shaderlab.reference.transforms import look_at, orthographic, perspective, rotate
+from shaderlab.sampling import texture
+
+MODEL = rotate(radians(6.0), (0.0, 1.0, 0.0))
+BOXES = [MODEL @ box for box in boxes()]
+LIGHT_PROJECTION = orthographic(-10.0, 10.0, -10.0, 10.0, 1.0, 7.5)
+LIGHT_SPACE = LIGHT_PROJECTION @ look_at(SUN, (0.0, 0.0, 0.0))
+AS_PRINTED = LIGHT_PROJECTION @ look_at(SUN, (0.0, 0.0, 0.0), up=(1.0, 1.0, 1.0))
+CAMERA = look_at(EYE, (0.0, 0.4, 0.1)), perspective(radians(42.0), 1.0, 0.1, 60.0)
+# A wider look, past the edges of the map.
+FROM_ABOVE = (
+    look_at((0.0, 46.0, 0.1), (0.0, 0.0, 0.0)),
+    perspective(radians(58.0), 1.0, 0.1, 90.0),
+)
+BIAS = {"leastBias": 0.004, "mostBias": 0.02}
+WHITE = {"wrap": ("clamp_to_border",) * 2, "border": (1.0, 1.0, 1.0, 1.0)}
+GREY = (0.5, 0.5, 0.5)
+
+
+def scene(name, camera=CAMERA, wrap=WHITE, **target):
+    """The courtyard with the shadow map."""
+    shadow_map = Output("shadow", "depth", **wrap)
+    return lit(name, shadow_map, LIGHT_SPACE, MODEL, camera, BIAS, **target)
+
+
+def in_light(matrix):
+    """Where the point (1, 0, 2) is in the map: (u, v, depth)."""
+    return lambda: shadow_coordinates(matrix @ (1.0, 0.0, 2.0, 1.0))
+
+
+def notes_ambient():
+    """The notes multiply the ambient light by the colour twice."""
+    return 0.15 * GREY[0] * GREY[0]
+
+
+def judged_places(color, upright):
+    """Places that are drawn and face the sun."""
+    return (color[..., 3] > 0.0) & ((upright * SUN).sum(axis=-1) > 0.0)
+
+
+def wrong(FragColor, shadow, place, upright):
+    """The share of places in the sun's sight or out of it that the map tells wrongly."""
+    there = judged_places(FragColor, upright)
+    truth = blocked(place, SUN, BOXES)
+    return np.mean((shadow[..., 0] > 0.5)[there] != truth[there])
+
+
+def dark_outside(FragColor, shadow, place, upright):
+    """The share of dark places among those that the map does not cover."""
+    seen = place @ LIGHT_SPACE[:3, :3].T + LIGHT_SPACE[:3, 3]
+    outside = judged_places(FragColor, upright) & (np.abs(seen) > 1.001).any(axis=-1)
+    return np.mean(shadow[..., 0][outside])
+
+
+def reads(name):
+    """The outputs that the statistics ask for."""
+    return {output: f"{name}.{output}" for output in ("FragColor", "shadow", "place", "upright")}
+
+
+LAWS = courtyard_references(texture)
+
+case = Case(
+    title="Shadow mapping",
+    section="5.9.1",
+    math=r"s = \begin{cases} 1 & z - b > z_{\text{map}}(x, y) \\ 0 & \text{else} \end{cases}, "
+    r"\qquad c = \left(a + (1 - s)(d + h)\right) c_0",
+    passes=(
+        cast("shadow", LIGHT_SPACE, MODEL, size=1024),
+        scene(
+            "large",
+            size=(1024, 1024),
+            colors={
+                "FragColor": "rgba16f",
+                "shadow": "r8",
+                "place": "rgba16f",
+                "upright": "rgba16f",
+            },
+            clear=(0.30, 0.40, 0.52, 0.0),
+        ),
+        *fullscreen(
+            "ch05_lighting/finish.frag",
+            name="picture",
+            textures={"scene": Output("large", "FragColor")},
+        ),
+        scene("judged", size=(96, 96)),
+        scene("wide", FROM_ABOVE, size=(96, 96)),
+        scene("repeated", FROM_ABOVE, {"wrap": ("repeat", "repeat")}, size=(96, 96)),
+    ),
+    picture="picture.FragColor",
+    expect=[
+        formula("shadow.gl_Position", light_position),
+        formula("shadow.depth", stored_depth),
+        *(formula(f"judged.{output}", law) for output, law in LAWS.items()),
+        formula("wide.shadow", LAWS["shadow"]),
+        formula("repeated.shadow", LAWS["shadow"]),
+        formula("picture.FragColor", finished(texture), name="the picture"),
+        measure(
+            "shadows told wrongly",
+            wrong,
+            readings=[reading("map of 1024², seen from near", reads=reads("judged"), at_most=0.02)],
+        ),
+        measure(
+            "dark outside the map",
+            dark_outside,
+            readings=[
+                reading("a border of 1", reads=reads("wide"), equals=0.0, digits=6),
+                reading("GL_REPEAT", reads=reads("repeated"), at_least=0.0005),
+            ],
+        ),
+        computed(
+            "(1, 0, 2) in the map",
+            in_light(LIGHT_SPACE),
+            equals=(0.567082, 0.578072, 0.685453),
+            digits=6,
+        ),
+        computed(
+            "(1, 0, 2) in the map, with up = (1, 1, 1)",
+            in_light(AS_PRINTED),
+            equals=(0.544450, 0.592841, 0.685453),
+            digits=6,
+        ),
+        computed("the notes' ambient light on grey", notes_ambient, equals=0.0375, digits=4),
+        value(
+            "judged.FragColor",
+            at={
+                "FragPos": (0.0, 0.0, 0.0),
+                "Normal": (-2.0, 4.0, -1.0),
+                "Color": GREY,
+                "FragPosLightSpace": LIGHT_SPACE @ MODEL @ (-0.9, 0.0, 0.4, 1.0),
+            },
+            equals=(0.075, 0.075, 0.075, 1.0),
+            digits=6,
+            name="grey in shadow keeps its ambient light",
+        ),
+    ],
+    errata=[
+        Erratum(
+            says="ambient = 0.15 · color, and the sum of all parts times color once more",
+            truth="the colour belongs to the light once: a grey of 0.5 in shadow is 0.075, "
+            "not 0.0375",
+            proof="grey in shadow keeps its ambient light",
+        ),
+        Erratum(
+            says="the shadow map wraps with GL_REPEAT",
+            truth="what it does not cover would get the shadows of its other side; "
+            "GL_CLAMP_TO_BORDER with a border of 1 leaves it lit",
+            proof="dark outside the map",
+        ),
+        Erratum(
+            says="the light's view has up = (1, 1, 1)",
+            truth="any up that is not along the light works, but the map is turned; with +y the "
+            "point (1, 0, 2) is at (0.567, 0.578)",
+            proof="(1, 0, 2) in the map",
+        ),
+    ],
+)

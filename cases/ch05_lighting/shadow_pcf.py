@@ -1,0 +1,154 @@
+"""Percentage-closer filtering: nine comparisons make an edge of ten steps.
+
+A shadow map's texels are squares, and so are the edges of its shadows. Depths must not be averaged:
+the mean of a near and a far depth is the depth of nothing. But comparisons can be. Each of 3 × 3
+texels around the point says shadow or light, and the share of those that say shadow is how dark the
+point is. The edge becomes three texels wide and has the values 0, 1/9, 2/9, … 1.
+
+That is softer, not truer: a sun of no size throws sharp edges, and against those the error stays.
+
+Look at: the same edge from nearby, with a map of 512². Above, one texel decides, and the shadow is
+a staircase. Below nine do. The steps are still there, each of them nine times as small.
+"""
+
+from dataclasses import replace
+from math import radians
+
+import numpy as np
+
+from shaderlab import Case, Cell, Output, Pass, Target, formula, fullscreen, measure, reading
+from shaderlab.assets.courtyard import boxes
+from shaderlab.assets.shadow_stage import SUN, cast, lit
+from shaderlab.reference.courtyard import courtyard_references, light_position, stored_depth
+from shaderlab.reference.lighting import finished
+from shaderlab.reference.shadow_truth import blocked
+from shaderlab.reference.transforms import look_at, orthographic, perspective, rotate
+from shaderlab.sampling import texture
+
+MODEL = rotate(radians(6.0), (0.0, 1.0, 0.0))
+BOXES = [MODEL @ box for box in boxes()]
+LIGHT_SPACE = orthographic(-6.0, 6.0, -6.0, 6.0, 1.0, 9.0) @ look_at(SUN, (0.0, 0.0, 0.0))
+NEAR_BY = look_at((1.4, 1.9, -2.6), (0.55, 0.15, -0.5))
+BIAS = {"leastBias": 0.002, "mostBias": 0.03}
+WHITE = {"wrap": ("clamp_to_border",) * 2, "border": (1.0, 1.0, 1.0, 1.0)}
+
+
+def seen(name, radius, aspect=1.0, **target):
+    """The edge of a shadow from nearby, with 1 or 9 texels asked."""
+    camera = NEAR_BY, perspective(radians(34.0), aspect, 0.1, 60.0)
+    uniforms = {**BIAS, "radius": radius}
+    shadow_map = Output("map", "depth", **WHITE)
+    return lit(name, shadow_map, LIGHT_SPACE, MODEL, camera, uniforms, **target)
+
+
+def half(row, radius):
+    """One half of the picture."""
+    (draw,) = seen("", radius, aspect=2.0).draws
+    cell = Cell(column=0, row=row, columns=1, rows=2)
+    return replace(draw, state=replace(draw.state, cell=cell))
+
+
+def off_the_steps(shadow, steps):
+    """How far any value is from a multiple of 1/steps."""
+    return np.abs(shadow * steps - np.rint(shadow * steps)).max()
+
+
+def values(shadow):
+    """How many different values there are, to a thousandth."""
+    return len(np.unique(np.rint(shadow * 1000.0)))
+
+
+def edge(FragColor, shadow, upright):
+    """The share of lit places that are neither dark nor bright."""
+    there = (FragColor[..., 3] > 0.0) & ((upright * SUN).sum(axis=-1) > 0.0)
+    half = (shadow[..., 0] > 0.001) & (shadow[..., 0] < 0.999)
+    return half[there].mean()
+
+
+def error(FragColor, shadow, place, upright):
+    """Root mean square of the difference from what rays say, on places that face the sun."""
+    there = (FragColor[..., 3] > 0.0) & ((upright * SUN).sum(axis=-1) > 0.0)
+    truth = blocked(place, SUN, BOXES)
+    return np.sqrt(np.mean((shadow[..., 0] - truth)[there] ** 2))
+
+
+def of(name, *outputs, **given):
+    """What a reading reads of one pass."""
+    return {"reads": {output: f"{name}.{output}" for output in outputs}, "given": given}
+
+
+LAWS = courtyard_references(texture)
+ALL = ("FragColor", "shadow", "place", "upright")
+
+case = Case(
+    title="Percentage-closer filtering",
+    section="5.9.1",
+    math=r"s = \frac{1}{9} \sum_{i=-1}^{1} \sum_{j=-1}^{1} \left[z - b > z_{\text{map}}(x + i, "
+    r"y + j)\right]",
+    passes=(
+        cast("map", LIGHT_SPACE, MODEL, 512),
+        Pass(
+            name="scene",
+            target=Target(
+                size=(1024, 1024),
+                colors={
+                    "FragColor": "rgba16f",
+                    "shadow": "r8",
+                    "place": "rgba16f",
+                    "upright": "rgba16f",
+                },
+                depth="depth24",
+            ),
+            draws=(half(1, 0), half(0, 1)),
+        ),
+        *fullscreen(
+            "ch05_lighting/finish.frag",
+            name="picture",
+            textures={"scene": Output("scene", "FragColor")},
+        ),
+        seen("one", 0, size=(96, 96)),
+        seen("nine", 1, size=(96, 96)),
+    ),
+    picture="picture.FragColor",
+    expect=[
+        formula("map.gl_Position", light_position),
+        formula("map.depth", stored_depth),
+        *(formula(f"nine.{output}", law) for output, law in LAWS.items()),
+        formula("one.shadow", LAWS["shadow"]),
+        formula("picture.FragColor", finished(texture), name="the picture"),
+        measure(
+            "distance from the nearest step",
+            off_the_steps,
+            readings=[
+                reading("one texel: 0 and 1", **of("one", "shadow", steps=1.0)),
+                reading("nine texels: ninths", **of("nine", "shadow", steps=9.0)),
+            ],
+            at_most=1e-5,
+        ),
+        measure(
+            "different values",
+            values,
+            readings=[
+                reading("one texel", **of("one", "shadow"), equals=2, digits=0),
+                reading("nine texels", **of("nine", "shadow"), equals=10, digits=0),
+            ],
+        ),
+        measure(
+            "share of places in between",
+            edge,
+            readings=[
+                reading("one texel", **of("one", *ALL[:2], "upright"), equals=0.0, digits=6),
+                reading("nine texels", **of("nine", *ALL[:2], "upright"), between=(0.02, 0.9)),
+            ],
+        ),
+        measure(
+            "error against rays",
+            error,
+            readings=[
+                reading("one texel", **of("one", *ALL)),
+                reading("nine texels", **of("nine", *ALL)),
+            ],
+            between=(0.06, 0.09),
+        ),
+    ],
+)

@@ -1,0 +1,195 @@
+"""A cube map: six images around a point, and a direction in place of coordinates.
+
+The largest of the three components, by its size, says which face the direction meets: +X, −X, +Y,
+−Y, +Z or −Z, in this order. The other two, divided by it, are the place on that face. So the length
+of the direction has no part in it, and nothing has to be normalised. Which component becomes s and
+which t, and with which sign, is a table: seen from inside, t runs down on the four faces around.
+
+Look at: a ball and a cube that are wrapped in the same six charts, each face in a colour of its
+own, with figures that count along s and then along t; as t runs down, they stand on their heads.
+On the ball the fields shrink towards the corners of the cube: texels there stand for a smaller part
+of the sphere.
+"""
+
+from math import radians
+
+import numpy as np
+
+from shaderlab import (
+    Case,
+    Cell,
+    CubeTexture,
+    Depth,
+    Draw,
+    Mesh,
+    Output,
+    Pass,
+    Ramp,
+    State,
+    Target,
+    assets,
+    formula,
+    fullscreen,
+    value,
+)
+from shaderlab.glslmath import dot, max, normalize, swizzle, vec4
+from shaderlab.reference.cube_maps import face_coordinates
+from shaderlab.reference.transforms import clip_position, look_at, perspective, translate
+from shaderlab.sampling import textureLod
+
+COLORS = (
+    (1.0, 0.45, 0.38), (0.38, 0.85, 0.88), (0.58, 0.86, 0.42),
+    (0.84, 0.48, 0.86), (0.46, 0.60, 1.0), (1.0, 0.84, 0.34),
+)  # fmt: skip
+NAMES = ("+X", "−X", "+Y", "−Y", "+Z", "−Z")
+LIGHT = np.array([0.35, 0.75, 0.56]) / np.linalg.norm([0.35, 0.75, 0.56])
+
+
+def chart(face):
+    """A face of the picture: the chart's fields and figures in the face's own colour."""
+    grey = assets.uv_grid(256, 4)[..., :3].mean(axis=-1, keepdims=True)
+    board = 0.55 + 0.75 * (grey - 0.3)
+    return np.concatenate([board * COLORS[face], np.ones((256, 256, 1))], axis=-1)
+
+
+def numbered(face, side=4):
+    """A face to be judged: each texel says its face, column and row."""
+    row, column = np.mgrid[0:side, 0:side].astype(float)
+    return np.stack([face + 0.0 * row, column, row, 1.0 + 0.0 * row], axis=-1)
+
+
+CHARTS = CubeTexture(faces=[lambda face=face: chart(face) for face in range(6)])
+NUMBERED = CubeTexture(faces=[numbered(face) for face in range(6)])
+
+# Each field looks along an axis, a little more than a face wide: right, up and forward there.
+VIEWS = {
+    "+X": ((0, 0, -1), (0, 1, 0), (1, 0, 0)), "−X": ((0, 0, 1), (0, 1, 0), (-1, 0, 0)),
+    "+Y": ((1, 0, 0), (0, 0, -1), (0, 1, 0)), "−Y": ((1, 0, 0), (0, 0, 1), (0, -1, 0)),
+    "+Z": ((1, 0, 0), (0, 1, 0), (0, 0, 1)), "−Z": ((-1, 0, 0), (0, 1, 0), (0, 0, -1)),
+}  # fmt: skip
+REACH = 1.29
+
+
+def looking(index, name):
+    """One of six fields, with directions of very different lengths."""
+    right, above, forward = (np.array(axis, float) for axis in VIEWS[name])
+    size = 0.5 + 0.75 * index
+    return Draw(
+        fragment="ch07_maps/cubemap.frag",
+        domain={
+            "direction": Ramp(
+                tuple(size * (forward - REACH * right - REACH * above)),
+                tuple(size * 2.0 * REACH * right),
+                tuple(size * 2.0 * REACH * above),
+            )
+        },
+        uniforms={"stretch": 3.0},
+        textures={"faces": NUMBERED},
+        state=State(cell=Cell(column=index % 3, row=index // 3, columns=3, rows=2)),
+    )
+
+
+def texel(faces, direction):
+    """What the specification's table finds."""
+    return textureLod(faces, direction, 0.0)
+
+
+def stretched(faces, direction, stretch):
+    """The same of a longer direction, rounded once more."""
+    return textureLod(faces, direction * stretch, 0.0)
+
+
+VIEW = look_at((1.6, 1.9, 5.2), (0.0, 0.0, 0.0))
+PROJECTION = perspective(radians(33.0), 2.0, 0.1, 100.0)
+
+
+def wrapped(geometry, model):
+    """A solid around the origin, coloured by the direction of each of its points."""
+    return Draw(
+        vertex="ch07_maps/placed.vert",
+        fragment="ch07_maps/cubemap_ball.frag",
+        mesh=Mesh(**geometry).only("aPos", "aNormal"),
+        uniforms={
+            "model": model, "view": VIEW @ translate((-1.45 if model is BALL else 1.45, 0, 0)),
+            "projection": PROJECTION, "normalMatrix": np.eye(3), "light": LIGHT,
+        },
+        textures={"faces": CHARTS},
+        state=State(depth=Depth()),
+    )  # fmt: skip
+
+
+BALL, BOX = np.eye(4), np.diag([0.999, 0.999, 0.999, 1.0])
+SOLIDS = [wrapped(assets.sphere(1.15, 96, 48), BALL), wrapped(assets.cube(1.7), BOX)]
+
+
+def painted(faces, FragPos, Normal, light):
+    """The chart's colour in a simple light."""
+    shade = 0.45 + 0.55 * max(dot(normalize(Normal), light), 0.0)
+    return vec4(shade * swizzle(textureLod(faces, FragPos, 0.0), "rgb"), 1.0)
+
+
+def meets(place, equals, name):
+    """The face, s and t of one direction."""
+    return value(
+        "main.byHand",
+        at={"direction": place},
+        equals=equals,
+        digits=6,
+        name=name,
+        reference=face_coordinates,
+    )
+
+
+case = Case(
+    title="A cube map",
+    section="7.4",
+    math=r"s = \tfrac12\left(\frac{s_c}{|m_a|} + 1\right), \qquad t = \tfrac12\left("
+    r"\frac{t_c}{|m_a|} + 1\right), \qquad m_a = \text{the component of the largest size}",
+    passes=(
+        Pass(
+            name="scene",
+            target=Target(size=(2048, 1024), depth="depth24", clear=(0.93, 0.93, 0.92, 1.0)),
+            draws=tuple(SOLIDS),
+        ),
+        *fullscreen(
+            "ch03_transforms/soften.frag",
+            name="picture",
+            textures={"scene": Output("scene", "FragColor")},
+            target=Target(size=(1024, 512)),
+        ),
+        Pass(
+            name="small",
+            target=Target(size=(96, 48), depth="depth24"),
+            draws=tuple(SOLIDS),
+        ),
+        Pass(
+            name="main",
+            target=Target(size=(120, 80)),
+            draws=tuple(looking(k, name) for k, name in enumerate(NAMES)),
+        ),
+    ),
+    picture="picture.FragColor",
+    expect=[
+        *(
+            formula("main.FragColor", texel, draw=k, name=f"texels around {name}")
+            for k, name in enumerate(NAMES)
+        ),
+        *(
+            formula("main.byHand", face_coordinates, draw=k, name=f"the table around {name}")
+            for k, name in enumerate(NAMES)
+        ),
+        *(
+            formula("main.onceMore", stretched, draw=k, name=f"three times as long, around {name}")
+            for k, name in enumerate(NAMES)
+        ),
+        formula("small.FragColor", painted, draw=0, name="the ball's colours"),
+        formula("small.FragColor", painted, draw=1, name="the cube's colours"),
+        formula("small.gl_Position", clip_position),
+        meets((2.0, 0.5, -1.0), (0.0, 0.75, 0.375), "(2, ½, −1) meets +X"),
+        meets((-1.0, 0.0, 0.0), (1.0, 0.5, 0.5), "−X is the second face"),
+        meets((0.0, 5.0, 0.0), (2.0, 0.5, 0.5), "+Y is the third"),
+        meets((0.25, -1.0, 0.5), (3.0, 0.625, 0.25), "(¼, −1, ½) meets −Y"),
+        meets((0.0, 0.0, 0.01), (4.0, 0.5, 0.5), "+Z is the fifth, however short"),
+        meets((0.0, 0.0, -900.0), (5.0, 0.5, 0.5), "−Z is the last, however long"),
+    ],
+)

@@ -1,0 +1,101 @@
+"""Several textures at once: a mask says at each place which of two others is seen.
+
+A program may read from many texture units, at least 16 in a fragment shader. Each sampler holds a
+unit's number, each unit a texture; they need neither one size nor the same coordinates. Here two
+surfaces repeat several times over the wall, while one mask covers it once and mixes them:
+a·(1 − m) + b·m, which is the first where the mask is 0 and the second where it is 1.
+
+Look at: one wall of bricks and plaster that came off in places. Every brick and every stain
+returns every half a wall, but the hole in the plaster does not: the mask is stretched over all.
+"""
+
+import numpy as np
+
+from shaderlab import Case, Ramp, Target, Texture, assets, formula, fullscreen, value
+from shaderlab.glslmath import mix, swizzle
+from shaderlab.sampling import texture
+
+SMOOTH = ("linear", "linear")
+RANDOM = np.random.default_rng(71)
+FIRST, SECOND = RANDOM.random((4, 4, 4)), RANDOM.random((8, 3, 4))
+PARTS = np.array([[0.0, 0.25, 0.5, 1.0]])[..., None] * np.array([1.0, 0.0, 0.0, 1.0])
+
+
+def holes():
+    """The mask: the alpha of a piece of plaster, as red."""
+    alpha = assets.plaster(256, seed=4)[..., 3:]
+    return np.concatenate([alpha, 0.0 * alpha, 0.0 * alpha, 1.0 + 0.0 * alpha], axis=-1)
+
+
+def wall(name, size, repeat, bricks, plaster, mask):
+    """One wall with its three textures; the surfaces are repeated, the mask is not."""
+    return fullscreen(
+        "ch07_maps/multitexture.frag",
+        name=name,
+        domain={
+            "TexCoords": Ramp((0.01, 0.02), (repeat * 1.03, 0.0), (0.0, repeat * 0.53)),
+            "MaskCoords": Ramp((0.0, 0.0), (1.0, 0.0), (0.0, 0.5)),
+        },
+        textures={"bricks": bricks, "plaster": plaster, "mask": mask},
+        target=Target(size=size),
+    )
+
+
+def masked(bricks, plaster, mask, TexCoords, MaskCoords):
+    """The first where the mask is 0, the second where it is 1."""
+    left = swizzle(texture(mask, MaskCoords), "r")
+    return mix(texture(bricks, TexCoords), texture(plaster, TexCoords), left)
+
+
+def part(column, weight):
+    """The figure at one texel of the mask, with texels of both surfaces."""
+    first, second = FIRST[0, 0], SECOND[0, 0]
+    return value(
+        "judged.FragColor",
+        at={"TexCoords": (0.06, 0.03), "MaskCoords": ((column + 0.5) / 4.0, 0.5)},
+        equals=((1.0 - weight) * first + weight * second).tolist(),
+        digits=5,
+        name=f"a mask of {weight:g}",
+    )
+
+
+case = Case(
+    title="Several textures and a mask",
+    section="7.1",
+    math=r"\text{FragColor} = a(s, t)\,(1 - m(u, v)) + b(s, t)\,m(u, v)",
+    passes=(
+        *wall(
+            "picture",
+            (1024, 512),
+            2.0,
+            Texture(image=lambda: assets.brick_wall(512), filter=SMOOTH),
+            Texture(image=lambda: assets.plaster(512), filter=SMOOTH),
+            Texture(image=holes, filter=SMOOTH),
+        ),
+        *wall(
+            "judged",
+            (67, 61),
+            2.0,
+            Texture(image=FIRST),
+            Texture(image=SECOND),
+            Texture(image=PARTS),
+        ),
+        *wall(
+            "smooth",
+            (67, 61),
+            2.0,
+            Texture(image=FIRST, filter=SMOOTH),
+            Texture(image=SECOND, filter=SMOOTH),
+            Texture(image=PARTS, filter=SMOOTH),
+        ),
+    ),
+    picture="picture.FragColor",
+    expect=[
+        formula("judged.FragColor", masked, name="texel by texel"),
+        formula("smooth.FragColor", masked, name="with linear filters"),
+        part(0, 0.0),
+        part(1, 0.25),
+        part(2, 0.5),
+        part(3, 1.0),
+    ],
+)

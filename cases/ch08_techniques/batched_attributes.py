@@ -1,0 +1,80 @@
+"""Batched attributes: 111222333 holds what 123123123 holds, and draws the same bits.
+
+A buffer may keep whole vertices together (interleaved, 123123123) or all of one attribute before
+all of the next (batched, 111222333). The first is kinder to caches when each vertex is read whole.
+The second suits data that comes in arrays, as from most model files, and data of which one
+attribute changes each frame: it takes one glBufferSubData. Stride and offsets are all that tells
+OpenGL which it is: 24 bytes and 0, 12 for seven interleaved vertices, 12 bytes and 0, 84 for the
+same ones batched.
+
+Look at: the rosette, read from three buffers of the same numbers in three orders. The pictures do
+not differ in a single bit.
+"""
+
+from shaderlab import (
+    Case,
+    Output,
+    Target,
+    attribute_layout,
+    computed,
+    exact,
+    formula,
+    mesh_pass,
+    query,
+    value,
+)
+from shaderlab.assets.rosette import rosette
+from shaderlab.reference.rosette import as_it_is, color_of, encoded
+
+
+def drawn(name, layout, upload):
+    """The rosette in one layout."""
+    return mesh_pass(
+        "ch10_buffers/rosette.vert",
+        "ch10_buffers/rosette.frag",
+        rosette(layout=layout, upload=upload),
+        target=Target(size=(512, 512), clear=(0.93, 0.93, 0.92, 1.0)),
+        name=name,
+    )
+
+
+def size_of(layout):
+    """Bytes in all of a rosette's vertex buffers."""
+    return sum(len(piece) for parts in rosette(layout=layout).parts() for _, piece in parts)
+
+
+case = Case(
+    title="Batched attributes",
+    section="8.3",
+    math=r"\text{interleaved: } s_i = \textstyle\sum_k b_k,\ o_i = \sum_{k<i} b_k \qquad "
+    r"\text{batched: } s_i = b_i,\ o_i = n \sum_{k<i} b_k",
+    passes=(
+        *drawn("separate", "separate", "data"),
+        *drawn("interleaved", "interleaved", "data"),
+        *drawn("batched", "batched", "sub_data"),
+    ),
+    expect=[
+        exact("batched.FragColor", Output("interleaved", "FragColor"), name="111222 equals 123123"),
+        exact("batched.FragColor", Output("separate", "FragColor"), name="… and two buffers"),
+        attribute_layout({"aPos": (0, 12), "aColor": (84, 12)}, name="batched: 111222"),
+        attribute_layout(
+            {"aPos": (0, 24), "aColor": (12, 24)},
+            pass_name="interleaved",
+            name="interleaved: 123123",
+        ),
+        attribute_layout(
+            {"aPos": (0, 12), "aColor": (0, 12)}, pass_name="separate", name="separate: 111, 222"
+        ),
+        *(
+            computed(f"bytes, {layout}", lambda kind=layout: size_of(kind), equals=168.0, digits=0)
+            for layout in ("separate", "interleaved", "batched")
+        ),
+        query("vertices_submitted", equals=18, name="vertices submitted"),
+        formula("gl_Position", as_it_is),
+        formula("ourColor", color_of),
+        formula("FragColor", encoded),
+        value(
+            "FragColor", at={"ourColor": (0.25, 1.0, 0.0)}, equals=(0.5, 1.0, 0.0, 1.0), digits=6
+        ),
+    ],
+)

@@ -1,0 +1,172 @@
+"""Face culling: which side of a triangle is seen follows from the order of its corners.
+
+Seen from the front a triangle's corners run one way round, from behind the other way. glFrontFace
+says which of the two is the front, GL_CCW unless told otherwise; glCullFace says which side is
+dropped, GL_BACK unless told otherwise, once GL_CULL_FACE is on. Of a closed solid whose corners run
+counter-clockwise seen from outside, every triangle that faces away is hidden by one that does not:
+to drop them changes no pixel, and spares every other fragment.
+
+Look at: the table. In the lower two rows squares run counter-clockwise, in the upper two clockwise;
+of each two rows the lower one has GL_CCW for front, the upper one GL_CW. From left to right: no
+culling, GL_FRONT, GL_BACK, both. Amber fields show a front face, blue ones a back face.
+"""
+
+import numpy as np
+
+from shaderlab import (
+    Case,
+    Cell,
+    Depth,
+    Draw,
+    Erratum,
+    Mesh,
+    Output,
+    Pass,
+    State,
+    Target,
+    assets,
+    computed,
+    coverage,
+    exact,
+    formula,
+    mesh_pass,
+    query,
+)
+from shaderlab.glslmath import swizzle, vec4, where
+from shaderlab.reference.transforms import signed_area
+
+SQUARE = Mesh(**assets.quad(1.75)).only("aPos")
+# The quad of section 2.2.7: both of its triangles run clockwise.
+CORNERS = np.array([(0.5, 0.5, 0.0), (0.5, -0.5, 0.0), (-0.5, -0.5, 0.0), (-0.5, 0.5, 0.0)])
+NOTES = Mesh(attributes={"aPos": CORNERS}, indices=np.array([0, 1, 3, 1, 2, 3]))
+CUBE = Mesh(**assets.cube()).only("aPos")
+WINDINGS, FRONTS = ("ccw", "cw"), ("ccw", "cw")
+CULLED = (None, "front", "back", "front_and_back")
+SHADERS = ("ch08_techniques/face_culling.vert", "ch08_techniques/face_culling.frag")
+PAPER = (0.13, 0.14, 0.17, 1.0)
+AMBER, BLUE = (1.0, 0.625, 0.25, 1.0), (0.25, 0.5, 0.75, 1.0)
+
+
+def field(column, row):
+    """One field: a square, wound one way, with a front face and a side to be culled."""
+    winding, front = divmod(row, 2)
+    return Draw(
+        vertex=SHADERS[0],
+        fragment=SHADERS[1],
+        mesh=SQUARE,
+        uniforms={"turned": bool(winding)},
+        state=State(
+            cull=CULLED[column],
+            front_face=FRONTS[front],
+            cell=Cell(column=column, row=row, columns=4, rows=4),
+        ),
+    )
+
+
+def seen(column, row):
+    """What a field must show: a side, or nothing."""
+    winding, front = divmod(row, 2)
+    side = "front" if WINDINGS[winding] == FRONTS[front] else "back"
+    if CULLED[column] in (side, "front_and_back"):
+        return PAPER
+    return AMBER if side == "front" else BLUE
+
+
+def inner(column, row):
+    """The field with its margin of paper: 64 pixels, of which the square covers 56."""
+    block = np.tile(np.asarray(PAPER, np.float32), (64, 64, 1))
+    block[4:60, 4:60] = seen(column, row)
+    return block
+
+
+TRUTH = np.block([[[inner(c, r)] for c in range(4)] for r in range(4)])
+
+
+def whole(name, mesh, depth=None, **state):
+    """One mesh over a window of its own."""
+    side = 720 if mesh is NOTES else 64
+    return mesh_pass(
+        *SHADERS,
+        mesh,
+        uniforms={"turned": False},
+        target=Target(size=(side, side), clear=PAPER, depth="depth24"),
+        state=State(depth=depth, **state),
+        name=name,
+    )
+
+
+def position(aPos, turned):
+    """Mirrored or not; depth the other way round than z."""
+    x = where(turned > 0.5, -1.0, 1.0) * swizzle(aPos, "x")
+    return vec4(x, swizzle(aPos, "y"), -swizzle(aPos, "z"), 1.0)
+
+
+def side_color(gl_FrontFacing):
+    """Amber in front, blue behind."""
+    return where(gl_FrontFacing > 0.5, vec4(*AMBER), vec4(*BLUE))
+
+
+case = Case(
+    title="Face culling",
+    section="8.1",
+    math=r"A = \tfrac12 \sum_i (x_i\,y_{i+1} - x_{i+1}\,y_i), \qquad "
+    r"\text{counter-clockwise} \iff A > 0",
+    passes=(
+        Pass(
+            name="table",
+            target=Target(size=(256, 256), clear=PAPER),
+            draws=tuple(field(c, r) for r in range(4) for c in range(4)),
+        ),
+        *whole("back, ccw", NOTES, cull="back", front_face="ccw"),
+        *whole("back, cw", NOTES, cull="back", front_face="cw"),
+        *whole("cube", CUBE),
+        *whole("cube, culled", CUBE, cull="back"),
+        *whole("cube, culled and tested", CUBE, depth=Depth(), cull="back"),
+        *whole("cube, tested", CUBE, depth=Depth()),
+    ),
+    picture="table.FragColor",
+    expect=[
+        exact("table.FragColor", TRUTH, name="winding × front face × culled face"),
+        formula("table.gl_Position", position, draw=0),
+        formula("table.gl_Position", position, draw=15, name="gl_Position, turned"),
+        formula("table.FragColor", side_color, draw=0, name="colour, front"),
+        formula("table.FragColor", side_color, draw=4, name="colour, back"),
+        coverage(0, pass_name="back, ccw", name="2.2.7's quad, GL_BACK and GL_CCW"),
+        coverage(129600, pass_name="back, cw", name="2.2.7's quad, GL_BACK and GL_CW"),
+        query("samples_passed", equals=2048, pass_name="cube", name="cube: both sides, 2 · 32²"),
+        query("samples_passed", equals=1024, pass_name="cube, culled", name="cube, culled: 32²"),
+        query(
+            "fragment_shader_invocations",
+            at_least=2048,
+            pass_name="cube",
+            name="fragments shaded, cube",
+        ),
+        query(
+            "fragment_shader_invocations",
+            at_least=1024,
+            at_most=2047,
+            pass_name="cube, culled",
+            name="fragments shaded, cube, culled",
+        ),
+        exact(
+            "cube, culled and tested.FragColor",
+            Output("cube, tested", "FragColor"),
+            name="culling changes no pixel of a closed solid",
+        ),
+        computed(
+            "signed area of 0, 1, 3 of 2.2.7",
+            lambda: signed_area(CORNERS[[0, 1, 3]]),
+            equals=-0.5,
+            digits=6,
+            note="negative: clockwise",
+        ),
+    ],
+    errata=[
+        Erratum(
+            section="8.1",
+            says="the quad's triangles are front faces, although they run clockwise, with GL_CCW",
+            truth="with GL_CCW they are back faces, and GL_BACK leaves nothing",
+            proof="2.2.7's quad, GL_BACK and GL_CCW",
+        )
+    ],
+)

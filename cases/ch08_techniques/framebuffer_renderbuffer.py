@@ -1,0 +1,177 @@
+"""Renderbuffers: attachments that are drawn into and never sampled, and what makes a set complete.
+
+Depth and stencil are needed while a scene is drawn, and seldom afterwards. A renderbuffer is memory
+for that alone, in whatever arrangement suits the driver. A framebuffer is complete when each of its
+attachments is, when there is at least one, and when their numbers of samples agree. There need be
+no colour, a depth attachment alone is complete; and sizes may differ, then what all of them cover
+can be drawn.
+
+Look at: on the left a small near square and a large far one with a depth renderbuffer, on the right
+without one: there the far square, drawn last, hides the near one.
+"""
+
+import numpy as np
+
+from shaderlab import (
+    Case,
+    Cell,
+    Depth,
+    Draw,
+    Erratum,
+    Mesh,
+    Object,
+    Pass,
+    State,
+    Target,
+    assets,
+    call,
+    exact,
+    formula,
+    gl_call,
+)
+from shaderlab.glslmath import swizzle, vec4
+
+SQUARE = Mesh(**assets.quad(2.0)).only("aPos")
+NEAR, FAR, PAPER = (1.0, 0.72, 0.30, 1.0), (0.16, 0.42, 0.55, 1.0), (0.93, 0.93, 0.92, 1.0)
+SHADERS = {
+    "vertex": "ch08_techniques/framebuffer_renderbuffer.vert",
+    "fragment": "ch08_techniques/framebuffer_renderbuffer.frag",
+}
+
+
+def squares(column, depth):
+    """The near square, and then the far one, in one half of the window."""
+    cell = Cell(column=column, row=0, columns=2, rows=1)
+    return tuple(
+        Draw(
+            **SHADERS,
+            mesh=SQUARE,
+            uniforms={"size": size, "depth": z, "color": color},
+            state=State(depth=depth, cell=cell),
+        )
+        for size, z, color in ((0.5, -0.5, NEAR), (0.75, 0.5, FAR))
+    )
+
+
+def window(name, depth_format):
+    """Both halves, over one depth format or none."""
+    return Pass(
+        name=name,
+        target=Target(size=(512, 256), depth=depth_format, clear=PAPER),
+        draws=(*squares(0, Depth()), *squares(1, None)),
+    )
+
+
+def half(tested):
+    """A half of 256 × 256 pixels: paper, the far square, before it perhaps the near one."""
+    block = np.tile(np.asarray(PAPER, np.float32), (256, 256, 1))
+    block[32:224, 32:224] = FAR
+    if tested:
+        block[64:192, 64:192] = NEAR
+    return block
+
+
+def placed(aPos, size, depth):
+    """Scaled across, and put at a depth."""
+    return vec4(swizzle(aPos, "xy") * size, depth, 1.0)
+
+
+def plain(color):
+    """One colour."""
+    return color
+
+
+FRAMEBUFFER = Object("framebuffer")
+BIND = call("glBindFramebuffer", "GL_FRAMEBUFFER", FRAMEBUFFER)
+NO_COLOR = (call("glDrawBuffer", "GL_NONE"), call("glReadBuffer", "GL_NONE"))
+COLOR, DEPTH = "GL_COLOR_ATTACHMENT0", "GL_DEPTH_ATTACHMENT"
+
+
+def renderbuffer(label, point, word, size=(64, 64), samples=0):
+    """A renderbuffer that is made, given its storage, and attached."""
+    made = Object("renderbuffer", label)
+    storage = ("GL_RENDERBUFFER", samples, word, *size)
+    return (
+        call("glBindRenderbuffer", "GL_RENDERBUFFER", made),
+        call("glRenderbufferStorageMultisample", *storage),
+        call("glFramebufferRenderbuffer", "GL_FRAMEBUFFER", point, "GL_RENDERBUFFER", made),
+    )
+
+
+def status(name, answer, *steps):
+    """What glCheckFramebufferStatus says of a framebuffer with these attachments."""
+    return gl_call(
+        "glCheckFramebufferStatus",
+        "GL_FRAMEBUFFER",
+        before=(BIND, *(step for some in steps for step in some)),
+        returns=f"GL_FRAMEBUFFER_{answer}",
+        name=name,
+    )
+
+
+case = Case(
+    title="Renderbuffers and completeness",
+    section="8.2",
+    passes=(window("tested", "depth24_stencil8"), window("24 bits", "depth24")),
+    picture="tested.FragColor",
+    expect=[
+        exact(
+            "tested.FragColor",
+            np.concatenate([half(True), half(False)], axis=1),
+            name="with and without the depth test",
+        ),
+        exact(
+            "24 bits.FragColor",
+            np.concatenate([half(True), half(False)], axis=1),
+            name="depth alone does as well as depth and stencil",
+        ),
+        formula("tested.gl_Position", placed, draw=0, name="the near square"),
+        formula("tested.gl_Position", placed, draw=1, name="the far square"),
+        formula("tested.FragColor", plain, draw=0, name="colour"),
+        status("nothing attached", "INCOMPLETE_MISSING_ATTACHMENT"),
+        status("colour alone", "COMPLETE", renderbuffer("a", COLOR, "GL_RGBA8")),
+        status(
+            "depth alone", "COMPLETE", renderbuffer("a", DEPTH, "GL_DEPTH_COMPONENT24"), NO_COLOR
+        ),
+        status(
+            "colour, depth and stencil",
+            "COMPLETE",
+            renderbuffer("a", COLOR, "GL_RGBA8"),
+            renderbuffer("b", "GL_DEPTH_STENCIL_ATTACHMENT", "GL_DEPTH24_STENCIL8"),
+        ),
+        status(
+            "sizes differ",
+            "COMPLETE",
+            renderbuffer("a", COLOR, "GL_RGBA8", size=(64, 64)),
+            renderbuffer("b", DEPTH, "GL_DEPTH_COMPONENT24", size=(32, 48)),
+        ),
+        status(
+            "depth where colour belongs",
+            "INCOMPLETE_ATTACHMENT",
+            renderbuffer("a", COLOR, "GL_DEPTH_COMPONENT24"),
+        ),
+        gl_call(
+            "glRenderbufferStorage",
+            "GL_RENDERBUFFER",
+            "GL_RGBA8",
+            64,
+            64,
+            raises="invalid_operation",
+            name="storage with renderbuffer 0 bound: 0x0502",
+        ),
+    ],
+    errata=[
+        Erratum(
+            section="8.2",
+            says="a framebuffer needs at least one colour attachment to be complete",
+            truth="with glDrawBuffer(GL_NONE) and glReadBuffer(GL_NONE) depth alone is complete",
+            proof="depth alone",
+        ),
+        Erratum(
+            section="8.2",
+            says="all attachments must be of the same size",
+            truth="since OpenGL 3.0 sizes may differ",
+            proof="sizes differ",
+        ),
+    ],
+)

@@ -1,0 +1,133 @@
+"""Exploding a mesh: each triangle moves along its own normal.
+
+A geometry shader sees all three corners of a triangle, which no vertex shader does, so it can work
+out the plane they lie in: the cross product of two edges is at right angles to it, and points
+outwards where corners run counter-clockwise seen from outside. All three corners move the same way
+by ½ (sin t + 1), between 0 and 1, so that triangles keep their shape and only gaps open.
+
+Look at: the strip of times. At t = −π/2 the ball is whole; at t = 0 its triangles have moved by ½,
+at t = π/2 by 1. No triangle has turned or grown.
+"""
+
+from math import pi, radians
+
+from shaderlab import (
+    Case,
+    Depth,
+    Draw,
+    Mesh,
+    Pass,
+    State,
+    Target,
+    Variant,
+    computed,
+    formula,
+    query,
+    value,
+)
+from shaderlab.assets import meshes, solids
+from shaderlab.assets.still_life import CORAL
+from shaderlab.glslmath import (
+    cross,
+    dot,
+    max,
+    mul,
+    normalize,
+    sin,
+    sqrt,
+    vec3,
+    vec4,
+    where,
+)
+from shaderlab.reference.transforms import look_at, perspective, rotate
+
+BALL = Mesh(**solids.painted(meshes.sphere(0.8, segments=16, rings=10), CORAL))
+# A near square before a far one of another colour: depth decides which one is seen.
+MODEL = rotate(radians(25.0), (1.0, 0.3, 0.0))
+VIEW = look_at((0.0, 0.8, 5.0), (0.0, 0.0, 0.0))
+
+
+def magnitude(time):
+    """How far triangles have moved."""
+    return 0.5 * (sin(time) + 1.0)
+
+
+def of_corner(values, emitted):
+    """The corner's own value, by how manieth it was emitted."""
+    return where(emitted < 0.5, values[0], where(emitted < 1.5, values[1], values[2]))
+
+
+def outwards(VS_OUT_world):
+    """The triangle's unit normal."""
+    a, b, c = VS_OUT_world
+    return normalize(cross(b - a, c - a))
+
+
+def position(VS_OUT_world, emitted, view, projection, time):
+    """A corner moved along the normal, then seen."""
+    place = of_corner(VS_OUT_world, emitted) + magnitude(time) * outwards(VS_OUT_world)
+    return mul(projection, mul(view, vec4(place, 1.0)))
+
+
+def color(VS_OUT_color, emitted):
+    """A corner's colour."""
+    return of_corner(VS_OUT_color, emitted)
+
+
+def shaded(fColor, fNormal):
+    """A lamp over the shoulder."""
+    lamp = max(dot(normalize(fNormal), vec3(-0.36, 0.80, 0.48)), 0.0)
+    return vec4(sqrt(fColor * (0.3 + 0.7 * lamp)), 1.0)
+
+
+def at(name, moved, time):
+    """One moment."""
+    figure = computed(f"moved at {name}", lambda: float(magnitude(time)), equals=moved, digits=6)
+    return Variant(name, {"time": time}, expect=[figure])
+
+
+case = Case(
+    title="An exploding ball",
+    section="8.6",
+    math=r"p' = p + \tfrac12 (\sin t + 1)\, "
+    r"\frac{(p_1 - p_0) \times (p_2 - p_0)}{\lVert (p_1 - p_0) \times (p_2 - p_0) \rVert}",
+    passes=(
+        Pass(
+            target=Target(depth="depth24", clear=(0.13, 0.14, 0.17, 1.0)),
+            draws=(
+                Draw(
+                    vertex="ch08_techniques/geometry_explode.vert",
+                    geometry="ch08_techniques/geometry_explode.geom",
+                    fragment="ch08_techniques/geometry_explode.frag",
+                    mesh=BALL,
+                    uniforms={
+                        "model": MODEL,
+                        "view": VIEW,
+                        "projection": perspective(radians(42.0), 1.0, 0.1, 20.0),
+                        "time": 0.0,
+                    },
+                    state=State(depth=Depth()),
+                ),
+            ),
+        ),
+    ),
+    variants=[
+        at("t = −π∕2", 0.0, -pi / 2.0),
+        at("t = 0", 0.5, 0.0),
+        at("t = 1", 0.920735, 1.0),
+        at("t = π∕2", 1.0, pi / 2.0),
+    ],
+    expect=[
+        formula("gl_Position", position),
+        formula("fColor", color),
+        formula("fNormal", outwards),
+        formula("FragColor", shaded),
+        query("geometry_primitives_emitted", equals=288, name="as many triangles as before"),
+        value(
+            "FragColor",
+            at={"fColor": (1.0, 0.5, 0.31), "fNormal": (0.0, 2.0, 0.0)},
+            equals=(0.927362, 0.655744, 0.516333, 1.0),
+            digits=6,
+        ),
+    ],
+)

@@ -1,0 +1,122 @@
+"""Geometry shaders: a point goes in, a house comes out.
+
+A geometry shader is run once for each primitive, gets all of its vertices, and emits as many
+others as it likes, up to the max_vertices that it declares, as points, line strips or triangle
+strips. Here each point becomes a strip of three triangles with five corners: two for the walls, one
+for the roof, whose tip is white. The same points also become outlines (line_strip) and windows
+(points).
+
+Look at: the four houses at (±½, ±½), in the colours of their points. The white of the tip fades
+into the colour of the walls: it is an output of the vertex that was emitted last, and is
+interpolated.
+"""
+
+import numpy as np
+
+from shaderlab import Case, Draw, Mesh, Pass, Target, compile_fails, formula, query
+from shaderlab.glslmath import vec2, vec3, vec4, where
+
+POINTS = Mesh(
+    attributes={
+        "aPos": np.array([(-0.5, 0.5), (0.5, 0.5), (0.5, -0.5), (-0.5, -0.5)]),
+        "aColor": np.array([(0.85, 0.25, 0.2), (0.3, 0.6, 0.3), (0.25, 0.4, 0.8), (0.9, 0.7, 0.2)]),
+    },
+    primitive="points",
+)
+TRIANGLES = ((-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (0.0, 2.0))
+OUTLINE = ((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (0.0, 2.0), (-1.0, 1.0), (-1.0, -1.0))
+WINDOWS = ((-0.5, 0.25), (0.5, 0.25))
+
+
+def houses(kind):
+    """The four points through one of the geometry shaders."""
+    return Draw(
+        vertex="ch08_techniques/geometry_houses.vert",
+        geometry=f"ch08_techniques/geometry_houses{kind}.geom",
+        fragment="ch08_techniques/geometry_houses.frag",
+        mesh=POINTS,
+        uniforms={"scale": (0.2, 0.18)},
+    )
+
+
+def listed(index, entries):
+    """The entry that each index means, the indices being values like any other."""
+    found = entries[0]
+    for k, entry in enumerate(entries[1:], 1):
+        found = where(index > k - 0.5, entry, found)
+    return found
+
+
+def standing(offsets):
+    """A corner's place in clip space: the point, and the scaled offset of the emitted corner."""
+
+    def position(gl_in_gl_Position, emitted, scale):
+        """Point plus scale · offset."""
+        (point,) = gl_in_gl_Position
+        x, y = (listed(emitted, [offset[axis] for offset in offsets]) for axis in (0, 1))
+        return point + vec4(scale * vec2(x, y), 0.0, 0.0)
+
+    return position
+
+
+def painted(wall, emitted):
+    """The point's colour, white for the fifth corner."""
+    return where(emitted > 3.5, vec3(1.0), wall[0])
+
+
+def drawn(wall):
+    """Outlines are darker than the walls."""
+    return 0.4 * wall[0]
+
+
+def lit(wall):
+    """Light in the windows."""
+    return vec3(1.0, 0.95, 0.6) - 0.25 * wall[0]
+
+
+def size_of():
+    """Windows are squares of twelve pixels."""
+    return 12.0
+
+
+def interpolated(fColor):
+    """A fragment's colour, as it is."""
+    return vec4(fColor, 1.0)
+
+
+PAPER = Target(size=(512, 512), clear=(0.80, 0.83, 0.86, 1.0))
+ALONE = Target(size=(128, 128), clear=(0.80, 0.83, 0.86, 1.0))
+KINDS = {"walls": "", "outline": "_outline", "windows": "_corners"}
+
+case = Case(
+    title="Houses out of points",
+    section="8.6",
+    math=r"p_k = p + \begin{pmatrix} s_x & 0 \\ 0 & s_y \end{pmatrix} o_k, \qquad "
+    r"o = (-1,-1), (1,-1), (-1,1), (1,1), (0,2)",
+    passes=(
+        Pass(name="street", target=PAPER, draws=tuple(houses(kind) for kind in KINDS.values())),
+        *(Pass(name=n, target=ALONE, draws=(houses(kind),)) for n, kind in KINDS.items()),
+    ),
+    picture="street.FragColor",
+    expect=[
+        formula("walls.gl_Position", standing(TRIANGLES), name="triangle_strip: places"),
+        formula("walls.fColor", painted, name="triangle_strip: colours"),
+        formula("outline.gl_Position", standing(OUTLINE), name="line_strip: places"),
+        formula("outline.fColor", drawn, name="line_strip: colours"),
+        formula("windows.gl_Position", standing(WINDOWS), name="points: places"),
+        formula("windows.gl_PointSize", size_of, name="points: size"),
+        formula("windows.fColor", lit, name="points: colours"),
+        formula("walls.FragColor", interpolated, name="pixels"),
+        query(
+            "geometry_primitives_emitted", equals=12, pass_name="walls", name="triangles of walls"
+        ),
+        query("geometry_primitives_emitted", equals=20, pass_name="outline", name="lines"),
+        query("geometry_primitives_emitted", equals=8, pass_name="windows", name="points"),
+        query("samples_passed", equals=1152, pass_name="windows", name="8 · 12² pixels"),
+        compile_fails(
+            "ch08_techniques/errata/too_many_vertices.geom",
+            (3, "'max_vertices' : too large, must be less than gl_MaxGeometryOutputVertices"),
+            name="more vertices than there may be",
+        ),
+    ],
+)

@@ -1,0 +1,118 @@
+"""Normals made visible: each corner of each triangle grows a line.
+
+The mesh is drawn twice. The first time as it is; the second time its triangles go through a
+geometry shader that emits, for each corner, a strip of two vertices: the corner, and the corner
+moved along its normal. The move is made in view space, where normals are turned by the inverse
+transpose of view · model and nothing is distorted by perspective yet; the projection comes last.
+Triangles come in and lines go out, so primitives of both kinds need not agree.
+
+Look at: the box, which has three normals at each corner because its faces do not share vertices,
+and the ring, which has one. Lines go from yellow at the surface to red.
+"""
+
+from math import radians
+
+from shaderlab import Case, Depth, Draw, Mesh, Pass, State, Target, formula, query, value
+from shaderlab.assets import meshes, solids, stage
+from shaderlab.glslmath import mix, mod, mul, vec3, vec4, where
+from shaderlab.reference.studio import handed_on, studio_color
+from shaderlab.reference.transforms import (
+    clip_position,
+    look_at,
+    normal_matrix,
+    perspective,
+    rotate,
+    translate,
+    world_normal,
+)
+
+VIEW = look_at((0.5, 1.7, 4.2), (0.0, 0.0, 0.0))
+PROJECTION = perspective(radians(38.0), 1.0, 0.1, 20.0)
+TURN = rotate(radians(25.0), (0.2, 1.0, 0.1))
+SOLIDS = {
+    "box": (meshes.cube(0.8), (0.16, 0.52, 0.20), translate((-0.8, 0.1, 0.0)) @ TURN),
+    "ring": (meshes.torus(0.5, 0.2, 20, 10), (0.30, 0.45, 0.75), translate((0.8, 0.0, 0.0)) @ TURN),
+}
+
+
+def surface(name):
+    """A solid as it is."""
+    geometry, color, model = SOLIDS[name]
+    return stage.prop(solids.painted(geometry, color), VIEW, PROJECTION, model=model)
+
+
+def normals(name):
+    """Its normals as lines."""
+    geometry, _, model = SOLIDS[name]
+    return Draw(
+        vertex="ch08_techniques/geometry_normals.vert",
+        geometry="ch08_techniques/geometry_normals.geom",
+        fragment="ch08_techniques/geometry_normals.frag",
+        mesh=Mesh(**geometry).only("aPos", "aNormal"),
+        uniforms={
+            "model": model,
+            "view": VIEW,
+            "projection": PROJECTION,
+            "normalMatrix": normal_matrix(VIEW @ model),
+            "magnitude": 0.3,
+        },
+        state=State(depth=Depth()),
+    )
+
+
+def at_tip(emitted):
+    """1 for every second vertex that is emitted, 0 for those on the surface."""
+    return mod(emitted, 2.0)
+
+
+def of_corner(values, emitted):
+    """The corner's own value: each corner emits two vertices."""
+    return where(emitted < 1.5, values[0], where(emitted < 3.5, values[1], values[2]))
+
+
+def grown(gl_in_gl_Position, VS_OUT_normal, emitted, projection, magnitude):
+    """A corner in view space, its tip moved along the normal, then projected."""
+    offset = magnitude * at_tip(emitted) * of_corner(VS_OUT_normal, emitted)
+    return mul(projection, of_corner(gl_in_gl_Position, emitted) + vec4(offset, 0.0))
+
+
+def faded(along):
+    """From yellow to red."""
+    return vec4(mix(vec3(0.95, 0.75, 0.15), vec3(0.85, 0.15, 0.1), along), 1.0)
+
+
+case = Case(
+    title="Normals as lines",
+    section="8.6",
+    math=r"p_{\text{tip}} = P\,(V M p + m\, \hat n), \qquad "
+    r"\hat n = \frac{((V M)^{-1})^{\mathsf T} n}{\lVert ((V M)^{-1})^{\mathsf T} n \rVert}",
+    passes=(
+        Pass(
+            name="judged",
+            target=Target(depth="depth24", clear=stage.SKY),
+            draws=(surface("box"), surface("ring"), normals("box"), normals("ring")),
+        ),
+    ),
+    expect=[
+        *stage.prop_checks(clip_position, world_normal, handed_on, studio_color),
+        *(
+            expectation
+            for draw, name in ((2, "box"), (3, "ring"))
+            for expectation in (
+                formula("gl_Position", grown, draw=draw, name=f"{name}: feet and tips"),
+                formula("along", at_tip, draw=draw, name=f"{name}: which end"),
+                formula("FragColor", faded, draw=draw, name=f"{name}: colour"),
+            )
+        ),
+        query("geometry_primitives_emitted", equals=36, draw=2, name="box: 12 · 3 lines"),
+        query("geometry_primitives_emitted", equals=1200, draw=3, name="ring: 400 · 3 lines"),
+        value(
+            "FragColor",
+            at={"along": 0.25},
+            equals=(0.925, 0.6, 0.1375, 1.0),
+            digits=6,
+            reference=faded,
+            draw=2,
+        ),
+    ],
+)

@@ -1,0 +1,139 @@
+"""Multiple render targets: one fragment shader writes several pictures at once.
+
+A framebuffer may have several colour attachments, and glDrawBuffers says which of them each output
+location goes to. So one pass over the scene yields what would take four: its light, what of it is
+bright enough to glow, its normals, and its luminance. Each attachment has a format of its own. An
+output that no draw buffer takes goes nowhere, and changes nothing in the others.
+
+Look at: the four pictures of one draw: above the light and the bright parts alone, below normals as
+colours (x in red, y in green, z in blue) and luminance.
+"""
+
+from math import radians
+
+from shaderlab import (
+    Case,
+    Depth,
+    Draw,
+    Mesh,
+    Output,
+    Pass,
+    State,
+    Target,
+    exact,
+    formula,
+    fullscreen,
+    value,
+)
+from shaderlab.assets.still_life import still_life
+from shaderlab.glslmath import dot, fract, max, normalize, sqrt, swizzle, vec3, vec4, where
+from shaderlab.reference import post_processing
+from shaderlab.reference.studio import handed_on
+from shaderlab.reference.transforms import (
+    clip_position,
+    look_at,
+    normal_matrix,
+    perspective,
+    rotate,
+    world_normal,
+)
+from shaderlab.sampling import texture
+
+MODEL = rotate(radians(12.0), (0.0, 1.0, 0.0))
+SCENE = Mesh(**still_life())
+OUTPUTS = {
+    "FragColor": "rgba32f", "BrightColor": "rgba16f", "NormalColor": "rgba8", "Luminance": "r32f",
+}  # fmt: skip
+
+
+def drawn(name, **outputs):
+    """The still life, into these attachments; nearest surfaces by depth."""
+    draw = Draw(
+        vertex="ch03_transforms/studio.vert",
+        fragment="ch08_techniques/multiple_render_targets.frag",
+        mesh=SCENE,
+        uniforms={
+            "model": MODEL,
+            "normalMatrix": normal_matrix(MODEL),
+            "view": look_at((0.0, 2.4, 4.4), (0.0, 0.35, 0.1)),
+            "projection": perspective(radians(38.0), 1.0, 0.1, 20.0),
+        },
+        state=State(depth=Depth()),
+    )
+    return Pass(name=name, target=Target(depth="depth24", colors=outputs), draws=(draw,))
+
+
+def light(Normal, Color):
+    """A lamp over the shoulder and a quarter of light from everywhere."""
+    lamp = max(dot(normalize(Normal), vec3(-0.36, 0.80, 0.48)), 0.0)
+    return Color * (0.25 + 0.75 * lamp)
+
+
+def frag_color(Normal, Color):
+    """The light, encoded by a square root."""
+    return vec4(sqrt(light(Normal, Color)), 1.0)
+
+
+def luminance(Normal, Color):
+    """Rec. 709's."""
+    return post_processing.luminance(light(Normal, Color))
+
+
+def bright_color(Normal, Color):
+    """The light where its luminance is past 0.4, else black."""
+    past = luminance(Normal, Color) > 0.4
+    return vec4(where(past, light(Normal, Color), vec3(0.0)), 1.0)
+
+
+def normal_color(Normal):
+    """From −1…1 to 0…1."""
+    return vec4(0.5 * normalize(Normal) + 0.5, 1.0)
+
+
+def tiles(TexCoords, lit, bright, normals, luminance):
+    """The four pictures, each in its quarter."""
+    tile = 2.0 * TexCoords
+    st = fract(tile)
+    left = swizzle(tile, "x") < 1.0
+    below = where(left, texture(normals, st), swizzle(texture(luminance, st), "xxxx"))
+    above = where(left, texture(lit, st), texture(bright, st))
+    both = where(swizzle(tile, "y") < 1.0, below, above)
+    return vec4(swizzle(both, "xyz"), 1.0)
+
+
+AT = {"Normal": (0.0, 2.0, 0.0), "Color": (1.0, 0.5, 0.31)}
+
+case = Case(
+    title="Multiple render targets",
+    section="8.2",
+    passes=(
+        drawn("all", **OUTPUTS),
+        *(drawn(f"only {name}", **{name: word}) for name, word in OUTPUTS.items()),
+        *fullscreen(
+            "ch08_techniques/multiple_render_targets_tiles.frag",
+            name="picture",
+            textures={
+                "lit": Output("all", "FragColor"),
+                "bright": Output("all", "BrightColor"),
+                "normals": Output("all", "NormalColor"),
+                "luminance": Output("all", "Luminance"),
+            },
+        ),
+    ),
+    picture="picture.FragColor",
+    expect=[
+        formula("all.gl_Position", clip_position),
+        formula("all.Normal", world_normal),
+        formula("all.Color", handed_on),
+        formula("all.FragColor", frag_color),
+        formula("all.BrightColor", bright_color),
+        formula("all.NormalColor", normal_color),
+        formula("all.Luminance", luminance),
+        *(
+            exact(f"all.{name}", Output(f"only {name}", name), name=f"{name} alone is the same")
+            for name in OUTPUTS
+        ),
+        formula("picture.FragColor", tiles, name="four tiles"),
+        value("all.Luminance", at=AT, equals=0.503695, digits=6, name="luminance of coral, lit"),
+    ],
+)

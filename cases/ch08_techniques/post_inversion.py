@@ -1,0 +1,90 @@
+"""Inversion: what is missing to white, as on a photographic negative.
+
+The second pass reads the scene's texture and writes 1 − c. Done twice it is the identity, but not
+to the last bit: 1 − c is rounded where c is small, and what was lost does not come back.
+
+Look at: the negative. The sky, nearly white, is nearly black, the coral ball light blue, and
+shadows are bright.
+"""
+
+from math import radians
+
+from shaderlab import (
+    Case,
+    Output,
+    Pixel,
+    Texture,
+    assets,
+    formula,
+    fullscreen,
+    measure,
+    value,
+)
+from shaderlab.assets.still_life import CORAL, photograph_checks, photographed
+from shaderlab.glslmath import swizzle, vec4
+from shaderlab.reference import post_processing
+from shaderlab.reference.studio import handed_on, studio_color
+from shaderlab.reference.transforms import (
+    clip_position,
+    look_at,
+    perspective,
+    world_normal,
+)
+from shaderlab.sampling import texture
+
+VIEW = look_at((0.0, 2.4, 4.4), (0.0, 0.35, 0.1))
+PROJECTION = perspective(radians(38.0), 1.0, 0.1, 20.0)
+
+
+def post(name, source):
+    """The negative of a texture."""
+    return fullscreen(
+        "ch08_techniques/post_inversion.frag", name=name, textures={"screenTexture": source}
+    )
+
+
+def negative(screenTexture, TexCoords):
+    """One minus the texel, alpha 1."""
+    color = swizzle(texture(screenTexture, TexCoords), "xyz")
+    return vec4(post_processing.inverse(color), 1.0)
+
+
+def apart(once, twice):
+    """The largest distance of the scene from its negative's negative, in units of 2⁻²⁴."""
+    return abs(twice - once)[..., :3].max() * 2.0**24
+
+
+case = Case(
+    title="Inversion",
+    section="8.2.3",
+    math=r"c' = 1 - c",
+    passes=(
+        photographed(VIEW, PROJECTION),
+        *post("picture", Output("scene", "FragColor")),
+        *post("twice", Output("picture", "FragColor")),
+        *post("patch", Texture(image=assets.solid((*CORAL, 1.0)))),
+    ),
+    picture="picture.FragColor",
+    expect=[
+        formula("picture.FragColor", negative),
+        formula("twice.FragColor", negative, name="the negative's negative"),
+        measure(
+            "scene against the negative's negative",
+            apart,
+            reads={"once": "scene.FragColor", "twice": "twice.FragColor"},
+            between=(0.25, 1.0),
+            note="in units of 2⁻²⁴, half the spacing of floats below 1: some are not restored",
+        ),
+        value(
+            "patch.FragColor",
+            at=Pixel(3, 3),
+            equals=(0.0, 0.5, 0.69, 1.0),
+            digits=6,
+            reference=negative,
+            name="coral inverted",
+        ),
+        *photograph_checks(
+            clip_position, world_normal, handed_on, studio_color, shares=(4.468, 10.962, 5.957)
+        ),
+    ],
+)

@@ -1,0 +1,102 @@
+"""Kernels: each pixel becomes a sum of itself and its eight neighbours, each with a weight.
+
+Nine weights, laid over a pixel and its neighbours, sharpen, blur, or find edges. Weights that add
+up to 1 keep an even surface as bright as it was (sharpen: 8 · 2 − 15, blur: 16 / 16); those of the
+edge kernel add up to 0, so that even surfaces go black and only changes remain. What is asked for
+beyond the edge of the picture must be decided: here its last row and column are repeated.
+
+Look at: the four pictures. The last kernel, an emboss, is not the same turned round: it shows
+whether the weights' rows run from top to bottom, as they are printed, or the other way.
+"""
+
+from math import radians
+
+import numpy as np
+
+from shaderlab import Case, Output, Ramp, Target, Texture, Variant, computed, formula, fullscreen
+from shaderlab.assets.still_life import photograph_checks, photographed
+from shaderlab.glslmath import swizzle, vec4
+from shaderlab.reference.post_processing import (
+    BLUR,
+    EDGES,
+    EMBOSS,
+    SHARPEN,
+    convolved,
+    filtered,
+)
+from shaderlab.reference.studio import handed_on, studio_color
+from shaderlab.reference.transforms import (
+    clip_position,
+    look_at,
+    perspective,
+    world_normal,
+)
+from shaderlab.sampling import texture
+
+VIEW = look_at((0.0, 2.4, 4.4), (0.0, 0.35, 0.1))
+PROJECTION = perspective(radians(38.0), 1.0, 0.1, 20.0)
+KERNELS = {"sharpen": SHARPEN, "blur": BLUR, "edges": EDGES, "emboss": EMBOSS}
+
+
+# Noise, read 1/200 of a texel from each texel's lower left corner: a neighbour that is not exactly
+# one texel away is another one.
+SIDE = 32
+NOISE = Texture(image=np.random.default_rng(8).uniform(0.0, 1.0, (SIDE, SIDE, 4)))
+NEAR = -0.495 / SIDE
+NEAR_A_CORNER = {"TexCoords": Ramp((NEAR, NEAR), (1.0, 0.0), (0.0, 1.0))}
+
+
+def around(screenTexture, TexCoords, kernel):
+    """Nine texels by their weights, the upper left one first."""
+    height, width = screenTexture.texels.values.shape[:2]
+    texel = np.array([1.0 / width, 1.0 / height])
+    neighbours = [
+        swizzle(texture(screenTexture, TexCoords + texel * np.array([x, y])), "xyz")
+        for y in (1.0, 0.0, -1.0)
+        for x in (-1.0, 0.0, 1.0)
+    ]
+    return vec4(filtered(neighbours, kernel), 1.0)
+
+
+def by_numpy(screenTexture, frag_coord, kernel):
+    """The whole image through NumPy's convolution, and of that the judged pixels."""
+    image = screenTexture.texels.values[..., :3]
+    whole = convolved(image, [float(weight[0]) for weight in kernel])
+    x, y = frag_coord[:, :2].astype(int).T
+    return np.column_stack([whole[y, x], np.ones(len(x))])
+
+
+case = Case(
+    title="Kernels",
+    section="8.2.3",
+    math=r"c'(x, y) = \sum_{i=-1}^{1} \sum_{j=-1}^{1} w_{ij}\, c(x + i,\, y + j)",
+    passes=(
+        photographed(VIEW, PROJECTION),
+        *fullscreen(
+            "ch08_techniques/post_kernels.frag",
+            uniforms={"kernel": SHARPEN},
+            textures={"screenTexture": Output("scene", "FragColor")},
+        ),
+        *fullscreen(
+            "ch08_techniques/post_kernels.frag",
+            name="corners",
+            domain=NEAR_A_CORNER,
+            uniforms={"kernel": SHARPEN},
+            textures={"screenTexture": NOISE},
+            target=Target(size=(SIDE, SIDE)),
+        ),
+    ),
+    picture="main.FragColor",
+    variants=[Variant(name, {"kernel": kernel}) for name, kernel in KERNELS.items()],
+    expect=[
+        formula("main.FragColor", around, also={"NumPy's convolution": by_numpy}),
+        formula("corners.FragColor", around, name="read near each texel's corner"),
+        *(
+            computed(f"weights, {name}", lambda w=kernel: sum(w), equals=total, digits=6)
+            for (name, kernel), total in zip(KERNELS.items(), (1.0, 1.0, 0.0, 1.0), strict=True)
+        ),
+        *photograph_checks(
+            clip_position, world_normal, handed_on, studio_color, shares=(4.468, 10.962, 5.957)
+        ),
+    ],
+)

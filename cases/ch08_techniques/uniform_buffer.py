@@ -1,0 +1,144 @@
+"""Uniform buffers: one block of memory that several programs read, at offsets that are laid down.
+
+Four programs that share projection and view take eight calls a frame to set them. A uniform block
+is a piece of a buffer instead: it is written once, and every program that declares it reads the
+same bytes. Both sides must agree on where a member lies, so std140 lays it down: numbers are
+aligned to 4 bytes, a vec3 to 16 like a vec4, elements of an array stand 16 bytes apart even if they
+are single floats, and a matrix is an array of its columns. Two mat4 lie at 0 and 64, 128 together.
+
+Look at: four cubes, four programs, one buffer for the matrices and one for the light. The second
+has gaps: a float, a vec3, three floats, a vec3 and a mat2 take 56 bytes, and lie in 128.
+"""
+
+from math import radians
+
+from shaderlab import (
+    Case,
+    Depth,
+    Draw,
+    Mesh,
+    Pass,
+    State,
+    Target,
+    UniformBuffer,
+    assets,
+    block_layout,
+    formula,
+    value,
+)
+from shaderlab.glslmath import dot, max, mul, normalize, sqrt, swizzle, vec2, vec3, vec4
+from shaderlab.reference.transforms import clip_position, look_at, perspective, rotate, translate
+
+MATRICES = UniformBuffer(
+    values={
+        "projection": perspective(radians(38.0), 1.0, 0.1, 20.0),
+        "view": look_at((1.6, 2.2, 5.2), (0.0, 0.0, 0.0)),
+    }
+)
+LIGHTS = UniformBuffer(
+    values={
+        "ambient": 0.25,
+        "towards": (0.36, 0.80, 0.48),
+        "gains": (0.75, 0.70, 0.60),
+        "sky": (0.90, 1.00, 1.10),
+        "tint": ((0.05, 0.01), (0.02, 0.06)),
+    }
+)
+COLORS = {
+    "red": (0.80, 0.16, 0.12),
+    "green": (0.16, 0.55, 0.22),
+    "yellow": (0.92, 0.72, 0.12),
+    "blue": (0.12, 0.30, 0.78),
+}
+PLACES = ((-0.75, 0.75), (0.75, 0.75), (-0.75, -0.75), (0.75, -0.75))
+CUBE = Mesh(**assets.cube()).only("aPos", "aNormal")
+
+
+def cube(color, place):
+    """A cube of one colour, with the program for that colour."""
+    turned = rotate(radians(24.0), (0.3, 1.0, 0.0))
+    return Draw(
+        vertex="ch08_techniques/uniform_buffer.vert",
+        fragment=f"ch08_techniques/uniform_buffer_{color}.frag",
+        mesh=CUBE,
+        uniforms={"model": translate((*place, 0.0)) @ turned},
+        blocks={"Matrices": MATRICES, "Lights": LIGHTS},
+        state=State(depth=Depth()),
+    )
+
+
+def handed_on(aNormal):
+    """A normal, as it is."""
+    return aNormal
+
+
+def lit(color):
+    """The colour of a cube under the block's light, as a formula."""
+
+    def shaded(Normal, Lights_ambient, Lights_towards, Lights_gains, Lights_sky, Lights_tint):
+        """Ambient and sun by channel, a tint by height, encoded by a square root."""
+        n = normalize(Normal)
+        sun = max(dot(n, Lights_towards), 0.0)
+        up = swizzle(n, "y")
+        mood = mul(Lights_tint, vec2(max(up, 0.0), max(-up, 0.0)))
+        gain = vec3(*Lights_gains)
+        light = vec3(*color) * (Lights_ambient * Lights_sky + gain * sun)
+        return vec4(sqrt(light + vec3(swizzle(mood, "x"), 0.0, swizzle(mood, "y"))), 1.0)
+
+    return shaded
+
+
+def from_below(color, draw, equals):
+    """One colour with a normal that is long, slanting and looks down."""
+    return value(
+        "FragColor",
+        at={"Normal": (1.0, -1.0, 2.0)},
+        equals=(*equals, 1.0),
+        digits=6,
+        reference=lit(COLORS[color]),
+        draw=draw,
+        name=f"{color}, from below",
+    )
+
+
+case = Case(
+    title="Uniform buffers",
+    section="8.4",
+    math=r"o_{i+1} = \left\lceil \frac{o_i + s_i}{a_{i+1}} \right\rceil a_{i+1}, \qquad "
+    r"a(\mathtt{float}) = 4,\; a(\mathtt{vec3}) = a(\mathtt{mat4}) = 16",
+    passes=(
+        Pass(
+            target=Target(depth="depth24", clear=(0.13, 0.14, 0.17, 1.0)),
+            draws=tuple(cube(c, p) for c, p in zip(COLORS, PLACES, strict=True)),
+        ),
+    ),
+    expect=[
+        *(
+            block_layout(
+                "Matrices",
+                {"projection": 0, "view": 64},
+                size=128,
+                draw=k,
+                name=f"Matrices, {color}",
+            )
+            for k, color in enumerate(COLORS)
+        ),
+        block_layout(
+            "Lights",
+            {"ambient": 0, "towards": 16, "gains": 32, "sky": 80, "tint": 96},
+            size=128,
+            name="Lights, with its gaps",
+        ),
+        *(
+            expectation
+            for k, (color, rgb) in enumerate(COLORS.items())
+            for expectation in (
+                formula("gl_Position", clip_position, draw=k, name=f"{color}: clip coordinates"),
+                formula("Normal", handed_on, draw=k, name=f"{color}: normals"),
+                formula("FragColor", lit(rgb), draw=k, name=f"{color}: colour"),
+            )
+        ),
+        from_below("red", 0, (0.558082, 0.252540, 0.269777)),
+        from_below("blue", 3, (0.224028, 0.345804, 0.581675)),
+    ],
+)

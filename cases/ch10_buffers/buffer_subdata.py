@@ -1,0 +1,65 @@
+"""glBufferSubData: a buffer made without contents, then filled piece by piece.
+
+glBufferData with a null pointer only reserves: here 168 bytes. Two calls of glBufferSubData then
+write the positions, seven times three floats, to byte 0, and the colours, another 84 bytes, to byte
+84. So all of one attribute stands before all of the next (111222333): the stride is the size of one
+of them, 12 bytes, and the colours' pointer begins at byte 84.
+
+Look at: the rosette. Were the second piece written to byte 0, or the pointer left there, positions
+would serve as colours, and three corners with negative coordinates would be black.
+"""
+
+from shaderlab import (
+    Case,
+    Output,
+    Target,
+    attribute_layout,
+    exact,
+    formula,
+    measure,
+    mesh_pass,
+    value,
+)
+from shaderlab.assets.rosette import rosette
+from shaderlab.reference.rosette import as_it_is, color_of, encoded
+
+
+def drawn(name, **memory):
+    """The rosette, its buffer filled in one way or another."""
+    return mesh_pass(
+        "ch10_buffers/rosette.vert",
+        "ch10_buffers/rosette.frag",
+        rosette(**memory),
+        target=Target(size=(512, 512), clear=(0.13, 0.14, 0.17, 1.0)),
+        name=name,
+    )
+
+
+def white(FragColor):
+    """The brightest pixel's darkest channel: the middle is white."""
+    return FragColor[..., :3].min(axis=-1).max()
+
+
+case = Case(
+    title="Filling a buffer in pieces",
+    section="10",
+    math=r"84 = 7 \cdot 3 \cdot 4\ \text{bytes}, \qquad \text{positions}: 0 \ldots 83, \quad "
+    r"\text{colours}: 84 \ldots 167",
+    passes=(
+        *drawn("at once", layout="separate", upload="data"),
+        *drawn("main", layout="batched", upload="sub_data"),
+    ),
+    expect=[
+        attribute_layout(
+            {"aPos": (0, 12), "aColor": (84, 12)}, name="positions at 0, colours at 84"
+        ),
+        exact("FragColor", Output("at once", "FragColor"), name="same as two buffers"),
+        formula("gl_Position", as_it_is),
+        formula("ourColor", color_of),
+        formula("FragColor", encoded),
+        value(
+            "FragColor", at={"ourColor": (0.25, 1.0, 0.0)}, equals=(0.5, 1.0, 0.0, 1.0), digits=6
+        ),
+        measure("the middle is white", white, at_least=0.95),
+    ],
+)

@@ -1,0 +1,92 @@
+"""Usage hints: nine words that tell the driver what a buffer is for, and bind nobody.
+
+The first half says how often the contents change and are used: STREAM once and a few times, STATIC
+once and many times, DYNAMIC again and again. The second half says who writes and who reads: DRAW
+the program for OpenGL, READ OpenGL for the program, COPY OpenGL for itself. Together they are hints
+for where to put the memory, and that is all. Every one of the nine draws the same pixels, a STATIC
+buffer may be written to as often as one likes, and a READ one may be drawn from.
+
+Look at: the nine rosettes: from left to right DRAW, READ and COPY, from bottom to top STREAM,
+STATIC and DYNAMIC. All were made empty and written to afterwards.
+"""
+
+from shaderlab import (
+    Case,
+    Cell,
+    Draw,
+    Erratum,
+    Output,
+    Pass,
+    State,
+    Target,
+    attribute_layout,
+    coverage,
+    exact,
+    formula,
+    value,
+)
+from shaderlab.assets.rosette import rosette
+from shaderlab.reference.rosette import as_it_is, color_of, encoded
+
+OFTEN = ("stream", "static", "dynamic")
+WHO = ("draw", "read", "copy")
+USAGES = tuple(f"{often}_{who}" for often in OFTEN for who in WHO)
+PAPER = (0.13, 0.14, 0.17, 1.0)
+
+
+def drawn(usage, cell=None):
+    """The rosette, its buffer made with a hint and then written to."""
+    return Draw(
+        vertex="ch10_buffers/rosette.vert",
+        fragment="ch10_buffers/rosette.frag",
+        mesh=rosette(layout="batched", usage=usage, upload="sub_data"),
+        state=State(cell=cell),
+    )
+
+
+def alone(usage):
+    """A window with this one rosette."""
+    target = Target(size=(128, 128), clear=PAPER)
+    return Pass(name=usage, target=target, draws=(drawn(usage),))
+
+
+ALL = Pass(
+    name="picture",
+    target=Target(size=(576, 576), clear=PAPER),
+    draws=tuple(
+        drawn(usage, Cell(column=place % 3, row=place // 3, columns=3, rows=3))
+        for place, usage in enumerate(USAGES)
+    ),
+)
+
+case = Case(
+    title="Usage hints",
+    section="10",
+    passes=(ALL, *(alone(usage) for usage in USAGES)),
+    picture="picture.FragColor",
+    expect=[
+        formula("stream_draw.gl_Position", as_it_is),
+        formula("stream_draw.ourColor", color_of),
+        formula("stream_draw.FragColor", encoded),
+        value(
+            "stream_draw.FragColor",
+            at={"ourColor": (0.25, 1.0, 0.0)},
+            equals=(0.5, 1.0, 0.0, 1.0),
+            digits=6,
+        ),
+        coverage(9360, pass_name="stream_draw", name="pixels of one rosette"),
+        attribute_layout({"aPos": (0, 12), "aColor": (84, 12)}, pass_name="static_draw"),
+        *(
+            exact(f"{usage}.FragColor", Output("stream_draw", "FragColor"), name=usage.upper())
+            for usage in USAGES[1:]
+        ),
+    ],
+    errata=[
+        Erratum(
+            section="10",
+            says="data in a GL_STATIC_DRAW buffer does not change",
+            truth="it is a hint: the buffer was made empty, and glBufferSubData wrote to it since",
+            proof="STATIC_DRAW",
+        )
+    ],
+)

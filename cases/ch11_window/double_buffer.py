@@ -1,0 +1,157 @@
+"""Two buffers in turn: the screen never shows a frame that is only half drawn.
+
+A frame takes many draws, and the screen refreshes when it likes. With one buffer it is read in the
+middle of the next frame: first the sky has been painted over everything, then, a moment later, the
+ball is there again, and the ball flickers. With two, the draws go into the back buffer while the
+screen reads the front one, and the two exchange their parts when the frame is done. What is seen is
+late by one frame at most, and always whole.
+
+Look at: seven refreshes while a ball rolls to the right, from left to right in time: every second
+one comes in the middle of a frame. Above, with one buffer, those (framed red) show the sky alone.
+Below, with two, they show the last whole frame once more.
+"""
+
+import numpy as np
+
+from shaderlab import Case, Cell, Draw, Output, Pass, Ramp, State, Target, exact, formula, value
+from shaderlab.glslmath import dot, mix, swizzle, vec3, vec4, where
+
+FRAMES = 4
+SMALL = Target(size=(128, 128))
+WINDOW = {"place": Ramp((-1.0, -1.0), (2.0, 0.0), (0.0, 2.0))}
+
+
+def sky_draw():
+    """The first draw of a frame, over all that was there."""
+    return Draw(fragment="ch11_window/double_buffer_sky.frag", domain=WINDOW)
+
+
+def ball_draw(frame):
+    """The second one: the ball where it is in this frame."""
+    return Draw(
+        fragment="ch11_window/double_buffer_ball.frag",
+        domain=WINDOW,
+        uniforms={"middle": (-0.6 + 0.4 * frame, -0.2)},
+    )
+
+
+def shown(name, front):
+    """One refresh of the screen: it copies the buffer that it is pointed at."""
+    screen = Draw(
+        fragment="ch11_window/double_buffer_screen.frag",
+        domain={},
+        textures={"front": Output(front, "FragColor")},
+    )
+    return Pass(name=name, target=SMALL, draws=(screen,))
+
+
+def one_buffer():
+    """Every frame into the same target, which the screen reads after each draw."""
+    passes = [Pass(name="one 0", target=SMALL, draws=(sky_draw(), ball_draw(0)))]
+    passes.append(shown("one seen 0", "one 0"))
+    for k in range(1, FRAMES):
+        half, whole = f"one {k} half", f"one {k}"
+        before = passes[-2].name
+        passes.append(Pass(name=half, target=SMALL, draws=(sky_draw(),), onto=before))
+        passes.append(shown(f"one seen {2 * k - 1}", half))
+        passes.append(Pass(name=whole, target=SMALL, draws=(ball_draw(k),), onto=half))
+        passes.append(shown(f"one seen {2 * k}", whole))
+    return passes
+
+
+def two_buffers():
+    """Frames into two targets in turn; the screen reads the one that is not drawn into."""
+    passes = [Pass(name="two 0", target=SMALL, draws=(sky_draw(), ball_draw(0)))]
+    passes.append(shown("two seen 0", "two 0"))
+    for k in range(1, FRAMES):
+        half, whole, front = f"two {k} half", f"two {k}", f"two {k - 1}"
+        back = f"two {k - 2}" if k > 1 else ""  # the second buffer is made for the second frame
+        passes.append(Pass(name=half, target=SMALL, draws=(sky_draw(),), onto=back))
+        passes.append(shown(f"two seen {2 * k - 1}", front))
+        passes.append(Pass(name=whole, target=SMALL, draws=(ball_draw(k),), onto=half))
+        passes.append(shown(f"two seen {2 * k}", whole))
+    return passes
+
+
+def framed(column, row, name, edge):
+    """A refresh as part of the strip."""
+    return Draw(
+        fragment="ch11_window/double_buffer_picture.frag",
+        domain={"place": Ramp((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))},
+        uniforms={"edge": edge},
+        textures={"seen": Output(name, "FragColor")},
+        state=State(cell=Cell(column=column, row=row, columns=2 * FRAMES - 1, rows=2)),
+    )
+
+
+def sky(place):
+    """From warm at the horizon to blue, over dark ground."""
+    height = swizzle(place, "y")
+    color = mix(vec3(0.80, 0.62, 0.52), vec3(0.22, 0.34, 0.55), 0.5 + 0.5 * height)
+    return vec4(where(height < -0.5, vec3(0.16, 0.24, 0.20), color), 1.0)
+
+
+def ball(place, middle):
+    """Lit from the upper left."""
+    light = 0.5 + 0.5 * dot((place - middle) / 0.3, np.array([-0.5, 0.5]))
+    return vec4(light * vec3(1.0, 0.86, 0.32), 1.0)
+
+
+REFRESHES = range(2 * FRAMES - 1)
+DARK, RED = (0.07, 0.08, 0.10), (0.85, 0.20, 0.15)
+
+case = Case(
+    title="Double buffering",
+    section="11.2",
+    math=r"\text{front}_{k+1} = \text{back}_k, \qquad \text{back}_{k+1} = \text{front}_k",
+    passes=(
+        Pass(name="sky alone", target=SMALL, draws=(sky_draw(),)),
+        *(
+            Pass(name=f"frame {k}", target=SMALL, draws=(sky_draw(), ball_draw(k)))
+            for k in range(FRAMES)
+        ),
+        *one_buffer(),
+        *two_buffers(),
+        Pass(
+            name="picture",
+            target=Target(size=(1050, 300)),
+            draws=tuple(
+                framed(k, row, f"{name} seen {k}", RED if row and k % 2 else DARK)
+                for row, name in ((1, "one"), (0, "two"))
+                for k in REFRESHES
+            ),
+        ),
+    ),
+    picture="picture.FragColor",
+    expect=[
+        *(
+            formula(f"frame {k}.FragColor", ball, name=f"the ball in frame {k}")
+            for k in range(FRAMES)
+        ),
+        formula("frame 0.FragColor", sky, draw=0, name="the sky behind it"),
+        formula("sky alone.FragColor", sky, name="the sky alone"),
+        value(
+            "frame 0.FragColor",
+            at={"place": (-0.75, -0.05), "middle": (-0.6, -0.2)},
+            equals=(0.75, 0.645, 0.24, 1.0),
+            digits=6,
+            name="the ball's lit side",
+        ),
+        *(
+            exact(
+                f"two seen {k}.FragColor",
+                Output(f"frame {k // 2}", "FragColor"),
+                name=f"two buffers, refresh {k}: frame {k // 2}, whole",
+            )
+            for k in REFRESHES
+        ),
+        *(
+            exact(
+                f"one seen {k}.FragColor",
+                Output(f"frame {k // 2}" if k % 2 == 0 else "sky alone", "FragColor"),
+                name=f"one buffer, refresh {k}: " + ("half drawn" if k % 2 else "whole"),
+            )
+            for k in REFRESHES
+        ),
+    ],
+)

@@ -1,0 +1,223 @@
+"""A point cloud from a PCD file, each point as large as its distance makes it.
+
+A PCD file is a short header in text, which names the fields of a point, their types and how many
+points there are, and then the points: as text, as they lie in memory, or packed. `GL_POINTS` draws
+a square around each of them, `gl_PointSize` pixels wide (with GL_PROGRAM_POINT_SIZE enabled). A
+point of a fixed size in space spans pixels in inverse proportion to its distance, and that is clip
+w: the size is the scale over w. `gl_PointCoord` runs over the square, and makes a disc of it. A
+header may promise anything; the lab compares it with the file's size before it believes it.
+
+Look at: the galaxy, 1500 stars of one file. The near arm's are the larger ones. The same cloud is
+there in three encodings, and all three draw the same picture, to the bit.
+"""
+
+from functools import cache
+from math import radians
+from pathlib import Path
+
+import numpy as np
+
+from shaderlab import (
+    Blend,
+    Case,
+    Mesh,
+    Output,
+    State,
+    Target,
+    assets,
+    computed,
+    coverage,
+    exact,
+    formula,
+    mesh_pass,
+    refused,
+    sweep,
+    value,
+)
+from shaderlab.glslmath import dot, max, mix, mul, swizzle, vec3, vec4
+from shaderlab.reference.transforms import look_at, perspective
+
+FOLDER = Path(__file__).parent / "point_cloud"
+VIEW = look_at((0.35, 0.95, 1.75), (0.0, -0.05, 0.0))
+PROJECTION = perspective(radians(55.0), 1.5, 0.1, 10.0)
+
+
+@cache
+def cloud(encoding):
+    """The galaxy from one of its three files."""
+    return assets.load_pcd(FOLDER / f"galaxy_{encoding}.pcd")
+
+
+def stars(encoding):
+    """The galaxy as points."""
+    found = cloud(encoding)
+    attributes = {"aPos": found.positions, "aWarmth": found.fields["warmth"]}
+    return Mesh(attributes=attributes, primitive="points")
+
+
+def drawn(
+    name,
+    mesh,
+    size,
+    scale,
+    view=VIEW,
+    projection=PROJECTION,
+    fragment="point_cloud.frag",
+    **state,
+):
+    """One pass of points; `scale` is a point's diameter at distance 1."""
+    return mesh_pass(
+        "ch14_point_clouds/point_cloud.vert",
+        f"ch14_point_clouds/{fragment}",
+        mesh,
+        name=name,
+        uniforms={"view": view, "projection": projection, "pointScale": scale},
+        target=Target(size=size, depth="depth24", clear=(0.006, 0.008, 0.02, 1.0)),
+        state=State(point_size="program", **state),
+    )
+
+
+def judged(name, encoding):
+    """A small picture of one file, its stars in the order of the file."""
+    later = Mesh.later(lambda: stars(encoding))
+    return drawn(name, later, (96, 64), 9.0)
+
+
+# Three points on the corners of pixels, at distances 1, 2 and 4: 16, 8 and 4 pixels wide.
+RULER = Mesh(
+    attributes={
+        "aPos": np.array([(-0.5, -0.5, -1.0), (1.0, -1.0, -2.0), (0.0, 2.0, -4.0)]),
+        "aWarmth": np.array([0.0, 0.5, 1.0]),
+    },
+    primitive="points",
+)
+
+
+def square(warmth):
+    """The ruler's colours."""
+    return vec4(warmth, 0.5, 1.0 - warmth, 1.0)
+
+
+def clip(aPos, view, projection):
+    """Clip coordinates: points have no model matrix of their own."""
+    return mul(projection, mul(view, vec4(aPos, 1.0)))
+
+
+def width(aPos, view, projection, pointScale):
+    """A point's diameter: in inverse proportion to clip w."""
+    return pointScale / swizzle(clip(aPos, view, projection), "w")
+
+
+def handed_on(aWarmth):
+    """How warm a star's light is, from 0 to 1."""
+    return aWarmth
+
+
+def star(warmth, gl_PointCoord):
+    """Between blue and amber, with no light left at the circle's rim."""
+    off = gl_PointCoord - 0.5
+    light = max(1.0 - 4.0 * dot(off, off), 0.0)
+    color = mix(vec3(0.20, 0.36, 0.85), vec3(1.0, 0.70, 0.35), warmth)
+    return vec4(light * color, 1.0)
+
+
+def bad(name, message, remedy="save the cloud again"):
+    """A broken file is refused in exactly these words."""
+    return refused(
+        lambda: assets.load_pcd(FOLDER / "broken" / name),
+        message=message,
+        file=f"point_cloud/broken/{name}",
+        remedy=remedy,
+        name=name,
+    )
+
+
+def apart(encoding):
+    """The largest difference of any number from the plain binary file's."""
+    one, other = cloud(encoding), cloud("binary")
+    warmth = np.abs(one.fields["warmth"] - other.fields["warmth"]).max()
+    return np.maximum(np.abs(one.positions - other.positions).max(), warmth)
+
+
+case = Case(
+    title="A point cloud",
+    section="14",
+    math=r"\text{gl\_PointSize} = \frac{s}{w_{\text{clip}}}",
+    passes=(
+        *drawn(
+            "picture",
+            Mesh.later(lambda: stars("binary")),
+            (960, 640),
+            22.0,
+            blend=Blend(source="one", destination="one"),
+        ),
+        *judged("ascii", "ascii"),
+        *judged("compressed", "compressed"),
+        *drawn(
+            "ruler",
+            RULER,
+            (64, 64),
+            16.0,
+            view=np.eye(4),
+            projection=perspective(radians(90.0), 1.0, 0.1, 10.0),
+            fragment="point_square.frag",
+        ),
+        *judged("judged", "binary"),
+    ),
+    picture="picture.FragColor",
+    expect=[
+        computed("points", lambda: len(cloud("binary").positions), equals=1500.0, digits=0),
+        computed(
+            "lowest corner of the bounds",
+            lambda: cloud("binary").positions.min(axis=0),
+            equals=(-1.5, -0.4, -1.5),
+            digits=6,
+        ),
+        computed(
+            "highest corner of the bounds",
+            lambda: cloud("binary").positions.max(axis=0),
+            equals=(1.5, 0.4, 1.5),
+            digits=6,
+        ),
+        computed("text against binary", lambda: apart("ascii"), equals=0.0, digits=12),
+        computed("packed against binary", lambda: apart("compressed"), equals=0.0, digits=12),
+        exact("judged.FragColor", Output("ascii", "FragColor"), name="the picture from text"),
+        exact("judged.FragColor", Output("compressed", "FragColor"), name="… from packed data"),
+        formula("gl_Position", clip),
+        formula("diameter", width),
+        formula("warmth", handed_on),
+        formula("FragColor", star),
+        formula("ruler.FragColor", square),
+        formula("ruler.diameter", width, name="the ruler's diameters"),
+        coverage(16**2 + 8**2 + 4**2, pass_name="ruler", name="pixels at distances 1, 2 and 4"),
+        value(
+            "ruler.diameter",
+            at={"aPos": (0.0, 0.0, -4.0), "aWarmth": 0.0},
+            equals=4.0,
+            digits=6,
+            name="at distance 4",
+        ),
+        sweep(
+            "ruler.diameter",
+            width,
+            over="pointScale",
+            values=np.linspace(1.0, 32.0, 32),
+            at={"aPos": (0.25, 0.5, -2.0), "aWarmth": 0.5},
+        ),
+        bad("truncated.pcd", "is cut off: it promises 40 points and has 33"),
+        bad("short_row.pcd", "is cut off: point 1 has 2 numbers, not 4"),
+        bad("wrong_magic.pcd", "is no PCD file: it begins with 'PLY'"),
+        bad(
+            "not_a_number.pcd",
+            "point 1 is [0.0, nan, 0.0]",
+            "leave such points out with drop_invalid=True",
+        ),
+        bad("enormous.pcd", "is cut off: it promises 1000000000000 points and has 4"),
+        bad(
+            "enormous_compressed.pcd",
+            "promises 1000000000 points, 16000000000 bytes, but unpacks to 4294967295",
+        ),
+        bad("empty.pcd", "is no PCD file"),
+        bad("absent.pcd", "there is no such PCD file", "check the path and its spelling"),
+    ],
+)

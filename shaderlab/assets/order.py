@@ -1,0 +1,51 @@
+"""The order of drawing: a depth test makes it immaterial, and so it can be checked.
+
+A scene is drawn twice, the second time with its last draw first; of a single draw, its last
+triangle. Which surface is seen at a pixel is then decided by depth alone, or the images differ.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from shaderlab.model import Draw, Expectation, Output, Pass, exact
+
+_SUFFIX = "-backwards"
+
+
+def both_ways(description: Pass) -> tuple[Pass, Pass]:
+    """The pass with its draws in the opposite order, named `…-backwards`, and the pass itself.
+
+    >>> from shaderlab.model import Mesh, Target
+    >>> triangle = Mesh(attributes={"aPos": np.zeros((3, 3))})
+    >>> draws = [Draw(vertex=f"{k}.vert", fragment="a.frag", mesh=triangle) for k in (1, 2)]
+    >>> backwards, same = both_ways(Pass(name="scene", target=Target(), draws=draws))
+    >>> backwards.name, [draw.vertex for draw in backwards.draws]
+    ('scene-backwards', ['2.vert', '1.vert'])
+    """
+    draws = tuple(reversed(description.draws))
+    if len(draws) == 1:
+        draws = (_backwards(draws[0]),)
+    return replace(description, name=description.name + _SUFFIX, draws=draws), description
+
+
+def any_order(output: str) -> Expectation:
+    """An output, named with its pass, is the same whatever is drawn first.
+
+    >>> any_order("scene.FragColor").equals
+    Output(pass_name='scene-backwards', name='FragColor')
+    """
+    pass_name, _, name = output.partition(".")
+    other = Output(pass_name + _SUFFIX, name)
+    return exact(output, other, name=f"{pass_name}: any order of drawing")
+
+
+def _backwards(draw: Draw) -> Draw:
+    """The draw with its mesh's triangles from last to first, each as it was."""
+    mesh = draw.mesh
+    if mesh is None or mesh.primitive != "triangles" or mesh.indices is None:
+        return draw
+    triangles = np.asarray(mesh.indices).reshape(-1, 3)
+    return replace(draw, mesh=replace(mesh, indices=triangles[::-1].ravel()))

@@ -1,0 +1,101 @@
+"""A still life for passes that need a picture to work on: clear colours on a chessboard floor."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from shaderlab.assets.meshes import Geometry, sphere, torus
+from shaderlab.assets.solids import box, gathered, letter_f, painted, placed
+from shaderlab.assets.stage import SKY, prop, prop_checks
+from shaderlab.model import Expectation, Pass, Target, measure, value
+
+Array = npt.NDArray[Any]
+
+CORAL, BLUE, GREEN = (1.0, 0.5, 0.31), (0.10, 0.22, 0.75), (0.16, 0.52, 0.20)
+
+
+def still_life() -> Geometry:
+    """A letter, a coral ball, a blue ring and a green box on a floor of 4 × 4, as one mesh.
+
+    >>> sorted(still_life()["attributes"])
+    ['aColor', 'aNormal', 'aPos']
+    """
+    return gathered(
+        placed(painted(sphere(0.42), CORAL), _at(0.35, 0.42, 0.55)),
+        placed(painted(torus(0.46, 0.17), BLUE), _at(-0.75, 0.18, 0.95)),
+        placed(letter_f(), _at(-0.95, 0.01, -0.35)),
+        painted(box((0.75, 0.01, -1.1), (1.45, 1.05, -0.4)), GREEN),
+        *(_field(x, z) for x in range(-4, 4) for z in range(-4, 4)),
+    )
+
+
+def photographed(
+    view: Array, projection: Array, name: str = "scene", size: tuple[int, int] | None = None
+) -> Pass:
+    """A pass that draws the still life, turned a little to the left; `size` is the target's."""
+    target = Target(depth="depth24", clear=SKY, size=size)
+    model = np.eye(4)
+    c, s = np.cos(0.2), np.sin(0.2)
+    model[:3, :3] = (c, 0.0, s), (0.0, 1.0, 0.0), (-s, 0.0, c)
+    draw = prop(still_life(), view, projection, model=model)
+    return Pass(name=name, target=target, draws=(draw,))
+
+
+def photograph_checks(
+    position: Callable[..., Any],
+    normal: Callable[..., Any],
+    color: Callable[..., Any],
+    light: Callable[..., Any],
+    *,
+    shares: tuple[float, float, float],
+    pass_name: str = "scene",
+) -> tuple[Expectation, ...]:
+    """What must hold of the still life: as of a prop; and what is in front hides what is behind, so
+    that coral, blue and green each have their share of the picture, in per cent."""
+    found = dict(zip(("coral", "blue", "green"), shares, strict=True))
+    return (
+        *prop_checks(position, normal, color, light, pass_name=pass_name),
+        value(
+            f"{pass_name}.FragColor",
+            at={"Color": (0.0, 0.0, 0.0), "Normal": (0.0, 2.0, 0.0)},
+            equals=(0.001874, 0.001874, 0.001874, 1.0),
+            digits=6,
+            reference=light,
+            name="black, facing up",
+        ),
+        *(
+            measure(
+                f"{word} in the picture",
+                _share,
+                reads={"picture": f"{pass_name}.FragColor"},
+                given={"of": color_of},
+                between=(found[word] - 0.08, found[word] + 0.08),
+                note="per cent of the pixels; what stands in front hides the rest",
+            )
+            for word, color_of in (("coral", CORAL), ("blue", BLUE), ("green", GREEN))
+        ),
+    )
+
+
+def _share(picture: Array, of: Array) -> float:
+    """Per cent of the pixels whose channels are in the proportions of one colour."""
+    light = np.clip(picture[..., :3], 0.0, 1.0) ** 2.2
+    wanted = np.asarray(of, float) / np.max(of)
+    level = light.max(axis=-1, keepdims=True)
+    alike = np.abs(light / np.maximum(level, 1e-6) - wanted).max(axis=-1) < 0.02
+    return float(100.0 * np.mean(alike & (level[..., 0] < 0.999)))
+
+
+def _field(x: int, z: int) -> Geometry:
+    paper = (0.78, 0.76, 0.70) if (x + z) % 2 else (0.42, 0.44, 0.47)
+    return painted(box((x / 2, -0.06, z / 2), ((x + 1) / 2, 0.0, (z + 1) / 2)), paper)
+
+
+def _at(x: float, y: float, z: float) -> Array:
+    matrix = np.eye(4)
+    matrix[:3, 3] = x, y, z
+    return matrix

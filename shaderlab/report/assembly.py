@@ -1,0 +1,59 @@
+"""A case's SPIR-V as text, folded away, and once in the page however many cases share it."""
+
+from __future__ import annotations
+
+import base64
+import zlib
+from dataclasses import dataclass
+
+from shaderlab.report.grouping import CaseGroup
+from shaderlab.report.inline import Pictures
+from shaderlab.report.text import Anchors
+
+# The anchor of each file that is in the page already.
+Packed = dict[str, str]
+
+
+@dataclass(frozen=True)
+class Assembly:
+    """One program's modules for one target: the files it is made of, its size, and where its text
+    is. `packed` is that text, deflated and in base64; it is "" where the file has gone, and where
+    an earlier case has it under the same anchor."""
+
+    target: str
+    files: tuple[str, ...]
+    bytes: int
+    instructions: int
+    file: str
+    anchor: str
+    packed: str
+
+
+def assemblies(
+    group: CaseGroup, anchors: Anchors, pictures: Pictures, packed: Packed
+) -> tuple[Assembly, ...]:
+    """Each program's modules once, for all variants; what is `packed` already is not again."""
+    found: dict[str, Assembly] = {}
+    for record in group.records:
+        for program in record.programs:
+            for verdict in program.verdicts:
+                if not verdict.assembly or verdict.assembly in found:
+                    continue
+                text = ""
+                if verdict.assembly not in packed:
+                    text = _deflated(pictures.text(verdict.assembly))
+                    packed[verdict.assembly] = anchors.short() if text else ""
+                found[verdict.assembly] = Assembly(
+                    target=verdict.target,
+                    files=program.files,
+                    bytes=verdict.spirv_bytes,
+                    instructions=verdict.instructions,
+                    file=verdict.assembly,
+                    anchor=packed[verdict.assembly],
+                    packed=text,
+                )
+    return tuple(found.values())
+
+
+def _deflated(data: bytes) -> str:
+    return base64.b64encode(zlib.compress(data, 9)).decode("ascii") if data else ""

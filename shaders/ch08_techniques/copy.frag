@@ -1,0 +1,11 @@
+#version 330 core
+in vec2 TexCoords;
+
+uniform sampler2D screen;
+
+out vec4 FragColor;
+
+void main()
+{
+    FragColor = texture(screen, TexCoords);
+}

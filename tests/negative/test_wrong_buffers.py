@@ -1,0 +1,205 @@
+"""Realistic mistakes about buffers, framebuffers and geometry shaders: each makes its case fail."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+from shaderlab import UniformBuffer
+from shaderlab.catalogue import Catalogue, data_folder
+from shaderlab.model import Case, Draw, Mesh, Pass
+from shaderlab.pipeline import Lab, Options
+from shaderlab.records import Record
+
+CH2, CH8, CH10 = "ch02_basics", "ch08_techniques", "ch10_buffers"
+ROSETTE = f"{CH10}/rosette"
+
+# case, shader, what stands there, the mistake
+SHADERS = [
+    # attributes taken for one another, or not handed on
+    ("interleaved-attributes", f"{CH2}/interleaved_attributes.vert", "ourColor = aColor",
+     "ourColor = aPos"),
+    ("interleaved-attributes", f"{CH2}/interleaved_attributes.vert", "TexCoord = aTexCoord",
+     "TexCoord = aTexCoord.ts"),
+    ("interleaved-attributes", f"{CH2}/interleaved_attributes.frag", "8.0 * TexCoord",
+     "4.0 * TexCoord"),
+    ("vertex-array", f"{CH2}/vertex_array.vert", "aPos.y + 0.5", "aPos.y"),
+    ("vertex-array", f"{CH2}/vertex_array.frag", "0.30), height", "0.30), 1.0 - height"),
+    ("buffer-subdata", f"{ROSETTE}.vert", "ourColor = aColor", "ourColor = aPos"),
+    ("buffer-map", f"{ROSETTE}.frag", "sqrt(ourColor)", "ourColor"),
+    ("buffer-usage", f"{ROSETTE}.vert", "aPos, 1.0", "aPos, 1.1"),
+    ("batched-attributes", f"{ROSETTE}.frag", "sqrt(ourColor)", "sqrt(ourColor.bgr)"),
+    ("points-and-elements", f"{CH10}/points.vert", "gl_PointSize = size", "gl_PointSize = 1.0"),
+    ("points-and-elements", f"{CH10}/points.vert", "ourColor = aColor", "ourColor = aColor.gbr"),
+    ("mesh-class", f"{CH10}/mesh_class.vert", "size * aPos.xy + offset",
+     "size * (aPos.xy + offset)"),
+    ("mesh-class", f"{CH10}/mesh_class.vert", "ourColor = aColor", "ourColor = size * aColor"),
+    # a kernel's rows upside down, neighbours half a texel away, the wrong divisor
+    ("post-kernels", f"{CH8}/post_kernels.frag", "1 - row", "row - 1"),
+    ("post-kernels", f"{CH8}/post_kernels.frag", "1.0 / vec2(", "0.5 / vec2("),
+    ("post-kernels", f"{CH8}/post_kernels.frag", "3 * row + column", "3 * column + row"),
+    ("post-grayscale", f"{CH8}/post_grayscale.frag", "/ 3.0", "/ 3.1"),
+    ("post-grayscale", f"{CH8}/post_grayscale.frag", "0.2126, 0.7152, 0.0722",
+     "0.299, 0.587, 0.114"),
+    ("post-inversion", f"{CH8}/post_inversion.frag", "1.0 - texture", "0.99 - texture"),
+    ("post-inversion", f"{CH8}/post_inversion.frag", "vec4(1.0 - texture(screenTexture, "
+     "TexCoords).rgb, 1.0)", "1.0 - texture(screenTexture, TexCoords)"),
+    ("face-culling", f"{CH8}/face_culling.vert", "-aPos.x : aPos.x", "aPos.x : aPos.x"),
+    ("face-culling", f"{CH8}/face_culling.frag", "gl_FrontFacing ?", "!gl_FrontFacing ?"),
+    ("framebuffer-texture", f"{CH8}/framebuffer_texture.vert", "= aTexCoords",
+     "= vec2(aTexCoords.x, 1.0 - aTexCoords.y)"),
+    ("framebuffer-texture", f"{CH8}/copy.frag", "texture(screen, TexCoords)",
+     "texture(screen, 1.0 - TexCoords)"),
+    ("framebuffer-renderbuffer", f"{CH8}/framebuffer_renderbuffer.vert", "aPos.xy, depth",
+     "aPos.xy, -depth"),
+    ("framebuffer-renderbuffer", f"{CH8}/framebuffer_renderbuffer.frag", "= color",
+     "= vec4(color.rgb, 0.5)"),
+    ("multiple-render-targets", f"{CH8}/multiple_render_targets.frag", "0.5 * n + 0.5",
+     "0.5 * n"),
+    ("multiple-render-targets", f"{CH8}/multiple_render_targets.frag", "Luminance > 0.4",
+     "Luminance > 0.5"),
+    ("uniform-buffer", f"{CH8}/uniform_buffer.vert", "projection * (view *",
+     "view * (projection *"),
+    ("uniform-buffer", f"{CH8}/uniform_buffer_light.glsl", "lights.gains[2]", "lights.gains[1]"),
+    ("batching", f"{CH8}/batching_instanced.vert", "aPos + aOffset", "aPos - aOffset"),
+    ("batching", f"{CH8}/batching_merged.vert", "Color = aColor", "Color = aColor.grb"),
+    ("geometry-houses", f"{CH8}/geometry_houses.geom", "vec2(0.0, 2.0)", "vec2(0.0, 1.5)"),
+    ("geometry-houses", f"{CH8}/geometry_houses_outline.geom", "corner(vec2(0.0, 2.0));", ""),
+    ("geometry-explode", f"{CH8}/geometry_explode.geom", "cross(a, b)", "cross(b, a)"),
+    ("geometry-explode", f"{CH8}/geometry_explode.geom", "sin(time) + 1.0", "sin(time)"),
+    ("geometry-normals", f"{CH8}/geometry_normals.vert", "normalMatrix * aNormal", "aNormal"),
+    ("geometry-normals", f"{CH8}/geometry_normals.geom", "projection * (gl_in[i].gl_Position + "
+     "offset)", "projection * gl_in[i].gl_Position + offset"),
+    ("reduced-resolution", f"{CH8}/copy.frag", "TexCoords)", "TexCoords + 0.002)"),
+    ("reduced-resolution", f"{CH8}/reduced_resolution.frag", "place < 3.0", "place < 2.5"),
+]  # fmt: skip
+
+
+@cache
+def shipped(case_id: str) -> Case:
+    return Catalogue.shipped().find(case_id)
+
+
+def run(case: Case, shaders: dict[str, str] | None = None) -> Record:
+    scenes = list(case.scenes())
+    with Lab(Options(shaders=shaders or {})) as lab:
+        return lab.run(scenes[-1])  # the last kernel is the one that is not symmetric
+
+
+@pytest.mark.parametrize(
+    ("case_id", "shader", "right", "wrong"),
+    SHADERS,
+    ids=[f"{case}-{wrong[:40]}" for case, _, _, wrong in SHADERS],
+)
+def test_a_mistake_makes_its_case_fail(case_id: str, shader: str, right: str, wrong: str) -> None:
+    text = (data_folder("shaders") / shader).read_text(encoding="utf-8")
+    assert right in text, f"{shader} does not read {right!r} any more"
+    record = run(shipped(case_id), {shader: text.replace(right, wrong)})
+    assert record.status == "fail", record.message
+
+
+def with_draws(case: Case, change: Callable[[Pass, Draw], Draw]) -> Case:
+    """The case with each of its draws changed."""
+    passes = tuple(replace(p, draws=tuple(change(p, d) for d in p.draws)) for p in case.passes)
+    return replace(case, passes=passes)
+
+
+def with_mesh(case: Case, *, only: str = "", **memory: Any) -> Case:
+    """The case with its meshes lying otherwise in memory, in one pass or in all."""
+
+    def change(description: Pass, draw: Draw) -> Draw:
+        if not isinstance(draw.mesh, Mesh) or only not in ("", description.name):
+            return draw
+        return replace(draw, mesh=replace(draw.mesh, **memory))
+
+    return with_draws(case, change)
+
+
+def failed(case: Case) -> set[str]:
+    record = run(case)
+    assert record.status == "fail", record.message
+    return {o.name for o in record.expectations if o.status == "fail"}
+
+
+@pytest.mark.parametrize(
+    ("case_id", "layout", "names"),
+    [
+        ("interleaved-attributes", "batched", {"stride 32, offsets 0, 12, 24"}),
+        ("buffer-subdata", "interleaved", {"positions at 0, colours at 84"}),
+        ("buffer-map", "separate", {"positions, then colours"}),
+        ("batched-attributes", "separate", {"batched: 111222", "interleaved: 123123"}),
+        ("mesh-class", "batched", {"layout, first draw", "layout, last draw"}),
+        ("batching", "separate", {"instanced: where attributes lie"}),
+    ],
+)
+def test_another_layout_is_noticed_although_the_pixels_are_the_same(
+    case_id: str, layout: str, names: set[str]
+) -> None:
+    assert failed(with_mesh(shipped(case_id), layout=layout)) == names
+
+
+def test_a_wrong_colour_in_the_buffer_is_noticed() -> None:
+    case = shipped("buffer-usage")
+    mesh = case.passes[-1].draws[0].mesh
+    assert isinstance(mesh, Mesh)
+    colors = {**mesh.attributes, "aColor": np.roll(mesh.attributes["aColor"], 1, axis=0)}
+    assert failed(with_mesh(case, only=case.passes[-1].name, attributes=colors)) == {"DYNAMIC_COPY"}
+
+
+def test_without_its_vertex_array_every_draw_is_an_error() -> None:
+    case = with_draws(shipped("vertex-array"), lambda _, d: replace(d, vertex_array=True))
+    assert failed(case) == {"nothing bound: 0x0502", "nothing bound: nothing drawn"}
+
+
+def test_projection_and_view_exchanged_in_the_buffer_are_noticed() -> None:
+    case = shipped("uniform-buffer")
+    matrices = case.passes[0].draws[0].blocks["Matrices"].values
+    wrong = UniformBuffer(
+        values={"projection": matrices["view"], "view": np.asarray(matrices["projection"]).T}
+    )
+
+    def change(_: Pass, draw: Draw) -> Draw:
+        return replace(draw, blocks={**draw.blocks, "Matrices": wrong})
+
+    with Lab() as lab:
+        right = lab.run(next(case.scenes()))
+        record = lab.run(next(with_draws(case, change).scenes()))
+    # Each program is judged by what the buffer holds, so only what is seen of it can change.
+    assert right.status == "pass"
+    assert record.status != "pass"
+
+
+def test_culling_the_wrong_side_is_noticed() -> None:
+    case = shipped("face-culling")
+
+    def change(description: Pass, draw: Draw) -> Draw:
+        state = draw.state
+        if description.name == "cube, culled and tested":
+            state = replace(state, cull="front")
+        return replace(draw, state=state)
+
+    assert "culling changes no pixel of a closed solid" in failed(with_draws(case, change))
+
+
+def test_more_draws_than_said_are_noticed() -> None:
+    case = shipped("batching")
+    twice = tuple(
+        replace(p, draws=p.draws * 2) if p.name == "instanced 16" else p for p in case.passes
+    )
+    assert failed(replace(case, passes=twice)) == {"cost"}
+
+
+def test_every_case_is_broken_at_least_twice() -> None:
+    by_data = [
+        "interleaved-attributes", "buffer-subdata", "buffer-map", "batched-attributes",
+        "mesh-class", "batching", "buffer-usage", "vertex-array", "uniform-buffer",
+        "face-culling",
+    ]  # fmt: skip
+    broken = [case_id for case_id, *_ in SHADERS] + by_data
+    assert len(set(broken)) == 21
+    assert min(broken.count(case_id) for case_id in broken) >= 2

@@ -1,0 +1,111 @@
+"""Realistic mistakes in normal mapping, deferred shading, the furnace and tone mapping, and which
+expectations notice."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import pytest
+
+from shaderlab.catalogue import Catalogue, data_folder
+from shaderlab.model import Case, Measure
+from shaderlab.pipeline import Lab, Options
+from shaderlab.records import Outcome
+
+FOLDER = "ch05_lighting"
+FURNACE, FACETS = "lib/furnace.glsl", "lib/microfacets.glsl"
+
+# case, shader, what stands there, the mistake, what notices it among others
+MISTAKES = [
+    ("normal-map", "normal_map.frag", "2.0 * texture(normalMap, TexCoords).rgb - 1.0",
+     "texture(normalMap, TexCoords).rgb", "mapped: normals"),
+    ("normal-map", "normal_map.frag", "normalize(TBN * normal)", "normalize(normal)",
+     "mapped: normals"),
+    ("normal-map", "normal_map.frag", "TBN * normal", "normal * TBN", "mapped: normals"),
+    ("normal-map", "normal_map.geom", "* sign(area)", "", "mirrored: B"),
+    ("normal-map", "normal_map.geom", "uv2.y * edge1 - uv1.y * edge2",
+     "uv1.y * edge1 - uv2.y * edge2", "mapped: T"),
+    ("normal-map", "normal_map.geom", "along - dot(along, N) * N", "along", "mapped: T"),
+    ("normal-map", "normal_map.vert", "normalMatrix * aNormal", "mat3(model) * aNormal",
+     "corners.upright"),
+    ("normal-map", "normal_map_bytes.frag", "- 1.0", "- 128.0 / 127.5",
+     "what bytes 128, 127 and 255 stand for"),
+    ("deferred-shading", "deferred_buffer.frag", "normalize(Normal)", "Normal", "buffer.gNormal"),
+    ("deferred-shading", "deferred_buffer.frag", "vec4(Color, 0.8 * Color.r)", "vec4(Color, 1.0)",
+     "buffer.gAlbedoSpec"),
+    ("deferred-shading", "deferred_lit.frag", "surface.rgb, surface.a", "surface.rgb, surface.r",
+     "largest difference from forward shading"),
+    ("deferred-shading", "deferred_forward.frag", "0.03 * Color", "0.05 * Color",
+     "largest difference from forward shading"),
+    ("deferred-shading", "lib/lamps.glsl", "3.6 * dot(ray, ray)", "3.6 * length(ray)", "deferred"),
+    ("pbr-furnace", FACETS, "squared / (PI * bracket * bracket)", "squared / (bracket * bracket)",
+     "∫ D (n·h) dω"),
+    ("pbr-furnace", FACETS, "float alpha = roughness * roughness;", "float alpha = roughness;",
+     "facing.facing"),
+    ("pbr-furnace", FURNACE, "* halfOfG(form, normalView, roughness)", "",
+     "largest share reflected"),
+    ("pbr-furnace", FURNACE, "/ float(LEVELS * RING)", "/ float(LEVELS * RING - 24)",
+     "share lost"),
+    ("pbr-furnace", FURNACE, "viewHalf / cosine;", "viewHalf;", "table.smith"),
+    ("pbr-furnace", FURNACE, "float k = form == DIRECT ?", "float k = form != DIRECT ?",
+     "share lost, in figures"),
+    ("hdr", "hdr.frag", "curve == CLIPPED", "curve != CLIPPED", "mean ΔE 2000 from clipping"),
+    ("hdr", "lib/tone.glsl", "light / (1.0 + light)", "min(light, 1.0)",
+     "mean ΔE 2000 from clipping"),
+]  # fmt: skip
+LESSONS = {"normal-map", "deferred-shading", "pbr-furnace"}
+
+
+@cache
+def catalogue() -> Catalogue:
+    return Catalogue.shipped()
+
+
+def judged(case: Case) -> Case:
+    """Without the large picture, which takes longer than all checks of a normal map."""
+    if case.id != "normal-map":
+        return case
+    kept = tuple(p for p in case.passes if p.name not in ("scene", "picture"))
+    expect = [e for e in case.expect if not getattr(e, "output", "").startswith("picture")]
+    return replace(case, passes=kept, expect=expect, picture="")
+
+
+def with_mistake(case_id: str, shader: str, right: str, wrong: str) -> tuple[str, list[Outcome]]:
+    path = shader if shader.startswith("lib/") else f"{FOLDER}/{shader}"
+    text = (data_folder("shaders") / path).read_text(encoding="utf-8")
+    assert right in text, f"{path} does not read {right!r} any more"
+    case = judged(catalogue().find(case_id))
+    with Lab(Options(shaders={path: text.replace(right, wrong)})) as lab:
+        record = lab.run(case.scene("default"))
+    return record.status, [o for o in record.expectations if o.status == "fail"]
+
+
+@pytest.mark.parametrize(
+    ("case_id", "shader", "right", "wrong", "by"),
+    MISTAKES,
+    ids=[f"{case}-{wrong}" for case, _, _, wrong, _ in MISTAKES],
+)
+def test_a_mistake_makes_its_case_fail(
+    case_id: str, shader: str, right: str, wrong: str, by: str
+) -> None:
+    status, failures = with_mistake(case_id, shader, right, wrong)
+    assert status == "fail"
+    assert by in {outcome.name for outcome in failures}
+
+
+def test_every_lesson_is_broken_at_least_twice() -> None:
+    broken = [case_id for case_id, *_ in MISTAKES]
+    assert set(broken) >= LESSONS
+    assert min(broken.count(case_id) for case_id in LESSONS) >= 2
+
+
+def test_every_measure_of_these_lessons_is_seen_to_fail() -> None:
+    seen = {by for *_, by in MISTAKES}
+    there = {
+        e.name
+        for case_id in {case_id for case_id, *_ in MISTAKES}
+        for e in catalogue().find(case_id).expect
+        if isinstance(e, Measure)
+    }
+    assert there and there <= seen
