@@ -310,6 +310,7 @@ class Run:
     """All records of one command, with where they were made. `driver` has at least the keys
     "renderer", "vendor", "version" and "glsl"; `versions` maps package names to versions.
 
+    `plots` show figures over all records, where these are the points of one case's sweep.
     Where several drivers were asked for, `records` and `driver` are the first one's, `drivers`
     has every scene on every driver, and `disagreements` compares each two of them.
     """
@@ -319,5 +320,6 @@ class Run:
     started: str
     seconds: float
     records: tuple[Record, ...]
+    plots: tuple[Plot, ...] = ()
     drivers: tuple[DriverResult, ...] = ()
     disagreements: tuple[Disagreement, ...] = ()

@@ -89,8 +89,9 @@ class Lab:
 
     def configure(self, options: Options) -> None:
         """Take other options for the scenes to come. The device stays, and with it the driver."""
+        if options.shaders != self.options.shaders:
+            self._preparer.cache_clear()
         self.options = options
-        self._preparer.cache_clear()
 
     def close(self) -> None:
         """Give the device back; the lab opens it again if it is used once more."""

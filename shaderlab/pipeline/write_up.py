@@ -242,16 +242,7 @@ def _refused(verdicts: Mapping[str, str]) -> str:
 
 def _inputs(scene: Scene) -> dict[str, str]:
     """All uniforms and ramps, for showing; those that the variant changes come first."""
-    seen: dict[str, str] = {}
-    for description in scene.passes:
-        for draw in description.draws:
-            members = {
-                f"{block}.{name}": value
-                for block, buffer in draw.blocks.items()
-                for name, value in buffer.values.items()
-            }
-            for name, value in {**draw.uniforms, **members, **(draw.domain or {})}.items():
-                seen.setdefault(name, _spelt(value))
+    seen = {name: _spelt(value) for name, value in scene.inputs.items()}
     return {name: seen[name] for name in sorted(seen, key=lambda n: n not in scene.changes)}
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import TypeVar
 
 from shaderlab.records import Curve, Outcome, Plot, Record, Run
@@ -33,6 +34,9 @@ def build(run: Run, pictures: Pictures) -> Page:
     shown: Shown = {}
     packed: Packed = {}
     cases = tuple(_case(group, anchors, pictures, shown, packed) for group in groups)
+    if run.plots and cases:  # a sweep has one case
+        over_all = (*(("", plot_view(plot)) for plot in run.plots), *cases[0].plots)
+        cases = (replace(cases[0], plots=over_all), *cases[1:])
     chapters = []
     for number, name in CHAPTERS.items():
         members = tuple(case for case in cases if case.group.chapter == number)
