@@ -172,6 +172,8 @@ class Lab:
             draft.second_opinions(self._opinion)
             said = refusals.gathered(scene, preparer, self._opinion)
         size = (self.options.size,) * 2
+        picture_size = 0 if self.options.folder is None else self.options.picture_size
+        draft.drawn_on(self.driver, self.options.size, picture_size)
         with doing("draw"), self.runner.session(scene, prepared, size) as session:
             drawn = session.run()
             frame = _frame(session, drawn, plans)

@@ -52,6 +52,7 @@ class Draft:
         self._picture = Shown()
         self._passes: tuple[PassRecord, ...] = ()
         self._buffers: tuple[BufferRecord, ...] = ()
+        self._driver, self._size, self._picture_size = "", 0, 0
 
     def stop(self, status: Status, error: ShaderlabError) -> None:
         """The scene could not be run to its end."""
@@ -61,6 +62,11 @@ class Draft:
         place = place or (f"{near(error.file or '')}: " if located else "")
         remedy = f"\n→ {error.remedy}" if error.remedy else ""
         self._message = f"{place}{error.message}{remedy}"
+
+    def drawn_on(self, driver: Mapping[str, str], size: int, picture_size: int) -> None:
+        """Note what the values that are drawn now depend on besides the case."""
+        self._driver = f"{driver['renderer']}; {driver['version']}"
+        self._size, self._picture_size = size, picture_size
 
     def programs(
         self, prepared: Mapping[str, tuple[PreparedDraw, ...]], assembly: Assembly
@@ -139,6 +145,9 @@ class Draft:
             captions=self._picture.captions,
             passes=self._passes,
             buffers=self._buffers,
+            driver=self._driver,
+            size=self._size,
+            picture_size=self._picture_size,
         )
 
     def _final_status(self, verdicts: Mapping[str, str]) -> Status:
