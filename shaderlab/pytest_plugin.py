@@ -1,7 +1,12 @@
 """`pytest my_cases/`: each variant of each case file is an item; a failure shows what `run` does.
 
-Only files that take `Case` from shaderlab and assign `case = Case(...)` are touched. One lab is
-opened a process, on the first item that needs it, so it works under pytest-xdist as well.
+Only files that take `Case` from shaderlab and assign `case = Case(...)` are touched. They are
+imported and run by one worker process, started when it is first needed: a case that crashes or
+hangs is a failed test, or a file that can't be collected, and the session goes on. Under
+pytest-xdist each of its processes has a worker.
+
+`shaderlab_timeout` (seconds) and `shaderlab_memory` (gigabytes) in pytest's configuration are the
+limits of one variant. With SHADERLAB_JOBS=0 everything runs in pytest's own process, for debuggers.
 """
 
 from __future__ import annotations
@@ -18,11 +23,10 @@ from shaderlab.errors import ShaderlabError
 from shaderlab.terminal import failed, failure, label
 
 if TYPE_CHECKING:
-    from shaderlab.model import Scene
-    from shaderlab.pipeline import Lab
     from shaderlab.records import Record
+    from shaderlab.running import Job, Team
 
-_LAB: pytest.StashKey[Lab] = pytest.StashKey()
+_TEAM: pytest.StashKey[Team] = pytest.StashKey()
 
 
 class CaseFailure(Exception):
@@ -34,16 +38,23 @@ class CaseFailure(Exception):
 
 
 class CaseFile(pytest.File):
-    """A case file; collecting it imports it, which touches no device."""
+    """A case file; collecting it has the worker import it, which touches no device."""
 
     def collect(self) -> Iterator[CaseItem]:
-        from shaderlab.catalogue import load_case
+        from shaderlab.running import Job
 
-        case = load_case(self.path)
-        for scene in case.scenes():
-            item: CaseItem = CaseItem.from_parent(
-                self, name=label(case.id, scene.variant), scene=scene
+        (facts,) = team_of(self.config).load([self.path])
+        if facts.error is not None:
+            raise facts.error
+        for variant in facts.variants:
+            job = Job(
+                file=facts.file,
+                id=facts.id,
+                variant=variant,
+                title=facts.title,
+                section=facts.section,
             )
+            item: CaseItem = CaseItem.from_parent(self, name=label(facts.id, variant), job=job)
             yield item
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
@@ -56,12 +67,15 @@ class CaseFile(pytest.File):
 class CaseItem(pytest.Item):
     """One variant of a case."""
 
-    def __init__(self, *, scene: Scene, **kwargs: Any) -> None:
+    def __init__(self, *, job: Job, **kwargs: Any) -> None:
         super().__init__(**kwargs)
-        self.scene = scene
+        self.job = job
 
     def runtest(self) -> None:
-        record = lab_of(self.config).run(self.scene)
+        from shaderlab.running import Setup
+
+        team = team_of(self.config)
+        (record,) = team.run([self.job], Setup(pictures=False), lambda job, record: None)
         if record.status == "unsupported":
             pytest.skip(record.message or "this driver lacks what the case needs")
         if failed(record):
@@ -78,14 +92,38 @@ class CaseItem(pytest.Item):
         return self.path, None, self.name
 
 
-def lab_of(config: pytest.Config) -> Lab:
-    """This process's lab, opened on first use."""
-    lab = config.stash.get(_LAB, None)
-    if lab is None:
-        from shaderlab.pipeline import Lab
+def team_of(config: pytest.Config) -> Team:
+    """Whoever runs this process's cases, there from the first use on."""
+    team = config.stash.get(_TEAM, None)
+    if team is None:
+        from shaderlab.running import Crew, Limits, Solo
 
-        lab = config.stash[_LAB] = Lab()
-    return lab
+        if os.environ.get("SHADERLAB_JOBS") == "0":
+            team = Solo()
+        else:
+            limits = Limits(
+                seconds=_number(config, "shaderlab_timeout"),
+                gigabytes=_number(config, "shaderlab_memory"),
+            )
+            team = Crew(limits=limits, early=False)
+        config.stash[_TEAM] = team
+    return team
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Settings for pytest's configuration file, or for -o on its command line."""
+    parser.addini("shaderlab_timeout", "seconds that one variant of a case may take", default="30")
+    parser.addini("shaderlab_memory", "gigabytes that it may have; 0 for any amount", default="4")
+
+
+def _number(config: pytest.Config, name: str) -> float:
+    try:
+        value = float(config.getini(name))
+    except ValueError:
+        value = -1.0
+    if not (value > 0.0 or (value == 0.0 and name == "shaderlab_memory")):
+        raise pytest.UsageError(f"{name} is {config.getini(name)!r}: give it a positive number")
+    return value
 
 
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> CaseFile | None:
@@ -97,8 +135,8 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> CaseFile |
 
 
 def pytest_unconfigure(config: pytest.Config) -> None:
-    """Close the lab."""
-    lab = config.stash.get(_LAB, None)
-    if lab is not None:
-        lab.close()
-        del config.stash[_LAB]
+    """End the worker."""
+    team = config.stash.get(_TEAM, None)
+    if team is not None:
+        team.close()
+        del config.stash[_TEAM]

@@ -9,7 +9,8 @@ from __future__ import annotations
 import shutil
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
@@ -61,6 +62,7 @@ class Crew:
         limits: what one scene may take.
         workers: how many there are.
         folder: their working directory, by default this process's.
+        early: whether one is asked for its driver at once, and not when that is first needed.
     """
 
     def __init__(
@@ -69,6 +71,7 @@ class Crew:
         limits: Limits | None = None,
         workers: int = 1,
         folder: Path | None = None,
+        early: bool = True,
     ) -> None:
         self._driver = driver
         self._limits = limits = limits or Limits()
@@ -81,11 +84,17 @@ class Crew:
             folder=folder,
         )
         self._thread = ThreadPoolExecutor(1)
-        self._about = self._thread.submit(self._ask_about)
+        self._early = early
+        if early:
+            _ = self._asked
 
     def about(self) -> About:
         """See `Team`. Where the driver takes the process down, "renderer" is "none"."""
-        return self._about.result()
+        return self._asked.result()
+
+    @cached_property
+    def _asked(self) -> Future[About]:
+        return self._thread.submit(self._ask_about)
 
     def load(self, files: Sequence[Path]) -> list[CaseFacts]:
         """See `Team`."""
@@ -94,6 +103,8 @@ class Crew:
 
     def run(self, jobs: Sequence[Job], setup: Setup, heard: Heard) -> Iterator[Record]:
         """See `Team`."""
+        if not self._early:
+            self.about()  # now, while workers are free: a lost job's record names the driver
         path = self._folder / "steps"
         Steps.create(path, len(jobs))
         steps = Steps(path)

@@ -1,6 +1,7 @@
 """`pytest my_cases/` in a folder of someone else's: what is collected, run and shown.
 
-The first half needs no device (a stand-in lab is put in by a conftest); the last tests draw.
+The first half needs no device (a stand-in lab is put in by a conftest, and cases run in pytest's
+own process); the last tests draw, in a worker.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import pytest
 STAND_IN = """
 import dataclasses, os
 import shaderlab.pipeline
+os.environ["SHADERLAB_JOBS"] = "0"
 from shaderlab.records import Outcome, Record, Worst
 
 WORST = Worst(pixel=(3, 17), component=0, measured=(0.5,), reference=(0.25,), low=(0.2,),
@@ -20,6 +22,7 @@ BAD = Outcome(name="factor", kind="formula", status="fail", judged=9, outside=4,
 
 class Lab:
     def __init__(self, options=None):
+        self.options = options
         print("lab opened in", os.getpid())
     def run(self, scene):
         status = {"far": "fail", "mars": "unsupported"}.get(scene.variant, "pass")
@@ -124,3 +127,59 @@ def test_a_case_is_really_drawn_and_judged(pytester: pytest.Pytester, case_folde
 
 def test_a_case_given_by_its_file_runs_once(pytester: pytest.Pytester, case_folder: Path) -> None:
     pytester.runpytest_subprocess(case_folder / "lamp.py").assert_outcomes(passed=2)
+
+
+def broken(folder: Path, name: str, act: str, *, when: str = "draw") -> None:
+    """A case like `lamp` that does `act` when it is drawn, or when it is imported."""
+    if when == "draw":
+        act = (
+            "from shaderlab.gl import runner\nsubmit = runner.submit\n"
+            "def shot(vao, program, draw):\n"
+            f"    if draw.draw.fragment == '{name}.frag': {act}\n"
+            "    submit(vao, program, draw)\nrunner.submit = shot"
+        )
+    text = (folder / "lamp.py").read_text().replace("lamp.frag", f"{name}.frag")
+    (folder / f"{name}.py").write_text(
+        text.replace("\ncase =", f"\nimport os, time\n{act}\ncase =")
+    )
+    (folder / f"{name}.frag").write_text((folder / "lamp.frag").read_text())
+
+
+def test_a_crash_and_a_hang_are_failed_tests(pytester: pytest.Pytester, case_folder: Path) -> None:
+    broken(case_folder, "dies", "os.kill(os.getpid(), 11)")
+    broken(case_folder, "hangs", "time.sleep(60)")
+    result = pytester.runpytest_subprocess(
+        case_folder, "-o", "shaderlab_timeout=1.5", "-k", "near or lamp"
+    )
+    result.assert_outcomes(passed=2, failed=2, deselected=2)
+    result.stdout.fnmatch_lines(
+        [
+            "*dies[[]near]*A lamp",
+            "*crash: the process died: signal 11 (SIGSEGV)",
+            "*last step: draw 0 of pass 'main', program dies.frag",
+            "*hangs[[]near]*A lamp",
+            "*timeout: took longer than 1.5 s",
+            "*last step: draw 0 of pass 'main', program hangs.frag",
+        ]
+    )
+
+
+def test_a_file_that_crashes_or_hangs_on_import_costs_only_itself(
+    pytester: pytest.Pytester, case_folder: Path
+) -> None:
+    broken(case_folder, "dies", "os._exit(3)", when="import")
+    broken(case_folder, "hangs", "time.sleep(60)", when="import")
+    result = pytester.runpytest_subprocess(
+        case_folder, "-o", "shaderlab_timeout=1.5", "--continue-on-collection-errors"
+    )
+    result.assert_outcomes(passed=2, errors=2)
+    result.stdout.fnmatch_lines(
+        ["*dies.py: importing the case file: *exit status 3*", "*hangs.py: *took longer than 1.5 s"]
+    )
+
+
+def test_a_limit_that_is_no_number_is_said(pytester: pytest.Pytester, case_folder: Path) -> None:
+    for value in ("soon", "0", "-1"):
+        result = pytester.runpytest_subprocess(case_folder, "-o", f"shaderlab_timeout={value}")
+        assert result.ret != 0
+        assert f"shaderlab_timeout is '{value}'" in result.stdout.str() + result.stderr.str()

@@ -49,7 +49,7 @@ ROOMS: dict[str, set[str]] = {
     "terminal": {"errors", "records"},
     "doctor": {"errors", "glsl", "gl", "catalogue"},
     "pytest_plugin": {
-        "errors", "records", "model", "discovery", "catalogue", "pipeline", "workers", "terminal",
+        "errors", "records", "discovery", "running", "terminal",
     },
     "cli": {
         "errors", "records", "model", "glsl", "discovery", "catalogue", "pipeline", "workers",
