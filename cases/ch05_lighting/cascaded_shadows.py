@@ -38,8 +38,9 @@ from shaderlab.glslmath import dot, max, mix, mul, normalize, swizzle, vec3, vec
 from shaderlab.reference.cascades import cascade_index, fitted, slice_corners, split_distances
 from shaderlab.reference.courtyard import light_position, seen_place, stored_depth, unit_normal
 from shaderlab.reference.lighting import finished
-from shaderlab.reference.shadow_truth import blocked
+from shaderlab.reference.shadow_truth import blocked, hidden_share
 from shaderlab.reference.shadows import shadow, shadow_coordinates, slope_bias
+from shaderlab.reference.studio import handed_on
 from shaderlab.reference.transforms import (
     clip_position,
     look_at,
@@ -63,7 +64,8 @@ WRONG = {
     "practical": ((0.0033, 0.0049), (0.0022, 0.0038)),
     "logarithmic": ((0.0018, 0.0033), (0.0030, 0.0045)),
 }
-VIEW = look_at((3.0, 4.4, 5.2), (-0.9, 0.0, -11.0))
+EYE = (3.0, 4.4, 5.2)
+VIEW = look_at(EYE, (-0.9, 0.0, -11.0))
 LIGHT_VIEW = look_at(SUN, (0.0, 0.0, 0.0))
 # Along the light, everything that can be seen or throw a shadow there.
 DEPTHS = (-40.0, 80.0)
@@ -226,7 +228,7 @@ case = Case(
                     "FragColor": "rgba16f",
                     "cascade": "r8",
                     "shadow": "r8",
-                    "place": "rgba16f",
+                    "place": "rgba32f",
                     "upright": "rgba16f",
                 },
                 depth="depth24",
@@ -259,6 +261,7 @@ case = Case(
         formula("practical.gl_Position", clip_position),
         formula("practical.FragPos", world_position),
         formula("practical.Normal", world_normal),
+        formula("practical.Color", handed_on),
         formula("practical.place", seen_place),
         formula("practical.upright", unit_normal),
         *(formula(f"{scheme}.cascade", index) for scheme in BLENDS),
@@ -275,6 +278,21 @@ case = Case(
                 digits=9,
             )
             for scheme in BLENDS
+        ),
+        measure(
+            "places hidden from the eye",
+            hidden_share(EYE, BOXES, step=1),
+            readings=[
+                reading(name, reads={key: f"{name}.{key}" for key in ("FragColor", "place")})
+                for name in (SPLITS)
+            ],
+            at_most=0.002,
+        ),
+        measure(
+            "places hidden from the eye, in the large picture",
+            hidden_share(EYE, BOXES, step=8),
+            reads={key: f"scene.{key}" for key in ("FragColor", "place")},
+            at_most=0.002,
         ),
         measure(
             "shadows told wrongly",

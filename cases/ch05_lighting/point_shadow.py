@@ -35,8 +35,9 @@ from shaderlab.assets.courtyard import boxes, courtyard
 from shaderlab.glslmath import dot, length, max, normalize, swizzle, vec3, vec4
 from shaderlab.reference.courtyard import light_position, seen_place, unit_normal
 from shaderlab.reference.lighting import finished
-from shaderlab.reference.shadow_truth import blocked, wrongly_bright, wrongly_dark
+from shaderlab.reference.shadow_truth import blocked, hidden_share, wrongly_bright, wrongly_dark
 from shaderlab.reference.shadows import shadow, slope_bias
+from shaderlab.reference.studio import handed_on
 from shaderlab.reference.transforms import (
     clip_position,
     look_at,
@@ -52,7 +53,8 @@ from shaderlab.sampling import texture
 LAMP, FAR = (0.12, 0.85, 0.1), 25.0
 MODEL = rotate(radians(6.0), (0.0, 1.0, 0.0))
 BOXES = [MODEL @ box for box in boxes()]
-VIEW = look_at((-3.0, 4.1, 4.0), (0.1, 0.1, 0.2))
+EYE = (-3.0, 4.1, 4.0)
+VIEW = look_at(EYE, (0.1, 0.1, 0.2))
 # +X −X +Y −Y +Z −Z, and what is upwards on each face.
 FACES = {
     "+x": ((1.0, 0.0, 0.0), (0.0, -1.0, 0.0)),
@@ -178,21 +180,26 @@ def table(label, statistic, bounds):
     )
 
 
-SEEN = {"faces of 256²": "small", "faces of 1024²": "judged", "256², no bias": "bare"}
+SEEN = {"faces of 256²": "small", "faces of 512²": "judged", "256², no bias": "bare"}
 
 case = Case(
     title="Shadows of a lamp",
     section="5.9.2",
     math=r"s = \left[\lVert p - l \rVert (1 - b) > z_{\text{cube}}(p - l)\right]",
     passes=(
-        *(face(name, size) for size in (256, 1024) for name in FACES),
+        *(face(name, size) for size in (256, 512) for name in FACES),
         lit(
             "scene",
-            1024,
+            512,
             BIAS,
             bulb(),
             size=(1024, 1024),
-            colors={"FragColor": "rgba16f"},
+            colors={
+                "FragColor": "rgba16f",
+                "shadow": "r8",
+                "place": "rgba32f",
+                "upright": "rgba16f",
+            },
             clear=(0.003, 0.004, 0.007, 0.0),
         ),
         *fullscreen(
@@ -200,7 +207,7 @@ case = Case(
             name="picture",
             textures={"scene": Output("scene", "FragColor")},
         ),
-        lit("judged", 1024, BIAS, size=(96, 96)),
+        lit("judged", 512, BIAS, size=(96, 96)),
         lit("small", 256, BIAS, size=(96, 96)),
         lit("bare", 256, {"leastBias": 0.0, "mostBias": 0.0}, size=(96, 96)),
     ),
@@ -212,14 +219,30 @@ case = Case(
         formula("judged.gl_Position", clip_position),
         formula("judged.FragPos", world_position),
         formula("judged.Normal", world_normal),
+        formula("judged.Color", handed_on),
         formula("judged.place", seen_place),
         formula("judged.upright", unit_normal),
         formula("judged.shadow", dark),
         formula("small.shadow", dark),
         formula("judged.FragColor", color),
         formula("picture.FragColor", finished(texture), name="the picture"),
-        table("wrongly dark", wrongly_dark, [(0.0, 1.0), (0.0, 1.0), (0.0, 1.0)]),
-        table("wrongly bright", wrongly_bright, [(0.0, 1.0), (0.0, 1.0), (0.0, 1.0)]),
+        measure(
+            "places hidden from the eye",
+            hidden_share(EYE, BOXES, step=1),
+            readings=[
+                reading(name, reads={key: f"{name}.{key}" for key in ("FragColor", "place")})
+                for name in ("judged", "small", "bare")
+            ],
+            at_most=0.002,
+        ),
+        measure(
+            "places hidden from the eye, in the large picture",
+            hidden_share(EYE, BOXES, step=8),
+            reads={key: f"scene.{key}" for key in ("FragColor", "place")},
+            at_most=0.004,
+        ),
+        table("wrongly dark", wrongly_dark, [(0.0025, 0.0045), (0.0005, 0.0015), (0.48, 0.53)]),
+        table("wrongly bright", wrongly_bright, [(0.002, 0.0045), (0.002, 0.0045), (0.001, 0.003)]),
         value(
             "judged.FragColor",
             at={"FragPos": (0.12, 0.0, 0.1), "Normal": (0.0, 1.0, 0.0), "Color": (0.5, 0.5, 0.5)},

@@ -15,12 +15,12 @@ on the walls that light grazes; lower right one that grows with the slope.
 from dataclasses import replace
 from math import radians
 
-from shaderlab import Case, Cell, Output, Pass, Target, formula, fullscreen, measure, reading
+from shaderlab import Case, Cell, Output, Pass, Target, formula, fullscreen, measure, reading, value
 from shaderlab.assets.courtyard import boxes
 from shaderlab.assets.shadow_stage import EYE, SUN, cast, lit
 from shaderlab.reference.courtyard import courtyard_references, light_position, stored_depth
 from shaderlab.reference.lighting import finished
-from shaderlab.reference.shadow_truth import blocked, wrongly_bright, wrongly_dark
+from shaderlab.reference.shadow_truth import blocked, hidden_share, wrongly_bright, wrongly_dark
 from shaderlab.reference.transforms import look_at, orthographic, perspective, rotate
 from shaderlab.sampling import texture
 
@@ -31,6 +31,7 @@ CAMERA = look_at(EYE, (0.0, 0.4, 0.1)), perspective(radians(36.0), 1.0, 0.1, 60.
 SIZES = (256, 512, 1024, 2048)
 # The least bias, and the one at grazing light, in depth of the map: 0.001 is 8 mm of 8 m.
 BIASES = {"none": (0.0, 0.0), "constant": (0.0012, 0.0), "slope": (0.0012, 0.012)}
+PASSES = [f"{bias}-{size}" for bias in BIASES for size in SIZES]
 LAWS = courtyard_references(texture)
 SERIES = {"none": "no bias", "constant": "constant", "slope": "growing with the slope"}
 # Between what the shares lie, at each of the sizes.
@@ -46,10 +47,15 @@ BRIGHT = {
 }
 
 
-def looked_at(name, texels, bias, **target):
+def drawn(FragColor):
+    """The share of pixels that show anything: the floor reaches to all edges."""
+    return (FragColor[..., 3] > 0.0).mean()
+
+
+def looked_at(name, texels, bias, radius=0, **target):
     """The courtyard with one map and one bias."""
     least, most = BIASES[bias]
-    uniforms = {"leastBias": least, "mostBias": most}
+    uniforms = {"leastBias": least, "mostBias": most, "radius": radius}
     shadow_map = Output(f"map-{texels}", "depth")
     return lit(name, shadow_map, LIGHT_SPACE, MODEL, CAMERA, uniforms, **target)
 
@@ -109,7 +115,7 @@ case = Case(
                 colors={
                     "FragColor": "rgba16f",
                     "shadow": "r8",
-                    "place": "rgba16f",
+                    "place": "rgba32f",
                     "upright": "rgba16f",
                 },
                 depth="depth24",
@@ -126,6 +132,7 @@ case = Case(
             name="picture",
             textures={"scene": Output("scene", "FragColor")},
         ),
+        looked_at("filtered", 256, "slope", radius=1, size=(64, 64)),
         *(
             looked_at(f"{bias}-{size}", size, bias, size=(128, 128))
             for bias in BIASES
@@ -139,6 +146,40 @@ case = Case(
         *(formula(f"slope-256.{output}", law) for output, law in LAWS.items()),
         *(formula(f"{bias}-512.shadow", LAWS["shadow"]) for bias in BIASES),
         formula("picture.FragColor", finished(texture), name="the picture"),
+        formula("filtered.shadow", LAWS["shadow"]),
+        value(
+            "slope-256.shadow",
+            at={
+                "FragPosLightSpace": (0.0, 0.0, 1.01, 1.0),
+                "FragPos": (0.0, 0.0, 0.0),
+                "Normal": (0.0, 1.0, 0.0),
+                "Color": (1.0, 1.0, 1.0),
+            },
+            equals=0.0,
+            digits=6,
+            name="past the far plane nothing is dark",
+        ),
+        measure(
+            "places hidden from the eye",
+            hidden_share(EYE, BOXES, step=1),
+            readings=[
+                reading(name, reads={key: f"{name}.{key}" for key in ("FragColor", "place")})
+                for name in (PASSES)
+            ],
+            at_most=0.002,
+        ),
+        measure(
+            "share of the large picture that is drawn",
+            drawn,
+            reads={"FragColor": "scene.FragColor"},
+            at_least=0.99,
+        ),
+        measure(
+            "places hidden from the eye, in the large picture",
+            hidden_share(EYE, BOXES, step=8),
+            reads={key: f"scene.{key}" for key in ("FragColor", "place")},
+            at_most=0.002,
+        ),
         table("wrongly dark", wrongly_dark, DARK, "lit"),
         table("wrongly bright", wrongly_bright, BRIGHT, "shadowed"),
     ],

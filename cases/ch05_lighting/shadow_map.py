@@ -31,7 +31,7 @@ from shaderlab.assets.courtyard import boxes
 from shaderlab.assets.shadow_stage import EYE, SUN, cast, lit
 from shaderlab.reference.courtyard import courtyard_references, light_position, stored_depth
 from shaderlab.reference.lighting import finished
-from shaderlab.reference.shadow_truth import blocked
+from shaderlab.reference.shadow_truth import blocked, hidden_share
 from shaderlab.reference.shadows import shadow_coordinates
 from shaderlab.reference.transforms import look_at, orthographic, perspective, rotate
 from shaderlab.sampling import texture
@@ -48,14 +48,15 @@ FROM_ABOVE = (
     perspective(radians(58.0), 1.0, 0.1, 90.0),
 )
 BIAS = {"leastBias": 0.004, "mostBias": 0.02}
+STEADY = {"leastBias": 0.02, "mostBias": 0.0}
 WHITE = {"wrap": ("clamp_to_border",) * 2, "border": (1.0, 1.0, 1.0, 1.0)}
 GREY = (0.5, 0.5, 0.5)
 
 
-def scene(name, camera=CAMERA, wrap=WHITE, **target):
+def scene(name, camera=CAMERA, wrap=WHITE, uniforms=BIAS, **target):
     """The courtyard with the shadow map."""
     shadow_map = Output("shadow", "depth", **wrap)
-    return lit(name, shadow_map, LIGHT_SPACE, MODEL, camera, BIAS, **target)
+    return lit(name, shadow_map, LIGHT_SPACE, MODEL, camera, uniforms, **target)
 
 
 def in_light(matrix):
@@ -107,7 +108,7 @@ case = Case(
             colors={
                 "FragColor": "rgba16f",
                 "shadow": "r8",
-                "place": "rgba16f",
+                "place": "rgba32f",
                 "upright": "rgba16f",
             },
             clear=(0.30, 0.40, 0.52, 0.0),
@@ -118,8 +119,8 @@ case = Case(
             textures={"scene": Output("large", "FragColor")},
         ),
         scene("judged", size=(96, 96)),
-        scene("wide", FROM_ABOVE, size=(96, 96)),
-        scene("repeated", FROM_ABOVE, {"wrap": ("repeat", "repeat")}, size=(96, 96)),
+        scene("wide", FROM_ABOVE, uniforms={**BIAS, "radius": 1}, size=(96, 96)),
+        scene("repeated", FROM_ABOVE, {"wrap": ("repeat", "repeat")}, STEADY, size=(96, 96)),
     ),
     picture="picture.FragColor",
     expect=[
@@ -129,6 +130,21 @@ case = Case(
         formula("wide.shadow", LAWS["shadow"]),
         formula("repeated.shadow", LAWS["shadow"]),
         formula("picture.FragColor", finished(texture), name="the picture"),
+        measure(
+            "places hidden from the eye",
+            hidden_share(EYE, BOXES, step=1),
+            readings=[
+                reading(name, reads={key: f"{name}.{key}" for key in ("FragColor", "place")})
+                for name in ("judged",)
+            ],
+            at_most=0.002,
+        ),
+        measure(
+            "places hidden from the eye, in the large picture",
+            hidden_share(EYE, BOXES, step=8),
+            reads={key: f"large.{key}" for key in ("FragColor", "place")},
+            at_most=0.002,
+        ),
         measure(
             "shadows told wrongly",
             wrong,

@@ -16,27 +16,34 @@ from math import radians
 
 import numpy as np
 
-from shaderlab import Case, Cell, Output, Pass, Target, formula, fullscreen, measure, reading
+from shaderlab import Case, Cell, Output, Pass, Target, formula, fullscreen, measure, reading, value
 from shaderlab.assets.courtyard import boxes
 from shaderlab.assets.shadow_stage import SUN, cast, lit
 from shaderlab.reference.courtyard import courtyard_references, light_position, stored_depth
 from shaderlab.reference.lighting import finished
-from shaderlab.reference.shadow_truth import blocked
+from shaderlab.reference.shadow_truth import blocked, hidden_share
 from shaderlab.reference.transforms import look_at, orthographic, perspective, rotate
 from shaderlab.sampling import texture
 
 MODEL = rotate(radians(6.0), (0.0, 1.0, 0.0))
 BOXES = [MODEL @ box for box in boxes()]
 LIGHT_SPACE = orthographic(-6.0, 6.0, -6.0, 6.0, 1.0, 9.0) @ look_at(SUN, (0.0, 0.0, 0.0))
-NEAR_BY = look_at((1.4, 1.9, -2.6), (0.55, 0.15, -0.5))
+EYE = (1.4, 1.9, -2.6)
+NEAR_BY = look_at(EYE, (0.55, 0.15, -0.5))
 BIAS = {"leastBias": 0.002, "mostBias": 0.03}
+STEADY = {"leastBias": 0.012, "mostBias": 0.0}
 WHITE = {"wrap": ("clamp_to_border",) * 2, "border": (1.0, 1.0, 1.0, 1.0)}
+
+
+def drawn(FragColor):
+    """The share of pixels that show anything: the floor reaches to all edges."""
+    return (FragColor[..., 3] > 0.0).mean()
 
 
 def seen(name, radius, aspect=1.0, **target):
     """The edge of a shadow from nearby, with 1 or 9 texels asked."""
     camera = NEAR_BY, perspective(radians(34.0), aspect, 0.1, 60.0)
-    uniforms = {**BIAS, "radius": radius}
+    uniforms = {**(BIAS if radius else STEADY), "radius": radius}
     shadow_map = Output("map", "depth", **WHITE)
     return lit(name, shadow_map, LIGHT_SPACE, MODEL, camera, uniforms, **target)
 
@@ -94,7 +101,7 @@ case = Case(
                 colors={
                     "FragColor": "rgba16f",
                     "shadow": "r8",
-                    "place": "rgba16f",
+                    "place": "rgba32f",
                     "upright": "rgba16f",
                 },
                 depth="depth24",
@@ -117,6 +124,39 @@ case = Case(
         formula("one.shadow", LAWS["shadow"]),
         formula("picture.FragColor", finished(texture), name="the picture"),
         measure(
+            "places hidden from the eye",
+            hidden_share(EYE, BOXES, step=1),
+            readings=[
+                reading(name, reads={key: f"{name}.{key}" for key in ("FragColor", "place")})
+                for name in ("one", "nine")
+            ],
+            at_most=0.002,
+        ),
+        measure(
+            "share of the large picture that is drawn",
+            drawn,
+            reads={"FragColor": "scene.FragColor"},
+            at_least=0.99,
+        ),
+        measure(
+            "places hidden from the eye, in the large picture",
+            hidden_share(EYE, BOXES, step=8),
+            reads={key: f"scene.{key}" for key in ("FragColor", "place")},
+            at_most=0.002,
+        ),
+        value(
+            "nine.shadow",
+            at={
+                "FragPosLightSpace": (0.0, 0.0, 1.01, 1.0),
+                "FragPos": (0.0, 0.0, 0.0),
+                "Normal": (0.0, 1.0, 0.0),
+                "Color": (1.0, 1.0, 1.0),
+            },
+            equals=0.0,
+            digits=6,
+            name="past the far plane nothing is dark",
+        ),
+        measure(
             "distance from the nearest step",
             off_the_steps,
             readings=[
@@ -138,7 +178,7 @@ case = Case(
             edge,
             readings=[
                 reading("one texel", **of("one", *ALL[:2], "upright"), equals=0.0, digits=6),
-                reading("nine texels", **of("nine", *ALL[:2], "upright"), between=(0.02, 0.9)),
+                reading("nine texels", **of("nine", *ALL[:2], "upright"), between=(0.045, 0.06)),
             ],
         ),
         measure(

@@ -45,7 +45,7 @@ PANES = (
 )
 RADIUS = 0.55
 DARK_CENTRE, DARK_RADIUS = (0.62, 0.50), 0.3
-SIZES = {"judged": 64, "seen": 360}
+SIZES = {"judged": 64.0, "seen": 360.0}
 
 
 def disc(centre, radius, color, depth, state):
@@ -76,7 +76,9 @@ def panes(order, write=False):
 def scene(name, drawn, size):
     """Opaque things, then the panes."""
     return Pass(
-        name=name, target=Target(size=(size, size), depth="depth24"), draws=(*opaque(), *drawn)
+        name=name,
+        target=Target(size=(int(size), int(size)), depth="depth24"),
+        draws=(*opaque(), *drawn),
     )
 
 
@@ -95,7 +97,7 @@ def shown(kind, which, cell=None):
     samplers = ("far_to_near", "near_to_far", "depth_written")
     return Draw(
         fragment="ch06_tests/transparency_order.frag",
-        domain={"place": SQUARE},
+        domain={"at": Ramp((0.0, 0.0), (SIZES[kind], 0.0), (0.0, SIZES[kind]))},
         uniforms={"shown": float(which)},
         textures={
             s: Output(f"{kind}_{n}", "FragColor") for s, n in zip(samplers, names, strict=True)
@@ -110,8 +112,9 @@ def inside(place, centre, radius):
     return dot(away, away) <= radius * radius
 
 
-def layered(place, order, hides):
+def layered(at, order, hides):
     """Wall, dark disc, and the panes over them in an order; with `hides`, only the first one."""
+    place = at / (0.5 * SIZES["judged"]) - 1.0
     dark = inside(place, DARK_CENTRE, DARK_RADIUS)
     color = where(dark, vec4(*DARK), vec4(*WALL))
     free = where(dark, DARK_DEPTH, 1.0)
@@ -122,19 +125,19 @@ def layered(place, order, hides):
     return color
 
 
-def sorted_panes(place):
+def sorted_panes(at):
     """From far to near: over, over, over."""
-    return layered(place, PANES, False)
+    return layered(at, PANES, False)
 
 
-def reversed_panes(place):
+def reversed_panes(at):
     """What blending makes of the other order."""
-    return layered(place, PANES[::-1], False)
+    return layered(at, PANES[::-1], False)
 
 
-def written_panes(place):
+def written_panes(at):
     """The nearest pane alone."""
-    return layered(place, PANES[::-1], True)
+    return layered(at, PANES[::-1], True)
 
 
 def stack(order):

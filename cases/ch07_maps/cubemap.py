@@ -11,6 +11,7 @@ On the ball the fields shrink towards the corners of the cube: texels there stan
 of the sphere.
 """
 
+from dataclasses import replace
 from math import radians
 
 import numpy as np
@@ -28,13 +29,22 @@ from shaderlab import (
     State,
     Target,
     assets,
+    exact,
     formula,
     fullscreen,
+    measure,
     value,
 )
 from shaderlab.glslmath import dot, max, normalize, swizzle, vec4
 from shaderlab.reference.cube_maps import face_coordinates
-from shaderlab.reference.transforms import clip_position, look_at, perspective, translate
+from shaderlab.reference.transforms import (
+    clip_position,
+    look_at,
+    perspective,
+    translate,
+    world_normal,
+    world_position,
+)
 from shaderlab.sampling import textureLod
 
 COLORS = (
@@ -122,6 +132,12 @@ BALL, BOX = np.eye(4), np.diag([0.999, 0.999, 0.999, 1.0])
 SOLIDS = [wrapped(assets.sphere(1.15, 96, 48), BALL), wrapped(assets.cube(1.7), BOX)]
 
 
+def share_of_faces(texels, table):
+    """The share of pixels where both name the same face, edges aside, where either may be right."""
+    far = np.all(np.abs(table[..., 1:] - 0.5) < 0.499, axis=-1)
+    return float(np.mean(texels[far][:, 0] == table[far][:, 0]))
+
+
 def painted(faces, FragPos, Normal, light):
     """The chart's colour in a simple light."""
     shade = 0.45 + 0.55 * max(dot(normalize(Normal), light), 0.0)
@@ -162,6 +178,12 @@ case = Case(
             target=Target(size=(96, 48), depth="depth24"),
             draws=tuple(SOLIDS),
         ),
+        # Both solids are convex: without a depth test, too, it is enough to leave out far sides.
+        Pass(
+            name="culled",
+            target=Target(size=(96, 48)),
+            draws=tuple(replace(solid, state=State(cull="back")) for solid in SOLIDS),
+        ),
         Pass(
             name="main",
             target=Target(size=(120, 80)),
@@ -182,13 +204,29 @@ case = Case(
             formula("main.onceMore", stretched, draw=k, name=f"three times as long, around {name}")
             for k, name in enumerate(NAMES)
         ),
+        measure(
+            "the texel's face is the table's",
+            share_of_faces,
+            reads={"texels": "main.FragColor", "table": "main.byHand"},
+            at_least=1.0,
+        ),
         formula("small.FragColor", painted, draw=0, name="the ball's colours"),
         formula("small.FragColor", painted, draw=1, name="the cube's colours"),
         formula("small.gl_Position", clip_position),
+        formula("small.FragPos", world_position),
+        formula("small.Normal", world_normal),
+        exact("small.FragColor", Output("culled", "FragColor"), name="near sides hide far ones"),
+        exact("culled.FragColor", Output("small", "FragColor"), name="and need no depth for it"),
         meets((2.0, 0.5, -1.0), (0.0, 0.75, 0.375), "(2, ½, −1) meets +X"),
         meets((-1.0, 0.0, 0.0), (1.0, 0.5, 0.5), "−X is the second face"),
         meets((0.0, 5.0, 0.0), (2.0, 0.5, 0.5), "+Y is the third"),
         meets((0.25, -1.0, 0.5), (3.0, 0.625, 0.25), "(¼, −1, ½) meets −Y"),
+        meets((1.0, -1.0, 0.5), (0.0, 0.25, 1.0), "x goes before y where both are as large"),
+        meets((0.005, 0.0, 0.0), (0.0, 0.5, 0.5), "+X, very short"),
+        meets((0.0, 0.005, 0.0), (2.0, 0.5, 0.5), "+Y, very short"),
+        meets((0.001, 0.0, 0.005), (4.0, 0.6, 0.5), "+Z, very short"),
+        meets((0.001, 0.005, 0.002), (2.0, 0.6, 0.7), "an upward direction, very short"),
+        meets((0.005, 0.002, 0.001), (0.0, 0.4, 0.3), "a sideward direction, very short"),
         meets((0.0, 0.0, 0.01), (4.0, 0.5, 0.5), "+Z is the fifth, however short"),
         meets((0.0, 0.0, -900.0), (5.0, 0.5, 0.5), "−Z is the last, however long"),
     ],

@@ -27,6 +27,7 @@ from shaderlab import (
     State,
     Target,
     assets,
+    exact,
     formula,
     fullscreen,
     value,
@@ -131,19 +132,24 @@ case = Case(
     passes=(
         Pass(
             name="scene",
-            target=Target(size=(2048, 1024), depth="depth24", colors={"FragColor": "rgba8"}),
+            target=Target(size=(1536, 768), depth="depth24", colors={"FragColor": "rgba8"}),
             draws=(behind(), *(thing(*one, MORNING) for one in THINGS)),
         ),
         *fullscreen(
             "ch03_transforms/soften.frag",
             name="picture",
             textures={"scene": Output("scene", "FragColor")},
-            target=Target(size=(1024, 512)),
+            target=Target(size=(768, 384)),
         ),
         Pass(
             name="judged",
             target=Target(size=(112, 56), depth="depth24"),
             draws=tuple(thing(*one, NOISE) for one in THINGS),
+        ),
+        Pass(
+            name="reversed",
+            target=Target(size=(112, 56), depth="depth24"),
+            draws=tuple(thing(*one, NOISE) for one in reversed(THINGS)),
         ),
     ),
     picture="picture.FragColor",
@@ -166,7 +172,14 @@ case = Case(
         ),
         formula("judged.gl_Position", clip_position),
         formula("judged.FragPos", world_position),
-        formula("judged.Normal", world_normal),
+        *(
+            formula("judged.Normal", world_normal, draw=k, name=f"normals of {name}")
+            for k, name in enumerate(NAMES)
+        ),
+        exact("judged.FragColor", Output("reversed", "FragColor"), name="the order of drawing"),
+        exact("reversed.FragColor", Output("judged", "FragColor"), name="the other order"),
+        exact("judged.depth", Output("reversed", "depth"), name="depths in either order"),
+        exact("reversed.depth", Output("judged", "depth"), name="depths in the other order"),
         ray("mirrored", mirrored, (3.0, 4.0, 0.0), (-0.6, 0.8, 0.0), "mirrored from (3, 4, 0)"),
         ray("bent", bent, (3.0, 4.0, 0.0), (-0.394737, -0.918794, 0.0), "into glass"),
         ray("bent", bent, (0.0, 2.0, 0.0), (0.0, -1.0, 0.0), "straight in, nothing is bent"),

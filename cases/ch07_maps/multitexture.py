@@ -18,7 +18,8 @@ from shaderlab.sampling import texture
 SMOOTH = ("linear", "linear")
 RANDOM = np.random.default_rng(71)
 FIRST, SECOND = RANDOM.random((4, 4, 4)), RANDOM.random((8, 3, 4))
-PARTS = np.array([[0.0, 0.25, 0.5, 1.0]])[..., None] * np.array([1.0, 0.0, 0.0, 1.0])
+LEFT = np.array([[0.0, 0.25, 0.5, 1.0]])
+PARTS = np.stack([LEFT, 1.0 - LEFT, 0.6 + 0.0 * LEFT, 1.0 + 0.0 * LEFT], axis=-1)
 
 
 def holes():

@@ -9,6 +9,7 @@ Look at: the strip of times. At t = −π/2 the ball is whole; at t = 0 its tria
 at t = π/2 by 1. No triangle has turned or grown.
 """
 
+from dataclasses import replace
 from math import pi, radians
 
 from shaderlab import (
@@ -35,21 +36,56 @@ from shaderlab.glslmath import (
     normalize,
     sin,
     sqrt,
+    swizzle,
     vec3,
     vec4,
     where,
 )
-from shaderlab.reference.transforms import look_at, perspective, rotate
+from shaderlab.reference.transforms import look_at, perspective, rotate, translate
 
 BALL = Mesh(**solids.painted(meshes.sphere(0.8, segments=16, rings=10), CORAL))
-# A near square before a far one of another colour: depth decides which one is seen.
-MODEL = rotate(radians(25.0), (1.0, 0.3, 0.0))
+MODEL = translate((0.1, -0.05, 0.2)) @ rotate(radians(25.0), (1.0, 0.3, 0.0))
 VIEW = look_at((0.0, 0.8, 5.0), (0.0, 0.0, 0.0))
+
+
+EXPLODING = Draw(
+    vertex="ch08_techniques/geometry_explode.vert",
+    geometry="ch08_techniques/geometry_explode.geom",
+    fragment="ch08_techniques/geometry_explode.frag",
+    mesh=BALL,
+    uniforms={
+        "model": MODEL,
+        "view": VIEW,
+        "projection": perspective(radians(42.0), 1.0, 0.1, 20.0),
+        "time": 0.0,
+    },
+    state=State(depth=Depth()),
+)
 
 
 def magnitude(time):
     """How far triangles have moved."""
     return 0.5 * (sin(time) + 1.0)
+
+
+def in_world(aPos, model):
+    """A vertex in the world."""
+    return swizzle(mul(model, vec4(aPos, 1.0)), "xyz")
+
+
+def placed(aPos, model):
+    """The same with w = 1: the projection is the geometry shader's."""
+    return vec4(in_world(aPos, model), 1.0)
+
+
+def dimmed(aColor, aNormal):
+    """Brighter above than below."""
+    return aColor * (0.6 + 0.4 * swizzle(aNormal, "y"))
+
+
+def both(VS_OUT_color, VS_OUT_world):
+    """What a fragment of the plain ball writes."""
+    return vec4(VS_OUT_color + 0.25 * VS_OUT_world, 1.0)
 
 
 def of_corner(values, emitted):
@@ -93,24 +129,23 @@ case = Case(
     r"\frac{(p_1 - p_0) \times (p_2 - p_0)}{\lVert (p_1 - p_0) \times (p_2 - p_0) \rVert}",
     passes=(
         Pass(
+            name="ball",
             target=Target(depth="depth24", clear=(0.13, 0.14, 0.17, 1.0)),
+            draws=(EXPLODING,),
+        ),
+        Pass(
+            name="plain",
             draws=(
-                Draw(
-                    vertex="ch08_techniques/geometry_explode.vert",
-                    geometry="ch08_techniques/geometry_explode.geom",
-                    fragment="ch08_techniques/geometry_explode.frag",
-                    mesh=BALL,
-                    uniforms={
-                        "model": MODEL,
-                        "view": VIEW,
-                        "projection": perspective(radians(42.0), 1.0, 0.1, 20.0),
-                        "time": 0.0,
-                    },
-                    state=State(depth=Depth()),
+                replace(
+                    EXPLODING,
+                    geometry=None,
+                    fragment="ch08_techniques/geometry_explode_plain.frag",
+                    uniforms={"model": MODEL},
                 ),
             ),
         ),
     ),
+    picture="ball.FragColor",
     variants=[
         at("t = −π∕2", 0.0, -pi / 2.0),
         at("t = 0", 0.5, 0.0),
@@ -118,13 +153,22 @@ case = Case(
         at("t = π∕2", 1.0, pi / 2.0),
     ],
     expect=[
-        formula("gl_Position", position),
-        formula("fColor", color),
-        formula("fNormal", outwards),
-        formula("FragColor", shaded),
-        query("geometry_primitives_emitted", equals=288, name="as many triangles as before"),
+        formula("ball.gl_Position", position),
+        formula("ball.fColor", color),
+        formula("ball.fNormal", outwards),
+        formula("ball.FragColor", shaded),
+        query(
+            "geometry_primitives_emitted",
+            equals=288,
+            pass_name="ball",
+            name="as many triangles as before",
+        ),
+        formula("plain.gl_Position", placed, name="vertices in the world"),
+        formula("plain.VS_OUT.world", in_world, name="… handed on"),
+        formula("plain.VS_OUT.color", dimmed, name="their colours"),
+        formula("plain.FragColor", both, name="both in a pixel"),
         value(
-            "FragColor",
+            "ball.FragColor",
             at={"fColor": (1.0, 0.5, 0.31), "fNormal": (0.0, 2.0, 0.0)},
             equals=(0.927362, 0.655744, 0.516333, 1.0),
             digits=6,

@@ -84,6 +84,26 @@ def interpolated(fColor):
     return vec4(fColor, 1.0)
 
 
+def as_it_is(aPos):
+    """The vertex shader only hands the point on."""
+    return vec4(aPos, 0.0, 1.0)
+
+
+def color_of(aColor):
+    """… and its colour."""
+    return aColor
+
+
+def plain_color(wall):
+    """A point's colour as it is."""
+    return vec4(wall, 1.0)
+
+
+PLAIN = Draw(
+    vertex="ch08_techniques/geometry_houses.vert",
+    fragment="ch08_techniques/geometry_houses_plain.frag",
+    mesh=POINTS,
+)
 PAPER = Target(size=(512, 512), clear=(0.80, 0.83, 0.86, 1.0))
 ALONE = Target(size=(128, 128), clear=(0.80, 0.83, 0.86, 1.0))
 KINDS = {"walls": "", "outline": "_outline", "windows": "_corners"}
@@ -96,6 +116,7 @@ case = Case(
     passes=(
         Pass(name="street", target=PAPER, draws=tuple(houses(kind) for kind in KINDS.values())),
         *(Pass(name=n, target=ALONE, draws=(houses(kind),)) for n, kind in KINDS.items()),
+        Pass(name="points", target=ALONE, draws=(PLAIN,)),
     ),
     picture="street.FragColor",
     expect=[
@@ -107,6 +128,9 @@ case = Case(
         formula("windows.gl_PointSize", size_of, name="points: size"),
         formula("windows.fColor", lit, name="points: colours"),
         formula("walls.FragColor", interpolated, name="pixels"),
+        formula("points.gl_Position", as_it_is, name="points as they go in"),
+        formula("points.wall", color_of, name="their colours"),
+        formula("points.FragColor", plain_color, name="their pixels"),
         query(
             "geometry_primitives_emitted", equals=12, pass_name="walls", name="triangles of walls"
         ),

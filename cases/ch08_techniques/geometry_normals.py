@@ -10,11 +10,12 @@ Look at: the box, which has three normals at each corner because its faces do no
 and the ring, which has one. Lines go from yellow at the surface to red.
 """
 
+from dataclasses import replace
 from math import radians
 
 from shaderlab import Case, Depth, Draw, Mesh, Pass, State, Target, formula, query, value
 from shaderlab.assets import meshes, solids, stage
-from shaderlab.glslmath import mix, mod, mul, vec3, vec4, where
+from shaderlab.glslmath import mix, mod, mul, normalize, vec3, vec4, where
 from shaderlab.reference.studio import handed_on, studio_color
 from shaderlab.reference.transforms import (
     clip_position,
@@ -32,6 +33,15 @@ TURN = rotate(radians(25.0), (0.2, 1.0, 0.1))
 SOLIDS = {
     "box": (meshes.cube(0.8), (0.16, 0.52, 0.20), translate((-0.8, 0.1, 0.0)) @ TURN),
     "ring": (meshes.torus(0.5, 0.2, 20, 10), (0.30, 0.45, 0.75), translate((0.8, 0.0, 0.0)) @ TURN),
+}
+
+
+# Drivers draw lines with small differences, so these are bounds.
+IN_FRONT = {
+    "box": (539, 539),
+    "ring": (513, 513),
+    "normals of the box": (85, 98),
+    "normals of the ring": (450, 477),
 }
 
 
@@ -58,6 +68,28 @@ def normals(name):
         },
         state=State(depth=Depth()),
     )
+
+
+def without_geometry(name):
+    """The same vertices without the geometry shader, so that the vertex shader is judged too."""
+    lines = normals(name)
+    uniforms = {k: v for k, v in lines.uniforms.items() if k not in ("projection", "magnitude")}
+    return replace(
+        lines,
+        geometry=None,
+        fragment="ch08_techniques/geometry_normals_plain.frag",
+        uniforms=uniforms,
+    )
+
+
+def in_view(aPos, model, view):
+    """A vertex in view space."""
+    return mul(view, mul(model, vec4(aPos, 1.0)))
+
+
+def turned(aNormal, normalMatrix):
+    """Its normal there, of length 1."""
+    return normalize(mul(normalMatrix, aNormal))
 
 
 def at_tip(emitted):
@@ -92,22 +124,45 @@ case = Case(
             target=Target(depth="depth24", clear=stage.SKY),
             draws=(surface("box"), surface("ring"), normals("box"), normals("ring")),
         ),
+        Pass(name="plain", draws=(without_geometry("ring"),)),
     ),
+    picture="judged.FragColor",
     expect=[
         *stage.prop_checks(clip_position, world_normal, handed_on, studio_color),
         *(
             expectation
             for draw, name in ((2, "box"), (3, "ring"))
             for expectation in (
-                formula("gl_Position", grown, draw=draw, name=f"{name}: feet and tips"),
-                formula("along", at_tip, draw=draw, name=f"{name}: which end"),
-                formula("FragColor", faded, draw=draw, name=f"{name}: colour"),
+                formula("judged.gl_Position", grown, draw=draw, name=f"{name}: feet and tips"),
+                formula("judged.along", at_tip, draw=draw, name=f"{name}: which end"),
+                formula("judged.FragColor", faded, draw=draw, name=f"{name}: colour"),
             )
         ),
-        query("geometry_primitives_emitted", equals=36, draw=2, name="box: 12 · 3 lines"),
-        query("geometry_primitives_emitted", equals=1200, draw=3, name="ring: 400 · 3 lines"),
+        *(
+            query(
+                "geometry_primitives_emitted",
+                equals=lines,
+                pass_name="judged",
+                draw=draw,
+                name=f"{name} lines",
+            )
+            for lines, draw, name in ((36, 2, "12 · 3"), (1200, 3, "400 · 3"))
+        ),
+        *(
+            query(
+                "samples_passed",
+                at_least=low,
+                at_most=high,
+                pass_name="judged",
+                draw=draw,
+                name=f"samples in front, {name}",
+            )
+            for draw, (name, (low, high)) in enumerate(IN_FRONT.items())
+        ),
+        formula("plain.gl_Position", in_view, name="vertices in view space"),
+        formula("plain.VS_OUT.normal", turned, name="normals in view space"),
         value(
-            "FragColor",
+            "judged.FragColor",
             at={"along": 0.25},
             equals=(0.925, 0.6, 0.1375, 1.0),
             digits=6,

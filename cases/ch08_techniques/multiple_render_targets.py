@@ -18,8 +18,11 @@ from shaderlab import (
     Mesh,
     Output,
     Pass,
+    Ramp,
     State,
     Target,
+    Texture,
+    assets,
     exact,
     formula,
     fullscreen,
@@ -101,6 +104,20 @@ def tiles(TexCoords, lit, bright, normals, luminance):
     return vec4(swizzle(both, "xyz"), 1.0)
 
 
+# Around the middle of the window, a pixel every 1/4096: the tiles' edges, with four plain textures.
+MIDDLE = 0.5 - 32.5 / 4096.0
+EDGES = fullscreen(
+    "ch08_techniques/multiple_render_targets_tiles.frag",
+    name="edges",
+    domain={"TexCoords": Ramp((MIDDLE, MIDDLE), (1.0 / 64.0, 0.0), (0.0, 1.0 / 64.0))},
+    textures={
+        name: Texture(image=assets.solid((red, green, 0.5, 1.0)))
+        for name, red, green in (
+            ("lit", 0.25, 0.25), ("bright", 1, 0.5), ("normals", 0.5, 1), ("luminance", 0.75, 0),
+        )
+    },
+    target=Target(size=(64, 64)),
+)  # fmt: skip
 AT = {"Normal": (0.0, 2.0, 0.0), "Color": (1.0, 0.5, 0.31)}
 
 case = Case(
@@ -111,6 +128,7 @@ case = Case(
     passes=(
         drawn("all", **OUTPUTS),
         *(drawn(f"only {name}", **{name: word}) for name, word in OUTPUTS.items()),
+        *EDGES,
         *fullscreen(
             "ch08_techniques/multiple_render_targets_tiles.frag",
             name="picture",
@@ -136,6 +154,7 @@ case = Case(
             for name in OUTPUTS
         ),
         formula("picture.FragColor", tiles, name="four tiles"),
+        formula("edges.FragColor", tiles, name="edges of the tiles"),
         value("all.Luminance", at=AT, equals=0.503695, digits=6, name="luminance of coral, lit"),
     ],
 )

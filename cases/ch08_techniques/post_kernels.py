@@ -58,11 +58,11 @@ def around(screenTexture, TexCoords, kernel):
     return vec4(filtered(neighbours, kernel), 1.0)
 
 
-def by_numpy(screenTexture, frag_coord, kernel):
+def by_numpy(screenTexture, TexCoords, kernel):
     """The whole image through NumPy's convolution, and of that the judged pixels."""
     image = screenTexture.texels.values[..., :3]
     whole = convolved(image, [float(weight[0]) for weight in kernel])
-    x, y = frag_coord[:, :2].astype(int).T
+    x, y = np.floor(TexCoords * np.array(image.shape[1::-1])).astype(int).T
     return np.column_stack([whole[y, x], np.ones(len(x))])
 
 

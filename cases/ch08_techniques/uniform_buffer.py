@@ -24,6 +24,7 @@ from shaderlab import (
     assets,
     block_layout,
     formula,
+    query,
     value,
 )
 from shaderlab.glslmath import dot, max, mul, normalize, sqrt, swizzle, vec2, vec3, vec4
@@ -137,6 +138,10 @@ case = Case(
                 formula("Normal", handed_on, draw=k, name=f"{color}: normals"),
                 formula("FragColor", lit(rgb), draw=k, name=f"{color}: colour"),
             )
+        ),
+        *(
+            query("samples_passed", equals=count, draw=k, name=f"{color}: samples in front")
+            for k, (color, count) in enumerate(zip(COLORS, (509, 667, 477, 601), strict=True))
         ),
         from_below("red", 0, (0.558082, 0.252540, 0.269777)),
         from_below("blue", 3, (0.224028, 0.345804, 0.581675)),

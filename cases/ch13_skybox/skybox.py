@@ -33,8 +33,9 @@ from shaderlab import (
     formula,
     fullscreen,
     measure,
+    value,
 )
-from shaderlab.glslmath import swizzle
+from shaderlab.glslmath import mul, swizzle, vec4
 from shaderlab.reference.spaces import sky_clip
 from shaderlab.reference.studio import studio_color
 from shaderlab.reference.transforms import (
@@ -124,6 +125,20 @@ def of_wood(Normal, TexCoords, wood):
     return studio_color(1.3 * color * color, Normal)
 
 
+def turned_normal(aNormal, model):
+    """A normal of a crate that is only turned."""
+    return mul(model[:3, :3], aNormal)
+
+
+def kept_clip(aPos, view, projection):
+    """The box's vertex as 7.4.2 has it: moved by the view, too, with z = w."""
+    return swizzle(mul(projection, mul(view, vec4(aPos, 1.0))), "xyww")
+
+
+TEXEL = assets.crate(64)[int(0.3 * 64), int(0.4 * 64), :3].astype(float)
+IN_FRONT = np.ravel(studio_color(1.3 * TEXEL * TEXEL, np.array([0.0, 2.0, 0.0]))).tolist()
+
+
 def changed(one, other):
     """The share of pixels that two images differ in."""
     return float(np.mean(np.any(one != other, axis=-1)))
@@ -140,7 +155,7 @@ case = Case(
     passes=(
         Pass(
             name="scene",
-            target=Target(size=(2048, 1024), depth="depth24", colors={"FragColor": "rgba8"}),
+            target=Target(size=(1536, 768), depth="depth24", colors={"FragColor": "rgba8"}),
             draws=tuple(
                 draw
                 for view, cell in zip((HERE, THERE), HALVES, strict=True)
@@ -151,7 +166,7 @@ case = Case(
             "ch03_transforms/soften.frag",
             name="picture",
             textures={"scene": Output("scene", "FragColor")},
-            target=Target(size=(1024, 512)),
+            target=Target(size=(768, 384)),
         ),
         alone("here", HERE),
         alone("there", THERE),
@@ -179,6 +194,26 @@ case = Case(
         formula("sky-last.FragColor", of_wood, draw=1, name="the second crate is in front"),
         formula("sky-last.FragColor", along, draw=3, name="sky is where nothing else is"),
         formula("sky-last.gl_Position", clip_position, draw=0, name="a crate in clip space"),
+        formula("sky-last.Normal", turned_normal, draw=0, name="a crate's normals"),
+        value(
+            "sky-last.FragColor",
+            draw=0,
+            at={"Normal": (0.0, 2.0, 0.0), "TexCoords": (0.4, 0.3)},
+            equals=IN_FRONT,
+            digits=6,
+            reference=of_wood,
+            name="a crate under a long normal",
+        ),
+        formula("kept-here.gl_Position", kept_clip, name="with the translation kept"),
+        formula("kept-there.gl_Position", kept_clip, name="with the translation kept, elsewhere"),
+        formula("kept-there.FragColor", along, name="the sky with the translation kept"),
+        formula("kept-here.TexCoords", point, name="directions with the translation kept"),
+        exact(
+            "sky-first.FragColor",
+            Output("sky-last", "FragColor"),
+            name="sky first or last: the same pixels",
+        ),
+        exact("sky-first.depth", Output("sky-last", "depth"), name="sky first or last: one depth"),
         exact(
             "sky-last.FragColor",
             Output("sky-first", "FragColor"),

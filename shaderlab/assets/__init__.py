@@ -6,6 +6,7 @@ Models and point clouds of one's own are read by `load_obj` and `load_pcd`.
 """
 
 from shaderlab.assets.charts import uv_grid
+from shaderlab.assets.compressed import compressed
 from shaderlab.assets.meshes import (
     Geometry,
     cube,
@@ -37,6 +38,7 @@ __all__ = [
     "brick_normals",
     "brick_wall",
     "checker",
+    "compressed",
     "crate",
     "cube",
     "ellipsoid",

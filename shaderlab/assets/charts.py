@@ -22,7 +22,7 @@ def uv_grid(size: int = 256, cells: int = 8) -> Array:
     Field "27" is column 2, row 7; "00" holds the first texel. At most ten fields a side; each
     needs 16 texels for its figures to be legible.
 
-    >>> uv_grid(32, 2)[0, 0].astype(float).round(3).tolist()
+    >>> uv_grid(32, 2)[0, 0].astype(float).round(2).tolist()
     [0.15, 0.15, 0.55, 1.0]
     """
     if not 1 <= cells <= 10 or size % cells:

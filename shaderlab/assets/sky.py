@@ -21,7 +21,7 @@ _TOWARDS = np.array(
 )  # fmt: skip
 
 
-def sky_face(number: int, size: int = 256, seed: int = 21) -> Array:
+def sky_face(number: int, size: int = 192, seed: int = 21) -> Array:
     """Morning over hills, one face for `CubeTexture`: 0…5 for +X, −X, +Y, −Y, +Z, −Z. RGBA.
 
     Row 0 is t = 0, as a cube map wants it: the upper edge of the four faces around.
@@ -62,8 +62,9 @@ def _colour(direction: Array, seed: int) -> Array:
 
 def _noise(place: Array, seed: int) -> Array:
     """Smooth value noise in space, three octaves, in 0…1."""
-    lattice = np.random.default_rng(seed).random((32, 32, 32))
-    total = np.zeros(place.shape[:-1])
+    lattice = np.random.default_rng(seed).random((32, 32, 32)).astype(np.float32)
+    total = np.zeros(place.shape[:-1], np.float32)
+    place = place.astype(np.float32)
     for octave in range(3):
         point = place * 2.0**octave + 13.7 * octave
         low = np.floor(point).astype(int)
@@ -71,6 +72,6 @@ def _noise(place: Array, seed: int) -> Array:
         part = part * part * (3.0 - 2.0 * part)
         for corner in np.ndindex(2, 2, 2):
             index = tuple((low[..., k] + corner[k]) % 32 for k in range(3))
-            share = np.prod(np.where(np.array(corner) == 1, part, 1.0 - part), axis=-1)
-            total += share * lattice[index] * 0.5 ** (octave + 1)
+            x, y, z = (part[..., k] if corner[k] else 1.0 - part[..., k] for k in range(3))
+            total += x * y * z * lattice[index] * 0.5 ** (octave + 1)
     return np.asarray(total / 0.875)

@@ -10,12 +10,20 @@ from typing import Any
 
 from shaderlab.errors import CaseError, nearest
 from shaderlab.frame import Array, Image, Texels
-from shaderlab.gl import formats, samplers, textures
+from shaderlab.gl import compressed, formats, samplers, textures
 from shaderlab.gl.device import Device
 from shaderlab.gl.target import RenderTarget
 from shaderlab.gl.textures import DeviceTexture
 from shaderlab.glsl.spirv import Variable
-from shaderlab.model import CubeTexture, Output, Scene, Texture, TextureArray, TextureSource
+from shaderlab.model import (
+    CompressedTexture,
+    CubeTexture,
+    Output,
+    Scene,
+    Texture,
+    TextureArray,
+    TextureSource,
+)
 from shaderlab.model.textures import level_sizes
 
 
@@ -103,6 +111,8 @@ class BoundTextures:
         return values, self._levels_of(source)
 
     def _format(self, source: TextureSource) -> str:
+        if isinstance(source, CompressedTexture):
+            return "rgba8"  # what its texels are once they are decoded
         return self._image(source).format if isinstance(source, Output) else source.format
 
     def _sample_count(self, source: TextureSource) -> int:
@@ -129,15 +139,19 @@ class BoundTextures:
         return self._smaller[key]
 
     def _upload(
-        self, source: Texture | TextureArray | CubeTexture
+        self, source: Texture | TextureArray | CubeTexture | CompressedTexture
     ) -> tuple[DeviceTexture, Array, tuple[Array, ...]]:
         if id(source) not in self._made:
             self._made[id(source)] = (source, *self._uploaded(source))
         return self._made[id(source)][1:]
 
     def _uploaded(
-        self, source: Texture | TextureArray | CubeTexture
+        self, source: Texture | TextureArray | CubeTexture | CompressedTexture
     ) -> tuple[DeviceTexture, Array, tuple[Array, ...]]:
+        if isinstance(source, CompressedTexture):
+            made, decoded = compressed.upload(self._device, source, self._folder)
+            self._stack.callback(made.release)
+            return made, decoded[0], tuple(decoded[1:])
         kind = samplers.kind_of(source, "", 0)
         given: list[Array] = []
         if isinstance(source, Texture):

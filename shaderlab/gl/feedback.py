@@ -110,7 +110,7 @@ def _stored(
     text = {"vertex": draw.text("vertex") or ""}
     parts = _pieces(text["vertex"], interface)
     points = replace(draw, draw=replace(
-        draw.draw, mesh=Mesh(attributes=mesh.attributes, primitive="points"), instances=instances
+        draw.draw, mesh=replace(mesh.made(), indices=None, primitive="points"), instances=instances
     ))  # fmt: skip
     got = recorded(session, points, text, parts, bindings, mesh.vertices * instances)
     repeated = {

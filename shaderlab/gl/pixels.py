@@ -39,6 +39,18 @@ def tex_image_3d(
         GL_1_2.glTexImage3D(target, level, internal, *size, 0, *place, _address(data))
 
 
+def compressed_tex_image_2d(
+    target: int, level: int, internal: int, size: tuple[int, int], blocks: bytes
+) -> None:
+    """glCompressedTexImage2D of blocks."""
+    from OpenGL.raw.GL.VERSION import GL_1_3
+
+    data = np.frombuffer(blocks, np.uint8)
+    GL_1_3.glCompressedTexImage2D(
+        target, level, internal, *size, 0, len(blocks), _address(np.ascontiguousarray(data))
+    )
+
+
 def get_tex_image(target: int, level: int, place: tuple[int, int], values: Array) -> None:
     """glGetTexImage into a contiguous array of the right size and type."""
     from OpenGL.raw.GL.VERSION import GL_1_0

@@ -231,8 +231,9 @@ def submit(vao: VertexArray, program: Any, draw: PreparedDraw) -> None:
 
     description = draw.draw
     last = draw.text("geometry") or draw.text("vertex") or ""
-    # A shader that gives points no size gets the default one, a pixel.
-    (GL.glEnable if "gl_PointSize" in last else GL.glDisable)(GL.GL_PROGRAM_POINT_SIZE)
+    if description.state.point_size is None:
+        # A shader that gives points no size gets the default one, a pixel.
+        (GL.glEnable if "gl_PointSize" in last else GL.glDisable)(GL.GL_PROGRAM_POINT_SIZE)
     mode = PRIMITIVES[description.mesh.primitive if description.mesh else "triangles"]
     if not description.vertex_array:
         GL.glUseProgram(program.glo)

@@ -50,7 +50,7 @@ def apply(state: State, size: tuple[int, int]) -> None:
     GL.glColorMask(*state.color_mask)
     _switch(GL.GL_FRAMEBUFFER_SRGB, state.srgb)
     _switch(GL.GL_PROGRAM_POINT_SIZE, isinstance(state.point_size, str))
-    GL.glPointSize(1.0 if isinstance(state.point_size, str) else state.point_size)
+    GL.glPointSize(state.point_size if isinstance(state.point_size, int | float) else 1.0)
     _multisample(state)
 
 

@@ -65,6 +65,7 @@ from shaderlab.model.scene import (
 )
 from shaderlab.model.state import Blend, Cell, Depth, State, Stencil
 from shaderlab.model.textures import (
+    CompressedTexture,
     CubeTexture,
     Output,
     Texture,
@@ -85,6 +86,7 @@ __all__ = [
     "Case",
     "Cell",
     "CompileFails",
+    "CompressedTexture",
     "Computed",
     "Cost",
     "Coverage",

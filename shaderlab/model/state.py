@@ -160,7 +160,8 @@ class State:
         depth_range: window depths of the near and the far plane, each 0…1.
         polygon_offset: (factor, units), added to a triangle's depth: factor times its steepest
             slope, and units of the smallest step that the depth buffer can tell.
-        point_size: a point's diameter in pixels, or "program" for what gl_PointSize says.
+        point_size: a point's diameter in pixels, or "program" for what gl_PointSize says; None is
+            the program's size where the shader writes one, and else a pixel.
         multisample: whether a target with several samples a pixel is covered sample by sample.
         sample_shading: the least share (0…1) of a pixel's samples that are shaded one by one.
         alpha_to_coverage: whether a fragment's alpha thins out the samples it covers.
@@ -179,7 +180,7 @@ class State:
     scissor: Rectangle | None = None
     depth_range: tuple[float, float] = (0.0, 1.0)
     polygon_offset: tuple[float, float] | None = None
-    point_size: float | str = 1.0
+    point_size: float | str | None = None
     multisample: bool = True
     sample_shading: float | None = None
     alpha_to_coverage: bool = False
@@ -215,7 +216,7 @@ class State:
     def _check_numbers(self) -> None:
         if isinstance(self.point_size, str):
             one_of("State", "point_size", self.point_size, ("program",))
-        elif not (math.isfinite(self.point_size) and self.point_size > 0):
+        elif self.point_size is not None and not 0.0 < self.point_size < math.inf:
             raise CaseError(f"State: point_size must be above 0, not {self.point_size}")
         shares = {"depth_range": self.depth_range, "sample_shading": (self.sample_shading or 0.0,)}
         for field, values in shares.items():

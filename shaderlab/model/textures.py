@@ -26,6 +26,8 @@ FILTERS = (
     "nearest_mipmap_linear", "linear_mipmap_linear",
 )  # fmt: skip
 WRAPS = ("repeat", "mirrored_repeat", "clamp_to_edge", "clamp_to_border")
+# Bytes of a block of 4 × 4 texels.
+BLOCK_BYTES = {"etc2_rgb8": 8, "etc2_eac_rgba8": 16, "bc1": 8, "bc3": 16, "bc7": 16}
 FACES = ("+X", "−X", "+Y", "−Y", "+Z", "−Z")
 ANY_LEVEL = (-1000.0, 1000.0)
 
@@ -177,7 +179,33 @@ class CubeTexture(Sampling):
             )
 
 
-TextureSource = Texture | TextureArray | CubeTexture | Output
+@dataclass(frozen=True, kw_only=True)
+class CompressedTexture(Sampling):
+    """A two-dimensional texture in blocks of 4 × 4 texels, as the device keeps it.
+
+    Either `file` is a DDS file's path (relative to the case file), which says all the rest; or
+    `blocks` are the bytes of each level, the largest first (or a function that gives them), of
+    the `format` and `size` (width, height). ETC1 blocks are read as "etc2_rgb8".
+    """
+
+    file: str | Path | None = None
+    blocks: Sequence[bytes] | Callable[[], Sequence[bytes]] = ()
+    format: str = ""
+    size: tuple[int, int] = (0, 0)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if (self.file is None) == (not self.blocks):
+            raise CaseError("CompressedTexture: give either file or blocks, format and size")
+        if self.compare is not None:
+            raise CaseError("CompressedTexture: there are no compressed depths to compare")
+        if self.file is None:
+            one_of("CompressedTexture", "format", self.format, tuple(BLOCK_BYTES))
+            if min(self.size) < 1:
+                raise CaseError(f"CompressedTexture: size must be positive, not {self.size}")
+
+
+TextureSource = Texture | TextureArray | CubeTexture | CompressedTexture | Output
 
 
 def outputs_read(source: TextureSource) -> Iterator[Output]:

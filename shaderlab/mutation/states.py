@@ -165,7 +165,7 @@ def _of_rasterizing(state: State) -> Iterator[tuple[str, Any, Any]]:
             yield "polygon_offset", (factor, units), offset
     if state.point_size == "program":
         yield "point_size", "program", 1.0
-    elif state.point_size != 1.0 and not isinstance(state.point_size, str):
+    elif isinstance(state.point_size, int | float):
         for size in (1.0, state.point_size + 1.0):
             yield "point_size", state.point_size, size
     if not state.multisample:

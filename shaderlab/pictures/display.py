@@ -18,6 +18,7 @@ BAND_MIDDLE: Colour = (247, 247, 247)
 BAND_HIGH: Colour = (224, 130, 20)
 OUTSIDE: tuple[Colour, Colour] = ((214, 20, 20), (0, 0, 0))
 UNCOVERED: Colour = (205, 205, 205)
+_SHADES = 8
 
 
 class Display(NamedTuple):
@@ -104,7 +105,9 @@ def distance_picture(widths: NDArray[Any], outside: NDArray[Any], *, min_side: i
         distance = np.take_along_axis(distance, furthest, axis=2)[:, :, 0]
 
     covered = ~np.isnan(distance)
-    t = np.clip(np.where(covered, distance, 0.0), -1.0, 1.0)[:, :, None]
+    # Eight shades to each side are told apart, and make a file of half the size.
+    steps = np.rint(np.clip(np.where(covered, distance, 0.0), -1.0, 1.0) * _SHADES)
+    t = (steps / _SHADES)[:, :, None]
     middle = np.array(BAND_MIDDLE, dtype=np.float64)
     end = np.where(t < 0, np.array(BAND_LOW, dtype=np.float64), np.array(BAND_HIGH))
     picture = np.rint(middle + (end - middle) * np.abs(t)).astype(np.uint8)

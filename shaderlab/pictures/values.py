@@ -6,7 +6,7 @@ components one after the other, rows from the bottom:
     flags      1 byte a value: 1 was judged, 2 lies outside its band
     measured   float32 as ordered integers, less the value to the left (the first: below)
     reference  ordered integer of the nearest float32, less the measured one
-    rest       16 bits: what is left of the float64 reference, in 1/65535 of its float32 ULP
+    rest       8 bits: what is left of the float64 reference, in 1/255 of its float32 ULP
     low, high  ordered integers, less the reference's
 
 Ordered integers follow the order of floats one ULP a step (the sign bit's complement for negative
@@ -29,11 +29,11 @@ from numpy.typing import NDArray
 from shaderlab.errors import AssetError
 
 Floats = NDArray[np.float64]
-_REST = 65535.0
+_REST = 255.0
 _LEVEL = 1  # of zlib: half the default's time, for files a twentieth larger
 # Pictures with more values than this are cut to a window around their worst value.
-_MOST_VALUES = 1 << 20
-_WINDOW = 192
+_MOST_VALUES = 1 << 15
+_WINDOW = 96
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,7 +46,7 @@ class Values:
         unit: size of one code of a fixed-point format; 0 for floats, whose unit is the ULP.
         whole: whether all judged values are here.
         measured, low, high: as float32 holds them.
-        reference: to 40 bits or better.
+        reference: to 32 bits or better.
         judged, outside: booleans; the other arrays mean something only where `judged` is true.
     """
 
@@ -92,8 +92,8 @@ def unpack(data: bytes) -> Values:
         planes = (components, rows, width)
         count = rows * width * components
         flags = np.frombuffer(body, np.uint8, count).reshape(planes)
-        wide = [_unfold(body[count * at :], count).reshape(planes) for at in (1, 5, 11, 15)]
-        rest = np.frombuffer(_joined(body[count * 9 :], count, 2), np.int16).reshape(planes)
+        wide = [_unfold(body[count * at :], count).reshape(planes) for at in (1, 5, 10, 14)]
+        rest = np.frombuffer(body, np.int8, count, count * 9).reshape(planes)
     except (ValueError, KeyError, TypeError, zlib.error) as error:
         raise AssetError(f"these are no packed values ({error})") from error
     measured = wide[0].copy()
@@ -172,7 +172,7 @@ def _columns(values: Values) -> list[bytes]:
     with np.errstate(invalid="ignore", over="ignore"):
         near = exact.astype(np.float32).astype(np.float64)
         left = np.nan_to_num((exact - near) / _ulp(near))
-    rest = np.rint(np.clip(left, -0.5, 0.5) * _REST).clip(-32768, 32767).astype(np.int16)
+    rest = np.rint(np.clip(left, -0.5, 0.5) * _REST).clip(-128, 127).astype(np.int8)
     steps = measured.copy()
     steps[:, :, 1:] -= measured[:, :, :-1]
     steps[:, 1:, 0] -= measured[:, :-1, 0]
@@ -181,7 +181,7 @@ def _columns(values: Values) -> list[bytes]:
         flags.tobytes(),
         _fold(steps),
         _fold(nearest - measured),
-        _split(rest),
+        rest.tobytes(),
         _fold(low - nearest),
         _fold(high - nearest),
     ]

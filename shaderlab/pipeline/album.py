@@ -113,6 +113,8 @@ class Album:
                 continue
             displayed[what] = display.image
             files[what] = self._save(f"{label}-{what}", display.image, JUDGED_SIDE)
+            if max(covered.shape) > PREVIEW_SIDE:
+                pictures.save_previews(self._folder / files[what], display.image, (PREVIEW_SIDE,))
         seen = pictures.distance_picture(distance, np.abs(distance) > 1.0, min_side=JUDGED_SIDE)
         files["distance"] = self._save(f"{label}-distance", seen, JUDGED_SIDE)
         relative, path = self._file(label, "values")

@@ -311,6 +311,8 @@ def judged_passes(scene: Scene) -> dict[int, frozenset[str]]:
             found[index] = frozenset({scene.find_pass(name).name})
             if isinstance(expectation, Exact) and isinstance(expectation.equals, Output):
                 found[index] |= {expectation.equals.pass_name}
+            if isinstance(expectation, Exact) and isinstance(expectation.equals, Output):
+                found[index] |= {expectation.equals.pass_name}
     return found
 
 

@@ -12,6 +12,7 @@ from typing import Any
 from shaderlab.glslmath import Value, dot, max, mul, normalize, swizzle, vec4
 from shaderlab.reference.blinn_phong import lobe
 from shaderlab.reference.shadows import shadow_of_fragment
+from shaderlab.reference.studio import handed_on
 from shaderlab.reference.transforms import clip_position, world_normal, world_position
 
 Reference = Callable[..., Any]
@@ -86,7 +87,7 @@ def courtyard_references(texture: Callable[[Any, Value], Value]) -> Mapping[str,
         texture: how the shadow map is read; `shaderlab.sampling.texture`.
 
     >>> sorted(courtyard_references(lambda map, uv: uv))[:3]
-    ['FragColor', 'FragPos', 'FragPosLightSpace']
+    ['Color', 'FragColor', 'FragPos']
     """
     dark = shadow_of_fragment(texture)
 
@@ -102,6 +103,7 @@ def courtyard_references(texture: Callable[[Any, Value], Value]) -> Mapping[str,
         "FragPos": world_position,
         "Normal": world_normal,
         "FragPosLightSpace": light_position,
+        "Color": handed_on,
         "shadow": dark,
         "place": seen_place,
         "upright": unit_normal,

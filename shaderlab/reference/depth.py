@@ -92,8 +92,8 @@ def same_code_share(
     >>> round(same_code_share(0.0763, 10.0, 1.0, 0.01, 100.0, 16), 2)
     0.49
     """
-    ends = window_depth(np.array([middle - slant, middle + slant]), near, far)
-    across = np.linspace(float(ends[0]), float(ends[1]), 2001)
+    start, stop = (float(window_depth(z, near, far)) for z in (middle - slant, middle + slant))
+    across = np.linspace(start, stop, 2001)
     behind = window_depth(distance_of(across, near, far) + gap, near, far)
     codes = (behind - across) * 2.0**bits
     return float(np.clip(1.0 - codes, 0.0, 1.0).mean())

@@ -117,6 +117,12 @@ def linear_sample(image: Any, TexCoords: Array) -> Array:
     Args:
         image: a `shaderlab.sampling.Sampler` of four channels.
         TexCoords: (count, 2).
+
+    >>> from types import SimpleNamespace as Of
+    >>> row = np.array([[10.0, 20.0, 30.0, 40.0]])[..., None] * np.ones(4)
+    >>> modes = Of(values=row, wrap=("clamp_to_border", "repeat"), border=(1.0,) * 4)
+    >>> linear_sample(Of(texels=modes), np.array([[-0.05, 0.5]])).round(9).tolist()
+    [[3.7, 3.7, 3.7, 3.7]]
     """
     texels = image.texels
     height, width = texels.values.shape[:2]

@@ -6,7 +6,7 @@ from the surface to the light decides); boxes as slabs as in `shaderlab.referenc
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -48,6 +48,34 @@ def blocked(
         distance = slab_distance(local, direction @ inverse[:3, :3].T)
         found |= distance < reach - _OFF
     return found
+
+
+def hidden_share(
+    eye: ArrayLike, models: Sequence[Matrix], step: int = 1
+) -> Callable[[Matrix, Matrix], float]:
+    """A statistic of a picture: the share of places in it that a box hides from the eye. A depth
+    test that works leaves none, but for pixels at the very edges.
+
+    Args:
+        eye: the camera's place, (3,).
+        models: the boxes' matrices.
+        step: only each so manieth pixel both ways is looked at.
+
+    Returns:
+        a function of the picture, whose alpha is 0 where nothing is drawn, and of the places.
+
+    >>> picture = np.ones((1, 2, 4))
+    >>> places = np.array([[(0.0, 0.0, -2.0), (0.0, 2.0, -2.0)]])
+    >>> hidden_share((0.0, 0.0, 2.0), [np.eye(4)])(picture, places)
+    0.5
+    """
+
+    def share(FragColor: Matrix, place: Matrix) -> float:
+        drawn, places = FragColor[::step, ::step, 3] > 0.0, place[::step, ::step, :3]
+        to_eye = np.asarray(eye, np.float64) - places
+        return float(blocked(places, to_eye, models, reach=1.0)[drawn].mean())
+
+    return share
 
 
 def wrongly_dark(shadow: ArrayLike, truth: ArrayLike, lit: ArrayLike) -> float:

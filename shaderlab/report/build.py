@@ -140,7 +140,7 @@ def _check(
             name=name,
             alt=f"{name}: {outcome.name} of {record.title}, {record.variant}",
             caption=outcome.captions.get(name, ""),
-            picture=pictures.full(file),
+            picture=pictures.small(file, SMALL),
             twin="measured" if name == "reference" and same else "",
         )
         for name, file in outcome.images.items()

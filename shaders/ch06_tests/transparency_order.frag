@@ -1,5 +1,5 @@
 #version 330 core
-in vec2 place;   // −1 … 1, the same for all three
+in vec2 at;   // texels from the lower left corner, the same for all three
 
 uniform sampler2D far_to_near;
 uniform sampler2D near_to_far;
@@ -13,10 +13,11 @@ layout (location = 3) out vec4 written;
 
 void main()
 {
-    ivec2 texel = ivec2((0.5 * place + 0.5) * vec2(textureSize(far_to_near, 0)));
+    ivec2 texel = ivec2(floor(at));
     sorted = texelFetch(far_to_near, texel, 0);
     reversed_ = texelFetch(near_to_far, texel, 0);
     written = texelFetch(depth_written, texel, 0);
     vec4 color = shown < 0.5 ? sorted : (shown < 1.5 ? reversed_ : written);
-    FragColor = vec4(max(abs(place.x), abs(place.y)) > 0.98 ? vec3(0.97) : color.rgb, 1.0);
+    vec2 border = min(at, vec2(textureSize(far_to_near, 0)) - at);
+    FragColor = vec4(min(border.x, border.y) < 3.6 ? vec3(0.97) : color.rgb, 1.0);
 }

@@ -16,6 +16,7 @@ from shaderlab import (
     Depth,
     Draw,
     Mesh,
+    Output,
     Pass,
     Pixel,
     State,
@@ -24,11 +25,13 @@ from shaderlab import (
     coverage,
     exact,
     formula,
+    measure,
     value,
 )
 from shaderlab.errors import CaseError
 from shaderlab.glslmath import swizzle
 from shaderlab.pipeline import Lab, Options
+from shaderlab.pipeline.trial import judged_passes
 from shaderlab.records import Record
 
 PLACED = """#version 330 core
@@ -147,7 +150,7 @@ def test_polygon_offset_moves_what_is_tested(lab: Lab, folder: Path) -> None:
 
 
 def test_points_are_as_large_as_the_state_or_the_shader_says(lab: Lab, folder: Path) -> None:
-    for given, size, count in ((4.0, 2.0, 16), ("program", 2.0, 4), (1.0, 6.0, 1)):
+    for given, size, count in ((4.0, 2.0, 16), ("program", 2.0, 4), (None, 2.0, 4), (1.0, 6.0, 1)):
         made = draw(point(0.0, 0.0) if count > 1 else point(1 / 16, 1 / 8), 1.0, size)
         made = replace(made, state=State(point_size=given))
         record = run(lab, folder, into(made), coverage(count))
@@ -195,8 +198,10 @@ def test_no_state_of_one_draw_reaches_the_next(
 ) -> None:
     odd = replace(ODD, point_size=size)
     target = {"depth": "depth24_stencil8"}
-    last = draw(mesh, 0.5, 3.0, depth=Depth(), stencil=Stencil(depth_pass="incr"), cull="back")
-    plain = draw(mesh, 3.0, 3.0)
+    single = {"point_size": 1.0}
+    test = {"depth": Depth(), "stencil": Stencil(depth_pass="incr"), "cull": "back"}
+    last = draw(mesh, 0.5, 3.0, **test, **single)
+    plain = draw(mesh, 3.0, 3.0, **single)
     show = draw(square(-0.5), 2.0, stencil=Stencil(func="equal", reference=1))
     count = 128 if mesh.primitive == "triangles" else 1
     for end, tone in ((show, 2.0), (plain, 3.0)):
@@ -260,3 +265,31 @@ def test_a_reference_may_ask_where_samples_are(lab: Lab, folder: Path) -> None:
 def test_wrong_state_is_refused_where_it_is_written(make: Any, says: str) -> None:
     with pytest.raises(CaseError, match=says):
         make()
+
+
+def test_a_measure_may_read_the_depth_of_any_pass(lab: Lab, folder: Path) -> None:
+    def mean(depth: Any) -> Any:
+        return depth.mean()
+
+    state = {"depth": Depth(), "depth_range": (0.25, 0.75)}
+    target = Target(size=(16, 8), depth="depth24")
+    passes = (
+        Pass(name="first", target=target, draws=(draw(square(0.5), **state),)),
+        Pass(name="last", target=Target(size=(16, 8)), draws=(draw(square()),)),
+    )
+    right = measure("depth", mean, reads={"depth": "first.depth"}, equals=0.625, digits=6)
+    assert run(lab, folder, passes, right).status == "pass"
+    wrong = measure("depth", mean, reads={"depth": "first.depth"}, equals=0.75, digits=6)
+    assert run(lab, folder, passes, wrong).status == "fail"
+
+
+def test_an_output_that_another_is_compared_with_is_judged_as_well(folder: Path) -> None:
+    passes = tuple(
+        Pass(name=name, target=Target(size=(16, 8)), draws=(draw(square()),))
+        for name in ("one", "other", "third")
+    )
+    same = exact("one.shown", Output("other", "shown"))
+    scene = Case(title="t", id="t", file=str(folder / "t.py"), passes=passes, expect=[same]).scene(
+        "default"
+    )
+    assert judged_passes(scene) == {0: frozenset({"one", "other"})}

@@ -13,6 +13,7 @@ import pytest
 
 from shaderlab import (
     Case,
+    CompressedTexture,
     CubeTexture,
     Depth,
     Draw,
@@ -415,3 +416,46 @@ def test_a_texture_that_does_not_fit(
     assert record.status == "error"
     for word in says:
         assert word in record.message, record.message
+
+
+def test_a_dds_file_with_its_levels(lab: Lab, folder: Path) -> None:
+    """Two levels of plain colours, read by texelFetch: red, then blue."""
+    import struct
+
+    def plain(color: int) -> bytes:
+        return struct.pack("<2HI", color, color, 0)
+
+    head = struct.pack("<4s7I44x", b"DDS ", 124, 0x1007, 4, 8, 16, 0, 2)
+    head += struct.pack("<2I4s5I", 32, 4, b"DXT1", 0, 0, 0, 0, 0) + bytes(20)
+    (folder / "plain.dds").write_bytes(head + plain(0xF800) * 2 + plain(0x001F))
+    for level, color in ((0, (1.0, 0.0, 0.0, 1.0)), (1, (0.0, 0.0, 1.0, 1.0))):
+        passes = fullscreen(
+            "fetch.frag",
+            textures={"image": CompressedTexture(file="plain.dds")},
+            uniforms={"level": level},
+            domain={"p": Ramp((0.0, 0.0))},
+        )
+        assert run(lab, folder, passes, exact("FragColor", color)).status == "pass"
+    passes = fullscreen(
+        "plain.frag",
+        textures={"image": CompressedTexture(blocks=[bytes(9)], format="bc1", size=(4, 4))},
+        domain={"p": Ramp((0.0, 0.0))},
+    )
+    record = run(lab, folder, passes, exact("FragColor", 0.0))
+    assert "takes 8 bytes, not 9" in record.message
+
+
+def test_a_format_that_the_driver_lacks_names_its_extension(
+    lab: Lab, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from shaderlab.gl import compressed
+
+    there_is_none = (0x8E8C, "GL_ARB_no_such_thing", 999)
+    monkeypatch.setitem(compressed._FORMATS, "bc7", there_is_none)
+    passes = fullscreen(
+        "plain.frag",
+        textures={"image": CompressedTexture(blocks=[bytes(16)], format="bc7", size=(4, 4))},
+        domain={"p": Ramp((0.0, 0.0))},
+    )
+    record = run(lab, folder, passes, exact("FragColor", 0.0))
+    assert record.status == "unsupported" and "GL_ARB_no_such_thing" in record.message

@@ -68,6 +68,8 @@ OWNERS: dict[str, set[str]] = {
     "OpenImageIO": {"pictures"},
     "trimesh": {"assets"},
     "pypcd4": {"assets"},
+    "etcpak": {"assets"},
+    "texture2ddecoder": {"reference"},
     "jinja2": {"report"},
     "tree_sitter": {"mutation"},
     "tree_sitter_glsl": {"mutation"},

@@ -10,7 +10,7 @@ import shaderlab
 PUBLIC = {
     # a case and what it is made of
     "Case", "Variant", "Erratum", "Pass", "Draw", "Target", "Mesh", "Texture", "Output",
-    "TextureArray", "CubeTexture",
+    "TextureArray", "CubeTexture", "CompressedTexture",
     "UniformBuffer",
     "State", "Depth", "Stencil", "Blend", "Cell",
     "fullscreen", "mesh_pass", "Ramp", "across", "up",

@@ -1,0 +1,156 @@
+"""Compressed textures: blocks of 4 × 4 texels in 8 or 16 bytes, decoded while they are sampled.
+
+A graphics card has to find any texel at once, so every block takes the same room: 4 or 8 bits a
+texel instead of 32. What is lost is lost when the image is compressed; decoding is arithmetic with
+whole numbers, and ETC1, ETC2 and BC7 leave nothing open about it. A block of ETC holds a base
+colour for each half and a table of brightness steps. One of BC1 holds two colours and for each
+texel one of four points on the line between them, thirds that may be rounded either way; BC3 adds
+alpha in the same manner, and BC7 has eight modes to choose from. ETC1 is a part of ETC2: its blocks
+are read as ETC2.
+
+Look at: the emblem in six formats, four times as large, from the lower left ETC1, ETC2 and ETC2
+with alpha, above BC1, BC3 and BC7. At the rays' edges the blocks show, two or four colours at a
+time; the smooth night sky breaks into steps. BC7 is hard to tell from the original.
+"""
+
+import numpy as np
+
+from shaderlab import (
+    Case,
+    Cell,
+    CompressedTexture,
+    Draw,
+    Pass,
+    Ramp,
+    State,
+    Target,
+    assets,
+    exact,
+    fullscreen,
+    measure,
+)
+from shaderlab.reference.opinions import decoded_blocks
+
+FORMATS = {
+    "ETC1": ("etc1", "etc2_rgb8"),
+    "ETC2 RGB8": ("etc2_rgb8", "etc2_rgb8"),
+    "ETC2 with EAC alpha": ("etc2_eac_rgba8", "etc2_eac_rgba8"),
+    "BC1": ("bc1", "bc1"),
+    "BC3": ("bc3", "bc3"),
+    "BC7": ("bc7", "bc7"),
+}
+# How many codes two decoders may be apart. OpenGL leaves open how thirds of a colour and sevenths
+# of alpha are rounded: of 33.857, one takes 33 (cut off) and another 35 (from a rounded step).
+ROUNDED = {"BC1": 1.0, "BC3": 2.0}
+SIZE = (64, 64)
+
+
+def mixed_image():
+    """The emblem, and in its lower half noise and ramps that drive a compressor to its limits."""
+    image = assets.emblem(64).copy()
+    t, s = np.mgrid[0:24, 0:64] / 64.0
+    image[:24, :, 0], image[:24, :, 1], image[:24, :, 2] = s, 2.6 * t, 1.0 - s
+    image[:12, 32:] = np.random.default_rng(245).random((12, 32, 4))
+    image[12:24, :, 3] = s[12:24]
+    return image
+
+
+IMAGE = mixed_image()
+
+
+def texture(kind, image):
+    """The image as this format's blocks."""
+    by, read_as = FORMATS[kind]
+    side = image.shape[0]
+    return CompressedTexture(
+        blocks=lambda: [assets.compressed(image, by)], format=read_as, size=(side, side)
+    )
+
+
+def decoded(kind):
+    """What another library reads out of the same blocks."""
+    by, _ = FORMATS[kind]
+    return decoded_blocks(assets.compressed(IMAGE, by), by, SIZE)
+
+
+def furthest(kind):
+    """How many codes the worst channel of the worst texel is away."""
+
+    def off(image):
+        return float(np.abs(image - decoded(kind)).max())
+
+    return off
+
+
+def share_equal(kind):
+    """The share of texels that are equal to the last bit: all but some of the thirds."""
+
+    def equal(image):
+        return float(np.mean(np.all(image == decoded(kind), axis=-1)))
+
+    return equal
+
+
+def name_of(kind):
+    """The pass that shows a format."""
+    return kind.split(" with")[0].replace(" ", "-").lower() + "-alpha" * ("alpha" in kind)
+
+
+case = Case(
+    title="Compressed textures",
+    section="2.4.5",
+    math=r"\text{BC1: } c_k = \tfrac13\left((3 - k)\,c_0 + k\,c_1\right), \qquad "
+    r"\frac{8\ \text{bytes}}{16\ \text{texels}} = 4\ \text{bits a texel}",
+    passes=(
+        Pass(
+            name="picture",
+            target=Target(size=(1152, 768), colors={"FragColor": "rgba8"}),
+            draws=tuple(
+                Draw(
+                    fragment="ch02_basics/textured.frag",
+                    domain={"TexCoords": Ramp((0.17, 0.17), (0.66, 0.0), (0.0, 0.66))},
+                    textures={"image": texture(kind, assets.emblem(96))},
+                    state=State(cell=Cell(column=k % 3, row=k // 3, columns=3, rows=2)),
+                )
+                for k, kind in enumerate(FORMATS)
+            ),
+        ),
+        *(
+            one
+            for kind in FORMATS
+            for one in fullscreen(
+                "ch02_basics/texture_compression.frag",
+                name=name_of(kind),
+                domain={},
+                textures={"image": texture(kind, IMAGE)},
+                target=Target(size=SIZE, colors={"FragColor": "rgba8"}),
+            )
+        ),
+    ),
+    picture="picture.FragColor",
+    expect=[
+        *(
+            exact(f"{name_of(kind)}.FragColor", decoded(kind), name=f"{kind}, another decoder")
+            for kind in FORMATS
+            if kind not in ROUNDED
+        ),
+        *(
+            measure(
+                f"{kind}: codes off another decoder, at most",
+                furthest(kind),
+                reads={"image": f"{name_of(kind)}.FragColor"},
+                at_most=codes,
+            )
+            for kind, codes in ROUNDED.items()
+        ),
+        *(
+            measure(
+                f"{kind}: texels that are equal",
+                share_equal(kind),
+                reads={"image": f"{name_of(kind)}.FragColor"},
+                at_least=0.8,
+            )
+            for kind in ROUNDED
+        ),
+    ],
+)

@@ -1,0 +1,132 @@
+"""Antialiasing by multisampling: how far an edge is from the true one.
+
+The right value of a pixel on an edge is the area of it that is covered. One sample a pixel says 0
+or 1, four say a quarter more or less. The mean error along edges of every direction falls from
+about one quarter to less than a tenth; a drawing is smoother than its resolution allows, at the
+cost of four times the memory for colour and depth.
+
+Look at: the same wheel of spokes, on the left with one sample a pixel, on the right with four, both
+enlarged eightfold. Spokes that are nearly upright or level show it best: steps become ramps. Near
+the hub, where spokes are thinner than a pixel, one sample loses them altogether.
+"""
+
+from math import cos, pi, sin
+
+import numpy as np
+
+from shaderlab import (
+    Case,
+    Draw,
+    Mesh,
+    Output,
+    Pass,
+    Ramp,
+    Target,
+    formula,
+    fullscreen,
+    measure,
+    reading,
+)
+from shaderlab.glslmath import vec4
+from shaderlab.reference.coverage import area_coverage
+
+SIZE = (64, 64)
+SPOKES = 13
+
+
+def spoke(k):
+    """A thin triangle from the hub to the rim, its corners on sixteenths of a pixel."""
+    corners = [(32.0, 32.0)]
+    for edge in (-0.35, 0.35):
+        turn = 2.0 * pi * (k + edge) / SPOKES + 0.1
+        corners.append((32.0 + 29.0 * cos(turn), 32.0 + 29.0 * sin(turn)))
+    return [tuple(round(16.0 * v) / 16.0 for v in corner) for corner in corners]
+
+
+SHAPES = [spoke(k) for k in range(SPOKES)]
+WHEEL = Mesh(
+    attributes={"aPos": np.array([corner for shape in SHAPES for corner in shape])},
+    indices=np.arange(3 * SPOKES),
+)
+
+
+def drawn(name, samples):
+    """The wheel with so many samples a pixel."""
+    draw = Draw(
+        vertex="ch09_antialiasing/shape.vert",
+        fragment="ch09_antialiasing/lit.frag",
+        mesh=WHEEL,
+        uniforms={"size": tuple(map(float, SIZE))},
+    )
+    return Pass(
+        name=name, target=Target(size=SIZE, samples=samples, colors={"lit": "r32f"}), draws=(draw,)
+    )
+
+
+def edge_error(lit):
+    """The mean error of the pixels through which an edge goes."""
+    right = area_coverage(SHAPES, SIZE)
+    edge = (right > 1.0e-9) & (right < 1.0 - 1.0e-9)
+    return np.abs(lit[..., 0] - right)[edge].mean()
+
+
+def inner_error(lit):
+    """The largest error of pixels that are covered as a whole, or not at all."""
+    right = area_coverage(SHAPES, SIZE)
+    edge = (right > 1.0e-9) & (right < 1.0 - 1.0e-9)
+    return np.abs(lit[..., 0] - right)[~edge].max()
+
+
+def covered_area(lit):
+    """All light together, over the wheel's area."""
+    return lit.sum() / area_coverage(SHAPES, SIZE).sum()
+
+
+def in_clip_space(aPos, size):
+    """Pixels as device coordinates."""
+    return vec4(2.0 * aPos / size - 1.0, 0.0, 1.0)
+
+
+(picture,) = fullscreen(
+    "ch09_antialiasing/msaa.frag",
+    name="picture",
+    domain={"at": Ramp((0.0, 0.0), (2.0, 0.0), (0.0, 1.0))},
+    textures={"one": Output("one", "lit"), "four": Output("four", "lit")},
+    target=Target(size=(1024, 512)),
+)
+
+BOTH = {1: "one.lit", 4: "four.lit"}
+
+case = Case(
+    title="Multisample antialiasing",
+    section="9.2",
+    math=r"\left| \frac kn - \text{area} \right|, \qquad \text{area} = "
+    r"\int_{\text{pixel}} [\, p \in \text{shape} \,]\, dp",
+    passes=(drawn("one", 0), drawn("four", 4), picture),
+    expect=[
+        formula("one.gl_Position", in_clip_space),
+        measure(
+            "mean error of an edge's pixels",
+            edge_error,
+            readings=[
+                reading(1, reads={"lit": BOTH[1]}, between=(0.2, 0.3)),
+                reading(4, reads={"lit": BOTH[4]}, between=(0.05, 0.11)),
+            ],
+            x_label="samples",
+            y_label="mean |k/n − area| along the edges",
+        ),
+        measure(
+            "largest error away from edges",
+            inner_error,
+            readings=[reading(f"{n} a pixel", reads={"lit": name}) for n, name in BOTH.items()],
+            equals=0.0,
+            digits=9,
+        ),
+        measure(
+            "covered, over the area",
+            covered_area,
+            readings=[reading(f"{n} a pixel", reads={"lit": name}) for n, name in BOTH.items()],
+            between=(0.98, 1.02),
+        ),
+    ],
+)

@@ -1,0 +1,131 @@
+"""Multisampling: a pixel has several samples, and an edge covers some of them.
+
+The rasteriser asks of each sample, and not of the pixel's centre, whether it lies in the triangle.
+The fragment shader still runs once a pixel, and its colour goes to the samples that are covered.
+Resolving takes their mean: with k of n samples covered, k/n of the colour. Where the samples lie is
+the driver's choice; glGetMultisamplefv tells it, and so does gl_FragCoord in a fragment shader that
+is made to run for each sample.
+
+Look at: an edge through twelve by eight pixels, the dark side on its right. Each pixel's four
+samples are drawn where they are: orange if the triangle covers them, blue if not. A pixel's grey is
+the share of orange ones: five levels are possible, and the edge runs through all of them.
+"""
+
+import numpy as np
+
+from shaderlab import (
+    Case,
+    Draw,
+    Mesh,
+    Output,
+    Pass,
+    Ramp,
+    State,
+    Target,
+    formula,
+    fullscreen,
+    measure,
+)
+from shaderlab.glslmath import swizzle, vec4
+from shaderlab.reference.coverage import on_inner_side
+
+SIZE = (12, 8)
+# The edge from the lower right to the upper left; its ends are whole pixels, which every driver
+# can tell apart, and no sample lies on it.
+FOOT, HEAD = (9.0, 0.0), (2.0, 8.0)
+SHAPE = Mesh(
+    attributes={"aPos": np.array([(0.0, 0.0), FOOT, HEAD, (0.0, 8.0)])},
+    indices=np.array([0, 1, 2, 0, 2, 3]),
+)
+WHOLE = Mesh(
+    attributes={"aPos": np.array([(0.0, 0.0), (24.0, 0.0), (0.0, 16.0)])},
+    indices=np.array([0, 1, 2]),
+)
+
+
+def drawn(name, fragment, mesh, output, state=None):
+    """A shape in the multisampled target."""
+    draw = Draw(
+        vertex="ch09_antialiasing/shape.vert",
+        fragment=f"ch09_antialiasing/{fragment}.frag",
+        mesh=mesh,
+        uniforms={"size": tuple(map(float, SIZE))},
+        state=state or State(),
+    )
+    return Pass(name=name, target=Target(size=SIZE, samples=4, colors=output), draws=(draw,))
+
+
+def shown(name, size):
+    """Everything that is in the samples, read out."""
+    (read,) = fullscreen(
+        "ch09_antialiasing/multisample_coverage.frag",
+        name=name,
+        domain={"at": Ramp((0.0, 0.0), (float(SIZE[0]), 0.0), (0.0, float(SIZE[1])))},
+        textures={
+            "resolved": Output("edge", "lit"),
+            "samples": Output("edge", "lit"),
+            "places": Output("where", "place"),
+        },
+        target=Target(size=size),
+    )
+    return read
+
+
+def inside(frag_coord, edge_sample_positions):
+    """Whether each of a pixel's samples lies on the bright side."""
+    corner = swizzle(frag_coord, "xy") - 0.5
+    return [on_inner_side(corner + place, FOOT, HEAD) for place in edge_sample_positions]
+
+
+def every_sample(frag_coord, edge_sample_positions):
+    """The four samples."""
+    return vec4(*inside(frag_coord, edge_sample_positions))
+
+
+def share(frag_coord, edge_sample_positions):
+    """k of n samples."""
+    one, two, three, four = inside(frag_coord, edge_sample_positions)
+    return (one + two + three + four) / 4.0
+
+
+def across(edge_sample_positions):
+    """The samples' places in a pixel, to the right."""
+    return vec4(*(swizzle(place, "x") for place in edge_sample_positions))
+
+
+def upward(edge_sample_positions):
+    """The samples' places in a pixel, upward."""
+    return vec4(*(swizzle(place, "y") for place in edge_sample_positions))
+
+
+def place_in_clip_space(aPos, size):
+    """Pixels as device coordinates."""
+    return vec4(2.0 * aPos / size - 1.0, 0.0, 1.0)
+
+
+def levels(coverage):
+    """How many different values there are."""
+    return len(np.unique(coverage))
+
+
+case = Case(
+    title="Coverage of samples",
+    section="9.1",
+    math=r"c = \frac 1n \sum_{i=1}^{n} \left[\, p + s_i \in \text{triangle} \,\right]",
+    passes=(
+        drawn("edge", "lit", SHAPE, {"lit": "r32f"}),
+        drawn("where", "sample_place", WHOLE, {"place": "rg32f"}, State(sample_shading=1.0)),
+        shown("table", SIZE),
+        shown("picture", (960, 640)),
+    ),
+    picture="picture.FragColor",
+    expect=[
+        formula("table.coverage", share, name="resolved: k of n samples"),
+        formula("table.each", every_sample, name="each sample"),
+        formula("table.placesX", across, name="where samples are, to the right"),
+        formula("table.placesY", upward, name="where samples are, upward"),
+        formula("edge.gl_Position", place_in_clip_space),
+        measure("levels along the edge", levels, reads={"coverage": "table.coverage"},
+                equals=5.0, digits=0, note="0, ¼, ½, ¾ and 1"),
+    ],
+)  # fmt: skip

@@ -1,0 +1,46 @@
+"""Images as compressed blocks, by the `etcpak` library (ETC1, ETC2, BC1, BC3, BC7)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from shaderlab.errors import AssetError, nearest
+
+Array = npt.NDArray[Any]
+
+# What compresses each format.
+_BY = {
+    "etc1": "compress_etc1_rgb",
+    "etc2_rgb8": "compress_etc2_rgb",
+    "etc2_eac_rgba8": "compress_etc2_rgba",
+    "bc1": "compress_bc1",
+    "bc3": "compress_bc3",
+    "bc7": "compress_bc7",
+}
+
+
+def compressed(image: Array, format: str) -> bytes:
+    """An image's blocks, its first row first.
+
+    Args:
+        image: (height, width, 4) of 0…1, both sides multiples of 4.
+        format: "etc1", "etc2_rgb8", "etc2_eac_rgba8", "bc1", "bc3" or "bc7".
+
+    >>> len(compressed(np.zeros((8, 8, 4)), "bc1"))
+    32
+    """
+    import etcpak
+
+    if format not in _BY:
+        raise AssetError(f"nothing compresses {format!r}", remedy=nearest(format, _BY))
+    height, width = image.shape[:2]
+    if height % 4 or width % 4:
+        raise AssetError(f"{width} × {height} texels are no blocks of 4 × 4")
+    codes = np.rint(np.clip(image, 0.0, 1.0) * 255.0).astype(np.uint8)
+    packed = codes.tobytes()
+    if format == "bc7":
+        return bytes(etcpak.compress_bc7(packed, width, height, etcpak.BC7CompressBlockParams()))
+    return bytes(getattr(etcpak, _BY[format])(packed, width, height))

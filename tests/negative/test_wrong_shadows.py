@@ -1,0 +1,133 @@
+"""Realistic mistakes in shadow mapping, and which expectations notice."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import pytest
+
+from shaderlab.catalogue import Catalogue, data_folder
+from shaderlab.model import Case, Measure
+from shaderlab.pipeline import Lab, Options
+from shaderlab.records import Outcome
+
+FOLDER = "ch05_lighting"
+SHADOW, LIT = "lib/shadow.glsl", "shadow_map.frag"
+CASCADED, POINT = "cascaded_shadows.frag", "point_shadow.frag"
+
+# case, shader, what stands there, the mistake, what notices it among others
+MISTAKES = [
+    ("shadow-map", SHADOW, "lightSpace.w * 0.5 + 0.5", "lightSpace.w", "judged.shadow"),
+    ("shadow-map", SHADOW, "current - bias > closest ? 1.0 : 0.0",
+     "current - bias > closest ? 0.0 : 1.0", "shadows told wrongly"),
+    ("shadow-map", "shadow_depth.vert", "lightSpaceMatrix * (model *", "lightSpaceMatrix * (",
+     "shadow.gl_Position"),
+    ("shadow-map", LIT, "(ambient + (1.0 - shadow) * (diffuse + specular)) * Color",
+     "(1.0 - shadow) * (ambient + diffuse + specular) * Color",
+     "grey in shadow keeps its ambient light"),
+    ("shadow-map", LIT, "float ambient = 0.15;", "float ambient = 0.15 * Color.r;",
+     "grey in shadow keeps its ambient light"),
+    ("shadow-map", SHADOW, "texture(shadowMap, place.xy", "texture(shadowMap, fract(place.xy)",
+     "dark outside the map"),
+    ("shadow-acne", LIT, "slopeBias(normal, lightDir, leastBias, mostBias)", "leastBias",
+     "wrongly dark"),
+    ("shadow-acne", SHADOW, "most * (1.0 - dot(normal, lightDir))", "most", "slope-512.shadow"),
+    ("shadow-acne", LIT, "leastBias, mostBias)", "leastBias + 0.05, mostBias)",
+     "wrongly bright"),
+    ("shadow-acne", SHADOW, "current - bias > closest", "current + bias > closest",
+     "wrongly dark"),
+    ("shadow-acne", SHADOW, "if (current > 1.0)", "if (current > 2.0)",
+     "past the far plane nothing is dark"),
+    ("shadow-pcf", SHADOW, "sum / (side * side)", "sum / (side * side + 0.2)",
+     "distance from the nearest step"),
+    ("shadow-pcf", SHADOW, "vec2(x, y) * texel", "vec2(x, x) * texel", "nine.shadow"),
+    ("shadow-pcf", SHADOW, "sum += shadowOf(place.z, closest, bias)",
+     "sum = max(sum, shadowOf(place.z, closest, bias))", "different values"),
+    ("shadow-pcf", SHADOW, "x = -radius; x <= radius", "x = 0; x <= 0",
+     "share of places in between"),
+    ("shadow-pcf", SHADOW, "* texel).r;", "* texel + 0.05).r;", "error against rays"),
+    ("cascaded-shadows", CASCADED, "depth >= splits[i]", "depth >= 1.02 * splits[i]",
+     "practical: pixels in a wrong cascade"),
+    ("cascaded-shadows", CASCADED, "-(view * vec4(FragPos, 1.0)).z", "length(FragPos)",
+     "logarithmic: pixels in a wrong cascade"),
+    ("cascaded-shadows", CASCADED, "index = i + 1;", "index = 2;",
+     "uniform: pixels in a wrong cascade"),
+    ("cascaded-shadows", CASCADED, "vec3(at.xy, cascade)", "vec3(at.xy, 0.0)",
+     "shadows told wrongly"),
+    ("point-shadow", "point_shadow_depth.frag", "length(FragPos - lightPos) / farPlane",
+     "gl_FragCoord.z", "distances on +x"),
+    ("point-shadow", POINT, "texture(shadowMap, ray)", "texture(shadowMap, -ray)",
+     "wrongly bright"),
+    ("point-shadow", POINT, "current * slopeBias", "-current * slopeBias", "wrongly dark"),
+    ("point-shadow", POINT, "length(ray) / farPlane", "length(ray)", "judged.shadow"),
+]  # fmt: skip
+LESSONS = {"shadow-map", "shadow-acne", "shadow-pcf", "cascaded-shadows", "point-shadow"}
+# What only mistakes in state break: those in the depth test.
+OF_STATE = {
+    "places hidden from the eye",
+    "places hidden from the eye, in the large picture",
+    "share of the large picture that is drawn",
+}
+
+
+@cache
+def catalogue() -> Catalogue:
+    return Catalogue.shipped()
+
+
+def judged(case: Case) -> Case:
+    """Without the large picture, which takes longer than many of the checks."""
+    large = ("large", "scene", "picture")
+    kept = tuple(p for p in case.passes if p.name not in large)
+    expect = [
+        e
+        for e in case.expect
+        if not getattr(e, "output", "").startswith("picture") and "large picture" not in e.name
+    ]
+    return replace(case, passes=kept, expect=expect, picture="")
+
+
+def failures_of(case: Case, shaders: dict[str, str]) -> list[Outcome]:
+    with Lab(Options(shaders=shaders)) as lab:
+        record = lab.run(case.scene("default"))
+    assert record.status == "fail", record.message
+    return [o for o in record.expectations if o.status == "fail"]
+
+
+@pytest.mark.parametrize(
+    ("case_id", "shader", "right", "wrong", "by"),
+    MISTAKES,
+    ids=[f"{case}-{wrong}" for case, _, _, wrong, _ in MISTAKES],
+)
+def test_a_mistake_makes_its_case_fail(
+    case_id: str, shader: str, right: str, wrong: str, by: str
+) -> None:
+    path = shader if shader.startswith("lib/") else f"{FOLDER}/{shader}"
+    text = (data_folder("shaders") / path).read_text(encoding="utf-8")
+    assert right in text, f"{path} does not read {right!r} any more"
+    case = judged(catalogue().find(case_id))
+    assert by in {o.name for o in failures_of(case, {path: text.replace(right, wrong)})}
+
+
+@pytest.mark.parametrize("case_id", ["shadow-pcf", "shadow-map"])
+def test_a_wrong_depth_test_shows_what_is_hidden(case_id: str) -> None:
+    case = judged(catalogue().find(case_id))
+    name = "one" if case_id == "shadow-pcf" else "judged"
+    passes = []
+    for made in case.passes:
+        state = replace(made.draws[0].state, depth=None)
+        draws = (replace(made.draws[0], state=state),)
+        passes.append(replace(made, draws=draws) if made.name == name else made)
+    failures = failures_of(replace(case, passes=tuple(passes)), {})
+    assert "places hidden from the eye" in {o.name for o in failures}
+
+
+def test_every_lesson_and_every_measure_is_broken() -> None:
+    broken = [case_id for case_id, *_ in MISTAKES]
+    assert set(broken) == LESSONS
+    assert min(broken.count(case_id) for case_id in LESSONS) >= 2
+    seen = {(case_id, by) for case_id, *_, by in MISTAKES}
+    for case_id in LESSONS:
+        measures = {e.name for e in catalogue().find(case_id).expect if isinstance(e, Measure)}
+        assert {(case_id, name) for name in measures - OF_STATE} <= seen
