@@ -32,7 +32,6 @@ ROWS = {
     "cascaded-shadows normal-map hdr deferred-shading pbr pbr-furnace",
     6: "stencil-functions stencil-operations stencil-outline depth-functions depth-mask "
     "depth-precision depth-linear z-fighting alpha-discard blend-equation blend-factors "
-    "transparency-order",
     7: "multitexture light-map cubemap environment-map",
     8: "face-culling framebuffer-texture framebuffer-renderbuffer multiple-render-targets "
     "post-grayscale post-kernels post-inversion batched-attributes uniform-buffer batching "
@@ -48,7 +47,6 @@ MISSING = {
     "texture-compression",
     "point-shadow",
     "cascaded-shadows",
-    "transparency-order",
     "multitexture",
     "light-map",
     "cubemap",
@@ -63,9 +61,6 @@ MISSING = {
     "geometry-explode",
     "geometry-normals",
     "reduced-resolution",
-    "multisample-coverage",
-    "msaa",
-    "msaa-offscreen",
     "buffer-map",
     "skybox",
 }
