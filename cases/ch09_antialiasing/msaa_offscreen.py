@@ -100,13 +100,20 @@ case = Case(
             formula("single.FragColor", studio_color, draw=k, name=f"colour of draw {k}")
             for k in range(3)
         ),
-        value(
-            "single.FragColor",
-            at={"Color": (0.5, 0.5, 0.5), "Normal": (0.0, 2.0, 0.0)},
-            equals=(0.742866, 0.742866, 0.742866, 1.0),
-            digits=6,
-            reference=studio_color,
-            name="grey, facing up",
+        *(
+            value(
+                "single.FragColor",
+                at={"Color": (light, light, light), "Normal": (0.0, 2.0, 0.0)},
+                equals=(shown, shown, shown, 1.0),
+                digits=6,
+                reference=studio_color,
+                name=name,
+            )
+            for name, light, shown in (
+                ("grey, facing up", 0.5, 0.742866),
+                ("black", 0.0, 0.001874),
+                ("too bright", 4.0, 1.0),
+            )
         ),
         exact("single.FragColor", Output("turned", "FragColor"), name="one sample, in any order"),
         formula("scene.gl_Position", clip_position),

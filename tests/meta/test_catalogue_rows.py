@@ -32,6 +32,7 @@ ROWS = {
     "cascaded-shadows normal-map hdr deferred-shading pbr pbr-furnace",
     6: "stencil-functions stencil-operations stencil-outline depth-functions depth-mask "
     "depth-precision depth-linear z-fighting alpha-discard blend-equation blend-factors "
+    "transparency-order",
     7: "multitexture light-map cubemap environment-map",
     8: "face-culling framebuffer-texture framebuffer-renderbuffer multiple-render-targets "
     "post-grayscale post-kernels post-inversion batched-attributes uniform-buffer batching "
