@@ -208,5 +208,21 @@ case = Case(
                 ((0.25, 0.75), (0.546252, 0.273126, 0.552402, 1.0)),
             )
         ),
+        value(
+            "four.highlight",
+            at={
+                "FragPos": (0.0, 0.0, 0.0),
+                "Normal": (0.0, 0.0, 1.0),
+                "TexCoords": (0.25, 0.25),
+                "viewPos": (2.0, 0.0, 1.215),
+                "light.position": (1.2, 1.0, 2.0),
+                "light.specular": (1.0, 1.0, 1.0),
+                "material.shininess": 0.5,
+            },
+            equals=(0.028430, 0.014215, 0.056860),
+            digits=6,
+            reference=highlight,
+            name="nearly 90° from the mirrored ray",
+        ),
     ],
 )

@@ -123,6 +123,8 @@ AT = {"Normal": (0.0, 2.0, 0.0), "Color": (1.0, 0.5, 0.31)}
 case = Case(
     title="Multiple render targets",
     section="8.2",
+    math=r"\text{out}_k \to \text{drawBuffers}[k], \qquad "
+    r"\mathbf{b} = \begin{cases} \mathbf{c} & Y(\mathbf{c}) > 0.4 \\ 0 & \text{else} \end{cases}",
     passes=(
         drawn("all", **OUTPUTS),
         *(drawn(f"only {name}", **{name: word}) for name, word in OUTPUTS.items()),

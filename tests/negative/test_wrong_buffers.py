@@ -65,7 +65,7 @@ SHADERS = [
      "Luminance > 0.5"),
     ("uniform-buffer", f"{CH8}/uniform_buffer.vert", "projection * (view *",
      "view * (projection *"),
-    ("uniform-buffer", f"{CH8}/uniform_buffer_light.glsl", "lights.gains[2]", "lights.gains[1]"),
+    ("uniform-buffer", "lib/block_light.glsl", "lights.gains[2]", "lights.gains[1]"),
     ("batching", f"{CH8}/batching_instanced.vert", "aPos + aOffset", "aPos - aOffset"),
     ("batching", f"{CH8}/batching_merged.vert", "Color = aColor", "Color = aColor.grb"),
     ("geometry-houses", f"{CH8}/geometry_houses.geom", "vec2(0.0, 2.0)", "vec2(0.0, 1.5)"),
