@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from shaderlab import pictures
 from shaderlab.records import Run
-from shaderlab.report import markup, text
+from shaderlab.report import markup, mutants, text
 from shaderlab.report.atomic import write_text
 from shaderlab.report.build import build
 from shaderlab.report.compare import compare
@@ -46,11 +46,14 @@ def write(run: Run, folder: str | Path, against: tuple[Run, Path] | None = None)
     The page is one file: pictures, styles and scripts are in it, and its own security policy
     forbids everything else. A report that was there stays unless the new one was all written.
 
+    What `shaderlab mutate --report` left in the folder is shown too.
+
     Raises:
-        ShaderlabError: the file can't be written. A picture that is missing is only noted.
+        ShaderlabError: the file can't be written, or that is damaged. A picture that is missing
+            is only noted.
     """
     target = Path(folder)
-    page = build(run, Pictures(target))
+    page = build(run, Pictures(target), mutants.load(target))
     style = _together("style", _STYLES, "css")
     script = _together("script", _SCRIPTS, "js")
     compared = against and compare(run, target, *against, page.anchors)
