@@ -44,6 +44,7 @@ class Request:
     resume: str | None = None
     pictures: bool = True
     profile: bool = False
+    scheduler: str | None = None
 
     def team(self) -> Team:
         """Whoever is to run the jobs."""
@@ -56,9 +57,16 @@ class Request:
 
     def on(self, driver: str | None) -> Team:
         """A team on one driver."""
+        limits = Limits(seconds=self.seconds, gigabytes=self.gigabytes)
+        if self.scheduler is not None:
+            from shaderlab.running.cluster import Cluster
+
+            if self.workers == 0:
+                raise UsageError("--scheduler does not go with -j 0")
+            return Cluster(self.scheduler, driver, limits)
         if self.workers == 0:
             return Solo(driver)
-        return Crew(driver, Limits(seconds=self.seconds, gigabytes=self.gigabytes), self.workers)
+        return Crew(driver, limits, self.workers)
 
     def rivals(self) -> tuple[str, ...]:
         """The drivers to be compared; none if there is only one. Raises UsageError."""

@@ -75,6 +75,11 @@ if TYPE_CHECKING:
     help="Run in N worker processes; 0 for none, which isolates nothing.",
 )
 @click.option(
+    "--scheduler",
+    metavar="ADDRESS",
+    help="Run on the Dask cluster of this scheduler, such as tcp://host:8786, in place of -j.",
+)
+@click.option(
     "--driver",
     metavar="NAME",
     help="llvmpipe, softpipe, or default for the machine's own.  [default: llvmpipe]",
@@ -111,9 +116,14 @@ def command(open_report: bool, **asked: Any) -> None:
       shaderlab run gamma --shader gamma.frag=mine.frag
       shaderlab run --all --drivers llvmpipe,softpipe
       shaderlab run --resume                        after Ctrl-C or a power cut
+      shaderlab run --all --scheduler tcp://host:8786
 
     Each variant runs in a worker process. One that crashes or takes too long is a "crash" or
     "timeout" of that variant, and everything else is run.
+
+    With --scheduler (pip install 'shaderlab[cluster]') the processes are on the workers of a Dask
+    cluster, which need the same versions and nothing else: a case of your own is sent with
+    everything below its folder, records and pictures come back into the run's folder here.
 
     Exit code: 0 all passed, 1 something failed, 2 wrong usage. A case that needs a feature which
     this driver lacks is "unsupported", which is no failure.

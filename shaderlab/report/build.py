@@ -140,8 +140,10 @@ def _check(
             name=name,
             alt=f"{name}: {outcome.name} of {record.title}, {record.variant}",
             caption=outcome.captions.get(name, ""),
-            picture=pictures.small(file, SMALL),
+            # Of what is wrong each value is to be seen.
+            picture=pictures.small(file, 0 if outcome.status != "pass" else SMALL),
             twin="measured" if name == "reference" and same else "",
+            file=file,
         )
         for name, file in outcome.images.items()
     )

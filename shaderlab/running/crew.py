@@ -60,10 +60,15 @@ class Crew:
         driver: as in `shaderlab.gl.device.open_device`.
         limits: what one scene may take.
         workers: how many there are.
+        folder: their working directory, by default this process's.
     """
 
     def __init__(
-        self, driver: str | None = None, limits: Limits | None = None, workers: int = 1
+        self,
+        driver: str | None = None,
+        limits: Limits | None = None,
+        workers: int = 1,
+        folder: Path | None = None,
     ) -> None:
         self._driver = driver
         self._limits = limits = limits or Limits()
@@ -73,6 +78,7 @@ class Crew:
             limits=PoolLimits(seconds=limits.seconds, memory=int(limits.gigabytes * (1 << 30))),
             jobs=workers,
             batch=1,
+            folder=folder,
         )
         self._thread = ThreadPoolExecutor(1)
         self._about = self._thread.submit(self._ask_about)

@@ -8,6 +8,7 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Literal
 
 from shaderlab.workers.process import DiedError, Limits, Process
@@ -43,12 +44,20 @@ class Pool:
         limits: of each item.
         jobs: how many workers.
         batch: how many items a worker is sent at once.
+        folder: the workers' working directory, by default this process's.
     """
 
     def __init__(
-        self, work: str, *, limits: Limits | None = None, jobs: int = 1, batch: int = BATCH
+        self,
+        work: str,
+        *,
+        limits: Limits | None = None,
+        jobs: int = 1,
+        batch: int = BATCH,
+        folder: Path | None = None,
     ) -> None:
-        self._processes = [Process(work, limits or Limits()) for _ in range(max(jobs, 1))]
+        limits = limits or Limits()
+        self._processes = [Process(work, limits, folder) for _ in range(max(jobs, 1))]
         self._idle: queue.SimpleQueue[Process] = queue.SimpleQueue()
         for process in self._processes:
             self._idle.put(process)

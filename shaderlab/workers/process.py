@@ -13,6 +13,7 @@ import threading
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Literal
 
 from shaderlab.errors import ShaderlabError
@@ -48,12 +49,14 @@ class DiedError(Exception):
 class Process:
     """A worker that answers batches by calling `work`, a function named "module:function".
 
-    It is started with the first batch, and again with the first one after it died.
+    It is started with the first batch, and again with the first one after it died. `folder` is its
+    working directory, by default the parent's.
     """
 
-    def __init__(self, work: str, limits: Limits) -> None:
+    def __init__(self, work: str, limits: Limits, folder: Path | None = None) -> None:
         self._work = work
         self._limits = limits
+        self._folder = folder
         self._child: subprocess.Popen[bytes] | None = None
         self._errors: Any = None
         self._deadline = _Deadline()
@@ -97,6 +100,7 @@ class Process:
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=self._errors,
+            cwd=self._folder,
             env={**_KEEP_MEMORY, **os.environ, "PYTHONPATH": os.pathsep.join(path)},
         )
         self.fresh = True

@@ -13,7 +13,19 @@ import pytest
 from shaderlab.cli import COMMANDS
 
 DEVICE = {"moderngl", "glcontext", "OpenGL"}
-HEAVY = {"colour", "OpenImageIO", "jinja2", "pygments", "latex2mathml", "trimesh", "scipy", "glm"}
+HEAVY = {
+    "colour",
+    "OpenImageIO",
+    "jinja2",
+    "pygments",
+    "latex2mathml",
+    "trimesh",
+    "scipy",
+    "glm",
+    "distributed",
+    "dask",
+    "pyarrow",
+}
 PRINTING = {"rich", "markdown_it"}
 
 

@@ -76,7 +76,13 @@ OWNERS: dict[str, set[str]] = {
     "click": {"cli"},
     "rich": {"cli"},
     "pytest": {"pytest_plugin"},
+    "distributed": {"running"},
+    "dask": {"running"},
+    "pyarrow": {"cli"},
 }
+
+# What only comes with an extra, by the name of that extra.
+OPTIONAL = {"distributed": "cluster", "dask": "cluster", "pyarrow": "sweep"}
 
 CASES_MAY_IMPORT = {
     PACKAGE,
@@ -178,10 +184,19 @@ def test_every_foreign_library_is_a_declared_dependency(repository: Path) -> Non
     for _, file, lines in sources(repository):
         for line, module, _ in lines:
             top = module.split(".")[0]
-            if top == PACKAGE or top in sys.stdlib_module_names:
+            if top == PACKAGE or top in sys.stdlib_module_names or top in OPTIONAL:
                 continue
             from_ = {canonicalize_name(name) for name in providers.get(top, [])}
             assert from_ & declared, f"{file}:{line}: {top} is no dependency in pyproject.toml"
+
+
+def test_every_optional_library_belongs_to_an_extra(repository: Path) -> None:
+    import tomllib
+
+    data = tomllib.loads((repository / "pyproject.toml").read_text(encoding="utf-8"))
+    for module, extra in OPTIONAL.items():
+        named = data["project"]["optional-dependencies"][extra]
+        assert any(line.startswith(f"{module}>=") for line in named), module
 
 
 def test_cases_use_only_what_any_reader_may(repository: Path) -> None:

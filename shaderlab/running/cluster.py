@@ -1,0 +1,365 @@
+"""A `Team` on a Dask cluster that is there already: jobs go out, records and pictures come back.
+
+Each job is a task of its own. Dask gives the tasks of a worker that is lost to others, and each
+record is taken once, so it does not matter where or how often its scene was run.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import os
+import queue
+import uuid
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import CancelledError
+from dataclasses import replace
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from shaderlab.errors import ShaderlabError, UsageError
+from shaderlab.records import Record
+from shaderlab.running.crew import Heard
+from shaderlab.running.jobs import About, CaseFacts, Job, Limits, Setup
+from shaderlab.running.lost import lost
+from shaderlab.running.parcels import (
+    SHIPPED,
+    Address,
+    Parcel,
+    homes,
+    identity,
+    packed,
+    packed_folder,
+    shipped_path,
+)
+
+if TYPE_CHECKING:
+    from distributed import Client, Future
+
+    from shaderlab.running.station import Errand
+
+CONNECT_SECONDS = 10.0
+PATIENCE_SECONDS = 60.0
+_LOOK_SECONDS = 2.0
+_INSTALL = "pip install 'shaderlab[cluster]'"
+_GO_ON = "what was finished is kept: go on with shaderlab run --resume"
+
+
+class Cluster:
+    """Runs jobs on the workers of a Dask scheduler.
+
+    Args:
+        address: the scheduler's, such as "tcp://host:8786".
+        driver: as in `shaderlab.gl.device.open_device`, on the workers.
+        limits: what one scene may take.
+        patience: seconds that a cluster may be without any worker in the middle of a run.
+
+    Raises:
+        UsageError: Dask is not installed here, no scheduler answers, it has no workers, or they
+            have other versions than this machine.
+    """
+
+    def __init__(
+        self,
+        address: str,
+        driver: str | None = None,
+        limits: Limits | None = None,
+        patience: float = PATIENCE_SECONDS,
+    ) -> None:
+        self._address = address
+        self._patience = patience
+        self._name = f"shaderlab-{uuid.uuid4().hex[:12]}"
+        self._parcels: dict[str, Any] = {}  # what has been sent, by the parcel's name
+        self._folders: dict[Path, Parcel] = {}
+        self._client = _connected(address)
+        try:
+            _check_workers(self._client, address)
+            from shaderlab.running.station import Station
+
+            self._client.register_plugin(Station(self._name, driver, limits or Limits()))
+        except BaseException:
+            self._client.close()
+            raise
+
+    def about(self) -> About:
+        """See `Team`: one of the workers, whichever answers."""
+        return self._about
+
+    @cached_property
+    def _about(self) -> About:
+        from shaderlab.running import station
+
+        with self._watched():
+            future = self._client.submit(station.describe, self._name, key=f"{self._name}-about")
+            about: About = self._wait(future)
+            return about
+
+    def load(self, files: Sequence[Path]) -> list[CaseFacts]:
+        """See `Team`. Files are imported by workers, never here."""
+        from shaderlab.running import station
+
+        with self._watched():
+            asked = []
+            for number, file in enumerate(files):
+                job = Job(file=str(file), id=file.stem, variant="")
+                errand, sent = self._errand(job, Setup())
+                key = f"{self._name}-load-{number}-{uuid.uuid4().hex[:8]}"
+                asked.append(self._client.submit(station.load, self._name, errand, *sent, key=key))
+            found: list[CaseFacts] = [self._wait(future) for future in asked]
+        return [replace(facts, file=str(f)) for f, facts in zip(files, found, strict=True)]
+
+    def run(self, jobs: Sequence[Job], setup: Setup, heard: Heard) -> Iterator[Record]:
+        """See `Team`.
+
+        Raises:
+            ShaderlabError: the cluster is gone.
+        """
+        from shaderlab.running import station
+
+        _ = self.about()
+        finished: queue.SimpleQueue[int] = queue.SimpleQueue()
+        futures: dict[int, Future[Any]] = {}
+        done: dict[int, Record] = {}
+        with self._watched():
+            for number, job in enumerate(jobs):
+                if job.broken:
+                    done[number] = lost(job, job.broken, job.trouble)
+                    heard(job, done[number])
+                    continue
+                errand, sent = self._errand(job, setup)
+                key = f"{self._name}-{uuid.uuid4().hex[:8]}-{number}"
+                futures[number] = self._client.submit(
+                    station.perform, self._name, identity(), errand, *sent, key=key, retries=1
+                )
+                futures[number].add_done_callback(lambda _, n=number: finished.put(n))
+            for number in range(len(jobs)):
+                while number not in done:
+                    ready = self._next(finished)
+                    if ready in futures:  # a task that was run twice says twice that it is done
+                        record = self._record(jobs[ready], setup, futures.pop(ready))
+                        done[ready] = record
+                        heard(jobs[ready], record)
+                yield done.pop(number)
+
+    def close(self) -> None:
+        """See `Team`. The cluster itself goes on."""
+        with contextlib.suppress(Exception), _quiet():
+            # What still runs is given up: its processes end with the station.
+            self._client.unregister_worker_plugin(self._name)
+        with contextlib.suppress(Exception), _quiet():
+            self._client.close()
+
+    def _record(self, job: Job, setup: Setup, future: Future[Any]) -> Record:
+        """A job's record; its files are written here first, so that a record never names a file
+        that is not there."""
+        from distributed.scheduler import KilledWorker
+
+        from shaderlab.report import store
+
+        try:
+            delivery = self._wait(future)
+        except KilledWorker:
+            return lost(job, "crash", "every Dask worker that ran it was lost")
+        finally:
+            future.release()
+        if isinstance(delivery, Mapping):
+            raise _other_version(self._address, "a worker that came later", delivery)
+        record = store.parse(delivery.record, Record)
+        problem = ""
+        for folder, files in ((setup.folder, delivery.files), (setup.frames, delivery.frames)):
+            if folder is not None:
+                problem = problem or _keep(files, folder)
+        if problem:
+            record = replace(record, notices=(*record.notices, problem))
+        return record
+
+    def _next(self, finished: queue.SimpleQueue[int]) -> int:
+        """The number of a task that has come to its end."""
+        without = 0.0
+        while True:
+            try:
+                return finished.get(timeout=_LOOK_SECONDS)
+            except queue.Empty:
+                if self._client.status not in ("running", "connecting"):
+                    raise self._gone("the scheduler is gone") from None
+                without = 0.0 if self._client.nthreads() else without + _LOOK_SECONDS
+                if without >= self._patience:
+                    raise self._gone("there are no workers left") from None
+
+    def _wait(self, future: Future[Any]) -> Any:
+        """A task's result, as long as there is anybody to give it."""
+        without = 0.0
+        while True:
+            try:
+                return future.result(timeout=_LOOK_SECONDS)
+            except TimeoutError:
+                without = 0.0 if self._client.nthreads() else without + _LOOK_SECONDS
+                if without >= self._patience:
+                    raise self._gone("there are no workers left") from None
+            except CancelledError:
+                raise self._gone("the scheduler is gone") from None
+
+    @contextlib.contextmanager
+    def _watched(self) -> Iterator[None]:
+        """Errors of the connection as the lab's own."""
+        from distributed.comm.core import CommClosedError
+
+        try:
+            with _quiet():
+                yield
+        except (CommClosedError, OSError, CancelledError) as error:
+            if isinstance(error, OSError) and not isinstance(error, CommClosedError | TimeoutError):
+                raise
+            raise self._gone("the scheduler is gone") from error
+
+    def _gone(self, how: str) -> ShaderlabError:
+        return ShaderlabError(f"Dask cluster {self._address}: {how}", remedy=_GO_ON)
+
+    def _errand(self, job: Job, setup: Setup) -> tuple[Errand, list[Any]]:
+        """A job as any worker can do it, and the parcels it needs, which are on their way."""
+        from shaderlab.running.station import Errand
+
+        parcels: list[Parcel] = []
+        known_as = {what: _shown(folder) for what, folder in homes().items()}
+        file = Path(job.file)
+        shipped = shipped_path(file)
+        if shipped is not None:
+            address = Address(SHIPPED, shipped)
+        else:
+            parcel = self._folder(file.parent)
+            parcels.append(parcel)
+            known_as[parcel.name] = _shown(file.parent)
+            address = Address(parcel.name, file.name)
+        shaders = []
+        for name, path in setup.shaders:
+            parcel = packed({path.name: path.read_bytes()})
+            parcels.append(parcel)
+            known_as[parcel.name] = _shown(path.parent)
+            shaders.append((name, Address(parcel.name, path.name)))
+        errand = Errand(
+            setup=setup, job=job, file=address, shaders=tuple(shaders), known_as=known_as
+        )
+        return errand, [self._sent(parcel) for parcel in parcels]
+
+    def _folder(self, folder: Path) -> Parcel:
+        if folder not in self._folders:
+            self._folders[folder] = packed_folder(folder)
+        return self._folders[folder]
+
+    def _sent(self, parcel: Parcel) -> Any:
+        """The parcel as a task: one that Dask can make again where the worker that held it is
+        lost."""
+        from shaderlab.running import station
+
+        if parcel.name not in self._parcels:
+            key = f"{self._name}-{parcel.name}"
+            self._parcels[parcel.name] = self._client.submit(station.carry, parcel, key=key)
+        return self._parcels[parcel.name]
+
+
+def _connected(address: str) -> Client:
+    try:
+        from distributed import Client
+    except ImportError as error:
+        raise UsageError(f"--scheduler needs Dask ({error})", remedy=_INSTALL) from error
+    try:
+        with _quiet():
+            return Client(address, timeout=CONNECT_SECONDS, set_as_default=False)
+    except (OSError, TimeoutError) as error:
+        raise UsageError(
+            f"no Dask scheduler answers at {address}",
+            remedy="start one with `dask scheduler --port 8786`, and on each machine "
+            "`dask worker tcp://HOST:8786`",
+        ) from error
+    except (ValueError, TypeError) as error:
+        raise UsageError(
+            f"{address!r} is no scheduler's address ({error})",
+            remedy="write it as tcp://HOST:8786",
+        ) from error
+
+
+def _check_workers(client: Client, address: str) -> None:
+    """See that there are workers, and that each has what this machine has. Raises UsageError."""
+    from shaderlab.running.station import introduction
+
+    with contextlib.suppress(TimeoutError):
+        client.wait_for_workers(1, timeout=CONNECT_SECONDS)
+    if not client.nthreads():
+        raise UsageError(
+            f"the Dask scheduler at {address} has no workers",
+            remedy=f"start one on each machine: dask worker {address}",
+        )
+    versions: Any = client.get_versions()
+    own = versions["client"]["packages"]
+    for name, theirs in {"the scheduler": versions["scheduler"], **versions["workers"]}.items():
+        found = theirs["packages"] if theirs else {}
+        for package in ("python", "dask", "distributed"):
+            if _comparable(found.get(package)) != _comparable(own[package]):
+                raise _other_version(
+                    address, name, {package: str(found.get(package))}, {package: str(own[package])}
+                )
+    for worker, found in client.run(introduction()).items():
+        if found != identity():
+            raise _other_version(address, worker, found)
+
+
+def _comparable(version: Any) -> Any:
+    """Python to its minor version ("3.11.7.final.0"), packages to the last digit."""
+    text = str(version)
+    return text.split(".")[:2] if ".final." in text else text
+
+
+def _other_version(
+    address: str, worker: str, theirs: Mapping[str, str], own: Mapping[str, str] | None = None
+) -> UsageError:
+    own = identity() if own is None else own
+    if "error" in theirs:
+        said = f"{worker} has no shaderlab ({theirs['error']})"
+    else:
+        different = (
+            f"{name} {theirs.get(name, 'none')}, here {own[name]}"
+            for name in own
+            if own[name] != theirs.get(name)
+        )
+        said = f"{worker} has {'; '.join(different)}"
+    return UsageError(
+        f"Dask cluster {address}: {said}",
+        remedy="install the same versions on all machines",
+    )
+
+
+def _shown(folder: Path) -> str:
+    """A folder as it begins the paths of files in it, as records name them."""
+    path = os.path.join(folder, "x")
+    if os.path.isabs(path):
+        relative = os.path.relpath(path)
+        path = path if relative.startswith("..") else relative
+    return path[:-1]
+
+
+def _keep(files: Mapping[str, bytes], folder: Path) -> str:
+    """Write what was sent into the run's folder; returns what went wrong, or ""."""
+    root = folder.resolve()
+    try:
+        for relative, data in files.items():
+            path = (root / relative).resolve()
+            if not path.is_relative_to(root):
+                return f"a worker sent a file from outside its folder: {relative}"
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(data)
+    except OSError as error:
+        return f"can't write a picture ({error.strerror or error})"
+    return ""
+
+
+@contextlib.contextmanager
+def _quiet() -> Iterator[None]:
+    """Dask's own log says in many lines what an error says in one."""
+    log = logging.getLogger("distributed")
+    before = log.level
+    log.setLevel(logging.CRITICAL)
+    try:
+        yield
+    finally:
+        log.setLevel(before)

@@ -1,0 +1,250 @@
+"""`run --scheduler` on a real Dask cluster of two worker processes, one of which gets killed."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import os
+import shutil
+import signal
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+from click.testing import CliRunner, Result
+
+from shaderlab.cli import cli
+from shaderlab.errors import ShaderlabError, UsageError
+from shaderlab.records import Record
+from shaderlab.running import Job, Limits, Setup, cluster, parcels
+from shaderlab.running.cluster import Cluster
+
+distributed = pytest.importorskip("distributed")
+
+
+def _neighbour(name: str) -> ModuleType:
+    """The module beside this one; tests are no package."""
+    spec = importlib.util.spec_from_file_location(name, Path(__file__).with_name(f"{name}.py"))
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+faulty = _neighbour("faulty")
+
+WAITING = """\
+import time
+from pathlib import Path
+from shaderlab import Case, Variant, formula, fullscreen
+from neighbour import scaled
+
+def factor(reach):
+    time.sleep(0.1)
+    return scaled(reach)
+
+case = Case(
+    title="Takes its time",
+    passes=fullscreen("slow.frag", uniforms={"reach": 1.0}),
+    variants=[Variant(f"{n}", {"reach": float(n)}) for n in range(6)],
+    expect=[formula("factor", factor)],
+)
+"""
+SLOW = """#version 330 core
+in vec2 TexCoords; uniform float reach; out float factor;
+void main() { factor = reach * 0.5; }
+"""
+
+
+@pytest.fixture(scope="module")
+def dask() -> Iterator[Any]:
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, processes=True, dashboard_address=":0"
+    ) as made:
+        yield made
+
+
+@pytest.fixture
+def slow(tmp_path: Path) -> Path:
+    folder = tmp_path / "slow_cases"
+    folder.mkdir()
+    (folder / "slow.py").write_text(WAITING)
+    (folder / "neighbour.py").write_text("def scaled(x):\n    return x * 0.5\n")
+    (folder / "slow.frag").write_text(SLOW)
+    return folder / "slow.py"
+
+
+@pytest.fixture
+def call(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Callable[..., Result]:
+    monkeypatch.chdir(tmp_path)
+    return lambda *args: CliRunner().invoke(cli, ["run", *map(str, args)], catch_exceptions=False)
+
+
+def jobs_of(file: Path) -> list[Job]:
+    return [Job(file=str(file), id="slow", variant=str(n)) for n in range(6)]
+
+
+def timeless(value: Any) -> Any:
+    """JSON without what no two runs have in common."""
+    if isinstance(value, dict):
+        return {k: timeless(v) for k, v in value.items() if k not in ("seconds", "timings")}
+    return [timeless(v) for v in value] if isinstance(value, list) else value
+
+
+def test_records_and_pictures_are_those_of_a_local_run(
+    dask: Any, call: Callable[..., Result], case_folder: Path
+) -> None:
+    faulty.write(case_folder, "deadly", before=faulty.in_draw("deadly", "os.kill(os.getpid(), 9)"))
+    mine = case_folder / "mine.frag"
+    mine.write_text((case_folder / "lamp.frag").read_text().replace("0.25", "0.26"))
+    shared = ("./my_cases", "--shader", f"lamp.frag={mine}", "orange-triangle")
+    there = call(*shared, "--scheduler", dask.scheduler_address, "--report", "there")
+    here = call(*shared, "--report", "here")
+    assert (there.exit_code, here.exit_code) == (1, 1)
+    assert "1 passed, 2 failed, 1 crashed" in there.output
+    runs = [json.loads(Path(name, "run.json").read_text()) for name in ("there", "here")]
+    records = [timeless(run["records"]) for run in runs]
+    assert records[0] == records[1]
+    assert [record["status"] for record in records[0]] == ["crash", "fail", "fail", "pass"]
+    files = [
+        {p.relative_to(name): p.read_bytes() for p in Path(name).rglob("*") if p.is_file()}
+        for name in ("there", "here")
+    ]
+    assert set(files[0]) == set(files[1])
+    pictures = [path for path in files[0] if path.parts[0] in ("images", "spirv")]
+    assert len(pictures) > 10
+    assert all(files[0][path] == files[1][path] for path in pictures)
+
+
+def test_a_worker_that_is_lost_costs_no_record_and_none_comes_twice(
+    dask: Any, slow: Path, tmp_path: Path
+) -> None:
+    heard: list[str] = []
+    team = Cluster(dask.scheduler_address, limits=Limits(seconds=20.0))
+
+    def listen(job: Job, record: Record) -> None:
+        heard.append(job.variant)
+        if len(heard) == 1:
+            pid = next(iter(team._client.run(os.getpid).values()))
+            os.kill(pid, signal.SIGKILL)
+
+    try:
+        (facts,) = team.load([slow])
+        assert facts.variants == ("0", "1", "2", "3", "4", "5")
+        # All that workers need has been sent by now.
+        shutil.rmtree(slow.parent)
+        records = list(team.run(jobs_of(slow), Setup(folder=tmp_path, pictures=False), listen))
+    finally:
+        team.close()
+    assert [record.variant for record in records] == list("012345")
+    assert {record.status for record in records} == {"pass"}, records
+    assert sorted(heard) == list("012345")
+
+
+def test_a_wrong_file_and_a_hang_are_known_by_their_own_names(
+    dask: Any, call: Callable[..., Result], case_folder: Path
+) -> None:
+    (case_folder / "wrong.py").write_text((case_folder / "lamp.py").read_text() + "\nx = 1 / 0\n")
+    faulty.write(
+        case_folder, "endless", before=faulty.in_draw("endless", "import time; time.sleep(99)")
+    )
+    result = call("./my_cases", "--timeout", "1.5", "--no-pictures", "--report", "out",
+                  "--scheduler", dask.scheduler_address)  # fmt: skip
+    assert "2 passed, 1 in error, 1 timeout" in result.output, result.output
+    assert "line 13: ZeroDivisionError" in result.output, result.output
+    records = {record["id"]: record for record in faulty.kept(Path("out"))}
+    assert records["wrong"]["file"] == "my_cases/wrong.py"
+    assert "last step: draw 0" in records["endless"]["message"]
+    assert "/shaderlab-" not in result.output
+
+
+def test_a_run_that_was_cut_short_goes_on_elsewhere(
+    dask: Any, call: Callable[..., Result], case_folder: Path
+) -> None:
+    assert call("./my_cases", "--no-pictures", "--report", "out").exit_code == 0
+    journal = Path("out/records.jsonl")
+    journal.write_text("".join(journal.read_text().splitlines(keepends=True)[:2]))
+    done = call("--resume", "out", "--scheduler", dask.scheduler_address)
+    assert done.exit_code == 0 and "2 passed" in done.output
+    assert [record["variant"] for record in faulty.kept(Path("out"))] == ["near", "far"]
+
+
+def test_other_versions_there_are_refused(dask: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    other = {**parcels.identity(), "numpy": "1.0"}
+    monkeypatch.setattr(cluster, "identity", lambda: other)
+    with pytest.raises(UsageError, match=r"numpy \d.*here 1\.0") as raised:
+        Cluster(dask.scheduler_address)
+    assert "same versions" in str(raised.value)
+
+
+def test_without_a_scheduler_workers_or_dask_it_says_what_to_do(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(cluster, "CONNECT_SECONDS", 0.3)
+    with pytest.raises(UsageError, match="no Dask scheduler answers") as raised:
+        Cluster("tcp://127.0.0.1:9")
+    assert "dask scheduler" in str(raised.value)
+    with pytest.raises(UsageError, match="no scheduler's address"):
+        Cluster("nonsense://127.0.0.1:1")
+    with (
+        distributed.LocalCluster(n_workers=0, processes=False, dashboard_address=":0") as idle,
+        pytest.raises(UsageError, match="has no workers"),
+    ):
+        Cluster(idle.scheduler_address)
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(UsageError, match="needs Dask") as missing:
+        Cluster("tcp://127.0.0.1:9")
+    assert "shaderlab[cluster]" in str(missing.value)
+
+
+def test_a_cluster_that_goes_away_ends_the_run_with_a_remedy(
+    slow: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cluster, "_LOOK_SECONDS", 0.2)
+    heard: list[str] = []
+    with distributed.LocalCluster(
+        n_workers=1, threads_per_worker=1, processes=False, dashboard_address=":0"
+    ) as brief:
+        team = Cluster(brief.scheduler_address, limits=Limits(seconds=20.0), patience=0.5)
+
+        def listen(job: Job, record: Record) -> None:
+            heard.append(job.variant)
+            brief.scale(0)
+
+        try:
+            with pytest.raises(ShaderlabError, match="no workers left") as raised:
+                list(team.run(jobs_of(slow), Setup(folder=tmp_path, pictures=False), listen))
+        finally:
+            team.close()
+    assert "--resume" in str(raised.value) and 0 < len(heard) < 6
+
+
+def test_a_parcel_is_made_of_its_content_alone(tmp_path: Path) -> None:
+    for name in ("a", "b"):
+        (tmp_path / name / "reports").mkdir(parents=True)
+        (tmp_path / name / "case.py").write_text("x = 1")
+        (tmp_path / name / ".hidden").write_text(name)
+        (tmp_path / name / "reports" / "index.html").write_text(name)
+    first, second = (parcels.packed_folder(tmp_path / name) for name in ("a", "b"))
+    assert first == second
+    folder = first.unpack(tmp_path)
+    assert [p.name for p in folder.iterdir()] == ["case.py"]
+    assert replace(first, name="other").unpack(tmp_path) != folder
+
+
+def test_a_folder_that_is_too_large_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "large").write_bytes(b"x" * 2000)
+    monkeypatch.setattr(parcels, "MOST_BYTES", 1000)
+    with pytest.raises(UsageError, match="folder of its own"):
+        parcels.packed_folder(tmp_path)
+
+
+def test_nothing_is_written_outside_the_run(tmp_path: Path) -> None:
+    said = cluster._keep({"../evil": b"x"}, tmp_path / "run")
+    assert "outside" in said and not (tmp_path / "evil").exists()
