@@ -132,7 +132,7 @@ case = Case(
             name="picture",
             textures={"scene": Output("scene", "FragColor")},
         ),
-        looked_at("filtered", 256, "slope", radius=1, size=(64, 64)),
+        looked_at("filtered", 256, "slope", radius=2, size=(48, 48)),
         *(
             looked_at(f"{bias}-{size}", size, bias, size=(128, 128))
             for bias in BIASES

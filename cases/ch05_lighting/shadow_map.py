@@ -119,7 +119,7 @@ case = Case(
             textures={"scene": Output("large", "FragColor")},
         ),
         scene("judged", size=(96, 96)),
-        scene("wide", FROM_ABOVE, uniforms={**BIAS, "radius": 1}, size=(96, 96)),
+        scene("wide", FROM_ABOVE, uniforms={**BIAS, "radius": 2}, size=(72, 72)),
         scene("repeated", FROM_ABOVE, {"wrap": ("repeat", "repeat")}, STEADY, size=(96, 96)),
     ),
     picture="picture.FragColor",

@@ -65,7 +65,8 @@ def lit(
         mesh=Mesh(**courtyard()),
         uniforms={
             "model": model,
-            "normalMatrix": np.linalg.inv(model[:3, :3]).T,
+            # Half as long as they were: the fragment shader is to make them whole again.
+            "normalMatrix": 0.5 * np.linalg.inv(model[:3, :3]).T,
             "view": view,
             "projection": projection,
             "lightSpaceMatrix": light_space,
