@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TypeVar
 
-from shaderlab.records import Curve, Outcome, Plot, Record, Run
+from shaderlab.records import Curve, Outcome, Plot, Record, Row, Run
 from shaderlab.report import markup
 from shaderlab.report.assembly import Packed, assemblies
 from shaderlab.report.chart import Chart, chart
@@ -59,7 +59,7 @@ def _case(
         (record.variant if several and outcome.kind != "computed" else "", row)
         for record in group.records
         for outcome in record.expectations
-        for row in outcome.rows
+        for row in named_rows(outcome)
     )
     together = len(figures) <= _FIGURES_TOGETHER
     return CaseView(
@@ -95,6 +95,13 @@ def _case(
         ),
         passes=steps(group, pictures),
     )
+
+
+def named_rows(outcome: Outcome) -> tuple[Row, ...]:
+    """An outcome's figures; of a measure's several readings each says what is measured, too."""
+    if outcome.kind != "measure" or len(outcome.rows) < 2:
+        return outcome.rows
+    return tuple(replace(row, label=f"{outcome.name}: {row.label}") for row in outcome.rows)
 
 
 def _charts(group: CaseGroup) -> tuple[tuple[str, Chart], ...]:
