@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import datetime
 import tempfile
+import threading
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -15,6 +16,7 @@ from shaderlab.cli.files import REPORTS, new_run_folder, report_folder
 from shaderlab.cli.replacing import named, parsed, unread
 from shaderlab.errors import UsageError
 from shaderlab.records import Record, Run
+from shaderlab.report.html import load_libraries
 from shaderlab.running import Crew, Limits, Setup, Solo, Team
 from shaderlab.running.drivers import disagreements, known, results
 from shaderlab.running.journal import FILE_NAME, Heading, Journal, read
@@ -154,6 +156,8 @@ def perform(
         records[job.key] = record
         journal.add(record)
 
+    # Not waited for: a run that is interrupted ends at once.
+    threading.Thread(target=load_libraries, daemon=True).start()
     with show.progress(len(rest)) as progress, contextlib.suppress(KeyboardInterrupt):
         results = team.run(rest, heading.setup, heard)
         for job in rest:
