@@ -52,7 +52,7 @@ class Request:
         """Whoever is to run the jobs."""
         driver = self.driver if self.driver is None else known(self.driver)
         if self.resume is not None:
-            driver = read(_place_of(self.resume))[0].setup.driver
+            driver = read(place_of(self.resume))[0].setup.driver
         elif self.drivers is not None:
             driver = self.rivals()[0]
         return self.on(driver)
@@ -105,7 +105,7 @@ def finish(request: Request, team: Team) -> tuple[Performed, Show]:
     else:
         if request.targets or request.every or request.variants or request.folder:
             raise UsageError("--resume runs what was asked for then: name nothing else")
-        folder = _place_of(request.resume)
+        folder = place_of(request.resume)
         heading, done = read(folder)
         heading = replace(heading, setup=replace(heading.setup, folder=folder))
     with Journal(folder, heading if request.resume is None else None) as journal:
@@ -197,7 +197,7 @@ def _begun(request: Request, team: Team) -> tuple[Heading, Path]:
     return Heading(started=now, setup=setup, jobs=tuple(jobs)), folder
 
 
-def _place_of(resume: str) -> Path:
+def place_of(resume: str) -> Path:
     """The folder to go on with: the one that is named, or the last that was begun."""
     if resume:
         return Path(resume)

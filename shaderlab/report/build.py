@@ -39,6 +39,9 @@ def build(run: Run, pictures: Pictures, mutants: Mapping[str, Mutants] | None = 
         replace(_case(group, anchors, pictures, shown, packed), mutants=known.get(group.id))
         for group in groups
     )
+    if run.plots and cases:  # a sweep has one case
+        over_all = (*(("", plot_view(plot)) for plot in run.plots), *cases[0].plots)
+        cases = (replace(cases[0], plots=over_all), *cases[1:])
     chapters = []
     for number, name in CHAPTERS.items():
         members = tuple(case for case in cases if case.group.chapter == number)
