@@ -164,7 +164,7 @@ case = Case(
             hidden_share(EYE, BOXES, step=1),
             readings=[
                 reading(name, reads={key: f"{name}.{key}" for key in ("FragColor", "place")})
-                for name in (PASSES)
+                for name in ("filtered", *PASSES)
             ],
             at_most=0.002,
         ),
