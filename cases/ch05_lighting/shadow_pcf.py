@@ -34,7 +34,7 @@ from shaderlab import (
     value,
 )
 from shaderlab.assets.courtyard import boxes
-from shaderlab.assets.shadow_stage import SUN, cast, lit
+from shaderlab.assets.shadow_stage import SUN, cast, lit, single_points
 from shaderlab.reference.courtyard import (
     courtyard_references,
     light_position,
@@ -70,11 +70,12 @@ def seen(name, radius, aspect=1.0, **target):
     return lit(name, shadow_map, LIGHT_SPACE, MODEL, camera, uniforms, **target)
 
 
-def compared(name, filtering):
+def compared(name, filtering, bias):
     """The same edge, by a sampler that compares: NEAREST or LINEAR."""
     made = seen(name, 0, size=(96, 96))
     (draw,) = made.draws
     asked = {key: draw.uniforms[key] for key in draw.uniforms if key not in ("viewPos", "radius")}
+    asked.update(bias)
     shadow_map = Output("map", "depth", filter=(filtering,) * 2, compare="lequal", **WHITE)
     own = replace(
         draw,
@@ -164,8 +165,8 @@ case = Case(
         seen("one", 0, size=(96, 96)),
         seen("nine", 1, size=(96, 96)),
         seen("twenty-five", 2, size=(40, 40)),
-        compared("compared-nearest", "nearest"),
-        compared("compared-linear", "linear"),
+        compared("compared-nearest", "nearest", STEADY),
+        compared("compared-linear", "linear", BIAS),
     ),
     picture="picture.FragColor",
     expect=[
@@ -183,6 +184,7 @@ case = Case(
             name="both filters see the same places",
         ),
         formula("picture.FragColor", finished(texture), name="the picture"),
+        *single_points("nine"),
         measure(
             "places hidden from the eye",
             hidden_share(EYE, BOXES, step=1),
@@ -231,16 +233,22 @@ case = Case(
                 reading("LINEAR", **of("compared-linear", "shadow")),
             ],
         ),
-        value(
-            "compared-nearest.shadow",
-            at={
-                "FragPosLightSpace": (0.0, 0.0, 1.01, 1.0),
-                "FragPos": (0.0, 0.0, 0.0),
-                "Normal": (0.0, 1.0, 0.0),
-            },
-            equals=0.0,
-            digits=6,
-            name="past the far plane the sampler says nothing",
+        *(
+            value(
+                "compared-nearest.shadow",
+                at={
+                    "FragPosLightSpace": (0.0, 0.0, depth, 1.0),
+                    "FragPos": (0.0, 0.0, 0.0),
+                    "Normal": (0.0, 1.0, 0.0),
+                },
+                equals=equals,
+                digits=6,
+                name=name,
+            )
+            for depth, equals, name in (
+                (0.99, 1.0, "before the far plane the sampler says dark"),
+                (1.01, 0.0, "past the far plane the sampler says nothing"),
+            )
         ),
         measure(
             "distance from the nearest step",
