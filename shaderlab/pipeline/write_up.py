@@ -10,12 +10,14 @@ from dataclasses import replace
 import numpy as np
 
 from shaderlab.checks.judgement import Judgement, shown
+from shaderlab.checks.naming import draw_key, split_output
 from shaderlab.errors import ShaderlabError
+from shaderlab.frame import PassDraw
 from shaderlab.gl.prepare import PreparedDraw
 from shaderlab.glsl.opinion import compared
 from shaderlab.glsl.sources import Source
 from shaderlab.glsl.spirv import Interface
-from shaderlab.model import Ramp, Scene
+from shaderlab.model import Expectation, Ramp, Scene
 from shaderlab.pipeline.album import Shown
 from shaderlab.pipeline.memory import buffers
 from shaderlab.records import (
@@ -45,6 +47,7 @@ class Draft:
         self._status: Status = "pass"
         self._message = ""
         self._programs: dict[tuple[Source, ...], ProgramRecord] = {}
+        self._drawn_by: dict[PassDraw, tuple[Source, ...]] = {}
         self._outcomes: list[Outcome] = []
         self._curves: list[Curve] = []
         self._plots: list[Plot] = []
@@ -52,6 +55,7 @@ class Draft:
         self._picture = Shown()
         self._passes: tuple[PassRecord, ...] = ()
         self._buffers: tuple[BufferRecord, ...] = ()
+        self._driver, self._size, self._picture_size = "", 0, 0
 
     def stop(self, status: Status, error: ShaderlabError) -> None:
         """The scene could not be run to its end."""
@@ -62,13 +66,19 @@ class Draft:
         remedy = f"\n→ {error.remedy}" if error.remedy else ""
         self._message = f"{place}{error.message}{remedy}"
 
+    def drawn_on(self, driver: Mapping[str, str], size: int, picture_size: int) -> None:
+        """Note what the values that are drawn now depend on besides the case."""
+        self._driver = f"{driver['renderer']}; {driver['version']}"
+        self._size, self._picture_size = size, picture_size
+
     def programs(
         self, prepared: Mapping[str, tuple[PreparedDraw, ...]], assembly: Assembly
     ) -> None:
         """Note each different program's sources and verdicts; `assembly` writes down its modules
         and tells the file."""
-        for draws in prepared.values():
-            for draw in draws:
+        for name, draws in prepared.items():
+            for index, draw in enumerate(draws):
+                self._drawn_by[name, index] = draw.sources
                 if draw.sources not in self._programs:
                     self._programs[draw.sources] = _program(draw, assembly)
         self._buffers = buffers(prepared)
@@ -89,12 +99,12 @@ class Draft:
         for name in sorted(names):
             self._notices.append(f"uniform {name} is declared but inactive: it changes no output")
 
-    def add(self, outcome: Outcome, found: Judgement, output: str) -> None:
-        """Note one expectation's outcome, and what there is to plot of its judgement; `output` is
-        the shader output it is about, or ""."""
+    def add(self, outcome: Outcome, found: Judgement, expectation: Expectation) -> None:
+        """Note one expectation's outcome, and what there is to plot of its judgement."""
         where = [replace(s, file=near(s.file)) for s in outcome.sources]
+        output = getattr(expectation, "output", "")
         if where and output:
-            where += self._assignments(output.rpartition(".")[2])
+            where += self._assignments(output, getattr(expectation, "draw", -1))
         self._outcomes.append(replace(outcome, sources=tuple(where)))
         if found.curve is not None:
             self._curves.append(found.curve)
@@ -139,6 +149,9 @@ class Draft:
             captions=self._picture.captions,
             passes=self._passes,
             buffers=self._buffers,
+            driver=self._driver,
+            size=self._size,
+            picture_size=self._picture_size,
         )
 
     def _final_status(self, verdicts: Mapping[str, str]) -> Status:
@@ -151,15 +164,17 @@ class Draft:
             return "fail"
         return "pass"
 
-    def _assignments(self, output: str) -> list[SourceText]:
-        """The last line in a shader that assigns to `output`, of the program that ran last."""
-        assigns = re.compile(rf"\b{re.escape(output)}(\.\w+)?\s*[-+*/]?=(?!=)")
-        for program in reversed(self._programs.values()):
-            for source in reversed(program.sources):
-                lines = [line.split("//")[0] for line in source.text.splitlines()]
-                hits = [n for n, line in enumerate(lines, 1) if assigns.search(line)]
-                if hits:
-                    return [replace(source, line=hits[-1], text=lines[hits[-1] - 1].strip())]
+    def _assignments(self, output: str, draw: int) -> list[SourceText]:
+        """The last line that assigns to an output, of the program that a draw of its pass runs."""
+        pass_name, own = split_output(output, self._scene)
+        sources = self._drawn_by[draw_key(self._scene, pass_name, draw)]
+        name = own.rpartition(".")[2].partition("[")[0]  # blocks go by another name in a shader
+        assigns = re.compile(rf"\b{re.escape(name)}(\.\w+|\[[^]]*\])*\s*[-+*/]?=(?!=)")
+        for source in reversed(self._programs[sources].sources):
+            lines = [line.split("//")[0] for line in source.text.splitlines()]
+            hits = [n for n, line in enumerate(lines, 1) if assigns.search(line)]
+            if hits:
+                return [replace(source, line=hits[-1], text=lines[hits[-1] - 1].strip())]
         return []
 
 
@@ -242,16 +257,7 @@ def _refused(verdicts: Mapping[str, str]) -> str:
 
 def _inputs(scene: Scene) -> dict[str, str]:
     """All uniforms and ramps, for showing; those that the variant changes come first."""
-    seen: dict[str, str] = {}
-    for description in scene.passes:
-        for draw in description.draws:
-            members = {
-                f"{block}.{name}": value
-                for block, buffer in draw.blocks.items()
-                for name, value in buffer.values.items()
-            }
-            for name, value in {**draw.uniforms, **members, **(draw.domain or {})}.items():
-                seen.setdefault(name, _spelt(value))
+    seen = {name: _spelt(value) for name, value in scene.inputs.items()}
     return {name: seen[name] for name in sorted(seen, key=lambda n: n not in scene.changes)}
 
 
