@@ -12,6 +12,8 @@ at t = π/2 by 1. No triangle has turned or grown.
 from dataclasses import replace
 from math import pi, radians
 
+import numpy as np
+
 from shaderlab import (
     Case,
     Depth,
@@ -41,12 +43,14 @@ from shaderlab.glslmath import (
     vec4,
     where,
 )
+from shaderlab.reference.rasterisation import samples_passed
 from shaderlab.reference.transforms import look_at, perspective, rotate, translate
 
 BALL = Mesh(**solids.painted(meshes.sphere(0.8, segments=16, rings=10), CORAL))
 MODEL = translate((0.1, -0.05, 0.2)) @ rotate(radians(25.0), (1.0, 0.3, 0.0))
 VIEW = look_at((0.0, 0.8, 5.0), (0.0, 0.0, 0.0))
-
+PROJECTION = perspective(radians(42.0), 1.0, 0.1, 20.0)
+SIDE = 64  # at which targets without a size are judged
 
 EXPLODING = Draw(
     vertex="ch08_techniques/geometry_explode.vert",
@@ -56,7 +60,7 @@ EXPLODING = Draw(
     uniforms={
         "model": MODEL,
         "view": VIEW,
-        "projection": perspective(radians(42.0), 1.0, 0.1, 20.0),
+        "projection": PROJECTION,
         "time": 0.0,
     },
     state=State(depth=Depth()),
@@ -116,10 +120,28 @@ def shaded(fColor, fNormal):
     return vec4(sqrt(fColor * (0.3 + 0.7 * lamp)), 1.0)
 
 
-def at(name, moved, time):
+def in_front(time):
+    """How many samples pass the depth test, at least and at most: from the mesh."""
+    world = in_world(BALL.attributes["aPos"], MODEL)
+    corners = world[np.asarray(BALL.indices).reshape(-1, 3)]
+    away = magnitude(time) * outwards([corners[:, k] for k in range(3)])
+    moved = corners + away[:, None]
+    clip = np.concatenate([moved, np.ones((*moved.shape[:2], 1))], axis=-1)
+    return samples_passed([clip @ (PROJECTION @ VIEW).T], (SIDE, SIDE))[0]
+
+
+def samples_in_front(time):
+    """As many as the mesh says."""
+    low, high = in_front(time)
+    return query(
+        "samples_passed", at_least=low, at_most=high, pass_name="ball", name="samples in front"
+    )
+
+
+def at(name, moved, time, more=()):
     """One moment."""
     figure = computed(f"moved at {name}", lambda: float(magnitude(time)), equals=moved, digits=6)
-    return Variant(name, {"time": time}, expect=[figure])
+    return Variant(name, {"time": time}, expect=[figure, *more])
 
 
 case = Case(
@@ -148,7 +170,7 @@ case = Case(
     picture="ball.FragColor",
     variants=[
         at("t = −π∕2", 0.0, -pi / 2.0),
-        at("t = 0", 0.5, 0.0),
+        at("t = 0", 0.5, 0.0, [samples_in_front(0.0)]),
         at("t = 1", 0.920735, 1.0),
         at("t = π∕2", 1.0, pi / 2.0),
     ],
