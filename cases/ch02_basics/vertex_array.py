@@ -60,6 +60,8 @@ def sunset(height):
 case = Case(
     title="The vertex array",
     section="2.2.2",
+    math=r"\text{address of attribute } a \text{ of vertex } i = o_a + s_a\, i, \qquad "
+    r"\text{array } 0 \Rightarrow \mathtt{0x0502}",
     passes=(drawn("nothing bound", False), drawn("bound", True)),
     expect=[
         gl_error("invalid_operation", pass_name="nothing bound", name="nothing bound: 0x0502"),

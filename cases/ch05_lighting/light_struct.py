@@ -144,5 +144,12 @@ case = Case(
             digits=6,
             name="all white at the point",
         ),
+        value(
+            "FragColor",
+            at={**POINT, "viewPos": (2.0, 0.0, 1.215), "material.shininess": 0.5},
+            equals=(0.629593, 0.332565, 0.219695, 1.0),
+            digits=6,
+            name="nearly 90° from the mirrored ray",
+        ),
     ],
 )

@@ -93,6 +93,20 @@ def shelf(name, **target):
     return Pass(name=name, target=Target(depth="depth24", **target), draws=draws)
 
 
+POINT = {
+    "FragPos": (0.0, 0.0, 0.0),
+    "Normal": (0.0, 0.0, 1.0),
+    "viewPos": (0.0, 0.0, 3.0),
+    "material.ambient": CORAL,
+    "material.diffuse": CORAL,
+    "material.specular": HALF,
+    "material.shininess": 32.0,
+    "light.position": (1.2, 1.0, 2.0),
+    "light.ambient": WHITE,
+    "light.diffuse": WHITE,
+    "light.specular": WHITE,
+}
+
 case = Case(
     title="Materials",
     section="5.3",
@@ -121,23 +135,18 @@ case = Case(
         any_order("judged.FragColor"),
         value(
             "FragColor",
-            at={
-                "FragPos": (0.0, 0.0, 0.0),
-                "Normal": (0.0, 0.0, 1.0),
-                "viewPos": (0.0, 0.0, 3.0),
-                "material.ambient": CORAL,
-                "material.diffuse": CORAL,
-                "material.specular": HALF,
-                "material.shininess": 32.0,
-                "light.position": (1.2, 1.0, 2.0),
-                "light.ambient": WHITE,
-                "light.diffuse": WHITE,
-                "light.specular": WHITE,
-            },
+            at=POINT,
             equals=(1.788356, 0.894301, 0.554560, 1.0),
             digits=6,
             name="colour at the point",
             note="past 1: a white ambient light is as strong as the lamp",
+        ),
+        value(
+            "FragColor",
+            at={**POINT, "viewPos": (2.0, 0.0, 1.215), "material.shininess": 0.5},
+            equals=(1.823648, 0.929593, 0.589852, 1.0),
+            digits=6,
+            name="nearly 90° from the mirrored ray",
         ),
     ],
 )

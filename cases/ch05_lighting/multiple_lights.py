@@ -27,6 +27,7 @@ from shaderlab import (
     compile_fails,
     formula,
     fullscreen,
+    value,
 )
 from shaderlab.assets.order import any_order, both_ways
 from shaderlab.assets.plaza import plaza
@@ -279,6 +280,25 @@ case = Case(
             "ch05_lighting/errata/output.frag",
             (7, "'output' : Reserved word."),
             name="a variable called output is refused",
+        ),
+        value(
+            "together.directional",
+            at={
+                "FragPos": (0.0, 0.0, 0.0),
+                "Normal": (0.0, 0.0, 1.0),
+                "Color": (1.0, 0.5, 0.31),
+                "viewPos": (2.0, 0.0, 1.215),
+                "specular": (0.5, 0.5, 0.5),
+                "shininess": 0.5,
+                "dirLight.direction": (-1.2, -1.0, -2.0),
+                "dirLight.ambient": (0.2, 0.2, 0.2),
+                "dirLight.diffuse": (0.5, 0.5, 0.5),
+                "dirLight.specular": (1.0, 1.0, 1.0),
+            },
+            equals=(0.629593, 0.332565, 0.219695),
+            digits=6,
+            reference=by_moon,
+            name="nearly 90° from the mirrored ray",
         ),
     ],
     errata=[

@@ -186,5 +186,12 @@ case = Case(
             log_x=True,
             name="colour over the quadratic term",
         ),
+        value(
+            "FragColor",
+            at={**POINT, "viewPos": (2.0, 0.0, 1.215), "shininess": 0.5},
+            equals=(0.438901, 0.231838, 0.153153, 1.0),
+            digits=6,
+            name="nearly 90° from the mirrored ray",
+        ),
     ],
 )

@@ -149,5 +149,12 @@ case = Case(
             digits=6,
             name="its cosine, 38° off the axis",
         ),
+        value(
+            "FragColor",
+            at={**POINT, "viewPos": (2.0, 0.0, 1.215), "light.direction": AT_IT, "shininess": 0.5},
+            equals=(0.629593, 0.332565, 0.219695, 1.0),
+            digits=6,
+            name="nearly 90° from the mirrored ray",
+        ),
     ],
 )

@@ -140,6 +140,11 @@ def written_panes(at):
     return layered(at, PANES[::-1], True)
 
 
+def own_color(color):
+    """A pane's colour before it is blended."""
+    return color
+
+
 def stack(order):
     """The colour of all panes before the wall."""
     color = np.array(WALL)
@@ -181,6 +186,9 @@ case = Case(
               digits=6, name="behind all three panes, far to near"),
         value("judged_reversed.FragColor", at=MIDDLE, equals=(0.69, 0.3696, 0.2844, 0.612),
               digits=6, name="behind all three panes, near to far"),
+        value("judged_sorted.FragColor", at={"place": (RADIUS, PANES[2][0][1])},
+              equals=PANES[2][1], digits=6, reference=own_color, draw=4,
+              name="a disc has its rim"),
         computed("all three, far to near", lambda: stack(PANES), digits=6,
                  equals=(0.375, 0.4776, 0.5714, 0.538)),
         measure(

@@ -12,17 +12,21 @@ From left to right the near plane is at 0.01, at 0.1, and at 0.01 with a polygon
 for the teal wall. Orange should be seen nowhere; the stripes are pairs of equal codes.
 """
 
-from itertools import product
+from itertools import pairwise, product
+
+import numpy as np
 
 from shaderlab import (
     Case,
+    Cell,
     Depth,
     Draw,
     Mesh,
+    Output,
     Pass,
+    Ramp,
     State,
     Target,
-    assets,
     formula,
     measure,
     reading,
@@ -44,42 +48,50 @@ SIZE = (640, 4 * ROWS)
 ROUNDED = {16: 0.125, 24: 1.5}
 # Each column of pixels is one trial whether two depths share a code: three standard deviations.
 CHANCE = 3.0 * (0.25 / SIZE[0]) ** 0.5
-SQUARE = Mesh(**assets.quad(2.0)).only("aPos")
-MARGIN = 0.05  # of a wall's width, where the wall in front is cut off
+CUT = -0.9  # where the wall in front begins, of −1 … 1
 ORANGE, TEAL = (0.95, 0.55, 0.12), (0.10, 0.45, 0.50)
 
 
-def wall(near, gap, box, nearer, offset=None, rise=0.0):
-    """One of the two walls in a rectangle of the target."""
-    x, y, width, height = box
-    cut = int(MARGIN * width) if nearer else 0
+def strips(gaps, edges, half):
+    """One strip above the other for each gap, side by side between the edges, from −half to half.
+
+    Both walls are cut at the same places, so that their corners differ in depth alone.
+    """
+    rows = np.linspace(-half, half, len(gaps) + 1)
+    corners, distances = [], []
+    for k, gap in enumerate(gaps):
+        for left, right in pairwise(edges):
+            low, high = rows[k], rows[k + 1]
+            corners += [(left, low), (right, low), (right, high), (left, high)]
+            distances += [gap] * 4
+    quads = 4 * np.arange(len(corners) // 4)[:, None] + [0, 1, 2, 0, 2, 3]
+    attributes = {"aPos": np.array(corners), "aGap": np.array(distances)[:, None]}
+    return Mesh(attributes=attributes, indices=quads.ravel())
+
+
+def wall(near, mesh, nearer, offset=None, rise=0.0):
+    """One of the two walls."""
     return Draw(
         vertex="ch06_tests/z_fighting.vert",
         fragment="ch06_tests/z_fighting.frag",
-        mesh=SQUARE,
+        mesh=mesh,
         uniforms={
             "near": near,
             "far": FAR,
             "middle": MIDDLE,
             "slant": SLANT,
             "rise": rise,
-            "gap": gap,
             "color": TEAL if nearer else ORANGE,
             "number": 1.0 if nearer else 2.0,
         },
-        state=State(
-            depth=Depth(),
-            polygon_offset=offset,
-            viewport=box,
-            scissor=(x + cut, y, width - cut, height),
-        ),
+        state=State(depth=Depth(), polygon_offset=offset),
     )
 
 
-def both(near, gap, box, offset=None, rise=0.0):
-    """The wall behind, then the wall in front."""
-    behind = wall(near, gap, box, False, rise=rise)
-    return (behind, wall(near, 0.0, box, True, offset, rise))
+def both(near, gaps, edges, offset=None, rise=0.0, half=1.0):
+    """The wall behind, then the wall in front, which lacks the margin on the left."""
+    behind, front = strips(gaps, edges, half), strips([0.0] * len(gaps), edges[1:], half)
+    return (wall(near, behind, False, rise=rise), wall(near, front, True, offset, rise))
 
 
 def step(near, bits):
@@ -99,31 +111,48 @@ def name_of(format, near):
 
 def trials(format, near, offset=None, prefix=""):
     """A pass with a row for each gap."""
-    high = SIZE[1] // ROWS
-    rows = [((0, k * high, SIZE[0], high), gap) for k, gap in enumerate(gaps(near, BITS[format]))]
     return Pass(
         name=prefix + name_of(format, near),
         target=Target(size=SIZE, depth=format, colors={"winner": "r32f"}),
-        draws=tuple(draw for box, gap in rows for draw in both(near, gap, box, offset)),
+        draws=both(near, gaps(near, BITS[format]), (-1.0, CUT, 1.0), offset),
+    )
+
+
+def panel(name, near, offset):
+    """One panel of the picture, with a margin of the background around it."""
+    clear = (0.93, 0.93, 0.91, 1.0)
+    return Pass(
+        name=name,
+        target=Target(size=(PANEL, PANEL), depth="depth16", clear=clear),
+        draws=both(near, [GAP], (-0.9, -0.8, 0.9), offset, 0.6, half=0.9),
     )
 
 
 def wrong_winners(winner, row):
     """The share of pixels that should show the wall in front and do not."""
     rows = SIZE[1] // ROWS
-    front = winner[int(row) * rows : (int(row) + 1) * rows, int(MARGIN * SIZE[0]) :]
+    front = winner[int(row) * rows : (int(row) + 1) * rows, SIZE[0] // 20 :]
     return (front != 1.0).mean()
 
 
 def seen_behind(winner):
     """The share of the margin that shows the wall behind."""
-    return (winner[:, : int(MARGIN * SIZE[0])] == 2.0).mean()
+    return (winner[:, : SIZE[0] // 20] == 2.0).mean()
 
 
-def orange(winner, panel):
-    """The share of one panel of the picture in which the wall behind is seen, without margins."""
-    left = int(panel)
-    return (winner[20:340, left + 17 : left + 340] != 1.0).mean()
+def orange(winner):
+    """The share of a panel's front wall where the wall behind is seen."""
+    edge = PANEL // 20
+    return (winner[edge:-edge, 2 * edge : -edge] == 2.0).mean()
+
+
+def orange_beside(winner):
+    """The share of a panel's margin that shows the wall behind, and of the rest that does not."""
+    edge = PANEL // 20
+    behind = winner[edge:-edge, edge : 2 * edge] == 2.0
+    rim = winner.copy()
+    rim[edge:-edge, edge:-edge] = 0.0
+    return behind.mean() - ((rim == 1.0) | (rim == 2.0)).mean()
 
 
 def allowed(near, bits, gap):
@@ -131,8 +160,10 @@ def allowed(near, bits, gap):
     if gap < 0.001 * step(near, bits):
         return (1.0, 1.0)
     slack = ROUNDED[bits] * step(near, bits)
+    # What is counted begins where the wall in front is cut.
+    middle, slant = MIDDLE + SLANT * (1.0 + CUT) / 2.0, SLANT * (1.0 - CUT) / 2.0
     low, high = (
-        same_code_share(gap + error, MIDDLE, SLANT, near, FAR, bits) for error in (slack, -slack)
+        same_code_share(gap + error, middle, slant, near, FAR, bits) for error in (slack, -slack)
     )
     return (max(low - CHANCE, 0.0), min(high + CHANCE, 1.0))
 
@@ -161,11 +192,11 @@ def mended(format):
         )
 
 
-def clip(aPos, near, far, middle, slant, rise, gap):
+def clip(aPos, aGap, near, far, middle, slant, rise):
     """The corner of a wall in clip space."""
-    z = middle + slant * swizzle(aPos, "x") + rise * swizzle(aPos, "y") + gap
+    z = middle + slant * swizzle(aPos, "x") + rise * swizzle(aPos, "y") + aGap
     depth = (far + near) / (far - near) * z - 2.0 * far * near / (far - near)
-    return vec4(swizzle(aPos, "xy") * z, depth, z)
+    return vec4(aPos * z, depth, z)
 
 
 def one_color(color):
@@ -173,7 +204,8 @@ def one_color(color):
     return vec4(color, 1.0)
 
 
-PANELS = ((0.01, None), (0.1, None), (0.01, (-1.0, -1.0)))
+PANEL = 360  # pixels
+PANELS = {"near_001": (0.01, None), "near_01": (0.1, None), "offset": (0.01, (-1.0, -1.0))}
 GAP = 0.5 * step(0.01, 16)
 ALL = tuple(product(BITS, NEARS))
 
@@ -185,21 +217,32 @@ case = Case(
     passes=(
         *(trials(format, near) for format, near in ALL),
         *(trials(format, NEARS[0], (-1.0, -1.0), "offset_") for format in BITS),
+        *(panel(name, near, offset) for name, (near, offset) in PANELS.items()),
         Pass(
             name="picture",
-            target=Target(size=(1080, 360), depth="depth16", clear=(0.93, 0.93, 0.91, 1.0)),
+            target=Target(size=(PANEL * len(PANELS), PANEL)),
             draws=tuple(
-                draw
-                for k, (near, offset) in enumerate(PANELS)
-                for draw in both(near, GAP, (20 + 350 * k, 20, 340, 320), offset, 0.6)
+                Draw(
+                    fragment="ch08_techniques/copy.frag",
+                    domain={"TexCoords": Ramp((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))},
+                    textures={"screen": Output(name, "FragColor")},
+                    state=State(cell=Cell(column=k, row=0, columns=len(PANELS), rows=1)),
+                )
+                for k, name in enumerate(PANELS)
             ),
         ),
     ),
     picture="picture.FragColor",
     expect=[
-        formula("picture.gl_Position", clip, name="the teal wall"),
-        formula("picture.gl_Position", clip, draw=0, name="the orange wall"),
-        formula("picture.FragColor", one_color),
+        *(
+            formula(f"{of}.gl_Position", clip, draw=draw, name=f"the {color} wall, {where}")
+            for of, where in (
+                ("near_001", "n = 0.01"),
+                ("depth24_1", "n = 1"),
+            )
+            for draw, color in enumerate(("orange", "teal"))
+        ),
+        formula("near_001.FragColor", one_color, name="what is seen of the teal wall"),
         measure(
             "share of wrong winners",
             wrong_winners,
@@ -217,7 +260,7 @@ case = Case(
             x_label="distance of the walls",
             log_x=True,
         ),
-        formula("picture.FragColor", one_color, draw=0, name="what is seen of the orange wall"),
+        formula("near_001.FragColor", one_color, draw=0, name="what is seen of the orange wall"),
         measure(
             "margin in which the wall behind is seen",
             seen_behind,
@@ -237,12 +280,20 @@ case = Case(
         measure(
             "orange in the picture",
             orange,
-            reads={"winner": "picture.winner"},
             readings=[
-                reading("n = 0.01", given={"panel": 20.0}, between=(0.4, 0.6)),
-                reading("n = 0.1", given={"panel": 370.0}, equals=0.0, digits=9),
-                reading("n = 0.01 with an offset", given={"panel": 720.0}, equals=0.0, digits=9),
+                reading("n = 0.01", reads={"winner": "near_001.winner"}, between=(0.4, 0.6)),
+                *(
+                    reading(label, reads={"winner": f"{name}.winner"}, equals=0.0, digits=9)
+                    for label, name in (("n = 0.1", "near_01"), ("with an offset", "offset"))
+                ),
             ],
+        ),
+        measure(
+            "orange beside the teal wall",
+            orange_beside,
+            readings=[reading(name, reads={"winner": f"{name}.winner"}) for name in PANELS],
+            equals=1.0,
+            digits=9,
         ),
     ],
 )

@@ -112,6 +112,8 @@ def status(name, answer, *steps):
 case = Case(
     title="Renderbuffers and completeness",
     section="8.2",
+    math=r"\text{complete} \iff n \ge 1 \;\wedge\; \forall i: w_i, h_i > 0 \;\wedge\; "
+    r"\forall i, j: \text{samples}_i = \text{samples}_j",
     passes=(window("tested", "depth24_stencil8"), window("24 bits", "depth24")),
     picture="tested.FragColor",
     expect=[

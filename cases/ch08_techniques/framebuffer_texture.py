@@ -89,6 +89,8 @@ def rim(place, name):
 case = Case(
     title="Render to texture",
     section="8.2",
+    math=r"\text{texture}(s, t) = \text{scene}(\lfloor s\,w \rfloor, \lfloor t\,h \rfloor), \quad "
+    r"(0, 0)\ \text{lower left}",
     passes=(
         photographed(VIEW, PROJECTION),
         Pass(

@@ -123,6 +123,8 @@ AT = {"Normal": (0.0, 2.0, 0.0), "Color": (1.0, 0.5, 0.31)}
 case = Case(
     title="Multiple render targets",
     section="8.2",
+    math=r"\text{out}_k \to \text{drawBuffers}[k], \qquad "
+    r"\mathbf{b} = \begin{cases} \mathbf{c} & Y(\mathbf{c}) > 0.4 \\ 0 & \text{else} \end{cases}",
     passes=(
         drawn("all", **OUTPUTS),
         *(drawn(f"only {name}", **{name: word}) for name, word in OUTPUTS.items()),
@@ -153,6 +155,13 @@ case = Case(
         ),
         formula("picture.FragColor", tiles, name="four tiles"),
         formula("edges.FragColor", tiles, name="edges of the tiles"),
+        value(
+            "all.BrightColor",
+            at={"Normal": (0.0, 2.0, 0.0), "Color": (0.402 / 0.85,) * 3},
+            equals=(0.402, 0.402, 0.402, 1.0),
+            digits=6,
+            name="just bright enough to glow",
+        ),
         value("all.Luminance", at=AT, equals=0.503695, digits=6, name="luminance of coral, lit"),
     ],
 )

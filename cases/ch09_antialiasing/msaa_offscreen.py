@@ -12,10 +12,10 @@ first of each pixel's four samples, on the right the mean of all four.
 
 from math import radians
 
-from shaderlab import Case, Output, Pass, Ramp, Target, exact, formula, fullscreen
+from shaderlab import Case, Output, Pass, Ramp, Target, exact, formula, fullscreen, value
 from shaderlab.assets import solids, stage
 from shaderlab.glslmath import floor
-from shaderlab.reference.studio import handed_on
+from shaderlab.reference.studio import handed_on, studio_color
 from shaderlab.reference.transforms import (
     clip_position,
     look_at,
@@ -48,11 +48,10 @@ def scene(order):
     return tuple(draws[k] for k in order)
 
 
-def target():
-    """Four samples a pixel, for colour and depth."""
-    return Target(
-        size=SIZE, samples=4, depth="depth24", colors={"FragColor": "rgba32f"}, clear=stage.SKY
-    )
+def target(samples=4):
+    """So many samples a pixel, for colour and depth."""
+    colors = {"FragColor": "rgba32f"}
+    return Target(size=SIZE, samples=samples, depth="depth24", colors=colors, clear=stage.SKY)
 
 
 def read(name, of, size):
@@ -82,6 +81,8 @@ case = Case(
     passes=(
         Pass(name="scene", target=target(), draws=scene((0, 1, 2))),
         Pass(name="reordered", target=target(), draws=scene((2, 1, 0))),
+        Pass(name="single", target=target(0), draws=scene((0, 1, 2))),
+        Pass(name="turned", target=target(0), draws=scene((2, 1, 0))),
         read("judged", "scene", SIZE),
         read("again", "reordered", SIZE),
         read("picture", "scene", (960, 640)),
@@ -95,6 +96,26 @@ case = Case(
             Output("again", "mean"),
             name="every sample shows the nearest, in whichever order it is drawn",
         ),
+        *(
+            formula("single.FragColor", studio_color, draw=k, name=f"colour of draw {k}")
+            for k in range(3)
+        ),
+        *(
+            value(
+                "single.FragColor",
+                at={"Color": (light, light, light), "Normal": (0.0, 2.0, 0.0)},
+                equals=(shown, shown, shown, 1.0),
+                digits=6,
+                reference=studio_color,
+                name=name,
+            )
+            for name, light, shown in (
+                ("grey, facing up", 0.5, 0.742866),
+                ("black", 0.0, 0.001874),
+                ("too bright", 4.0, 1.0),
+            )
+        ),
+        exact("single.FragColor", Output("turned", "FragColor"), name="one sample, in any order"),
         formula("scene.gl_Position", clip_position),
         formula("scene.Normal", world_normal),
         formula("scene.Color", handed_on),

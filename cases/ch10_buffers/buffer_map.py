@@ -50,6 +50,8 @@ def drawn(name, upload):
 case = Case(
     title="Writing through a mapping",
     section="10",
+    math=r"168 = 7 \cdot (3 + 3) \cdot 4\ \text{bytes}, \qquad "
+    r"\text{map} \to \text{write} \to \text{unmap} = \mathtt{GL\_TRUE}",
     passes=(*drawn("copied", "data"), *drawn("mapped", "map")),
     expect=[
         exact("mapped.FragColor", Output("copied", "FragColor"), name="same pixels as copied"),

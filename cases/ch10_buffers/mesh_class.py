@@ -59,6 +59,8 @@ LAYOUT = {"aPos": (0, 24), "aColor": (12, 24)}
 case = Case(
     title="A mesh that is kept",
     section="10",
+    math=r"\mathbf{q}_{k,i} = (s\,x_i + o_{k,x},\; s\,y_i + o_{k,y},\; z_i,\; 1), \qquad "
+    r"k = 0 \ldots 15",
     passes=(
         window("kept", [ROSETTE] * SIDE**2),
         window("made anew", [rosette(layout="interleaved") for _ in PLACES]),

@@ -59,6 +59,7 @@ def one_square(FragColor):
 case = Case(
     title="Points by arrays and by elements",
     section="10",
+    math=r"\text{arrays: } v_j = j, \qquad \text{elements: } v_j = e_j, \qquad 7 \cdot 24^2 = 4032",
     passes=(*points("arrays", None), *points("elements", EVERY_THIRD)),
     picture="arrays.FragColor",
     expect=[

@@ -34,8 +34,9 @@ def both_ways(description: Pass) -> tuple[Pass, Pass]:
 def any_order(output: str) -> Expectation:
     """An output, named with its pass, is the same whatever is drawn first.
 
-    >>> any_order("scene.FragColor").equals
-    Output(pass_name='scene-backwards', name='FragColor')
+    >>> same = any_order("scene.FragColor")
+    >>> same.output, same.equals.pass_name, same.equals.name
+    ('scene.FragColor', 'scene-backwards', 'FragColor')
     """
     pass_name, _, name = output.partition(".")
     other = Output(pass_name + _SUFFIX, name)

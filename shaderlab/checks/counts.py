@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 from shaderlab.checks.judgement import Judgement
 from shaderlab.frame import Timing
 from shaderlab.model import Cost, Query
-from shaderlab.records import Outcome, Row
+from shaderlab.records import Outcome, Plot, PlotPoint, Row
 
 
 def judge_query(expectation: Query, count: int) -> Judgement:
@@ -29,7 +30,7 @@ def judge_query(expectation: Query, count: int) -> Judgement:
 def judge_cost(expectation: Cost, timings: Mapping[str, Timing]) -> Judgement:
     """Draw calls and vertices as they should be; times beside them, and what becomes of the claim.
 
-    The time of several passes together is the sum of their best times.
+    The time of several passes together is the sum of their best times. Times over N are plotted.
     """
     rows = []
     best: dict[tuple[str, float], float] = {}
@@ -44,7 +45,7 @@ def judge_cost(expectation: Cost, timings: Mapping[str, Timing]) -> Judgement:
     if expectation.cheaper is not None:
         rows.append(_claim(expectation, best))
     message = f"other counts than expected: {', '.join(wrong)}" if wrong else ""
-    return _table(expectation.name, "cost", rows, message, judged=len(best))
+    return _table(expectation.name, "cost", rows, message, len(best), _times(expectation, best))
 
 
 def _row(expectation: Cost, label: str, number: float, taken: list[Timing]) -> Row:
@@ -105,8 +106,31 @@ def _claim(expectation: Cost, best: Mapping[tuple[str, float], float]) -> Row:
     )
 
 
-def _table(name: str, kind: str, rows: list[Row], message: str, judged: int) -> Judgement:
+def _times(expectation: Cost, best: Mapping[tuple[str, float], float]) -> Plot | None:
+    """Milliseconds over N, a line for each way of drawing; None unless there are two numbers."""
+    numbers = {number for _, number in best}
+    if len(numbers) < 2:
+        return None
+    points = tuple(
+        PlotPoint(series=label, x=number, y=1e3 * seconds, low=-math.inf, high=math.inf, ok=True)
+        for (label, number), seconds in best.items()
+    )
+    # Each N is as a rule a multiple of the last, and a logarithm has no place for 0.
+    return Plot(
+        title=expectation.name,
+        x_label=expectation.over,
+        y_label="ms, the best of several (not judged)",
+        points=points,
+        log_x=min(numbers) > 0.0,
+        log_y=all(seconds > 0.0 for seconds in best.values()),
+    )
+
+
+def _table(
+    name: str, kind: str, rows: list[Row], message: str, judged: int, plot: Plot | None = None
+) -> Judgement:
     return Judgement(
+        plot=plot,
         outcome=Outcome(
             name=name,
             kind=kind,
@@ -115,5 +139,5 @@ def _table(name: str, kind: str, rows: list[Row], message: str, judged: int) -> 
             judged=judged,
             outside=sum(not row.ok for row in rows),
             rows=tuple(rows),
-        )
+        ),
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import datetime
 import tempfile
+import threading
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -12,8 +13,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from shaderlab.cli.files import REPORTS, new_run_folder, report_folder
+from shaderlab.cli.replacing import named, parsed, unread
 from shaderlab.errors import UsageError
 from shaderlab.records import Record, Run
+from shaderlab.report.html import load_libraries
 from shaderlab.running import Crew, Limits, Setup, Solo, Team
 from shaderlab.running.drivers import disagreements, known, results
 from shaderlab.running.journal import FILE_NAME, Heading, Journal, read
@@ -81,12 +84,14 @@ class Request:
 
 @dataclass(frozen=True)
 class Performed:
-    """A run, and whether all of it was done; `problem` is what could not be written."""
+    """A run, and whether all of it was done; `problem` is what could not be written, `unread` the
+    errors for files given in a shader's place that nothing read."""
 
     run: Run
     folder: Path
     complete: bool
     problem: str = ""
+    unread: tuple[UsageError, ...] = ()
 
 
 def finish(request: Request, team: Team) -> tuple[Performed, Show]:
@@ -151,6 +156,8 @@ def perform(
         records[job.key] = record
         journal.add(record)
 
+    # Not waited for: a run that is interrupted ends at once.
+    threading.Thread(target=load_libraries, daemon=True).start()
     with show.progress(len(rest)) as progress, contextlib.suppress(KeyboardInterrupt):
         results = team.run(rest, heading.setup, heard)
         for job in rest:
@@ -167,14 +174,15 @@ def perform(
     )
     assert heading.setup.folder is not None
     complete = len(ordered) == len(heading.jobs)
-    return Performed(run, heading.setup.folder, complete, journal.problem)
+    ignored = unread(heading.setup.shaders, ordered) if complete else []
+    return Performed(run, heading.setup.folder, complete, journal.problem, tuple(ignored))
 
 
 def _begun(request: Request, team: Team) -> tuple[Heading, Path]:
     """What is to be run, and the folder for it, made now that there is something to run."""
     from shaderlab.cli.selecting import choose
 
-    replacements = _replacements(request.shaders)
+    replacements = parsed(request.shaders)
     jobs = choose(request.targets, request.every, request.variants, team.load)
     driver = request.rivals()[0] if request.drivers else request.driver
     folder = new_run_folder() if request.folder is None else report_folder(Path(request.folder))
@@ -182,7 +190,7 @@ def _begun(request: Request, team: Team) -> tuple[Heading, Path]:
         size=request.size,
         folder=folder,
         pictures=request.pictures,
-        shaders=replacements,
+        shaders=named(replacements, jobs),
         driver=driver,
     )
     now = datetime.datetime.now().astimezone().isoformat(timespec="seconds")
@@ -197,15 +205,3 @@ def place_of(resume: str) -> Path:
     if not begun:
         raise UsageError(f"there is no run in {REPORTS}/", remedy="name its folder")
     return begun[-1].parent
-
-
-def _replacements(words: Sequence[str]) -> tuple[tuple[str, Path], ...]:
-    found = []
-    for word in words:
-        name, equals, file = word.partition("=")
-        if not equals or not name or not file:
-            raise UsageError(f"--shader {word}: write it as NAME=FILE")
-        if not Path(file).is_file():
-            raise UsageError("there is no such file", file=file)
-        found.append((name, Path(file)))
-    return tuple(found)

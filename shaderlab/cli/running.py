@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     "shaders",
     multiple=True,
     metavar="NAME=FILE",
-    help="Use FILE in place of the shader called NAME, to try a change.",
+    help="Judge FILE in place of the shader called NAME: its path, or the end of it.",
 )
 @click.option("--json", "json_file", metavar="FILE", help="Write results as JSON; - for stdout.")
 @click.option("--junit", "junit_file", metavar="FILE", help="Write results as JUnit XML.")
@@ -113,7 +113,7 @@ def command(open_report: bool, **asked: Any) -> None:
       shaderlab run 'attenuation[50]'               one variant
       shaderlab run --all --json out.json           for other programs
       shaderlab run ./my_case.py --open             a case of your own
-      shaderlab run gamma --shader ch05_lighting/gamma.frag=mine.frag
+      shaderlab run gamma --shader gamma.frag=mine.frag
       shaderlab run --all --drivers llvmpipe,softpipe
       shaderlab run --resume                        after Ctrl-C or a power cut
       shaderlab run --all --scheduler tcp://host:8786
@@ -140,6 +140,7 @@ def command(open_report: bool, **asked: Any) -> None:
         if request.profile:
             show.profile(performed.run)
         page, problems = write_all(performed.run, performed.folder, request)
+        problems += performed.unread
     finally:
         team.close()
     if request.folder is None and request.resume is None:

@@ -101,7 +101,8 @@ def cost(
     repeats: int = 5,
     name: str = "cost",
 ) -> Cost:
-    """A table of what passes cost: draw calls, vertices, and the best time of several.
+    """What passes cost: a table of draw calls, vertices, and the best time of several; and a plot
+    of the times over N.
 
     Draw calls and vertices are judged where a formula for them is given. Time never is: it is
     another one on each machine, and only its ratios are of interest. Whether a claim about it

@@ -17,7 +17,7 @@ from shaderlab.errors import AssetError
 from shaderlab.pictures.files import reduced, save_png, thumbnail
 
 # For both of them; a photograph's usual quality.
-_QUALITY = "webp:80"
+_QUALITY = "webp:70"
 
 
 def save_previews(path: str | Path, pixels: NDArray[np.uint8], sides: tuple[int, ...]) -> None:

@@ -6,8 +6,10 @@ components one after the other, rows from the bottom:
     flags      1 byte a value: 1 was judged, 2 lies outside its band
     measured   float32 as ordered integers, less the value to the left (the first: below)
     reference  ordered integer of the nearest float32, less the measured one
-    rest       8 bits: what is left of the float64 reference, in 1/255 of its float32 ULP
-    low, high  ordered integers, less the reference's
+    rest       16 bits: what is left of the float64 reference, in 1/65535 of its float32 ULP;
+               where nothing is outside in multiples of 2048 of that, which pack well
+    low        ordered integers, less the reference's
+    high       minus ordered integers plus the reference's, less `low`: bands are nearly symmetric
 
 Ordered integers follow the order of floats one ULP a step (the sign bit's complement for negative
 ones); 32-bit ones wrap around, are folded so that small ones of either sign have zero bytes, and
@@ -29,11 +31,12 @@ from numpy.typing import NDArray
 from shaderlab.errors import AssetError
 
 Floats = NDArray[np.float64]
-_REST = 255.0
+_REST = 65535.0
+_COARSE = 2048
 _LEVEL = 1  # of zlib: half the default's time, for files a twentieth larger
 # Pictures with more values than this are cut to a window around their worst value.
-_MOST_VALUES = 1 << 15
-_WINDOW = 96
+_MOST_VALUES = 1 << 14
+_WINDOW = 64
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,7 +49,7 @@ class Values:
         unit: size of one code of a fixed-point format; 0 for floats, whose unit is the ULP.
         whole: whether all judged values are here.
         measured, low, high: as float32 holds them.
-        reference: to 32 bits or better.
+        reference: to 40 bits or better where a value is outside, to 29 otherwise.
         judged, outside: booleans; the other arrays mean something only where `judged` is true.
     """
 
@@ -61,6 +64,11 @@ class Values:
     judged: NDArray[np.bool_]
     outside: NDArray[np.bool_]
 
+    @property
+    def fine(self) -> bool:
+        """Whether references are kept to more than the eight digits that a passing check shows."""
+        return bool(self.outside.any())
+
 
 def pack(values: Values) -> bytes:
     """The values as a file's bytes, to be read by `unpack` and by the report's own script."""
@@ -74,6 +82,7 @@ def pack(values: Values) -> bytes:
         "components": components,
         "unit": values.unit,
         "whole": values.whole,
+        "fine": values.fine,
     }
     text = json.dumps(head, separators=(",", ":")) + "\n"
     return zlib.compress(text.encode("ascii") + b"".join(columns), _LEVEL)
@@ -92,15 +101,16 @@ def unpack(data: bytes) -> Values:
         planes = (components, rows, width)
         count = rows * width * components
         flags = np.frombuffer(body, np.uint8, count).reshape(planes)
-        wide = [_unfold(body[count * at :], count).reshape(planes) for at in (1, 5, 10, 14)]
-        rest = np.frombuffer(body, np.int8, count, count * 9).reshape(planes)
+        wide = [_unfold(body[count * at :], count).reshape(planes) for at in (1, 5, 11, 15)]
+        rest = np.frombuffer(_joined(body[count * 9 :], count, 2), np.int16).reshape(planes)
     except (ValueError, KeyError, TypeError, zlib.error) as error:
         raise AssetError(f"these are no packed values ({error})") from error
     measured = wide[0].copy()
     measured[:, :, 0] = np.cumsum(measured[:, :, 0], axis=1, dtype=np.int32)
     measured = np.cumsum(measured, axis=2, dtype=np.int32)
     nearest = wide[1] + measured
-    numbers = [_floats(each) for each in (measured, nearest, nearest + wide[2], nearest + wide[3])]
+    high_end = nearest - wide[2] - wide[3]
+    numbers = [_floats(each) for each in (measured, nearest, nearest + wide[2], high_end)]
     m, r, low, high = (np.moveaxis(each, 0, -1).astype(np.float64) for each in numbers)
     with np.errstate(invalid="ignore"):
         r = np.where(np.isfinite(r), r + np.moveaxis(rest, 0, -1) / _REST * _ulp(r), r)
@@ -172,7 +182,9 @@ def _columns(values: Values) -> list[bytes]:
     with np.errstate(invalid="ignore", over="ignore"):
         near = exact.astype(np.float32).astype(np.float64)
         left = np.nan_to_num((exact - near) / _ulp(near))
-    rest = np.rint(np.clip(left, -0.5, 0.5) * _REST).clip(-128, 127).astype(np.int8)
+    unit = 1 if values.fine else _COARSE
+    whole = np.rint(np.clip(left, -0.5, 0.5) * (_REST / unit)) * unit
+    rest = whole.clip(-32768, 32767).astype(np.int16)
     steps = measured.copy()
     steps[:, :, 1:] -= measured[:, :, :-1]
     steps[:, 1:, 0] -= measured[:, :-1, 0]
@@ -181,9 +193,9 @@ def _columns(values: Values) -> list[bytes]:
         flags.tobytes(),
         _fold(steps),
         _fold(nearest - measured),
-        rest.tobytes(),
+        _split(rest),
         _fold(low - nearest),
-        _fold(high - nearest),
+        _fold(nearest - high - (low - nearest)),
     ]
 
 

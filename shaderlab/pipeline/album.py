@@ -113,13 +113,19 @@ class Album:
                 continue
             displayed[what] = display.image
             files[what] = self._save(f"{label}-{what}", display.image, JUDGED_SIDE)
-            if max(covered.shape) > PREVIEW_SIDE:
-                pictures.save_previews(self._folder / files[what], display.image, (PREVIEW_SIDE,))
+            self._preview(files[what], display.image)
         seen = pictures.distance_picture(distance, np.abs(distance) > 1.0, min_side=JUDGED_SIDE)
         files["distance"] = self._save(f"{label}-distance", seen, JUDGED_SIDE)
+        self._preview(files["distance"], seen)
         relative, path = self._file(label, "values")
         path.write_bytes(pictures.pack(pictures.judged_part(_numbers(arrays), worst)))
         return Shown(files, captions, relative)
+
+    def _preview(self, file: str, image: Array) -> None:
+        """A small copy beside a picture that is larger than the page shows it."""
+        assert self._folder is not None
+        if max(image.shape[:2]) > PREVIEW_SIDE:
+            pictures.save_previews(self._folder / file, image, (PREVIEW_SIDE,))
 
     def assembly(self, modules: Mapping[str, bytes]) -> str:
         """A program's modules as SPIR-V assembly, by stage; one file for all that are the same.

@@ -217,7 +217,7 @@ class Lab:
             outcome = replace(
                 found.outcome, images=seen.files, captions=seen.captions, values=seen.values
             )
-            draft.add(outcome, found, getattr(expectation, "output", ""))
+            draft.add(outcome, found, expectation)
 
     def _portrait(self, scene: Scene, prepared: Prepared, draft: write_up.Draft) -> None:
         if self.options.folder is None:

@@ -10,12 +10,14 @@ from dataclasses import replace
 import numpy as np
 
 from shaderlab.checks.judgement import Judgement, shown
+from shaderlab.checks.naming import draw_key, split_output
 from shaderlab.errors import ShaderlabError
+from shaderlab.frame import PassDraw
 from shaderlab.gl.prepare import PreparedDraw
 from shaderlab.glsl.opinion import compared
 from shaderlab.glsl.sources import Source
 from shaderlab.glsl.spirv import Interface
-from shaderlab.model import Ramp, Scene
+from shaderlab.model import Expectation, Ramp, Scene
 from shaderlab.pipeline.album import Shown
 from shaderlab.pipeline.memory import buffers
 from shaderlab.records import (
@@ -45,6 +47,7 @@ class Draft:
         self._status: Status = "pass"
         self._message = ""
         self._programs: dict[tuple[Source, ...], ProgramRecord] = {}
+        self._drawn_by: dict[PassDraw, tuple[Source, ...]] = {}
         self._outcomes: list[Outcome] = []
         self._curves: list[Curve] = []
         self._plots: list[Plot] = []
@@ -73,8 +76,9 @@ class Draft:
     ) -> None:
         """Note each different program's sources and verdicts; `assembly` writes down its modules
         and tells the file."""
-        for draws in prepared.values():
-            for draw in draws:
+        for name, draws in prepared.items():
+            for index, draw in enumerate(draws):
+                self._drawn_by[name, index] = draw.sources
                 if draw.sources not in self._programs:
                     self._programs[draw.sources] = _program(draw, assembly)
         self._buffers = buffers(prepared)
@@ -95,12 +99,12 @@ class Draft:
         for name in sorted(names):
             self._notices.append(f"uniform {name} is declared but inactive: it changes no output")
 
-    def add(self, outcome: Outcome, found: Judgement, output: str) -> None:
-        """Note one expectation's outcome, and what there is to plot of its judgement; `output` is
-        the shader output it is about, or ""."""
+    def add(self, outcome: Outcome, found: Judgement, expectation: Expectation) -> None:
+        """Note one expectation's outcome, and what there is to plot of its judgement."""
         where = [replace(s, file=near(s.file)) for s in outcome.sources]
+        output = getattr(expectation, "output", "")
         if where and output:
-            where += self._assignments(output.rpartition(".")[2])
+            where += self._assignments(output, getattr(expectation, "draw", -1))
         self._outcomes.append(replace(outcome, sources=tuple(where)))
         if found.curve is not None:
             self._curves.append(found.curve)
@@ -160,15 +164,17 @@ class Draft:
             return "fail"
         return "pass"
 
-    def _assignments(self, output: str) -> list[SourceText]:
-        """The last line in a shader that assigns to `output`, of the program that ran last."""
-        assigns = re.compile(rf"\b{re.escape(output)}(\.\w+)?\s*[-+*/]?=(?!=)")
-        for program in reversed(self._programs.values()):
-            for source in reversed(program.sources):
-                lines = [line.split("//")[0] for line in source.text.splitlines()]
-                hits = [n for n, line in enumerate(lines, 1) if assigns.search(line)]
-                if hits:
-                    return [replace(source, line=hits[-1], text=lines[hits[-1] - 1].strip())]
+    def _assignments(self, output: str, draw: int) -> list[SourceText]:
+        """The last line that assigns to an output, of the program that a draw of its pass runs."""
+        pass_name, own = split_output(output, self._scene)
+        sources = self._drawn_by[draw_key(self._scene, pass_name, draw)]
+        name = own.rpartition(".")[2].partition("[")[0]  # blocks go by another name in a shader
+        assigns = re.compile(rf"\b{re.escape(name)}(\.\w+|\[[^]]*\])*\s*[-+*/]?=(?!=)")
+        for source in reversed(self._programs[sources].sources):
+            lines = [line.split("//")[0] for line in source.text.splitlines()]
+            hits = [n for n, line in enumerate(lines, 1) if assigns.search(line)]
+            if hits:
+                return [replace(source, line=hits[-1], text=lines[hits[-1] - 1].strip())]
         return []
 
 

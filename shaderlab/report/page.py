@@ -11,6 +11,7 @@ from shaderlab.report.chart import Chart
 from shaderlab.report.grouping import PASSABLE, CaseGroup, Totals, worst
 from shaderlab.report.inline import Numbers, Picture
 from shaderlab.report.listing import Listing
+from shaderlab.report.mutants import Mutants
 from shaderlab.report.plot import PlotView
 from shaderlab.report.worst import WorstPanel
 
@@ -23,13 +24,15 @@ if TYPE_CHECKING:
 @dataclass(frozen=True)
 class Plate:
     """A picture with its name, alternative text and caption. `twin` names the plate beside it
-    that is the same in every byte, so that the page need not have it twice."""
+    that is the same in every byte, so that the page need not have it twice; `file` is the
+    picture's own, relative to the run's folder."""
 
     name: str
     alt: str
     caption: str
     picture: Picture
     twin: str = ""
+    file: str = ""
 
 
 @dataclass(frozen=True)
@@ -86,6 +89,7 @@ class CaseView:
     assemblies: tuple[Assembly, ...]
     variants: tuple[VariantView, ...]
     passes: tuple[Step, ...] = ()
+    mutants: Mutants | None = None
 
     @property
     def wide(self) -> bool:
@@ -135,6 +139,7 @@ class Page:
     totals: Totals
     chapters: tuple[ChapterView, ...]
     cases: tuple[CaseView, ...]
+    mutants: Mutants | None = None
 
     @property
     def anchors(self) -> dict[tuple[str, str], str]:

@@ -13,7 +13,7 @@ layout (location = 3) out vec4 written;
 
 void main()
 {
-    ivec2 texel = ivec2(floor(at));
+    ivec2 texel = ivec2(at);
     sorted = texelFetch(far_to_near, texel, 0);
     reversed_ = texelFetch(near_to_far, texel, 0);
     written = texelFetch(depth_written, texel, 0);

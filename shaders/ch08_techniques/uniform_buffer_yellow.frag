@@ -1,5 +1,5 @@
 #version 330 core
-#include "ch08_techniques/uniform_buffer_light.glsl"
+#include "lib/block_light.glsl"
 
 in vec3 Normal;
 

@@ -384,6 +384,13 @@ def test_cost_counts_exactly_and_never_judges_time(folder: Path) -> None:
         assert len(rows) == 4
         assert all("ms" in row.measured and "the fastest" in row.note for row in rows)
         assert "this driver" in claim.measured
+        (plot,) = records[0].plots
+        assert plot.x_label == "N" and plot.log_x and plot.log_y
+        assert {(p.series, p.x) for p in plot.points} == {
+            ("each", 1.0), ("each", 2.0), ("all", 1.0), ("all", 2.0),
+        }  # fmt: skip
+        for point, row in zip(plot.points, rows, strict=True):
+            assert row.measured.endswith(f", {point.y:.3g} ms") and point.ok
     (record,) = run(folder, passes=passes, expect=[table(draw_calls={"all": lambda n: n})])
     assert record.expectations[0].status == "fail"
     assert "all, N = 2" in record.expectations[0].message

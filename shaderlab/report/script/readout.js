@@ -15,7 +15,7 @@ function readPixel(body, values, x, y) {
       cells: [
         channelName(values, c),
         figure(values.measured[i]),
-        figure(values.reference[i]),
+        general(values.reference[i], values.fine ? 9 : 8),
         figure(values.low[i]),
         figure(values.high[i]),
         short(ulpDistance(values, i)),

@@ -33,14 +33,14 @@ async function unpackValues(text) {
     const before = column ? measured[i - 1] : row ? measured[i - columns] : 0;
     measured[i] = before + folded(count, i);
     nearest[i] = measured[i] + folded(5 * count, i);
-    low[i] = nearest[i] + folded(10 * count, i);
-    high[i] = nearest[i] + folded(14 * count, i);
+    low[i] = nearest[i] + folded(11 * count, i);
+    high[i] = nearest[i] - folded(11 * count, i) - folded(15 * count, i);
   }
   const near = floatsOf(nearest);
   for (let i = 0; i < count; i += 1) {
-    const rest = body[9 * count + i] << 24 >> 24;
+    const rest = (byte(9 * count, 2, i, 0) | byte(9 * count, 2, i, 1)) << 16 >> 16;
     reference[i] = Number.isFinite(near[i]) && rest
-      ? near[i] + (rest / 255) * ulpOf(near[i]) : near[i];
+      ? near[i] + (rest / 65535) * ulpOf(near[i]) : near[i];
   }
   return {
     ...head,

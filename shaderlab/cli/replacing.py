@@ -1,0 +1,88 @@
+"""`--shader NAME=FILE`: which shader is meant, and whether anything read the file in its place."""
+
+from __future__ import annotations
+
+import posixpath
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from shaderlab.errors import UsageError, nearest
+from shaderlab.records import Record
+from shaderlab.running import Job
+
+Replacements = tuple[tuple[str, Path], ...]
+
+
+def parsed(words: Sequence[str]) -> Replacements:
+    """What stands on both sides of each NAME=FILE.
+
+    Raises:
+        UsageError: it is not of that form, or there is no such file.
+    """
+    found = []
+    for word in words:
+        name, equals, file = word.partition("=")
+        if not equals or not name or not file:
+            raise UsageError(f"--shader {word}: write it as NAME=FILE")
+        if not Path(file).is_file():
+            raise UsageError("there is no such file", file=file)
+        found.append((posixpath.normpath(name), Path(file)))
+    return tuple(found)
+
+
+def named(replacements: Replacements, jobs: Iterable[Job]) -> Replacements:
+    """Each name as the jobs' cases know it: its whole path, or the end of one, if only one ends
+    so.
+
+    Raises:
+        UsageError: there is no shader of that name, or more than one.
+    """
+    if not replacements:
+        return ()
+    from shaderlab.pipeline.roots import shaders_beside
+
+    folders = dict.fromkeys(Path(job.file).parent for job in jobs)
+    known = sorted({name for folder in folders for name in shaders_beside(folder, {}).names()})
+    return tuple((_whole(name, known), file) for name, file in replacements)
+
+
+def unread(replacements: Replacements, records: Sequence[Record]) -> list[UsageError]:
+    """An error for each file that no program was made of, so that nothing was said about it.
+
+    Records of cases that did not get as far as their programs might have read it.
+    """
+    if not replacements or not all(record.programs for record in records):
+        return []
+    from shaderlab.pipeline.write_up import near
+
+    used = {file for record in records for program in record.programs for file in program.files}
+    return [
+        UsageError(
+            f"no program of these cases is made of {name}, so nothing was judged in its place",
+            file=str(file),
+            remedy=f"name a shader that they use: {', '.join(_short(used))}",
+        )
+        for name, file in replacements
+        if near(str(file)) not in used
+    ]
+
+
+def _whole(name: str, known: Sequence[str]) -> str:
+    if name in known:
+        return name
+    ends = [one for one in known if one.endswith(f"/{name}")]
+    if len(ends) == 1:
+        return ends[0]
+    if ends:
+        raise UsageError(
+            f"--shader {name}: there are {len(ends)} of that name",
+            remedy=f"say which: {', '.join(ends)}",
+        )
+    short = {posixpath.basename(one): one for one in known}
+    raise UsageError(
+        f"--shader {name}: there is no such shader", remedy=nearest(name, [*known, *short])
+    )
+
+
+def _short(files: Iterable[str]) -> list[str]:
+    return sorted({posixpath.basename(file.replace("\\", "/")) for file in files})

@@ -1,0 +1,187 @@
+"""No state leaks from one scene to the next: the catalogue gives the same in any order.
+
+Everything that is judged is in a scene's `Frame`, and judging is a function of that alone. So the
+whole catalogue is drawn and captured in one process, in order and in two random ones, and the
+frames are compared byte for byte; a sample is judged in both orders besides.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import random
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import fields, is_dataclass, replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from shaderlab.catalogue import Catalogue
+from shaderlab.checks.refusals import Answer, Complaint
+from shaderlab.frame import Frame
+from shaderlab.gl import state as fixed
+from shaderlab.model import Case, Mesh, Scene, State, Target, exact, mesh_pass
+from shaderlab.pipeline import Lab, Options
+from shaderlab.pipeline.write_up import Draft
+from shaderlab.records import Record
+
+SEEDS = (1, 20)
+SAMPLE = ("blend-factors", "depth-functions", "mvp", "stencil-functions", "uniform-buffer")
+SIDE = 96
+
+
+class Watched(Lab):
+    """A lab that keeps a hash of each scene's frame, and judges only what it is told to."""
+
+    def __init__(self, judged: Sequence[str] = ()) -> None:
+        super().__init__(Options())
+        self.hashes: dict[tuple[str, str], dict[str, str]] = {}
+        self._judged = judged
+
+    def _judge(
+        self, scene: Scene, frame: Frame, said: Mapping[int, Answer | Complaint], draft: Draft
+    ) -> None:
+        self.hashes[scene.case.id, scene.variant] = {
+            name: hashlib.blake2s(b"".join(parts(getattr(frame, name)))).hexdigest()
+            for name in (each.name for each in fields(frame))
+            if name != "timings"  # seconds differ
+        }
+        if scene.case.id in self._judged:
+            super()._judge(scene, frame, said, draft)
+
+
+def parts(value: Any) -> Iterator[bytes]:
+    """All that a value is made of, as bytes, with the names of its parts."""
+    if isinstance(value, np.ndarray):
+        yield f"{value.dtype.str}{value.shape}".encode()
+        yield np.ascontiguousarray(value).tobytes()
+    elif isinstance(value, Mapping):
+        for key, one in value.items():
+            yield repr(key).encode()
+            yield from parts(one)
+    elif is_dataclass(value):
+        for each in fields(value):
+            yield each.name.encode()
+            yield from parts(getattr(value, each.name))
+    elif isinstance(value, frozenset):
+        yield from parts(sorted(value))
+    elif isinstance(value, tuple | list):
+        yield f"{type(value).__name__}{len(value)}".encode()
+        for one in value:
+            yield from parts(one)
+    elif isinstance(value, int) and value > 0xFFFFFFFF:
+        yield b"an address"  # a mapping's, another one each time
+    else:
+        assert value is None or isinstance(value, str | bytes | bool | int | float), type(value)
+        yield repr(value).encode()
+
+
+@cache
+def scenes() -> tuple[Scene, ...]:
+    """One variant of each case, in the catalogue's order. What is not judged is drawn small."""
+    first = (next(iter(case.scenes())) for case in Catalogue.shipped())
+    return tuple(scene if scene.case.id in SAMPLE else smaller(scene) for scene in first)
+
+
+def smaller(scene: Scene) -> Scene:
+    """The scene in targets of at most SIDE pixels a side: the same calls in less time."""
+    passes = []
+    for one in scene.passes:
+        size = one.target.size
+        small = size and (min(size[0], SIDE), min(size[1], SIDE))
+        passes.append(replace(one, target=replace(one.target, size=small)))
+    return replace(scene, passes=tuple(passes))
+
+
+def shuffled(seed: int) -> list[Scene]:
+    order = list(scenes())
+    random.Random(seed).shuffle(order)
+    return order
+
+
+def shown(record: Record) -> list[Any]:
+    """What a record says that is no time and no picture."""
+    return [
+        (record.id, record.status, record.message),
+        *(replace(o, images={}, values={}) for o in record.expectations),
+    ]
+
+
+@pytest.fixture(scope="module")
+def in_order() -> tuple[dict[tuple[str, str], dict[str, str]], dict[str, list[Any]]]:
+    """Hashes and outcomes of the catalogue in its own order."""
+    with Watched(SAMPLE) as lab:
+        records = [lab.run(scene) for scene in scenes()]
+    assert {r.status for r in records} <= {"pass", "unsupported"}, records
+    return lab.hashes, {r.id: shown(r) for r in records}
+
+
+def test_random_orders_draw_the_same(in_order: Any) -> None:
+    hashes, outcomes = in_order
+    with Watched(SAMPLE) as lab:
+        for seed in SEEDS:  # one after the other in the same context
+            lab.hashes.clear()
+            records = [lab.run(scene) for scene in shuffled(seed)]
+            assert [r.id for r in records] != list(outcomes)
+            apart = {key for key in hashes if lab.hashes.get(key) != hashes[key]}
+            assert apart == set(), f"seed {seed}: {sorted(apart)} depend on what ran before"
+            assert {r.id: shown(r) for r in records} == outcomes
+
+
+LEAKS = {
+    "depth clamp": lambda gl: gl.glEnable(gl.GL_DEPTH_CLAMP),
+    "lines for faces": lambda gl: gl.glPolygonMode(gl.GL_FRONT_AND_BACK, gl.GL_LINE),
+    "inverted pixels": lambda gl: (gl.glEnable(gl.GL_COLOR_LOGIC_OP), gl.glLogicOp(gl.GL_INVERT)),
+}
+"""State that the lab has no word for and never touches."""
+
+SHADERS = {
+    "near.vert": "in vec3 aPos;\nvoid main() { gl_Position = vec4(aPos, 1.0); }\n",
+    "near.frag": "out vec4 FragColor;\nvoid main() { FragColor = vec4(1.0, 0.5, 0.25, 1.0); }\n",
+}
+
+
+def triangle(folder: Path, name: str, state: State) -> Scene:
+    """A triangle that leaves the view's depth range at one corner."""
+    corners = np.array([(-0.9, -0.9, 0.0), (0.9, -0.9, 0.0), (0.0, 0.9, 3.0)], np.float32)
+    for file, text in SHADERS.items():
+        (folder / file).write_text("#version 330 core\n" + text)
+    passes = mesh_pass(
+        "near.vert", "near.frag", Mesh(attributes={"aPos": corners}), state=state,
+        target=Target(colors={"FragColor": "rgba8"}),
+    )  # fmt: skip
+    case = Case(
+        title=name, section="1", passes=passes, expect=[exact("FragColor", 0)],
+        id=name, file=str(folder / f"{name}.py"),
+    )  # fmt: skip
+    return next(iter(case.scenes()))
+
+
+@pytest.mark.parametrize("leak", [None, *LEAKS])
+def test_a_leak_is_caught(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, leak: str | None
+) -> None:
+    """The same comparison, with a lab that leaves something on after a case that culls."""
+    right = fixed.apply
+
+    def leaking(state: State, size: tuple[int, int]) -> None:
+        from OpenGL import GL  # only once a device is open, which chooses its platform
+
+        right(state, size)
+        if state.cull is not None and leak is not None:
+            LEAKS[leak](GL)
+
+    monkeypatch.setattr(fixed, "apply", leaking)
+    culling, plain = (
+        triangle(tmp_path, "culling", State(cull="front")),
+        triangle(tmp_path, "plain", State()),
+    )
+    found = []
+    for order in ((plain, culling), (culling, plain)):
+        with Watched() as lab:
+            records = [lab.run(scene) for scene in order]
+            assert [r.status for r in records] == ["pass", "pass"], [r.message for r in records]
+            found.append(lab.hashes["plain", "default"])
+    assert (found[0] != found[1]) == (leak is not None)
