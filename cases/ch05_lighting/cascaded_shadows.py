@@ -45,6 +45,8 @@ from shaderlab.reference.transforms import (
     clip_position,
     look_at,
     perspective,
+    rotate,
+    translate,
     world_normal,
     world_position,
 )
@@ -70,6 +72,20 @@ LIGHT_VIEW = look_at(SUN, (0.0, 0.0, 0.0))
 # Along the light, everything that can be seen or throw a shadow there.
 DEPTHS = (-40.0, 80.0)
 BOXES = avenue_boxes()
+# Where the mesh lies in the world: it is kept turned and moved, so that no matrix is the identity.
+MODEL = translate((0.5, 0.25, -1.0)) @ rotate(radians(30.0), (1.0, 2.0, 0.5))
+
+
+def kept():
+    """The avenue as the mesh has it, before its model matrix puts it into its place."""
+    geometry, back = avenue(), np.linalg.inv(MODEL)
+    world = geometry["attributes"]
+    local = {
+        **world,
+        "aPos": world["aPos"] @ back[:3, :3].T + back[:3, 3],
+        "aNormal": world["aNormal"] @ back[:3, :3].T,
+    }
+    return {**geometry, "attributes": local}
 
 
 def projection(aspect):
@@ -109,8 +125,8 @@ def maps(scheme, aspect):
                 Draw(
                     vertex="ch05_lighting/shadow_depth.vert",
                     fragment="ch05_lighting/shadow_depth.frag",
-                    mesh=Mesh(**avenue()).only("aPos"),
-                    uniforms={"model": np.eye(4), "lightSpaceMatrix": matrix},
+                    mesh=Mesh(**kept()).only("aPos"),
+                    uniforms={"model": MODEL, "lightSpaceMatrix": matrix},
                     state=State(depth=Depth()),
                 )
             ],
@@ -125,11 +141,11 @@ def drawn(scheme, aspect=1.0, tint=0.0, cell=None):
     return Draw(
         vertex="ch05_lighting/lit_painted.vert",
         fragment="ch05_lighting/cascaded_shadows.frag",
-        mesh=Mesh(**avenue()),
+        mesh=Mesh(**kept()),
         uniforms={
-            "model": np.eye(4),
+            "model": MODEL,
             # Half as long as they were: the fragment shader is to make them whole again.
-            "normalMatrix": 0.5 * np.eye(3),
+            "normalMatrix": 0.5 * MODEL[:3, :3],
             "view": VIEW,
             "projection": projection(aspect),
             "lightSpaceMatrices": matrices,
