@@ -222,6 +222,11 @@ class Record:
     `images` maps "picture" (and what else there is) to files relative to the run's folder,
     `captions` the same names to how they are to be read. `passes` are in the order they ran.
     `buffers` are those of uniform blocks, and of meshes that say how they lie in memory.
+
+    `driver` (renderer and version), `size` and `picture_size` (sides in pixels of the judged frame
+    and of the picture, where a pass has no size of its own) are what the values depend on besides
+    the case's files and `Run.versions`: no law and no formula draws random numbers. They are "" and
+    0 where the scene did not come to be drawn, `picture_size` also where no picture was asked for.
     """
 
     id: str
@@ -247,6 +252,9 @@ class Record:
     captions: Mapping[str, str] = field(default_factory=dict)
     passes: tuple[PassRecord, ...] = ()
     buffers: tuple[BufferRecord, ...] = ()
+    driver: str = ""
+    size: int = 0
+    picture_size: int = 0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -310,6 +318,7 @@ class Run:
     """All records of one command, with where they were made. `driver` has at least the keys
     "renderer", "vendor", "version" and "glsl"; `versions` maps package names to versions.
 
+    `plots` show figures over all records, where these are the points of one case's sweep.
     Where several drivers were asked for, `records` and `driver` are the first one's, `drivers`
     has every scene on every driver, and `disagreements` compares each two of them.
     """
@@ -319,5 +328,6 @@ class Run:
     started: str
     seconds: float
     records: tuple[Record, ...]
+    plots: tuple[Plot, ...] = ()
     drivers: tuple[DriverResult, ...] = ()
     disagreements: tuple[Disagreement, ...] = ()

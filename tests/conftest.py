@@ -93,6 +93,7 @@ class FakeLab:
         self._answers = answers
         self._template = template
         self._log = log
+        self.options: Any = None
         self.driver = {"renderer": "none", "vendor": "none", "version": "0", "glsl": "0"}
         self.versions = {"numpy": "0"}
 
@@ -104,6 +105,9 @@ class FakeLab:
 
     def close(self) -> None:
         self._log.append("closed")
+
+    def configure(self, options: Any) -> None:
+        self.options = options
 
     def run(self, scene: Any) -> Record:
         self._log.append(f"{scene.case.id}[{scene.variant}]")
@@ -128,7 +132,9 @@ def fake_lab(
 
         def lab(options: Any = None) -> FakeLab:
             log.append(options)
-            return FakeLab(answers, passing, log)
+            made = FakeLab(answers, passing, log)
+            made.options = options
+            return made
 
         monkeypatch.setattr("shaderlab.pipeline.Lab", lab)
         monkeypatch.setenv("SHADERLAB_JOBS", "0")  # worker processes would have the real one

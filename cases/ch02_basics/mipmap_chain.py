@@ -71,15 +71,31 @@ def level_pass(level):
     )
 
 
-def shown(level):
-    """A level in the picture: the first at the left, the others above one another beside it."""
+def rectangle(level):
+    """Where a level is in the picture: the first at the left, the others above one another."""
     side = SIDE >> level
-    where = (0, 0) if level == 0 else (SIDE, SIDE - 2 * side)
+    left, top = (0, 0) if level == 0 else (SIDE, SIDE - 2 * side)
+    return 2 * left, 2 * (SIDE - top - side), 2 * side, 2 * side
+
+
+def in_its_place(level):
+    """The texel of a level that a pixel of the picture shows: four pixels a texel."""
+    left, bottom, _, _ = rectangle(level)
+
+    def texel(image, frag_coord):
+        from_corner = swizzle(frag_coord, "xy") - vec2(float(left), float(bottom))
+        return texelFetch(image, floor(0.5 * from_corner), level)
+
+    return texel
+
+
+def shown(level):
+    """A level in the picture."""
     return Draw(
         fragment="ch02_basics/mipmapped.frag",
         domain={"TexCoords": Ramp((0.0, 0.0), (1.0, 0.0), (0.0, 1.0)), "lod": Ramp(float(level))},
         textures={"image": Texture(image=assets.brick_wall, mipmaps=True, filter=STEPS)},
-        state=State(viewport=(2 * where[0], 2 * (SIDE - where[1] - side), 2 * side, 2 * side)),
+        state=State(viewport=rectangle(level)),
     )
 
 
@@ -104,6 +120,10 @@ case = Case(
                 f"level{n}.FragColor", of_level(n), name=f"level {n} is the mean of level {n - 1}"
             )
             for n in range(1, LEVELS)
+        ),
+        *(
+            formula("picture.FragColor", in_its_place(n), draw=n, name=f"level {n} in the picture")
+            for n in range(LEVELS)
         ),
         *(
             value(

@@ -29,6 +29,7 @@ from shaderlab import (
     gl_call,
     value,
 )
+from shaderlab.glslmath import swizzle, vec2
 from shaderlab.reference.filtering import linear_sample
 from shaderlab.sampling import texture
 
@@ -72,6 +73,16 @@ def magnified(image, word, cell):
     )
 
 
+def in_place(left, bottom, width, height):
+    """The same by the pixel's place in the picture, which has the texture in this rectangle."""
+
+    def seen(image, frag_coord):
+        from_corner = swizzle(frag_coord, "xy") - vec2(left, bottom)
+        return texture(image, from_corner / vec2(width, height))
+
+    return seen
+
+
 FIELDS = [Cell(column=k, row=0, columns=2, rows=1) for k in range(2)]
 ABOVE = {"rows": 5, "row": 0}
 
@@ -109,7 +120,7 @@ case = Case(
     passes=(
         Pass(
             name="picture",
-            target=Target(size=(1024, 640)),
+            target=Target(size=(640, 400)),
             draws=(
                 *(
                     magnified(LINE, word, Cell(column=k, columns=2, **ABOVE))
@@ -120,7 +131,7 @@ case = Case(
                         fragment="ch02_basics/textured.frag",
                         textures={"image": Texture(image=APPLE, filter=(word, word), wrap=EDGE)},
                         domain={"TexCoords": Ramp((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))},
-                        state=State(viewport=(512 * k, 128, 512, 512)),
+                        state=State(viewport=(320 * k, 80, 320, 320)),
                     )
                     for k, word in enumerate(WORDS)
                 ),
@@ -175,6 +186,15 @@ case = Case(
             digits=6,
             reference=sampled,
             name="NEAREST a quarter before a centre",
+        ),
+        *(
+            formula(
+                "picture.FragColor",
+                in_place(320 * k, 80, 320, 320),
+                draw=2 + k,
+                name=f"the fruit with {word.upper()}, in its place",
+            )
+            for k, word in enumerate(WORDS)
         ),
         default_of("GL_TEXTURE_MIN_FILTER", 0x2702),
         default_of("GL_TEXTURE_MAG_FILTER", 0x2601),

@@ -17,7 +17,7 @@ from math import radians
 
 from shaderlab import Case, Cell, Output, Pass, Target, formula, fullscreen, measure, reading, value
 from shaderlab.assets.courtyard import boxes
-from shaderlab.assets.shadow_stage import EYE, SUN, cast, lit
+from shaderlab.assets.shadow_stage import EYE, SUN, cast, lit, single_points
 from shaderlab.reference.courtyard import courtyard_references, light_position, stored_depth
 from shaderlab.reference.lighting import finished
 from shaderlab.reference.shadow_truth import blocked, hidden_share, wrongly_bright, wrongly_dark
@@ -132,7 +132,7 @@ case = Case(
             name="picture",
             textures={"scene": Output("scene", "FragColor")},
         ),
-        looked_at("filtered", 256, "slope", radius=1, size=(64, 64)),
+        looked_at("filtered", 256, "slope", radius=2, size=(48, 48)),
         *(
             looked_at(f"{bias}-{size}", size, bias, size=(128, 128))
             for bias in BIASES
@@ -146,6 +146,7 @@ case = Case(
         *(formula(f"slope-256.{output}", law) for output, law in LAWS.items()),
         *(formula(f"{bias}-512.shadow", LAWS["shadow"]) for bias in BIASES),
         formula("picture.FragColor", finished(texture), name="the picture"),
+        *single_points("slope-256"),
         formula("filtered.shadow", LAWS["shadow"]),
         value(
             "slope-256.shadow",
@@ -164,7 +165,7 @@ case = Case(
             hidden_share(EYE, BOXES, step=1),
             readings=[
                 reading(name, reads={key: f"{name}.{key}" for key in ("FragColor", "place")})
-                for name in (PASSES)
+                for name in ("filtered", *PASSES)
             ],
             at_most=0.002,
         ),

@@ -28,7 +28,7 @@ from shaderlab import (
     value,
 )
 from shaderlab.assets.courtyard import boxes
-from shaderlab.assets.shadow_stage import EYE, SUN, cast, lit
+from shaderlab.assets.shadow_stage import EYE, SUN, cast, lit, single_points
 from shaderlab.reference.courtyard import courtyard_references, light_position, stored_depth
 from shaderlab.reference.lighting import finished
 from shaderlab.reference.shadow_truth import blocked, hidden_share
@@ -119,7 +119,7 @@ case = Case(
             textures={"scene": Output("large", "FragColor")},
         ),
         scene("judged", size=(96, 96)),
-        scene("wide", FROM_ABOVE, uniforms={**BIAS, "radius": 1}, size=(96, 96)),
+        scene("wide", FROM_ABOVE, uniforms={**BIAS, "radius": 2}, size=(72, 72)),
         scene("repeated", FROM_ABOVE, {"wrap": ("repeat", "repeat")}, STEADY, size=(96, 96)),
     ),
     picture="picture.FragColor",
@@ -130,6 +130,7 @@ case = Case(
         formula("wide.shadow", LAWS["shadow"]),
         formula("repeated.shadow", LAWS["shadow"]),
         formula("picture.FragColor", finished(texture), name="the picture"),
+        *single_points("judged"),
         measure(
             "places hidden from the eye",
             hidden_share(EYE, BOXES, step=1),

@@ -5,6 +5,10 @@ the mean of a near and a far depth is the depth of nothing. But comparisons can 
 texels around the point says shadow or light, and the share of those that say shadow is how dark the
 point is. The edge becomes three texels wide and has the values 0, 1/9, 2/9, … 1.
 
+A sampler2DShadow compares by itself. With NEAREST it says what one texel says. With LINEAR it may
+compare the four texels around and mix the answers by the place between them, which is the usual
+thing, for the price of one call; OpenGL only asks that the answer is between 0 and 1.
+
 That is softer, not truer: a sun of no size throws sharp edges, and against those the error stays.
 
 Look at: the same edge from nearby, with a map of 512². Above, one texel decides, and the shadow is
@@ -16,12 +20,30 @@ from math import radians
 
 import numpy as np
 
-from shaderlab import Case, Cell, Output, Pass, Target, formula, fullscreen, measure, reading, value
+from shaderlab import (
+    Case,
+    Cell,
+    Output,
+    Pass,
+    Target,
+    exact,
+    formula,
+    fullscreen,
+    measure,
+    reading,
+    value,
+)
 from shaderlab.assets.courtyard import boxes
-from shaderlab.assets.shadow_stage import SUN, cast, lit
-from shaderlab.reference.courtyard import courtyard_references, light_position, stored_depth
+from shaderlab.assets.shadow_stage import SUN, cast, lit, single_points
+from shaderlab.reference.courtyard import (
+    courtyard_references,
+    light_position,
+    seen_place,
+    stored_depth,
+)
 from shaderlab.reference.lighting import finished
 from shaderlab.reference.shadow_truth import blocked, hidden_share
+from shaderlab.reference.shadows import compared_shadow
 from shaderlab.reference.transforms import look_at, orthographic, perspective, rotate
 from shaderlab.sampling import texture
 
@@ -46,6 +68,22 @@ def seen(name, radius, aspect=1.0, **target):
     uniforms = {**(BIAS if radius else STEADY), "radius": radius}
     shadow_map = Output("map", "depth", **WHITE)
     return lit(name, shadow_map, LIGHT_SPACE, MODEL, camera, uniforms, **target)
+
+
+def compared(name, filtering, bias):
+    """The same edge, by a sampler that compares: NEAREST or LINEAR."""
+    made = seen(name, 0, size=(96, 96))
+    (draw,) = made.draws
+    asked = {key: draw.uniforms[key] for key in draw.uniforms if key not in ("viewPos", "radius")}
+    asked.update(bias)
+    shadow_map = Output("map", "depth", filter=(filtering,) * 2, compare="lequal", **WHITE)
+    own = replace(
+        draw,
+        fragment="ch05_lighting/shadow_compare.frag",
+        uniforms=asked,
+        textures={"shadowMap": shadow_map},
+    )
+    return replace(made, draws=(own,))
 
 
 def half(row, radius):
@@ -79,12 +117,23 @@ def error(FragColor, shadow, place, upright):
     return np.sqrt(np.mean((shadow[..., 0] - truth)[there] ** 2))
 
 
+def disagreement(one, other):
+    """The share of pixels where two passes tell something else."""
+    return np.mean(one != other)
+
+
+def in_between(shadow):
+    """The share of pixels that are neither dark nor bright."""
+    return np.mean((shadow > 0.001) & (shadow < 0.999))
+
+
 def of(name, *outputs, **given):
     """What a reading reads of one pass."""
     return {"reads": {output: f"{name}.{output}" for output in outputs}, "given": given}
 
 
 LAWS = courtyard_references(texture)
+COMPARED = compared_shadow(texture)
 ALL = ("FragColor", "shadow", "place", "upright")
 
 case = Case(
@@ -115,6 +164,9 @@ case = Case(
         ),
         seen("one", 0, size=(96, 96)),
         seen("nine", 1, size=(96, 96)),
+        seen("twenty-five", 2, size=(40, 40)),
+        compared("compared-nearest", "nearest", STEADY),
+        compared("compared-linear", "linear", BIAS),
     ),
     picture="picture.FragColor",
     expect=[
@@ -122,13 +174,23 @@ case = Case(
         formula("map.depth", stored_depth),
         *(formula(f"nine.{output}", law) for output, law in LAWS.items()),
         formula("one.shadow", LAWS["shadow"]),
+        formula("twenty-five.shadow", LAWS["shadow"]),
+        formula("compared-nearest.shadow", COMPARED),
+        formula("compared-nearest.place", seen_place),
+        formula("compared-linear.shadow", COMPARED),
+        exact(
+            "compared-linear.place",
+            Output("compared-nearest", "place"),
+            name="both filters see the same places",
+        ),
         formula("picture.FragColor", finished(texture), name="the picture"),
+        *single_points("nine"),
         measure(
             "places hidden from the eye",
             hidden_share(EYE, BOXES, step=1),
             readings=[
                 reading(name, reads={key: f"{name}.{key}" for key in ("FragColor", "place")})
-                for name in ("one", "nine")
+                for name in ("one", "nine", "twenty-five")
             ],
             at_most=0.002,
         ),
@@ -155,6 +217,38 @@ case = Case(
             equals=0.0,
             digits=6,
             name="past the far plane nothing is dark",
+        ),
+        measure(
+            "NEAREST that compares, against one texel compared by hand",
+            disagreement,
+            reads={"one": "compared-nearest.shadow", "other": "one.shadow"},
+            at_most=0.0005,
+        ),
+        measure(
+            "in between, of pixels compared by the sampler",
+            in_between,
+            readings=[
+                reading("NEAREST", **of("compared-nearest", "shadow"), equals=0.0, digits=6),
+                # How the four are mixed is the driver's own business.
+                reading("LINEAR", **of("compared-linear", "shadow")),
+            ],
+        ),
+        *(
+            value(
+                "compared-nearest.shadow",
+                at={
+                    "FragPosLightSpace": (0.0, 0.0, depth, 1.0),
+                    "FragPos": (0.0, 0.0, 0.0),
+                    "Normal": (0.0, 1.0, 0.0),
+                },
+                equals=equals,
+                digits=6,
+                name=name,
+            )
+            for depth, equals, name in (
+                (0.99, 1.0, "before the far plane the sampler says dark"),
+                (1.01, 0.0, "past the far plane the sampler says nothing"),
+            )
         ),
         measure(
             "distance from the nearest step",

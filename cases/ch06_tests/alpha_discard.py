@@ -148,6 +148,10 @@ case = Case(
         ),
         coverage(kept(LEAVES), pass_name="leaf", name="the leaf's own pixels"),
         formula("leaf.FragColor", leaf_color, name="the leaf"),
+        value(
+            "leaf.FragColor", at={"place": (0.0, 0.0)}, equals=(0.636, 0.751, 0.398, 1.0), digits=6,
+            reference=leaf_color, name="the middle of the rib",
+        ),
         coverage(LEAVES * LEAVES, pass_name="whole", name="without discard, the whole rectangle"),
         formula("whole.FragColor", leaf_color, name="the leaf and its paper"),
         coverage(kept(64), pass_name="behind", draw=0, name="the nearer leaf"),

@@ -167,6 +167,10 @@ case = Case(
         formula("tenth.F", of_distance, name="F of a strip, n = 0.1"),
         formula("one.F", of_distance, name="F of a strip, n = 1"),
         formula("one.Distance", distance, name="the strip's distance"),
+        value(
+            "one.Distance", at={"aPos": (0.5, 0.0, 0.0), "middle": 10.0, "slope": 4.0}, equals=12.0,
+            digits=6, reference=distance, name="the distance between its middle and its edge",
+        ),
         measure(
             "depth buffer against F",
             largest_error,

@@ -104,6 +104,11 @@ def color_of_outline(color):
     return vec4(color, 1.0)
 
 
+def reached():
+    """What an outline's draw writes wherever it reaches."""
+    return 1.0
+
+
 def wrong(outline, objects, larger):
     """Pixels where the outline is not the larger boxes minus the boxes."""
     return np.count_nonzero((outline == 1.0) != ((larger == 1.0) & (objects == 0.0)))
@@ -155,6 +160,7 @@ case = Case(
             formula("judged.FragColor", color_of_outline, draw=k + 3, name=f"outline {k + 1}")
             for k in range(2)
         ),
+        formula("judged.outline", reached, name="where an outline is"),
         formula("judged.gl_Position", clip_position, name="the larger box in clip space"),
         exact(
             "judged.FragColor",
@@ -164,7 +170,7 @@ case = Case(
         measure("pixels where outline ≠ larger − objects", wrong, reads=SETS, equals=0, digits=0),
         measure(
             "pixels of the outline",
-            lambda outline: outline.sum(),
+            lambda outline: (outline == 1.0).sum(),
             reads={"outline": "judged.outline"},
             at_least=100,
         ),

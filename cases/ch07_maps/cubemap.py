@@ -41,6 +41,7 @@ from shaderlab.reference.transforms import (
     clip_position,
     look_at,
     perspective,
+    rotate,
     translate,
     world_normal,
     world_position,
@@ -121,14 +122,15 @@ def wrapped(geometry, model):
         mesh=Mesh(**geometry).only("aPos", "aNormal"),
         uniforms={
             "model": model, "view": VIEW @ translate((-1.45 if model is BALL else 1.45, 0, 0)),
-            "projection": PROJECTION, "normalMatrix": np.eye(3), "light": LIGHT,
+            "projection": PROJECTION, "normalMatrix": model[:3, :3], "light": LIGHT,
         },
         textures={"faces": CHARTS},
         state=State(depth=Depth()),
     )  # fmt: skip
 
 
-BALL, BOX = np.eye(4), np.diag([0.999, 0.999, 0.999, 1.0])
+# The ball is turned, which nothing shows: colours go by directions in the world.
+BALL, BOX = rotate(radians(25.0), (1.0, 2.0, 0.5)), np.diag([0.999, 0.999, 0.999, 1.0])
 SOLIDS = [wrapped(assets.sphere(1.15, 96, 48), BALL), wrapped(assets.cube(1.7), BOX)]
 
 
@@ -212,9 +214,14 @@ case = Case(
         ),
         formula("small.FragColor", painted, draw=0, name="the ball's colours"),
         formula("small.FragColor", painted, draw=1, name="the cube's colours"),
-        formula("small.gl_Position", clip_position),
-        formula("small.FragPos", world_position),
-        formula("small.Normal", world_normal),
+        *(
+            formula(f"small.{output}", reference, draw=0, name=f"{output} of the turned ball")
+            for output, reference in (
+                ("gl_Position", clip_position),
+                ("FragPos", world_position),
+                ("Normal", world_normal),
+            )
+        ),
         exact("small.FragColor", Output("culled", "FragColor"), name="near sides hide far ones"),
         exact("culled.FragColor", Output("small", "FragColor"), name="and need no depth for it"),
         meets((2.0, 0.5, -1.0), (0.0, 0.75, 0.375), "(2, ½, −1) meets +X"),

@@ -12,16 +12,20 @@ at t = π/2 by 1. No triangle has turned or grown.
 from dataclasses import replace
 from math import pi, radians
 
+import numpy as np
+
 from shaderlab import (
     Case,
     Depth,
     Draw,
     Mesh,
+    Output,
     Pass,
     State,
     Target,
     Variant,
     computed,
+    exact,
     formula,
     query,
     value,
@@ -44,9 +48,11 @@ from shaderlab.glslmath import (
 from shaderlab.reference.transforms import look_at, perspective, rotate, translate
 
 BALL = Mesh(**solids.painted(meshes.sphere(0.8, segments=16, rings=10), CORAL))
+# The same triangles, the last one first.
+BACKWARDS = replace(BALL, indices=np.asarray(BALL.indices).reshape(-1, 3)[::-1].ravel())
 MODEL = translate((0.1, -0.05, 0.2)) @ rotate(radians(25.0), (1.0, 0.3, 0.0))
 VIEW = look_at((0.0, 0.8, 5.0), (0.0, 0.0, 0.0))
-
+PROJECTION = perspective(radians(42.0), 1.0, 0.1, 20.0)
 
 EXPLODING = Draw(
     vertex="ch08_techniques/geometry_explode.vert",
@@ -56,7 +62,7 @@ EXPLODING = Draw(
     uniforms={
         "model": MODEL,
         "view": VIEW,
-        "projection": perspective(radians(42.0), 1.0, 0.1, 20.0),
+        "projection": PROJECTION,
         "time": 0.0,
     },
     state=State(depth=Depth()),
@@ -134,6 +140,11 @@ case = Case(
             draws=(EXPLODING,),
         ),
         Pass(
+            name="backwards",
+            target=Target(depth="depth24", clear=(0.13, 0.14, 0.17, 1.0)),
+            draws=(replace(EXPLODING, mesh=BACKWARDS),),
+        ),
+        Pass(
             name="plain",
             draws=(
                 replace(
@@ -157,6 +168,11 @@ case = Case(
         formula("ball.fColor", color),
         formula("ball.fNormal", outwards),
         formula("ball.FragColor", shaded),
+        exact(
+            "ball.FragColor",
+            Output("backwards", "FragColor"),
+            name="the nearest triangle is seen, in whichever order they are drawn",
+        ),
         query(
             "geometry_primitives_emitted",
             equals=288,

@@ -155,6 +155,13 @@ case = Case(
         ),
         formula("picture.FragColor", tiles, name="four tiles"),
         formula("edges.FragColor", tiles, name="edges of the tiles"),
+        value(
+            "all.BrightColor",
+            at={"Normal": (0.0, 2.0, 0.0), "Color": (0.402 / 0.85,) * 3},
+            equals=(0.402, 0.402, 0.402, 1.0),
+            digits=6,
+            name="just bright enough to glow",
+        ),
         value("all.Luminance", at=AT, equals=0.503695, digits=6, name="luminance of coral, lit"),
     ],
 )

@@ -49,6 +49,23 @@ def shown(name, filter_):
     return Output(f"{name} {filter_}", "FragColor")
 
 
+def five_strips(name, target):
+    """The five strips side by side."""
+    (drawn,) = fullscreen(
+        "ch08_techniques/reduced_resolution.frag",
+        name=name,
+        textures={
+            "whole": Output("full", "FragColor"),
+            "halved": shown("half", "nearest"),
+            "halvedSmooth": shown("half", "linear"),
+            "quartered": shown("quarter", "nearest"),
+            "quarteredSmooth": shown("quarter", "linear"),
+        },
+        target=target,
+    )
+    return drawn
+
+
 def copied(screen, TexCoords):
     """What the sampler gives."""
     return texture(screen, TexCoords)
@@ -66,7 +83,11 @@ def strips(TexCoords, whole, halved, halvedSmooth, quartered, quarteredSmooth):
 
 
 def compared(label, statistic, y_label, figures):
-    """A table of a statistic over resolutions and filters, each within a fortieth of its figure."""
+    """A table of a statistic over resolutions and filters, each within a fortieth of its figure.
+
+    The figures are bounds on regressions: what llvmpipe draws of this scene. What must hold of any
+    scene, as that a smaller picture is a worse one, is measured beside them.
+    """
     return measure(
         label,
         statistic,
@@ -80,6 +101,16 @@ def compared(label, statistic, y_label, figures):
         ],
         y_label=y_label,
     )
+
+
+def lost(reference, larger, smaller):
+    """How many decibel a quarter is worse than a half."""
+    return psnr(reference, larger) - psnr(reference, smaller)
+
+
+def seen_more(reference, larger, smaller):
+    """How much more FLIP finds after a quarter than after a half."""
+    return flip(reference, smaller) - flip(reference, larger)
 
 
 def more_signal(nearest, linear, reference):
@@ -103,23 +134,16 @@ case = Case(
             for name, by in SMALL.items()
         ),
         *(each for name in SMALL for filter_ in FILTERS for each in enlarged(name, filter_)),
-        *fullscreen(
-            "ch08_techniques/reduced_resolution.frag",
-            name="strips",
-            textures={
-                "whole": Output("full", "FragColor"),
-                "halved": shown("half", "nearest"),
-                "halvedSmooth": shown("half", "linear"),
-                "quartered": shown("quarter", "nearest"),
-                "quarteredSmooth": shown("quarter", "linear"),
-            },
-        ),
+        # Wide enough that pixels lie within a hundredth of where one strip ends.
+        five_strips("edges", Target(size=(640, 6))),
+        five_strips("strips", None),
     ),
     picture="strips.FragColor",
     expect=[
         formula("half linear.FragColor", copied, name="half, linear"),
         formula("quarter nearest.FragColor", copied, name="quarter, nearest"),
         formula("strips.FragColor", strips, name="five strips"),
+        formula("edges.FragColor", strips, name="where one strip ends and the next begins"),
         compared(
             "PSNR",
             psnr,
@@ -162,6 +186,28 @@ case = Case(
             for label, statistic in (
                 ("PSNR prefers LINEAR, by", more_signal),
                 ("FLIP prefers NEAREST, by", more_seen),
+            )
+        ),
+        *(
+            measure(
+                label,
+                statistic,
+                readings=[
+                    reading(
+                        filter_,
+                        reads={
+                            "reference": "full.FragColor",
+                            "larger": f"half {filter_}.FragColor",
+                            "smaller": f"quarter {filter_}.FragColor",
+                        },
+                        at_least=0.0,
+                    )
+                    for filter_ in FILTERS
+                ],
+            )
+            for label, statistic in (
+                ("a quarter is worse than a half, in PSNR by", lost),
+                ("a quarter is worse than a half, in FLIP by", seen_more),
             )
         ),
         *photograph_checks(

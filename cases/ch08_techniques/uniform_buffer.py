@@ -12,6 +12,8 @@ has gaps: a float, a vec3, three floats, a vec3 and a mat2 take 56 bytes, and li
 
 from math import radians
 
+import numpy as np
+
 from shaderlab import (
     Case,
     Depth,
@@ -28,14 +30,12 @@ from shaderlab import (
     value,
 )
 from shaderlab.glslmath import dot, max, mul, normalize, sqrt, swizzle, vec2, vec3, vec4
+from shaderlab.reference.rasterisation import samples_passed
 from shaderlab.reference.transforms import clip_position, look_at, perspective, rotate, translate
 
-MATRICES = UniformBuffer(
-    values={
-        "projection": perspective(radians(38.0), 1.0, 0.1, 20.0),
-        "view": look_at((1.6, 2.2, 5.2), (0.0, 0.0, 0.0)),
-    }
-)
+PROJECTION = perspective(radians(38.0), 1.0, 0.1, 20.0)
+VIEW = look_at((1.6, 2.2, 5.2), (0.0, 0.0, 0.0))
+MATRICES = UniformBuffer(values={"projection": PROJECTION, "view": VIEW})
 LIGHTS = UniformBuffer(
     values={
         "ambient": 0.25,
@@ -53,16 +53,21 @@ COLORS = {
 }
 PLACES = ((-0.75, 0.75), (0.75, 0.75), (-0.75, -0.75), (0.75, -0.75))
 CUBE = Mesh(**assets.cube()).only("aPos", "aNormal")
+SIDE = 64  # at which targets without a size are judged
+
+
+def standing(place):
+    """The model matrix of a cube."""
+    return translate((*place, 0.0)) @ rotate(radians(24.0), (0.3, 1.0, 0.0))
 
 
 def cube(color, place):
     """A cube of one colour, with the program for that colour."""
-    turned = rotate(radians(24.0), (0.3, 1.0, 0.0))
     return Draw(
         vertex="ch08_techniques/uniform_buffer.vert",
         fragment=f"ch08_techniques/uniform_buffer_{color}.frag",
         mesh=CUBE,
-        uniforms={"model": translate((*place, 0.0)) @ turned},
+        uniforms={"model": standing(place)},
         blocks={"Matrices": MATRICES, "Lights": LIGHTS},
         state=State(depth=Depth()),
     )
@@ -87,6 +92,37 @@ def lit(color):
         return vec4(sqrt(light + vec3(swizzle(mood, "x"), 0.0, swizzle(mood, "y"))), 1.0)
 
     return shaded
+
+
+def in_front():
+    """How many samples of each cube pass the depth test, at least and at most."""
+    corners = np.column_stack([CUBE.attributes["aPos"], np.ones(len(CUBE.attributes["aPos"]))])
+    triangles = np.asarray(CUBE.indices).reshape(-1, 3)
+    clip = [corners @ (PROJECTION @ VIEW @ standing(place)).T for place in PLACES]
+    return samples_passed([c[triangles] for c in clip], (SIDE, SIDE))
+
+
+def seen_from_the_eye(color, draw):
+    """Where the buffer's matrices put two points: what they are, and not only that they are used.
+
+    The eye is √34.44 from the origin, and looks at it.
+    """
+    return tuple(
+        value(
+            "gl_Position",
+            at={"aPos": point, "model": np.eye(4)},
+            equals=equals,
+            digits=6,
+            reference=clip_position,
+            draw=draw,
+            name=f"{color}: {what}",
+        )
+        for what, point, equals in (
+            ("the origin lies straight ahead", (0.0, 0.0, 0.0), (0.0, 0.0, 5.726536, 5.868560)),
+            ("the eye itself has w = 0", (1.6, 2.2, 5.2), (0.0, 0.0, -0.201005, 0.0)),
+            ("one step to the right", (1.0, 0.0, 0.0), (2.775784, -0.320179, 5.451156, 5.595921)),
+        )
+    )
 
 
 def from_below(color, draw, equals):
@@ -140,10 +176,26 @@ case = Case(
             )
         ),
         *(
-            query("samples_passed", equals=count, draw=k, name=f"{color}: samples in front")
-            for k, (color, count) in enumerate(zip(COLORS, (509, 667, 477, 601), strict=True))
+            query(
+                "samples_passed",
+                at_least=low,
+                at_most=high,
+                draw=k,
+                name=f"{color}: samples in front",
+            )
+            for k, (color, (low, high)) in enumerate(zip(COLORS, in_front(), strict=True))
         ),
+        *(e for k, color in enumerate(COLORS) for e in seen_from_the_eye(color, k)),
         from_below("red", 0, (0.558082, 0.252540, 0.269777)),
+        value(
+            "FragColor",
+            at={"Normal": (1.0, 2.0, 2.0)},
+            equals=(0.431432, 0.715705, 0.449793, 1.0),
+            digits=6,
+            reference=lit(COLORS["green"]),
+            draw=1,
+            name="green, from above",
+        ),
         from_below("blue", 3, (0.224028, 0.345804, 0.581675)),
     ],
 )

@@ -155,6 +155,21 @@ case = Case(
         ),
         formula("frame 0.FragColor", sky, draw=0, name="the sky behind it"),
         formula("sky alone.FragColor", sky, name="the sky alone"),
+        # No pixel centre lies where the ground begins.
+        value(
+            "sky alone.FragColor",
+            at={"place": (0.0, -0.5)},
+            equals=(0.655, 0.55, 0.5275, 1.0),
+            digits=6,
+            name="the horizon is sky",
+        ),
+        value(
+            "sky alone.FragColor",
+            at={"place": (0.0, -0.503)},
+            equals=(0.16, 0.24, 0.20, 1.0),
+            digits=6,
+            name="just below it is ground",
+        ),
         value(
             "frame 0.FragColor",
             at={"place": (-0.75, -0.05), "middle": (-0.6, -0.2)},

@@ -9,7 +9,17 @@ import numpy as np
 import numpy.typing as npt
 
 from shaderlab.assets.courtyard import courtyard
-from shaderlab.model import Depth, Draw, Mesh, Pass, State, Target, TextureSource
+from shaderlab.model import (
+    Depth,
+    Draw,
+    Expectation,
+    Mesh,
+    Pass,
+    State,
+    Target,
+    TextureSource,
+    value,
+)
 from shaderlab.model.scene import UniformValue
 
 Matrix = npt.NDArray[Any]
@@ -65,7 +75,8 @@ def lit(
         mesh=Mesh(**courtyard()),
         uniforms={
             "model": model,
-            "normalMatrix": np.linalg.inv(model[:3, :3]).T,
+            # Half as long as they were: the fragment shader is to make them whole again.
+            "normalMatrix": 0.5 * np.linalg.inv(model[:3, :3]).T,
             "view": view,
             "projection": projection,
             "lightSpaceMatrix": light_space,
@@ -80,3 +91,30 @@ def lit(
         state=State(depth=Depth()),
     )
     return Pass(name=name, target=Target(depth="depth24", **target), draws=(draw,))
+
+
+def single_points(name: str) -> list[Expectation]:
+    """What a pass of `lit` must give where none of its pixels lies: just before the light's far
+    plane, and on a surface that looks away from sun and eye.
+
+    >>> [e.name for e in single_points("judged")]
+    ['just before the far plane it is dark', 'what looks away has ambient light alone']
+    """
+    point = {"FragPos": (0.0, 0.0, 0.0), "Color": (0.5, 0.5, 0.5)}
+    before, past = ((0.0, 0.0, depth, 1.0) for depth in (0.99, 1.01))
+    return [
+        value(
+            f"{name}.shadow",
+            at={**point, "Normal": (0.0, 1.0, 0.0), "FragPosLightSpace": before},
+            equals=1.0,
+            digits=6,
+            name="just before the far plane it is dark",
+        ),
+        value(
+            f"{name}.FragColor",
+            at={**point, "Normal": (0.0, -3.0, 0.0), "FragPosLightSpace": past},
+            equals=(0.075, 0.075, 0.075, 1.0),
+            digits=6,
+            name="what looks away has ambient light alone",
+        ),
+    ]

@@ -55,7 +55,10 @@ def photograph_checks(
     pass_name: str = "scene",
 ) -> tuple[Expectation, ...]:
     """What must hold of the still life: as of a prop; and what is in front hides what is behind, so
-    that coral, blue and green each have their share of the picture, in per cent."""
+    that coral, blue and green each have their share of the picture, in per cent.
+
+    `shares` are what llvmpipe drew: bounds on regressions, and no formula's.
+    """
     found = dict(zip(("coral", "blue", "green"), shares, strict=True))
     return (
         *prop_checks(position, normal, color, light, pass_name=pass_name),

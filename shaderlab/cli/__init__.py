@@ -17,6 +17,7 @@ INTERRUPTED = 130
 COMMANDS = {
     "list": "listing",
     "run": "running",
+    "sweep": "sweeping",
     "compile": "compiling",
     "mutate": "mutating",
     "report": "reporting",
@@ -76,6 +77,7 @@ def cli(debug: bool) -> None:
       shaderlab run attenuation           one of them, judged
       shaderlab run --all --open          all of them, then the report in a browser
       shaderlab run ./my_case.py          a case file of your own
+      shaderlab sweep ID --param …        one case over a grid of inputs
       shaderlab compile my_shaders/       only ask the compilers
       pytest my_cases/                    the same cases as tests
 

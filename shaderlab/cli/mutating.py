@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+import json
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -18,8 +19,6 @@ if TYPE_CHECKING:
 
     from ..model import Case
     from ..mutation import CaseResult, Fate, Watch
-
-REPORT_FILE = "mutation.json"
 
 
 @click.command("mutate", short_help="Make mistakes in cases' shaders; see which get by.")
@@ -41,7 +40,10 @@ REPORT_FILE = "mutation.json"
 )  # fmt: skip
 @click.option("--jobs", type=click.IntRange(0), default=0, metavar="N", help="Processes; 0: cores.")
 @click.option("--json", "json_file", metavar="FILE", help="Write results as JSON; - for stdout.")
-@click.option("--report", "folder", metavar="DIR", help=f"Write {REPORT_FILE} into this folder.")
+@click.option(
+    "--report", "folder", metavar="DIR",
+    help="Add the results to this run's folder, and to its page.",
+)  # fmt: skip
 @click.option(
     "--fail-under", type=click.FloatRange(0, 100), metavar="PERCENT",
     help="Exit with 1 if the score is lower.",
@@ -71,6 +73,7 @@ def command(
       shaderlab mutate spotlight                  which mistakes would get by
       shaderlab mutate --all --json scores.json   all cases
       shaderlab mutate ./my_case.py --limit 100   a sample
+      shaderlab mutate gamma --report reports/latest
 
     Exit code: 0 measured, 1 a case fails as it is or --fail-under is not reached, 2 wrong usage.
     """
@@ -86,13 +89,25 @@ def command(
     _show(console, results)
     data = as_json(results)
     if folder is not None:
-        write_json(data, str(report_folder(Path(folder)) / REPORT_FILE))
+        _into_report(data, report_folder(Path(folder)))
     if json_file is not None:
         write_json(data, json_file)
     reached = score(results)
     too_low = fail_under is not None and (reached is None or 100.0 * reached < fail_under)
     if too_low or any(result.message for result in results):
         raise SystemExit(1)
+
+
+def _into_report(data: Mapping[str, Any], folder: Path) -> None:
+    """Put the results beside those of earlier campaigns, and into the page if a run is there."""
+    from ..report import html, mutants, store
+
+    path = folder / mutants.FILE_NAME
+    if mutants.load(folder):
+        data = mutants.merged(json.loads(path.read_text(encoding="utf-8")), data)
+    write_json(data, str(path))
+    if (folder / store.FILE_NAME).is_file():
+        click.echo(f"report: {html.write(store.load(folder), folder)}", err=True)
 
 
 def _cases(targets: Sequence[str], every: bool, variants: tuple[str, ...]) -> list[Case]:

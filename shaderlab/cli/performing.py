@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import datetime
 import tempfile
+import threading
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -15,6 +16,7 @@ from shaderlab.cli.files import REPORTS, new_run_folder, report_folder
 from shaderlab.cli.replacing import named, parsed, unread
 from shaderlab.errors import UsageError
 from shaderlab.records import Record, Run
+from shaderlab.report.html import load_libraries
 from shaderlab.running import Crew, Limits, Setup, Solo, Team
 from shaderlab.running.drivers import disagreements, known, results
 from shaderlab.running.journal import FILE_NAME, Heading, Journal, read
@@ -50,7 +52,7 @@ class Request:
         """Whoever is to run the jobs."""
         driver = self.driver if self.driver is None else known(self.driver)
         if self.resume is not None:
-            driver = read(_place_of(self.resume))[0].setup.driver
+            driver = read(place_of(self.resume))[0].setup.driver
         elif self.drivers is not None:
             driver = self.rivals()[0]
         return self.on(driver)
@@ -103,7 +105,7 @@ def finish(request: Request, team: Team) -> tuple[Performed, Show]:
     else:
         if request.targets or request.every or request.variants or request.folder:
             raise UsageError("--resume runs what was asked for then: name nothing else")
-        folder = _place_of(request.resume)
+        folder = place_of(request.resume)
         heading, done = read(folder)
         heading = replace(heading, setup=replace(heading.setup, folder=folder))
     with Journal(folder, heading if request.resume is None else None) as journal:
@@ -154,6 +156,8 @@ def perform(
         records[job.key] = record
         journal.add(record)
 
+    # Not waited for: a run that is interrupted ends at once.
+    threading.Thread(target=load_libraries, daemon=True).start()
     with show.progress(len(rest)) as progress, contextlib.suppress(KeyboardInterrupt):
         results = team.run(rest, heading.setup, heard)
         for job in rest:
@@ -193,7 +197,7 @@ def _begun(request: Request, team: Team) -> tuple[Heading, Path]:
     return Heading(started=now, setup=setup, jobs=tuple(jobs)), folder
 
 
-def _place_of(resume: str) -> Path:
+def place_of(resume: str) -> Path:
     """The folder to go on with: the one that is named, or the last that was begun."""
     if resume:
         return Path(resume)

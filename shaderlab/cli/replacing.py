@@ -51,10 +51,10 @@ def unread(replacements: Replacements, records: Sequence[Record]) -> list[UsageE
 
     Records of cases that did not get as far as their programs might have read it.
     """
+    if not replacements or not all(record.programs for record in records):
+        return []
     from shaderlab.pipeline.write_up import near
 
-    if not all(record.programs for record in records):
-        return []
     used = {file for record in records for program in record.programs for file in program.files}
     return [
         UsageError(

@@ -139,7 +139,7 @@ def command(open_report: bool, **asked: Any) -> None:
         show.disagreements(performed.run)
         if request.profile:
             show.profile(performed.run)
-        page, problems = _write(performed.run, performed.folder, request)
+        page, problems = write_all(performed.run, performed.folder, request)
         problems += performed.unread
     finally:
         team.close()
@@ -162,7 +162,7 @@ def command(open_report: bool, **asked: Any) -> None:
         raise SystemExit(1)
 
 
-def _write(run: Run, folder: Path, request: Request) -> tuple[Path | None, list[ShaderlabError]]:
+def write_all(run: Run, folder: Path, request: Request) -> tuple[Path | None, list[ShaderlabError]]:
     """Write everything that was asked for; what can't be written keeps nothing else from it."""
     from shaderlab.report import html, junit, store
 

@@ -61,6 +61,22 @@ def choose(targets: Sequence[str], every: bool, variants: Sequence[str], load: L
     return _keep_variants(list(jobs.values()), variants)
 
 
+def one(target: str, load: Load) -> tuple[CaseFacts, str]:
+    """A single case and the variant of it that is meant; the first where none is named.
+
+    Raises:
+        UsageError: there is no such case or variant, or it stands for several cases.
+        CaseError: the case file is wrong.
+    """
+    wanted = _wanted(target)
+    if len(wanted.files) != 1:
+        raise UsageError(f"{target}: {len(wanted.files)} cases; name one of them")
+    (facts,) = load(wanted.files)
+    if facts.error is not None:
+        raise facts.error
+    return facts, _jobs(facts, wanted.variant)[0].variant
+
+
 def select(targets: Sequence[str], every: bool, variants: Sequence[str]) -> list[Scene]:
     """What `choose` chooses, loaded into this very process.
 

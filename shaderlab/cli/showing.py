@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Protocol
@@ -15,10 +15,13 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 
 from shaderlab.records import Record, Run
+from shaderlab.running.tabulating import Row
 from shaderlab.terminal import MARKS, failed, failure, label, shown_path, summary
 
 STYLES = {"pass": "green", "unsupported": "yellow"}
 HEARTBEAT = 10.0
+MOST_ROWS = 40
+MOST_MESSAGES = 5
 SLOWEST = 5
 
 
@@ -73,6 +76,44 @@ class Show:
         if renderer:
             self.console.print(f"on {renderer}", style="dim", markup=False)
 
+    def sweep(self, rows: Sequence[Row], run: Run) -> None:
+        """A sweep's table; of a long one the points that are worst, and how many there are."""
+        shown = list(rows)
+        if len(rows) > MOST_ROWS:
+            worst = sorted(shown, key=lambda row: (row["status"] == "pass", -_width(row)))
+            kept = {id(row) for row in worst[:MOST_ROWS]}
+            shown = [row for row in rows if id(row) in kept]
+        swept = list(rows[0])[: list(rows[0]).index("status")] if rows else []
+        table = Table(box=None, pad_edge=False, header_style="dim")
+        for name in swept:
+            table.add_column(name.replace("[", r"\["), justify="right")
+        table.add_column("status")
+        for heading in ("half widths", "ulp", "outside", "vacuous", "seconds"):
+            table.add_column(heading, justify="right")
+        for row in shown:
+            style = STYLES.get(str(row["status"]), "red")
+            outside = f"{row['outside']} of {row['judged']}"
+            table.add_row(
+                *(f"{row[name]:.6g}" for name in swept),
+                f"[{style}]{row['status']}[/]",
+                *("" if row[n] is None else f"{row[n]:.3g}" for n in ("widths", "ulp")),
+                outside,
+                "" if row["vacuous"] is None else f"{row['vacuous']:.0%}",
+                f"{row['seconds']:.3f}",
+            )
+        self.console.print(table)
+        if len(shown) < len(rows):
+            self.console.print(f"the {len(shown)} worst of {len(rows)} points", style="dim")
+        said = {str(row["message"]) for row in rows if row["message"]}
+        for message in sorted(said)[:MOST_MESSAGES]:
+            self.console.print(message, markup=False, style="red")
+        bad = any(failed(record) for record in run.records)
+        words = summary(run.records, run.seconds).partition(": ")[2]
+        self.console.print(
+            f"\n{len(rows)} points: {words}", style="bold red" if bad else "bold green"
+        )
+        self.console.print(f"on {run.driver.get('renderer')}", style="dim", markup=False)
+
     def where(self, page: Path) -> None:
         """Where the report is."""
         self.console.print(f"report: {shown_path(page)}", markup=False)
@@ -126,6 +167,11 @@ class Show:
         for record in slowest:
             line = f"{record.seconds:8.3f} s  {label(record.id, record.variant)}"
             self.console.print(line, markup=False)
+
+
+def _width(row: Row) -> float:
+    widths = row["widths"]
+    return math.inf if widths is None else float(widths)
 
 
 class _Live:

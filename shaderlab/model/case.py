@@ -127,6 +127,34 @@ class Scene:
     expect: tuple[Expectation, ...]
     changes: Mapping[str, Any] = field(default_factory=dict)
 
+    @property
+    def inputs(self) -> dict[str, Any]:
+        """All uniforms, members of uniform blocks and ramps by the names that the case uses; of
+        several draws with one name the first one's value."""
+        found: dict[str, Any] = {}
+        for draw in (draw for description in self.passes for draw in description.draws):
+            members = {
+                f"{block}.{name}": value
+                for block, buffer in draw.blocks.items()
+                for name, value in buffer.values.items()
+            }
+            for name, value in {**draw.uniforms, **members, **(draw.domain or {})}.items():
+                found.setdefault(name, value)
+        return found
+
+    def changed(self, name: str, changes: Mapping[str, Any]) -> Scene:
+        """This scene with other inputs, as a variant of that name would have them.
+
+        Raises:
+            CaseError: a change is of something that no draw has.
+        """
+        return replace(
+            self,
+            variant=name,
+            passes=_changed(self.passes, Variant(name, changes)),
+            changes={**self.changes, **changes},
+        )
+
     def find_pass(self, name: str | None) -> Pass:
         """The pass called `name`; the last one for None."""
         if name is None:

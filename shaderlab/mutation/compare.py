@@ -9,6 +9,7 @@ import numpy as np
 from shaderlab.checks import draw_key, outputs_read, split_output
 from shaderlab.frame import Array, PassDraw
 from shaderlab.model import Coverage, Exact, Measure, Output, Pixel, Scene
+from shaderlab.model import outputs_read as outputs_of
 from shaderlab.pipeline.trial import Trial
 
 Named = tuple[str, str]
@@ -44,8 +45,8 @@ def judged_outputs(scenes: Iterable[Scene]) -> dict[Named, frozenset[Pixel] | No
             if any(name == description.name for name, _ in found):
                 for draw in description.draws:
                     for texture in draw.textures.values():
-                        if isinstance(texture, Output):
-                            add((texture.pass_name, texture.name))
+                        for source in outputs_of(texture):
+                            add((source.pass_name, source.name))
     return found
 
 

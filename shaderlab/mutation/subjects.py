@@ -8,7 +8,7 @@ from pathlib import Path
 
 from shaderlab.errors import ShaderError
 from shaderlab.glsl.sources import STAGES, Source
-from shaderlab.model import Case, Output, Pass, Scene
+from shaderlab.model import Case, Pass, Scene, outputs_read
 from shaderlab.mutation.mutants import Mutant, mutants_of
 from shaderlab.mutation.syntax import Syntax, reachable
 from shaderlab.pipeline.roots import shaders_beside
@@ -94,12 +94,13 @@ def downstream(scene: Scene, passes: Collection[str]) -> set[str]:
 
 
 def reads(description: Pass) -> set[str]:
-    """Names of the earlier passes whose outputs a pass reads as textures, or goes on in."""
+    """Names of the earlier passes whose outputs a pass reads as textures, faces and layers
+    included, or goes on in."""
     found = {
-        texture.pass_name
+        output.pass_name
         for draw in description.draws
         for texture in draw.textures.values()
-        if isinstance(texture, Output)
+        for output in outputs_read(texture)
     }
     return found | ({description.onto} if description.onto else set())
 

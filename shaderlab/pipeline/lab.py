@@ -89,8 +89,9 @@ class Lab:
 
     def configure(self, options: Options) -> None:
         """Take other options for the scenes to come. The device stays, and with it the driver."""
+        if options.shaders != self.options.shaders:
+            self._preparer.cache_clear()
         self.options = options
-        self._preparer.cache_clear()
 
     def close(self) -> None:
         """Give the device back; the lab opens it again if it is used once more."""
@@ -171,6 +172,8 @@ class Lab:
             draft.second_opinions(self._opinion)
             said = refusals.gathered(scene, preparer, self._opinion)
         size = (self.options.size,) * 2
+        picture_size = 0 if self.options.folder is None else self.options.picture_size
+        draft.drawn_on(self.driver, self.options.size, picture_size)
         with doing("draw"), self.runner.session(scene, prepared, size) as session:
             drawn = session.run()
             frame = _frame(session, drawn, plans)

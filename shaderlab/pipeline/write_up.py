@@ -55,6 +55,7 @@ class Draft:
         self._picture = Shown()
         self._passes: tuple[PassRecord, ...] = ()
         self._buffers: tuple[BufferRecord, ...] = ()
+        self._driver, self._size, self._picture_size = "", 0, 0
 
     def stop(self, status: Status, error: ShaderlabError) -> None:
         """The scene could not be run to its end."""
@@ -64,6 +65,11 @@ class Draft:
         place = place or (f"{near(error.file or '')}: " if located else "")
         remedy = f"\n→ {error.remedy}" if error.remedy else ""
         self._message = f"{place}{error.message}{remedy}"
+
+    def drawn_on(self, driver: Mapping[str, str], size: int, picture_size: int) -> None:
+        """Note what the values that are drawn now depend on besides the case."""
+        self._driver = f"{driver['renderer']}; {driver['version']}"
+        self._size, self._picture_size = size, picture_size
 
     def programs(
         self, prepared: Mapping[str, tuple[PreparedDraw, ...]], assembly: Assembly
@@ -143,6 +149,9 @@ class Draft:
             captions=self._picture.captions,
             passes=self._passes,
             buffers=self._buffers,
+            driver=self._driver,
+            size=self._size,
+            picture_size=self._picture_size,
         )
 
     def _final_status(self, verdicts: Mapping[str, str]) -> Status:
@@ -248,16 +257,7 @@ def _refused(verdicts: Mapping[str, str]) -> str:
 
 def _inputs(scene: Scene) -> dict[str, str]:
     """All uniforms and ramps, for showing; those that the variant changes come first."""
-    seen: dict[str, str] = {}
-    for description in scene.passes:
-        for draw in description.draws:
-            members = {
-                f"{block}.{name}": value
-                for block, buffer in draw.blocks.items()
-                for name, value in buffer.values.items()
-            }
-            for name, value in {**draw.uniforms, **members, **(draw.domain or {})}.items():
-                seen.setdefault(name, _spelt(value))
+    seen = {name: _spelt(value) for name, value in scene.inputs.items()}
     return {name: seen[name] for name in sorted(seen, key=lambda n: n not in scene.changes)}
 
 

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.glslmath import Value, dot, max, normalize, swizzle, vec2, where
+from shaderlab.glslmath import Value, dot, max, normalize, swizzle, vec2, vec3, where
 
 
 def shadow_coordinates(light_space: Value) -> Value:
@@ -109,6 +109,41 @@ def shadow_of_fragment(texture: Callable[[Any, Value], Value]) -> Callable[..., 
             for x in reach
         ]
         return filtered_shadow(swizzle(place, "z"), closest, bias)
+
+    return shadow
+
+
+def compared_shadow(texture: Callable[[Any, Value], Value]) -> Callable[..., Value]:
+    """How dark a fragment is for a sampler that compares by itself, by GL_LEQUAL: 1 − the share
+    of the texels around whose depth is at least the fragment's.
+
+    Args:
+        texture: how the map is read; `shaderlab.sampling.texture`.
+
+    Returns:
+        a function of the fragment's normal, its place in the light's clip space, the map, the
+        direction to the light and the two biases.
+
+    >>> import numpy as np
+    >>> dark = compared_shadow(lambda map, p: np.where(p[..., 2:] <= map, 1.0, 0.0))
+    >>> up, middle = np.array([[0.0, 1.0, 0.0]]), np.array([[0.0, 0.0, 0.0, 1.0]])
+    >>> [dark(up, middle, depth, up, 0.01, 0.0).item() for depth in (0.3, 0.495)]
+    [1.0, 0.0]
+    """
+
+    def shadow(
+        Normal: Value,
+        FragPosLightSpace: Value,
+        shadowMap: Any,
+        lightPos: Value,
+        leastBias: Value,
+        mostBias: Value,
+    ) -> Value:
+        place = shadow_coordinates(FragPosLightSpace)
+        depth = swizzle(place, "z")
+        bias = slope_bias(Normal, lightPos, leastBias, mostBias)
+        bright = texture(shadowMap, vec3(swizzle(place, "xy"), depth - bias))
+        return where(depth > 1.0, 0.0, 1.0 - bright)
 
     return shadow
 

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import TypeVar
 
-from shaderlab.records import Curve, Outcome, Plot, Record, Run
+from shaderlab.records import Curve, Outcome, Plot, Record, Row, Run
 from shaderlab.report import markup
 from shaderlab.report.assembly import Packed, assemblies
 from shaderlab.report.chart import Chart, chart
 from shaderlab.report.grouping import CHAPTERS, CaseGroup, group_cases, total
 from shaderlab.report.inline import Picture, Pictures
 from shaderlab.report.listing import Listing
+from shaderlab.report.mutants import Mutants, together
 from shaderlab.report.page import CaseView, ChapterView, Check, Page, Plate, VariantView
 from shaderlab.report.passes import steps
 from shaderlab.report.plot import PlotView, plot_view
@@ -26,19 +28,27 @@ _FIGURES_TOGETHER = 200
 _KINDS = {"glsl": "shader", "python": "formula"}
 
 
-def build(run: Run, pictures: Pictures) -> Page:
-    """Lay a run out as a page."""
+def build(run: Run, pictures: Pictures, mutants: Mapping[str, Mutants] | None = None) -> Page:
+    """Lay a run out as a page, with what mutation testing found of its cases, if anything."""
     anchors = Anchors()
     groups = group_cases(run.records)
     shown: Shown = {}
     packed: Packed = {}
-    cases = tuple(_case(group, anchors, pictures, shown, packed) for group in groups)
+    known = mutants or {}
+    cases = tuple(
+        replace(_case(group, anchors, pictures, shown, packed), mutants=known.get(group.id))
+        for group in groups
+    )
+    if run.plots and cases:  # a sweep has one case
+        over_all = (*(("", plot_view(plot)) for plot in run.plots), *cases[0].plots)
+        cases = (replace(cases[0], plots=over_all), *cases[1:])
     chapters = []
     for number, name in CHAPTERS.items():
         members = tuple(case for case in cases if case.group.chapter == number)
         if members:
             chapters.append(ChapterView(number, name, anchors.new(f"chapter-{number}"), members))
-    return Page(run, total(run, groups), tuple(chapters), cases)
+    noticed = together(known[group.id] for group in groups if group.id in known)
+    return Page(run, total(run, groups), tuple(chapters), cases, noticed)
 
 
 def _case(
@@ -52,7 +62,7 @@ def _case(
         (record.variant if several and outcome.kind != "computed" else "", row)
         for record in group.records
         for outcome in record.expectations
-        for row in outcome.rows
+        for row in named_rows(outcome)
     )
     together = len(figures) <= _FIGURES_TOGETHER
     return CaseView(
@@ -88,6 +98,13 @@ def _case(
         ),
         passes=steps(group, pictures),
     )
+
+
+def named_rows(outcome: Outcome) -> tuple[Row, ...]:
+    """An outcome's figures; of a measure's several readings each says what is measured, too."""
+    if outcome.kind != "measure" or len(outcome.rows) < 2:
+        return outcome.rows
+    return tuple(replace(row, label=f"{outcome.name}: {row.label}") for row in outcome.rows)
 
 
 def _charts(group: CaseGroup) -> tuple[tuple[str, Chart], ...]:

@@ -11,6 +11,7 @@ from shaderlab.report.chart import Chart
 from shaderlab.report.grouping import PASSABLE, CaseGroup, Totals, worst
 from shaderlab.report.inline import Numbers, Picture
 from shaderlab.report.listing import Listing
+from shaderlab.report.mutants import Mutants
 from shaderlab.report.plot import PlotView
 from shaderlab.report.worst import WorstPanel
 
@@ -88,6 +89,7 @@ class CaseView:
     assemblies: tuple[Assembly, ...]
     variants: tuple[VariantView, ...]
     passes: tuple[Step, ...] = ()
+    mutants: Mutants | None = None
 
     @property
     def wide(self) -> bool:
@@ -137,6 +139,7 @@ class Page:
     totals: Totals
     chapters: tuple[ChapterView, ...]
     cases: tuple[CaseView, ...]
+    mutants: Mutants | None = None
 
     @property
     def anchors(self) -> dict[tuple[str, str], str]:

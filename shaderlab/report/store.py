@@ -119,6 +119,8 @@ def _case(record: Record) -> dict[str, Any]:
         "message": record.message,
         "seconds": _number(record.seconds),
         "timings": {phase: _number(spent) for phase, spent in record.timings.items()},
+        "driver": record.driver,
+        "size": record.size,
         "compile": dict(record.compile),
         "expectations": [_expectation(outcome) for outcome in record.expectations],
         "images": dict(record.images),

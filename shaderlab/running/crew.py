@@ -166,16 +166,17 @@ class Solo:
 
     def run(self, jobs: Sequence[Job], setup: Setup, heard: Heard) -> Iterator[Record]:
         """See `Team`."""
-        from shaderlab.running.working import options_of, scenes_of
+        from shaderlab.running.working import perform
 
         self._setup = setup
-        if self._open is not None:
-            self._open.configure(options_of(setup))
         for job in jobs:
             if job.broken:
                 record = lost(job, job.broken, job.trouble)
             else:
-                record = self._lab().run(scenes_of(job.file)[job.variant])
+                try:
+                    record = perform(self._lab(), setup, job)
+                except CaseError as error:
+                    record = lost(job, "error", str(error))
             heard(job, record)
             yield record
 

@@ -45,6 +45,9 @@ class Limits:
 class CaseFacts:
     """What a case file holds, as far as choosing among its variants needs it.
 
+    `formulas` says for each variant how many formulas its outputs are held against, `parameters`
+    how many components each uniform and ramp has, by name; `sized` whether a pass has the size of
+    the frame that is judged.
     `error` is why it could not be loaded; then `variants` is empty, and `status` says whether the
     file is wrong ("error") or took its process with it ("crash", "timeout").
     """
@@ -54,14 +57,28 @@ class CaseFacts:
     title: str = ""
     section: str = ""
     variants: tuple[str, ...] = ()
+    formulas: tuple[int, ...] = ()
+    parameters: Mapping[str, int] = field(default_factory=dict)
+    sized: bool = True
     error: CaseError | None = None
     status: str = "pass"
 
 
 @dataclass(frozen=True, kw_only=True)
+class Point:
+    """One point of a sweep: the variant it starts from, the parameters' values, and the side of
+    the frame that is judged (0: the run's)."""
+
+    variant: str
+    changes: Mapping[str, float]
+    size: int = 0
+
+
+@dataclass(frozen=True, kw_only=True)
 class Job:
     """One variant to be run, or a case file that gave none: then `broken` says how that ended
-    ("error", "crash" or "timeout") and `trouble` why."""
+    ("error", "crash" or "timeout") and `trouble` why. With a `point` it is that variant with other
+    inputs, judged by its formulas alone; `variant` is then the point's own name."""
 
     file: str
     id: str
@@ -70,6 +87,7 @@ class Job:
     section: str = ""
     broken: str = ""
     trouble: str = ""
+    point: Point | None = None
 
     @property
     def key(self) -> tuple[str, str]:

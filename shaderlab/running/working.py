@@ -8,14 +8,19 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import cache, lru_cache
 from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 from shaderlab.catalogue import load_case
-from shaderlab.model import Scene
+from shaderlab.errors import CaseError
+from shaderlab.model import Expectation, Formula, Ramp, Scene, Sweep
 from shaderlab.pipeline import Lab, Options
 from shaderlab.records import Record
-from shaderlab.running.jobs import About, CaseFacts, Describe, Load, Perform, Question, Setup
+from shaderlab.running.jobs import About, CaseFacts, Describe, Job, Load, Perform, Question, Setup
 from shaderlab.running.steps import Steps
 
 
@@ -35,13 +40,26 @@ def facts(file: Path) -> CaseFacts:
     """What is in a case file. Raises CaseError."""
     scenes = list(scenes_of(str(file)).values())
     case = scenes[0].case
+    inputs = {name: value for scene in scenes for name, value in scene.inputs.items()}
     return CaseFacts(
         file=case.file,
         id=case.id,
         title=case.title,
         section=case.section,
         variants=tuple(scene.variant for scene in scenes),
+        formulas=tuple(len(_formulas(scene)) for scene in scenes),
+        parameters={name: _components(value) for name, value in inputs.items()},
+        sized=any(p.target.size is None for scene in scenes for p in scene.passes),
     )
+
+
+def perform(lab: Lab, setup: Setup, job: Job) -> Record:
+    """Run one job in a lab. Raises CaseError where the case file is wrong."""
+    size = setup.size if job.point is None else job.point.size or setup.size
+    options = options_of(replace(setup, size=size))
+    if options != lab.options:
+        lab.configure(options)
+    return lab.run(_scene_of(job))
 
 
 def options_of(setup: Setup) -> Options:
@@ -55,12 +73,35 @@ def options_of(setup: Setup) -> Options:
     )
 
 
+def _scene_of(job: Job) -> Scene:
+    scenes = scenes_of(job.file)
+    if job.point is None:
+        return scenes[job.variant]
+    scene = scenes[job.point.variant]
+    try:
+        scene = scene.changed(job.variant, job.point.changes)
+    except CaseError as error:
+        raise CaseError(error.message, file=job.file, remedy=error.remedy) from error
+    return replace(scene, expect=_formulas(scene))
+
+
+def _formulas(scene: Scene) -> tuple[Expectation, ...]:
+    """What holds a scene's outputs against a formula, whatever its inputs are: of every pixel, or
+    else along curves."""
+    of_pixels = tuple(e for e in scene.expect if isinstance(e, Formula))
+    return of_pixels or tuple(e for e in scene.expect if type(e) is Sweep)
+
+
+def _components(value: Any) -> int:
+    value = value.origin if isinstance(value, Ramp) else value
+    return int(np.size(value))
+
+
 class _Station:
     """An open lab that writes down what it does."""
 
     def __init__(self) -> None:
         self._lab: Lab | None = None
-        self._setup: Setup | None = None
         self._steps: Steps | None = None
         self._place: tuple[Path, int] | None = None
 
@@ -78,12 +119,8 @@ class _Station:
         if self._place is None or self._place[0] != question.steps:
             self._steps = Steps(question.steps)
         self._place = (question.steps, question.slot)
-        if question.setup != self._setup:
-            self._setup = question.setup
-            lab.configure(options_of(question.setup))
         self._note("loading the case file")
-        scene = scenes_of(question.job.file)[question.job.variant]
-        return lab.run(scene)
+        return perform(lab, question.setup, question.job)
 
     def _note(self, step: str) -> None:
         if self._steps is not None and self._place is not None:

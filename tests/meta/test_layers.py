@@ -78,7 +78,7 @@ OWNERS: dict[str, set[str]] = {
     "pytest": {"pytest_plugin"},
     "distributed": {"running"},
     "dask": {"running"},
-    "pyarrow": {"cli"},
+    "pyarrow": {"report"},
 }
 
 # What only comes with an extra, by the name of that extra.

@@ -156,11 +156,25 @@ def test_without_its_vertex_array_every_draw_is_an_error() -> None:
     assert failed(case) == {"nothing bound: 0x0502", "nothing bound: nothing drawn"}
 
 
-def test_projection_and_view_exchanged_in_the_buffer_are_noticed() -> None:
+@pytest.mark.parametrize(
+    "mistake",
+    [
+        lambda p, v: {"projection": v, "view": p.T},
+        lambda p, v: {"projection": v, "view": p},
+        lambda p, v: {"projection": p.T, "view": v},
+        lambda p, v: {"projection": p, "view": v.T},
+        lambda p, v: {"projection": p, "view": np.linalg.inv(v)},
+    ],
+    ids=["exchanged and transposed", "exchanged", "projection transposed", "view transposed",
+         "the camera instead of its view"],
+)  # fmt: skip
+def test_plausible_wrong_matrices_in_the_buffer_are_noticed(
+    mistake: Callable[[Any, Any], dict[str, Any]],
+) -> None:
     case = shipped("uniform-buffer")
     matrices = case.passes[0].draws[0].blocks["Matrices"].values
     wrong = UniformBuffer(
-        values={"projection": matrices["view"], "view": np.asarray(matrices["projection"]).T}
+        values=mistake(np.asarray(matrices["projection"]), np.asarray(matrices["view"]))
     )
 
     def change(_: Pass, draw: Draw) -> Draw:
@@ -169,9 +183,11 @@ def test_projection_and_view_exchanged_in_the_buffer_are_noticed() -> None:
     with Lab() as lab:
         right = lab.run(next(case.scenes()))
         record = lab.run(next(with_draws(case, change).scenes()))
-    # Each program is judged by what the buffer holds; but nothing is seen of the cubes any more.
+    # A formula judges each program by what the buffer holds; figures judge what that should be.
     assert right.status == "pass"
-    assert record.status != "pass"
+    assert record.status == "fail"
+    failures = {o.name for o in record.expectations if o.status == "fail"}
+    assert "red: one step to the right" in failures
 
 
 def test_culling_the_wrong_side_is_noticed() -> None:

@@ -14,6 +14,7 @@ from shaderlab.records import Outcome
 
 FOLDER = "ch05_lighting"
 SHADOW, LIT = "lib/shadow.glsl", "shadow_map.frag"
+COMPARED = "shadow_compare.frag"
 CASCADED, POINT = "cascaded_shadows.frag", "point_shadow.frag"
 
 # case, shader, what stands there, the mistake, what notices it among others
@@ -47,6 +48,14 @@ MISTAKES = [
     ("shadow-pcf", SHADOW, "x = -radius; x <= radius", "x = 0; x <= 0",
      "share of places in between"),
     ("shadow-pcf", SHADOW, "* texel).r;", "* texel + 0.05).r;", "error against rays"),
+    ("shadow-pcf", COMPARED, "at.z - bias", "at.z",
+     "NEAREST that compares, against one texel compared by hand"),
+    ("shadow-pcf", COMPARED, "1.0 - bright", "1.0 - 0.5 * bright",
+     "in between, of pixels compared by the sampler"),
+    ("shadow-pcf", COMPARED, "at.z > 1.0 ? 0.0 : 1.0 - bright", "1.0 - bright",
+     "past the far plane the sampler says nothing"),
+    ("cascaded-shadows", CASCADED, "cascade)).r, bias)", "min(cascade, 1.0))).r, bias)",
+     "logarithmic.shadow"),
     ("cascaded-shadows", CASCADED, "depth >= splits[i]", "depth >= 1.02 * splits[i]",
      "practical: pixels in a wrong cascade"),
     ("cascaded-shadows", CASCADED, "-(view * vec4(FragPos, 1.0)).z", "length(FragPos)",

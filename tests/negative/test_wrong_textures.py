@@ -11,6 +11,7 @@ import pytest
 
 from shaderlab import Case, CubeTexture, Texture
 from shaderlab.catalogue import Catalogue, data_folder
+from shaderlab.model import Expectation
 from shaderlab.pipeline import Lab, Options
 from shaderlab.records import Record
 
@@ -66,10 +67,15 @@ FOR_PEOPLE = {"scene", "picture"}
 
 @cache
 def judged_only(case_id: str) -> Case:
-    """The case without its large pictures, which no expectation reads."""
+    """The case without its large pictures, and what is expected of them."""
     case = Catalogue.shipped().find(case_id)
     kept = tuple(p for p in case.passes if p.name not in FOR_PEOPLE)
-    return replace(case, passes=kept, picture="")
+    expect = [e for e in case.expect if _pass_of(e) not in FOR_PEOPLE]
+    return replace(case, passes=kept, expect=expect, picture="")
+
+
+def _pass_of(expectation: Expectation) -> str:
+    return str(getattr(expectation, "output", "")).partition(".")[0]
 
 
 def run(case: Case, shaders: dict[str, str]) -> Record:

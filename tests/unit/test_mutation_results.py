@@ -4,9 +4,27 @@ from __future__ import annotations
 
 import json
 
-from shaderlab.model import Blend, Case, Depth, Mesh, State, Stencil, Target, exact, mesh_pass
+import pytest
+
+from shaderlab.model import (
+    Blend,
+    Case,
+    CubeTexture,
+    Depth,
+    Draw,
+    Mesh,
+    Output,
+    Pass,
+    State,
+    Stencil,
+    Target,
+    TextureArray,
+    exact,
+    mesh_pass,
+)
 from shaderlab.mutation import CaseResult, Fate, Tried, as_json, score, state_mutants, summary_rows
 from shaderlab.mutation.results import STATE, Status
+from shaderlab.mutation.subjects import downstream, with_what_they_read
 
 
 def tried(status: Status, operator: str = "operator", line: int = 7) -> Tried:
@@ -132,3 +150,18 @@ def test_of_many_draws_alike_a_few_are_tried_and_the_seed_says_which() -> None:
     assert len(some) == 4 and some == sorted(some)
     assert some == [m.draw for m in state_mutants(case, seed=1) if m.path == "depth.write"]
     assert some != [m.draw for m in state_mutants(case, seed=2) if m.path == "depth.write"]
+
+
+@pytest.mark.parametrize("kind", ["faces", "layers"])
+def test_passes_read_as_faces_or_layers_are_drawn_with_their_reader(kind: str) -> None:
+    """Without them every mutant of the reader would end in an error, and count as killed."""
+    plain = Draw(fragment="map.frag", domain={})
+    maps = [Pass(name=f"map {k}", target=Target(), draws=(plain,)) for k in range(6)]
+    outputs = [Output(made.name, "FragColor") for made in maps]
+    texture = CubeTexture(faces=outputs) if kind == "faces" else TextureArray(layers=outputs)
+    draw = Draw(fragment="a.frag", domain={}, textures={"maps": texture})
+    reader = Pass(name="reader", target=Target(), draws=(draw,))
+    case = Case(title="Maps", passes=(*maps, reader), expect=[exact("reader.FragColor", 1.0)])
+    scene = next(iter(case.scenes()))
+    assert with_what_they_read(scene, {"reader"}) == {p.name for p in scene.passes}
+    assert downstream(scene, {"map 3"}) == {"map 3", "reader"}

@@ -18,9 +18,11 @@ from shaderlab.records import (
     DriverResult,
     PassRecord,
     ProgramRecord,
+    Row,
     Verdict,
 )
 from shaderlab.report import save, summary, write
+from shaderlab.report.build import named_rows
 from shaderlab.report.compare import compare
 from tests.unit.test_report_samples import HOSTILE, Page, hostile, outcome, record, run, worst
 
@@ -138,3 +140,12 @@ def test_several_drivers_stand_side_by_side(tmp_path: Path) -> None:
     assert 'href="#case-a-default"' in page.source
     alone = Page(write(run(record("a"), drivers=tuple(results[:1])), tmp_path))
     assert "side by side" not in alone.words()
+
+
+def test_readings_of_a_measure_say_what_is_measured() -> None:
+    rows = tuple(Row(label=x, expected="≤ 1", measured="0", ok=True) for x in ("256", "512"))
+    several = outcome(name="share in the dark", kind="measure", rows=rows)
+    labels = [row.label for row in named_rows(several)]
+    assert labels == ["share in the dark: 256", "share in the dark: 512"]
+    assert named_rows(outcome(name="a", kind="measure", rows=rows[:1])) == rows[:1]
+    assert named_rows(outcome(name="a", kind="value", rows=rows)) == rows

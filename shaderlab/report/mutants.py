@@ -1,0 +1,89 @@
+"""What `shaderlab mutate` found of a run's cases, for the page: read from beside the run."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from shaderlab.errors import ShaderlabError
+
+FILE_NAME = "mutation.json"
+
+
+@dataclass(frozen=True)
+class Survivor:
+    """A mistake that no expectation noticed."""
+
+    file: str
+    line: int
+    operator: str
+    before: str
+    after: str
+
+    @property
+    def place(self) -> str:
+        """`file:line`; the file alone of a mistake in the case's own data."""
+        return f"{self.file}:{self.line}" if self.line else self.file
+
+
+@dataclass(frozen=True)
+class Mutants:
+    """How many mistakes a case, or several, noticed, and those that it did not."""
+
+    killed: int
+    survivors: tuple[Survivor, ...]
+    cases: int = 1
+
+    @property
+    def judged(self) -> int:
+        """How many changed an output that an expectation reads."""
+        return self.killed + len(self.survivors)
+
+    @property
+    def score(self) -> float:
+        """The share that was noticed, 0…1; 1 of none."""
+        return self.killed / self.judged if self.judged else 1.0
+
+
+def load(folder: Path) -> dict[str, Mutants]:
+    """The results in `folder`/mutation.json by case; none where there is no such file.
+
+    Raises:
+        ShaderlabError: the file is damaged, or something else.
+    """
+    path = folder / FILE_NAME
+    try:
+        cases = json.loads(path.read_text(encoding="utf-8"))["cases"]
+        return {case["id"]: _mutants(case) for case in cases}
+    except FileNotFoundError:
+        return {}
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise ShaderlabError(
+            f"these are no results of shaderlab mutate ({type(error).__name__}: {error})",
+            file=path,
+            remedy="delete the file, or run shaderlab mutate --report again",
+        ) from error
+
+
+def together(results: Iterable[Mutants]) -> Mutants | None:
+    """All of them as one; None of none."""
+    found = [each for each in results if each.judged]
+    if not found:
+        return None
+    survivors = tuple(survivor for each in found for survivor in each.survivors)
+    return Mutants(sum(each.killed for each in found), survivors, len(found))
+
+
+def merged(old: Mapping[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
+    """Two files' contents as one; of a case in both, the `new` result stands."""
+    cases = {case["id"]: case for each in (old, new) for case in each["cases"]}
+    return {"cases": list(cases.values())}
+
+
+def _mutants(case: Mapping[str, Any]) -> Mutants:
+    fields = ("file", "line", "operator", "before", "after")
+    survivors = tuple(Survivor(*(each[name] for name in fields)) for each in case["survived"])
+    return Mutants(int(case["killed"]), survivors)

@@ -1,0 +1,70 @@
+"""Rows of figures as files that other programs read: CSV, or Parquet where pyarrow is there."""
+
+from __future__ import annotations
+
+import csv
+import io
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from shaderlab.errors import ShaderlabError, UsageError
+from shaderlab.report.atomic import write_text
+
+FORMATS = (".csv", ".parquet")
+Row = Mapping[str, str | float | int | None]
+
+
+def check(path: Path) -> None:
+    """See that a table can be written in the format that the file's name says.
+
+    Raises:
+        UsageError: it is none of FORMATS, or its library is not installed.
+    """
+    if path.suffix not in FORMATS:
+        raise UsageError(
+            f"a table is {' or '.join(FORMATS)}, not {path.suffix or 'without a suffix'}", file=path
+        )
+    if path.suffix == ".parquet":
+        try:
+            import pyarrow.parquet  # noqa: F401
+        except ImportError as error:
+            raise UsageError(
+                f"Parquet needs pyarrow ({error})",
+                file=path,
+                remedy="pip install 'shaderlab[sweep]', or name a .csv file",
+            ) from error
+
+
+def write_table(rows: Sequence[Row], path: Path) -> None:
+    """Write rows of the same columns; None is an empty cell, or null.
+
+    Raises:
+        UsageError: as `check`.
+        ShaderlabError: the file can't be written.
+    """
+    check(path)
+    if path.suffix == ".csv":
+        write_text(path, _csv(rows))
+        return
+    import pyarrow as arrow
+    from pyarrow import parquet
+
+    part = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        parquet.write_table(arrow.Table.from_pylist([dict(row) for row in rows]), part)
+        part.replace(path)
+    except OSError as error:
+        raise ShaderlabError(f"can't write the table ({error.strerror})", file=path) from error
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def _csv(rows: Sequence[Row]) -> str:
+    text = io.StringIO()
+    columns = list(rows[0]) if rows else []
+    writer = csv.DictWriter(text, columns, lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    return text.getvalue()

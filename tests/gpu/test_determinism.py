@@ -1,0 +1,101 @@
+"""The same scene twice gives the same bytes: in one worker, in another one, after other scenes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from shaderlab.records import Record
+from shaderlab.report import store
+from shaderlab.running import Crew, Job, Setup
+
+# Seeded noise as textures, a domain with figures and curves, meshes with depth and stencil.
+CASES = {
+    "ch07_maps/light_map.py": "",
+    "ch07_maps/multitexture.py": "",
+    "ch05_lighting/attenuation.py": "50",
+    "ch06_tests/stencil_outline.py": "",
+}
+
+
+def timeless(record: Record) -> Any:
+    plain = store.plain(replace(record, seconds=0.0, timings={}))
+    assert plain["expectations"]
+    return plain
+
+
+def files_below(folder: Path) -> dict[str, bytes]:
+    found = sorted(path for path in folder.rglob("*") if path.is_file())
+    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in found}
+
+
+def drawn(crew: Crew, jobs: list[Job], folder: Path) -> tuple[dict[Any, Any], dict[str, bytes]]:
+    setup = Setup(size=32, folder=folder / "run", frames=folder / "frames")
+    records = list(crew.run(jobs, setup, lambda job, record: None))
+    return {(r.id, r.variant): timeless(r) for r in records}, files_below(folder)
+
+
+@pytest.fixture(scope="module")
+def jobs(repository: Path) -> list[Job]:
+    crew = Crew()
+    try:
+        facts = crew.load([repository / "cases" / name for name in CASES])
+    finally:
+        crew.close()
+    return [
+        Job(file=f.file, id=f.id, variant=variant or f.variants[0])
+        for f, variant in zip(facts, CASES.values(), strict=True)
+    ]
+
+
+@pytest.fixture(scope="module")
+def runs(jobs: list[Job], tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
+    folder = tmp_path_factory.mktemp("runs")
+    first, other = Crew(), Crew()
+    try:
+        return {
+            "once": drawn(first, jobs, folder / "once"),
+            "again": drawn(first, jobs, folder / "again"),
+            "elsewhere": drawn(other, jobs[::-1], folder / "elsewhere"),
+        }
+    finally:
+        first.close()
+        other.close()
+
+
+@pytest.mark.parametrize("which", ["again", "elsewhere"])
+def test_frames_pictures_and_records_are_the_same(runs: Mapping[str, Any], which: str) -> None:
+    records, files = runs["once"]
+    others, other_files = runs[which]
+    assert others == records
+    assert set(other_files) == set(files)
+    assert [name for name in files if files[name] != other_files[name]] == []
+    assert sum(name.startswith("frames/") for name in files) == len(CASES)
+    assert sum(name.endswith(".png") for name in files) > len(CASES)
+
+
+def test_a_record_says_what_its_values_depend_on(runs: Mapping[str, Any]) -> None:
+    for record in runs["once"][0].values():
+        renderer, version = record["driver"].split("; ")
+        assert renderer and version[0].isdigit()
+        assert (record["size"], record["picture_size"]) == (32, 512)
+
+
+def test_another_size_would_be_noticed(
+    jobs: list[Job], runs: Mapping[str, Any], tmp_path: Path
+) -> None:
+    crew = Crew()
+    try:
+        setup = Setup(size=31, pictures=False, frames=tmp_path)
+        (record,) = crew.run(jobs[2:3], setup, lambda job, record: None)
+    finally:
+        crew.close()
+    before = runs["once"][0][record.id, record.variant]
+    assert (record.size, record.picture_size) == (31, 0)
+    assert timeless(record)["expectations"] != before["expectations"]
+    (frame,) = files_below(tmp_path).values()
+    assert frame not in runs["once"][1].values()

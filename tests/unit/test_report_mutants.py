@@ -1,0 +1,60 @@
+"""The results of mutation testing on the page."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from shaderlab.errors import ShaderlabError
+from shaderlab.records import ProgramRecord, SourceText
+from shaderlab.report import mutants, write
+from tests.unit.test_report_samples import record, run
+
+SURVIVOR = {
+    "file": "lamp.frag", "line": 3, "operator": "constant", "before": "1.0", "after": "<b>1.01",
+}  # fmt: skip
+
+
+def case(name: str, killed: int, *survived: dict[str, object]) -> dict[str, object]:
+    return {"id": name, "killed": killed, "survived": list(survived), "score": None}
+
+
+def put(folder: Path, *cases: dict[str, object]) -> None:
+    folder.mkdir(exist_ok=True)
+    (folder / mutants.FILE_NAME).write_text(json.dumps({"cases": cases}))
+
+
+def test_a_run_without_results_has_none(tmp_path: Path) -> None:
+    assert mutants.load(tmp_path) == {}
+    assert mutants.together([]) is None
+    page = write(run(record("lamp", "default")), tmp_path).read_text(encoding="utf-8")
+    assert "Mistakes noticed" not in page
+
+
+def test_results_are_counted_together_and_survivors_shown_at_their_lines(tmp_path: Path) -> None:
+    text = "#version 330 core\nuniform float a;\nFragColor = a;\n"
+    source = SourceText(file="lamp.frag", line=1, language="glsl", text=text)
+    program = ProgramRecord(files=("lamp.frag",), sources=(source,), verdicts=())
+    put(tmp_path, case("lamp", 45, SURVIVOR), case("gone", 7), case("blend", 4))
+    both = run(record("lamp", "default", programs=(program,)), record("blend", "default"))
+    page = write(both, tmp_path).read_text(encoding="utf-8")
+    assert "of 50 made on purpose in 2 cases" in page and "98 %" in page.replace("\u202f", " ")
+    assert "<b>45</b> of 46 mistakes" in page and "1 mistake that no check notices" in page
+    assert "&lt;b&gt;1.01" in page and "<b>1.01" not in page
+    row = page[page.index("lamp.frag:3") - 200 :][:260]
+    assert 'href="#' in row and "-L3" in row
+
+
+def test_of_a_case_in_two_campaigns_the_later_stands() -> None:
+    old = {"cases": [case("a", 1), case("b", 2)]}
+    new = {"cases": [case("b", 3), case("c", 4)]}
+    kept = mutants.merged(old, new)["cases"]
+    assert [(c["id"], c["killed"]) for c in kept] == [("a", 1), ("b", 3), ("c", 4)]
+
+
+@pytest.mark.parametrize("text", ["", "[]", '{"cases": [{"id": "a"}]}', '{"cases": 3}'])
+def test_a_damaged_file_is_named(tmp_path: Path, text: str) -> None:
+    (tmp_path / mutants.FILE_NAME).write_text(text)
+    with pytest.raises(ShaderlabError, match="no results of shaderlab mutate") as refused:
+        mutants.load(tmp_path)
+    assert mutants.FILE_NAME in str(refused.value)
