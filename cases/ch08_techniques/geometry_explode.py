@@ -158,10 +158,10 @@ case = Case(
     ),
     picture="ball.FragColor",
     variants=[
-        at("t = −π∕2", 0.0, -pi / 2.0),
         at("t = 0", 0.5, 0.0),
         at("t = 1", 0.920735, 1.0),
         at("t = π∕2", 1.0, pi / 2.0),
+        at("t = −π∕2", 0.0, -pi / 2.0),
     ],
     expect=[
         formula("ball.gl_Position", position),
