@@ -32,6 +32,7 @@ from shaderlab import (
     fullscreen,
     measure,
     reading,
+    value,
 )
 from shaderlab.assets.courtyard import avenue, avenue_boxes
 from shaderlab.glslmath import dot, max, mix, mul, normalize, swizzle, vec3, vec4, where
@@ -67,6 +68,8 @@ WRONG = {
     "logarithmic": ((0.0018, 0.0033), (0.0030, 0.0045)),
 }
 EYE = (3.0, 4.4, 5.2)
+# A white surface at right angles to the sun.
+FACING = {"Normal": SUN, "Color": (1.0, 1.0, 1.0)}
 VIEW = look_at(EYE, (-0.9, 0.0, -11.0))
 LIGHT_VIEW = look_at(SUN, (0.0, 0.0, 0.0))
 # Along the light, everything that can be seen or throw a shadow there.
@@ -175,6 +178,15 @@ def index(FragPos, view, splits):
     return cascade_index(view_depth(FragPos, view), splits)
 
 
+def own_bias(FragPos, Normal, view, splits, biases, lightPos):
+    """The bias of the fragment's cascade, at the slope of its surface."""
+    number = index(FragPos, view, splits)
+    least = biases[0]
+    for k in range(1, CASCADES):
+        least = where(number > k - 0.5, biases[k], least)
+    return slope_bias(Normal, lightPos, least, 6.0 * least)
+
+
 def dark(FragPos, Normal, view, splits, biases, lightSpaceMatrices, shadowMaps, lightPos):
     """What the cascade's own map says."""
     number = index(FragPos, view, splits)
@@ -206,6 +218,17 @@ def wrong(FragColor, shadow, place, upright, within):
     depth = -(place @ VIEW[:3, :3].T + VIEW[:3, 3])[..., 2]
     there = (FragColor[..., 3] > 0.0) & ((upright * SUN).sum(axis=-1) > 0.0) & (depth < within)
     return np.mean((shadow[..., 0] > 0.5)[there] != blocked(place, SUN, BOXES)[there])
+
+
+def wrong_in_picture(FragColor, shadow, place, upright):
+    """The same of every eighth pixel both ways."""
+    color, told = FragColor[::8, ::8], shadow[::8, ::8]
+    return wrong(color, told, place[::8, ::8, :3], upright[::8, ::8, :3], FAR)
+
+
+def drawn_share(FragColor):
+    """The share of pixels that show anything but the sky."""
+    return (FragColor[..., 3] > 0.0).mean()
 
 
 def wrong_cascade(FragColor, cascade, place, view, splits):
@@ -285,7 +308,41 @@ case = Case(
         *(formula(f"{scheme}.cascade", index) for scheme in BLENDS),
         *(formula(f"{scheme}.shadow", dark) for scheme in BLENDS),
         formula("practical.FragColor", color),
+        formula("practical.bias", own_bias),
         formula("picture.FragColor", finished(texture), name="the picture"),
+        value(
+            "practical.bias",
+            at={"FragPos": (0.0, 0.0, 0.0), **FACING},
+            equals=round(texel_depths(light_spaces("practical", 1.0))[0], 6),
+            digits=6,
+            name="the least bias, where the sun falls straight down",
+        ),
+        value(
+            "practical.cascade",
+            at={"FragPos": (-10.0, 0.0, -80.0), **FACING},
+            equals=2.0,
+            digits=6,
+            name="past the last split the last cascade goes on",
+        ),
+        value(
+            "practical.shadow",
+            at={"FragPos": tuple(-40.0 * s for s in SUN), **FACING},
+            equals=0.0,
+            digits=6,
+            name="past the far plane nothing is dark",
+        ),
+        measure(
+            "shadows told wrongly, in the large picture",
+            wrong_in_picture,
+            reads={k: f"scene.{k}" for k in ("FragColor", "shadow", "place", "upright")},
+            at_most=0.01,
+        ),
+        measure(
+            "share of the large picture that is drawn",
+            drawn_share,
+            reads={"FragColor": "scene.FragColor"},
+            at_least=0.7,
+        ),
         *(
             measure(
                 f"{scheme}: pixels in a wrong cascade",

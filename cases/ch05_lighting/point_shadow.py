@@ -10,6 +10,7 @@ Look at: the courtyard at night with a lamp in its middle. The shadows run away 
 sides, and nothing shows where one face of the cube ends and the next begins.
 """
 
+from dataclasses import replace
 from math import radians
 
 import numpy as np
@@ -157,6 +158,11 @@ def color(FragPos, Normal, Color, lightPos, farPlane, shadowMap, leastBias, most
     return vec4(Color * (sky + (1.0 - told) * lambert * lamp), 1.0)
 
 
+def glowing(glow):
+    """The lamp's own light."""
+    return vec4(glow, 1.0)
+
+
 def counted(statistic):
     """A statistic of the places that face the lamp, by rays that end in it."""
 
@@ -208,6 +214,7 @@ case = Case(
             name="picture",
             textures={"scene": Output("scene", "FragColor")},
         ),
+        Pass(name="bulb", target=Target(), draws=(replace(bulb(), state=State()),)),
         lit("judged", 512, BIAS, size=(96, 96)),
         lit("small", 256, BIAS, size=(96, 96)),
         lit("bare", 256, {"leastBias": 0.0, "mostBias": 0.0}, size=(96, 96)),
@@ -227,6 +234,15 @@ case = Case(
         formula("small.shadow", dark),
         formula("judged.FragColor", color),
         formula("picture.FragColor", finished(texture), name="the picture"),
+        formula("bulb.gl_Position", clip_position, name="where the lamp is"),
+        formula("bulb.FragColor", glowing, name="colour of the lamp"),
+        value(
+            "judged.shadow",
+            at={"FragPos": (0.12, 0.85, 40.0), "Normal": (0, 0, -1), "Color": (1, 1, 1)},
+            equals=0.0,
+            digits=6,
+            name="past the far plane nothing is dark",
+        ),
         measure(
             "places hidden from the eye",
             hidden_share(EYE, BOXES, step=1),

@@ -20,6 +20,7 @@ layout (location = 1) out float cascade;
 layout (location = 2) out float shadow;
 layout (location = 3) out vec3 place;
 layout (location = 4) out vec3 upright;
+layout (location = 5) out float bias;
 
 void main()
 {
@@ -34,7 +35,7 @@ void main()
     cascade = float(index);
 
     vec3 at = shadowCoordinates(lightSpaceMatrices[index] * vec4(FragPos, 1.0));
-    float bias = slopeBias(normal, lightDir, biases[index], 6.0 * biases[index]);
+    bias = slopeBias(normal, lightDir, biases[index], 6.0 * biases[index]);
     shadow = shadowOf(at.z, texture(shadowMaps, vec3(at.xy, cascade)).r, bias);
     place = FragPos;
     upright = normal;

@@ -77,6 +77,7 @@ OF_STATE = {
     "places hidden from the eye",
     "places hidden from the eye, in the large picture",
     "share of the large picture that is drawn",
+    "shadows told wrongly, in the large picture",
 }
 
 
