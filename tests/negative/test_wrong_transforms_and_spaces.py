@@ -122,4 +122,5 @@ def test_depth_testing_is_what_sorts_the_boxes() -> None:
     with Lab() as lab:
         record = lab.run(next(replace(case, passes=undepthed).scenes()))
     failed = {o.name for o in record.expectations if o.status == "fail"}
-    assert {"the order of drawing", "the box that a ray meets"} <= failed
+    assert "the box that a ray meets" in failed
+    assert sum("order of drawing" in name for name in failed) == 2  # of colours, and of boxes

@@ -37,7 +37,7 @@ def test_list_of_one_chapter() -> None:
     entries = json.loads(call("list", "--chapter", "5", "--json").stdout)
     assert entries and all(entry["section"].startswith("5.") for entry in entries)
     nothing = call("list", "--chapter", "99")
-    assert nothing.exit_code == 2 and "there is" in nothing.output
+    assert nothing.exit_code == 2 and "did you mean 9?" in nothing.output
 
 
 @pytest.mark.parametrize("command", COMMANDS)

@@ -128,7 +128,8 @@ def tree(tmp_path_factory: pytest.TempPathFactory, repository: Path) -> list[Sou
     originals = [(source.stage, source.code) for source in own_shaders(repository)]
     originals += [("vertex", VERTEX), ("fragment", FRAGMENT), ("geometry", GEOMETRY)] * 8
     texts += [("fragment", FRAGMENT.replace("main", f"m{number}")) for number in range(5)]
-    while len(texts) < 310:
+    own = len(texts)
+    while len(texts) < own + 200:
         stage, text = rng.choice(originals)
         texts.append((stage, mutant(text, rng)))
     texts += [("fragment", "void main() { gl_FragColor = vec4(1); }\n")]
