@@ -18,7 +18,7 @@ from shaderlab.pictures.display import (
 from shaderlab.pictures.files import LARGEST_SIDE, load, reduced, save_png, thumbnail
 from shaderlab.pictures.palette import palette
 from shaderlab.pictures.previews import preview, save_previews
-from shaderlab.pictures.values import Values, judged_part, pack, unpack
+from shaderlab.pictures.values import WINDOW, Values, judged_part, pack, unpack
 
 __all__ = [
     "BAND_HIGH",
@@ -28,6 +28,7 @@ __all__ = [
     "NOT_FINITE",
     "OUTSIDE",
     "UNCOVERED",
+    "WINDOW",
     "Display",
     "Values",
     "distance_picture",

@@ -34,9 +34,9 @@ Floats = NDArray[np.float64]
 _REST = 65535.0
 _COARSE = 2048
 _LEVEL = 1  # of zlib: half the default's time, for files a twentieth larger
-# Pictures with more values than this are cut to a window around their worst value.
-_MOST_VALUES = 1 << 14
-_WINDOW = 64
+# Pictures with more pixels than a square of this side, at four components, are cut to such a
+# square around their worst value.
+WINDOW = 64
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -129,22 +129,25 @@ def unpack(data: bytes) -> Values:
     )
 
 
-def judged_part(arrays: Mapping[str, Any], worst: tuple[int, int] | None = None) -> Values:
+def judged_part(
+    arrays: Mapping[str, Any], worst: tuple[int, int] | None = None, window: int = WINDOW
+) -> Values:
     """The smallest part of a check's pictures that holds all judged values.
 
     Args:
         arrays: of shape (height, width, components): "measured", "exact", "low", "high" and
             "outside"; "covered" (height, width), and "unit".
         worst: (x, y) of the value to keep where the picture is too large to be kept whole.
+        window: how many pixels of it are kept then in each direction.
     """
     height, width = arrays["covered"].shape
     ys, xs = (np.flatnonzero(arrays["covered"].any(axis=axis)) for axis in (1, 0))
     box = [(int(a[0]), int(a[-1]) + 1) if a.size else (0, 1) for a in (xs, ys)]
     components = arrays["measured"].shape[2]
-    whole = (box[0][1] - box[0][0]) * (box[1][1] - box[1][0]) * components <= _MOST_VALUES
+    whole = (box[0][1] - box[0][0]) * (box[1][1] - box[1][0]) * components <= 4 * window**2
     if not whole:
         centre = worst or (box[0][0], box[1][0])
-        box = [_window(*ends, at) for ends, at in zip(box, centre, strict=True)]
+        box = [_window(*ends, at, window) for ends, at in zip(box, centre, strict=True)]
     part = slice(*box[1]), slice(*box[0])
     measured = arrays["measured"][part].astype(np.float64)
     judged = np.broadcast_to(arrays["covered"][part][..., None], measured.shape)
@@ -162,9 +165,9 @@ def judged_part(arrays: Mapping[str, Any], worst: tuple[int, int] | None = None)
     )
 
 
-def _window(start: int, stop: int, centre: int) -> tuple[int, int]:
-    low = max(start, min(centre - _WINDOW // 2, stop - _WINDOW))
-    return low, min(stop, low + _WINDOW)
+def _window(start: int, stop: int, centre: int, size: int) -> tuple[int, int]:
+    low = max(start, min(centre - size // 2, stop - size))
+    return low, min(stop, low + size)
 
 
 def _columns(values: Values) -> list[bytes]:

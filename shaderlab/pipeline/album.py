@@ -20,6 +20,8 @@ from shaderlab.records import Attachment, PassRecord
 # A value is a pixel of its own (2 × 2 where some are outside); the page enlarges them.
 JUDGED_SIDE = 1
 ATTACHMENT_SIDE = 160
+# Bytes of numbers that are much for a comparison in which nothing differs.
+LARGE = 4096
 # The size in which a report's overview shows a picture.
 PREVIEW_SIDE = 320
 
@@ -118,7 +120,12 @@ class Album:
         files["distance"] = self._save(f"{label}-distance", seen, JUDGED_SIDE)
         self._preview(files["distance"], seen)
         relative, path = self._file(label, "values")
-        path.write_bytes(pictures.pack(pictures.judged_part(_numbers(arrays), worst)))
+        numbers = _numbers(arrays)
+        packed = pictures.pack(pictures.judged_part(numbers, worst))
+        if "covered" not in arrays and len(packed) > LARGE and not numbers["outside"].any():
+            # Equal in every bit, and of no pattern: a corner tells as much.
+            packed = pictures.pack(pictures.judged_part(numbers, worst, pictures.WINDOW // 2))
+        path.write_bytes(packed)
         return Shown(files, captions, relative)
 
     def _preview(self, file: str, image: Array) -> None:
