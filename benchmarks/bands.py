@@ -172,6 +172,7 @@ def drawn(
             images=done.images,
             order=tuple(p.name for p in scene.passes),
             bindings=done.bindings,
+            sample_positions=done.sample_positions,
             fragments={key: capture.fragments(session, key) for key in wants.fragments},
             vertices={key: capture.vertices(session, key) for key in wants.vertices},
         )
