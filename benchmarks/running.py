@@ -3,7 +3,8 @@
     python -m benchmarks.running [--programs 50] [--size 256] [--most 500]
 
 Every way runs the same small programs and looks at every pixel (piglit probes three of them).
-Each is a process of its own, run twice: the first time warms the shader cache, the second counts.
+Each is a process of its own, run twice: the first time warms the driver's shader cache and the
+lab's, the second counts. The lab's is an empty folder at first, and switched off where it says so.
 The cost of a further program is the difference between many and few, by their number; so what a
 process costs once is left out of it. CPU seconds are those of the process and all its children:
 on a machine that does other things as well, trust them more than the clock.
@@ -51,9 +52,10 @@ def measure(work: Callable[[], object]) -> Cost:
     return Cost(wall, used)
 
 
-def call(*command: str | Path) -> None:
-    """Run a process that must end well."""
+def call(*command: str | Path, kept: Path | None = None) -> None:
+    """Run a process that must end well; `kept` is where the lab keeps compiled programs."""
     environment = {**os.environ, "PYTHONPATH": str(HERE.parent), "EGL_PLATFORM": "surfaceless"}
+    environment["SHADERLAB_CACHE_DIR"] = str(kept or "")
     environment |= {"LIBGL_ALWAYS_SOFTWARE": "1", "GALLIUM_DRIVER": "llvmpipe"}
     done = subprocess.run(
         [str(part) for part in command], env=environment, capture_output=True, text=True
@@ -94,21 +96,28 @@ def further(folder: Path, many: int, size: int) -> None:
             lambda n, script=script: call(sys.executable, *script, places[n], str(n), str(size)),
             many,
         )
-    costs["shaderlab run"] = step(lambda n: lab(places[n], folder / "run"), many)
-    judged = step(lambda n: lab(places[n], folder / "judged", "--no-pictures"), many)
-    costs["shaderlab run --no-pictures"] = judged
-    shares = phases(folder / "judged")
+    kept = folder / "kept"
+    costs["shaderlab run"] = step(lambda n: lab(places[n], folder / "run", kept=kept), many)
+    quick = "--no-pictures"
+    costs["shaderlab run --no-pictures"] = step(
+        lambda n: lab(places[n], folder / "judged", quick, kept=kept), many
+    )
+    judged = step(lambda n: lab(places[n], folder / "anew", quick), many)
+    costs["… nothing kept of what was compiled"] = judged
+    shares = phases(folder / "anew")
     bare = 1.0 - shares["compile"]
-    costs["… without its three-target compilation"] = Cost(judged.wall * bare, judged.cpu * bare)
+    costs["… the same without its three-target compilation"] = Cost(
+        judged.wall * bare, judged.cpu * bare
+    )
     pytest = ("-m", "pytest", "-q", "-p", "no:cacheprovider")
-    costs["pytest"] = step(lambda n: call(sys.executable, *pytest, places[n]), many)
+    costs["pytest"] = step(lambda n: call(sys.executable, *pytest, places[n], kept=kept), many)
     print(f"each further program of {size}², every pixel judged:")
     plain, fair = list(costs.values())[:2]
     for title, cost in costs.items():
         spent = f"{cost.cpu * 1e3:7.1f} ms CPU {cost.wall * 1e3:7.1f} ms"
         print(f"  {spent} {cost.cpu / plain.cpu:6.2f}× {cost.cpu / fair.cpu:6.2f}×  {title}")
     print(
-        "  phases of --no-pictures:",
+        "  phases of --no-pictures, nothing kept:",
         ", ".join(f"{name} {share:.0%}" for name, share in shares.items()),
     )
 
@@ -119,9 +128,10 @@ def step(run: Callable[[int], object], many: int) -> Cost:
     return lot.per(few, many - FEW)
 
 
-def lab(cases: Path, report: Path, *options: str) -> None:
+def lab(cases: Path, report: Path, *options: str, kept: Path | None = None) -> None:
     """One command with the report."""
-    call(sys.executable, "-m", "shaderlab", "run", f"{cases}/", "--report", report, *options)
+    command = (sys.executable, "-m", "shaderlab", "run", f"{cases}/", "--report", report)
+    call(*command, *options, kept=kept)
 
 
 def phases(report: Path) -> dict[str, float]:
@@ -138,8 +148,9 @@ def phases(report: Path) -> dict[str, float]:
 def fixed(folder: Path) -> None:
     """What a command with one small case costs."""
     running_programs.write(folder / "one", 1, 16)
-    cost = measure(lambda: lab(folder / "one", folder / "one-run"))
-    print(f"one small case, the whole command: {cost.wall:.2f} s, {cost.cpu:.2f} s CPU")
+    for title, kept in (("nothing kept", None), ("compiled before", folder / "kept")):
+        cost = measure(lambda kept=kept: lab(folder / "one", folder / "one-run", kept=kept))
+        print(f"one small case, {title}: {cost.wall:.2f} s, {cost.cpu:.2f} s CPU")
 
 
 def piglit(folder: Path, count: int, size: int) -> None:
@@ -150,12 +161,14 @@ def piglit(folder: Path, count: int, size: int) -> None:
         return
     files = running_piglit.write(folder / "piglit", count, size)
     running_programs.write(folder / "small", count, 64)
+    out = folder / "small-run"
     for title, at_once in (("one process a test", False), ("one process", True)):
         cost = measure(lambda at_once=at_once: running_piglit.run(runner, files, at_once))
         print(f"piglit, {title}: {count / cost.wall:.0f} tests/s, {count / cost.cpu:.0f} per CPU s")
-    cost = measure(lambda: lab(folder / "small", folder / "small-run", "--no-pictures"))
-    rate = f"{count / cost.wall:.0f} tests/s, {count / cost.cpu:.0f} per CPU s"
-    print(f"shaderlab run --no-pictures at 64²: {rate}")
+    for title, kept in (("nothing kept", None), ("compiled before", folder / "kept")):
+        cost = measure(lambda kept=kept: lab(folder / "small", out, "--no-pictures", kept=kept))
+        rate = f"{count / cost.wall:.0f} tests/s, {count / cost.cpu:.0f} per CPU s"
+        print(f"shaderlab run --no-pictures at 64², {title}: {rate}")
 
 
 def growth(folder: Path, most: int) -> None:

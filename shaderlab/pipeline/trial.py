@@ -325,8 +325,8 @@ def _without_shaders(expectation: Expectation) -> bool:
 
 
 class _OpenGLOnly(Preparer):
-    """Compiles for plain GLSL, which has the verdict, and OpenGL, which says what is declared:
-    two thirds of the work for all targets."""
+    """Compiles for plain GLSL, which has the verdict, and OpenGL, which says what is declared;
+    leaves Vulkan out."""
 
     def compile(self, sources: tuple[Source, ...]) -> Compiled:
         if sources not in self._compiled:
