@@ -78,18 +78,17 @@ def add(a: Band, b: Band) -> Band:
         step = step + (a.count - 1) * RELATIVE_STEP * mag_b
     if b.count > 1:
         step = step + (b.count - 1) * RELATIVE_STEP * mag_a
-    uncancelled = mag * UNCANCELLED
 
     def not_negative(crossed: Flags) -> Flags:
         found: Flags = crossed & (a.lo >= 0.0) & (b.lo >= 0.0)
         if found.any():
-            found &= (a_lo + b_lo >= step) | (hi >= uncancelled)
+            found &= (a_lo + b_lo >= step) | (hi >= mag * UNCANCELLED)
         return found
 
     def not_positive(crossed: Flags) -> Flags:
         found: Flags = crossed & (a.hi <= 0.0) & (b.hi <= 0.0)
         if found.any():
-            found &= (a_hi + b_hi <= -step) | (-lo >= uncancelled)
+            found &= (a_hi + b_hi <= -step) | (-lo >= mag * UNCANCELLED)
         return found
 
     moved = _moved_out(lo, hi, step, not_negative, not_positive)
