@@ -3,8 +3,8 @@
     python -m benchmarks.running [--programs 50] [--size 256] [--most 500]
 
 Every way runs the same small programs and looks at every pixel (piglit probes three of them).
-Each is a process of its own, run twice: the first time warms the driver's shader cache and the
-lab's, the second counts. The lab's is an empty folder at first, and switched off where it says so.
+Each is a process of its own, run twice: the first time warms the driver's shader cache, the second
+counts. The lab's own cache is switched off but where programs are said to be compiled before.
 The cost of a further program is the difference between many and few, by their number; so what a
 process costs once is left out of it. CPU seconds are those of the process and all its children:
 on a machine that does other things as well, trust them more than the clock.
@@ -96,28 +96,25 @@ def further(folder: Path, many: int, size: int) -> None:
             lambda n, script=script: call(sys.executable, *script, places[n], str(n), str(size)),
             many,
         )
-    kept = folder / "kept"
-    costs["shaderlab run"] = step(lambda n: lab(places[n], folder / "run", kept=kept), many)
-    quick = "--no-pictures"
-    costs["shaderlab run --no-pictures"] = step(
-        lambda n: lab(places[n], folder / "judged", quick, kept=kept), many
-    )
-    judged = step(lambda n: lab(places[n], folder / "anew", quick), many)
-    costs["… nothing kept of what was compiled"] = judged
-    shares = phases(folder / "anew")
+    costs["shaderlab run"] = step(lambda n: lab(places[n], folder / "run"), many)
+    judged = step(lambda n: lab(places[n], folder / "judged", "--no-pictures"), many)
+    costs["shaderlab run --no-pictures"] = judged
+    shares = phases(folder / "judged")
     bare = 1.0 - shares["compile"]
-    costs["… the same without its three-target compilation"] = Cost(
-        judged.wall * bare, judged.cpu * bare
+    costs["… without its three-target compilation"] = Cost(judged.wall * bare, judged.cpu * bare)
+    kept = folder / "kept"
+    costs["… with its programs compiled before"] = step(
+        lambda n: lab(places[n], folder / "again", "--no-pictures", kept=kept), many
     )
     pytest = ("-m", "pytest", "-q", "-p", "no:cacheprovider")
-    costs["pytest"] = step(lambda n: call(sys.executable, *pytest, places[n], kept=kept), many)
+    costs["pytest"] = step(lambda n: call(sys.executable, *pytest, places[n]), many)
     print(f"each further program of {size}², every pixel judged:")
     plain, fair = list(costs.values())[:2]
     for title, cost in costs.items():
         spent = f"{cost.cpu * 1e3:7.1f} ms CPU {cost.wall * 1e3:7.1f} ms"
         print(f"  {spent} {cost.cpu / plain.cpu:6.2f}× {cost.cpu / fair.cpu:6.2f}×  {title}")
     print(
-        "  phases of --no-pictures, nothing kept:",
+        "  phases of --no-pictures:",
         ", ".join(f"{name} {share:.0%}" for name, share in shares.items()),
     )
 

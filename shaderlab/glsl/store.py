@@ -45,6 +45,7 @@ class Store:
 
     def __init__(self, folder: Path, limit: int = LIMIT) -> None:
         self.folder = folder
+        self._name = str(folder)  # joining text is several times as fast as joining paths
         self._share = limit // _SHELVES
 
     def get(self, key: str) -> bytes | None:
@@ -74,10 +75,10 @@ class Store:
             try:
                 _write(path, data)
             except FileNotFoundError:
-                self._make(path.parent)
+                self._make(os.path.dirname(path))
                 _write(path, data)
             if key[1:3] == "00":  # one time in 256, since all of the folder is looked at
-                self._trim(path.parent)
+                self._trim(os.path.dirname(path))
         except OSError:
             return
 
@@ -90,16 +91,16 @@ class Store:
                     count, size = count + 1, size + taken
         return Usage(count, size)
 
-    def _path(self, key: str) -> Path:
-        return self.folder / key[:1] / key[1:]
+    def _path(self, key: str) -> str:
+        return os.path.join(self._name, key[:1], key[1:])
 
-    def _make(self, shelf: Path) -> None:
+    def _make(self, shelf: str) -> None:
         if not self.folder.is_dir():
             self.folder.mkdir(parents=True, exist_ok=True)
             (self.folder / "CACHEDIR.TAG").write_text(_SIGNATURE, encoding="ascii")
-        shelf.mkdir(exist_ok=True)
+        os.makedirs(shelf, exist_ok=True)
 
-    def _trim(self, shelf: Path) -> None:
+    def _trim(self, shelf: str) -> None:
         """Bring a folder below its share, so that there is room till the next time; drafts that
         nobody will finish go too."""
         kept = sorted(_files(shelf))
@@ -108,24 +109,25 @@ class Store:
         for used, size, path in kept:
             abandoned = os.path.basename(path).startswith(".") and time.time() - used > _HOUR
             if total > room or abandoned:
-                Path(path).unlink(missing_ok=True)
+                with suppress(FileNotFoundError):
+                    os.unlink(path)
                 total -= size
 
 
-def _write(path: Path, data: bytes) -> None:
+def _write(path: str, data: bytes) -> None:
     """A file that is there as a whole or not at all."""
-    draft = path.with_name(f".{os.urandom(8).hex()}")
+    draft = os.path.join(os.path.dirname(path), f".{os.urandom(8).hex()}")
     try:
         with open(draft, "xb") as file:
             file.write(data)
-        draft.replace(path)
+        os.replace(draft, path)
     except OSError:
         with suppress(OSError):
-            draft.unlink(missing_ok=True)
+            os.unlink(draft)
         raise
 
 
-def _files(shelf: str | Path) -> Iterator[tuple[float, int, str]]:
+def _files(shelf: str) -> Iterator[tuple[float, int, str]]:
     """A folder's files: when each was last used, the bytes of disk it takes, its path."""
     with os.scandir(shelf) as entries:
         for entry in entries:

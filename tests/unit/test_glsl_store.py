@@ -114,7 +114,7 @@ def test_a_full_or_closed_disk_leaves_no_trace(
     def refuse(*_: object) -> None:
         raise OSError(code, os.strerror(code))
 
-    monkeypatch.setattr(Path, "replace", refuse)
+    monkeypatch.setattr(os, "replace", refuse)
     store.put(OTHER, CONTENT)
     store.put(OTHER[:1] + "c" * 63, CONTENT)
     assert entries(store) == [KEY]
