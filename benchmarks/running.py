@@ -170,13 +170,14 @@ def piglit(folder: Path, count: int, size: int) -> None:
 
 def growth(folder: Path, most: int) -> None:
     """Time and the parent's memory as the number of cases grows."""
+    environment = {**os.environ, "PYTHONPATH": str(HERE.parent), "SHADERLAB_CACHE_DIR": ""}
     for count in (most // 10, most):
         running_programs.write(folder / f"grow-{count}", count, 16)
         started = time.perf_counter()
         done = subprocess.run(
             ["/usr/bin/env", "time", "-f", "%M", sys.executable, "-m", "shaderlab", "run",
              str(folder / f"grow-{count}"), "--report", str(folder / "grow-run")],
-            capture_output=True, text=True, env={**os.environ, "PYTHONPATH": str(HERE.parent)},
+            capture_output=True, text=True, env=environment,
         )  # fmt: skip
         spent = time.perf_counter() - started
         peak = done.stderr.strip().splitlines()[-1]

@@ -29,13 +29,14 @@ FOLDER_VARIABLE = "SHADERLAB_CACHE_DIR"
 def cache_folder() -> Path | None:
     """Where compiled programs are kept: in the folder that SHADERLAB_CACHE_DIR names, else where
     the user's caches are. None where the variable is empty, or there is no such place."""
-    named = os.environ.get(FOLDER_VARIABLE)
-    if named is not None:
-        return Path(named).expanduser().absolute() / "compiled" if named else None
-    base = os.environ.get("XDG_CACHE_HOME", "")
+    named, base = os.environ.get(FOLDER_VARIABLE), os.environ.get("XDG_CACHE_HOME", "")
+    if named == "":
+        return None
     try:
+        if named is not None:
+            return Path(named).expanduser().absolute() / "compiled"
         caches = Path(base) if os.path.isabs(base) else Path.home() / ".cache"
-    except RuntimeError:  # a user without a home
+    except (OSError, RuntimeError):  # no such user, no home, no working directory
         return None
     return caches / "shaderlab" / "compiled"
 

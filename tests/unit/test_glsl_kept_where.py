@@ -178,6 +178,8 @@ def test_the_folder_is_where_caches_are(monkeypatch: pytest.MonkeyPatch, tmp_pat
 
     monkeypatch.setattr(Path, "home", homeless)
     assert cache_folder() is None
+    monkeypatch.setenv("SHADERLAB_CACHE_DIR", "~no-such-user/kept")
+    assert cache_folder() is None
 
 
 def test_an_empty_variable_switches_it_off(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
