@@ -17,6 +17,21 @@ _ASSIGNS = re.compile(rb"^case\s*(:[^=\n]*)?=", re.MULTILINE)
 _SKIPPED_FOLDERS = frozenset({"__pycache__", "node_modules", "site-packages", "build", "dist"})
 
 
+def data_folder(kind: str) -> Path:
+    """Where the shipped "shaders" or "cases" are: in the installed package, or the checkout.
+
+    Raises:
+        UsageError: neither is there, so the installation is incomplete.
+    """
+    package = Path(__file__).resolve().parent
+    for candidate in (package / "_data" / kind, package.parent / kind):
+        if candidate.is_dir():
+            return candidate
+    raise UsageError(
+        f"this installation has no {kind} folder", remedy="install shaderlab again, or run `make`"
+    )
+
+
 def is_case_file(path: Path) -> bool:
     """Whether `path` is a case file; never raises, whatever the file holds."""
     if path.suffix != ".py" or not _may_be_case(path.name):
@@ -40,16 +55,29 @@ def case_files(folder: Path) -> Iterator[Path]:
     Raises:
         UsageError: `folder` is not a folder that can be read.
     """
+    return filter(is_case_file, _files(folder))
+
+
+def find_case(folder: Path, case_id: str) -> Path | None:
+    """The first case file below `folder` with this id, which is its name; None if there is none.
+
+    Raises:
+        UsageError: as `case_files`.
+    """
+    alike = (path for path in _files(folder) if path.stem.replace("_", "-") == case_id)
+    return next(filter(is_case_file, alike), None)
+
+
+def _files(folder: Path) -> Iterator[Path]:
     try:
         entries = sorted(folder.iterdir())
     except OSError as error:
         raise UsageError(f"can't read this folder: {error.strerror}", file=folder) from error
     for entry in entries:
-        if entry.is_dir():
-            if not entry.name.startswith(".") and entry.name not in _SKIPPED_FOLDERS:
-                yield from case_files(entry)
-        elif is_case_file(entry):
+        if not entry.is_dir():
             yield entry
+        elif not entry.name.startswith(".") and entry.name not in _SKIPPED_FOLDERS:
+            yield from _files(entry)
 
 
 def _may_be_case(name: str) -> bool:
@@ -84,3 +112,9 @@ def _assigns_case(node: ast.stmt) -> bool:
     return (isinstance(called, ast.Name) and called.id == "Case") or (
         isinstance(called, ast.Attribute) and called.attr == "Case"
     )
+
+
+def place(section: str, case_id: str) -> tuple[list[int], str]:
+    """What cases are sorted by: chapter, section, id; those without a section come last."""
+    numbers = [int(part) if part.isdigit() else 0 for part in section.split(".")]
+    return ([*numbers] if section else [999], case_id)

@@ -119,7 +119,7 @@ def _compilers() -> Iterator[Finding]:
 
 
 def _data() -> Iterator[Finding]:
-    from .catalogue import data_folder
+    from .discovery import data_folder
 
     for kind in ("shaders", "cases"):
         try:

@@ -10,13 +10,14 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from shaderlab.catalogue import data_folder, place
-from shaderlab.discovery import case_files
+from shaderlab.discovery import case_files, data_folder, find_case, place
 from shaderlab.errors import CaseError, UsageError, nearest
-from shaderlab.model import Scene
-from shaderlab.running import Solo
 from shaderlab.running.jobs import CaseFacts, Job
+
+if TYPE_CHECKING:
+    from shaderlab.model import Scene
 
 Load = Callable[[Sequence[Path]], list[CaseFacts]]
 _WITH_VARIANT = re.compile(r"(?P<id>[^\[\]]+)\[(?P<variant>.*)\]")
@@ -84,6 +85,7 @@ def select(targets: Sequence[str], every: bool, variants: Sequence[str]) -> list
         UsageError: as `choose`.
         CaseError: a case file is wrong.
     """
+    from shaderlab.running import Solo
     from shaderlab.running.working import scenes_of
 
     jobs = choose(targets, every, variants, Solo().load)
@@ -129,10 +131,11 @@ def _existing(path: Path, target: str) -> Path:
 
 def _file_of(case_id: str) -> Path:
     """The shipped case file of this id, which is its name."""
-    known = {file.stem.replace("_", "-"): file for file in _shipped()}
-    if case_id not in known:
+    file = find_case(data_folder("cases"), case_id)
+    if file is None:
+        known = [shipped.stem.replace("_", "-") for shipped in _shipped()]
         raise UsageError(f"there is no case {case_id!r}", remedy=nearest(case_id, known))
-    return known[case_id]
+    return file
 
 
 def _jobs(case: CaseFacts, variant: str | None) -> list[Job]:

@@ -15,7 +15,8 @@ from shaderlab.errors import UsageError
 from shaderlab.running.jobs import DEFAULT_GIGABYTES, DEFAULT_SECONDS
 
 if TYPE_CHECKING:
-    from shaderlab.cli.performing import Performed, Request
+    from shaderlab.cli.performing import Performed
+    from shaderlab.cli.requesting import Request
     from shaderlab.cli.showing import Show
     from shaderlab.running import Team
     from shaderlab.running.journal import Heading
@@ -76,11 +77,11 @@ def command(target: str | None, params: tuple[str, ...], table: str | None, **as
 
     Exit code: 0 every point passed, 1 one did not, 2 wrong usage.
     """
-    from shaderlab.cli.performing import Request
-    from shaderlab.report import table as tables
-    from shaderlab.terminal import failed
+    from shaderlab.cli.requesting import Request
 
     if table is not None:
+        from shaderlab.report import table as tables
+
         tables.check(Path(table))
     request = Request(**asked)
     team = request.team()
@@ -92,6 +93,8 @@ def command(target: str | None, params: tuple[str, ...], table: str | None, **as
     if not performed.complete:
         click.echo(f"go on with: shaderlab sweep --resume {performed.folder}")
         raise KeyboardInterrupt
+    from shaderlab.terminal import failed
+
     if any(failed(record) for record in performed.run.records):
         raise SystemExit(1)
 
@@ -99,7 +102,9 @@ def command(target: str | None, params: tuple[str, ...], table: str | None, **as
 def _performed(
     request: Request, team: Team, target: str | None, params: Sequence[str]
 ) -> tuple[Performed, Heading, Show]:
-    from shaderlab.cli.performing import perform
+    from shaderlab.cli.performing import perform, prepare_report
+
+    prepare_report()
     from shaderlab.cli.showing import Show
     from shaderlab.records import Record
     from shaderlab.running.journal import Journal, read

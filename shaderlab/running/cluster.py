@@ -20,7 +20,6 @@ from typing import TYPE_CHECKING, Any
 
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.records import Record
-from shaderlab.running.crew import Heard
 from shaderlab.running.jobs import About, CaseFacts, Job, Limits, Setup
 from shaderlab.running.lost import lost
 from shaderlab.running.parcels import (
@@ -37,6 +36,7 @@ from shaderlab.running.parcels import (
 if TYPE_CHECKING:
     from distributed import Client, Future
 
+    from shaderlab.running.crew import Heard
     from shaderlab.running.station import Errand
 
 CONNECT_SECONDS = 10.0

@@ -10,12 +10,13 @@ import shutil
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
+from shaderlab import packages
 from shaderlab.errors import CaseError
-from shaderlab.records import Record
 from shaderlab.running.jobs import (
     About,
     CaseFacts,
@@ -26,15 +27,16 @@ from shaderlab.running.jobs import (
     Perform,
     Setup,
 )
-from shaderlab.running.lost import lost
 from shaderlab.running.steps import Steps
 from shaderlab.workers import Limits as PoolLimits
 from shaderlab.workers import Outcome, Pool
 
+# Workers are started before anything that they do not need is imported here.
 if TYPE_CHECKING:
     from shaderlab.pipeline import Lab
+    from shaderlab.records import Record
 
-Heard = Callable[[Job, Record], None]
+    Heard = Callable[[Job, Record], None]
 
 
 class Team(Protocol):
@@ -82,10 +84,12 @@ class Crew:
             jobs=workers,
             batch=1,
             folder=folder,
+            warm="shaderlab.glsl.warming:begin",
         )
         self._thread = ThreadPoolExecutor(1)
         self._early = early
         if early:
+            self._pool.start()
             _ = self._asked
 
     def about(self) -> About:
@@ -103,6 +107,8 @@ class Crew:
 
     def run(self, jobs: Sequence[Job], setup: Setup, heard: Heard) -> Iterator[Record]:
         """See `Team`."""
+        from shaderlab.running.lost import lost
+
         if not self._early:
             self.about()  # now, while workers are free: a lost job's record names the driver
         path = self._folder / "steps"
@@ -137,14 +143,17 @@ class Crew:
         shutil.rmtree(self._folder, ignore_errors=True)
 
     def _ask_about(self) -> About:
+        versions = packages.versions()  # a worker's are the same, and it has enough to import
         (outcome,) = self._pool.each([Describe(self._driver)])
         if outcome.status == "done":
             about: About = outcome.result
-            return about
+            return replace(about, versions=versions)
         said = str(outcome.result) if outcome.status == "error" else outcome.message
         return About(driver={"renderer": "none", "vendor": "", "version": said, "glsl": ""})
 
     def _lost(self, job: Job, outcome: Outcome, step: str) -> Record:
+        from shaderlab.running.lost import lost
+
         message = str(outcome.result) if outcome.status == "error" else outcome.message
         driver = self.about().driver.get("renderer", "")
         seconds = self._limits.seconds if outcome.status == "timeout" else 0.0
@@ -177,6 +186,7 @@ class Solo:
 
     def run(self, jobs: Sequence[Job], setup: Setup, heard: Heard) -> Iterator[Record]:
         """See `Team`."""
+        from shaderlab.running.lost import lost
         from shaderlab.running.working import perform
 
         self._setup = setup

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import itertools
 import queue
 from collections import deque
@@ -42,9 +43,12 @@ class Pool:
         work: the function to call, as "module:function", since workers import it by its name.
             It takes a sequence of items and gives one result for each, in order.
         limits: of each item.
-        jobs: how many workers.
+        jobs: how many workers, to begin with.
+        most: how many there can be after `widen`.
         batch: how many items a worker is sent at once.
         folder: the workers' working directory, by default this process's.
+        warm: a function, named like `work`, that each worker calls before it imports `work`: it
+            sets something going meanwhile, and what it gives back is called when `work` is there.
     """
 
     def __init__(
@@ -53,15 +57,19 @@ class Pool:
         *,
         limits: Limits | None = None,
         jobs: int = 1,
+        most: int = 1,
         batch: int = BATCH,
         folder: Path | None = None,
+        warm: str = "",
     ) -> None:
         limits = limits or Limits()
-        self._processes = [Process(work, limits, folder) for _ in range(max(jobs, 1))]
-        self._idle: queue.SimpleQueue[Process] = queue.SimpleQueue()
-        for process in self._processes:
-            self._idle.put(process)
-        self._threads = ThreadPoolExecutor(len(self._processes))
+        self._make = functools.partial(Process, work, limits, folder, warm)
+        self._processes: list[Process] = []
+        # Whoever worked last works next: one that was never needed is never started.
+        self._idle: queue.LifoQueue[Process] = queue.LifoQueue()
+        self._most = max(jobs, most, 1)
+        self._threads = ThreadPoolExecutor(self._most)
+        self.widen(jobs)
         self._batch = max(batch, 1)
         self._closed = False
 
@@ -81,8 +89,19 @@ class Pool:
             process.close()  # one that a thread started in the meantime
 
     def start(self) -> None:
-        """Start a worker now, in the background, and not with the first items."""
-        self._threads.submit(self._run, [])
+        """Start the first worker now, and not with the first items; it is not waited for.
+
+        Call it before `each`.
+        """
+        self._processes[0].launch()
+
+    def widen(self, jobs: int) -> None:
+        """Let there be this many workers if there are fewer, and no more than there can be."""
+        wanted = min(max(jobs, 1), self._most)
+        added = [self._make() for _ in range(wanted - len(self._processes))]
+        self._processes += added
+        for process in reversed(added):
+            self._idle.put(process)
 
     def each(
         self, items: Iterable[Any], heard: Callable[[Outcome], None] | None = None
