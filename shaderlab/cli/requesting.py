@@ -28,7 +28,7 @@ class Request:
     folder: str | None = None
     seconds: float
     gigabytes: float
-    workers: int
+    workers: int | None
     driver: str | None = None
     drivers: str | None = None
     resume: str | None = None

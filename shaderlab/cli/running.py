@@ -12,6 +12,7 @@ import click
 from shaderlab.cli.files import latest, write_json
 from shaderlab.errors import ShaderlabError
 from shaderlab.running.jobs import DEFAULT_GIGABYTES, DEFAULT_SECONDS
+from shaderlab.running.sizing import WORDS
 
 if TYPE_CHECKING:
     from shaderlab.cli.requesting import Request
@@ -68,8 +69,8 @@ if TYPE_CHECKING:
     "--jobs",
     "workers",
     type=click.IntRange(min=0),
-    default=1,
-    show_default=True,
+    default=None,
+    show_default=WORDS,
     envvar="SHADERLAB_JOBS",
     metavar="N",
     help="Run in N worker processes; 0 for none, which isolates nothing.",

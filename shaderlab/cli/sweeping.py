@@ -13,6 +13,7 @@ import click
 from shaderlab.cli.files import latest, new_run_folder, report_folder
 from shaderlab.errors import UsageError
 from shaderlab.running.jobs import DEFAULT_GIGABYTES, DEFAULT_SECONDS
+from shaderlab.running.sizing import WORDS
 
 if TYPE_CHECKING:
     from shaderlab.cli.performing import Performed
@@ -43,7 +44,7 @@ TABLE = "sweep.csv"
     show_default=True, metavar="GB", help="Memory that one worker may have; 0 for any amount.",
 )  # fmt: skip
 @click.option(
-    "-j", "--jobs", "workers", type=click.IntRange(min=0), default=1, show_default=True,
+    "-j", "--jobs", "workers", type=click.IntRange(min=0), default=None, show_default=WORDS,
     envvar="SHADERLAB_JOBS", metavar="N", help="Run in N worker processes; 0 for none.",
 )  # fmt: skip
 @click.option("--scheduler", metavar="ADDRESS", help="Run on a Dask cluster; see `run --help`.")

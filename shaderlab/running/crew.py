@@ -27,6 +27,7 @@ from shaderlab.running.jobs import (
     Perform,
     Setup,
 )
+from shaderlab.running.sizing import MOST, suitable
 from shaderlab.running.steps import Steps
 from shaderlab.workers import Limits as PoolLimits
 from shaderlab.workers import Outcome, Pool
@@ -62,7 +63,7 @@ class Crew:
     Args:
         driver: as in `shaderlab.gl.device.open_device`.
         limits: what one scene may take.
-        workers: how many there are.
+        workers: how many there are; None for as many as what is asked for is worth.
         folder: their working directory, by default this process's.
         early: whether one is asked for its driver at once, and not when that is first needed.
     """
@@ -71,7 +72,7 @@ class Crew:
         self,
         driver: str | None = None,
         limits: Limits | None = None,
-        workers: int = 1,
+        workers: int | None = 1,
         folder: Path | None = None,
         early: bool = True,
     ) -> None:
@@ -81,11 +82,13 @@ class Crew:
         self._pool = Pool(
             "shaderlab.running.working:answer",
             limits=PoolLimits(seconds=limits.seconds, memory=int(limits.gigabytes * (1 << 30))),
-            jobs=workers,
+            jobs=1 if workers is None else workers,
+            most=MOST,
             batch=1,
             folder=folder,
             warm="shaderlab.glsl.warming:begin",
         )
+        self._sized = workers is not None
         self._thread = ThreadPoolExecutor(1)
         self._early = early
         if early:
@@ -102,6 +105,7 @@ class Crew:
 
     def load(self, files: Sequence[Path]) -> list[CaseFacts]:
         """See `Team`."""
+        self._widen(len(files))  # each has one variant at least
         outcomes = self._pool.each([Load(file) for file in files])
         return [_facts(file, outcome) for file, outcome in zip(files, outcomes, strict=True)]
 
@@ -116,6 +120,7 @@ class Crew:
         steps = Steps(path)
         sound = [(slot, job) for slot, job in enumerate(jobs) if not job.broken]
         questions = [Perform(setup, job, path, slot) for slot, job in sound]
+        self._widen(len(questions))
 
         def record_of(outcome: Outcome) -> Record:
             question: Perform = outcome.item
@@ -141,6 +146,10 @@ class Crew:
         self._pool.close()
         self._thread.shutdown(wait=True, cancel_futures=True)
         shutil.rmtree(self._folder, ignore_errors=True)
+
+    def _widen(self, variants: int) -> None:
+        if not self._sized:
+            self._pool.widen(suitable(variants))
 
     def _ask_about(self) -> About:
         versions = packages.versions()  # a worker's are the same, and it has enough to import
