@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import datetime
 import tempfile
-import threading
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -15,6 +14,8 @@ from typing import TYPE_CHECKING
 from shaderlab.cli.files import new_run_folder, report_folder
 from shaderlab.cli.replacing import named, parsed, unread
 from shaderlab.cli.requesting import Request, place_of
+from shaderlab.cli.selecting import choose
+from shaderlab.cli.showing import Show
 from shaderlab.errors import UsageError
 from shaderlab.records import Record, Run
 from shaderlab.report.html import load_libraries
@@ -23,7 +24,6 @@ from shaderlab.running.drivers import disagreements, results
 from shaderlab.running.journal import Heading, Journal, read
 
 if TYPE_CHECKING:
-    from shaderlab.cli.showing import Show
     from shaderlab.running import Job
 
 
@@ -41,9 +41,7 @@ class Performed:
 
 def finish(request: Request, team: Team) -> tuple[Performed, Show]:
     """Do what was asked for, or the rest of it. Raises UsageError, CaseError."""
-    prepare_report()
-    from shaderlab.cli.showing import Show
-
+    load_libraries()
     show = Show(to_stderr=request.json_file == "-")
     done: list[Record] = []
     if request.resume is None:
@@ -87,12 +85,6 @@ def _compared(
     return replace(first, run=replace(run, drivers=tuple(found), disagreements=apart))
 
 
-def prepare_report() -> None:
-    """Import what the report needs while workers get ready and draw. Nobody waits for it: a run
-    that is interrupted ends at once."""
-    threading.Thread(target=load_libraries, daemon=True).start()
-
-
 def perform(
     team: Team, heading: Heading, journal: Journal, done: Sequence[Record], show: Show
 ) -> Performed:
@@ -130,8 +122,6 @@ def perform(
 
 def _begun(request: Request, team: Team) -> tuple[Heading, Path]:
     """What is to be run, and the folder for it, made now that there is something to run."""
-    from shaderlab.cli.selecting import choose
-
     replacements = parsed(request.shaders)
     jobs = choose(request.targets, request.every, request.variants, team.load)
     driver = request.rivals()[0] if request.drivers else request.driver

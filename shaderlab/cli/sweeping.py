@@ -103,13 +103,13 @@ def command(target: str | None, params: tuple[str, ...], table: str | None, **as
 def _performed(
     request: Request, team: Team, target: str | None, params: Sequence[str]
 ) -> tuple[Performed, Heading, Show]:
-    from shaderlab.cli.performing import perform, prepare_report
-
-    prepare_report()
+    from shaderlab.cli.performing import perform
     from shaderlab.cli.showing import Show
     from shaderlab.records import Record
+    from shaderlab.report.html import load_libraries
     from shaderlab.running.journal import Journal, read
 
+    load_libraries()
     show = Show()
     done: list[Record] = []
     if request.resume is not None:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import base64
 import hashlib
 import importlib
+import threading
+from collections.abc import Callable
 from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -20,7 +22,7 @@ from shaderlab.report.inline import Pictures
 from shaderlab.report.listing import tools
 
 if TYPE_CHECKING:
-    from jinja2 import Template
+    from jinja2 import Environment, Template
 
 FILE_NAME = "index.html"
 AGAINST_NAME = "against.html"
@@ -74,10 +76,18 @@ def write(run: Run, folder: str | Path, against: tuple[Run, Path] | None = None)
 
 
 def load_libraries() -> None:
-    """Import what pages are made with, and read the templates: a third of a second's work that can
-    be done while workers draw; `write` does it otherwise."""
+    """Begin to import what pages are made with, and to read the templates: a third of a second's
+    work that can be done while workers draw; `write` does it otherwise.
+
+    Nobody waits for it: a run that is interrupted ends at once.
+    """
+    # Here, since modules that import one another are better not imported by two threads.
     from shaderlab.report.environment import environment
 
+    threading.Thread(target=_load, args=(environment,), daemon=True).start()
+
+
+def _load(environment: Callable[[], Environment]) -> None:
     importlib.import_module("cattrs")
     for name in environment().list_templates():
         _template(name)
