@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from shaderlab import model
-from shaderlab.discovery import case_files, data_folder, place
+from shaderlab.discovery import place, shipped_cases
 from shaderlab.errors import CaseError, ShaderlabError, UsageError, nearest
 from shaderlab.model import Case
 
@@ -30,7 +30,7 @@ class Catalogue:
     @classmethod
     def shipped(cls) -> Catalogue:
         """The cases that come with the lab."""
-        return cls.of(case_files(data_folder("cases")))
+        return cls.of(shipped_cases())
 
     @classmethod
     def of(cls, files: Iterable[Path]) -> Catalogue:

@@ -34,16 +34,12 @@ def data_folder(kind: str) -> Path:
 
 def is_case_file(path: Path) -> bool:
     """Whether `path` is a case file; never raises, whatever the file holds."""
-    if path.suffix != ".py" or not _may_be_case(path.name):
+    if not _looks_like_case(path):
         return False
     try:
-        source = path.read_bytes()
+        tree = ast.parse(path.read_bytes())
     except OSError:
         return False
-    if b"shaderlab" not in source or not _ASSIGNS.search(source):
-        return False
-    try:
-        tree = ast.parse(source)
     except (SyntaxError, ValueError):
         return True  # meant as one: loading it reports the mistake, passing it over would not
     return _imports_case(tree) and any(_assigns_case(node) for node in tree.body)
@@ -58,14 +54,10 @@ def case_files(folder: Path) -> Iterator[Path]:
     return filter(is_case_file, _files(folder))
 
 
-def find_case(folder: Path, case_id: str) -> Path | None:
-    """The first case file below `folder` with this id, which is its name; None if there is none.
-
-    Raises:
-        UsageError: as `case_files`.
-    """
-    alike = (path for path in _files(folder) if path.stem.replace("_", "-") == case_id)
-    return next(filter(is_case_file, alike), None)
+def shipped_cases() -> Iterator[Path]:
+    """The case files that come with the lab, sorted. What looks like one there is one, so none of
+    them is parsed: that would take longer than to load it."""
+    return filter(_looks_like_case, _files(data_folder("cases")))
 
 
 def _files(folder: Path) -> Iterator[Path]:
@@ -78,6 +70,17 @@ def _files(folder: Path) -> Iterator[Path]:
             yield entry
         elif not entry.name.startswith(".") and entry.name not in _SKIPPED_FOLDERS:
             yield from _files(entry)
+
+
+def _looks_like_case(path: Path) -> bool:
+    """Whether a file's name and words are those of a case file, wherever in it the words are."""
+    if path.suffix != ".py" or not _may_be_case(path.name):
+        return False
+    try:
+        source = path.read_bytes()
+    except OSError:
+        return False
+    return b"shaderlab" in source and _ASSIGNS.search(source) is not None
 
 
 def _may_be_case(name: str) -> bool:

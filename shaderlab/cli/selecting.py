@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from shaderlab.discovery import case_files, data_folder, find_case, place
+from shaderlab.discovery import case_files, place, shipped_cases
 from shaderlab.errors import CaseError, UsageError, nearest
 from shaderlab.running.jobs import CaseFacts, Job
 
@@ -96,7 +96,7 @@ def select(targets: Sequence[str], every: bool, variants: Sequence[str]) -> list
 
 
 def _shipped() -> tuple[Path, ...]:
-    return tuple(case_files(data_folder("cases")))
+    return tuple(shipped_cases())
 
 
 def _wanted(target: str) -> _Wanted:
@@ -131,11 +131,10 @@ def _existing(path: Path, target: str) -> Path:
 
 def _file_of(case_id: str) -> Path:
     """The shipped case file of this id, which is its name."""
-    file = find_case(data_folder("cases"), case_id)
-    if file is None:
-        known = [shipped.stem.replace("_", "-") for shipped in _shipped()]
+    known = {file.stem.replace("_", "-"): file for file in _shipped()}
+    if case_id not in known:
         raise UsageError(f"there is no case {case_id!r}", remedy=nearest(case_id, known))
-    return file
+    return known[case_id]
 
 
 def _jobs(case: CaseFacts, variant: str | None) -> list[Job]:
