@@ -27,7 +27,7 @@ from shaderlab.running.jobs import (
     Perform,
     Setup,
 )
-from shaderlab.running.sizing import MOST, suitable
+from shaderlab.running.sizing import suitable
 from shaderlab.running.steps import Steps
 from shaderlab.workers import Limits as PoolLimits
 from shaderlab.workers import Outcome, Pool
@@ -83,7 +83,6 @@ class Crew:
             "shaderlab.running.working:answer",
             limits=PoolLimits(seconds=limits.seconds, memory=int(limits.gigabytes * (1 << 30))),
             jobs=1 if workers is None else workers,
-            most=MOST,
             batch=1,
             folder=folder,
             warm="shaderlab.glsl.warming:begin",

@@ -43,9 +43,8 @@ def test_cores_are_those_that_this_process_may_use(monkeypatch: pytest.MonkeyPat
 class Pool:
     """Notes how many workers it is asked to have, and answers without any."""
 
-    def __init__(self, work: str, *, jobs: int, most: int, **_: Any) -> None:
+    def __init__(self, work: str, *, jobs: int, **_: Any) -> None:
         self.asked = [jobs]
-        self.most = most
 
     def start(self) -> None:
         pass
@@ -84,7 +83,6 @@ def test_workers_are_added_when_it_is_known_what_there_is_to_do(
     assert [(r.id, r.variant) for r in records] == [job.key for job in (*jobs, *broken)]
     pool = team._pool
     assert isinstance(pool, Pool) and pool.asked == asked
-    assert pool.most == sizing.MOST
 
 
 def test_without_j_the_number_is_left_to_the_crew(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -172,14 +172,23 @@ def test_a_worker_that_was_started_early_is_the_one_that_works(work: str) -> Non
 
 
 def test_workers_that_are_not_needed_are_not_started(work: str) -> None:
-    with Pool(work, jobs=1, most=3, batch=1) as pool:
+    with Pool(work, jobs=1, batch=1) as pool:
         assert len({outcome.result for outcome in pool.each(["slow"] * 3)}) == 1
         pool.widen(2)
         assert len({outcome.result for outcome in pool.each(["slow"] * 6)}) == 2
         pool.widen(1)
-        pool.widen(9)
-        assert len(pool._processes) == 3
+        assert len(pool._processes) == 2
     with Pool(work, jobs=3, batch=1) as pool:
         for _ in range(4):
             (_,) = pool.each(["pid"])
         assert [process._child is None for process in pool._processes] == [False, True, True]
+
+
+def test_no_item_overtakes_another_on_its_way_to_a_worker(work: str) -> None:
+    """One that waits for a worker has a thread; were there more threads than workers, whoever has
+    just given its worker back would take it again, for a later item."""
+    with Pool(work, jobs=1, batch=1) as pool:
+        for _ in range(3):
+            done: list[int] = []
+            list(pool.each(range(60), lambda outcome, done=done: done.append(outcome.item)))
+            assert done == list(range(60))
