@@ -29,6 +29,7 @@ from shaderlab.gl.device import Device, open_device
 from shaderlab.gl.opinion import driver_verdict
 from shaderlab.gl.prepare import Preparer
 from shaderlab.gl.runner import Drawn, Prepared, Runner, Session, step
+from shaderlab.glsl.kept import compiler
 from shaderlab.glsl.sources import Source
 from shaderlab.model import GlCall, GlError, Scene, Sweep, Value
 from shaderlab.pipeline import album, frames, plan, refusals, write_up
@@ -225,7 +226,7 @@ class Lab:
             draft.portrait(book.portrait(drawn.images[wanted]), book.passes(scene, drawn.images))
 
     def _preparer_beside(self, folder: str) -> Preparer:
-        return Preparer(shaders_beside(Path(folder), self.options.shaders))
+        return Preparer(shaders_beside(Path(folder), self.options.shaders), compiler())
 
 
 @contextmanager
