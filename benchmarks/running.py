@@ -143,11 +143,19 @@ def phases(report: Path) -> dict[str, float]:
 
 
 def fixed(folder: Path) -> None:
-    """What a command with one small case costs."""
+    """What a command with one small case costs, and a worker more."""
     running_programs.write(folder / "one", 1, 16)
     for title, kept in (("nothing kept", None), ("compiled before", folder / "kept")):
         cost = measure(lambda kept=kept: lab(folder / "one", folder / "one-run", kept=kept))
         print(f"one small case, {title}: {cost.wall:.2f} s, {cost.cpu:.2f} s CPU")
+    running_programs.write(folder / "eight", 8, 16)
+    alone, beside = (
+        measure(
+            lambda j=j: lab(folder / "eight", folder / "eight-run", "-j", j, kept=folder / "kept")
+        )
+        for j in "12"
+    )
+    print(f"a second worker: {beside.cpu - alone.cpu:.2f} s CPU")
 
 
 def piglit(folder: Path, count: int, size: int) -> None:

@@ -134,7 +134,7 @@ def _kept() -> Finding:
 
 
 def _data() -> Iterator[Finding]:
-    from .catalogue import data_folder
+    from .discovery import data_folder
 
     for kind in ("shaders", "cases"):
         try:

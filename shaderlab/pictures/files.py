@@ -6,8 +6,6 @@ Files have the top row first, OpenGL the lowest; the flip happens here and nowhe
 from __future__ import annotations
 
 import os
-import secrets
-import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +19,11 @@ Floats = NDArray[np.float32]
 
 LARGEST_SIDE = 16384
 _PNG_FILTER_SUB = 16  # libpng's number for "each byte less the one to the left"
+
+
+def load_library() -> None:
+    """Load what reads and writes image files; the first picture does it otherwise."""
+    import OpenImageIO  # noqa: F401
 
 
 def save_png(path: str | Path, array: NDArray[Any], *, min_side: int = 1) -> None:
@@ -47,7 +50,7 @@ def save_png(path: str | Path, array: NDArray[Any], *, min_side: int = 1) -> Non
     height, width, channels = top_first.shape
 
     # Not mkstemp: its files can be read by their owner only, and reports are for sharing.
-    temporary = target.with_name(f".{target.stem}.{secrets.token_hex(6)}.png")
+    temporary = target.with_name(f".{target.stem}.{os.urandom(6).hex()}.png")
     spec = oiio.ImageSpec(width, height, channels, "uint8")
     spec.attribute("oiio:UnassociatedAlpha", 1)
     # A third of the default's time, for files a tenth larger.
@@ -136,6 +139,8 @@ def thumbnail(path: str | Path, side: int) -> bytes:
     if max(pixels.shape[:2]) <= side:
         return source.read_bytes()
     small = reduced(np.rint(pixels * 255).astype(np.uint8), side)
+    import tempfile
+
     with tempfile.TemporaryDirectory(prefix="shaderlab-") as folder:
         copy = Path(folder) / "small.png"
         save_png(copy, small)
