@@ -55,7 +55,8 @@ class Album:
         display = pictures.to_display(_colours(image))
         file = self._save("picture", display.image, 256)
         if min(display.image.shape[:2]) >= 256:
-            pictures.save_previews(self._folder / file, display.image, (0, PREVIEW_SIDE))
+            pictures.save_previews(self._folder / file, display.image, (0,))
+            self._preview(file, display.image)
         return Shown({"picture": file}, {"picture": display.caption})
 
     def passes(
@@ -97,17 +98,19 @@ class Album:
         """
         if self._folder is None or not arrays:
             return Shown()
-        distance = arrays["distance"]
+        distance, shown = arrays["distance"], {w: arrays[w] for w in ("measured", "reference")}
         covered = arrays.get("covered", np.ones(distance.shape, bool))
-        shown = {w: np.where(covered[..., None], arrays[w], 0) for w in ("measured", "reference")}
-        span = _common_range(*(values[covered] for values in shown.values()))
+        partly = not covered.all()
+        span = _common_range(*(values[covered] if partly else values for values in shown.values()))
+        if partly:
+            shown = {what: np.where(covered[..., None], v, 0) for what, v in shown.items()}
         files: dict[str, str] = {}
         captions: dict[str, str] = {}
         displayed: dict[str, Array] = {}
         for what, values in shown.items():
-            kept = values.astype(arrays[what].dtype)
-            display = pictures.to_display(kept, value_range=span)
-            display.image[~covered, :3] = pictures.UNCOVERED
+            display = pictures.to_display(values, value_range=span)
+            if partly:
+                display.image[~covered, :3] = pictures.UNCOVERED
             captions[what] = display.caption
             twin = displayed.get("measured")
             if twin is not None and np.array_equal(twin, display.image):

@@ -111,7 +111,8 @@ class Pictures:
         width, height = struct.unpack(">II", head[16:24])
         longest = max(width, height, 1)
         scale = float(max(1, -(-_SMALL // longest)) if longest < _SMALL else 1)
-        if side and longest > side:
+        side = side if longest > side else 0
+        if side:
             scale = side / longest
         shown = max(1, round(width * scale)), max(1, round(height * scale))
         return Picture(path, *shown, pixelated=scale >= 1 and width <= 600, side=side)
