@@ -15,7 +15,7 @@ from shaderlab.pictures.display import (
     distance_picture,
     to_display,
 )
-from shaderlab.pictures.files import LARGEST_SIDE, load, reduced, save_png, thumbnail
+from shaderlab.pictures.files import LARGEST_SIDE, copy_png, load, reduced, save_png, thumbnail
 from shaderlab.pictures.palette import palette
 from shaderlab.pictures.previews import preview, save_previews
 from shaderlab.pictures.values import WINDOW, Values, judged_part, pack, unpack
@@ -31,6 +31,7 @@ __all__ = [
     "WINDOW",
     "Display",
     "Values",
+    "copy_png",
     "distance_picture",
     "judged_part",
     "load",

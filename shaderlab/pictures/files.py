@@ -7,7 +7,10 @@ from __future__ import annotations
 
 import os
 import secrets
+import shutil
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -46,37 +49,54 @@ def save_png(path: str | Path, array: NDArray[Any], *, min_side: int = 1) -> Non
     top_first = np.ascontiguousarray(pixels[::-1])
     height, width, channels = top_first.shape
 
-    # Not mkstemp: its files can be read by their owner only, and reports are for sharing.
-    temporary = target.with_name(f".{target.stem}.{secrets.token_hex(6)}.png")
     spec = oiio.ImageSpec(width, height, channels, "uint8")
     spec.attribute("oiio:UnassociatedAlpha", 1)
     # A third of the default's time, for files a tenth larger.
     spec.attribute("png:compressionLevel", 3)
     spec.attribute("png:filter", _PNG_FILTER_SUB)
     output = oiio.ImageOutput.create("png")
-    problem = ""
-    if output is None:
-        problem = oiio.geterror() or "no PNG writer"
-    elif not output.open(str(temporary), spec):
-        problem = output.geterror()
-    else:
+    with _whole(target) as temporary:
+        if output is None:
+            raise _Unwritten(oiio.geterror() or "no PNG writer")
+        if not output.open(str(temporary), spec):
+            raise _Unwritten(output.geterror())
         written = output.write_image(top_first)
         closed = output.close()
         if not (written and closed):
-            problem = output.geterror() or "the file could not be finished"
+            raise _Unwritten(output.geterror() or "the file could not be finished")
+
+
+def copy_png(path: str | Path, source: Path) -> None:
+    """Write a picture that is in the file `source` already, whole or not at all.
+
+    Raises:
+        AssetError: the file can't be written.
+    """
+    with _whole(Path(path)) as temporary:
+        shutil.copyfile(source, temporary)
+
+
+class _Unwritten(Exception):
+    """Why the library could not write a picture."""
+
+
+@contextmanager
+def _whole(target: Path) -> Iterator[Path]:
+    """A file to write to, which takes the place of `target` if all goes well."""
+    # Not mkstemp: its files can be read by their owner only, and reports are for sharing.
+    temporary = target.with_name(f".{target.stem}.{secrets.token_hex(6)}.png")
     try:
-        if not problem:
-            os.replace(temporary, target)
-    except OSError as error:
-        problem = error.strerror or str(error)
-    finally:
-        temporary.unlink(missing_ok=True)
-    if problem:
+        yield temporary
+        os.replace(temporary, target)
+    except (_Unwritten, OSError) as error:
+        problem = (error.strerror if isinstance(error, OSError) else None) or str(error)
         raise AssetError(
             f"can't write the picture ({problem})",
             file=target,
             remedy="check that the folder exists, may be written to, and has room",
-        )
+        ) from error
+    finally:
+        temporary.unlink(missing_ok=True)
 
 
 def load(path: str | Path) -> Floats:

@@ -47,6 +47,7 @@ class Album:
     def __init__(self, folder: Path | None, case_id: str, variant: str) -> None:
         self._folder = folder
         self._stem = f"{_safe(case_id)}--{_safe(variant)}"
+        self._saved: dict[tuple[bytes, tuple[int, ...], int], Path] = {}
 
     def portrait(self, image: Image) -> Shown:
         """The case's picture."""
@@ -158,8 +159,15 @@ class Album:
         return relative
 
     def _save(self, label: str, image: Array, side: int) -> str:
+        """Write a picture; what several checks of a scene show alike is encoded once."""
         relative, path = self._file(label, "png")
-        pictures.save_png(path, image, min_side=side)
+        pixels = np.ascontiguousarray(image)
+        key = hashlib.blake2b(pixels.data, digest_size=16).digest(), pixels.shape, side
+        if key in self._saved:
+            pictures.copy_png(path, self._saved[key])
+        else:
+            pictures.save_png(path, pixels, min_side=side)
+            self._saved[key] = path
         return relative
 
     def _file(self, label: str, suffix: str) -> tuple[str, Path]:

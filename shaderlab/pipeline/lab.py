@@ -181,10 +181,10 @@ class Lab:
             frames.save(self.options.frames, scene.case.id, scene.variant, drawn.images)
         draft.notice_inactive(drawn.inactive)
         _expect_no_errors(scene, drawn)
-        self._judge(scene, frame, said, draft)
+        self._judge(scene, frame, said, draft, book)
         if self.options.folder is not None:
             with doing("picture", "drawing the picture"):
-                self._portrait(scene, self._enlarged(scene, prepared, drawn), draft)
+                self._portrait(scene, self._enlarged(scene, prepared, drawn), draft, book)
 
     def _opinion(self, sources: tuple[Source, ...]) -> Verdict:
         """The driver's own verdict on a program, asked for once."""
@@ -198,8 +198,8 @@ class Lab:
         frame: Frame,
         said: Mapping[int, Answer | Complaint],
         draft: write_up.Draft,
+        book: album.Album,
     ) -> None:
-        book = album.Album(self.options.folder, scene.case.id, scene.variant)
         for index, expectation in enumerate(scene.expect):
             seen = album.Shown()
             try:
@@ -232,9 +232,10 @@ class Lab:
         with self.runner.session(scene, prepared, (self.options.picture_size,) * 2) as session:
             return session.run()
 
-    def _portrait(self, scene: Scene, drawn: Drawn, draft: write_up.Draft) -> None:
+    def _portrait(
+        self, scene: Scene, drawn: Drawn, draft: write_up.Draft, book: album.Album
+    ) -> None:
         wanted = plan.picture_of(scene, drawn.images)
-        book = album.Album(self.options.folder, scene.case.id, scene.variant)
         with _unless_unwritable(draft):
             draft.portrait(book.portrait(drawn.images[wanted]), book.passes(scene, drawn.images))
 
