@@ -165,10 +165,11 @@ def judge_band(
     for start in range(0, max(len(measured), 1), CHUNK):
         rows = slice(start, start + CHUNK)
         some = measured[rows]
-        if not start:
-            exact.piece(0)  # a formula that fails on arrays fails here, whoever looks at it
-        part = inputs.part(rows)
-        band = evaluate(reference, part, rules=chosen, decimal=False, asked=asked)
+        try:
+            band = evaluate(reference, inputs.part(rows), rules=chosen, decimal=False, asked=asked)
+        except FormulaError:
+            exact.piece(0)  # what plain numbers already show is told of them
+            raise
         if not isinstance(band, Band):
             band = Band.literal(np.asarray(band, np.float64), chosen)
         _check_shape(reference, band, some)

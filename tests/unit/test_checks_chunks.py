@@ -51,7 +51,7 @@ def test_pieces_are_judged_as_the_whole(monkeypatch: pytest.MonkeyPatch, chunk: 
 
 
 def test_float64_is_asked_only_for_what_is_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The first piece, which tells whether the formula works, and that of the worst value."""
+    """Of a check without pictures, the piece of the worst value."""
     asked: list[int] = []
 
     def counted(normal: Any, light: Any, gain: Any) -> Any:
@@ -63,21 +63,31 @@ def test_float64_is_asked_only_for_what_is_looked_at(monkeypatch: pytest.MonkeyP
     values = measured(given)
     monkeypatch.setattr(banded, "CHUNK", 10)
     judged = judge_band(values, counted, given, rules=None)
-    assert asked == [10]
+    assert asked == []
     found = judged.worst()
-    assert found is not None and asked == [10, 10]  # value 57
+    assert found is not None and asked == [10]
     np.testing.assert_array_equal(judged.exact.at(57), judged.reference[57])
     assert sum(asked) == 95
 
 
-def test_a_formula_that_fails_in_float64_fails_at_once() -> None:
+def test_a_formula_that_fails_in_float64_only_is_no_pass() -> None:
     def fails(normal: Any, light: Any, gain: Any) -> Any:
         if isinstance(normal, np.ndarray):
             raise ValueError("not for arrays")
         return shaded(normal, light, gain)
 
     given = inputs(100)
+    judged = judge_band(measured(given), fails, given, rules=None)
     with pytest.raises(FormulaError, match="not for arrays"):
+        judged.worst()
+
+
+def test_what_fails_on_plain_numbers_is_told_of_them() -> None:
+    def fails(normal: Any, light: Any, gain: Any) -> Any:
+        return shaded(normal, light, gain) if (normal > 0.0).all() else missing  # type: ignore[name-defined]  # noqa: F821
+
+    given = inputs(100)
+    with pytest.raises(FormulaError, match="NameError"):
         judge_band(measured(given), fails, given, rules=None)
 
 
