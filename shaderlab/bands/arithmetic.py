@@ -18,6 +18,8 @@ A plain band has no `mag` of its own (None: its own absolute value), and pays no
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -28,11 +30,13 @@ from shaderlab.bands.rounding import (
     SMALLEST_NORMAL,
     Flags,
     Floats,
+    add_above,
+    add_below,
+    finite,
     is_power_of_two,
-    two_sum,
     widened_by_ulps,
 )
-from shaderlab.bands.terms import Terms, combined, is_tiny, reach_of
+from shaderlab.bands.terms import Terms, combined, is_tiny, least_of, reach_of
 
 if TYPE_CHECKING:
     from shaderlab.bands.band import Band
@@ -49,58 +53,88 @@ def add(a: Band, b: Band) -> Band:
     """a + b, correctly rounded in either direction."""
     a_lo, a_hi = a.settled()
     b_lo, b_hi = b.settled()
-    lo, lost_lo = two_sum(a_lo, b_lo)
-    if a_lo is a_hi and b_lo is b_hi:
-        hi, lost_hi = lo, lost_lo
-    else:
-        hi, lost_hi = two_sum(a_hi, b_hi)
+    lo, hi = add_below(a_lo, b_lo), add_above(a_hi, b_hi)
+    if a_lo is a_hi and b_lo is b_hi and (lo == hi).all():
+        hi = lo
     nan = None
-    if not (np.isfinite(lo).all() and np.isfinite(hi).all()):
+    if not finite(lo, hi):
         nan = ((a_hi == np.inf) & (b_lo == -np.inf)) | ((a_lo == -np.inf) & (b_hi == np.inf))
     if not a.rules.rearrange:
-        return a.made(lo, hi, b, residue=(lost_lo, lost_hi), nan=nan)
+        return a.made(lo, hi, b, nan=nan)
     mag_a, mag_b = a.mag, b.mag
     mag = mag_a + mag_b
+    least = least_of(mag)
     reach = None
-    if is_tiny(mag, a.terms, b.terms):
+    if is_tiny(mag, least, a.terms, b.terms):
         reach = reach_of(mag_a, a.terms) + reach_of(mag_b, b.terms)
-    terms = Terms(mag, None, a.count + b.count, reach)
-    # Adding an exact zero is no sum: no compiler keeps it.
-    step = np.where((mag_a > 0.0) & (mag_b > 0.0), terms.step(), 0.0)
+    terms = Terms(mag, None, a.count + b.count, reach, least)
+    step = terms.step()
+    if least_of(mag_a) <= 0.0 or least_of(mag_b) <= 0.0:
+        # Adding an exact zero is no sum: no compiler keeps it.
+        step = np.where((mag_a > 0.0) & (mag_b > 0.0), step, 0.0)
     if a.is_plain and b.is_plain:
-        terms = Terms(mag, step, terms.count, reach)
-    else:
-        if a.count > 1:
-            step = step + (a.count - 1) * RELATIVE_STEP * mag_b
-        if b.count > 1:
-            step = step + (b.count - 1) * RELATIVE_STEP * mag_a
-        uncancelled = mag * UNCANCELLED
-        not_negative = (a.lo >= 0.0) & (b.lo >= 0.0) & ((a_lo + b_lo >= step) | (hi >= uncancelled))
-        not_positive = (
-            (a.hi <= 0.0) & (b.hi <= 0.0) & ((a_hi + b_hi <= -step) | (-lo >= uncancelled))
-        )
-        lo, hi = _moved_out(lo, hi, step, not_negative, not_positive)
-    return a.made(lo, hi, b, residue=(lost_lo, lost_hi), nan=nan, terms=terms)
+        return a.made(lo, hi, b, nan=nan, terms=replace(terms, slack=step))
+    if a.count > 1:
+        step = step + (a.count - 1) * RELATIVE_STEP * mag_b
+    if b.count > 1:
+        step = step + (b.count - 1) * RELATIVE_STEP * mag_a
+
+    def not_negative(crossed: Flags) -> Flags:
+        found: Flags = crossed & (a.lo >= 0.0) & (b.lo >= 0.0)
+        if found.any():
+            found &= (a_lo + b_lo >= step) | (hi >= mag * UNCANCELLED)
+        return found
+
+    def not_positive(crossed: Flags) -> Flags:
+        found: Flags = crossed & (a.hi <= 0.0) & (b.hi <= 0.0)
+        if found.any():
+            found &= (a_hi + b_hi <= -step) | (-lo >= mag * UNCANCELLED)
+        return found
+
+    moved = _moved_out(lo, hi, step, not_negative, not_positive)
+    return a.made(*moved, b, nan=nan, terms=terms)
 
 
 def _moved_out(
-    lo: Floats, hi: Floats, step: Floats, not_negative: Flags, not_positive: Flags
+    lo: Floats,
+    hi: Floats,
+    step: Floats,
+    not_negative: Callable[[Flags], Flags],
+    not_positive: Callable[[Flags], Flags],
 ) -> tuple[Floats, Floats]:
     """Bounds moved out by a step, which does not take a result past zero that can't have its sign.
 
     Operands of one sign, once settled, are further from zero than any rearrangement can err.
+    `not_negative` and `not_positive` say which of the results that crossed zero can't have.
     """
     out_lo, out_hi = lo - step, hi + step
+    crossed = out_lo < 0.0
+    if crossed.any():
+        np.copyto(out_lo, 0.0, where=not_negative(crossed))
+    crossed = out_hi > 0.0
+    if crossed.any():
+        np.copyto(out_hi, 0.0, where=not_positive(crossed))
+    return out_lo, out_hi
+
+
+def _safe_signs(
+    lo: Floats, hi: Floats, terms: Terms, least: Floats | None = None
+) -> tuple[Callable[[Flags], Flags], Callable[[Flags], Flags]]:
+    """For `_moved_out`: where a settled sum times or over a plain value keeps its sign, its terms
+    distributed; and where it is of the size `least` at least, if that is asked for."""
+
+    def kept(crossed: Flags, sided: Flags, size: Floats) -> Flags:
+        found: Flags = crossed & sided
+        if found.any():
+            found &= terms.safe()
+            if least is not None:
+                found &= size >= least
+        return found
+
     return (
-        np.where(not_negative, np.maximum(out_lo, 0.0), out_lo),
-        np.where(not_positive, np.minimum(out_hi, 0.0), out_hi),
+        lambda crossed: kept(crossed, lo >= 0.0, hi),
+        lambda crossed: kept(crossed, hi <= 0.0, -lo),
     )
-
-
-def _signs(lo: Floats, hi: Floats, terms: Terms) -> tuple[Flags, Flags]:
-    """Where a settled sum times or over a plain value keeps its sign, its terms distributed."""
-    safe = terms.safe()
-    return (lo >= 0.0) & safe, (hi <= 0.0) & safe
 
 
 def _product_bounds(
@@ -109,19 +143,28 @@ def _product_bounds(
     """The hull of the products of the ends. Exact: 24 + 24 bits fit into float64."""
     if b_lo is b_hi:
         a_lo, a_hi, b_lo, b_hi = b_lo, b_hi, a_lo, a_hi
-    first = a_lo * b_lo
-    if b_lo is b_hi:
-        if a_lo is a_hi:
-            return first, first
-        second = a_hi * b_lo
-        return np.fmin(first, second), np.fmax(first, second)
-    second = a_lo * b_hi
-    lo, hi = np.fmin(first, second), np.fmax(first, second)
     if a_lo is a_hi:
-        return lo, hi
-    third, fourth = a_hi * b_lo, a_hi * b_hi
-    # fmin, fmax: 0·inf beside finite products adds a NaN, not a bound.
-    return np.fmin(lo, np.fmin(third, fourth)), np.fmax(hi, np.fmax(third, fourth))
+        first = a_lo * b_lo
+        if b_lo is b_hi:
+            return first, first
+        second = a_lo * b_hi
+        return np.fmin(first, second), np.fmax(first, second)
+    if least_of(a_lo) >= 0.0:
+        a_lo, a_hi, b_lo, b_hi = b_lo, b_hi, a_lo, a_hi
+    if least_of(b_lo) >= 0.0:
+        if least_of(a_lo) >= 0.0:
+            lo, hi = a_lo * b_lo, a_hi * b_hi
+        else:
+            lo = np.minimum(a_lo * b_lo, a_lo * b_hi)
+            hi = np.maximum(a_hi * b_lo, a_hi * b_hi)
+        # Where 0·inf adds a NaN, not a bound, all four products are looked at.
+        if finite(lo, hi):
+            return lo, hi
+    first, second, third, fourth = a_lo * b_lo, a_lo * b_hi, a_hi * b_lo, a_hi * b_hi
+    return (
+        np.fmin(np.fmin(first, second), np.fmin(third, fourth)),
+        np.fmax(np.fmax(first, second), np.fmax(third, fourth)),
+    )
 
 
 def _zero_times_infinity(a_lo: Floats, a_hi: Floats, b_lo: Floats, b_hi: Floats) -> Flags:
@@ -150,33 +193,31 @@ def multiply(a: Band, b: Band) -> Band:
     b_lo, b_hi = b.settled()
     lo, hi = _product_bounds(a_lo, a_hi, b_lo, b_hi)
     nan = None
-    if not (np.isfinite(lo).all() and np.isfinite(hi).all()):
+    if not finite(lo, hi):
         nan = _zero_times_infinity(a_lo, a_hi, b_lo, b_hi)
     if not a.rules.rearrange:
         return a.made(lo, hi, b, nan=nan)
     mag_a, mag_b = a.mag, b.mag
     mag = mag_a * mag_b
     reach = None
-    if is_tiny(mag, a.terms, b.terms):
+    least = least_of(mag)
+    if is_tiny(mag, least, a.terms, b.terms):
         reach = np.maximum(reach_of(mag_a, a.terms) * reach_of(mag_b, b.terms), 1.0)
-    terms = Terms(mag, None, a.count * b.count, reach)
+    terms = Terms(mag, None, a.count * b.count, reach, least)
     if a.is_plain and b.is_plain:
         return a.made(lo, hi, b, nan=nan, terms=terms)
     # (a + b)·(c + d) may become four products and three sums, each of the size of the terms.
     steps = 1 if a.is_plain or b.is_plain else max(3, terms.count - 1)
-    not_negative, not_positive = _signs(lo, hi, terms)
-    if steps > 1:
-        not_negative &= hi >= mag * UNCANCELLED
-        not_positive &= -lo >= mag * UNCANCELLED
-    lo, hi = _moved_out(lo, hi, steps * terms.step(), not_negative, not_positive)
-    return a.made(lo, hi, b, nan=nan, terms=terms)
+    keeps = _safe_signs(lo, hi, terms, mag * UNCANCELLED if steps > 1 else None)
+    moved = _moved_out(lo, hi, steps * terms.step() if steps > 1 else terms.step(), *keeps)
+    return a.made(*moved, b, nan=nan, terms=terms)
 
 
 def _scaled(a: Band, scale: Band) -> Band:
     """a · ±2^k: nothing is rounded, so a pending slack stays pending."""
     lo, hi = _product_bounds(a.lo, a.hi, scale.lo, scale.lo)
     nan = None
-    if not (np.isfinite(lo).all() and np.isfinite(hi).all()):
+    if not finite(lo, hi):
         nan = _zero_times_infinity(a.lo, a.hi, scale.lo, scale.lo)
     return a.made(lo, hi, scale, nan=nan, terms=_scaled_terms(a, np.abs(scale.lo)))
 
@@ -184,11 +225,12 @@ def _scaled(a: Band, scale: Band) -> Band:
 def _scaled_terms(a: Band, factor: Floats) -> Terms | None:
     terms = a.terms
     if terms is None:
-        if not a.rules.rearrange or not is_tiny(a.mag * factor):
+        scaled = a.mag * factor
+        if not a.rules.rearrange or not is_tiny(scaled, least_of(scaled)):
             return None
         # Small times large: the small one may meet another small one first.
         large = np.maximum(a.mag, 1.0) * np.maximum(factor, 1.0)
-        return Terms(a.mag * factor, reach=large) if (large > 1.0).any() else None
+        return Terms(scaled, reach=large) if (large > 1.0).any() else None
     slack = reach = None
     if terms.slack is not None:
         scaled = terms.slack * factor
@@ -216,43 +258,67 @@ def square(a: Band) -> Band:
 
 def _squared(a: Band, product: Floats) -> Terms:
     mag = np.minimum(product, LARGEST)
-    reach = None
-    if is_tiny(mag, a.terms):
+    reach, least = None, least_of(mag)
+    if is_tiny(mag, least, a.terms):
         reach = np.maximum(reach_of(a.mag, a.terms) ** 2, 1.0)
-    return Terms(mag, reach=reach)
+    return Terms(mag, reach=reach, least=least)
 
 
 @np.errstate(all="ignore")
 def divide(a: Band, b: Band) -> Band:
     """a / b within 2.5 ULP where 2^-126 ≤ |b| ≤ 2^126; anything elsewhere."""
     a_lo, a_hi = a.settled()
-    smallest = np.minimum(np.abs(b.lo), np.abs(b.hi))
-    outside = (
-        (smallest < SMALLEST_NORMAL)
-        | (np.maximum(np.abs(b.lo), np.abs(b.hi)) > LARGEST_DIVISOR)
-        | ((b.lo <= 0.0) & (b.hi >= 0.0))
-    )
-    exact_divisor = b.lo is b.hi
     b_lo, b_hi = b.lo, b.hi
-    if outside.any():
-        b_lo = np.where(outside, 1.0, b_lo)
-        b_hi = b_lo if exact_divisor else np.where(outside, 1.0, b_hi)
-        smallest = np.where(outside, 1.0, smallest)
-    low, high = a_lo / b_lo, a_hi / b_lo
-    lo, hi = np.minimum(low, high), np.maximum(low, high)
-    if not exact_divisor:
-        low, high = a_lo / b_hi, a_hi / b_hi
-        lo, hi = np.minimum(lo, np.minimum(low, high)), np.maximum(hi, np.maximum(low, high))
+    outside = None
+    if least_of(b_lo) >= SMALLEST_NORMAL and b_hi.size and b_hi.max() <= LARGEST_DIVISOR:
+        smallest = b_lo
+    else:
+        b_lo, b_hi, smallest, outside = _usable_divisor(b_lo, b_hi)
+    lo, hi = _quotient_bounds(a_lo, a_hi, b_lo, b_hi)
     lo, hi = widened_by_ulps(lo, hi, DIVISION_ULPS, DIVISION_ULPS)
     if a.terms is None:
         return a.made(lo, hi, b, anything=outside)
     mag = a.terms.mag / smallest
-    reach = None
-    if is_tiny(mag, a.terms):
+    reach, least = None, least_of(mag)
+    if is_tiny(mag, least, a.terms):
         reach = reach_of(a.mag, a.terms) * np.maximum(1.0 / smallest, 1.0)
-    terms = Terms(mag, None, a.count, reach)
-    lo, hi = _moved_out(lo, hi, DIVISION_ULPS * terms.step(), *_signs(lo, hi, terms))
-    return a.made(lo, hi, b, anything=outside, terms=terms)
+    terms = Terms(mag, None, a.count, reach, least)
+    moved = _moved_out(lo, hi, DIVISION_ULPS * terms.step(), *_safe_signs(lo, hi, terms))
+    return a.made(*moved, b, anything=outside, terms=terms)
+
+
+def _usable_divisor(b_lo: Floats, b_hi: Floats) -> tuple[Floats, Floats, Floats, Flags]:
+    """The divisor's bounds and its smallest absolute value, 1 where it is outside the range that
+    has a precision; and where that is."""
+    low, high = np.abs(b_lo), np.abs(b_hi)
+    smallest = np.minimum(low, high)
+    outside = (
+        (smallest < SMALLEST_NORMAL)
+        | (np.maximum(low, high) > LARGEST_DIVISOR)
+        | ((b_lo <= 0.0) & (b_hi >= 0.0))
+    )
+    if not outside.any():
+        return b_lo, b_hi, smallest, outside
+    usable_lo = np.where(outside, 1.0, b_lo)
+    usable_hi = usable_lo if b_lo is b_hi else np.where(outside, 1.0, b_hi)
+    return usable_lo, usable_hi, np.where(outside, 1.0, smallest), outside
+
+
+def _quotient_bounds(
+    a_lo: Floats, a_hi: Floats, b_lo: Floats, b_hi: Floats
+) -> tuple[Floats, Floats]:
+    """The hull of the quotients of the ends; no divisor is zero."""
+    if a_lo is a_hi and b_lo is b_hi:
+        quotient = a_lo / b_lo
+        return quotient, quotient
+    if least_of(a_lo) >= 0.0 and least_of(b_lo) > 0.0:
+        return a_lo / b_hi, a_hi / b_lo
+    low, high = a_lo / b_lo, a_hi / b_lo
+    lo, hi = np.minimum(low, high), np.maximum(low, high)
+    if b_lo is not b_hi:
+        low, high = a_lo / b_hi, a_hi / b_hi
+        lo, hi = np.minimum(lo, np.minimum(low, high)), np.maximum(hi, np.maximum(low, high))
+    return lo, hi
 
 
 @np.errstate(all="ignore")
@@ -261,67 +327,53 @@ def sum_last(a: Band) -> Band:
     if a.shape[-1] == 1:
         return a
     a_lo, a_hi = a.settled()
-    lo, lost_lo = _running_sum(a_lo)
-    hi, lost_hi = (lo, lost_lo) if a_lo is a_hi else _running_sum(a_hi)
+    lo, hi = _over_last(a_lo, add_below), _over_last(a_hi, add_above)
+    if a_lo is a_hi and (lo == hi).all():
+        hi = lo
     nan = None
-    if not (np.isfinite(lo).all() and np.isfinite(hi).all()):
+    if not finite(lo, hi):
         rises = (a_hi == np.inf).sum(axis=-1, keepdims=True)
         falls = (a_lo == -np.inf).sum(axis=-1, keepdims=True)
         both = ((a_hi == np.inf) & (a_lo == -np.inf)).sum(axis=-1, keepdims=True)
         nan = rises * falls > both
     sizes = a.mag
-    mag = _total(sizes)
-    reach = None
-    if is_tiny(mag, a.terms):
-        reach = _total(np.broadcast_to(reach_of(sizes, a.terms), sizes.shape))
+    mag = _over_last(sizes, np.add)
+    reach, least = None, least_of(mag)
+    if is_tiny(mag, least, a.terms):
+        reach = _over_last(np.broadcast_to(reach_of(sizes, a.terms), sizes.shape), np.add)
     # The terms of the products are not counted: no compiler expands what a dot product is given.
-    terms = Terms(mag, None, a.shape[-1], reach)
-    count = _total((sizes > 0.0).astype(np.float64))
+    terms = Terms(mag, None, a.shape[-1], reach, least)
     step = terms.step()
+    count: Any = float(a.shape[-1])
+    no_zeros = least_of(sizes) > 0.0
+    if not no_zeros:
+        count = _over_last((sizes > 0.0).astype(np.float64), np.add)
     # All partial sums but the last, which `made` rounds, may each lose a step.
     between = np.maximum(count - 2.0, 0.0) * step
-    lo, hi = _moved_out(lo, hi, between, _everywhere(a_lo >= 0.0), _everywhere(a_hi <= 0.0))
-    slack = np.where(count >= 2.0, step, 0.0)
-    return a.flags_over_last().made(
+    lo, hi = _moved_out(
         lo,
         hi,
-        residue=(lost_lo, lost_hi),
-        nan=nan,
-        terms=Terms(mag, slack, terms.count, reach) if a.rules.rearrange else None,
+        between,
+        lambda crossed: crossed & _over_last(a_lo >= 0.0, np.logical_and),
+        lambda crossed: crossed & _over_last(a_hi <= 0.0, np.logical_and),
     )
+    if not a.rules.rearrange:
+        return a.flags_over_last().made(lo, hi, nan=nan)
+    slack = step if no_zeros else np.where(count >= 2.0, step, 0.0)
+    terms = replace(terms, slack=slack)
+    return a.flags_over_last().made(lo, hi, nan=nan, terms=terms)
 
 
-def _components(values: Any) -> list[Any]:
-    """The components along the last axis, which stays with size 1. Taken one by one, because
-    NumPy's reductions of so few numbers spend their time between them."""
-    return [values[..., j : j + 1] for j in range(values.shape[-1])]
+def _over_last(values: Any, join: Callable[[Any, Any], Any]) -> Any:
+    """The components along the last axis, which stays with size 1, joined from first to last.
 
-
-def _total(values: Floats) -> Floats:
-    """The sum over the last axis, from the first component to the last."""
-    first, *rest = _components(values)
-    total: Floats = first
-    for one in rest:
-        total = total + one
-    return total
-
-
-def _everywhere(found: Flags) -> Flags:
-    """Where all components have it."""
-    first, *rest = _components(found)
-    every: Flags = first
-    for one in rest:
-        every = every & one
-    return every
-
-
-def _running_sum(values: Floats) -> tuple[Floats, Floats]:
+    They are taken one by one, because NumPy's reductions of so few numbers spend their time
+    between them.
+    """
     total = values[..., 0:1]
-    lost = np.zeros(1)
     for j in range(1, values.shape[-1]):
-        total, residue = two_sum(total, values[..., j : j + 1])
-        lost = lost + residue
-    return total, lost
+        total = join(total, values[..., j : j + 1])
+    return total
 
 
 @np.errstate(all="ignore")
@@ -332,4 +384,4 @@ def union(a: Band, b: Band) -> Band:
     def larger(values: list[Floats]) -> Floats:
         return np.maximum(*values)
 
-    return a.made(lo, hi, b, terms=combined([(a.mag, a.terms), (b.mag, b.terms)], larger))
+    return a.kept(lo, hi, b, terms=combined([(a.mag, a.terms), (b.mag, b.terms)], larger))

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from shaderlab.bands import formats
 from shaderlab.bands.allowed import Allowed, contains, widths
 from shaderlab.bands.operators import Operators
-from shaderlab.bands.rounding import LARGEST, Flags, Floats, down, flushed, up
+from shaderlab.bands.rounding import LARGEST, Flags, Floats, down, outward, up
 from shaderlab.bands.rules import Rules
 from shaderlab.bands.terms import Terms
 from shaderlab.bands.truth import Truth
@@ -45,7 +45,9 @@ class Band(Operators):
     (array([ True]), array([False]))
     """
 
-    __slots__ = ("_anything", "_nan", "_undecided", "direction", "hi", "lo", "rules", "terms")
+    __slots__ = (
+        "_anything", "_nan", "_size", "_undecided", "direction", "hi", "lo", "rules", "terms",
+    )  # fmt: skip
 
     def __init__(
         self,
@@ -63,6 +65,7 @@ class Band(Operators):
         self._nan, self._anything, self._undecided = flags
         self.terms = terms
         self.direction: Band | None = None
+        self._size: Floats | None = None
 
     @classmethod
     def exact(cls, values: ArrayLike, rules: Rules = _DEFAULT) -> Band:
@@ -88,7 +91,7 @@ class Band(Operators):
         if (low > high).any():
             raise FormulaError("a band's lower bound lies above its upper bound")
         with np.errstate(all="ignore"):
-            return cls._leaf(down(low), up(high), rules)
+            return cls._leaf(*outward(low, high, rules.flush), rules)
 
     @classmethod
     def literal(cls, value: ArrayLike, rules: Rules = _DEFAULT) -> Band:
@@ -99,10 +102,9 @@ class Band(Operators):
         """
         given = np.atleast_1d(np.asarray(value, dtype=np.float64))
         if given.size <= 16:
-            low, high = _literal(given.tobytes(), given.shape)
-        else:
-            low, high = _neighbours(given)
-        return cls._leaf(low, high, rules)
+            low, high, unknown = _literal(given.tobytes(), given.shape, rules.flush)
+            return cls(low, high, rules) if not unknown else cls._leaf(low, high, rules)
+        return cls._leaf(*_neighbours(given), rules)
 
     @classmethod
     def _leaf(cls, lo: Floats, hi: Floats, rules: Rules) -> Band:
@@ -112,7 +114,7 @@ class Band(Operators):
             lo, hi = np.where(unknown, -np.inf, lo), np.where(unknown, np.inf, hi)
             flags = (unknown, unknown, _NO)
         if rules.flush:
-            lo, hi = flushed(lo, hi)
+            lo, hi = outward(lo, hi, flush=True)
         return cls(lo, hi, rules, flags)
 
     def made(
@@ -120,7 +122,6 @@ class Band(Operators):
         lo: Floats,
         hi: Floats,
         *others: Band,
-        residue: tuple[Floats, Floats] | None = None,
         nan: Any = None,
         anything: Any = None,
         terms: Terms | None = None,
@@ -129,21 +130,8 @@ class Band(Operators):
 
         For the functions that compute with bands, not for formulas.
         """
-        below, above = (None, None) if residue is None else residue
-        if lo is hi and below is above:
-            rounded_lo = down(lo, below)
-            rounded_hi = up(hi, above)
-            if (rounded_lo == rounded_hi).all():
-                rounded_hi = rounded_lo
-        else:
-            rounded_lo, rounded_hi = down(lo, below), up(hi, above)
-        if self.rules.flush:
-            rounded_lo, rounded_hi = flushed(rounded_lo, rounded_hi)
-        flag_nan, flag_any, flag_und = self._nan, self._anything, self._undecided
-        for other in others:
-            flag_nan = flag_nan | other._nan
-            flag_any = flag_any | other._anything
-            flag_und = flag_und | other._undecided
+        rounded_lo, rounded_hi = outward(lo, hi, self.rules.flush)
+        flag_nan, flag_any, flag_und = self._flags_with(others)
         if nan is not None and nan.any():
             flag_nan = flag_nan | nan
             rounded_lo = np.where(np.isnan(rounded_lo), -np.inf, rounded_lo)
@@ -154,6 +142,20 @@ class Band(Operators):
             rounded_hi = np.where(anything, np.inf, rounded_hi)
         flags = (flag_nan, flag_any, flag_und)
         return Band(rounded_lo, rounded_hi, self.rules, flags, terms)
+
+    def kept(self, lo: Floats, hi: Floats, *others: Band, terms: Terms | None = None) -> Band:
+        """`made` of bounds that are those of bands: on the grid, nothing left to round or flush."""
+        return Band(lo, hi, self.rules, self._flags_with(others), terms)
+
+    def _flags_with(self, others: tuple[Band, ...]) -> tuple[Any, Any, Any]:
+        """The flags of this band or of others."""
+        flags = self._nan, self._anything, self._undecided
+        for other in others:
+            more = other._nan, other._anything, other._undecided
+            if all(flag is _NO for flag in more):
+                continue
+            flags = flags[0] | more[0], flags[1] | more[1], flags[2] | more[2]
+        return flags
 
     def chosen(
         self,
@@ -216,8 +218,12 @@ class Band(Operators):
         """The sum of the absolute values of the terms that this value is made of."""
         if self.terms is not None:
             return self.terms.mag
-        size: Floats = np.minimum(np.maximum(np.abs(self.lo), np.abs(self.hi)), LARGEST)
-        return size
+        if self._size is None:
+            size = np.abs(self.lo)
+            if self.lo is not self.hi:
+                size = np.maximum(size, np.abs(self.hi))
+            self._size = np.minimum(size, LARGEST)
+        return self._size
 
     @property
     def nan(self) -> Flags:
@@ -315,13 +321,16 @@ def _neighbours(given: Floats) -> tuple[Floats, Floats]:
 
 
 @lru_cache(maxsize=512)
-def _literal(data: bytes, shape: tuple[int, ...]) -> tuple[Floats, Floats]:
-    """The bounds of a few constants; a formula has the same ones for every block of pixels."""
+@np.errstate(all="ignore")
+def _literal(data: bytes, shape: tuple[int, ...], flush: bool) -> tuple[Floats, Floats, bool]:
+    """The bounds of a few constants, and whether one is NaN; a formula has the same ones for
+    every block of pixels."""
     given = np.frombuffer(data, np.float64).reshape(shape)
     low, high = _neighbours(given)
     if low is not high:
         computed = np.reshape([float(f"{x:.9g}") != x for x in given.flat], given.shape)
         wide = np.where(computed & (low != high), 2.0 * (high - low), 0.0)
-        low, high = down(low - wide), up(high + wide)
+        low, high = low - wide, high + wide
+    low, high = outward(low, high, flush)
     low.flags.writeable = high.flags.writeable = False
-    return low, high
+    return low, high, bool(np.isnan(given).any())

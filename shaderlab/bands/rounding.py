@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
+
+from shaderlab.bands import directed
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -21,6 +25,17 @@ FLOAT64_ERROR = 2.0**-50
 
 _EXPONENT_BITS = np.int64(0x7FF0_0000_0000_0000)
 _FRACTION_BITS = np.int64(0x000F_FFFF_FFFF_FFFF)
+# How many float32 denormals there are of either sign, and the bits of the first negative one.
+_DENORMALS = np.uint32(0x007F_FFFF)
+_FIRST_NEGATIVE = np.uint32(0x8000_0001)
+_FIRST_POSITIVE = np.uint32(1)
+
+# Beyond all that a float32 may be widened to, and a finite float64.
+_FAR = 2.0**600
+
+_BY = directed.best()
+add_below = _BY.add_below
+add_above = _BY.add_above
 
 
 def ulp(x: Floats) -> Floats:
@@ -30,7 +45,8 @@ def ulp(x: Floats) -> Floats:
     [1.0, 2.0, 2.0, 4.0]
     """
     size = np.asarray(np.abs(x))
-    np.clip(size, SMALLEST_DENORMAL, LARGEST, out=size)
+    np.maximum(size, SMALLEST_DENORMAL, out=size)
+    np.minimum(size, LARGEST, out=size)
     # One less than a power of two's bits lies in the octave below: no special case is left.
     bits = size.view(np.int64)
     bits -= 1
@@ -40,63 +56,44 @@ def ulp(x: Floats) -> Floats:
     return step
 
 
-def _stepped(nearest: NDArray[np.float32], found: Floats, past: Flags, direction: int) -> Floats:
-    """`nearest`, which as float64 is `found`, moved to the next float32 in `direction` wherever it
-    lies `past` the bound; may write to both."""
-    # The integers behind floats of one sign are in the floats' order.
-    bits = nearest.view(np.int32)
-    step = bits >> 31
-    step |= 1
-    step *= past.view(np.int8)
-    if direction > 0:
-        bits += step
+def outward(lo: Floats, hi: Floats, flush: bool) -> tuple[Floats, Floats]:
+    """The largest float32 not above `lo`, the smallest not below `hi`; the same array twice where
+    all are float32 themselves and one array was given. With `flush`, bounds that touch denormals
+    include zero."""
+    below = _BY.narrow_below(lo)
+    low = below.astype(np.float64)
+    if lo is hi and (low == lo).all():
+        high, above = low, below
     else:
-        bits -= step
-    np.copyto(found, nearest)
-    return found
+        above = _BY.narrow_above(hi)
+        high = above.astype(np.float64)
+    if flush:
+        if _any_denormal(below, _FIRST_POSITIVE):
+            low = np.where((low > 0.0) & (low < SMALLEST_NORMAL), 0.0, low)
+        if _any_denormal(above, _FIRST_NEGATIVE):
+            high = np.where((high < 0.0) & (high > -SMALLEST_NORMAL), 0.0, high)
+    return low, high
 
 
-def down(x: Floats, residue: Floats | None = None) -> Floats:
-    """The largest float32 not above `x + residue`, where the residue is below x's own last bit."""
-    nearest = np.asarray(x).astype(np.float32)
-    found = nearest.astype(np.float64)
-    past = np.asarray(found > x)
-    if residue is not None:
-        past |= (found == x) & (residue < 0.0)
-    return _stepped(nearest, found, past, -1)
+def _any_denormal(values: NDArray[np.float32], first: np.uint32) -> bool:
+    """Whether there is one of the denormals whose bits begin with `first`."""
+    bits: Any = values.view(np.uint32) - first
+    return bool((bits < _DENORMALS).any())
 
 
-def up(x: Floats, residue: Floats | None = None) -> Floats:
-    """The smallest float32 not below `x + residue`, where the residue is below x's own last bit."""
-    nearest = np.asarray(x).astype(np.float32)
-    found = nearest.astype(np.float64)
-    past = np.asarray(found < x)
-    if residue is not None:
-        past |= (found == x) & (residue > 0.0)
-    return _stepped(nearest, found, past, 1)
+def down(x: Floats) -> Floats:
+    """The largest float32 not above `x`."""
+    return _BY.narrow_below(np.asarray(x)).astype(np.float64)
 
 
-def flushed(lo: Floats, hi: Floats) -> tuple[Floats, Floats]:
-    """The same bounds, but those that touch denormals include zero."""
-    small_lo = lo < SMALLEST_NORMAL
-    small_lo &= lo > 0.0
-    small_hi = hi > -SMALLEST_NORMAL
-    small_hi &= hi < 0.0
-    if small_lo.any() or small_hi.any():
-        return np.where(small_lo, 0.0, lo), np.where(small_hi, 0.0, hi)
-    return lo, hi
+def up(x: Floats) -> Floats:
+    """The smallest float32 not below `x`."""
+    return _BY.narrow_above(np.asarray(x)).astype(np.float64)
 
 
-def two_sum(a: Floats, b: Floats) -> tuple[Floats, Floats]:
-    """a + b rounded to float64, and what the rounding lost (Knuth, TAOCP 2, 4.2.2 theorem B)."""
-    total = a + b
-    b_part = np.asarray(total - a)
-    # (a - (total - b_part)) + (b - b_part), without an array for each step.
-    lost = np.asarray(total - b_part)
-    np.subtract(a, lost, out=lost)
-    np.subtract(b, b_part, out=b_part)
-    np.add(lost, b_part, out=lost)
-    return total, lost
+def finite(lo: Floats, hi: Floats) -> bool:
+    """Whether bounds lo ≤ hi are all finite numbers."""
+    return not lo.size or bool(lo.min() > -np.inf and hi.max() < np.inf)
 
 
 def is_power_of_two(x: Floats) -> bool:
@@ -108,12 +105,38 @@ def widened_by_ulps(
     lo: Floats, hi: Floats, ulps_lo: Floats | float, ulps_hi: Floats | float
 ) -> tuple[Floats, Floats]:
     """Bounds moved out by so many ULP; a bound does not move past zero, and zero stays zero."""
+    if lo.size and lo.min() > 2.0 * SMALLEST_NORMAL and hi.max() <= LARGEST:
+        return _widened_normal(lo, hi, ulps_lo, ulps_hi)
     out_lo = ulps_lo * ulp(lo) + FLOAT64_ERROR * np.minimum(np.abs(lo), LARGEST)
     out_hi = ulps_hi * ulp(hi) + FLOAT64_ERROR * np.minimum(np.abs(hi), LARGEST)
     # An ULP doubles past a power of two: a value above `lo`, just past one, may err further
     # below than `lo` itself.
-    down_lo = lo - np.where(lo > 0.0, np.clip(out_hi, out_lo, 2.0 * out_lo), out_lo)
-    up_hi = hi + np.where(hi < 0.0, np.clip(out_lo, out_hi, 2.0 * out_hi), out_hi)
-    new_lo = np.where(lo >= 0.0, np.maximum(down_lo, 0.0), down_lo)
-    new_hi = np.where(hi <= 0.0, np.minimum(up_hi, 0.0), up_hi)
-    return new_lo, new_hi
+    more_lo = np.minimum(np.maximum(out_hi, out_lo), (1.0 + (lo > 0.0)) * out_lo)
+    more_hi = np.minimum(np.maximum(out_lo, out_hi), (1.0 + (hi < 0.0)) * out_hi)
+    new_lo, new_hi = lo - more_lo, hi + more_hi
+    # A limit for what may not pass zero, and none for the rest.
+    return np.maximum(new_lo, 0.0 - (lo < 0.0) * _FAR), np.minimum(new_hi, (hi > 0.0) * _FAR)
+
+
+def _widened_normal(
+    lo: Floats, hi: Floats, ulps_lo: Floats | float, ulps_hi: Floats | float
+) -> tuple[Floats, Floats]:
+    """`widened_by_ulps` of positive bounds, none a denormal or next to one."""
+    out_lo = _out_of_normal(lo, ulps_lo)
+    if lo is hi:
+        out_hi = more_lo = out_lo
+    else:
+        out_hi = _out_of_normal(hi, ulps_hi)
+        more_lo = np.minimum(np.maximum(out_hi, out_lo), 2.0 * out_lo)
+    new_lo: Floats = lo - more_lo
+    return np.maximum(new_lo, 0.0), hi + out_hi
+
+
+def _out_of_normal(x: Floats, ulps: Floats | float) -> Floats:
+    bits = x.view(np.int64) - 1
+    bits &= _EXPONENT_BITS
+    size: Floats = bits.view(np.float64)
+    size *= 2.0**-23
+    size *= ulps
+    size += FLOAT64_ERROR * x
+    return size

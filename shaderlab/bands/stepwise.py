@@ -4,6 +4,7 @@ comparison and choice. None of them rounds; min, max and choice pass NaN on.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,26 +19,26 @@ if TYPE_CHECKING:
 
 def negative(a: Band) -> Band:
     lo = -a.hi
-    return a.made(lo, lo if a.lo is a.hi else -a.lo, terms=a.terms)
+    return a.kept(lo, lo if a.lo is a.hi else -a.lo, terms=a.terms)
 
 
 def absolute(a: Band) -> Band:
     low, high = np.abs(a.lo), np.abs(a.hi)
     if a.lo is a.hi:
-        return a.made(low, low)
+        return a.kept(low, low)
     straddles = (a.lo < 0.0) & (a.hi > 0.0)
-    return a.made(np.where(straddles, 0.0, np.minimum(low, high)), np.maximum(low, high))
+    return a.kept(np.where(straddles, 0.0, np.minimum(low, high)), np.maximum(low, high))
 
 
 def monotone(a: Band, rounding: Any) -> Band:
     """A non-decreasing exact function such as floor: its values at both ends."""
     lo: Floats = rounding(a.lo)
-    return a.made(lo, lo if a.lo is a.hi else rounding(a.hi))
+    return a.kept(lo, lo if a.lo is a.hi else rounding(a.hi))
 
 
 def rounded(a: Band) -> Band:
     """GLSL's round: a half goes in the direction the device likes."""
-    return a.made(np.ceil(a.lo - 0.5), np.floor(a.hi + 0.5))
+    return a.kept(np.ceil(a.lo - 0.5), np.floor(a.hi + 0.5))
 
 
 def smaller(a: Band, b: Band) -> Band:
@@ -55,7 +56,7 @@ def _chosen(lo: Floats, hi: Floats, a: Band, b: Band) -> Band:
         if maybe_nan.may_be_nan.any():
             lo = np.where(maybe_nan.may_be_nan, np.minimum(lo, other.lo), lo)
             hi = np.where(maybe_nan.may_be_nan, np.maximum(hi, other.hi), hi)
-    return a.made(lo, hi, b)
+    return a.kept(lo, hi, b)
 
 
 def less(a: Band, b: Band) -> Truth:
@@ -78,12 +79,17 @@ def equal(a: Band, b: Band) -> Truth:
 def select(condition: Truth, a: Band, b: Band) -> Band:
     """a where the condition holds, b where it does not, the hull of both where undecided."""
     yes, no = condition.all_true, condition.all_false
-    lo = np.where(yes, a.lo, np.where(no, b.lo, np.minimum(a.lo, b.lo)))
-    hi = np.where(yes, a.hi, np.where(no, b.hi, np.maximum(a.hi, b.hi)))
+    decided = bool((yes | no).all())
 
-    def taken(values: list[Floats]) -> Floats:
-        of_a, of_b = values
-        return np.where(yes, of_a, np.where(no, of_b, np.maximum(of_a, of_b)))
+    def taken(of_a: Floats, of_b: Floats, hull: Callable[[Floats, Floats], Floats]) -> Floats:
+        other = of_b if decided else np.where(no, of_b, hull(of_a, of_b))
+        return np.where(yes, of_a, other)
 
-    terms = combined([(a.mag, a.terms), (b.mag, b.terms)], taken)
+    def larger(values: list[Floats]) -> Floats:
+        return taken(values[0], values[1], np.maximum)
+
+    lo = taken(a.lo, b.lo, np.minimum)
+    exact = decided and a.lo is a.hi and b.lo is b.hi
+    hi = lo if exact else taken(a.hi, b.hi, np.maximum)
+    terms = combined([(a.mag, a.terms), (b.mag, b.terms)], larger)
     return a.chosen(condition, b, lo, hi, terms)

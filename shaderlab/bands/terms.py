@@ -20,7 +20,7 @@ from shaderlab.bands.rounding import RELATIVE_STEP, SMALLEST_NORMAL, Flags, Floa
 TINY = 2.0**-60
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(slots=True, eq=False)
 class Terms:
     """The terms of a value that is a sum or a product.
 
@@ -30,17 +30,25 @@ class Terms:
         count: how many terms there may be, once all is distributed.
         reach: by how much a flushed partial product may have been multiplied; None where no term
             is tiny.
+        least: the smallest `mag`.
     """
 
     mag: Floats
     slack: Floats | None = None
     count: int = 1
     reach: Floats | None = None
+    least: float = -1.0
+
+    def __post_init__(self) -> None:
+        if self.least < 0.0:
+            self.least = least_of(self.mag)
 
     def step(self) -> Floats:
         """What one rounding among these terms may change."""
-        size = np.maximum(RELATIVE_STEP * self.mag, self._flushed())
-        return np.where(self.mag > 0.0, size, 0.0)
+        size: Floats = RELATIVE_STEP * self.mag
+        if self.reach is not None or self.least < TINY:
+            size = np.maximum(size, self._flushed())
+        return size if self.least > 0.0 else np.where(self.mag > 0.0, size, 0.0)
 
     def safe(self) -> Flags:
         """Where the sum of these terms, settled, keeps its sign in any order: not among
@@ -72,11 +80,17 @@ def reach_of(mag: Floats, terms: Terms | None) -> Floats:
     return size
 
 
-def is_tiny(mag: Floats, *parts: Terms | None) -> bool:
-    """Whether products of such terms may be denormal somewhere."""
+def least_of(mag: Floats) -> float:
+    """The smallest of some sizes; infinite of none."""
+    return float(mag.min()) if mag.size else np.inf
+
+
+def is_tiny(mag: Floats, least: float, *parts: Terms | None) -> bool:
+    """Whether products of terms of these sizes, the smallest of them `least`, may be denormal
+    somewhere."""
     if any(part is not None and part.reach is not None for part in parts):
         return True
-    return bool(mag.size) and bool(mag.min() < TINY) and bool(((mag > 0.0) & (mag < TINY)).any())
+    return least < TINY and bool(((mag > 0.0) & (mag < TINY)).any())
 
 
 def combined(

@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from shaderlab.frame import Array
 from shaderlab.sampling.reading import Integers, Sampler, level_values, stored, wrapped
-from shaderlab.sampling.spans import Span, component
+from shaderlab.sampling.spans import Span, component, hull
 
 Flags = npt.NDArray[np.bool_]
 
@@ -94,18 +94,32 @@ def across_edges(sampler: Sampler, level: int, x: Array, y: Array, face: Integer
     here = stored(sampler, level, inside_x, inside_y, face)
     if not (out_x | out_y).any():
         return here
-    beside = _neighbour(sampler, level, column, inside_y, face, size)
-    above = _neighbour(sampler, level, inside_x, row, face, size)
+    low = here[0].copy()
+    high = low if here[0] is here[1] else here[1].copy()
+
+    def put(where: Flags, texels: Span) -> None:
+        low[where] = texels[0]
+        if high is not low:
+            high[where] = texels[1]
+
+    for where, at in ((out_x, (column, inside_y)), (out_y, (inside_x, row))):
+        if where.any():
+            put(where, _neighbour(sampler, level, at[0][where], at[1][where], face[where], size))
     corner = out_x & out_y
-    found: list[Array] = []
-    for bound, furthest in ((0, np.minimum), (1, np.maximum)):
-        three = [here[bound], beside[bound], above[bound]]
-        mean = (three[0] + three[1] + three[2]) / 3.0
-        of_corner = mean if sampler.rules is None else furthest.reduce(three)
-        texel = np.where(out_x[..., None], beside[bound], here[bound])
-        texel = np.where(out_y[..., None], above[bound], texel)
-        found.append(np.where(corner[..., None], of_corner, texel))
-    return found[0], found[1]
+    if not corner.any():
+        return low, high
+    three = [
+        (here[0][corner], here[1][corner]),
+        _neighbour(sampler, level, column[corner], inside_y[corner], face[corner], size),
+        _neighbour(sampler, level, inside_x[corner], row[corner], face[corner], size),
+    ]
+    if sampler.rules is None:
+        put(corner, ((three[0][0] + three[1][0] + three[2][0]) / 3.0,) * 2)
+        return low, high
+    if high is low:
+        high = low.copy()
+    put(corner, hull(three))
+    return low, high
 
 
 def _neighbour(

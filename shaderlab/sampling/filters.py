@@ -13,6 +13,7 @@ fraction in texture coordinates after scaling, and Vulkan names the number a dev
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -24,15 +25,20 @@ WEIGHT = 2.0**-8
 ROUNDING = 8 * 2.0**-23
 """What mixing four texels in float32 may lose, of the largest of them: eight roundings."""
 
-Texel = Callable[[Array, Array], Span]
-"""Gives the texels at integer columns and rows, inside or outside."""
+Texel = Callable[[Array, Array, Any], Span]
+"""Gives the texels at integer columns and rows, inside or outside, of some of the places: those
+at an index into all of them."""
+
+EVERYWHERE = ...
+"""The index that leaves no place out."""
 
 
 def nearest(texel: Texel, x: Span, y: Span) -> Span:
     """The texel that holds a place (in texels, 0 at the edge); both where it may be either."""
     require_narrow(x, "texture()")
     require_narrow(y, "texture()")
-    return hull([texel(np.floor(a), np.floor(b)) for a in _ends(x) for b in _ends(y)])
+    floors = [(np.floor(a), np.floor(b)) for a in _ends(x) for b in _ends(y)]
+    return hull([texel(column, row, EVERYWHERE) for column, row in floors])
 
 
 def linear(texel: Texel, x: Span, y: Span, exact: bool, compared: bool = False) -> Span:
@@ -41,13 +47,20 @@ def linear(texel: Texel, x: Span, y: Span, exact: bool, compared: bool = False) 
     Where `compared` texels, each 0 or 1, do not agree, a driver may answer anything in between:
     OpenGL leaves open whether it compares one of them, all four, or (as softpipe) their mix.
     """
-    x, y = (x[0] - 0.5, x[1] - 0.5), (y[0] - 0.5, y[1] - 0.5)
     if exact:
-        return _mixed(texel, x[0], y[0], exact)
+        column, row = x[0] - 0.5, y[0] - 0.5
+        return _within_cell(texel, (column, column), (row, row), EVERYWHERE)
+    x, y = (x[0] - 0.5, x[1] - 0.5), (y[0] - 0.5, y[1] - 0.5)
     x, y = widened(x, WEIGHT), widened(y, WEIGHT)
     require_narrow(x, "texture()")
     require_narrow(y, "texture()")
-    low, high = hull([_mixed(texel, a, b, exact) for a in corners(x) for b in corners(y)])
+    low, high = _within_cell(texel, x, y, EVERYWHERE)
+    crossing = (np.floor(x[0]) < np.floor(x[1])) | (np.floor(y[0]) < np.floor(y[1]))
+    if crossing.any():
+        # Few places cross a texel centre's row or column: those are gone through piece by piece.
+        x, y = ((start[crossing], end[crossing]) for start, end in (x, y))
+        pieces = [_within_cell(texel, a, b, crossing) for a in _pieces(x) for b in _pieces(y)]
+        low[crossing], high[crossing] = hull(pieces)
     if compared:
         return np.where(low < 1.0 - ROUNDING, 0.0, 1.0), np.where(high > ROUNDING, 1.0, 0.0)
     return low, high
@@ -61,24 +74,43 @@ def corners(span: Span) -> list[Array]:
     return [low, np.clip(np.ceil(low), low, high), high]
 
 
+def _pieces(span: Span) -> list[Span]:
+    """A span of at most 1, split at the integer in it."""
+    low, middle, high = corners(span)
+    return [(low, middle), (middle, high)]
+
+
 def _ends(span: Span) -> list[Array]:
     return [span[0]] if span[0] is span[1] else [span[0], span[1]]
 
 
-def _mixed(texel: Texel, x: Array, y: Array, exact: bool) -> Span:
-    left, low = np.floor(x), np.floor(y)
-    across, up = (x - left)[..., None], (y - low)[..., None]
-    total: list[Array] = []
-    size = np.zeros(())
-    spans = [(texel(left + i, low + j), i, j) for j in (0, 1) for i in (0, 1)]
-    for bound in (0, 1) if not exact else (0,):
-        parts = [
-            span[bound] * (across if i else 1.0 - across) * (up if j else 1.0 - up)
-            for span, i, j in spans
-        ]
-        total.append(parts[0] + parts[1] + parts[2] + parts[3])
-    if exact:
-        return total[0], total[0]
-    for span, _, _ in spans:
-        size = np.maximum(size, np.maximum(np.abs(span[0]), np.abs(span[1])))
-    return total[0] - ROUNDING * size, total[1] + ROUNDING * size
+def _within_cell(texel: Texel, x: Span, y: Span, places: Any) -> Span:
+    """The bounds of a mix of four texels over a box between their centres: those at its corners.
+
+    Numbers, whose bounds are one array, have one corner and no rounding.
+    """
+    left, low = np.floor(x[0]), np.floor(y[0])
+    across = [(end - left)[..., None] for end in _ends(x)]
+    up = [(end - low)[..., None] for end in _ends(y)]
+    spans = [texel(left + i, low + j, places) for j in (0, 1) for i in (0, 1)]
+    lowest = _at_corners([span[0] for span in spans], across, up)
+    if x[0] is x[1] and y[0] is y[1]:
+        return lowest[0], lowest[0]
+    same = all(span[0] is span[1] for span in spans)
+    highest = lowest if same else _at_corners([span[1] for span in spans], across, up)
+    bounds = [bound for span in spans for bound in (span[:1] if same else span)]
+    give = ROUNDING * np.maximum.reduce([np.abs(bound) for bound in bounds])
+    return np.minimum.reduce(lowest) - give, np.maximum.reduce(highest) + give
+
+
+def _at_corners(texels: list[Array], across: list[Array], up: list[Array]) -> list[Array]:
+    """Four texels mixed with each pair of weights; equation 8.16."""
+    found = []
+    for a in across:
+        parts = [texel * (a if k % 2 else 1.0 - a) for k, texel in enumerate(texels)]
+        for b in up:
+            one, two, three, four = (
+                part * (b if k // 2 else 1.0 - b) for k, part in enumerate(parts)
+            )
+            found.append(one + two + three + four)
+    return found

@@ -127,10 +127,9 @@ def _of_plane(sampler: Sampler, p: Any, lod: Span | None) -> Span:
         for layer in layers:
             number = layer.astype(np.int64)
 
-            def texel(column: Array, row: Array, number: Integers = number) -> Span:
-                return _compared(
-                    sampler, reference, reading.wrapped(sampler, level, column, row, number)
-                )
+            def texel(column: Array, row: Array, at: Any, number: Integers = number) -> Span:
+                found = reading.wrapped(sampler, level, column, row, number[at])
+                return _compared(sampler, reference, found, at)
 
             if word == "nearest":
                 found.append(filters.nearest(texel, x, y))
@@ -155,11 +154,11 @@ def _of_cube(sampler: Sampler, p: Any, lod: Span | None) -> Span:
         for face, may, s, t in faces:
             number = np.full(np.shape(s[0]), face, np.int64)
 
-            def texel(column: Array, row: Array, number: Integers = number) -> Span:
+            def texel(column: Array, row: Array, at: Any, number: Integers = number) -> Span:
                 if word == "nearest":
                     column, row = np.clip(column, 0, size - 1), np.clip(row, 0, size - 1)
-                found = cube.across_edges(sampler, level, column, row, number)
-                return _compared(sampler, reference, found)
+                found = cube.across_edges(sampler, level, column, row, number[at])
+                return _compared(sampler, reference, found, at)
 
             x, y = (
                 (e[0] * size,) * 2 if e[0] is e[1] else (e[0] * size, e[1] * size) for e in (s, t)
@@ -192,11 +191,12 @@ def _reference(sampler: Sampler, p: Any) -> Span | None:
     return bounds[0], bounds[1]
 
 
-def _compared(sampler: Sampler, reference: Span | None, found: Span) -> Span:
+def _compared(sampler: Sampler, reference: Span | None, found: Span, at: Any) -> Span:
+    """What a shadow sampler answers for the texels found at an index into all places."""
     if reference is None or sampler.texels.compare is None:
         return found
     depth = (found[0][..., 0:1], found[1][..., 0:1])
-    return reading.compared(sampler.texels.compare, reference, depth)
+    return reading.compared(sampler.texels.compare, (reference[0][at], reference[1][at]), depth)
 
 
 def _value(sampler: Sampler, span: Span) -> Any:

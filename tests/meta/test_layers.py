@@ -64,7 +64,7 @@ OWNERS: dict[str, set[str]] = {
     "moderngl": {"gl"},
     "glcontext": {"gl"},
     "OpenGL": {"gl"},
-    "ctypes": {"gl", "glsl", "workers"},
+    "ctypes": {"bands", "gl", "glsl", "workers"},
     "OpenImageIO": {"pictures"},
     "trimesh": {"assets"},
     "pypcd4": {"assets"},

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from shaderlab.bands import Band, Rules
 from shaderlab.bands.allowed import contains
 from shaderlab.bands.arithmetic import multiply, sum_last
-from shaderlab.bands.rounding import down, two_sum, ulp, up
+from shaderlab.bands.directed import Directed, Stepped, Switched, best, two_sum, works
+from shaderlab.bands.rounding import down, ulp, up, widened_by_ulps
 from shaderlab.glslmath import normalize
 
 Array = NDArray[np.float64]
@@ -38,12 +39,94 @@ def test_rounding_outward_is_the_nearest_float_or_its_neighbour(rounded, end) ->
     assert np.isnan(rounded(np.array([np.nan]))).all()
 
 
-def test_a_residue_below_a_float_s_last_bit_moves_it_on() -> None:
-    x = np.array([1.0, -1.0, 3.0, 2.0**-126])
-    for residue, rounded, end in ((-1e-30, down, -np.inf), (1e-30, up, np.inf)):
-        expected = np.nextafter(x.astype(np.float32), np.float32(end)).astype(np.float64)
-        assert rounded(x, np.full(4, residue)).tolist() == expected.tolist()
-        assert rounded(x, np.full(4, -residue)).tolist() == x.tolist()
+def test_the_processor_s_rounding_and_steps_to_neighbours_give_the_same_numbers() -> None:
+    switched, stepped = best(), Stepped()
+    if not isinstance(switched, Switched):
+        pytest.skip("no rounding direction to set on this machine")
+    x = numbers()
+    order = np.random.default_rng(8).permutation(len(x))
+    with np.errstate(over="ignore"):
+        exact = x.astype(np.float32).astype(np.float64)
+    with np.errstate(all="ignore"):
+        for a, b in ((exact, exact[order]), (exact[::3], exact[order][::3]), (exact, -exact)):
+            for one in ("add_below", "add_above"):
+                got, expected = getattr(switched, one)(a, b), getattr(stepped, one)(a, b)
+                assert got.tobytes() == expected.tobytes()
+        for one in ("narrow_below", "narrow_above"):
+            assert getattr(switched, one)(x).tobytes() == getattr(stepped, one)(x).tobytes()
+
+
+def test_rounding_is_to_nearest_again_whatever_happened() -> None:
+    third = np.full(9, 1.0) / 3.0
+    directed = best()
+    for one in (directed.add_below, directed.add_above):
+        with pytest.raises(ValueError, match="broadcast"):
+            one(np.ones(2), np.ones(3))
+        assert (np.full(9, 1.0) / 3.0).tolist() == third.tolist()
+    for narrow in (directed.narrow_below, directed.narrow_above):
+        with pytest.raises(AttributeError):
+            narrow(None)  # type: ignore[arg-type]
+        assert (np.full(9, 1.0) / 3.0).tolist() == third.tolist()
+    assert third[0] == float.fromhex("0x1.5555555555555p-2")
+
+
+@pytest.mark.parametrize("wrong", [(0, 0), (0x800, 0x400), (0x400, 0x400)])
+def test_a_rounding_direction_that_does_not_work_is_not_used(wrong: tuple[int, int]) -> None:
+    good = best()
+    assert works(Stepped()) and works(good)
+    if isinstance(good, Switched):
+        assert not works(Switched(good._switch, *wrong))
+
+
+def test_without_a_known_processor_or_library_bounds_are_stepped(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("platform.machine", lambda: "riscv64")
+    assert isinstance(best(), Stepped)
+    monkeypatch.undo()
+
+    def missing(name: object) -> Directed:
+        raise OSError("no library")
+
+    monkeypatch.setattr("ctypes.PyDLL", missing)
+    assert isinstance(best(), Stepped)
+
+
+def test_a_sum_s_bounds_see_what_float64_loses() -> None:
+    a, b = np.array([1.0, 1.0, -1.0, 0.5]), np.array([1e-30, -1e-30, 1e-30, 0.25])
+    for directed in (best(), Stepped()):
+        below, above = directed.add_below(a, b), directed.add_above(a, b)
+        assert below.tolist() == [1.0, np.nextafter(1.0, 0.0), -1.0, 0.75]
+        assert above.tolist() == [np.nextafter(1.0, 2.0), 1.0, np.nextafter(-1.0, 0.0), 0.75]
+
+
+def widened_plainly(lo: Array, hi: Array, ulps: float) -> tuple[Array, Array]:
+    """What `widened_by_ulps` does, value by value."""
+    ends = []
+    for one, other in zip(lo.tolist(), hi.tolist(), strict=True):
+        out = [ulps * float(ulp(np.array([x]))[0]) + 2.0**-50 * min(abs(x), 3.4028234663852886e38)
+               for x in (one, other)]  # fmt: skip
+        down_by = min(max(out[1], out[0]), 2.0 * out[0]) if one > 0.0 else out[0]
+        up_by = min(max(out[0], out[1]), 2.0 * out[1]) if other < 0.0 else out[1]
+        ends.append(
+            (
+                max(one - down_by, 0.0) if one >= 0.0 else one - down_by,
+                min(other + up_by, 0.0) if other <= 0.0 else other + up_by,
+            )
+        )
+    return np.array([e[0] for e in ends]), np.array([e[1] for e in ends])
+
+
+@pytest.mark.parametrize("ulps", [2.0, 2.5, 4096.0])
+def test_widening_by_ulps_is_the_same_for_all_kinds_of_numbers(ulps: float) -> None:
+    x = numbers(400)
+    x = x[np.abs(x) < 3e38]
+    ends = np.sort(np.stack([x, np.random.default_rng(9).permutation(x)]), axis=0)
+    positive = np.abs(ends[:, (np.abs(ends) > 1e-30).all(axis=0)])
+    for lo, hi in (ends, np.sort(positive, axis=0)):
+        expected = widened_plainly(lo, hi, ulps)
+        got = widened_by_ulps(lo, hi, ulps, ulps)
+        assert [end.tolist() for end in got] == [end.tolist() for end in expected]
 
 
 def test_an_ulp_leaves_its_argument_alone() -> None:
