@@ -7,10 +7,7 @@ from __future__ import annotations
 
 import os
 import secrets
-import shutil
 import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -19,14 +16,20 @@ from numpy.typing import NDArray
 
 from shaderlab.errors import AssetError
 from shaderlab.pictures.display import as_pixels, enlarge, to_display
+from shaderlab.pictures.png import encode
 
 Floats = NDArray[np.float32]
 
 LARGEST_SIDE = 16384
-_PNG_FILTER_SUB = 16  # libpng's number for "each byte less the one to the left"
 
 
-def save_png(path: str | Path, array: NDArray[Any], *, min_side: int = 1) -> None:
+def save_png(
+    path: str | Path,
+    array: NDArray[Any],
+    *,
+    min_side: int = 1,
+    palette: NDArray[np.uint8] | None = None,
+) -> None:
     """Write an array as a PNG file, whole or not at all.
 
     Args:
@@ -35,68 +38,44 @@ def save_png(path: str | Path, array: NDArray[Any], *, min_side: int = 1) -> Non
             through `to_display` first.
         min_side: a picture whose shorter side is smaller is enlarged by a whole factor, each
             pixel becoming a square.
+        palette: uint8 (colours, 3), for an array of one channel of indices.
 
     Raises:
         AssetError: the file can't be written.
     """
-    import OpenImageIO as oiio
-
-    target = Path(path)
     pixels = as_pixels(array)
     if pixels.dtype != np.uint8 or pixels.shape[2] == 2:
         pixels = to_display(pixels).image
     pixels = enlarge(pixels, max(1, -(-min_side // min(pixels.shape[:2]))))
-    top_first = np.ascontiguousarray(pixels[::-1])
-    height, width, channels = top_first.shape
-
-    spec = oiio.ImageSpec(width, height, channels, "uint8")
-    spec.attribute("oiio:UnassociatedAlpha", 1)
-    # A third of the default's time, for files a tenth larger.
-    spec.attribute("png:compressionLevel", 3)
-    spec.attribute("png:filter", _PNG_FILTER_SUB)
-    output = oiio.ImageOutput.create("png")
-    with _whole(target) as temporary:
-        if output is None:
-            raise _Unwritten(oiio.geterror() or "no PNG writer")
-        if not output.open(str(temporary), spec):
-            raise _Unwritten(output.geterror())
-        written = output.write_image(top_first)
-        closed = output.close()
-        if not (written and closed):
-            raise _Unwritten(output.geterror() or "the file could not be finished")
+    _write(Path(path), encode(pixels[::-1], palette))
 
 
 def copy_png(path: str | Path, source: Path) -> None:
     """Write a picture that is in the file `source` already, whole or not at all.
 
     Raises:
-        AssetError: the file can't be written.
+        AssetError: the file can't be read or written.
     """
-    with _whole(Path(path)) as temporary:
-        shutil.copyfile(source, temporary)
+    try:
+        data = source.read_bytes()
+    except OSError as error:
+        raise _damaged(source, str(error.strerror)) from error
+    _write(Path(path), data)
 
 
-class _Unwritten(Exception):
-    """Why the library could not write a picture."""
-
-
-@contextmanager
-def _whole(target: Path) -> Iterator[Path]:
-    """A file to write to, which takes the place of `target` if all goes well."""
+def _write(target: Path, data: bytes) -> None:
     # Not mkstemp: its files can be read by their owner only, and reports are for sharing.
     temporary = target.with_name(f".{target.stem}.{secrets.token_hex(6)}.png")
     try:
-        yield temporary
+        temporary.write_bytes(data)
         os.replace(temporary, target)
-    except (_Unwritten, OSError) as error:
-        problem = (error.strerror if isinstance(error, OSError) else None) or str(error)
+    except OSError as error:
+        temporary.unlink(missing_ok=True)
         raise AssetError(
-            f"can't write the picture ({problem})",
+            f"can't write the picture ({error.strerror or error})",
             file=target,
             remedy="check that the folder exists, may be written to, and has room",
         ) from error
-    finally:
-        temporary.unlink(missing_ok=True)
 
 
 def load(path: str | Path) -> Floats:

@@ -120,9 +120,11 @@ class Album:
             displayed[what] = display.image
             files[what] = self._save(f"{label}-{what}", display.image, JUDGED_SIDE)
             self._preview(files[what], display.image)
-        seen = pictures.distance_picture(distance, np.abs(distance) > 1.0, min_side=JUDGED_SIDE)
-        files["distance"] = self._save(f"{label}-distance", seen, JUDGED_SIDE)
-        self._preview(files["distance"], seen)
+        seen, palette = pictures.distance_picture(
+            distance, np.abs(distance) > 1.0, min_side=JUDGED_SIDE
+        )
+        files["distance"] = self._save(f"{label}-distance", seen, JUDGED_SIDE, palette)
+        self._preview(files["distance"], seen, palette)
         relative, path = self._file(label, "values")
         numbers = _numbers(arrays)
         packed = pictures.pack(pictures.judged_part(numbers, worst))
@@ -132,11 +134,12 @@ class Album:
         path.write_bytes(packed)
         return Shown(files, captions, relative)
 
-    def _preview(self, file: str, image: Array) -> None:
+    def _preview(self, file: str, image: Array, palette: Array | None = None) -> None:
         """A small copy beside a picture that is larger than the page shows it."""
         assert self._folder is not None
         if max(image.shape[:2]) > PREVIEW_SIDE:
-            pictures.save_previews(self._folder / file, image, (PREVIEW_SIDE,))
+            colours = image if palette is None else palette[image]
+            pictures.save_previews(self._folder / file, colours, (PREVIEW_SIDE,))
 
     def assembly(self, modules: Mapping[str, bytes]) -> str:
         """A program's modules as SPIR-V assembly, by stage; one file for all that are the same.
@@ -158,7 +161,7 @@ class Album:
             whole.replace(path)
         return relative
 
-    def _save(self, label: str, image: Array, side: int) -> str:
+    def _save(self, label: str, image: Array, side: int, palette: Array | None = None) -> str:
         """Write a picture; what several checks of a scene show alike is encoded once."""
         relative, path = self._file(label, "png")
         pixels = np.ascontiguousarray(image)
@@ -166,7 +169,7 @@ class Album:
         if key in self._saved:
             pictures.copy_png(path, self._saved[key])
         else:
-            pictures.save_png(path, pixels, min_side=side)
+            pictures.save_png(path, pixels, min_side=side, palette=palette)
             self._saved[key] = path
         return relative
 
