@@ -141,7 +141,7 @@ def judge_band(
     rules: Rules | None,
     format: str = "rgba32f",
 ) -> Banded:
-    """Evaluate `reference` in float64 and as a band, and hold the measured values against both.
+    """Evaluate `reference` as a band, and hold the measured values against it.
 
     Args:
         measured: (count, components) as read back from an attachment of `format`.
