@@ -63,11 +63,12 @@ class Placed:
         for start, distance in self._blocks():
             rows = slice(start, start + len(distance))
             distance[~self.inside[rows]] = np.inf
-            at = np.arange(len(distance)), distance.argmax(axis=1)
-            low, high = self.low[rows][at], self.high[rows][at]
+            at = distance.argmax(axis=1) + np.arange(0, distance.size, distance.shape[1])
+            arrays = (self.low[rows], self.high[rows], self.measured[rows], distance)
+            low, high, value, size = (array.reshape(-1).take(at) for array in arrays)
             with np.errstate(invalid="ignore"):
-                below = self.measured[rows][at] < 0.5 * np.add(low, high, dtype=np.float64)
-            signed[rows] = np.where(below, -distance[at], distance[at])
+                below = value < 0.5 * np.add(low, high, dtype=np.float64)
+            signed[rows] = np.where(below, -size, size)
         return signed
 
     def _blocks(self) -> Iterator[tuple[int, Floats]]:
