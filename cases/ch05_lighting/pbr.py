@@ -112,13 +112,13 @@ def first(FragPos, Normal, camPos, lights_position):
 def distribution(FragPos, Normal, camPos, lights_position, roughness):
     """D at a fragment."""
     _, _, half, normal = first(FragPos, Normal, camPos, lights_position)
-    return microfacets.distribution_of(normal, half, roughness)
+    return microfacets.distribution_either(normal, half, roughness)
 
 
 def distribution_as_printed(FragPos, Normal, camPos, lights_position, roughness):
     """D by the formula as it is usually printed, for the second opinion in float64."""
     _, _, half, normal = first(FragPos, Normal, camPos, lights_position)
-    return microfacets.distribution(dot(normal, half), roughness)
+    return microfacets.distribution(max(dot(normal, half), 0.0), roughness)
 
 
 def geometry(FragPos, Normal, camPos, lights_position, roughness):

@@ -10,6 +10,7 @@ Source: the OpenGL Shading Language 4.60 (Khronos), chapter 8 "Built-In Function
 from shaderlab.glslmath.choice import (
     all,
     any,
+    either,
     equal,
     greaterThan,
     greaterThanEqual,
@@ -93,6 +94,7 @@ __all__ = [
     "determinant",
     "distance",
     "dot",
+    "either",
     "equal",
     "exp",
     "exp2",

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from shaderlab.bands import Band, Truth, stepwise
+from shaderlab.bands import Band, Truth, arithmetic, stepwise
 from shaderlab.bands.truth import as_truth
-from shaderlab.glslmath.dispatch import Condition, Value, bands, number
+from shaderlab.glslmath.dispatch import Condition, Value, applied, bands, number
 
 
 def where(condition: Condition, a: Value, b: Value) -> Value:
@@ -29,6 +29,17 @@ def where(condition: Condition, a: Value, b: Value) -> Value:
         chosen: Value = np.where(condition, number(a), number(b))
         return chosen[()]
     return stepwise.select(as_truth(condition), *lifted)
+
+
+def either(a: Value, b: Value) -> Value:
+    """`a`, or what another way to compute the same number gives: bands allow both.
+
+    Not a function of GLSL, but for references of formulas that are usually written in two ways.
+
+    >>> float(either(0.75, 1.0 - 0.25))
+    0.75
+    """
+    return applied(lambda a, b: a, arithmetic.union, a, b)
 
 
 def isnan(x: Value) -> Condition:

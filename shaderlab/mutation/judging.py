@@ -24,6 +24,11 @@ from shaderlab.mutation.subjects import (
 from shaderlab.mutation.tasks import Seen, Task, part_of
 from shaderlab.pipeline.trial import Bench, Programs, Trial, judged_passes
 
+
+class PartError(CaseError):
+    """A part of a case that mutants are judged by does not run unmutated."""
+
+
 Wide = tuple[list[wider.Round], dict[tuple[str, int], Array]]
 """Wider inputs of a draw, and what the case's own shaders make of them."""
 
@@ -49,14 +54,25 @@ class Judge:
         self._judged = compare.judged_outputs(self._scenes)
         self._originals = {s.variant: self._original(s) for s in self._scenes}
         self._wide: dict[tuple[str, PassDraw], Wide] = {}
+        self._sound: set[tuple[str, tuple[str, ...], tuple[int, ...]]] = set()
 
     def fate(self, mutant: Mutant | StateMutant) -> Fate:
-        """What becomes of one mutant."""
+        """What becomes of one mutant.
+
+        Raises:
+            PartError: it ended in an error, and so does the same part of the case without it.
+        """
+        tasks: list[Task] = []
         try:
-            return self._fate_of(self.tasks(mutant))
+            tasks = self.tasks(mutant)
+            return self._fate_of(tasks)
+        except PartError:
+            raise
         except ShaderError as error:
             return Fate(status="invalid", by=error.message)
         except Exception as error:
+            for task in tasks:
+                self._require_sound(task)
             # Running the case would end in an error, which nobody takes for green.
             return Fate(status="killed", by=f"{type(error).__name__}: {error}")
 
@@ -175,9 +191,22 @@ class Judge:
             part = part_of(original.scene, with_what_they_read(original.scene, {key[0]}), [])
             prepared = {p.name: original.session.prepared[p.name] for p in part.passes}
             some = wider.rounds(original, key, seed=key[1])
-            with self._bench.trial(part, prepared) as trial:
+            with _sound_part(part), self._bench.trial(part, prepared) as trial:
                 self._wide[variant, key] = (some, dict(wider.outputs(trial, key, some)))
         return self._wide[variant, key]
+
+    def _require_sound(self, task: Task) -> None:
+        """Run the parts of the scene that a task may need as they are, once each."""
+        unmutated = replace(task, changed=task.scene, texts={})
+        for everything in (False, True):
+            part = unmutated.part(everything)
+            key = (part.variant, tuple(p.name for p in part.passes), tuple(task.about))
+            if key in self._sound:
+                continue
+            with _sound_part(part), self.trial(unmutated, everything=everything) as (trial, _):
+                for index in range(len(part.expect)):
+                    trial.judge(index)
+            self._sound.add(key)
 
     def _original(self, scene: Scene) -> Trial:
         prepared = self._bench.prepare(scene, {})
@@ -199,3 +228,20 @@ class Judge:
         original = self._originals[part.variant].session.prepared
         anew = self._bench.prepare(mine, task.texts)
         return {p.name: anew.get(p.name) or original[p.name] for p in part.passes}
+
+
+@contextmanager
+def _sound_part(part: Scene) -> Iterator[None]:
+    """What goes wrong here goes wrong without any mutant."""
+    try:
+        yield
+    except UnsupportedError:
+        raise
+    except Exception as error:
+        raise PartError(
+            f"{part.case.id}[{part.variant}]: the passes "
+            f"{', '.join(p.name for p in part.passes)} do not run by themselves "
+            f"({type(error).__name__}: {error}), so that mutants of them can't be judged",
+            file=part.case.file or None,
+            remedy="this is a fault of shaderlab, not of the case: please report it",
+        ) from error

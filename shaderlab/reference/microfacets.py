@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 
-from shaderlab.glslmath import Value, clamp, cross, dot, max, mix, normalize
+from shaderlab.glslmath import Value, clamp, cross, dot, either, max, mix, normalize
 
 PI = 3.14159265359
 
@@ -53,6 +53,19 @@ def distribution_of(normal: Value, half: Value, roughness: Value) -> Value:
     aside = cross(normal, half)
     bracket = squared * cosine * cosine + dot(aside, aside)
     return squared / (PI * bracket * bracket)
+
+
+def distribution_either(normal: Value, half: Value, roughness: Value) -> Value:
+    """`distribution_of`, or `distribution` as it is printed, of max(n·h, 0): a shader may have
+    either. They are one number but where h lies below the surface, which reflects nothing there.
+
+    >>> import numpy as np
+    >>> up, half = np.eye(3)[2], np.array([0.6, 0.0, 0.8])
+    >>> print(f"{distribution_either(up, half, 0.5).item():.6f}")
+    0.124340
+    """
+    printed = distribution(max(dot(normal, half), 0.0), roughness)
+    return either(distribution_of(normal, half, roughness), printed)
 
 
 def shadowing(cosine: Value, roughness: Value) -> Value:
@@ -122,7 +135,7 @@ def radiance(
     half = normalize(view + light)
     normal_view = max(dot(normal, view), 0.0)
     normal_light = max(dot(normal, light), 0.0)
-    d = distribution_of(normal, half, roughness)
+    d = distribution_either(normal, half, roughness)
     g = geometry(normal_view, normal_light, roughness)
     f = fresnel(max(dot(half, view), 0.0), base_reflectance(albedo, metallic))
     specular = d * g * f / (4.0 * normal_view * normal_light + 0.0001)

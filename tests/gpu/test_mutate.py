@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from shaderlab.catalogue import load_case
 from shaderlab.cli import cli
 from shaderlab.mutation import Mutant, Options, run, state_mutants
 from shaderlab.mutation.campaign import mutants_of_case
-from shaderlab.mutation.judging import Judge
+from shaderlab.mutation.judging import Judge, PartError
 from shaderlab.pipeline.trial import Bench
 
 SHADER = """\
@@ -196,6 +197,34 @@ def test_what_is_compared_with_another_pass_is_drawn_with_it(folder: Path) -> No
     assert not [f for f in shaders + hidden if "CaseError" in f.by]
     killed = [f.by for f in hidden if f.status == "killed"]
     assert killed and set(killed) == {"default · quads.FragColor: any order of drawing"}
+
+
+def test_a_part_that_does_not_run_unmutated_kills_nobody(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Were a pass left out that another one is compared with, every mutant would seem noticed."""
+    case = load_case(folder / "compared.py")
+    with Bench() as bench:
+        judge = Judge(bench, case)
+        mutant = next(m for m in mutants_of_case(case, Options(state=False)))
+        assert judge.fate(mutant).status != "invalid"
+        monkeypatch.setattr("shaderlab.mutation.tasks.with_what_they_read", lambda *_: {"quads"})
+        with pytest.raises(PartError, match="the passes quads do not run by themselves") as caught:
+            judge.fate(mutant)
+    assert caught.value.file == str(folder / "compared.py")
+
+
+def test_an_error_of_the_mutant_alone_kills_it(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    case = load_case(folder / "quad.py")
+    with Bench() as bench:
+        judge = Judge(bench, case)
+        mutant = next(m for m in state_mutants(case))
+        wrong = replace(next(case.scenes()), passes=())
+        monkeypatch.setattr(type(mutant), "applied", lambda *_: wrong)
+        fate = judge.fate(mutant)
+    assert fate.status == "killed" and "Error" in fate.by
 
 
 TROUBLE = """
