@@ -19,8 +19,9 @@ help: ## what there is to do
 run: .venv/.ready ## run every case and write the report
 	@$(PY) -m shaderlab run $(if $(CASE),$(CASE),--all) $(ARGS)
 
+# Nothing that was compiled at another time is taken for tested.
 test: .venv/.ready ## run every test
-	@$(PY) -m pytest $(PARALLEL) $(ARGS)
+	@SHADERLAB_CACHE_DIR= $(PY) -m pytest $(PARALLEL) $(ARGS)
 
 lint: .venv/.ready ## style and types
 	@failed=0; for tool in "ruff check ." "ruff format --check ." mypy; do \

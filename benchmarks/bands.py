@@ -24,10 +24,11 @@ import numpy as np
 
 from shaderlab.bands import Rules
 from shaderlab.bands.allowed import contains
-from shaderlab.catalogue import Catalogue, data_folder
+from shaderlab.catalogue import Catalogue
 from shaderlab.checks import judge
 from shaderlab.checks.inputs import Inputs, evaluate
 from shaderlab.checks.naming import subject_of
+from shaderlab.discovery import data_folder
 from shaderlab.frame import Frame
 from shaderlab.gl import capture
 from shaderlab.gl.device import open_device

@@ -26,10 +26,10 @@ from unittest.mock import patch
 
 import numpy as np
 
-from shaderlab.catalogue import data_folder, load_case
+from shaderlab.catalogue import load_case
 from shaderlab.checks import judge
 from shaderlab.checks.banded import Banded
-from shaderlab.discovery import case_files
+from shaderlab.discovery import case_files, data_folder
 from shaderlab.model import Case
 from shaderlab.mutation.judging import Judge
 from shaderlab.mutation.mutants import Mutant

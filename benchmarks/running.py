@@ -3,7 +3,8 @@
     python -m benchmarks.running [--programs 50] [--size 256] [--most 500]
 
 Every way runs the same small programs and looks at every pixel (piglit probes three of them).
-Each is a process of its own, run twice: the first time warms the shader cache, the second counts.
+Each is a process of its own, run twice: the first time warms the driver's shader cache, the second
+counts. The lab's own cache is switched off but where programs are said to be compiled before.
 The cost of a further program is the difference between many and few, by their number; so what a
 process costs once is left out of it. CPU seconds are those of the process and all its children:
 on a machine that does other things as well, trust them more than the clock.
@@ -51,9 +52,10 @@ def measure(work: Callable[[], object]) -> Cost:
     return Cost(wall, used)
 
 
-def call(*command: str | Path) -> None:
-    """Run a process that must end well."""
+def call(*command: str | Path, kept: Path | None = None) -> None:
+    """Run a process that must end well; `kept` is where the lab keeps compiled programs."""
     environment = {**os.environ, "PYTHONPATH": str(HERE.parent), "EGL_PLATFORM": "surfaceless"}
+    environment["SHADERLAB_CACHE_DIR"] = str(kept or "")
     environment |= {"LIBGL_ALWAYS_SOFTWARE": "1", "GALLIUM_DRIVER": "llvmpipe"}
     done = subprocess.run(
         [str(part) for part in command], env=environment, capture_output=True, text=True
@@ -100,6 +102,10 @@ def further(folder: Path, many: int, size: int) -> None:
     shares = phases(folder / "judged")
     bare = 1.0 - shares["compile"]
     costs["… without its three-target compilation"] = Cost(judged.wall * bare, judged.cpu * bare)
+    kept = folder / "kept"
+    costs["… with its programs compiled before"] = step(
+        lambda n: lab(places[n], folder / "again", "--no-pictures", kept=kept), many
+    )
     pytest = ("-m", "pytest", "-q", "-p", "no:cacheprovider")
     costs["pytest"] = step(lambda n: call(sys.executable, *pytest, places[n]), many)
     print(f"each further program of {size}², every pixel judged:")
@@ -119,9 +125,10 @@ def step(run: Callable[[int], object], many: int) -> Cost:
     return lot.per(few, many - FEW)
 
 
-def lab(cases: Path, report: Path, *options: str) -> None:
+def lab(cases: Path, report: Path, *options: str, kept: Path | None = None) -> None:
     """One command with the report."""
-    call(sys.executable, "-m", "shaderlab", "run", f"{cases}/", "--report", report, *options)
+    command = (sys.executable, "-m", "shaderlab", "run", f"{cases}/", "--report", report)
+    call(*command, *options, kept=kept)
 
 
 def phases(report: Path) -> dict[str, float]:
@@ -136,10 +143,19 @@ def phases(report: Path) -> dict[str, float]:
 
 
 def fixed(folder: Path) -> None:
-    """What a command with one small case costs."""
+    """What a command with one small case costs, and a worker more."""
     running_programs.write(folder / "one", 1, 16)
-    cost = measure(lambda: lab(folder / "one", folder / "one-run"))
-    print(f"one small case, the whole command: {cost.wall:.2f} s, {cost.cpu:.2f} s CPU")
+    for title, kept in (("nothing kept", None), ("compiled before", folder / "kept")):
+        cost = measure(lambda kept=kept: lab(folder / "one", folder / "one-run", kept=kept))
+        print(f"one small case, {title}: {cost.wall:.2f} s, {cost.cpu:.2f} s CPU")
+    running_programs.write(folder / "eight", 8, 16)
+    alone, beside = (
+        measure(
+            lambda j=j: lab(folder / "eight", folder / "eight-run", "-j", j, kept=folder / "kept")
+        )
+        for j in "12"
+    )
+    print(f"a second worker: {beside.cpu - alone.cpu:.2f} s CPU")
 
 
 def piglit(folder: Path, count: int, size: int) -> None:
@@ -150,23 +166,26 @@ def piglit(folder: Path, count: int, size: int) -> None:
         return
     files = running_piglit.write(folder / "piglit", count, size)
     running_programs.write(folder / "small", count, 64)
+    out = folder / "small-run"
     for title, at_once in (("one process a test", False), ("one process", True)):
         cost = measure(lambda at_once=at_once: running_piglit.run(runner, files, at_once))
         print(f"piglit, {title}: {count / cost.wall:.0f} tests/s, {count / cost.cpu:.0f} per CPU s")
-    cost = measure(lambda: lab(folder / "small", folder / "small-run", "--no-pictures"))
-    rate = f"{count / cost.wall:.0f} tests/s, {count / cost.cpu:.0f} per CPU s"
-    print(f"shaderlab run --no-pictures at 64²: {rate}")
+    for title, kept in (("nothing kept", None), ("compiled before", folder / "kept")):
+        cost = measure(lambda kept=kept: lab(folder / "small", out, "--no-pictures", kept=kept))
+        rate = f"{count / cost.wall:.0f} tests/s, {count / cost.cpu:.0f} per CPU s"
+        print(f"shaderlab run --no-pictures at 64², {title}: {rate}")
 
 
 def growth(folder: Path, most: int) -> None:
     """Time and the parent's memory as the number of cases grows."""
+    environment = {**os.environ, "PYTHONPATH": str(HERE.parent), "SHADERLAB_CACHE_DIR": ""}
     for count in (most // 10, most):
         running_programs.write(folder / f"grow-{count}", count, 16)
         started = time.perf_counter()
         done = subprocess.run(
             ["/usr/bin/env", "time", "-f", "%M", sys.executable, "-m", "shaderlab", "run",
              str(folder / f"grow-{count}"), "--report", str(folder / "grow-run")],
-            capture_output=True, text=True, env={**os.environ, "PYTHONPATH": str(HERE.parent)},
+            capture_output=True, text=True, env=environment,
         )  # fmt: skip
         spent = time.perf_counter() - started
         peak = done.stderr.strip().splitlines()[-1]

@@ -12,28 +12,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from shaderlab import model
-from shaderlab.discovery import case_files
+from shaderlab.discovery import place, shipped_cases
 from shaderlab.errors import CaseError, ShaderlabError, UsageError, nearest
 from shaderlab.model import Case
 
 _UNKNOWN_KEYWORD = re.compile(
     r"(\w+)(?:\.__init__)?\(\) got an unexpected keyword argument '(\w+)'"
 )
-
-
-def data_folder(kind: str) -> Path:
-    """Where the shipped "shaders" or "cases" are: in the installed package, or the checkout.
-
-    Raises:
-        UsageError: neither is there, so the installation is incomplete.
-    """
-    package = Path(__file__).resolve().parent
-    for candidate in (package / "_data" / kind, package.parent / kind):
-        if candidate.is_dir():
-            return candidate
-    raise UsageError(
-        f"this installation has no {kind} folder", remedy="install shaderlab again, or run `make`"
-    )
 
 
 @dataclass(frozen=True)
@@ -45,7 +30,7 @@ class Catalogue:
     @classmethod
     def shipped(cls) -> Catalogue:
         """The cases that come with the lab."""
-        return cls.of(case_files(data_folder("cases")))
+        return cls.of(shipped_cases())
 
     @classmethod
     def of(cls, files: Iterable[Path]) -> Catalogue:
@@ -161,9 +146,3 @@ def _right_spelling(error: BaseException) -> str | None:
         code = owner.__code__
         names = list(code.co_varnames[: code.co_argcount + code.co_kwonlyargcount])
     return nearest(found.group(2), names)
-
-
-def place(section: str, case_id: str) -> tuple[list[int], str]:
-    """What cases are sorted by: chapter, section, id; those without a section come last."""
-    numbers = [int(part) if part.isdigit() else 0 for part in section.split(".")]
-    return ([*numbers] if section else [999], case_id)

@@ -17,18 +17,29 @@ _ASSIGNS = re.compile(rb"^case\s*(:[^=\n]*)?=", re.MULTILINE)
 _SKIPPED_FOLDERS = frozenset({"__pycache__", "node_modules", "site-packages", "build", "dist"})
 
 
+def data_folder(kind: str) -> Path:
+    """Where the shipped "shaders" or "cases" are: in the installed package, or the checkout.
+
+    Raises:
+        UsageError: neither is there, so the installation is incomplete.
+    """
+    package = Path(__file__).resolve().parent
+    for candidate in (package / "_data" / kind, package.parent / kind):
+        if candidate.is_dir():
+            return candidate
+    raise UsageError(
+        f"this installation has no {kind} folder", remedy="install shaderlab again, or run `make`"
+    )
+
+
 def is_case_file(path: Path) -> bool:
     """Whether `path` is a case file; never raises, whatever the file holds."""
-    if path.suffix != ".py" or not _may_be_case(path.name):
+    if not _looks_like_case(path):
         return False
     try:
-        source = path.read_bytes()
+        tree = ast.parse(path.read_bytes())
     except OSError:
         return False
-    if b"shaderlab" not in source or not _ASSIGNS.search(source):
-        return False
-    try:
-        tree = ast.parse(source)
     except (SyntaxError, ValueError):
         return True  # meant as one: loading it reports the mistake, passing it over would not
     return _imports_case(tree) and any(_assigns_case(node) for node in tree.body)
@@ -40,16 +51,36 @@ def case_files(folder: Path) -> Iterator[Path]:
     Raises:
         UsageError: `folder` is not a folder that can be read.
     """
+    return filter(is_case_file, _files(folder))
+
+
+def shipped_cases() -> Iterator[Path]:
+    """The case files that come with the lab, sorted. What looks like one there is one, so none of
+    them is parsed: that would take longer than to load it."""
+    return filter(_looks_like_case, _files(data_folder("cases")))
+
+
+def _files(folder: Path) -> Iterator[Path]:
     try:
         entries = sorted(folder.iterdir())
     except OSError as error:
         raise UsageError(f"can't read this folder: {error.strerror}", file=folder) from error
     for entry in entries:
-        if entry.is_dir():
-            if not entry.name.startswith(".") and entry.name not in _SKIPPED_FOLDERS:
-                yield from case_files(entry)
-        elif is_case_file(entry):
+        if not entry.is_dir():
             yield entry
+        elif not entry.name.startswith(".") and entry.name not in _SKIPPED_FOLDERS:
+            yield from _files(entry)
+
+
+def _looks_like_case(path: Path) -> bool:
+    """Whether a file's name and words are those of a case file, wherever in it the words are."""
+    if path.suffix != ".py" or not _may_be_case(path.name):
+        return False
+    try:
+        source = path.read_bytes()
+    except OSError:
+        return False
+    return b"shaderlab" in source and _ASSIGNS.search(source) is not None
 
 
 def _may_be_case(name: str) -> bool:
@@ -84,3 +115,9 @@ def _assigns_case(node: ast.stmt) -> bool:
     return (isinstance(called, ast.Name) and called.id == "Case") or (
         isinstance(called, ast.Attribute) and called.attr == "Case"
     )
+
+
+def place(section: str, case_id: str) -> tuple[list[int], str]:
+    """What cases are sorted by: chapter, section, id; those without a section come last."""
+    numbers = [int(part) if part.isdigit() else 0 for part in section.split(".")]
+    return ([*numbers] if section else [999], case_id)

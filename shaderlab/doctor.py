@@ -37,6 +37,7 @@ def examine() -> tuple[Finding, ...]:
         _sizes(),
         *_packages(),
         *_compilers(),
+        _kept(),
         *_data(),
         *_driver(),
     )
@@ -118,8 +119,22 @@ def _compilers() -> Iterator[Finding]:
         yield Finding(name=name, found=version)
 
 
+def _kept() -> Finding:
+    """Where compiled programs are kept, and how much there is."""
+    from .glsl.kept import FOLDER_VARIABLE, cache_folder
+    from .glsl.store import Store
+
+    folder = cache_folder()
+    if folder is None:
+        found = f"not kept: {FOLDER_VARIABLE} is empty, or there is no home folder"
+    else:
+        usage = Store(folder).usage()
+        found = f"{usage.entries} files, {usage.size / 1e6:.1f} MB in {folder}"
+    return Finding(name="compiled programs", found=found, necessary=False)
+
+
 def _data() -> Iterator[Finding]:
-    from .catalogue import data_folder
+    from .discovery import data_folder
 
     for kind in ("shaders", "cases"):
         try:

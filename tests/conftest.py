@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -10,6 +11,9 @@ from typing import Any
 import pytest
 
 from shaderlab.records import Diagnostic, Outcome, ProgramRecord, Record, SourceText, Verdict, Worst
+
+# Tests ask the compilers themselves, and so do the processes that they start.
+os.environ["SHADERLAB_CACHE_DIR"] = ""
 
 
 @pytest.fixture(scope="session")

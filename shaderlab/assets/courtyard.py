@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from shaderlab.assets.meshes import Geometry, cube, moved
+from shaderlab.assets.remembered import remembered
 from shaderlab.assets.solids import gathered, painted
 
 Array = npt.NDArray[Any]
@@ -47,6 +48,7 @@ def boxes() -> list[Array]:
     return [_matrix(middle, size, turn) for middle, size, turn, _ in _BOXES]
 
 
+@remembered
 def courtyard() -> Geometry:
     """All boxes as one mesh; vertices have a colour, `aColor`.
 
@@ -65,6 +67,7 @@ def avenue_boxes() -> list[Array]:
     return [_matrix(middle, size, turn) for middle, size, turn, _ in _AVENUE]
 
 
+@remembered
 def avenue() -> Geometry:
     """A long straight road between posts, from z = 0 to z = −60: something with a near and a far.
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from shaderlab.assets.meshes import Geometry, plane, sphere
+from shaderlab.assets.remembered import remembered
 from shaderlab.assets.solids import gathered, lathe, painted, placed
 
 STEP = 2.2
@@ -13,6 +14,7 @@ _POST = (0.36, 0.34, 0.33)
 _BALLS = ((0.85, 0.28, 0.16), (0.86, 0.60, 0.14), (0.20, 0.50, 0.62))
 
 
+@remembered
 def plaza(tiles: int = 12, segments: int = 40) -> Geometry:
     """The plaza around the origin, its floor at y = 0; vertices have a colour, `aColor`.
 

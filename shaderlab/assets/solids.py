@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from shaderlab.assets.meshes import Geometry, cube, joined, moved
+from shaderlab.assets.remembered import remembered
 
 Array = npt.NDArray[Any]
 Color = Sequence[float]
@@ -135,6 +136,7 @@ def arrow(
     return painted(moved(lathe(profile, segments=20), matrix), color)
 
 
+@remembered
 def tripod(size: float = 1.0, thickness: float = 0.03) -> Geometry:
     """The axes: x red, y green, z blue, from the origin."""
     hub = painted(box((-thickness,) * 3, (thickness,) * 3), INK)
@@ -143,6 +145,7 @@ def tripod(size: float = 1.0, thickness: float = 0.03) -> Geometry:
     return gathered(hub, *axes)
 
 
+@remembered
 def letter_f(front: Color = ORANGE, side: Color = TEAL) -> Geometry:
     """A thick letter F, one unit high, its lower left corner near the origin, its front at +z.
 
@@ -160,6 +163,7 @@ def letter_f(front: Color = ORANGE, side: Color = TEAL) -> Geometry:
     return whole
 
 
+@remembered
 def aircraft(body: Color = PAPER, wings: Color = ORANGE) -> Geometry:
     """A small aircraft around the origin: its nose at −z, its fin up +y, its span along x."""
     quarter = np.linspace(0.0, 1.0, 9)
@@ -179,6 +183,7 @@ def aircraft(body: Color = PAPER, wings: Color = ORANGE) -> Geometry:
     )  # fmt: skip
 
 
+@remembered
 def tile(half: float = 2.0, step: float = 0.5, thickness: float = 0.06) -> Geometry:
     """A square slab of floor whose top is y = 0, inlaid with a grid `step` apart.
 
@@ -198,6 +203,7 @@ def tile(half: float = 2.0, step: float = 0.5, thickness: float = 0.06) -> Geome
     return gathered(*parts)
 
 
+@remembered
 def wire_box(low: Vector, high: Vector, color: Color, thickness: float = 0.012) -> Geometry:
     """A box's twelve edges as thin bars."""
     return wire([[x, y, z] for z in (low[2], high[2]) for y in (low[1], high[1])

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from shaderlab.assets.meshes import Geometry, sphere, torus
+from shaderlab.assets.remembered import remembered
 from shaderlab.assets.solids import box, gathered, letter_f, painted, placed
 from shaderlab.assets.stage import SKY, prop, prop_checks
 from shaderlab.model import Expectation, Pass, Target, measure, value
@@ -18,6 +19,7 @@ Array = npt.NDArray[Any]
 CORAL, BLUE, GREEN = (1.0, 0.5, 0.31), (0.10, 0.22, 0.75), (0.16, 0.52, 0.20)
 
 
+@remembered
 def still_life() -> Geometry:
     """A letter, a coral ball, a blue ring and a green box on a floor of 4 × 4, as one mesh.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import os
 import sys
 from typing import Any
 
@@ -87,6 +88,9 @@ def cli(debug: bool) -> None:
 
 def main() -> None:
     """Run the command line on `sys.argv`; never returns."""
+    # Before NumPy is imported: its library would start a thread a core, all of which wait busily,
+    # while no command multiplies large matrices.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     for stream in (sys.stdout, sys.stderr):
         reconfigure = getattr(stream, "reconfigure", None)
         if reconfigure is not None:

@@ -145,7 +145,7 @@ def _told(results: Iterator[FileResult], count: int, json_file: str | None, quie
 
 
 def _shipped() -> Path:
-    from ..catalogue import data_folder
+    from ..discovery import data_folder
 
     return data_folder("shaders").resolve()
 

@@ -5,81 +5,26 @@ from __future__ import annotations
 import contextlib
 import datetime
 import tempfile
-import threading
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from shaderlab.cli.files import REPORTS, new_run_folder, report_folder
+from shaderlab.cli.files import new_run_folder, report_folder
 from shaderlab.cli.replacing import named, parsed, unread
+from shaderlab.cli.requesting import Request, place_of
+from shaderlab.cli.selecting import choose
+from shaderlab.cli.showing import Show
 from shaderlab.errors import UsageError
 from shaderlab.records import Record, Run
 from shaderlab.report.html import load_libraries
-from shaderlab.running import Crew, Limits, Setup, Solo, Team
-from shaderlab.running.drivers import disagreements, known, results
-from shaderlab.running.journal import FILE_NAME, Heading, Journal, read
+from shaderlab.running import Setup, Team
+from shaderlab.running.drivers import disagreements, results
+from shaderlab.running.journal import Heading, Journal, read
 
 if TYPE_CHECKING:
-    from shaderlab.cli.showing import Show
     from shaderlab.running import Job
-
-
-@dataclass(frozen=True, kw_only=True)
-class Request:
-    """The options of `shaderlab run`, as click gives them."""
-
-    targets: tuple[str, ...] = ()
-    every: bool = False
-    variants: tuple[str, ...] = ()
-    size: int = 64
-    shaders: tuple[str, ...] = ()
-    json_file: str | None = None
-    junit_file: str | None = None
-    folder: str | None = None
-    seconds: float
-    gigabytes: float
-    workers: int
-    driver: str | None = None
-    drivers: str | None = None
-    resume: str | None = None
-    pictures: bool = True
-    profile: bool = False
-    scheduler: str | None = None
-
-    def team(self) -> Team:
-        """Whoever is to run the jobs."""
-        driver = self.driver if self.driver is None else known(self.driver)
-        if self.resume is not None:
-            driver = read(place_of(self.resume))[0].setup.driver
-        elif self.drivers is not None:
-            driver = self.rivals()[0]
-        return self.on(driver)
-
-    def on(self, driver: str | None) -> Team:
-        """A team on one driver."""
-        limits = Limits(seconds=self.seconds, gigabytes=self.gigabytes)
-        if self.scheduler is not None:
-            from shaderlab.running.cluster import Cluster
-
-            if self.workers == 0:
-                raise UsageError("--scheduler does not go with -j 0")
-            return Cluster(self.scheduler, driver, limits)
-        if self.workers == 0:
-            return Solo(driver)
-        return Crew(driver, limits, self.workers)
-
-    def rivals(self) -> tuple[str, ...]:
-        """The drivers to be compared; none if there is only one. Raises UsageError."""
-        if self.drivers is None:
-            return ()
-        if self.driver is not None or self.resume is not None or self.workers == 0:
-            raise UsageError("--drivers goes with neither --driver, --resume nor -j 0")
-        names = tuple(known(name.strip()) for name in self.drivers.split(","))
-        if len(set(names)) != len(names) or len(names) < 2:
-            raise UsageError(f"--drivers {self.drivers}: name two or more, each once")
-        return names
 
 
 @dataclass(frozen=True)
@@ -96,8 +41,7 @@ class Performed:
 
 def finish(request: Request, team: Team) -> tuple[Performed, Show]:
     """Do what was asked for, or the rest of it. Raises UsageError, CaseError."""
-    from shaderlab.cli.showing import Show
-
+    load_libraries()
     show = Show(to_stderr=request.json_file == "-")
     done: list[Record] = []
     if request.resume is None:
@@ -156,8 +100,6 @@ def perform(
         records[job.key] = record
         journal.add(record)
 
-    # Not waited for: a run that is interrupted ends at once.
-    threading.Thread(target=load_libraries, daemon=True).start()
     with show.progress(len(rest)) as progress, contextlib.suppress(KeyboardInterrupt):
         results = team.run(rest, heading.setup, heard)
         for job in rest:
@@ -180,8 +122,6 @@ def perform(
 
 def _begun(request: Request, team: Team) -> tuple[Heading, Path]:
     """What is to be run, and the folder for it, made now that there is something to run."""
-    from shaderlab.cli.selecting import choose
-
     replacements = parsed(request.shaders)
     jobs = choose(request.targets, request.every, request.variants, team.load)
     driver = request.rivals()[0] if request.drivers else request.driver
@@ -195,13 +135,3 @@ def _begun(request: Request, team: Team) -> tuple[Heading, Path]:
     )
     now = datetime.datetime.now().astimezone().isoformat(timespec="seconds")
     return Heading(started=now, setup=setup, jobs=tuple(jobs)), folder
-
-
-def place_of(resume: str) -> Path:
-    """The folder to go on with: the one that is named, or the last that was begun."""
-    if resume:
-        return Path(resume)
-    begun = sorted(REPORTS.glob(f"*/{FILE_NAME}"), key=lambda path: path.stat().st_mtime)
-    if not begun:
-        raise UsageError(f"there is no run in {REPORTS}/", remedy="name its folder")
-    return begun[-1].parent

@@ -12,9 +12,10 @@ import click
 from shaderlab.cli.files import latest, write_json
 from shaderlab.errors import ShaderlabError
 from shaderlab.running.jobs import DEFAULT_GIGABYTES, DEFAULT_SECONDS
+from shaderlab.running.sizing import WORDS
 
 if TYPE_CHECKING:
-    from shaderlab.cli.performing import Request
+    from shaderlab.cli.requesting import Request
     from shaderlab.records import Run
 
 
@@ -68,8 +69,8 @@ if TYPE_CHECKING:
     "--jobs",
     "workers",
     type=click.IntRange(min=0),
-    default=1,
-    show_default=True,
+    default=None,
+    show_default=WORDS,
     envvar="SHADERLAB_JOBS",
     metavar="N",
     help="Run in N worker processes; 0 for none, which isolates nothing.",
@@ -128,12 +129,14 @@ def command(open_report: bool, **asked: Any) -> None:
     Exit code: 0 all passed, 1 something failed, 2 wrong usage. A case that needs a feature which
     this driver lacks is "unsupported", which is no failure.
     """
-    from shaderlab.cli.performing import Request, finish
-    from shaderlab.terminal import failed
+    from shaderlab.cli.requesting import Request
 
     request = Request(**asked)
     team = request.team()  # its workers get ready while what follows is imported
     try:
+        from shaderlab.cli.performing import finish
+        from shaderlab.terminal import failed
+
         performed, show = finish(request, team)
         show.outcomes(performed.run)
         show.disagreements(performed.run)

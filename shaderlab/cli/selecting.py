@@ -10,13 +10,14 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from shaderlab.catalogue import data_folder, place
-from shaderlab.discovery import case_files
+from shaderlab.discovery import case_files, place, shipped_cases
 from shaderlab.errors import CaseError, UsageError, nearest
-from shaderlab.model import Scene
-from shaderlab.running import Solo
 from shaderlab.running.jobs import CaseFacts, Job
+
+if TYPE_CHECKING:
+    from shaderlab.model import Scene
 
 Load = Callable[[Sequence[Path]], list[CaseFacts]]
 _WITH_VARIANT = re.compile(r"(?P<id>[^\[\]]+)\[(?P<variant>.*)\]")
@@ -84,6 +85,7 @@ def select(targets: Sequence[str], every: bool, variants: Sequence[str]) -> list
         UsageError: as `choose`.
         CaseError: a case file is wrong.
     """
+    from shaderlab.running import Solo
     from shaderlab.running.working import scenes_of
 
     jobs = choose(targets, every, variants, Solo().load)
@@ -94,7 +96,7 @@ def select(targets: Sequence[str], every: bool, variants: Sequence[str]) -> list
 
 
 def _shipped() -> tuple[Path, ...]:
-    return tuple(case_files(data_folder("cases")))
+    return tuple(shipped_cases())
 
 
 def _wanted(target: str) -> _Wanted:

@@ -13,9 +13,11 @@ import click
 from shaderlab.cli.files import latest, new_run_folder, report_folder
 from shaderlab.errors import UsageError
 from shaderlab.running.jobs import DEFAULT_GIGABYTES, DEFAULT_SECONDS
+from shaderlab.running.sizing import WORDS
 
 if TYPE_CHECKING:
-    from shaderlab.cli.performing import Performed, Request
+    from shaderlab.cli.performing import Performed
+    from shaderlab.cli.requesting import Request
     from shaderlab.cli.showing import Show
     from shaderlab.running import Team
     from shaderlab.running.journal import Heading
@@ -42,7 +44,7 @@ TABLE = "sweep.csv"
     show_default=True, metavar="GB", help="Memory that one worker may have; 0 for any amount.",
 )  # fmt: skip
 @click.option(
-    "-j", "--jobs", "workers", type=click.IntRange(min=0), default=1, show_default=True,
+    "-j", "--jobs", "workers", type=click.IntRange(min=0), default=None, show_default=WORDS,
     envvar="SHADERLAB_JOBS", metavar="N", help="Run in N worker processes; 0 for none.",
 )  # fmt: skip
 @click.option("--scheduler", metavar="ADDRESS", help="Run on a Dask cluster; see `run --help`.")
@@ -76,11 +78,11 @@ def command(target: str | None, params: tuple[str, ...], table: str | None, **as
 
     Exit code: 0 every point passed, 1 one did not, 2 wrong usage.
     """
-    from shaderlab.cli.performing import Request
-    from shaderlab.report import table as tables
-    from shaderlab.terminal import failed
+    from shaderlab.cli.requesting import Request
 
     if table is not None:
+        from shaderlab.report import table as tables
+
         tables.check(Path(table))
     request = Request(**asked)
     team = request.team()
@@ -92,6 +94,8 @@ def command(target: str | None, params: tuple[str, ...], table: str | None, **as
     if not performed.complete:
         click.echo(f"go on with: shaderlab sweep --resume {performed.folder}")
         raise KeyboardInterrupt
+    from shaderlab.terminal import failed
+
     if any(failed(record) for record in performed.run.records):
         raise SystemExit(1)
 
@@ -102,8 +106,10 @@ def _performed(
     from shaderlab.cli.performing import perform
     from shaderlab.cli.showing import Show
     from shaderlab.records import Record
+    from shaderlab.report.html import load_libraries
     from shaderlab.running.journal import Journal, read
 
+    load_libraries()
     show = Show()
     done: list[Record] = []
     if request.resume is not None:

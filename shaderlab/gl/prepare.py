@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from shaderlab.errors import CaseError, ShaderError, UnsupportedError, nearest
 from shaderlab.gl import bind, formats, stages
-from shaderlab.glsl.compile import TARGETS, Compiled, compile_program
+from shaderlab.glsl.compile import TARGETS, Compile, Compiled, compile_program
 from shaderlab.glsl.sources import Shaders, Source
 from shaderlab.glsl.spirv import Interface
 from shaderlab.model import Draw, Pass
@@ -20,12 +20,14 @@ class PreparedDraw:
     """A draw with its program compiled.
 
     `sources` are all stages, generated ones too; `authored` those of them that are files.
+    `compiling` is what compiled them.
     """
 
     draw: Draw
     sources: tuple[Source, ...]
     authored: tuple[Source, ...]
     compiled: Compiled
+    compiling: Compile = field(default=compile_program, repr=False, compare=False)
 
     @property
     def interface(self) -> Interface:
@@ -41,7 +43,7 @@ class PreparedDraw:
         program's. Raises ShaderError as `interface` does."""
         if self.draw.geometry is None:
             return self.interface
-        alone = compile_program(self.sources[:1], ("glsl", "opengl"))
+        alone = self.compiling(self.sources[:1], ("glsl", "opengl"))
         alone.require()
         assert alone.interface is not None
         return alone.interface
@@ -56,10 +58,12 @@ class Preparer:
 
     Args:
         shaders: where shader files are found.
+        compiling: what compiles a program for some targets.
     """
 
-    def __init__(self, shaders: Shaders) -> None:
+    def __init__(self, shaders: Shaders, compiling: Compile = compile_program) -> None:
         self._shaders = shaders
+        self._compiling = compiling
         self._loaded: dict[str, Source] = {}
         self._compiled: dict[tuple[Source, ...], Compiled] = {}
         self._interfaces: dict[tuple[Source, ...], Interface | None] = {}
@@ -92,7 +96,13 @@ class Preparer:
             )
         if draw.mesh is not None and compiled.interface is not None:
             bind.check_attributes(draw, compiled.interface)
-        return PreparedDraw(draw=draw, sources=sources, authored=authored, compiled=compiled)
+        return PreparedDraw(
+            draw=draw,
+            sources=sources,
+            authored=authored,
+            compiled=compiled,
+            compiling=self._compiling,
+        )
 
     @property
     def folders(self) -> tuple[Path, ...]:
@@ -106,18 +116,18 @@ class Preparer:
     def refusal(self, names: Sequence[str]) -> tuple[tuple[Source, ...], Compiled]:
         """Some shader files as one program, and what the plain GLSL compiler says of it."""
         sources = tuple(self._load(name) for name in names)
-        return sources, compile_program(sources, ("glsl",))
+        return sources, self._compiling(sources, ("glsl",))
 
     def compile(self, sources: tuple[Source, ...]) -> Compiled:
         """A program's verdicts for every target, from memory if it was compiled before."""
         if sources not in self._compiled:
-            self._compiled[sources] = compile_program(sources, TARGETS)
+            self._compiled[sources] = self._compiling(sources, TARGETS)
         return self._compiled[sources]
 
     def _declared(self, authored: tuple[Source, ...]) -> Interface | None:
         """What the files of a program declare: one target is enough to read that from."""
         if authored not in self._interfaces:
-            compiled = compile_program(authored, ("glsl", "opengl"))
+            compiled = self._compiling(authored, ("glsl", "opengl"))
             self._interfaces[authored] = compiled.interface
         return self._interfaces[authored]
 

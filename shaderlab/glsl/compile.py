@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import functools
 import re
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 from shaderlab.errors import ShaderError, nearest
@@ -42,7 +42,9 @@ class Compiled:
     spirv: Mapping[str, Mapping[str, bytes]]
     logs: Mapping[str, str] = field(default_factory=dict)
     sources: tuple[Source, ...] = field(default=(), repr=False)
-    _engine: Engine | None = field(default=None, repr=False, compare=False)
+    _declared: Callable[[], Interface | None] | None = field(
+        default=None, repr=False, compare=False
+    )
 
     @property
     def ok(self) -> bool:
@@ -53,11 +55,16 @@ class Compiled:
     def interface(self) -> Interface | None:
         """What the program declares, read from its OpenGL modules when it is first asked for;
         None where it does not compile for OpenGL."""
-        if "opengl" in self.spirv:
-            return reflect(self.spirv["opengl"])
-        if self._engine is None or any(verdict.target == "opengl" for verdict in self.verdicts):
-            return None
-        return compile_program(self.sources, ("glsl", "opengl"), engine=self._engine).interface
+        return self._declared() if self._declared else None
+
+    def only(self, targets: Sequence[str]) -> Compiled:
+        """The same program with some of its targets alone. What it declares stays known."""
+        return replace(
+            self,
+            verdicts=tuple(verdict for verdict in self.verdicts if verdict.target in targets),
+            spirv={target: modules for target, modules in self.spirv.items() if target in targets},
+            logs={target: log for target, log in self.logs.items() if target in targets},
+        )
 
     def require(self) -> None:
         """Nothing, where every target accepts the program.
@@ -74,6 +81,10 @@ class Compiled:
                     file=errors[0].file,
                     line=errors[0].line,
                 )
+
+
+Compile = Callable[[Sequence[Source], Sequence[str]], Compiled]
+"""What compiles a program for some targets, as `compile_program` does."""
 
 
 def compile_program(
@@ -97,7 +108,7 @@ def compile_program(
         ShaderError: no stages, two of one stage, stages that can't be linked, or an unknown
             target; never for what a compiler says of the text, which is in the verdicts.
     """
-    ordered = _in_order(stages, targets)
+    ordered = in_order(stages, targets)
     engine = engine or choose()
     plain = check_stages(ordered, engine)
     results = {"glsl": plain}
@@ -115,12 +126,19 @@ def compile_program(
             if not plain.ok:
                 goes_on = False
                 results = {done: plain for done in results}
+
+    def declared() -> Interface | None:
+        if "opengl" not in results:
+            return compile_program(ordered, ("glsl", "opengl"), engine=engine).interface
+        modules = results["opengl"].modules
+        return reflect(modules) if modules else None
+
     return Compiled(
         verdicts=tuple(results[target].verdict(target) for target in targets),
         spirv={t: results[t].modules for t in targets if results[t].modules},
         logs={target: results[target].log for target in targets},
         sources=tuple(ordered),
-        _engine=engine,
+        _declared=functools.cache(declared),
     )
 
 
@@ -130,8 +148,8 @@ def _is_spirv_only(diagnostics: Sequence[Diagnostic]) -> bool:
     return all(map(_SPIRV_ONLY.search, errors))
 
 
-def _in_order(stages: Sequence[Source], targets: Sequence[str]) -> list[Source]:
-    """The sources in pipeline order."""
+def in_order(stages: Sequence[Source], targets: Sequence[str]) -> list[Source]:
+    """The sources in pipeline order. Raises ShaderError as `compile_program` does."""
     for target in targets:
         if target not in ENVIRONMENTS:
             raise ShaderError(

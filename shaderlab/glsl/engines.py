@@ -45,16 +45,24 @@ class Engine(Protocol):
         """What compiles: versions by "glslang" and "SPIRV-Tools", and where each comes from."""
 
 
+_REMEMBERED = 8
+"""How many answers a library keeps: a program's stages are asked about several times in a row."""
+
+
 class Library:
     """glslang and SPIRV-Tools inside this process, from the wheels' shared libraries."""
 
     name = "library"
 
+    def __init__(self) -> None:
+        self._check = functools.lru_cache(_REMEMBERED)(frontend.check)
+        self._validate = functools.lru_cache(_REMEMBERED)(tools.validate)
+
     def prepare(self, sources: Sequence[Source]) -> None:
         """Nothing: one by one costs no more."""
 
     def check(self, source: Source) -> Checked:
-        return frontend.check(source)
+        return self._check(source)
 
     def preprocess(self, source: Source) -> str | None:
         return frontend.preprocess(source)
@@ -63,7 +71,7 @@ class Library:
         return frontend.link(sources, ENVIRONMENTS[target])
 
     def validate(self, module: bytes, environment: str) -> str | None:
-        return tools.validate(module, environment)
+        return self._validate(module, environment)
 
     def versions(self) -> Mapping[str, str]:
         return library.versions()

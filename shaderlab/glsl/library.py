@@ -10,6 +10,7 @@ import ctypes as c
 import functools
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from shaderlab.errors import ShaderError
@@ -77,6 +78,12 @@ class SpirvDiagnostic(c.Structure):
         ("is_text_source", c.c_bool),
     ]
 
+
+# The wheel and the file of each library.
+_FRONT = (GLSLANG_WHEEL, "libglslang.so")
+_BACK = (GLSLANG_WHEEL, "libSPIRV.so")
+_RESOURCE = (GLSLANG_WHEEL, "libglslang-default-resource-limits.so")
+_SPIRV_TOOLS = (SPIRV_TOOLS_WHEEL, "libSPIRV-Tools-shared.so")
 
 _POINTER = c.c_void_p
 _TEXT = c.c_char_p
@@ -171,9 +178,9 @@ def glslang() -> Glslang:
     """
     # libSPIRV carries a second copy of glslang; the front end's symbols are made global so
     # that the generator binds to them and both share one thread-local allocator.
-    front = _load(GLSLANG_WHEEL, "libglslang.so", _GLSLANG, c.RTLD_GLOBAL)
-    back = _load(GLSLANG_WHEEL, "libSPIRV.so", _SPIRV, c.RTLD_LOCAL)
-    resource = _load(GLSLANG_WHEEL, "libglslang-default-resource-limits.so", _LIMITS, c.RTLD_LOCAL)
+    front = _load(_FRONT, _GLSLANG, c.RTLD_GLOBAL)
+    back = _load(_BACK, _SPIRV, c.RTLD_LOCAL)
+    resource = _load(_RESOURCE, _LIMITS, c.RTLD_LOCAL)
     front.glslang_initialize_process()
     front.ShInitialize()
     return Glslang(front, back, int(resource.glslang_default_resource()))
@@ -186,7 +193,16 @@ def spirv_tools() -> c.CDLL:
     Raises:
         ShaderError: the wheel is not installed or does not hold the library.
     """
-    return _load(SPIRV_TOOLS_WHEEL, "libSPIRV-Tools-shared.so", _TOOLS, c.RTLD_LOCAL)
+    return _load(_SPIRV_TOOLS, _TOOLS, c.RTLD_LOCAL)
+
+
+def files() -> tuple[Path, ...]:
+    """The libraries' files, none of which is loaded.
+
+    Raises:
+        ShaderError: a wheel is missing; the remedy names it.
+    """
+    return tuple(find(*library) for library in (_FRONT, _BACK, _RESOURCE, _SPIRV_TOOLS))
 
 
 def versions() -> Mapping[str, str]:
@@ -201,18 +217,14 @@ def versions() -> Mapping[str, str]:
     glslang()
     return {
         "glslang": version(GLSLANG_WHEEL),
-        "glslang library": str(find(GLSLANG_WHEEL, "libglslang.so")),
+        "glslang library": str(find(*_FRONT)),
         "SPIRV-Tools": tools.spvSoftwareVersionString().decode().removeprefix("SPIRV-Tools "),
-        "SPIRV-Tools library": str(find(SPIRV_TOOLS_WHEEL, "libSPIRV-Tools-shared.so")),
+        "SPIRV-Tools library": str(find(*_SPIRV_TOOLS)),
     }
 
 
-def _load(
-    wheel: str,
-    name: str,
-    functions: _Signatures,
-    mode: int,
-) -> c.CDLL:
+def _load(named: tuple[str, str], functions: _Signatures, mode: int) -> c.CDLL:
+    wheel, name = named
     path = find(wheel, name)
     try:
         library = c.CDLL(str(path), mode=mode)

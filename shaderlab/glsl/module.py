@@ -5,9 +5,11 @@ Layout and numbers: Khronos, SPIR-V Specification 1.6, sections 2.3 and 3.
 
 from __future__ import annotations
 
+import functools
 import struct
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from shaderlab.errors import ShaderError
 
@@ -46,8 +48,7 @@ class Storage:
     PUSH_CONSTANT, ATOMIC_COUNTER, STORAGE_BUFFER = 9, 10, 12
 
 
-@dataclass(frozen=True)
-class Instruction:
+class Instruction(NamedTuple):
     """One instruction: its opcode, its operand words, where its first word is."""
 
     op: int
@@ -55,9 +56,10 @@ class Instruction:
     at: int
 
 
-@dataclass
+@dataclass(eq=False)
 class Module:
-    """What a module declares, by id.
+    """What a module declares, by id. Whoever asks for the same module may get the same object,
+    so it is only read from.
 
     Attributes:
         decorations: id → decoration → its literal words; `member_decorations` by (id, member).
@@ -99,6 +101,7 @@ class Module:
         return self.member_decorations.get((id_, index), {})
 
 
+@functools.lru_cache(maxsize=8)  # what stages are matched, checked and read by, in turn
 def parse(data: bytes) -> Module:
     """The declarations of a module.
 

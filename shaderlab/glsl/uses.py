@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import functools
+from collections.abc import Iterable, Mapping
 
 from shaderlab.glsl.module import Instruction, Module, Op
 
@@ -15,7 +16,8 @@ _EXTENDED, _TEXEL_POINTER, _LOAD, _STORE, _COPY_MEMORY, _COPY = 12, 60, 61, 62, 
 _ATOMIC_FIRST, _ATOMIC_STORE, _ATOMIC_LAST = 227, 228, 242
 
 
-def used_paths(module: Module) -> dict[int, set[Path]]:
+@functools.lru_cache(maxsize=8)  # asked for once for each class of variables
+def used_paths(module: Module) -> Mapping[int, set[Path]]:
     """For each variable that is referred to, the paths by which it is."""
     paths: dict[int, set[Path]] = {}
     chains: dict[int, tuple[int, Path]] = {}

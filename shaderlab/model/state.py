@@ -218,11 +218,21 @@ class State:
             one_of("State", "point_size", self.point_size, ("program",))
         elif self.point_size is not None and not 0.0 < self.point_size < math.inf:
             raise CaseError(f"State: point_size must be above 0, not {self.point_size}")
-        shares = {"depth_range": self.depth_range, "sample_shading": (self.sample_shading or 0.0,)}
-        for field, values in shares.items():
-            if not all(0.0 <= v <= 1.0 for v in values):
-                raise CaseError(f"State: {field} must lie in 0…1, not {getattr(self, field)}")
-        pairs = {"depth_range": self.depth_range, "polygon_offset": self.polygon_offset or (0, 0)}
-        for field, pair in pairs.items():
-            if len(pair) != 2 or not all(math.isfinite(v) for v in pair):
-                raise CaseError(f"State: {field} takes two numbers, not {pair!r}")
+        if self.depth_range != (0.0, 1.0):
+            _check_shares("depth_range", self.depth_range)
+            _check_pair("depth_range", self.depth_range)
+        if self.sample_shading is not None:
+            _check_shares("sample_shading", (self.sample_shading,))
+        if self.polygon_offset is not None:
+            _check_pair("polygon_offset", self.polygon_offset)
+
+
+def _check_shares(field: str, values: tuple[float, ...]) -> None:
+    if not all(0.0 <= v <= 1.0 for v in values):
+        given = values if len(values) > 1 else values[0]
+        raise CaseError(f"State: {field} must lie in 0…1, not {given}")
+
+
+def _check_pair(field: str, pair: tuple[float, float]) -> None:
+    if len(pair) != 2 or not all(math.isfinite(v) for v in pair):
+        raise CaseError(f"State: {field} takes two numbers, not {pair!r}")

@@ -132,7 +132,7 @@ def _sources(case: Case) -> Iterator[tuple[str, Source]]:
 
 def _name(path: str, case: Case) -> str:
     """The name by which a file inside the shader roots is asked for and replaced."""
-    from shaderlab.catalogue import data_folder
+    from shaderlab.discovery import data_folder
 
     folder = Path(case.file).parent
     for root in (data_folder("shaders"), folder / "shaders", folder):

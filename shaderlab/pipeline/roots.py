@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from shaderlab.catalogue import data_folder
+from shaderlab.discovery import data_folder
 from shaderlab.glsl.sources import Shaders
 
 

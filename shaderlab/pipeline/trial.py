@@ -21,7 +21,8 @@ from shaderlab.gl.device import Device, open_device
 from shaderlab.gl.prepare import PreparedDraw, Preparer
 from shaderlab.gl.runner import Prepared, Runner, Session
 from shaderlab.gl.varyings import elements
-from shaderlab.glsl.compile import Compiled, compile_program
+from shaderlab.glsl.compile import Compiled
+from shaderlab.glsl.kept import compiler
 from shaderlab.glsl.sources import Source
 from shaderlab.model import (
     AttributeLayout,
@@ -324,13 +325,15 @@ def _without_shaders(expectation: Expectation) -> bool:
 
 
 class _OpenGLOnly(Preparer):
-    """Compiles for plain GLSL and OpenGL, which is a third of the work for all targets."""
+    """Compiles for plain GLSL, which has the verdict, and OpenGL, which says what is declared;
+    leaves Vulkan out."""
 
     def compile(self, sources: tuple[Source, ...]) -> Compiled:
         if sources not in self._compiled:
-            self._compiled[sources] = compile_program(sources, ("glsl",))
+            whole = self._compiling(sources, ("glsl", "opengl"))
+            self._compiled[sources] = whole.only(["glsl"])
         return self._compiled[sources]
 
 
 def _preparer(folder: Path, texts: Texts) -> Preparer:
-    return _OpenGLOnly(shaders_beside(folder, texts))
+    return _OpenGLOnly(shaders_beside(folder, texts), compiler())

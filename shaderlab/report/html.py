@@ -5,24 +5,24 @@ from __future__ import annotations
 import base64
 import hashlib
 import importlib
-import json
-from functools import cache
+import threading
+from collections.abc import Callable
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from shaderlab import pictures
 from shaderlab.records import Run
-from shaderlab.report import markup, mutants, text
+from shaderlab.report import mutants
 from shaderlab.report.atomic import write_text
 from shaderlab.report.build import build
 from shaderlab.report.compare import compare
 from shaderlab.report.drivers import driver_table
-from shaderlab.report.grouping import STATUS_WORDS, STATUSES
 from shaderlab.report.inline import Pictures
+from shaderlab.report.listing import tools
 
 if TYPE_CHECKING:
-    from jinja2 import Environment
+    from jinja2 import Environment, Template
 
 FILE_NAME = "index.html"
 AGAINST_NAME = "against.html"
@@ -58,7 +58,7 @@ def write(run: Run, folder: str | Path, against: tuple[Run, Path] | None = None)
     style = _together("style", _STYLES, "css")
     script = _together("script", _SCRIPTS, "js")
     compared = against and compare(run, target, *against, page.anchors)
-    template = _environment().get_template("page.html.j2")
+    template = _template("page.html.j2")
     pieces = template.stream(
         page=page,
         run=run,
@@ -76,11 +76,32 @@ def write(run: Run, folder: str | Path, against: tuple[Run, Path] | None = None)
 
 
 def load_libraries() -> None:
-    """Import what pages are made with, a fifth of a second's work that can be done while workers
-    draw; `write` does it otherwise."""
-    for name in ("latex2mathml.converter", "markdown_it", "pygments.lexers", "pygments.formatters"):
+    """Begin to import what pages are made with, and to read the templates: a third of a second's
+    work that can be done while workers draw; `write` does it otherwise.
+
+    Nobody waits for it: a run that is interrupted ends at once.
+    """
+    # Here, since modules that import one another are better not imported by two threads.
+    from shaderlab.report.environment import environment
+
+    threading.Thread(target=_load, args=(environment,), daemon=True).start()
+
+
+def _load(environment: Callable[[], Environment]) -> None:
+    importlib.import_module("cattrs")
+    for name in environment().list_templates():
+        _template(name)
+    for language in ("glsl", "python"):
+        tools(language)
+    pictures.load_library()
+    for name in ("markdown_it", "latex2mathml.converter"):
         importlib.import_module(name)
-    _environment().get_template("page.html.j2")
+
+
+def _template(name: str) -> Template:
+    from shaderlab.report.environment import environment
+
+    return environment().get_template(name)
 
 
 def _together(folder: str, names: tuple[str, ...], suffix: str) -> str:
@@ -93,79 +114,3 @@ def _together(folder: str, names: tuple[str, ...], suffix: str) -> str:
 def _hash(source: str) -> str:
     digest = hashlib.sha256(source.encode("utf-8")).digest()
     return "sha256-" + base64.b64encode(digest).decode("ascii")
-
-
-@cache
-def _environment() -> Environment:
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-
-    environment = Environment(
-        loader=PackageLoader(__package__, "templates"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        finalize=_finalize,
-        auto_reload=False,  # a stat of each template at each of its uses
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    for function in (
-        text.count,
-        text.day,
-        text.duration,
-        text.figure,
-        text.plural,
-        text.share,
-        text.short,
-        markup.code_spans,
-    ):
-        environment.filters[function.__name__] = function
-    environment.globals.update(
-        statuses=STATUSES,
-        words=STATUS_WORDS,
-        chart_size=_chart_size(),
-        colours={
-            "low": _css(pictures.BAND_LOW),
-            "middle": _css(pictures.BAND_MIDDLE),
-            "high": _css(pictures.BAND_HIGH),
-            "outside": [_css(colour) for colour in pictures.OUTSIDE],
-            "uncovered": _css(pictures.UNCOVERED),
-        },
-        script_colours=_script_colours,
-    )
-    return environment
-
-
-def _finalize(value: Any) -> Any:
-    """What every `{{ … }}` goes through before it is escaped."""
-    if isinstance(value, str) and not hasattr(value, "__html__"):
-        return text.clean(value)
-    return value
-
-
-def _css(colour: tuple[int, int, int]) -> str:
-    return "#{:02x}{:02x}{:02x}".format(*colour)
-
-
-def _script_colours() -> str:
-    """The colours that the inspector paints with, as JSON: the same as in the pictures' files."""
-    named = {
-        "palette": pictures.palette(),
-        "low": pictures.BAND_LOW,
-        "middle": pictures.BAND_MIDDLE,
-        "high": pictures.BAND_HIGH,
-        "outside": pictures.OUTSIDE,
-        "uncovered": pictures.UNCOVERED,
-        "broken": pictures.NOT_FINITE,
-    }
-    return json.dumps(named, separators=(",", ":"))
-
-
-def _chart_size() -> dict[str, float]:
-    from shaderlab.report import chart
-
-    names = ("WIDTH", "HEIGHT", "LEFT", "RIGHT", "TOP", "BOTTOM", "STRIP_TOP", "STRIP_BOTTOM")
-    size = {name.lower(): getattr(chart, name) for name in names}
-    height = chart.STRIP_BOTTOM - chart.STRIP_TOP
-    size["band_top"] = chart.STRIP_TOP + height * (chart.FURTHEST - 1) / (2 * chart.FURTHEST)
-    size["band_height"] = height / chart.FURTHEST
-    return size

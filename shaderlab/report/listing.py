@@ -79,7 +79,7 @@ def _highlighted(text: str, language: str) -> list[Markup]:
     from markupsafe import Markup
     from pygments import highlight
 
-    lexer, formatter = _tools(language)
+    lexer, formatter = tools(language)
     # The formatter closes its spans at each line's end, so lines can be taken apart.
     code = highlight(clean(text).expandtabs(4).rstrip("\n") + "\n", lexer, formatter)
     # What no style colours needs no span: that is half of them.
@@ -88,7 +88,8 @@ def _highlighted(text: str, language: str) -> list[Markup]:
 
 
 @cache
-def _tools(language: str) -> tuple[Any, Any]:
+def tools(language: str) -> tuple[Any, Any]:
+    """What takes a language's text apart, and what puts it together in colours; made once."""
     from pygments.formatters import HtmlFormatter
     from pygments.lexers import GLShaderLexer, PythonLexer
 

@@ -1,6 +1,23 @@
-"""Running many scenes: each in a process that it may take down, each record kept at once."""
+"""Running many scenes: each in a process that it may take down, each record kept at once.
 
-from shaderlab.running.crew import Crew, Solo, Team
-from shaderlab.running.jobs import Job, Limits, Setup
+Names are imported when they are first asked for (PEP 562): a worker needs none of those that start
+workers.
+"""
+
+import importlib as _importlib
+import typing as _typing
+
+if _typing.TYPE_CHECKING:
+    from shaderlab.running.crew import Crew, Solo, Team
+    from shaderlab.running.jobs import Job, Limits, Setup
 
 __all__ = ["Crew", "Job", "Limits", "Setup", "Solo", "Team"]
+
+
+def __getattr__(name: str) -> _typing.Any:
+    if name not in __all__:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    home = "crew" if name in ("Crew", "Solo", "Team") else "jobs"
+    value = getattr(_importlib.import_module(f".{home}", __name__), name)
+    globals()[name] = value
+    return value

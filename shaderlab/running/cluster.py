@@ -7,7 +7,6 @@ record is taken once, so it does not matter where or how often its scene was run
 from __future__ import annotations
 
 import contextlib
-import logging
 import os
 import queue
 import uuid
@@ -18,10 +17,10 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from shaderlab.errors import ShaderlabError, UsageError
+from shaderlab.errors import ShaderlabError
 from shaderlab.records import Record
-from shaderlab.running.crew import Heard
 from shaderlab.running.jobs import About, CaseFacts, Job, Limits, Setup
+from shaderlab.running.joining import check_workers, connected, other_version, quiet
 from shaderlab.running.lost import lost
 from shaderlab.running.parcels import (
     SHIPPED,
@@ -35,14 +34,13 @@ from shaderlab.running.parcels import (
 )
 
 if TYPE_CHECKING:
-    from distributed import Client, Future
+    from distributed import Future
 
+    from shaderlab.running.crew import Heard
     from shaderlab.running.station import Errand
 
-CONNECT_SECONDS = 10.0
 PATIENCE_SECONDS = 60.0
 _LOOK_SECONDS = 2.0
-_INSTALL = "pip install 'shaderlab[cluster]'"
 _GO_ON = "what was finished is kept: go on with shaderlab run --resume"
 
 
@@ -72,9 +70,9 @@ class Cluster:
         self._name = f"shaderlab-{uuid.uuid4().hex[:12]}"
         self._parcels: dict[str, Any] = {}  # what has been sent, by the parcel's name
         self._folders: dict[Path, Parcel] = {}
-        self._client = _connected(address)
+        self._client = connected(address)
         try:
-            _check_workers(self._client, address)
+            check_workers(self._client, address)
             from shaderlab.running.station import Station
 
             self._client.register_plugin(Station(self._name, driver, limits or Limits()))
@@ -144,10 +142,10 @@ class Cluster:
 
     def close(self) -> None:
         """See `Team`. The cluster itself goes on."""
-        with contextlib.suppress(Exception), _quiet():
+        with contextlib.suppress(Exception), quiet():
             # What still runs is given up: its processes end with the station.
             self._client.unregister_worker_plugin(self._name)
-        with contextlib.suppress(Exception), _quiet():
+        with contextlib.suppress(Exception), quiet():
             self._client.close()
 
     def _record(self, job: Job, setup: Setup, future: Future[Any]) -> Record:
@@ -164,7 +162,7 @@ class Cluster:
         finally:
             future.release()
         if isinstance(delivery, Mapping):
-            raise _other_version(self._address, "a worker that came later", delivery)
+            raise other_version(self._address, "a worker that came later", delivery)
         record = store.parse(delivery.record, Record)
         problem = ""
         for folder, files in ((setup.folder, delivery.files), (setup.frames, delivery.frames)):
@@ -206,7 +204,7 @@ class Cluster:
         from distributed.comm.core import CommClosedError
 
         try:
-            with _quiet():
+            with quiet():
                 yield
         except (CommClosedError, OSError, CancelledError) as error:
             if isinstance(error, OSError) and not isinstance(error, CommClosedError | TimeoutError):
@@ -258,77 +256,6 @@ class Cluster:
         return self._parcels[parcel.name]
 
 
-def _connected(address: str) -> Client:
-    try:
-        from distributed import Client
-    except ImportError as error:
-        raise UsageError(f"--scheduler needs Dask ({error})", remedy=_INSTALL) from error
-    try:
-        with _quiet():
-            return Client(address, timeout=CONNECT_SECONDS, set_as_default=False)
-    except (OSError, TimeoutError) as error:
-        raise UsageError(
-            f"no Dask scheduler answers at {address}",
-            remedy="start one with `dask scheduler --port 8786`, and on each machine "
-            "`dask worker tcp://HOST:8786`",
-        ) from error
-    except (ValueError, TypeError) as error:
-        raise UsageError(
-            f"{address!r} is no scheduler's address ({error})",
-            remedy="write it as tcp://HOST:8786",
-        ) from error
-
-
-def _check_workers(client: Client, address: str) -> None:
-    """See that there are workers, and that each has what this machine has. Raises UsageError."""
-    from shaderlab.running.station import introduction
-
-    with contextlib.suppress(TimeoutError):
-        client.wait_for_workers(1, timeout=CONNECT_SECONDS)
-    if not client.nthreads():
-        raise UsageError(
-            f"the Dask scheduler at {address} has no workers",
-            remedy=f"start one on each machine: dask worker {address}",
-        )
-    versions: Any = client.get_versions()
-    own = versions["client"]["packages"]
-    for name, theirs in {"the scheduler": versions["scheduler"], **versions["workers"]}.items():
-        found = theirs["packages"] if theirs else {}
-        for package in ("python", "dask", "distributed"):
-            if _comparable(found.get(package)) != _comparable(own[package]):
-                raise _other_version(
-                    address, name, {package: str(found.get(package))}, {package: str(own[package])}
-                )
-    for worker, found in client.run(introduction()).items():
-        if found != identity():
-            raise _other_version(address, worker, found)
-
-
-def _comparable(version: Any) -> Any:
-    """Python to its minor version ("3.11.7.final.0"), packages to the last digit."""
-    text = str(version)
-    return text.split(".")[:2] if ".final." in text else text
-
-
-def _other_version(
-    address: str, worker: str, theirs: Mapping[str, str], own: Mapping[str, str] | None = None
-) -> UsageError:
-    own = identity() if own is None else own
-    if "error" in theirs:
-        said = f"{worker} has no shaderlab ({theirs['error']})"
-    else:
-        different = (
-            f"{name} {theirs.get(name, 'none')}, here {own[name]}"
-            for name in own
-            if own[name] != theirs.get(name)
-        )
-        said = f"{worker} has {'; '.join(different)}"
-    return UsageError(
-        f"Dask cluster {address}: {said}",
-        remedy="install the same versions on all machines",
-    )
-
-
 def _shown(folder: Path) -> str:
     """A folder as it begins the paths of files in it, as records name them."""
     path = os.path.join(folder, "x")
@@ -351,15 +278,3 @@ def _keep(files: Mapping[str, bytes], folder: Path) -> str:
     except OSError as error:
         return f"can't write a picture ({error.strerror or error})"
     return ""
-
-
-@contextlib.contextmanager
-def _quiet() -> Iterator[None]:
-    """Dask's own log says in many lines what an error says in one."""
-    log = logging.getLogger("distributed")
-    before = log.level
-    log.setLevel(logging.CRITICAL)
-    try:
-        yield
-    finally:
-        log.setLevel(before)

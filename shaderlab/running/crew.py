@@ -10,12 +10,13 @@ import shutil
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
+from shaderlab import packages
 from shaderlab.errors import CaseError
-from shaderlab.records import Record
 from shaderlab.running.jobs import (
     About,
     CaseFacts,
@@ -26,15 +27,17 @@ from shaderlab.running.jobs import (
     Perform,
     Setup,
 )
-from shaderlab.running.lost import lost
+from shaderlab.running.sizing import suitable
 from shaderlab.running.steps import Steps
 from shaderlab.workers import Limits as PoolLimits
 from shaderlab.workers import Outcome, Pool
 
+# Workers are started before anything that they do not need is imported here.
 if TYPE_CHECKING:
     from shaderlab.pipeline import Lab
+    from shaderlab.records import Record
 
-Heard = Callable[[Job, Record], None]
+    Heard = Callable[[Job, Record], None]
 
 
 class Team(Protocol):
@@ -60,7 +63,7 @@ class Crew:
     Args:
         driver: as in `shaderlab.gl.device.open_device`.
         limits: what one scene may take.
-        workers: how many there are.
+        workers: how many there are; None for as many as what is asked for is worth.
         folder: their working directory, by default this process's.
         early: whether one is asked for its driver at once, and not when that is first needed.
     """
@@ -69,7 +72,7 @@ class Crew:
         self,
         driver: str | None = None,
         limits: Limits | None = None,
-        workers: int = 1,
+        workers: int | None = 1,
         folder: Path | None = None,
         early: bool = True,
     ) -> None:
@@ -79,13 +82,16 @@ class Crew:
         self._pool = Pool(
             "shaderlab.running.working:answer",
             limits=PoolLimits(seconds=limits.seconds, memory=int(limits.gigabytes * (1 << 30))),
-            jobs=workers,
+            jobs=1 if workers is None else workers,
             batch=1,
             folder=folder,
+            warm="shaderlab.glsl.warming:begin",
         )
+        self._sized = workers is not None
         self._thread = ThreadPoolExecutor(1)
         self._early = early
         if early:
+            self._pool.start()
             _ = self._asked
 
     def about(self) -> About:
@@ -98,11 +104,14 @@ class Crew:
 
     def load(self, files: Sequence[Path]) -> list[CaseFacts]:
         """See `Team`."""
+        self._widen(len(files))  # each has one variant at least
         outcomes = self._pool.each([Load(file) for file in files])
         return [_facts(file, outcome) for file, outcome in zip(files, outcomes, strict=True)]
 
     def run(self, jobs: Sequence[Job], setup: Setup, heard: Heard) -> Iterator[Record]:
         """See `Team`."""
+        from shaderlab.running.lost import lost
+
         if not self._early:
             self.about()  # now, while workers are free: a lost job's record names the driver
         path = self._folder / "steps"
@@ -110,6 +119,7 @@ class Crew:
         steps = Steps(path)
         sound = [(slot, job) for slot, job in enumerate(jobs) if not job.broken]
         questions = [Perform(setup, job, path, slot) for slot, job in sound]
+        self._widen(len(questions))
 
         def record_of(outcome: Outcome) -> Record:
             question: Perform = outcome.item
@@ -136,15 +146,22 @@ class Crew:
         self._thread.shutdown(wait=True, cancel_futures=True)
         shutil.rmtree(self._folder, ignore_errors=True)
 
+    def _widen(self, variants: int) -> None:
+        if not self._sized:
+            self._pool.widen(suitable(variants))
+
     def _ask_about(self) -> About:
+        versions = packages.versions()  # a worker's are the same, and it has enough to import
         (outcome,) = self._pool.each([Describe(self._driver)])
         if outcome.status == "done":
             about: About = outcome.result
-            return about
+            return replace(about, versions=versions)
         said = str(outcome.result) if outcome.status == "error" else outcome.message
         return About(driver={"renderer": "none", "vendor": "", "version": said, "glsl": ""})
 
     def _lost(self, job: Job, outcome: Outcome, step: str) -> Record:
+        from shaderlab.running.lost import lost
+
         message = str(outcome.result) if outcome.status == "error" else outcome.message
         driver = self.about().driver.get("renderer", "")
         seconds = self._limits.seconds if outcome.status == "timeout" else 0.0
@@ -177,6 +194,7 @@ class Solo:
 
     def run(self, jobs: Sequence[Job], setup: Setup, heard: Heard) -> Iterator[Record]:
         """See `Team`."""
+        from shaderlab.running.lost import lost
         from shaderlab.running.working import perform
 
         self._setup = setup

@@ -9,21 +9,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from shaderlab.errors import UsageError, nearest
 from shaderlab.records import Disagreement, DriverResult, Record
 from shaderlab.running.jobs import Job
 
 if TYPE_CHECKING:
     from shaderlab.frame import Array
-
-
-def known(name: str) -> str:
-    """`name`, if it is a driver's. Raises UsageError."""
-    from shaderlab.gl.device import DRIVERS
-
-    if name not in DRIVERS:
-        raise UsageError(f"there is no driver {name!r}", remedy=nearest(name, DRIVERS))
-    return name
 
 
 def results(driver: str, renderer: str, records: Sequence[Record]) -> Iterator[DriverResult]:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from shaderlab.errors import CaseError
+from shaderlab.errors import CaseError, UsageError, nearest
 
 DEFAULT_SECONDS = 30.0
 DEFAULT_GIGABYTES = 4.0
@@ -105,7 +105,7 @@ class About:
 
 @dataclass(frozen=True)
 class Describe:
-    """Asks for an `About`."""
+    """Asks for an `About` of the driver; the packages are those of whoever asks."""
 
     driver: str | None
 
@@ -128,3 +128,12 @@ class Perform:
 
 
 Question = Describe | Load | Perform
+
+
+def known(name: str) -> str:
+    """`name`, if it is a driver's. Raises UsageError."""
+    from shaderlab.gl.device import DRIVERS
+
+    if name not in DRIVERS:
+        raise UsageError(f"there is no driver {name!r}", remedy=nearest(name, DRIVERS))
+    return name

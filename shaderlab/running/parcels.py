@@ -18,7 +18,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-from shaderlab.catalogue import data_folder
+from shaderlab.discovery import data_folder
 from shaderlab.errors import UsageError
 
 MOST_BYTES = 64 << 20

@@ -19,7 +19,7 @@ from typing import Any, TypeVar
 
 from distributed import Worker, WorkerPlugin, get_worker
 
-from shaderlab.catalogue import data_folder
+from shaderlab.discovery import data_folder
 from shaderlab.running.crew import Crew
 from shaderlab.running.jobs import About, CaseFacts, Job, Limits, Setup
 from shaderlab.running.parcels import SHIPPED, Address, Parcel, homes, identity, renamed

@@ -29,7 +29,7 @@ def answer(questions: Sequence[Question]) -> Iterator[About | CaseFacts | Record
     for question in questions:
         if isinstance(question, Describe):
             lab = _station().open(question.driver)
-            yield About(driver=dict(lab.driver), versions=dict(lab.versions))
+            yield About(driver=dict(lab.driver))
         elif isinstance(question, Load):
             yield facts(question.file)
         else:

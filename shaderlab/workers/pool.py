@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import itertools
 import queue
 from collections import deque
@@ -42,9 +43,11 @@ class Pool:
         work: the function to call, as "module:function", since workers import it by its name.
             It takes a sequence of items and gives one result for each, in order.
         limits: of each item.
-        jobs: how many workers.
+        jobs: how many workers, to begin with; `widen` adds others.
         batch: how many items a worker is sent at once.
         folder: the workers' working directory, by default this process's.
+        warm: a function, named like `work`, that each worker calls before it imports `work`: it
+            sets something going meanwhile, and what it gives back is called when `work` is there.
     """
 
     def __init__(
@@ -55,13 +58,15 @@ class Pool:
         jobs: int = 1,
         batch: int = BATCH,
         folder: Path | None = None,
+        warm: str = "",
     ) -> None:
         limits = limits or Limits()
-        self._processes = [Process(work, limits, folder) for _ in range(max(jobs, 1))]
-        self._idle: queue.SimpleQueue[Process] = queue.SimpleQueue()
-        for process in self._processes:
-            self._idle.put(process)
-        self._threads = ThreadPoolExecutor(len(self._processes))
+        self._make = functools.partial(Process, work, limits, folder, warm)
+        self._processes: list[Process] = []
+        # Whoever worked last works next: one that was never needed is never started.
+        self._idle: queue.LifoQueue[Process] = queue.LifoQueue()
+        self._threads: list[ThreadPoolExecutor] = []
+        self.widen(max(jobs, 1))
         self._batch = max(batch, 1)
         self._closed = False
 
@@ -76,13 +81,29 @@ class Pool:
         self._closed = True
         for process in self._processes:
             process.close()
-        self._threads.shutdown(wait=True, cancel_futures=True)
+        for threads in self._threads:
+            threads.shutdown(wait=True, cancel_futures=True)
         for process in self._processes:
             process.close()  # one that a thread started in the meantime
 
     def start(self) -> None:
-        """Start a worker now, in the background, and not with the first items."""
-        self._threads.submit(self._run, [])
+        """Start the first worker now, and not with the first items; it is not waited for.
+
+        Call it before `each`.
+        """
+        self._processes[0].launch()
+
+    def widen(self, jobs: int) -> None:
+        """Let there be this many workers if there are fewer."""
+        added = [self._make() for _ in range(jobs - len(self._processes))]
+        if not added:
+            return
+        self._processes += added
+        for process in reversed(added):
+            self._idle.put(process)
+        # As many threads as workers: with more, those that wait for a worker would not be served
+        # in the order of their items.
+        self._threads.append(ThreadPoolExecutor(len(self._processes)))
 
     def each(
         self, items: Iterable[Any], heard: Callable[[Outcome], None] | None = None
@@ -102,7 +123,7 @@ class Pool:
         rest = iter(items)
         ahead = max(len(self._processes) + 1, BATCH // self._batch)
         for batch in iter(lambda: list(itertools.islice(rest, self._batch)), []):
-            waiting.append(self._threads.submit(self._run, batch, heard))
+            waiting.append(self._threads[-1].submit(self._run, batch, heard))
             if len(waiting) > ahead:
                 yield from waiting.popleft().result()
         while waiting:

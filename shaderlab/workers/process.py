@@ -23,6 +23,9 @@ _TICK = 0.05
 # glibc gives large arrays back to the system one by one, and pays for each page when it takes
 # them again; a worker makes arrays of the same sizes all the time.
 _KEEP_MEMORY = dict.fromkeys(("MALLOC_MMAP_THRESHOLD_", "MALLOC_TRIM_THRESHOLD_"), str(1 << 25))
+# NumPy's library for matrices starts a thread a core and has them all wait busily; workers share
+# the cores already, and multiply matrices of four rows.
+_ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1"}
 _PROGRAM = "from shaderlab.workers.serving import serve; serve()"
 
 
@@ -50,16 +53,21 @@ class Process:
     """A worker that answers batches by calling `work`, a function named "module:function".
 
     It is started with the first batch, and again with the first one after it died. `folder` is its
-    working directory, by default the parent's.
+    working directory, by default the parent's. `warm` is a function that it calls before it imports
+    `work`; what that gives back is called when `work` is there.
     """
 
-    def __init__(self, work: str, limits: Limits, folder: Path | None = None) -> None:
+    def __init__(
+        self, work: str, limits: Limits, folder: Path | None = None, warm: str = ""
+    ) -> None:
         self._work = work
+        self._warm = warm
         self._limits = limits
         self._folder = folder
         self._child: subprocess.Popen[bytes] | None = None
         self._errors: Any = None
         self._deadline = _Deadline()
+        self._ready = False
         self.fresh = True  # whether it has answered nothing yet
 
     def answers(self, batch: Sequence[Any]) -> Iterator[tuple[str, Any]]:
@@ -78,21 +86,27 @@ class Process:
             if kind == "error":
                 return
 
+    def launch(self) -> None:
+        """Start the process, if there is none; it gets ready while this one goes on."""
+        if self._child is None:
+            self._launch()
+
     def start(self) -> None:
-        """Start the process, if there is none.
+        """Start the process, if there is none, and wait until it is ready.
 
         Raises:
             ShaderlabError: none can be started.
         """
-        if self._child is None:
-            self._start()
+        self.launch()
+        if not self._ready:
+            self._wait_until_ready()
 
     def close(self) -> None:
         """End the process, whatever it is doing."""
         self._deadline.close()
         self._end()
 
-    def _start(self) -> None:
+    def _launch(self) -> None:
         path = [os.path.abspath(entry) if entry else os.getcwd() for entry in sys.path]
         self._errors = tempfile.TemporaryFile()  # noqa: SIM115 — lives as long as the child
         self._child = subprocess.Popen(
@@ -101,10 +115,13 @@ class Process:
             stdout=subprocess.PIPE,
             stderr=self._errors,
             cwd=self._folder,
-            env={**_KEEP_MEMORY, **os.environ, "PYTHONPATH": os.pathsep.join(path)},
+            env={**_KEEP_MEMORY, **_ONE_THREAD, **os.environ, "PYTHONPATH": os.pathsep.join(path)},
         )
+        self._ready = False
         self.fresh = True
-        self._send((self._work, self._limits.seconds, self._limits.memory))
+        self._send((self._work, self._warm, self._limits.seconds, self._limits.memory))
+
+    def _wait_until_ready(self) -> None:
         try:
             self._receive(START_SECONDS)
         except DiedError as error:
@@ -112,6 +129,7 @@ class Process:
                 f"can't start a worker process: {error.message}",
                 remedy="see that this Python can import shaderlab: run `shaderlab doctor`",
             ) from error
+        self._ready = True
 
     def _send(self, value: Any) -> None:
         assert self._child is not None and self._child.stdin is not None

@@ -55,6 +55,15 @@ def write(
     return file
 
 
+def write_wave(folder: Path, name: str) -> Path:
+    """A case that is right everywhere, beside whose colour a sine is drawn, which every driver
+    computes in its own way; returns it."""
+    file = write(folder, name, body="wave = sin(9.0 * x);")
+    shader = folder / f"{name}.frag"
+    shader.write_text(shader.read_text().replace("void main", "out float wave;\nvoid main"))
+    return file
+
+
 def in_draw(name: str, act: str) -> str:
     """Python for a case file: `act` happens in the middle of this case's draw."""
     return IN_DRAW.format(name=name, act=act)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import importlib.util
 import json
 import os
@@ -20,7 +21,7 @@ from click.testing import CliRunner, Result
 from shaderlab.cli import cli
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.records import Record
-from shaderlab.running import Job, Limits, Setup, cluster, parcels
+from shaderlab.running import Job, Limits, Setup, cluster, joining, parcels
 from shaderlab.running.cluster import Cluster
 
 distributed = pytest.importorskip("distributed")
@@ -173,9 +174,45 @@ def test_a_run_that_was_cut_short_goes_on_elsewhere(
     assert [record["variant"] for record in faulty.kept(Path("out"))] == ["near", "far"]
 
 
+def test_drivers_are_compared_there_as_they_are_here(
+    dask: Any, call: Callable[..., Result], tmp_path: Path
+) -> None:
+    faulty.write_wave(tmp_path / "waves", "wave")
+    shared = ("./waves", "--drivers", "llvmpipe,softpipe", "--size", "16", "--no-pictures")
+    there = call(*shared, "--scheduler", dask.scheduler_address, "--json", "there.json")
+    here = call(*shared, "--json", "here.json")
+    assert (there.exit_code, here.exit_code) == (0, 0), there.output + here.output
+    runs = [json.loads(Path(f"{name}.json").read_text()) for name in ("there", "here")]
+    found = [(r["driver"], r["driver"] in r["renderer"], r["status"]) for r in runs[0]["drivers"]]
+    assert found == [("llvmpipe", True, "pass"), ("softpipe", True, "pass")]
+    rows = {row["output"]: row["differing"] for row in runs[0]["disagreements"]}
+    assert rows["main.FragColor"] == 0 < rows["main.wave"]
+    for key in ("drivers", "disagreements"):
+        assert timeless(runs[0][key]) == timeless(runs[1][key])
+
+
+def test_a_sweep_there_gives_the_table_of_one_here(
+    dask: Any, tmp_path: Path, slow: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    shared = ["sweep", str(slow), "--param", "reach=0.5,2.0", "--param", "size=8,16", "--report"]
+    tables = []
+    for name, where in (("there", ["--scheduler", dask.scheduler_address]), ("here", [])):
+        done = CliRunner().invoke(cli, [*shared, name, *where], catch_exceptions=False)
+        assert done.exit_code == 0, done.output
+        with open(Path(name, "sweep.csv"), newline="") as file:
+            tables.append(list(csv.DictReader(file)))
+    timed = {"seconds", "compile", "link", "draw", "read", "reference", "judge", "picture"}
+    values = [[{k: v for k, v in row.items() if k not in timed} for row in t] for t in tables]
+    assert values[0] == values[1] and timed < set(tables[0][0])
+    assert [(row["reach"], row["size"], row["judged"]) for row in values[0]] == [
+        ("0.5", "8", "64"), ("0.5", "16", "256"), ("2.0", "8", "64"), ("2.0", "16", "256"),
+    ]  # fmt: skip
+
+
 def test_other_versions_there_are_refused(dask: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     other = {**parcels.identity(), "numpy": "1.0"}
-    monkeypatch.setattr(cluster, "identity", lambda: other)
+    monkeypatch.setattr(joining, "identity", lambda: other)
     with pytest.raises(UsageError, match=r"numpy \d.*here 1\.0") as raised:
         Cluster(dask.scheduler_address)
     assert "same versions" in str(raised.value)
@@ -184,7 +221,7 @@ def test_other_versions_there_are_refused(dask: Any, monkeypatch: pytest.MonkeyP
 def test_without_a_scheduler_workers_or_dask_it_says_what_to_do(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(cluster, "CONNECT_SECONDS", 0.3)
+    monkeypatch.setattr(joining, "CONNECT_SECONDS", 0.3)
     with pytest.raises(UsageError, match="no Dask scheduler answers") as raised:
         Cluster("tcp://127.0.0.1:9")
     assert "dask scheduler" in str(raised.value)

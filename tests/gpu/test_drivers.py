@@ -27,12 +27,7 @@ def compared(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     """A case that is exact everywhere, and one whose sine each driver computes in its own way."""
     folder = tmp_path_factory.mktemp("drivers")
     faulty.write(folder / "cases", "same")
-    shader = "FragColor = vec4(1.0, 0.5, 0.25, 1.0); FragColor.x += 1e-9 * sin(9.0 * x);"
-    faulty.write(folder / "cases", "other", body=f"{shader} return;")
-    shader_file = folder / "cases" / "other.frag"
-    text = shader_file.read_text()
-    text = text.replace("void main", "out float wave;\nvoid main").replace("return;", "wave = sin(")
-    shader_file.write_text(text.replace("wave = sin(", "wave = sin(9.0 * x); return;"))
+    faulty.write_wave(folder / "cases", "other")
     done = faulty.shaderlab(
         "./cases", "--drivers", "llvmpipe,softpipe", "--json", "out.json", "--size", "32",
         "--report", "run", cwd=folder,

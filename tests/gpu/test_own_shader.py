@@ -37,7 +37,8 @@ MISTAKES = {
         "pbr_by_hand", "(roughness + 1.0) * (roughness + 1.0) * 0.125",
         "roughness * roughness * 0.5"),
     "alpha not squared": ("pbr_in_functions", "alpha = roughness * roughness", "alpha = roughness"),
-    "the constant of D half a percent off": ("pbr_as_printed", "(a2 - 1.0) + 1.0;", "(a2 - 1.0) + 1.005;"),
+    "the constant of D half a percent off": (
+        "pbr_as_printed", "(a2 - 1.0) + 1.0;", "(a2 - 1.0) + 1.005;"),
     "no max for lamps from behind": (
         "pbr_channel_by_channel", "nl[i] = max(dot(n, l), 0.0) /", "nl[i] = dot(n, l) /"),
     "encoded before it is encoded": (

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from shaderlab.catalogue import Catalogue, data_folder
+from shaderlab.catalogue import Catalogue
+from shaderlab.discovery import data_folder
 from shaderlab.gl.prepare import Preparer
 from shaderlab.glsl.sources import Shaders
 from shaderlab.model import Case, CompileFails, Computed, Coverage, Refused

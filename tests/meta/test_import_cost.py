@@ -61,6 +61,17 @@ def test_listing_cases_loads_nothing_heavy() -> None:
     assert not modules_after(statement) & (DEVICE | HEAVY | PRINTING | {"pytest", "cattrs"})
 
 
+def test_a_worker_loads_nothing_that_starts_or_watches_workers() -> None:
+    loaded = modules_after("import shaderlab.glsl.warming, shaderlab.running.working")
+    assert not loaded & (DEVICE | HEAVY | PRINTING | {"click", "cattrs", "logging"})
+
+
+def test_a_command_starts_its_worker_before_it_loads_anything_large() -> None:
+    """Not even NumPy: what the report needs is loaded while the worker gets ready."""
+    loaded = modules_after("import shaderlab.cli.running, shaderlab.cli.requesting")
+    assert not loaded & (DEVICE | HEAVY | PRINTING | {"numpy", "cattrs"})
+
+
 @pytest.mark.parametrize("command", COMMANDS)
 def test_help_opens_no_device(command: str) -> None:
     statement = f"from shaderlab.cli import cli\ncli(['{command}', '-h'], standalone_mode=False)"

@@ -16,6 +16,7 @@ PACKAGE = "shaderlab"
 ROOMS: dict[str, set[str]] = {
     "errors": set(),
     "activity": set(),
+    "packages": set(),
     "records": set(),
     "frame": {"errors"},
     "bands": {"errors"},
@@ -34,20 +35,21 @@ ROOMS: dict[str, set[str]] = {
     "discovery": {"errors"},
     "catalogue": {"errors", "model", "discovery"},
     "pipeline": {
-        "errors", "activity", "records", "frame", "bands", "sampling", "glslmath", "pictures",
-        "model",
-        "assets", "reference", "glsl", "checks", "gl", "catalogue",
+        "errors", "activity", "packages", "records", "frame", "bands", "sampling", "glslmath",
+        "pictures", "model",
+        "assets", "reference", "glsl", "checks", "gl", "discovery",
     },
     "workers": {"errors", "records", "model", "catalogue", "pipeline"},
     "mutation": {
-        "errors", "frame", "model", "glsl", "checks", "catalogue", "pipeline",
+        "errors", "frame", "model", "glsl", "checks", "discovery", "catalogue", "pipeline",
     },
     "report": {"errors", "records", "pictures"},
     "running": {
-        "errors", "records", "frame", "model", "gl", "catalogue", "pipeline", "workers", "report",
+        "errors", "packages", "records", "frame", "model", "gl", "discovery", "catalogue",
+        "pipeline", "workers", "report",
     },
     "terminal": {"errors", "records"},
-    "doctor": {"errors", "glsl", "gl", "catalogue"},
+    "doctor": {"errors", "glsl", "gl", "discovery"},
     "pytest_plugin": {
         "errors", "records", "discovery", "running", "terminal",
     },

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from shaderlab import UniformBuffer
-from shaderlab.catalogue import Catalogue, data_folder
+from shaderlab.catalogue import Catalogue
+from shaderlab.discovery import data_folder
 from shaderlab.model import Case, Draw, Mesh, Pass
 from shaderlab.pipeline import Lab, Options
 from shaderlab.records import Record

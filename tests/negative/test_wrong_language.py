@@ -8,7 +8,8 @@ from functools import cache
 import numpy as np
 import pytest
 
-from shaderlab.catalogue import Catalogue, data_folder
+from shaderlab.catalogue import Catalogue
+from shaderlab.discovery import data_folder
 from shaderlab.model import Case, CompileFails, Computed, InactiveUniforms, Output, Refused
 from shaderlab.pipeline import Lab, Options
 from shaderlab.records import Record

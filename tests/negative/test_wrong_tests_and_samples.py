@@ -8,7 +8,8 @@ from typing import Any
 
 import pytest
 
-from shaderlab.catalogue import Catalogue, data_folder
+from shaderlab.catalogue import Catalogue
+from shaderlab.discovery import data_folder
 from shaderlab.model import Scene
 from shaderlab.pipeline import Lab, Options
 from shaderlab.records import Record

@@ -10,7 +10,8 @@ from typing import Any
 import pytest
 
 from shaderlab import Case, CubeTexture, Texture
-from shaderlab.catalogue import Catalogue, data_folder
+from shaderlab.catalogue import Catalogue
+from shaderlab.discovery import data_folder
 from shaderlab.model import Expectation
 from shaderlab.pipeline import Lab, Options
 from shaderlab.records import Record

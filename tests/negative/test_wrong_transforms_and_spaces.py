@@ -7,7 +7,8 @@ from functools import cache
 
 import pytest
 
-from shaderlab.catalogue import Catalogue, data_folder
+from shaderlab.catalogue import Catalogue
+from shaderlab.discovery import data_folder
 from shaderlab.model import Case
 from shaderlab.pipeline import Lab, Options
 from shaderlab.records import Record

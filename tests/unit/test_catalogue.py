@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from shaderlab.catalogue import Catalogue, data_folder, load_case
+from shaderlab.catalogue import Catalogue, load_case
+from shaderlab.discovery import data_folder
 from shaderlab.errors import CaseError, UsageError
 
 GOOD = '''"""A lesson.

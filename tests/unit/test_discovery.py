@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from shaderlab.discovery import case_files, is_case_file
+from shaderlab.discovery import case_files, data_folder, is_case_file, shipped_cases
 from shaderlab.errors import UsageError
 
 IMPORT = "from shaderlab import Case\n"
@@ -77,3 +77,9 @@ def test_a_folder_is_searched_but_not_what_tools_left_in_it(tmp_path: Path) -> N
     ]
     with pytest.raises(UsageError):
         list(case_files(tmp_path / "gone"))
+
+
+def test_shipped_cases_need_no_parsing_to_be_told() -> None:
+    shipped = list(shipped_cases())
+    assert len(shipped) > 100
+    assert shipped == list(case_files(data_folder("cases")))

@@ -12,7 +12,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from shaderlab.cli import cli
-from shaderlab.cli.performing import Request
+from shaderlab.cli.requesting import Request
 from shaderlab.errors import UsageError
 from shaderlab.records import Record
 from shaderlab.running import Solo

@@ -38,9 +38,24 @@ def work(items):
             if done:
                 os.abort()
         done.append(item)
-        yield os.getpid() if item == "pid" else f"did {item}"
+        if item == "slow":
+            time.sleep(0.3)
+        yield os.getpid() if item in ("pid", "slow") else f"did {item}"
 
 done = []
+"""
+WARM = """
+import sys, threading
+
+def begin():
+    assert "work_to_do" not in sys.modules
+    sys.warmed = []
+    thread = threading.Thread(target=sys.warmed.append, args=["meanwhile"])
+    def wait():
+        assert "work_to_do" in sys.modules
+        thread.start()
+        thread.join()
+    return wait
 """
 
 
@@ -130,3 +145,50 @@ def test_closing_ends_the_process(work: str) -> None:
         (outcome,) = pool.each(["pid"])
     with pytest.raises(ProcessLookupError):
         os.kill(outcome.result, 0)
+
+
+def test_a_worker_warms_up_before_it_imports_and_is_ready_when_that_is_done(
+    work: str, tmp_path: Path
+) -> None:
+    (tmp_path / "warm_up.py").write_text(WARM)
+    with open(tmp_path / "work_to_do.py", "a") as file:
+        file.write("\ndef warmed(items):\n    yield from (sys.warmed for _ in items)\n")
+    with Pool("work_to_do:warmed", warm="warm_up:begin") as pool:
+        (outcome,) = pool.each(["a"])
+    assert outcome.result == ["meanwhile"]
+    with (
+        Pool(work, warm="warm_up:missing") as pool,
+        pytest.raises(ShaderlabError, match=r"can't start a worker process.*missing"),
+    ):
+        list(pool.each(["a"]))
+
+
+def test_a_worker_that_was_started_early_is_the_one_that_works(work: str) -> None:
+    with Pool(work) as pool:
+        pool.start()
+        child = pool._processes[0]._child
+        assert child is not None
+        assert [outcome.result for outcome in pool.each(["pid"])] == [child.pid]
+
+
+def test_workers_that_are_not_needed_are_not_started(work: str) -> None:
+    with Pool(work, jobs=1, batch=1) as pool:
+        assert len({outcome.result for outcome in pool.each(["slow"] * 3)}) == 1
+        pool.widen(2)
+        assert len({outcome.result for outcome in pool.each(["slow"] * 6)}) == 2
+        pool.widen(1)
+        assert len(pool._processes) == 2
+    with Pool(work, jobs=3, batch=1) as pool:
+        for _ in range(4):
+            (_,) = pool.each(["pid"])
+        assert [process._child is None for process in pool._processes] == [False, True, True]
+
+
+def test_no_item_overtakes_another_on_its_way_to_a_worker(work: str) -> None:
+    """One that waits for a worker has a thread; were there more threads than workers, whoever has
+    just given its worker back would take it again, for a later item."""
+    with Pool(work, jobs=1, batch=1) as pool:
+        for _ in range(3):
+            done: list[int] = []
+            list(pool.each(range(60), lambda outcome, done=done: done.append(outcome.item)))
+            assert done == list(range(60))

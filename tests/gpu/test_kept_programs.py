@@ -1,0 +1,181 @@
+"""Runs that find their programs compiled: the same records, and never another shader's verdict.
+
+To see that a run reads what is kept, the tests alter what is there: every verdict for Vulkan
+becomes a refusal that no compiler would utter.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import CliRunner, Result
+
+from shaderlab.cli import cli
+from shaderlab.glsl import fingerprint, library
+from shaderlab.glsl.packing import packed, unpacked
+from shaderlab.glsl.store import Store
+from shaderlab.records import Diagnostic
+
+Call = Callable[..., Result]
+SAID = "said by nobody but the cache"
+
+
+@pytest.fixture(autouse=True)
+def settled() -> None:
+    """Nothing is kept by compilers that were changed a moment ago, as in the middle of work."""
+    code = Path(fingerprint.__file__).parent
+    files = [*library.files(), *code.glob("*.py"), *code.parent.glob("*.py")]
+    newest = max(os.stat(file).st_ctime for file in files)
+    time.sleep(max(0.0, newest + 3.0 - time.time()))
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> Store:
+    return Store(tmp_path / "kept" / "compiled")
+
+
+@pytest.fixture
+def call(case_folder: Path, store: Store, monkeypatch: pytest.MonkeyPatch) -> Call:
+    """Calls the command line, in this process, beside the case; programs are kept in `store`."""
+    monkeypatch.chdir(case_folder)
+
+    def call(*words: str, cache: str | None = None) -> Result:
+        named = str(store.folder.parent) if cache is None else cache
+        monkeypatch.setenv("SHADERLAB_CACHE_DIR", named)
+        return CliRunner().invoke(cli, words, catch_exceptions=False)
+
+    return call
+
+
+def ran(call: Call, **more: str) -> dict[str, Any]:
+    """The first case's result of a run, less what differs from run to run."""
+    result = call("run", "lamp.py", "--variant", "near", "-j", "0", "--json", "-", **more)
+    (case,) = json.loads(result.stdout)["cases"]
+    return {name: value for name, value in case.items() if name not in ("seconds", "timings")}
+
+
+def elsewhere(store: Store, *words: str) -> subprocess.Popen[str]:
+    """A module that is run in a process of its own, with programs kept in `store`."""
+    return subprocess.Popen(
+        [sys.executable, "-m", *words],
+        env={**os.environ, "SHADERLAB_CACHE_DIR": str(store.folder.parent)},
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+
+
+def keys(store: Store) -> list[str]:
+    return [file.parent.name + file.name for file in store.folder.glob("?/*")]
+
+
+def alter(store: Store) -> int:
+    """Have each kept program refused for Vulkan; how many there are."""
+    said = Diagnostic(file="lamp.frag", line=1, severity="error", message=SAID)
+    altered = 0
+    for key in keys(store):
+        content = store.get(key)
+        assert content is not None
+        try:
+            package = unpacked(content)
+        except ValueError:  # the fingerprint of the compilers
+            continue
+        verdicts = tuple(
+            dataclasses.replace(v, ok=False, diagnostics=(said,)) if v.target == "vulkan" else v
+            for v in package.verdicts
+        )
+        store.put(key, packed(dataclasses.replace(package, verdicts=verdicts)))
+        altered += 1
+    return altered
+
+
+def test_a_second_run_gives_the_same_record(call: Call, store: Store) -> None:
+    without, first, second = ran(call, cache=""), ran(call), ran(call)
+    assert without["status"] == "pass"
+    assert first == second == without
+    assert alter(store) == 2  # the shader alone, and with the vertex stage that is written for it
+
+
+def test_what_is_kept_is_read_until_the_shader_changes(
+    call: Call, store: Store, case_folder: Path
+) -> None:
+    assert ran(call)["status"] == "pass"
+    alter(store)
+    assert ran(call)["compile"]["vulkan"] == "fail"  # so a run takes what it finds
+    assert ran(call, cache="")["status"] == "pass"  # and nothing where it is switched off
+    shader = case_folder / "lamp.frag"
+    text = shader.read_text()
+    shader.write_text(text + "// changed\n")
+    assert ran(call)["status"] == "pass"
+    shader.write_text(text.replace("0.25", "0.26"))
+    assert ran(call)["status"] == "fail"
+    shader.write_text(text.replace("min(reach", "min(raech"))
+    for _ in range(2):
+        refused = call("run", "lamp.py", "--variant", "near", "-j", "0")
+        assert refused.exit_code == 1
+        assert "lamp.frag:8: error: 'raech' : undeclared identifier" in refused.output
+    shader.write_text(text)
+    assert ran(call)["compile"]["vulkan"] == "fail"  # the altered one again
+
+
+def test_spoilt_files_are_passed_over(call: Call, store: Store) -> None:
+    first = ran(call)
+    alter(store)
+    for file in store.folder.glob("?/*"):
+        file.write_bytes(file.read_bytes()[:-1])
+    assert ran(call) == first
+
+
+def test_a_folder_that_is_none_is_passed_over(call: Call, case_folder: Path) -> None:
+    assert ran(call, cache=str(case_folder / "lamp.py"))["status"] == "pass"
+
+
+@pytest.mark.usefixtures("call")
+def test_pytest_keeps_them_too(store: Store) -> None:
+    def pytested() -> tuple[int, str]:
+        process = elsewhere(store, "pytest", "lamp.py::lamp[near]", "-p", "no:cacheprovider")
+        said, _ = process.communicate(timeout=120)
+        return process.returncode, said
+
+    assert pytested()[0] == 0
+    assert alter(store) == 2
+    code, said = pytested()
+    assert code == 1
+    assert SAID in said
+
+
+def test_mutants_are_kept_too_and_get_the_same_fate(call: Call, store: Store) -> None:
+    def mutated(**more: str) -> dict[str, Any]:
+        words = ("mutate", "lamp.py", "--variant", "near", "--json", "-", "--limit", "9")
+        (case,) = json.loads(call(*words, **more).stdout)["cases"]
+        return {name: value for name, value in case.items() if name != "seconds"}
+
+    without, first, second = mutated(cache=""), mutated(), mutated()
+    assert without["killed"] > 3
+    assert first == second == without
+    assert alter(store) > 9
+
+
+def test_compile_asks_the_compilers_themselves(call: Call, store: Store) -> None:
+    for _ in range(2):
+        assert call("compile", "lamp.frag").exit_code == 0
+    assert not keys(store)
+
+
+@pytest.mark.usefixtures("call")
+def test_runs_at_the_same_time_share_a_folder(store: Store) -> None:
+    words = ("shaderlab", "run", "lamp.py", "--variant", "near", "--report")
+    running = [elsewhere(store, *words, f"report-{number}") for number in range(2)]
+    for process in running:
+        said, _ = process.communicate(timeout=120)
+        assert process.returncode == 0, said
+    assert all(store.get(key) is not None for key in keys(store))
+    assert alter(store) == 2

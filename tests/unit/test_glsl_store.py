@@ -1,0 +1,217 @@
+"""What is kept on disk: found again whole or not at all, bounded, and no trouble to anybody."""
+
+import errno
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from shaderlab.glsl.store import Store, Usage
+
+KEY = "0a" * 32
+OTHER = "1b" * 32
+CONTENT = b"verdicts and modules \0\xff" * 100
+
+
+def file_of(store: Store, key: str) -> Path:
+    (found,) = store.folder.glob(f"*/{key[1:]}")
+    return found
+
+
+def entries(store: Store) -> list[str]:
+    return sorted(file.parent.name + file.name for file in store.folder.glob("?/*"))
+
+
+def test_what_was_put_is_found(tmp_path: Path) -> None:
+    store = Store(tmp_path / "deep" / "down")
+    assert store.get(KEY) is None
+    store.put(KEY, CONTENT)
+    store.put(OTHER, b"")
+    assert store.get(KEY) == CONTENT
+    assert store.get(OTHER) == b""
+    assert Store(store.folder).get(KEY) == CONTENT
+    store.put(KEY, b"another")
+    assert store.get(KEY) == b"another"
+
+
+def test_the_folder_says_that_it_is_a_cache(tmp_path: Path) -> None:
+    store = Store(tmp_path / "cache")
+    store.put(KEY, CONTENT)
+    tag = (store.folder / "CACHEDIR.TAG").read_text()
+    assert tag.startswith("Signature: 8a477f597d28d172789f06886806bc55")
+
+
+@pytest.mark.parametrize(
+    "spoilt",
+    [
+        b"",
+        b"\0" * 31,
+        pytest.param(lambda data: data[:-1], id="cut"),
+        pytest.param(lambda data: data[: len(data) // 2], id="half"),
+        pytest.param(lambda data: data + b"\0", id="longer"),
+        pytest.param(lambda data: data[:40] + bytes([data[40] ^ 1]) + data[41:], id="one bit"),
+        pytest.param(lambda data: bytes([data[0] ^ 1]) + data[1:], id="its seal"),
+    ],
+)
+def test_a_spoilt_entry_is_none_and_is_written_anew(tmp_path: Path, spoilt: object) -> None:
+    store = Store(tmp_path)
+    store.put(KEY, CONTENT)
+    file = file_of(store, KEY)
+    file.write_bytes(spoilt(file.read_bytes()) if callable(spoilt) else spoilt)  # type: ignore[arg-type]
+    assert store.get(KEY) is None
+    store.put(KEY, CONTENT)
+    assert store.get(KEY) == CONTENT
+
+
+def test_an_entry_in_the_place_of_another_is_none(tmp_path: Path) -> None:
+    store = Store(tmp_path)
+    store.put(KEY, CONTENT)
+    store.put(OTHER, b"other")
+    file_of(store, KEY).replace(file_of(store, OTHER))
+    assert store.get(OTHER) is None
+
+
+def test_a_folder_in_the_place_of_an_entry_is_none(tmp_path: Path) -> None:
+    store = Store(tmp_path)
+    (store.folder / KEY[0] / KEY[1:]).mkdir(parents=True)
+    assert store.get(KEY) is None
+    store.put(KEY, CONTENT)
+    assert store.get(KEY) is None
+    assert entries(store) == [KEY]  # and no draft beside it
+
+
+def test_a_place_that_is_no_folder_keeps_nothing(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    store = Store(tmp_path / "file" / "cache")
+    store.put(KEY, CONTENT)
+    assert store.get(KEY) is None
+    assert store.usage() == Usage(0, 0)
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
+def test_a_folder_that_may_only_be_read_is_read(tmp_path: Path) -> None:
+    store = Store(tmp_path)
+    store.put(KEY, CONTENT)
+    shelf = file_of(store, KEY).parent
+    shelf.chmod(0o500)
+    try:
+        store.put(KEY, b"new")
+        assert store.get(KEY) == CONTENT
+    finally:
+        shelf.chmod(0o700)
+
+
+@pytest.mark.parametrize("code", [errno.ENOSPC, errno.EROFS, errno.EACCES])
+def test_a_full_or_closed_disk_leaves_no_trace(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, code: int
+) -> None:
+    store = Store(tmp_path)
+    store.put(KEY, CONTENT)
+
+    def refuse(*_: object) -> None:
+        raise OSError(code, os.strerror(code))
+
+    monkeypatch.setattr(os, "replace", refuse)
+    store.put(OTHER, CONTENT)
+    store.put(OTHER[:1] + "c" * 63, CONTENT)
+    assert entries(store) == [KEY]
+    assert store.get(KEY) == CONTENT
+
+
+def key(number: int) -> str:
+    """A key that has its folder looked through each time that it is put."""
+    return f"000{number:061x}"
+
+
+def test_the_size_is_bounded_and_the_oldest_use_goes_first(tmp_path: Path) -> None:
+    store = Store(tmp_path, limit=16 * 8 * 4096)
+    for number in range(7):
+        store.put(key(number), CONTENT)
+        used = time.time() - 7200 + number
+        os.utime(file_of(store, key(number)), (used, used))
+    assert len(entries(store)) == 7
+    assert store.get(key(0)) == CONTENT  # which is a use
+    store.put(key(7), CONTENT)
+    assert entries(store) == [key(number) for number in (0, 2, 3, 4, 5, 6, 7)]
+    for number in range(100, 200):
+        store.put(key(number), CONTENT)
+        assert store.usage().size <= 7 * 4096
+    assert store.get(key(199)) == CONTENT
+
+
+def test_folders_are_looked_through_now_and_then(tmp_path: Path) -> None:
+    share = 2048
+    store = Store(tmp_path, limit=16 * share * 4096)
+    for number in range(2 * share):  # keys of one folder; one in 256 has it looked through
+        store.put(f"0{number % 256:02x}{number:061x}", b"")
+        assert number % 64 or store.usage().entries <= share
+    assert store.usage().entries > share * 3 // 4
+
+
+def test_what_is_larger_than_a_folders_share_is_not_kept(tmp_path: Path) -> None:
+    store = Store(tmp_path, limit=16 * 4 * 4096)
+    store.put(KEY, b"x" * (4 * 4096))
+    assert store.get(KEY) is None
+    store.put(KEY, b"x" * (3 * 4096))
+    assert store.get(KEY) is not None
+    file_of(store, KEY).write_bytes(b"x" * 10**6)  # nor read, whoever put it there
+    assert store.get(KEY) is None
+
+
+def test_drafts_of_processes_that_died_are_removed(tmp_path: Path) -> None:
+    store = Store(tmp_path)
+    store.put(key(1), CONTENT)
+    old, new = (file_of(store, key(1)).with_name(name) for name in (".old", ".new"))
+    for draft, age in ((old, 7200), (new, 60)):
+        draft.write_bytes(b"half")
+        os.utime(draft, (time.time() - age,) * 2)
+    store.put(key(2), CONTENT)
+    assert not old.exists()
+    assert new.exists()
+    assert store.get(key(1)) == store.get(key(2)) == CONTENT
+
+
+def test_use_is_noted_to_the_hour(tmp_path: Path) -> None:
+    store = Store(tmp_path)
+    store.put(KEY, CONTENT)
+    for age, noted in ((60, False), (7200, True)):
+        then = time.time() - age
+        os.utime(file_of(store, KEY), (then, then))
+        assert store.get(KEY) == CONTENT
+        assert (file_of(store, KEY).stat().st_mtime > then + 1) == noted
+
+
+def test_usage_counts_entries_by_what_they_take_of_the_disk(tmp_path: Path) -> None:
+    store = Store(tmp_path)
+    store.put(KEY, b"small")
+    store.put(OTHER, b"x" * 5000)
+    assert store.usage() == Usage(2, 3 * 4096)
+
+
+MANY = """
+import sys
+from pathlib import Path
+from shaderlab.glsl.store import Store
+store = Store(Path(sys.argv[1]), limit=16 * 64 * 4096)
+for turn in range(3):
+    for number in range(300):
+        key = f"0{number % 4:02x}{number:061x}"
+        content = store.get(key)
+        assert content in (None, str(number).encode() * 500), content
+        store.put(key, str(number).encode() * 500)
+"""
+
+
+def test_processes_read_write_and_remove_at_once(tmp_path: Path) -> None:
+    command = [sys.executable, "-c", MANY, str(tmp_path)]
+    running = [subprocess.Popen(command, stderr=subprocess.PIPE) for _ in range(3)]
+    for process in running:
+        _, said = process.communicate(timeout=120)
+        assert process.returncode == 0, said.decode()
+    store = Store(tmp_path)
+    kept = entries(store)
+    assert kept
+    assert all(store.get(one) is not None for one in kept)  # whole, and no drafts

@@ -1,0 +1,101 @@
+"""Compiled templates that are kept from one command to the next: only what is right is taken."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from jinja2 import Environment
+from jinja2.environment import Template
+
+from shaderlab.report import environment
+
+PAGE = "page.html.j2"
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """The system's folder for temporary files, empty; environments are made anew."""
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    environment.environment.cache_clear()
+    yield tmp_path
+    environment.environment.cache_clear()
+
+
+def anew() -> Environment:
+    """An environment as the next command makes it."""
+    environment.environment.cache_clear()
+    return environment.environment()
+
+
+def kept(folder: Path) -> list[Path]:
+    return sorted(path for path in folder.rglob("*") if path.is_file())
+
+
+@pytest.fixture
+def compiled(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """The names of templates that had to be compiled."""
+    names: list[str] = []
+    before = Environment.compile
+
+    def compile(self: Environment, source: str, name: str, *args: object, **more: object) -> object:
+        names.append(name)
+        return before(self, source, name, *args, **more)  # type: ignore[call-overload]
+
+    monkeypatch.setattr(Environment, "compile", compile)
+    return names
+
+
+def test_a_template_is_compiled_once_for_all_commands(folder: Path, compiled: list[str]) -> None:
+    assert isinstance(anew().get_template(PAGE), Template)
+    assert compiled == [PAGE] and len(kept(folder)) == 1
+    assert kept(folder)[0].parent.stat().st_mode & 0o077 == 0
+    anew().get_template(PAGE)
+    assert compiled == [PAGE]
+
+
+def test_what_is_damaged_is_compiled_again(folder: Path, compiled: list[str]) -> None:
+    anew().get_template(PAGE)
+    (file,) = kept(folder)
+    whole = file.read_bytes()
+    for damaged in (b"", whole[:30], whole[:60], whole[:-100], b"x" * len(whole)):
+        file.write_bytes(damaged)
+        compiled.clear()
+        anew().get_template(PAGE)
+        assert compiled == [PAGE], len(damaged)
+        assert file.read_bytes() == whole
+
+
+def test_what_was_compiled_by_other_code_is_not_taken(
+    folder: Path, compiled: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    anew().get_template(PAGE)
+    room = folder / "room"
+    room.mkdir()
+    for name in ("environment.py", "text.py"):
+        (room / name).write_text("x = 1")
+    monkeypatch.setattr(environment, "__file__", str(room / "environment.py"))
+    anew().get_template(PAGE)
+    (room / "text.py").write_text("x = 12")
+    anew().get_template(PAGE)
+    assert compiled == [PAGE] * 3
+
+
+def test_without_a_folder_or_room_in_it_templates_are_compiled_all_the_same(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(tempfile, "tempdir", str(folder / "missing"))
+    assert anew().bytecode_cache is None
+    assert isinstance(anew().get_template(PAGE), Template)
+    monkeypatch.setattr(tempfile, "tempdir", str(folder))
+
+    def full(*args: object, **more: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    made = anew()
+    assert made.bytecode_cache is not None
+    monkeypatch.setattr(tempfile, "NamedTemporaryFile", full)
+    assert isinstance(made.get_template(PAGE), Template)
+    assert kept(folder) == []
