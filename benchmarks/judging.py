@@ -51,7 +51,7 @@ def eight_bits(seen: Banded) -> bool:
     with np.errstate(invalid="ignore"):
         one, other = (
             np.rint(np.nan_to_num(np.clip(v, 0.0, 1.0)) * 255.0)
-            for v in (seen.measured, seen.reference)
+            for v in (seen.measured.astype(np.float64), seen.reference)
         )
     return bool((np.abs(one - other) <= 2).all())
 

@@ -125,10 +125,18 @@ def wanted(reference: Reference, inputs: Inputs) -> dict[str, list[str]]:
     return asked
 
 
-def evaluate(reference: Reference, inputs: Inputs, *, rules: Rules | None, decimal: bool) -> Any:
+def evaluate(
+    reference: Reference,
+    inputs: Inputs,
+    *,
+    rules: Rules | None,
+    decimal: bool,
+    asked: Mapping[str, list[str]] | None = None,
+) -> Any:
     """The reference's value: a Band under `rules`, or a float64 array without them.
 
-    With `decimal`, inputs are taken as the case wrote them, before they became float32.
+    With `decimal`, inputs are taken as the case wrote them, before they became float32. `asked` is
+    what `wanted` said, for who asks for one part after the other.
 
     Raises:
         FormulaError: the reference asks for something unknown, or fails; names its file and line.
@@ -147,7 +155,7 @@ def evaluate(reference: Reference, inputs: Inputs, *, rules: Rules | None, decim
         return [_number(piece, rules) for piece in pieces]
 
     arguments = {}
-    for parameter, names in wanted(reference, inputs).items():
+    for parameter, names in (asked or wanted(reference, inputs)).items():
         several = len(names) > 1 or parameter != parameter_name(names[0])
         arguments[parameter] = [convert(n) for n in names] if several else convert(names[0])
     try:

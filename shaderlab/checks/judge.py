@@ -8,14 +8,9 @@ from typing import Any
 import numpy as np
 
 from shaderlab.checks import plain as exactly
-from shaderlab.checks.banded import (
-    Banded,
-    figure_row,
-    judge_band,
-    rounds_to,
-    second_opinions,
-)
+from shaderlab.checks.banded import Banded, judge_band, second_opinions
 from shaderlab.checks.counts import judge_cost, judge_query
+from shaderlab.checks.figures import figure_row, rounds_to
 from shaderlab.checks.inputs import Inputs, evaluate
 from shaderlab.checks.judgement import Judgement, Lazy, shown
 from shaderlab.checks.layouts import judge_attributes, judge_block
@@ -141,9 +136,7 @@ def _formula(expectation: Formula, scene: Scene, frame: Frame) -> Judgement:
         rules=expectation.rules,
         format=subject.format,
     )
-    covered, pixels, image = subject.covered, None, subject.image
-    if covered is not None:
-        pixels = np.argwhere(covered)[:, ::-1]
+    covered, image = subject.covered, subject.image
     rows = second_opinions(banded, expectation.also)
     status, message = banded.verdict()
     if status == "pass" and not all(row.ok for row in rows):
@@ -152,7 +145,7 @@ def _formula(expectation: Formula, scene: Scene, frame: Frame) -> Judgement:
     if image is not None and covered is not None:
         pictures = Lazy(lambda: _pictures(image, covered, banded))
     return Judgement(
-        outcome=_outcome(expectation.name, "formula", status, message, banded, pixels, rows),
+        outcome=_outcome(expectation.name, "formula", status, message, banded, rows, covered),
         pictures=pictures,
     )
 
@@ -174,7 +167,7 @@ def _sweep(expectation: Sweep, index: int, scene: Scene, frame: Frame) -> Judgem
         log_x=expectation.log_x,
     )  # fmt: skip
     return Judgement(
-        outcome=_outcome(expectation.name, "sweep", status, message, banded, None, []), curve=curve
+        outcome=_outcome(expectation.name, "sweep", status, message, banded, []), curve=curve
     )
 
 
@@ -198,9 +191,7 @@ def _value(expectation: Value, index: int, scene: Scene, frame: Frame) -> Judgem
         status == "pass",
         expectation.note,
     )
-    return Judgement(
-        outcome=_outcome(expectation.name, "value", status, message, banded, None, [row])
-    )
+    return Judgement(outcome=_outcome(expectation.name, "value", status, message, banded, [row]))
 
 
 def _measured_figure(expectation: Value, index: int, scene: Scene, frame: Frame) -> Judgement:
@@ -268,28 +259,30 @@ def _label(expectation: Value) -> str:
 
 
 def _pictures(image: Image, covered: Array, banded: Banded) -> dict[str, Array]:
-    height, width, components = image.values.shape
-    reference = np.full((height, width, components), np.nan)
-    reference[covered] = banded.reference
-    if image.values.dtype.kind in "iu":
-        reference = np.nan_to_num(np.rint(reference)).astype(image.values.dtype)
-    distance = np.full((height, width), np.nan)
-    distance[covered] = banded.signed_distance()
-    measured = np.where(covered[..., None], image.values, 0).astype(image.values.dtype)
-    numbers = {"exact": banded.reference, "low": banded.low, "high": banded.high}
-    each = {name: np.full((height, width, components), np.nan) for name in numbers}
-    for name, values in numbers.items():
-        each[name][covered] = values
-    outside = np.zeros((height, width, components), bool)
-    outside[covered] = ~banded.inside
+    whole = bool(covered.all())
+
+    def laid_out(values: Array, nothing: float) -> Array:
+        """Judged values at their pixels; `nothing` elsewhere."""
+        if whole:  # as most draws are: then nothing need be copied
+            return values.reshape(*covered.shape, *values.shape[1:])
+        full = np.full((*covered.shape, *values.shape[1:]), nothing, values.dtype)
+        full[covered] = values
+        return full
+
+    exact = laid_out(banded.reference, np.nan)
+    reference, kind = exact, image.values.dtype
+    if kind.kind in "iu":
+        reference = np.nan_to_num(np.rint(exact)).astype(kind)
     return {
-        "measured": measured,
+        "measured": laid_out(banded.measured, 0),
         "reference": reference,
-        "distance": distance,
+        "distance": laid_out(banded.signed(), np.nan),
         "covered": covered,
-        "outside": outside,
+        "exact": exact,
+        "low": laid_out(banded.low, np.nan),
+        "high": laid_out(banded.high, np.nan),
+        "outside": laid_out(~banded.inside, False),
         "unit": np.asarray(banded.unit or 0.0),
-        **each,
     }
 
 
@@ -299,8 +292,8 @@ def _outcome(
     status: Any,
     message: str,
     banded: Banded,
-    pixels: Array | None,
     rows: list[Any],
+    covered: Array | None = None,
 ) -> Outcome:
     return Outcome(
         name=name,
@@ -308,8 +301,8 @@ def _outcome(
         status=status,
         message=message,
         judged=int(banded.measured.size),
-        outside=int((~banded.inside).sum()),
-        worst=banded.worst(pixels),
+        outside=banded.outside,
+        worst=banded.worst(covered),
         vacuous=banded.vacuous_share,
         undecided=banded.undecided_share,
         rows=tuple(rows),

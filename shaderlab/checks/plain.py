@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.checks.banded import figure_row, rounds_to
+from shaderlab.checks.figures import figure_row, rounds_to
 from shaderlab.checks.inputs import source_of
 from shaderlab.checks.judgement import Judgement, plain, shown
 from shaderlab.errors import CaseError, FormulaError

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from shaderlab.checks.banded import ulp_distance
+from shaderlab.checks.figures import ulp_distance
 from shaderlab.checks.judgement import Judgement, plain, shown
 from shaderlab.frame import Array, Samples
 from shaderlab.model import Property

@@ -15,7 +15,15 @@ from shaderlab.pictures.display import (
     distance_picture,
     to_display,
 )
-from shaderlab.pictures.files import LARGEST_SIDE, load, load_library, reduced, save_png, thumbnail
+from shaderlab.pictures.files import (
+    LARGEST_SIDE,
+    copy_png,
+    load,
+    load_library,
+    reduced,
+    save_png,
+    thumbnail,
+)
 from shaderlab.pictures.palette import palette
 from shaderlab.pictures.previews import preview, save_previews
 from shaderlab.pictures.values import WINDOW, Values, judged_part, pack, unpack
@@ -31,6 +39,7 @@ __all__ = [
     "WINDOW",
     "Display",
     "Values",
+    "copy_png",
     "distance_picture",
     "judged_part",
     "load",

@@ -73,8 +73,10 @@ def to_display(
     return _clipped(pixels, alpha)
 
 
-def distance_picture(widths: NDArray[Any], outside: NDArray[Any], *, min_side: int = 256) -> Bytes:
-    """Where in its band each value lies, as colours.
+def distance_picture(
+    widths: NDArray[Any], outside: NDArray[Any], *, min_side: int = 256
+) -> tuple[Bytes, Bytes]:
+    """Where in its band each value lies, as indices into a palette of few colours.
 
     Blue is the band's lower end, white its middle, orange its upper end. A value outside is a
     red and black check, an uncovered pixel light grey.
@@ -89,7 +91,7 @@ def distance_picture(widths: NDArray[Any], outside: NDArray[Any], *, min_side: i
             each becomes a square of at least 2 × 2, or the check could not be seen).
 
     Returns:
-        uint8 (height·n, width·n, 3), row 0 at the bottom.
+        uint8 (height·n, width·n), row 0 at the bottom, and the palette, uint8 (colours, 3).
     """
     distance = np.asarray(widths, dtype=np.float64)
     beyond = np.asarray(outside, dtype=bool)
@@ -104,24 +106,30 @@ def distance_picture(widths: NDArray[Any], outside: NDArray[Any], *, min_side: i
         furthest = size.argmax(axis=2)[:, :, None]
         distance = np.take_along_axis(distance, furthest, axis=2)[:, :, 0]
 
-    covered = ~np.isnan(distance)
+    palette = _distance_palette()
+    uncovered, light, dark = range(len(palette) - 3, len(palette))
     # Eight shades to each side are told apart, and make a file of half the size.
-    steps = np.rint(np.clip(np.where(covered, distance, 0.0), -1.0, 1.0) * _SHADES)
-    t = (steps / _SHADES)[:, :, None]
-    middle = np.array(BAND_MIDDLE, dtype=np.float64)
-    end = np.where(t < 0, np.array(BAND_LOW, dtype=np.float64), np.array(BAND_HIGH))
-    picture = np.rint(middle + (end - middle) * np.abs(t)).astype(np.uint8)
-    picture[~covered] = UNCOVERED
+    with np.errstate(invalid="ignore"):
+        steps = np.rint(np.clip(distance, -1.0, 1.0) * _SHADES) + _SHADES
+    picture = np.where(np.isnan(steps), uncovered, steps).astype(np.uint8)
 
     factor = max(2 if beyond.any() else 1, -(-min_side // min(distance.shape)))
     large = enlarge(picture, factor)
-    if not beyond.any():
-        return large
-    y, x = np.indices(large.shape[:2])
-    half = factor / 2
-    dark = ((y % factor >= half) ^ (x % factor >= half))[:, :, None]
-    check = np.where(dark, np.array(OUTSIDE[1]), np.array(OUTSIDE[0])).astype(np.uint8)
-    return np.where(enlarge(beyond[:, :, None], factor), check, large)
+    if beyond.any():
+        y, x = np.indices(large.shape)
+        half = factor / 2
+        check = np.where((y % factor >= half) ^ (x % factor >= half), dark, light)
+        large = np.where(enlarge(beyond, factor), check, large).astype(np.uint8)
+    return large, palette
+
+
+def _distance_palette() -> Bytes:
+    """The colours from a band's lower end to its upper one, of an uncovered pixel, of a check."""
+    t = np.arange(-_SHADES, _SHADES + 1)[:, None] / _SHADES
+    middle = np.array(BAND_MIDDLE, dtype=np.float64)
+    end = np.where(t < 0, np.array(BAND_LOW, dtype=np.float64), np.array(BAND_HIGH))
+    shades = np.rint(middle + (end - middle) * np.abs(t))
+    return np.array([*shades, UNCOVERED, *OUTSIDE], dtype=np.uint8)
 
 
 def as_pixels(array: NDArray[Any]) -> NDArray[Any]:
@@ -146,16 +154,17 @@ def _as_rgb(levels: Bytes, alpha: bool) -> Bytes:
 
 
 def _clipped(pixels: NDArray[Any], alpha: bool) -> Display:
-    shown = pixels[:, :, : 4 if alpha else 3]
+    shown = np.ascontiguousarray(pixels[:, :, : 4 if alpha else 3])
+    low, high = _finite_range(shown)
     finite = np.isfinite(shown)
-    levels = np.rint(np.clip(np.where(finite, shown, 0), 0, 1) * 255).astype(np.uint8)
-    image = _as_rgb(levels, alpha)
-    broken = ~finite.all(axis=2)
+    levels = np.clip(shown if finite.all() else np.where(finite, shown, 0), 0, 1)
+    levels *= 255
+    image = _as_rgb(np.rint(levels, out=levels).astype(np.uint8), alpha)
+    broken = np.zeros(image.shape[:2], bool) if finite.all() else ~finite.all(axis=2)
     image[broken, :3] = NOT_FINITE
     if image.shape[2] == 4:
         image[broken, 3] = 255
 
-    low, high = _finite_range(shown)
     words = "red and green, 0 to 1" if shown.shape[2] == 2 else "colours as drawn, 0 to 1"
     if low < 0 or high > 1:
         words += f"; clipped, values run from {low:.6g} to {high:.6g}"
@@ -191,6 +200,10 @@ def _encoded(linear: NDArray[np.float64]) -> Bytes:
 
 
 def _finite_range(values: NDArray[Any]) -> tuple[float, float]:
+    with np.errstate(invalid="ignore"):
+        low, high = float(values.min()), float(values.max())
+    if np.isfinite(low) and np.isfinite(high):  # then there is no other
+        return low, high
     finite = values[np.isfinite(values)]
     return (float(finite.min()), float(finite.max())) if finite.size else (0.0, 0.0)
 

@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 
 from shaderlab.errors import AssetError
 from shaderlab.pictures.display import as_pixels, enlarge, to_display
+from shaderlab.pictures.png import encode
 
 Floats = NDArray[np.float32]
 
 LARGEST_SIDE = 16384
-_PNG_FILTER_SUB = 16  # libpng's number for "each byte less the one to the left"
 
 
 def load_library() -> None:
@@ -26,7 +26,13 @@ def load_library() -> None:
     import OpenImageIO  # noqa: F401
 
 
-def save_png(path: str | Path, array: NDArray[Any], *, min_side: int = 1) -> None:
+def save_png(
+    path: str | Path,
+    array: NDArray[Any],
+    *,
+    min_side: int = 1,
+    palette: NDArray[np.uint8] | None = None,
+) -> None:
     """Write an array as a PNG file, whole or not at all.
 
     Args:
@@ -35,51 +41,44 @@ def save_png(path: str | Path, array: NDArray[Any], *, min_side: int = 1) -> Non
             through `to_display` first.
         min_side: a picture whose shorter side is smaller is enlarged by a whole factor, each
             pixel becoming a square.
+        palette: uint8 (colours, 3), for an array of one channel of indices.
 
     Raises:
         AssetError: the file can't be written.
     """
-    import OpenImageIO as oiio
-
-    target = Path(path)
     pixels = as_pixels(array)
     if pixels.dtype != np.uint8 or pixels.shape[2] == 2:
         pixels = to_display(pixels).image
     pixels = enlarge(pixels, max(1, -(-min_side // min(pixels.shape[:2]))))
-    top_first = np.ascontiguousarray(pixels[::-1])
-    height, width, channels = top_first.shape
+    _write(Path(path), encode(pixels[::-1], palette))
 
+
+def copy_png(path: str | Path, source: Path) -> None:
+    """Write a picture that is in the file `source` already, whole or not at all.
+
+    Raises:
+        AssetError: the file can't be read or written.
+    """
+    try:
+        data = source.read_bytes()
+    except OSError as error:
+        raise _damaged(source, str(error.strerror)) from error
+    _write(Path(path), data)
+
+
+def _write(target: Path, data: bytes) -> None:
     # Not mkstemp: its files can be read by their owner only, and reports are for sharing.
     temporary = target.with_name(f".{target.stem}.{os.urandom(6).hex()}.png")
-    spec = oiio.ImageSpec(width, height, channels, "uint8")
-    spec.attribute("oiio:UnassociatedAlpha", 1)
-    # A third of the default's time, for files a tenth larger.
-    spec.attribute("png:compressionLevel", 3)
-    spec.attribute("png:filter", _PNG_FILTER_SUB)
-    output = oiio.ImageOutput.create("png")
-    problem = ""
-    if output is None:
-        problem = oiio.geterror() or "no PNG writer"
-    elif not output.open(str(temporary), spec):
-        problem = output.geterror()
-    else:
-        written = output.write_image(top_first)
-        closed = output.close()
-        if not (written and closed):
-            problem = output.geterror() or "the file could not be finished"
     try:
-        if not problem:
-            os.replace(temporary, target)
+        temporary.write_bytes(data)
+        os.replace(temporary, target)
     except OSError as error:
-        problem = error.strerror or str(error)
-    finally:
         temporary.unlink(missing_ok=True)
-    if problem:
         raise AssetError(
-            f"can't write the picture ({problem})",
+            f"can't write the picture ({error.strerror or error})",
             file=target,
             remedy="check that the folder exists, may be written to, and has room",
-        )
+        ) from error
 
 
 def load(path: str | Path) -> Floats:

@@ -47,6 +47,7 @@ class Album:
     def __init__(self, folder: Path | None, case_id: str, variant: str) -> None:
         self._folder = folder
         self._stem = f"{_safe(case_id)}--{_safe(variant)}"
+        self._saved: dict[tuple[bytes, tuple[int, ...], int], Path] = {}
 
     def portrait(self, image: Image) -> Shown:
         """The case's picture."""
@@ -55,7 +56,8 @@ class Album:
         display = pictures.to_display(_colours(image))
         file = self._save("picture", display.image, 256)
         if min(display.image.shape[:2]) >= 256:
-            pictures.save_previews(self._folder / file, display.image, (0, PREVIEW_SIDE))
+            pictures.save_previews(self._folder / file, display.image, (0,))
+            self._preview(file, display.image)
         return Shown({"picture": file}, {"picture": display.caption})
 
     def passes(
@@ -97,17 +99,19 @@ class Album:
         """
         if self._folder is None or not arrays:
             return Shown()
-        distance = arrays["distance"]
+        distance, shown = arrays["distance"], {w: arrays[w] for w in ("measured", "reference")}
         covered = arrays.get("covered", np.ones(distance.shape, bool))
-        shown = {w: np.where(covered[..., None], arrays[w], 0) for w in ("measured", "reference")}
-        span = _common_range(*(values[covered] for values in shown.values()))
+        partly = not covered.all()
+        span = _common_range(*(values[covered] if partly else values for values in shown.values()))
+        if partly:
+            shown = {what: np.where(covered[..., None], v, 0) for what, v in shown.items()}
         files: dict[str, str] = {}
         captions: dict[str, str] = {}
         displayed: dict[str, Array] = {}
         for what, values in shown.items():
-            kept = values.astype(arrays[what].dtype)
-            display = pictures.to_display(kept, value_range=span)
-            display.image[~covered, :3] = pictures.UNCOVERED
+            display = pictures.to_display(values, value_range=span)
+            if partly:
+                display.image[~covered, :3] = pictures.UNCOVERED
             captions[what] = display.caption
             twin = displayed.get("measured")
             if twin is not None and np.array_equal(twin, display.image):
@@ -116,9 +120,11 @@ class Album:
             displayed[what] = display.image
             files[what] = self._save(f"{label}-{what}", display.image, JUDGED_SIDE)
             self._preview(files[what], display.image)
-        seen = pictures.distance_picture(distance, np.abs(distance) > 1.0, min_side=JUDGED_SIDE)
-        files["distance"] = self._save(f"{label}-distance", seen, JUDGED_SIDE)
-        self._preview(files["distance"], seen)
+        seen, palette = pictures.distance_picture(
+            distance, np.abs(distance) > 1.0, min_side=JUDGED_SIDE
+        )
+        files["distance"] = self._save(f"{label}-distance", seen, JUDGED_SIDE, palette)
+        self._preview(files["distance"], seen, palette)
         relative, path = self._file(label, "values")
         numbers = _numbers(arrays)
         packed = pictures.pack(pictures.judged_part(numbers, worst))
@@ -128,11 +134,12 @@ class Album:
         path.write_bytes(packed)
         return Shown(files, captions, relative)
 
-    def _preview(self, file: str, image: Array) -> None:
+    def _preview(self, file: str, image: Array, palette: Array | None = None) -> None:
         """A small copy beside a picture that is larger than the page shows it."""
         assert self._folder is not None
         if max(image.shape[:2]) > PREVIEW_SIDE:
-            pictures.save_previews(self._folder / file, image, (PREVIEW_SIDE,))
+            colours = image if palette is None else palette[image]
+            pictures.save_previews(self._folder / file, colours, (PREVIEW_SIDE,))
 
     def assembly(self, modules: Mapping[str, bytes]) -> str:
         """A program's modules as SPIR-V assembly, by stage; one file for all that are the same.
@@ -154,9 +161,16 @@ class Album:
             whole.replace(path)
         return relative
 
-    def _save(self, label: str, image: Array, side: int) -> str:
+    def _save(self, label: str, image: Array, side: int, palette: Array | None = None) -> str:
+        """Write a picture; what several checks of a scene show alike is encoded once."""
         relative, path = self._file(label, "png")
-        pictures.save_png(path, image, min_side=side)
+        pixels = np.ascontiguousarray(image)
+        key = hashlib.blake2b(pixels.data, digest_size=16).digest(), pixels.shape, side
+        if key in self._saved:
+            pictures.copy_png(path, self._saved[key])
+        else:
+            pictures.save_png(path, pixels, min_side=side, palette=palette)
+            self._saved[key] = path
         return relative
 
     def _file(self, label: str, suffix: str) -> tuple[str, Path]:

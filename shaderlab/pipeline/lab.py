@@ -176,9 +176,10 @@ class Lab:
             frames.save(self.options.frames, scene.case.id, scene.variant, drawn.images)
         draft.notice_inactive(drawn.inactive)
         _expect_no_errors(scene, drawn)
-        self._judge(scene, frame, said, draft)
-        with doing("picture", "drawing the picture"):
-            self._portrait(scene, prepared, draft)
+        self._judge(scene, frame, said, draft, book)
+        if self.options.folder is not None:
+            with doing("picture", "drawing the picture"):
+                self._portrait(scene, self._enlarged(scene, prepared, drawn), draft, book)
 
     def _opinion(self, sources: tuple[Source, ...]) -> Verdict:
         """The driver's own verdict on a program, asked for once."""
@@ -192,36 +193,44 @@ class Lab:
         frame: Frame,
         said: Mapping[int, Answer | Complaint],
         draft: write_up.Draft,
+        book: album.Album,
     ) -> None:
-        book = album.Album(self.options.folder, scene.case.id, scene.variant)
         for index, expectation in enumerate(scene.expect):
-            with doing("judge", f"judging {expectation.name!r}"):
-                try:
+            seen = album.Shown()
+            try:
+                with doing("judge", f"judging {expectation.name!r}"):
                     found = judge(index, scene, frame, said)
-                except ShaderlabError as error:
-                    kind = type(expectation).__name__.lower()
-                    outcome = Outcome(
-                        name=expectation.name, kind=kind, status="error", message=str(error)
+                worst = found.outcome.worst
+                with doing("picture"), _unless_unwritable(draft):
+                    seen = book.judged(
+                        f"{index}-{expectation.name}",
+                        found.pictures,
+                        worst.pixel if worst else None,
                     )
-                    found = Judgement(outcome=outcome)
-            seen, worst = album.Shown(), found.outcome.worst
-            with doing("picture"), _unless_unwritable(draft):
-                seen = book.judged(
-                    f"{index}-{expectation.name}", found.pictures, worst.pixel if worst else None
+            except ShaderlabError as error:  # in a picture: of values that nothing else looked at
+                kind = type(expectation).__name__.lower()
+                outcome = Outcome(
+                    name=expectation.name, kind=kind, status="error", message=str(error)
                 )
+                found = Judgement(outcome=outcome)
             outcome = replace(
                 found.outcome, images=seen.files, captions=seen.captions, values=seen.values
             )
             draft.add(outcome, found, expectation)
 
-    def _portrait(self, scene: Scene, prepared: Prepared, draft: write_up.Draft) -> None:
-        if self.options.folder is None:
-            return
-        size = (self.options.picture_size,) * 2
-        with self.runner.session(scene, prepared, size) as session:
-            drawn = session.run()
+    def _enlarged(self, scene: Scene, prepared: Prepared, drawn: Drawn) -> Drawn:
+        """The scene in the size for people: drawn once more, but where it has one size only."""
+        if self.options.picture_size == self.options.size or all(
+            description.target.size for description in scene.passes
+        ):
+            return drawn
+        with self.runner.session(scene, prepared, (self.options.picture_size,) * 2) as session:
+            return session.run()
+
+    def _portrait(
+        self, scene: Scene, drawn: Drawn, draft: write_up.Draft, book: album.Album
+    ) -> None:
         wanted = plan.picture_of(scene, drawn.images)
-        book = album.Album(self.options.folder, scene.case.id, scene.variant)
         with _unless_unwritable(draft):
             draft.portrait(book.portrait(drawn.images[wanted]), book.passes(scene, drawn.images))
 

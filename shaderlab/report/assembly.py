@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import base64
 import zlib
 from dataclasses import dataclass
 
 from shaderlab.report.grouping import CaseGroup
-from shaderlab.report.inline import Pictures
+from shaderlab.report.inline import Pictures, in_base64
 from shaderlab.report.text import Anchors
 
 # The anchor of each file that is in the page already.
@@ -56,4 +55,4 @@ def assemblies(
 
 
 def _deflated(data: bytes) -> str:
-    return base64.b64encode(zlib.compress(data, 9)).decode("ascii") if data else ""
+    return in_base64(zlib.compress(data, 9)) if data else ""

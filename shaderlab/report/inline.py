@@ -11,6 +11,8 @@ import struct
 from dataclasses import dataclass
 from pathlib import Path
 
+from markupsafe import Markup
+
 from shaderlab import pictures
 from shaderlab.errors import AssetError
 
@@ -36,14 +38,14 @@ class Picture:
     side: int = 0
 
     @property
-    def uri(self) -> str:
+    def uri(self) -> Markup:
         """The picture as a data URI; an empty one if the file has gone or is damaged."""
         try:
             data = pictures.preview(self.path, self.side)
         except (OSError, AssetError):
             data = b""
         kind = "webp" if data[:4] == b"RIFF" else "png"
-        return f"data:image/{kind};base64," + base64.b64encode(data).decode("ascii")
+        return f"data:image/{kind};base64," + in_base64(data)
 
 
 @dataclass(frozen=True)
@@ -53,12 +55,17 @@ class Numbers:
     path: Path
 
     @property
-    def text(self) -> str:
+    def text(self) -> Markup:
         """Its bytes in base64; empty if the file has gone."""
         try:
-            return base64.b64encode(self.path.read_bytes()).decode("ascii")
+            return in_base64(self.path.read_bytes())
         except OSError:
-            return ""
+            return Markup()
+
+
+def in_base64(data: bytes) -> Markup:
+    """Bytes for a page, which need not look through them: there is nothing to be escaped."""
+    return Markup(base64.b64encode(data).decode("ascii"))
 
 
 class Pictures:
@@ -111,7 +118,8 @@ class Pictures:
         width, height = struct.unpack(">II", head[16:24])
         longest = max(width, height, 1)
         scale = float(max(1, -(-_SMALL // longest)) if longest < _SMALL else 1)
-        if side and longest > side:
+        side = side if longest > side else 0
+        if side:
             scale = side / longest
         shown = max(1, round(width * scale)), max(1, round(height * scale))
         return Picture(path, *shown, pixelated=scale >= 1 and width <= 600, side=side)

@@ -24,6 +24,7 @@ from shaderlab.frame import Frame
 from shaderlab.gl import state as fixed
 from shaderlab.model import Case, Mesh, Scene, State, Target, exact, mesh_pass
 from shaderlab.pipeline import Lab, Options
+from shaderlab.pipeline.album import Album
 from shaderlab.pipeline.write_up import Draft
 from shaderlab.records import Record
 
@@ -41,7 +42,12 @@ class Watched(Lab):
         self._judged = judged
 
     def _judge(
-        self, scene: Scene, frame: Frame, said: Mapping[int, Answer | Complaint], draft: Draft
+        self,
+        scene: Scene,
+        frame: Frame,
+        said: Mapping[int, Answer | Complaint],
+        draft: Draft,
+        book: Album,
     ) -> None:
         self.hashes[scene.case.id, scene.variant] = {
             name: hashlib.blake2s(b"".join(parts(getattr(frame, name)))).hexdigest()
@@ -49,7 +55,7 @@ class Watched(Lab):
             if name != "timings"  # seconds differ
         }
         if scene.case.id in self._judged:
-            super()._judge(scene, frame, said, draft)
+            super()._judge(scene, frame, said, draft, book)
 
 
 def parts(value: Any) -> Iterator[bytes]:

@@ -31,10 +31,12 @@ from shaderlab import (
     fullscreen,
     gl_error,
     mesh_pass,
+    pictures,
     sweep,
     up,
     value,
 )
+from shaderlab.gl.runner import Runner
 from shaderlab.glslmath import normalize, vec4
 from shaderlab.pipeline import Lab, Options
 from shaderlab.records import Record
@@ -480,3 +482,44 @@ def test_a_driver_that_disagrees_with_the_compiler_is_told_on(
     verdict = record.programs[0].verdicts[-1]
     assert verdict.status == "disagrees"
     assert "glslang accepts what the driver refuses" in verdict.diagnostics[0].message
+
+
+@pytest.mark.parametrize(
+    ("target", "sizes"), [(Target(size=(20, 20)), [16]), (Target(), [16, 512])]
+)
+def test_only_a_scene_without_a_size_is_drawn_again_for_its_picture(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, target: Target, sizes: list[int]
+) -> None:
+    drawn: list[int] = []
+    session = Runner.session
+
+    def noted(runner: Runner, scene: Any, prepared: Any, size: tuple[int, int]) -> Any:
+        drawn.append(size[0])
+        return session(runner, scene, prepared, size)
+
+    monkeypatch.setattr(Runner, "session", noted)
+    with Lab(Options(size=16, folder=tmp_path)) as lab:
+        record = run(lab, folder, ramp(target=target), formula("product", product))
+    assert record.status == "pass" and drawn == sizes
+    seen = pictures.load(tmp_path / record.images["picture"])
+    assert seen.shape[0] == (260 if target.size else 512)  # small ones are enlarged
+    assert seen[0, -1, 0] == 1.0 and seen[0, 0, 0] < 0.1
+
+
+def test_a_formula_that_fails_on_values_only_a_picture_looks_at(
+    folder: Path, tmp_path: Path
+) -> None:
+    """The outcome says so, and the case's other checks are judged."""
+
+    def fails(x: Any, y: Any, gain: Any) -> Any:
+        if isinstance(y, np.ndarray) and y.max() > 2.9:  # the upper rows: a later piece
+            raise ValueError("too high")
+        return x * y * gain
+
+    options = Options(size=16, folder=tmp_path)
+    wide = ramp(target=Target(size=(160, 160)))
+    with Lab(options) as lab:
+        record = run(lab, folder, wide, formula("product", fails), formula("product", product))
+    first, second = record.expectations
+    assert (first.status, second.status) == ("error", "pass")
+    assert "too high" in first.message and not first.images and second.images

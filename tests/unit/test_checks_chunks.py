@@ -11,6 +11,7 @@ import pytest
 from shaderlab.checks import banded
 from shaderlab.checks.banded import judge_band
 from shaderlab.checks.inputs import Inputs
+from shaderlab.errors import FormulaError
 from shaderlab.glslmath import dot, max, normalize, pow, vec3, where
 
 
@@ -43,9 +44,51 @@ def test_pieces_are_judged_as_the_whole(monkeypatch: pytest.MonkeyPatch, chunk: 
     assert np.argwhere(~whole.inside).tolist() == [[11, 1], [57, 2]]
     monkeypatch.setattr(banded, "CHUNK", chunk)
     pieces = judge_band(values, shaded, given, rules=None)
-    for name in ("reference", "low", "high", "widths", "inside", "vacuous", "undecided"):
+    for name in ("reference", "low", "high", "inside", "vacuous_share", "undecided_share"):
         np.testing.assert_array_equal(getattr(pieces, name), getattr(whole, name))
+    np.testing.assert_array_equal(pieces.signed(), whole.signed())
     assert pieces.worst() == whole.worst() or repr(pieces.worst()) == repr(whole.worst())
+
+
+def test_float64_is_asked_only_for_what_is_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a check without pictures, the piece of the worst value."""
+    asked: list[int] = []
+
+    def counted(normal: Any, light: Any, gain: Any) -> Any:
+        if isinstance(normal, np.ndarray):
+            asked.append(len(normal))
+        return shaded(normal, light, gain)
+
+    given = inputs(95)
+    values = measured(given)
+    monkeypatch.setattr(banded, "CHUNK", 10)
+    judged = judge_band(values, counted, given, rules=None)
+    assert asked == []
+    found = judged.worst()
+    assert found is not None and asked == [10]
+    np.testing.assert_array_equal(judged.exact.at(57), judged.reference[57])
+    assert sum(asked) == 95
+
+
+def test_a_formula_that_fails_in_float64_only_is_no_pass() -> None:
+    def fails(normal: Any, light: Any, gain: Any) -> Any:
+        if isinstance(normal, np.ndarray):
+            raise ValueError("not for arrays")
+        return shaded(normal, light, gain)
+
+    given = inputs(100)
+    judged = judge_band(measured(given), fails, given, rules=None)
+    with pytest.raises(FormulaError, match="not for arrays"):
+        judged.worst()
+
+
+def test_what_fails_on_plain_numbers_is_told_of_them() -> None:
+    def fails(normal: Any, light: Any, gain: Any) -> Any:
+        return shaded(normal, light, gain) if (normal > 0.0).all() else missing  # type: ignore[name-defined]  # noqa: F821
+
+    given = inputs(100)
+    with pytest.raises(FormulaError, match="NameError"):
+        judge_band(measured(given), fails, given, rules=None)
 
 
 def test_a_large_frame_takes_megabytes() -> None:

@@ -84,9 +84,15 @@ def test_other_shapes_are_refused(bad: np.ndarray) -> None:
         pictures.to_display(bad)
 
 
+def distances(widths: np.ndarray, outside: np.ndarray, min_side: int) -> np.ndarray:
+    """The distance picture in colours."""
+    indices, palette = pictures.distance_picture(widths, outside, min_side=min_side)
+    return np.asarray(palette[indices])
+
+
 def test_distance_colours() -> None:
     widths = np.array([[-1.0, 0.0], [1.0, np.nan]])
-    picture = pictures.distance_picture(widths, np.zeros((2, 2), bool), min_side=4)
+    picture = distances(widths, np.zeros((2, 2), bool), 4)
     assert picture.shape == (4, 4, 3)
     corners = [picture[0, 0], picture[0, 3], picture[3, 0], picture[3, 3]]
     assert [tuple(c.tolist()) for c in corners] == [
@@ -101,7 +107,7 @@ def test_a_lone_value_outside_shows_both_colours_of_the_check() -> None:
     outside = np.zeros((3, 3), bool)
     outside[1, 1] = True
     for widths in (np.full((3, 3), 0.2), np.full((3, 3), np.nan)):
-        picture = pictures.distance_picture(widths, outside, min_side=1)
+        picture = distances(widths, outside, 1)
         assert picture.shape == (6, 6, 3)
         cell = {tuple(p) for p in picture[2:4, 2:4].reshape(-1, 3).tolist()}
         assert cell == set(pictures.OUTSIDE)
@@ -111,10 +117,10 @@ def test_a_lone_value_outside_shows_both_colours_of_the_check() -> None:
 
 def test_of_several_components_the_furthest_is_shown() -> None:
     widths = np.array([[[0.1, -1.0, np.nan]]])
-    picture = pictures.distance_picture(widths, np.zeros((1, 1, 3), bool), min_side=1)
+    picture = distances(widths, np.zeros((1, 1, 3), bool), 1)
     assert tuple(picture[0, 0].tolist()) == pictures.BAND_LOW
     bad = np.array([[[False, False, True]]])
-    marked = pictures.distance_picture(widths, bad, min_side=1)
+    marked = distances(widths, bad, 1)
     assert {tuple(p) for p in marked.reshape(-1, 3).tolist()} == set(pictures.OUTSIDE)
 
 

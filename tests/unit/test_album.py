@@ -1,0 +1,104 @@
+"""The pictures of a scene: each encoded once, and read back as what was judged."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from shaderlab import pictures
+from shaderlab.frame import Image
+from shaderlab.pipeline.album import Album
+
+
+def compared(measured: np.ndarray, reference: np.ndarray) -> dict[str, Any]:
+    same = (measured == reference).all(axis=2)
+    return {
+        "measured": measured,
+        "reference": reference,
+        "distance": np.where(same, 0.0, np.inf),
+    }
+
+
+@pytest.fixture
+def encoded(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """The names of files that went through the encoder."""
+    names: list[str] = []
+    save = pictures.save_png
+
+    def noted(path: Any, *arguments: Any, **named: Any) -> None:
+        names.append(Path(path).name)
+        save(path, *arguments, **named)
+
+    monkeypatch.setattr(pictures, "save_png", noted)
+    return names
+
+
+def noise(seed: int) -> np.ndarray:
+    return np.random.default_rng(seed).random((16, 16, 3)).astype(np.float32)
+
+
+def test_equal_pictures_of_a_scene_are_encoded_once(tmp_path: Path, encoded: list[str]) -> None:
+    album = Album(tmp_path, "case", "v")
+    values = noise(1)
+    first = album.judged("0-a", compared(values, values))
+    again = album.judged("1-b", compared(values, values))
+    portrait = album.portrait(Image(values, "rgba32f"))
+    assert encoded == [
+        "case--v--0-a-measured.png",
+        "case--v--0-a-distance.png",
+        "case--v--picture.png",  # enlarged: other bytes
+    ]
+    for what in ("measured", "reference", "distance"):
+        one, other = (tmp_path / shown.files[what] for shown in (first, again))
+        assert one != other and one.read_bytes() == other.read_bytes()
+    assert (tmp_path / portrait.files["picture"]).is_file()
+
+
+def test_a_pixel_makes_another_picture(tmp_path: Path, encoded: list[str]) -> None:
+    album = Album(tmp_path, "case", "v")
+    values, other = noise(1), noise(1)
+    other[3, 5] = 1.0 - other[3, 5]
+    album.judged("0-a", compared(values, values))
+    shown = album.judged("1-b", compared(other, values))
+    assert {"case--v--1-b-measured.png", "case--v--1-b-distance.png"} <= set(encoded)
+    seen = pictures.load(tmp_path / shown.files["measured"])
+    assert np.abs(seen - other).max() <= 0.5 / 255 + 1e-6
+    assert (tmp_path / shown.files["reference"]).read_bytes() != (
+        tmp_path / shown.files["measured"]
+    ).read_bytes()
+
+
+def test_pixels_that_nothing_covers_are_grey_and_stay_as_they_were(tmp_path: Path) -> None:
+    values = (noise(2) * 255).astype(np.uint8)
+    before = values.copy()
+    covered = np.ones((16, 16), bool)
+    covered[2] = False
+    arrays = {
+        **compared(values, values),
+        "covered": covered,
+        "exact": values.astype(float),
+        "low": values.astype(float),
+        "high": values.astype(float),
+        "outside": np.zeros(values.shape, bool),
+        "unit": np.asarray(1.0),
+    }
+    shown = Album(tmp_path, "case", "v").judged("0-a", arrays)
+    seen = np.rint(pictures.load(tmp_path / shown.files["measured"]) * 255)
+    assert (seen[2] == pictures.UNCOVERED).all() and (seen[3] == values[3]).all()
+    assert np.array_equal(values, before)
+
+
+def test_a_copy_that_cannot_be_written_is_named(tmp_path: Path) -> None:
+    from shaderlab.errors import AssetError
+
+    source = tmp_path / "a.png"
+    pictures.save_png(source, np.zeros((1, 1, 3), np.uint8))
+    with pytest.raises(AssetError, match="can't write the picture") as caught:
+        pictures.copy_png(tmp_path / "nowhere" / "b.png", source)
+    assert caught.value.file == str(tmp_path / "nowhere" / "b.png") and caught.value.remedy
+    pictures.copy_png(tmp_path / "b.png", source)
+    assert (tmp_path / "b.png").read_bytes() == source.read_bytes()
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["a.png", "b.png"]
