@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 
 from shaderlab.errors import AssetError
 from shaderlab.pictures.display import as_pixels, enlarge, to_display
-from shaderlab.pictures.png import encode
 
 Floats = NDArray[np.float32]
 
 LARGEST_SIDE = 16384
+_PNG_FILTER_SUB = 16  # libpng's number for "each byte less the one to the left"
 
 
 def load_library() -> None:
@@ -46,11 +46,42 @@ def save_png(
     Raises:
         AssetError: the file can't be written.
     """
+    import OpenImageIO as oiio
+
+    target = Path(path)
     pixels = as_pixels(array)
     if pixels.dtype != np.uint8 or pixels.shape[2] == 2:
         pixels = to_display(pixels).image
-    pixels = enlarge(pixels, max(1, -(-min_side // min(pixels.shape[:2]))))
-    _write(Path(path), encode(pixels[::-1], palette))
+    pixels = enlarge(pixels, max(1, -(-min_side // min(pixels.shape[:2]))))[::-1]
+    top_first = np.ascontiguousarray(pixels if palette is None else palette[pixels[:, :, 0]])
+    height, width, channels = top_first.shape
+
+    temporary = _beside(target)
+    spec = oiio.ImageSpec(width, height, channels, "uint8")
+    spec.attribute("oiio:UnassociatedAlpha", 1)
+    # A third of the default's time, for files a tenth larger.
+    spec.attribute("png:compressionLevel", 3)
+    spec.attribute("png:filter", _PNG_FILTER_SUB)
+    output = oiio.ImageOutput.create("png")
+    problem = ""
+    if output is None:
+        problem = oiio.geterror() or "no PNG writer"
+    elif not output.open(str(temporary), spec):
+        problem = output.geterror()
+    else:
+        written = output.write_image(top_first)
+        closed = output.close()
+        if not (written and closed):
+            problem = output.geterror() or "the file could not be finished"
+    try:
+        if not problem:
+            os.replace(temporary, target)
+    except OSError as error:
+        problem = error.strerror or str(error)
+    finally:
+        temporary.unlink(missing_ok=True)
+    if problem:
+        raise _unwritten(target, problem)
 
 
 def copy_png(path: str | Path, source: Path) -> None:
@@ -63,22 +94,28 @@ def copy_png(path: str | Path, source: Path) -> None:
         data = source.read_bytes()
     except OSError as error:
         raise _damaged(source, str(error.strerror)) from error
-    _write(Path(path), data)
-
-
-def _write(target: Path, data: bytes) -> None:
-    # Not mkstemp: its files can be read by their owner only, and reports are for sharing.
-    temporary = target.with_name(f".{target.stem}.{os.urandom(6).hex()}.png")
+    target = Path(path)
+    temporary = _beside(target)
     try:
         temporary.write_bytes(data)
         os.replace(temporary, target)
     except OSError as error:
         temporary.unlink(missing_ok=True)
-        raise AssetError(
-            f"can't write the picture ({error.strerror or error})",
-            file=target,
-            remedy="check that the folder exists, may be written to, and has room",
-        ) from error
+        raise _unwritten(target, error.strerror or str(error)) from error
+
+
+def _beside(target: Path) -> Path:
+    """A new file's path in the same folder."""
+    # Not mkstemp: its files can be read by their owner only, and reports are for sharing.
+    return target.with_name(f".{target.stem}.{os.urandom(6).hex()}.png")
+
+
+def _unwritten(target: Path, problem: str) -> AssetError:
+    return AssetError(
+        f"can't write the picture ({problem})",
+        file=target,
+        remedy="check that the folder exists, may be written to, and has room",
+    )
 
 
 def load(path: str | Path) -> Floats:

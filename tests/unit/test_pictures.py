@@ -250,3 +250,12 @@ def test_a_damaged_image_is_named(tmp_path: Path, name: str, make: Callable[[Pat
         pictures.load(path)
     assert caught.value.file == str(path) and caught.value.remedy
     assert caught.value.message.startswith(("can't read the image (", "the image is "))
+
+
+def test_indices_are_written_as_their_colours(tmp_path: Path) -> None:
+    colours = np.array([[7, 8, 9], [255, 0, 0], [1, 2, 250]], np.uint8)
+    indices = np.random.default_rng(4).integers(0, 3, (20, 31, 1), np.uint8)
+    pictures.save_png(tmp_path / "i.png", indices, min_side=40, palette=colours)
+    large = np.rint(pictures.load(tmp_path / "i.png") * 255).astype(np.uint8)
+    assert np.array_equal(large[::2, ::2], colours[indices[..., 0]])
+    assert np.array_equal(large[1::2, 1::2], colours[indices[..., 0]])
