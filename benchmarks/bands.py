@@ -3,8 +3,9 @@
 `python -m benchmarks.bands` prints
 
 - the time to evaluate the band of every formula of every shipped case, once for each variant, at
-  64 × 64 (best of `--repeats`), and their sum; formulas of one output and one reference are
-  judged over all of the case's variants, and `--variants` lists them all;
+  64 × 64 or the size that a scene has of its own (best of `--repeats`), and their sums; formulas of
+  one output and one reference are judged over all of the case's variants, and `--variants` lists
+  them all; also with one formula a case, the first and the slowest, at 64 × 64 values at most;
 - comparing 1024 × 1024 float32 values with a band that is there already, against `np.allclose`
   of the same tolerance, and whether the verdicts are equal on right and wrong frames;
 - the memory that judging the largest formula takes at 512 × 512.
@@ -72,9 +73,12 @@ def evaluation(repeats: int, every: bool, cases: Collection[str] = ()) -> Job:
     print(f"bands at {SIDE} × {SIDE}, best of {repeats}")
     total, first, slowest = 0.0, 0.0, (0.0, None)
     seen: set[tuple[str, str]] = set()
+    of_case: dict[str, list[float]] = {}
     for job in jobs(SIDE, cases):
         took = best(repeats, lambda job=job: band_of(job))
         total += took
+        some = replace(job, inputs=job.inputs.part(slice(0, SIDE * SIDE)))
+        of_case.setdefault(job.case, []).append(best(repeats, lambda some=some: band_of(some)))
         name = (job.case, job.check.name)
         if name not in seen:
             first += took
@@ -85,6 +89,9 @@ def evaluation(repeats: int, every: bool, cases: Collection[str] = ()) -> Job:
             slowest = (took, job)
     print(f"  {first * 1e3:8.1f} ms  all {len(seen)} formulas, one variant each")
     print(f"  {total * 1e3:8.1f} ms  with all variants")
+    one = f"of each of {len(of_case)} cases, {SIDE * SIDE} values at most"
+    print(f"  {sum(times[0] for times in of_case.values()) * 1e3:8.1f} ms  the first formula {one}")
+    print(f"  {sum(map(max, of_case.values())) * 1e3:8.1f} ms  the slowest formula {one}")
     assert slowest[1] is not None
     return slowest[1]
 

@@ -3,11 +3,13 @@
     python -m benchmarks.running [--programs 50] [--size 256] [--most 500]
 
 Every way runs the same small programs and looks at every pixel (piglit probes three of them).
-Each is a process of its own, run twice: the first time warms the driver's shader cache, the second
-counts. The lab's own cache is switched off but where programs are said to be compiled before.
+Each is a process of its own, run three times: the first warms the driver's shader cache, the better
+of the others counts. The lab's own cache is switched off but where programs are said to be compiled
+before.
 The cost of a further program is the difference between many and few, by their number; so what a
 process costs once is left out of it. CPU seconds are those of the process and all its children:
-on a machine that does other things as well, trust them more than the clock.
+on a machine that does other things as well, trust them more than the clock. The lab has as many
+workers as it takes by default, but where one is asked for (-j 1).
 """
 
 from __future__ import annotations
@@ -43,8 +45,13 @@ class Cost:
 
 
 def measure(work: Callable[[], object]) -> Cost:
-    """The second of two times."""
+    """The better of two times, after one that does not count."""
     work()
+    times = [_measured(work) for _ in range(2)]
+    return Cost(min(one.wall for one in times), min(one.cpu for one in times))
+
+
+def _measured(work: Callable[[], object]) -> Cost:
     before, started = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
     work()
     wall, after = time.perf_counter() - started, resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -96,25 +103,31 @@ def further(folder: Path, many: int, size: int) -> None:
             lambda n, script=script: call(sys.executable, *script, places[n], str(n), str(size)),
             many,
         )
-    costs["shaderlab run"] = step(lambda n: lab(places[n], folder / "run"), many)
-    judged = step(lambda n: lab(places[n], folder / "judged", "--no-pictures"), many)
-    costs["shaderlab run --no-pictures"] = judged
-    shares = phases(folder / "judged")
-    bare = 1.0 - shares["compile"]
-    costs["… without its three-target compilation"] = Cost(judged.wall * bare, judged.cpu * bare)
-    kept = folder / "kept"
-    costs["… with its programs compiled before"] = step(
-        lambda n: lab(places[n], folder / "again", "--no-pictures", kept=kept), many
-    )
-    pytest = ("-m", "pytest", "-q", "-p", "no:cacheprovider")
-    costs["pytest"] = step(lambda n: call(sys.executable, *pytest, places[n]), many)
+    pytest = (sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider")
+    for note, kept in (("", None), (", compiled before", folder / "kept")):
+        for title, options in (
+            ("shaderlab run", ()),
+            ("… --no-pictures", ("--no-pictures",)),
+            ("… --no-pictures -j 1", ("--no-pictures", "-j", "1")),
+        ):
+            costs[title + note] = step(
+                lambda n, options=options, kept=kept: lab(
+                    places[n], folder / "run", *options, kept=kept
+                ),
+                many,
+            )
+        if kept is None:
+            shares = phases(folder / "run")
+        costs["pytest" + note] = step(
+            lambda n, kept=kept: call(*pytest, places[n], kept=kept), many
+        )
     print(f"each further program of {size}², every pixel judged:")
-    plain, fair = list(costs.values())[:2]
+    fair = list(costs.values())[1]
     for title, cost in costs.items():
-        spent = f"{cost.cpu * 1e3:7.1f} ms CPU {cost.wall * 1e3:7.1f} ms"
-        print(f"  {spent} {cost.cpu / plain.cpu:6.2f}× {cost.cpu / fair.cpu:6.2f}×  {title}")
+        spent = f"{cost.cpu * 1e3:7.1f} ms CPU {cost.cpu / fair.cpu:5.2f}×"
+        print(f"  {spent} {cost.wall * 1e3:7.1f} ms {cost.wall / fair.wall:5.2f}×  {title}")
     print(
-        "  phases of --no-pictures:",
+        "  phases of --no-pictures -j 1:",
         ", ".join(f"{name} {share:.0%}" for name, share in shares.items()),
     )
 

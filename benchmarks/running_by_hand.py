@@ -2,7 +2,7 @@
 
 Written as well as we can: one context, one target, reading into one array, all pixels compared at
 once. Two ways of judging: with a tolerance that somebody chose, and (`--bands`) with the same
-references as the lab, in float64 and as a band. It has no messages, no isolation and no report.
+references as the lab, as bands. It has no messages, no isolation and no report.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ def by_tolerance(index: int) -> Any:
 
 
 def by_bands(folder: Path, index: int) -> Any:
-    """A judge of program `index` by the case's own reference, in float64 and as a band."""
+    """A judge of program `index` by the case's own reference, as a band."""
     from running_programs import GAIN
 
     from shaderlab.bands import Band, Rules
@@ -81,9 +81,8 @@ def by_bands(folder: Path, index: int) -> Any:
         places, measured, fine = places.reshape(-1, 2), measured.reshape(-1, 4), True
         for start in range(0, len(places), ROWS):
             some, got = places[start : start + ROWS], measured[start : start + ROWS]
-            exact = color(some.astype(np.float64), gain.astype(np.float64))
             band = color(Band.exact(some, rules), Band.exact(gain, rules))
-            fine &= bool(band.contains(got).all()) and exact.shape == got.shape
+            fine &= bool(band.contains(got).all())
         return fine
 
     return holds
