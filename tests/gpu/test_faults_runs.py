@@ -44,7 +44,9 @@ def begun(cases: Path, *args: str) -> subprocess.Popen[str]:
         env=faulty.surroundings(SHADERLAB_TEST=str(cases)), text=True, start_new_session=True,
         stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
     )  # fmt: skip
-    until(lambda: (cases / "run" / "records.jsonl").is_file() and len(ids(cases)) >= 2)
+    journal = cases / "run" / "records.jsonl"
+    # Whole lines are counted: the last one may be half there while it is written.
+    until(lambda: journal.is_file() and journal.read_bytes().count(b"\n") > 2)
     time.sleep(0.3)
     return child
 
