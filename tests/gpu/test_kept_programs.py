@@ -17,15 +17,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from click.testing import CliRunner, Result
 
-from shaderlab.cli import cli
 from shaderlab.glsl import fingerprint, library
 from shaderlab.glsl.packing import packed, unpacked
 from shaderlab.glsl.store import Store
 from shaderlab.records import Diagnostic
 
-Call = Callable[..., Result]
+Call = Callable[..., subprocess.CompletedProcess[str]]
 SAID = "said by nobody but the cache"
 
 
@@ -45,13 +43,19 @@ def store(tmp_path: Path) -> Store:
 
 @pytest.fixture
 def call(case_folder: Path, store: Store, monkeypatch: pytest.MonkeyPatch) -> Call:
-    """Calls the command line, in this process, beside the case; programs are kept in `store`."""
+    """Runs the command line beside the case, in a process of its own as people do; programs are
+    kept in `store`."""
     monkeypatch.chdir(case_folder)
 
-    def call(*words: str, cache: str | None = None) -> Result:
+    def call(*words: str, cache: str | None = None) -> subprocess.CompletedProcess[str]:
         named = str(store.folder.parent) if cache is None else cache
-        monkeypatch.setenv("SHADERLAB_CACHE_DIR", named)
-        return CliRunner().invoke(cli, words, catch_exceptions=False)
+        return subprocess.run(
+            [sys.executable, "-m", "shaderlab", *words],
+            env={**os.environ, "SHADERLAB_CACHE_DIR": named},
+            capture_output=True,
+            text=True,
+            timeout=120,
+        )
 
     return call
 
@@ -59,6 +63,7 @@ def call(case_folder: Path, store: Store, monkeypatch: pytest.MonkeyPatch) -> Ca
 def ran(call: Call, **more: str) -> dict[str, Any]:
     """The first case's result of a run, less what differs from run to run."""
     result = call("run", "lamp.py", "--variant", "near", "-j", "0", "--json", "-", **more)
+    assert result.stdout, result.stderr
     (case,) = json.loads(result.stdout)["cases"]
     return {name: value for name, value in case.items() if name not in ("seconds", "timings")}
 
@@ -120,8 +125,10 @@ def test_what_is_kept_is_read_until_the_shader_changes(
     shader.write_text(text.replace("min(reach", "min(raech"))
     for _ in range(2):
         refused = call("run", "lamp.py", "--variant", "near", "-j", "0")
-        assert refused.exit_code == 1
-        assert "lamp.frag:8: error: 'raech' : undeclared identifier" in refused.output
+        assert refused.returncode == 1
+        assert (
+            "lamp.frag:8: error: 'raech' : undeclared identifier" in refused.stdout + refused.stderr
+        )
     shader.write_text(text)
     assert ran(call)["compile"]["vulkan"] == "fail"  # the altered one again
 
@@ -166,7 +173,7 @@ def test_mutants_are_kept_too_and_get_the_same_fate(call: Call, store: Store) ->
 
 def test_compile_asks_the_compilers_themselves(call: Call, store: Store) -> None:
     for _ in range(2):
-        assert call("compile", "lamp.frag").exit_code == 0
+        assert call("compile", "lamp.frag").returncode == 0
     assert not keys(store)
 
 
