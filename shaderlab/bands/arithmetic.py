@@ -24,6 +24,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from shaderlab.bands.hulls import (
+    LARGEST_DIVISOR,
+    product_bounds,
+    quotient_bounds,
+    usable_divisor,
+    zero_times_infinity,
+)
 from shaderlab.bands.rounding import (
     LARGEST,
     RELATIVE_STEP,
@@ -42,7 +49,6 @@ if TYPE_CHECKING:
     from shaderlab.bands.band import Band
 
 DIVISION_ULPS = 2.5
-LARGEST_DIVISOR = 2.0**126
 # Terms whose sizes add up to the result's (but for roundings) have one sign, and keep it in any
 # order.
 UNCANCELLED = 1.0 - 2.0**-20
@@ -137,45 +143,6 @@ def _safe_signs(
     )
 
 
-def _product_bounds(
-    a_lo: Floats, a_hi: Floats, b_lo: Floats, b_hi: Floats
-) -> tuple[Floats, Floats]:
-    """The hull of the products of the ends. Exact: 24 + 24 bits fit into float64."""
-    if b_lo is b_hi:
-        a_lo, a_hi, b_lo, b_hi = b_lo, b_hi, a_lo, a_hi
-    if a_lo is a_hi:
-        first = a_lo * b_lo
-        if b_lo is b_hi:
-            return first, first
-        second = a_lo * b_hi
-        return np.fmin(first, second), np.fmax(first, second)
-    if least_of(a_lo) >= 0.0:
-        a_lo, a_hi, b_lo, b_hi = b_lo, b_hi, a_lo, a_hi
-    if least_of(b_lo) >= 0.0:
-        if least_of(a_lo) >= 0.0:
-            lo, hi = a_lo * b_lo, a_hi * b_hi
-        else:
-            lo = np.minimum(a_lo * b_lo, a_lo * b_hi)
-            hi = np.maximum(a_hi * b_lo, a_hi * b_hi)
-        # Where 0·inf adds a NaN, not a bound, all four products are looked at.
-        if finite(lo, hi):
-            return lo, hi
-    first, second, third, fourth = a_lo * b_lo, a_lo * b_hi, a_hi * b_lo, a_hi * b_hi
-    return (
-        np.fmin(np.fmin(first, second), np.fmin(third, fourth)),
-        np.fmax(np.fmax(first, second), np.fmax(third, fourth)),
-    )
-
-
-def _zero_times_infinity(a_lo: Floats, a_hi: Floats, b_lo: Floats, b_hi: Floats) -> Flags:
-    a_zero = (a_lo <= 0.0) & (a_hi >= 0.0)
-    b_zero = (b_lo <= 0.0) & (b_hi >= 0.0)
-    a_infinite = np.isinf(a_lo) | np.isinf(a_hi)
-    b_infinite = np.isinf(b_lo) | np.isinf(b_hi)
-    found: Flags = (a_zero & b_infinite) | (b_zero & a_infinite)
-    return found
-
-
 @np.errstate(all="ignore")
 def multiply(a: Band, b: Band) -> Band:
     """a · b, correctly rounded in either direction; a value times itself is not negative."""
@@ -191,10 +158,10 @@ def multiply(a: Band, b: Band) -> Band:
             return _scaled(other, scale)
     a_lo, a_hi = a.settled()
     b_lo, b_hi = b.settled()
-    lo, hi = _product_bounds(a_lo, a_hi, b_lo, b_hi)
+    lo, hi = product_bounds(a_lo, a_hi, b_lo, b_hi)
     nan = None
     if not finite(lo, hi):
-        nan = _zero_times_infinity(a_lo, a_hi, b_lo, b_hi)
+        nan = zero_times_infinity(a_lo, a_hi, b_lo, b_hi)
     if not a.rules.rearrange:
         return a.made(lo, hi, b, nan=nan)
     mag_a, mag_b = a.mag, b.mag
@@ -215,10 +182,10 @@ def multiply(a: Band, b: Band) -> Band:
 
 def _scaled(a: Band, scale: Band) -> Band:
     """a · ±2^k: nothing is rounded, so a pending slack stays pending."""
-    lo, hi = _product_bounds(a.lo, a.hi, scale.lo, scale.lo)
+    lo, hi = product_bounds(a.lo, a.hi, scale.lo, scale.lo)
     nan = None
     if not finite(lo, hi):
-        nan = _zero_times_infinity(a.lo, a.hi, scale.lo, scale.lo)
+        nan = zero_times_infinity(a.lo, a.hi, scale.lo, scale.lo)
     return a.made(lo, hi, scale, nan=nan, terms=_scaled_terms(a, np.abs(scale.lo)))
 
 
@@ -273,8 +240,8 @@ def divide(a: Band, b: Band) -> Band:
     if least_of(b_lo) >= SMALLEST_NORMAL and b_hi.size and b_hi.max() <= LARGEST_DIVISOR:
         smallest = b_lo
     else:
-        b_lo, b_hi, smallest, outside = _usable_divisor(b_lo, b_hi)
-    lo, hi = _quotient_bounds(a_lo, a_hi, b_lo, b_hi)
+        b_lo, b_hi, smallest, outside = usable_divisor(b_lo, b_hi)
+    lo, hi = quotient_bounds(a_lo, a_hi, b_lo, b_hi)
     lo, hi = widened_by_ulps(lo, hi, DIVISION_ULPS, DIVISION_ULPS)
     if a.terms is None:
         return a.made(lo, hi, b, anything=outside)
@@ -285,40 +252,6 @@ def divide(a: Band, b: Band) -> Band:
     terms = Terms(mag, None, a.count, reach, least)
     moved = _moved_out(lo, hi, DIVISION_ULPS * terms.step(), *_safe_signs(lo, hi, terms))
     return a.made(*moved, b, anything=outside, terms=terms)
-
-
-def _usable_divisor(b_lo: Floats, b_hi: Floats) -> tuple[Floats, Floats, Floats, Flags]:
-    """The divisor's bounds and its smallest absolute value, 1 where it is outside the range that
-    has a precision; and where that is."""
-    low, high = np.abs(b_lo), np.abs(b_hi)
-    smallest = np.minimum(low, high)
-    outside = (
-        (smallest < SMALLEST_NORMAL)
-        | (np.maximum(low, high) > LARGEST_DIVISOR)
-        | ((b_lo <= 0.0) & (b_hi >= 0.0))
-    )
-    if not outside.any():
-        return b_lo, b_hi, smallest, outside
-    usable_lo = np.where(outside, 1.0, b_lo)
-    usable_hi = usable_lo if b_lo is b_hi else np.where(outside, 1.0, b_hi)
-    return usable_lo, usable_hi, np.where(outside, 1.0, smallest), outside
-
-
-def _quotient_bounds(
-    a_lo: Floats, a_hi: Floats, b_lo: Floats, b_hi: Floats
-) -> tuple[Floats, Floats]:
-    """The hull of the quotients of the ends; no divisor is zero."""
-    if a_lo is a_hi and b_lo is b_hi:
-        quotient = a_lo / b_lo
-        return quotient, quotient
-    if least_of(a_lo) >= 0.0 and least_of(b_lo) > 0.0:
-        return a_lo / b_hi, a_hi / b_lo
-    low, high = a_lo / b_lo, a_hi / b_lo
-    lo, hi = np.minimum(low, high), np.maximum(low, high)
-    if b_lo is not b_hi:
-        low, high = a_lo / b_hi, a_hi / b_hi
-        lo, hi = np.minimum(lo, np.minimum(low, high)), np.maximum(hi, np.maximum(low, high))
-    return lo, hi
 
 
 @np.errstate(all="ignore")
