@@ -11,22 +11,56 @@ import contextlib
 import hashlib
 import json
 import pickle
+from collections.abc import Callable, Iterator
 from functools import cache
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, FileSystemBytecodeCache, PackageLoader, StrictUndefined
+from jinja2 import (
+    Environment,
+    FileSystemBytecodeCache,
+    PackageLoader,
+    StrictUndefined,
+    Template,
+)
 from jinja2.bccache import Bucket
+from jinja2.runtime import Context
 
 from shaderlab import pictures
 from shaderlab.report import chart, markup, text
 from shaderlab.report.grouping import STATUS_WORDS, STATUSES
 
+# These grow with the cases, their variants or their checks, and are given out piece by piece.
+_IN_PIECES = frozenset({"page", "overview", "compare", "chapter", "case", "judged", "variant"})
+
+
+class _Part(Template):
+    """A template that gives what it is filled with as one piece of text, where Jinja gives a piece
+    for each word: every piece passes through all the templates around it."""
+
+    @classmethod
+    def from_code(cls, *args: Any, **more: Any) -> Template:
+        made = super().from_code(*args, **more)
+        if str(made.name).partition(".")[0] not in _IN_PIECES:
+            made.root_render_func = _in_one_piece(made.root_render_func)
+        return made
+
+
+def _in_one_piece(pieces: Callable[[Context], Iterator[str]]) -> Callable[[Context], Iterator[str]]:
+    def whole(context: Context) -> Iterator[str]:
+        yield "".join(pieces(context))
+
+    return whole
+
+
+class _Environment(Environment):
+    template_class = _Part
+
 
 @cache
 def environment() -> Environment:
     """The templates, each compiled when it is first asked for."""
-    made = Environment(
+    made = _Environment(
         bytecode_cache=_kept(),
         loader=PackageLoader(__package__, "templates"),
         autoescape=True,
@@ -64,8 +98,8 @@ def environment() -> Environment:
 
 
 def _finalize(value: Any) -> Any:
-    """What every `{{ … }}` goes through before it is escaped."""
-    if isinstance(value, str) and not hasattr(value, "__html__"):
+    """What every `{{ … }}` goes through before it is escaped; markup is clean already."""
+    if type(value) is str or (isinstance(value, str) and not hasattr(value, "__html__")):
         return text.clean(value)
     return value
 

@@ -70,7 +70,6 @@ def write(run: Run, folder: str | Path, against: tuple[Run, Path] | None = None)
         script_hash=_hash(script),
     )
     path = target / (AGAINST_NAME if against else FILE_NAME)
-    pieces.enable_buffering(256)
     write_text(path, pieces)
     return path
 

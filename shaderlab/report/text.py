@@ -19,6 +19,8 @@ def clean(text: object) -> str:
     >>> clean("a\\x1bb\\u202ec")
     'a\ufffdb[U+202E]c'
     """
+    if type(text) is str and text.isprintable():
+        return text  # most are, and whatever there is to be replaced is not
     shown = _UNPRINTABLE.sub("\ufffd", str(text).replace("\r\n", "\n").replace("\r", "\n"))
     return _HIDING.sub(lambda match: f"[U+{ord(match.group()):04X}]", shown)
 

@@ -11,6 +11,9 @@ from jinja2 import Environment
 from jinja2.environment import Template
 
 from shaderlab.report import environment
+from shaderlab.report.build import build
+from shaderlab.report.inline import Pictures
+from tests.unit.test_report_samples import outcome, record, run
 
 PAGE = "page.html.j2"
 
@@ -99,3 +102,26 @@ def test_without_a_folder_or_room_in_it_templates_are_compiled_all_the_same(
     monkeypatch.setattr(tempfile, "NamedTemporaryFile", full)
     assert isinstance(made.get_template(PAGE), Template)
     assert kept(folder) == []
+
+
+def test_a_page_comes_in_few_pieces_none_of_which_grows_with_the_cases(tmp_path: Path) -> None:
+    found = [pieces(tmp_path, count) for count in (3, 30)]
+    few, many = ([len(piece) for piece in made] for made in found)
+    assert max(few) > 2000 and max(many) <= max(few) + 100
+    for count, sizes in ((3, few), (30, many)):
+        assert len(sizes) < 60 * 4 * count
+
+
+def pieces(folder: Path, count: int) -> list[str]:
+    """The page of so many cases, each with four variants and a long lesson."""
+    made = run(
+        *(
+            record(f"case-{n}", str(v), lesson=f"{n} {v} " * 300, expectations=(outcome(),) * 3)
+            for n in range(count)
+            for v in range(4)
+        )
+    )
+    names = ("against", "drivers", "style", "script", "style_hash", "script_hash")
+    page = build(made, Pictures(folder))
+    template = environment.environment().get_template(PAGE)
+    return list(template.stream(dict.fromkeys(names, ""), page=page, run=made))
