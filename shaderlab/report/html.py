@@ -19,7 +19,6 @@ from shaderlab.report.build import build
 from shaderlab.report.compare import compare
 from shaderlab.report.drivers import driver_table
 from shaderlab.report.inline import Pictures
-from shaderlab.report.listing import tools
 
 if TYPE_CHECKING:
     from jinja2 import Environment, Template
@@ -90,8 +89,9 @@ def _load(environment: Callable[[], Environment]) -> None:
     importlib.import_module("cattrs")
     for name in environment().list_templates():
         _template(name)
+    colouring = importlib.import_module("shaderlab.report.colouring").colouring
     for language in ("glsl", "python"):
-        tools(language)
+        colouring(language).lines("\n")
     pictures.load_library()
     for name in ("markdown_it", "latex2mathml.converter"):
         importlib.import_module(name)

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from shaderlab.records import Diagnostic, SourceText
 from shaderlab.report.text import clean
@@ -77,22 +75,8 @@ def listing(
 
 def _highlighted(text: str, language: str) -> list[Markup]:
     from markupsafe import Markup
-    from pygments import highlight
 
-    lexer, formatter = tools(language)
-    # The formatter closes its spans at each line's end, so lines can be taken apart.
-    code = highlight(clean(text).expandtabs(4).rstrip("\n") + "\n", lexer, formatter)
-    # What no style colours needs no span: that is half of them.
-    plain = re.sub(r'<span class="t-(?:w|p|n|o)">(.*?)</span>', r"\1", code)
-    return [Markup(line) for line in plain.removesuffix("\n").split("\n")]
+    from shaderlab.report.colouring import colouring
 
-
-@cache
-def tools(language: str) -> tuple[Any, Any]:
-    """What takes a language's text apart, and what puts it together in colours; made once."""
-    from pygments.formatters import HtmlFormatter
-    from pygments.lexers import GLShaderLexer, PythonLexer
-
-    lexer = PythonLexer if language == "python" else GLShaderLexer
-    # stripnl would take blank first lines away and so shift every number.
-    return lexer(stripnl=False, ensurenl=False), HtmlFormatter(nowrap=True, classprefix="t-")
+    code = clean(text).expandtabs(4).rstrip("\n") + "\n"
+    return [Markup(line) for line in colouring(language).lines(code)]
