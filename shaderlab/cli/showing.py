@@ -14,11 +14,11 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
+from shaderlab.cli.rows import STYLES, CaseTable
 from shaderlab.records import Record, Run
 from shaderlab.running.tabulating import Row
 from shaderlab.terminal import MARKS, failed, failure, label, shown_path, summary
 
-STYLES = {"pass": "green", "unsupported": "yellow"}
 HEARTBEAT = 10.0
 MOST_ROWS = 40
 MOST_MESSAGES = 5
@@ -60,7 +60,7 @@ class Show:
 
     def outcomes(self, run: Run) -> None:
         """A table of all cases, each failure in full, one line that sums up."""
-        self.console.print(_table(run.records))
+        self.console.print(CaseTable(run.records))
         for record in run.records:
             if failed(record):
                 self.console.print()
@@ -206,64 +206,3 @@ class _Plain:
 
     def _say(self, line: str) -> None:
         self._console.print(line, markup=False)
-
-
-def _table(records: tuple[Record, ...]) -> Table:
-    """One row a case; a variant that did not pass gets a row of its own."""
-    table = Table(box=None, pad_edge=False, header_style="dim")
-    table.add_column("")
-    table.add_column("case", no_wrap=True)
-    table.add_column("section")
-    for heading in ("variants", "checks", "of band", "seconds"):
-        table.add_column(heading, justify="right")
-    table.add_column("compiled")
-    cases: dict[tuple[str, str], list[Record]] = {}
-    for record in records:
-        cases.setdefault((record.id, record.file), []).append(record)
-    for group in cases.values():
-        passed = [r for r in group if r.status == "pass"]
-        if passed:
-            _add_row(table, passed[0].id, passed, f"{len(passed)}/{len(group)}")
-        for record in group:
-            if record.status != "pass":
-                _add_row(table, label(record.id, record.variant), [record], "")
-    return table
-
-
-def _add_row(table: Table, name: str, group: list[Record], variants: str) -> None:
-    outcomes = [outcome for record in group for outcome in record.expectations]
-    good = sum(outcome.status == "pass" for outcome in outcomes)
-    widths = [o.worst.widths for o in outcomes if o.worst is not None]
-    status = group[0].status
-    style = STYLES.get(status, "red")
-    table.add_row(
-        f"[{style}]{MARKS[status]}[/]",
-        name.replace("[", r"\["),
-        group[0].section,
-        variants,
-        f"{good}/{len(outcomes)}" if outcomes else status,
-        _share(max(widths)) if widths else "",
-        f"{sum(record.seconds for record in group):.2f}",
-        _compiled(group),
-    )
-
-
-def _share(widths: float) -> str:
-    """How much of its band the worst value uses: 100 % is the edge."""
-    if not math.isfinite(widths) or widths >= 100:
-        return "> 9999 %"
-    return "< 1 %" if 0 < widths < 0.01 else f"{100 * widths:.0f} %"
-
-
-def _compiled(group: list[Record]) -> str:
-    """How many targets accept, and the names of those that refuse."""
-    refusing = {
-        target
-        for record in group
-        for target, verdict in record.compile.items()
-        if verdict not in ("ok", "pass")
-    }
-    targets = {target for record in group for target in record.compile}
-    if refusing:
-        return f"[red]not {', '.join(sorted(refusing))}[/]"
-    return f"[green]{len(targets)}/{len(targets)}[/]" if targets else ""
