@@ -61,7 +61,8 @@ class Exact:
 
     def at(self, row: int) -> Array:
         """One row, (components,), evaluated by itself. Raises FormulaError."""
-        return self._evaluated(slice(row, row + 1))[0]
+        (values,) = self._evaluated(slice(row, row + 1))
+        return np.asarray(values)
 
     def whole(self) -> Array:
         """All of it, (count, components). Raises FormulaError."""

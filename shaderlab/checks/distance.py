@@ -78,7 +78,7 @@ class Placed:
         The array is used again for the next block."""
         shape = min(BLOCK, len(self.measured)), self.measured.shape[1]
         alike = self.measured.dtype == self.low.dtype == self.high.dtype == np.float32
-        single = np.empty((2, *shape), np.float32) if alike else None
+        single = np.empty((3, *shape), np.float32) if alike else None
         double = np.empty((2, *shape)) if single is None else None
         for start in range(0, len(self.measured), BLOCK):
             rows = slice(start, start + BLOCK)
@@ -106,20 +106,25 @@ class Placed:
 def _narrow(low: Array, high: Array, value: Array, scratch: Array) -> Distances | None:
     """Distances of float32 values from float32 bounds, to a few units of the last place of 1;
     None where a band is wider than float32 can say."""
-    whole, distance = scratch[:, : len(value)]
+    whole: Distances
+    distance: Distances
+    whole, distance, below = scratch[:, : len(value)]
     np.subtract(high, low, out=whole)
     if not whole.max() < np.inf:  # NaN too
         return None
-    np.subtract(value, low, out=distance)  # exact wherever the bounds are close to each other
-    distance /= whole
-    distance -= np.float32(0.5)
+    # How far from either bound: exact where bounds are close to each other, and the same in size
+    # for a value and a band mirrored at zero.
+    np.subtract(value, low, out=distance)
+    np.subtract(high, value, out=below)
+    distance -= below
     np.abs(distance, out=distance)
-    distance *= np.float32(2.0)
+    distance /= whole
     return distance
 
 
 def _wide(low: Array, high: Array, value: Array, scratch: Floats) -> Distances:
     """The same of any values and bounds, in float64."""
+    distance: Distances
     half, distance = scratch[:, : len(value)]
     np.subtract(high, low, out=half, dtype=np.float64)
     half *= 0.5
