@@ -45,8 +45,9 @@ class Placed:
         found, largest = 0, -1.0
         for start, distance in self._blocks():
             index = int(distance.argmax())
-            if distance.flat[index] > largest:
-                found, largest = start * distance.shape[1] + index, float(distance.flat[index])
+            here = float(distance.flat[index])
+            if here > largest:
+                found, largest = start * distance.shape[1] + index, here
         row, component = divmod(found, self.measured.shape[1])
         return row, component
 
