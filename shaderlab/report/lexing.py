@@ -7,7 +7,7 @@ alternatives of one regular expression, so that the first that holds is found at
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from typing import TYPE_CHECKING, Any
@@ -22,7 +22,9 @@ Match = re.Match[str]
 Matcher = Callable[[str, int], Match | None]
 
 _FLAGS_IN_FRONT = re.compile(r"\(\?([aimsu]+)\)")
-# Numbers and names of groups mean others where several rules are one expression.
+# What may hold a parenthesis that begins no group, or is one that does.
+_PARENTHESIS = re.compile(r"\\.|\[\^?\]?(?:\\.|[^\]\\])*\]|\((?!\?)", re.DOTALL)
+# Groups that a rule itself needs.
 _BY_NAME_OR_NUMBER = re.compile(r"\\[1-9]|\(\?P|\(\?\(")
 # Classes of all the letters that there are take longer to compile than they would save.
 _LONGEST = 1000
@@ -39,24 +41,23 @@ class _Rule:
     step: Any
 
     @property
-    def pattern(self) -> re.Pattern[str]:
+    def pattern(self) -> str:
         found: re.Pattern[str] = self.match.__self__  # type: ignore[attr-defined]
-        return found
+        return found.pattern
 
     @property
     def mixes(self) -> bool:
-        """Whether it can be one of several alternatives, and is better off so."""
-        pattern = self.pattern.pattern
-        return len(pattern) <= _LONGEST and not _BY_NAME_OR_NUMBER.search(pattern)
+        """Whether it can be one of several alternatives, and is not better off alone."""
+        return len(self.pattern) <= _LONGEST and not _BY_NAME_OR_NUMBER.search(self.pattern)
 
 
 @dataclass(frozen=True, slots=True)
 class _Rules:
-    """Rules that follow one another in a state, as one expression: the number of the last group
-    that matched tells which of them it was. One that is alone has no number."""
+    """Rules that follow one another in a state, as one expression: the number of the group that
+    matched tells which of them it was. One that is alone has no number."""
 
     match: Matcher
-    numbered: Mapping[int, _Rule]
+    numbered: Sequence[_Rule]
     alone: _Rule | None = None
 
 
@@ -94,9 +95,9 @@ class Merged:
                     yield Error, text[place]
                 place += 1
                 continue
-            rule = rules.alone or rules.numbered[match.lastindex or 0]
+            rule = rules.alone or rules.numbered[(match.lastindex or 0) - 1]
             if callable(rule.action):
-                own = rule.match(text, place)  # its groups have other numbers beside others
+                own = rule.match(text, place)  # with its groups
                 for _, kind, value in rule.action(self._lexer, own):
                     yield kind, value
             elif rule.action is not None:
@@ -110,35 +111,33 @@ class Merged:
         """A state's rules, merged when a text first comes to it: few get to most states."""
         if name not in self._states:
             rules = [_Rule(*rule) for rule in self._rules[name]]
-            runs = [(mixes, list(run)) for mixes, run in groupby(rules, lambda rule: rule.mixes)]
             self._states[name] = [
-                merged
-                for mixes, run in runs
-                for merged in ([_together(run, self._lexer.flags)] if mixes else map(_alone, run))
+                found
+                for mixes, run in groupby(rules, lambda rule: rule.mixes)
+                for found in (_together(list(run), self._lexer.flags) if mixes else _apart(run))
             ]
         return self._states[name]
 
 
-def _alone(rule: _Rule) -> _Rules:
-    return _Rules(rule.match, {}, rule)
+def _apart(rules: Iterable[_Rule]) -> Iterable[_Rules]:
+    return [_Rules(rule.match, (), rule) for rule in rules]
 
 
-def _together(rules: Sequence[_Rule], flags: int) -> _Rules:
-    if len(rules) == 1:
-        return _alone(rules[0])
-    alternatives, numbered, groups = [], {}, 0
-    for rule in rules:
-        # An empty group at the rule's end is the last one to match, whichever others it has.
-        alternatives.append(f"(?:{_with_own_flags(rule.pattern.pattern)})()")
-        groups += rule.pattern.groups + 1
-        numbered[groups] = rule
-    return _Rules(re.compile("|".join(alternatives), flags).match, numbered)
+def _together(rules: Sequence[_Rule], flags: int) -> Iterable[_Rules]:
+    # The empty groups are the only ones: to note where others begin would take most of the time.
+    expression = "|".join(f"(?:{_without_groups(rule.pattern)})()" for rule in rules)
+    try:
+        merged = re.compile(expression, flags)
+    except re.error:
+        return _apart(rules)
+    return [_Rules(merged.match, rules)] if merged.groups == len(rules) else _apart(rules)
 
 
-def _with_own_flags(pattern: str) -> str:
-    """Flags that hold for the whole of a pattern as flags for this part of an expression."""
-    flags = _FLAGS_IN_FRONT.match(pattern)
-    return f"(?{flags[1]}:{pattern[flags.end() :]})" if flags else pattern
+def _without_groups(pattern: str) -> str:
+    """What matches the same and keeps no group's text, with its flags for its own part only."""
+    bare = _PARENTHESIS.sub(lambda found: "(?:" if found[0] == "(" else found[0], pattern)
+    flags = _FLAGS_IN_FRONT.match(bare)
+    return f"(?{flags[1]}:{bare[flags.end() :]})" if flags else bare
 
 
 def _move(stack: list[str], step: Any) -> None:

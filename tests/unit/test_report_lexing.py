@@ -53,7 +53,7 @@ class Small(RegexLexer):
         ],
         "blank": [(r"[ \t]+", Text)],
         "name": [(r"[a-z]+", Name, "#pop"), default("#pop")],
-        "inner": [(r"x", Name), (r">", Text, ("#pop", "#push"))],
+        "inner": [(r"x", Name), (r"(?x) a  # or b", Name), (r">", Text, ("#pop", "#push"))],
     }
 
 
@@ -94,6 +94,8 @@ def test_what_can_not_be_an_alternative_stands_alone_in_its_place() -> None:
     assert [kind for kind, _ in found].count(String) == 1
     state = Merged(Small())._state("root")
     assert [len(rules.numbered) for rules in state] == [2, 0, 0, 7]
+    inner = Merged(Small())._state("inner")  # where flags make an expression impossible
+    assert [rules.alone is not None for rules in inner] == [True] * 3
 
 
 def test_few_questions_are_asked() -> None:
