@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -14,18 +14,17 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Line:
-    """One line: its number in the file, its anchor, its HTML, and the messages about it."""
+class Part:
+    """Lines that follow one another as HTML, and the messages about the last of them."""
 
-    number: int
-    anchor: str
     html: Markup
-    messages: tuple[Diagnostic, ...]
+    messages: tuple[Diagnostic, ...] = ()
 
 
 @dataclass(frozen=True)
 class Listing:
-    """A source ready to print. `variants` says which variants use it, empty for all of them.
+    """A source ready to print: `count` lines, counted from `first`. `variants` says which variants
+    use it, empty for all of them.
 
     `repeated` says that an earlier case shows the very same, under the same anchors.
     """
@@ -33,26 +32,27 @@ class Listing:
     file: str
     language: str
     anchor: str
-    lines: tuple[Line, ...]
+    first: int
+    count: int
+    parts: tuple[Part, ...]
     variants: tuple[str, ...] = ()
     repeated: bool = False
 
     @property
     def place(self) -> str:
         """File and first line, as editors understand it."""
-        return f"{self.file}:{self.lines[0].number}" if self.lines else self.file
+        return f"{self.file}:{self.first}"
 
     @property
     def has_messages(self) -> bool:
         """Whether a compiler said anything about it."""
-        return any(line.messages for line in self.lines)
+        return any(part.messages for part in self.parts)
 
     def anchor_of(self, file: str, line: int) -> str | None:
         """The anchor of a line of a file, if it is in this listing."""
-        index = line - self.lines[0].number if self.lines else -1
-        if file != self.file or not 0 <= index < len(self.lines):
+        if file != self.file or not 0 <= line - self.first < self.count:
             return None
-        return self.lines[index].anchor
+        return _anchor(self.anchor, line)
 
 
 def listing(
@@ -62,21 +62,47 @@ def listing(
     variants: tuple[str, ...] = (),
 ) -> Listing:
     """`source` with those of `diagnostics` that speak of its file, each said once."""
+    from shaderlab.report.colouring import colouring
+
     by_line: dict[int, list[Diagnostic]] = {}
     for message in dict.fromkeys(diagnostics):
         if message.file == source.file and message.line is not None:
             by_line.setdefault(message.line, []).append(message)
-    lines = [
-        Line(number, f"{anchor}-L{number}", html, tuple(by_line.get(number, ())))
-        for number, html in enumerate(_highlighted(source.text, source.language), source.line)
-    ]
-    return Listing(source.file, source.language, anchor, tuple(lines), variants)
+    code = clean(source.text).expandtabs(4).rstrip("\n") + "\n"
+    lines = colouring(source.language).lines(code)
+    return Listing(
+        file=source.file,
+        language=source.language,
+        anchor=anchor,
+        first=source.line,
+        count=len(lines),
+        parts=tuple(_parts(lines, source.line, anchor, by_line)),
+        variants=variants,
+    )
 
 
-def _highlighted(text: str, language: str) -> list[Markup]:
+def _parts(
+    lines: Iterable[str], first: int, anchor: str, messages: Mapping[int, Sequence[Diagnostic]]
+) -> Iterator[Part]:
+    """Numbered lines, cut where there is something to be said.
+
+    A page has more lines of code than of anything else, so a template gets many at once. `lines`
+    are HTML, and there is nothing in an anchor or a number to be escaped.
+    """
     from markupsafe import Markup
 
-    from shaderlab.report.colouring import colouring
+    rows = []
+    for number, code in enumerate(lines, first):
+        place = _anchor(anchor, number)
+        rows.append(
+            f'<span class="row" id="{place}"><a href="#{place}" tabindex="-1">{number}</a>'
+            f"<span>{code}\n</span></span>"
+        )
+        if number in messages:
+            yield Part(Markup("".join(rows)), tuple(messages[number]))
+            rows = []
+    yield Part(Markup("".join(rows)))
 
-    code = clean(text).expandtabs(4).rstrip("\n") + "\n"
-    return [Markup(line) for line in colouring(language).lines(code)]
+
+def _anchor(listing: str, line: int) -> str:
+    return f"{listing}-L{line}"
