@@ -7,8 +7,10 @@ than fit into memory.
 from __future__ import annotations
 
 import base64
+import os
 import struct
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
 from markupsafe import Markup
@@ -72,7 +74,9 @@ class Pictures:
     """Finds the pictures of one folder."""
 
     def __init__(self, folder: Path) -> None:
-        self._folder = folder.resolve()
+        self._root = os.path.join(os.path.realpath(folder), "")
+        # A page's files lie in few folders.
+        self._resolved = lru_cache(maxsize=64)(os.path.realpath)
 
     def full(self, name: str) -> Picture:
         """The picture file `name` (relative to the folder), small ones enlarged."""
@@ -126,10 +130,13 @@ class Pictures:
 
     def _inside(self, name: str) -> Path:
         # A record may come from a file that somebody else wrote; it shows its folder only.
-        path = (self._folder / name).resolve()
-        if not path.is_relative_to(self._folder):
+        folder, file = os.path.split(os.path.join(self._root, name))
+        path = os.path.join(self._resolved(folder), file)
+        if file in ("", ".", "..") or os.path.islink(path):
+            path = os.path.realpath(path)
+        if not os.path.join(path, "").startswith(self._root):
             raise ValueError("lies outside the run's folder")
-        return path
+        return Path(path)
 
 
 def _reason(error: Exception) -> str:

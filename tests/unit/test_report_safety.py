@@ -15,6 +15,7 @@ import pytest
 from shaderlab import pictures
 from shaderlab.errors import ShaderlabError
 from shaderlab.report import write
+from shaderlab.report.inline import Pictures
 from tests.unit.test_report_samples import (
     Page,
     curve,
@@ -105,3 +106,28 @@ def test_a_failed_write_leaves_the_old_page(
     assert caught.value.file == str(path)
     assert path.read_bytes() == before
     assert [p.name for p in tmp_path.iterdir()] == ["index.html"]
+
+
+def test_links_are_followed_to_what_is_in_the_folder_only(tmp_path: Path) -> None:
+    secret = tmp_path / "elsewhere" / "secret.png"
+    folder = tmp_path / "run"
+    for made in (secret.parent, folder / "images"):
+        made.mkdir(parents=True)
+    pictures.save_png(secret, np.zeros((1, 1, 3), np.uint8))
+    pictures.save_png(folder / "images" / "own.png", np.zeros((1, 1, 3), np.uint8))
+    (folder / "beside").symlink_to(folder / "images")
+    (folder / "images" / "again.png").symlink_to(folder / "images" / "own.png")
+    (folder / "images" / "link.png").symlink_to(secret)
+    (folder / "away").symlink_to(secret.parent)
+    (folder.parent / "run2").symlink_to(secret.parent)
+    found = Pictures(folder)
+    for name in (
+        "images/own.png",
+        "images/again.png",
+        "beside/own.png",
+        "away/../run/images/own.png",
+    ):
+        assert not found.full(name).missing, name
+    for name in ("images/link.png", "away/secret.png", "../run2/secret.png", "images/../..", ".."):
+        assert "outside the run's folder" in found.full(name).missing, name
+    assert found.full("images/own.png").path == (folder / "images" / "own.png").resolve()
