@@ -27,7 +27,7 @@ from shaderlab.running.jobs import (
     Perform,
     Setup,
 )
-from shaderlab.running.sizing import suitable
+from shaderlab.running.sizing import loads, suitable
 from shaderlab.running.steps import Steps
 from shaderlab.workers import Limits as PoolLimits
 from shaderlab.workers import Outcome, Pool
@@ -105,7 +105,7 @@ class Crew:
     def load(self, files: Sequence[Path]) -> list[CaseFacts]:
         """See `Team`."""
         self._widen(len(files))  # each has one variant at least
-        outcomes = self._pool.each([Load(file) for file in files])
+        outcomes = self._pool.each([Load(file) for file in files], batch=loads(len(files)))
         return [_facts(file, outcome) for file, outcome in zip(files, outcomes, strict=True)]
 
     def run(self, jobs: Sequence[Job], setup: Setup, heard: Heard) -> Iterator[Record]:

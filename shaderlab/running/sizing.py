@@ -9,6 +9,11 @@ MOST = 4
 what more of them gain was not measured."""
 VARIANTS_EACH = 4
 """A worker takes about as long to start as so many variants to run, so fewer do not repay it."""
+LOADS = 8
+"""So many case files are sent to a worker at once, where there are many: to load a small one takes
+a worker little longer than sending it."""
+TURNS = 4
+"""Each of as many workers as there may be gets files so often, lest one waits for another's."""
 WORDS = f"one for every {VARIANTS_EACH} variants, as cores allow, at most {MOST}"
 
 
@@ -27,3 +32,12 @@ def suitable(variants: int) -> int:
     (1, 1)
     """
     return max(1, min(variants // VARIANTS_EACH, cores(), MOST))
+
+
+def loads(files: int) -> int:
+    """How many case files a worker is sent at once.
+
+    >>> loads(5), loads(64), loads(1000)
+    (1, 4, 8)
+    """
+    return max(1, min(files // (MOST * TURNS), LOADS))

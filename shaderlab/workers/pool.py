@@ -106,7 +106,10 @@ class Pool:
         self._threads.append(ThreadPoolExecutor(len(self._processes)))
 
     def each(
-        self, items: Iterable[Any], heard: Callable[[Outcome], None] | None = None
+        self,
+        items: Iterable[Any],
+        heard: Callable[[Outcome], None] | None = None,
+        batch: int | None = None,
     ) -> Iterator[Outcome]:
         """Each item's outcome, in order. Only a few batches are taken from `items` ahead of what
         was asked for, so memory does not grow with their number.
@@ -115,15 +118,17 @@ class Pool:
             items: what to work on.
             heard: called with each outcome as soon as it is there, in whatever order, from the
                 thread that got it.
+            batch: how many of these items a worker is sent at once, by default as of all others.
 
         Raises:
             ShaderlabError: no worker can be started at all.
         """
+        size = max(batch or self._batch, 1)
         waiting: deque[Future[list[Outcome]]] = deque()
         rest = iter(items)
-        ahead = max(len(self._processes) + 1, BATCH // self._batch)
-        for batch in iter(lambda: list(itertools.islice(rest, self._batch)), []):
-            waiting.append(self._threads[-1].submit(self._run, batch, heard))
+        ahead = max(len(self._processes) + 1, BATCH // size)
+        for some in iter(lambda: list(itertools.islice(rest, size)), []):
+            waiting.append(self._threads[-1].submit(self._run, some, heard))
             if len(waiting) > ahead:
                 yield from waiting.popleft().result()
         while waiting:

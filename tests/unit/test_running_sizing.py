@@ -45,6 +45,7 @@ class Pool:
 
     def __init__(self, work: str, *, jobs: int, **_: Any) -> None:
         self.asked = [jobs]
+        self.batches: list[int | None] = []
 
     def start(self) -> None:
         pass
@@ -56,8 +57,12 @@ class Pool:
         self.asked.append(jobs)
 
     def each(
-        self, items: Sequence[Any], heard: Callable[[Outcome], None] | None = None
+        self,
+        items: Sequence[Any],
+        heard: Callable[[Outcome], None] | None = None,
+        batch: int | None = None,
     ) -> Iterator[Outcome]:
+        self.batches.append(batch)
         for item in items:
             if isinstance(item, Load):
                 result = CaseFacts(file=str(item.file), id=item.file.stem)
@@ -83,6 +88,21 @@ def test_workers_are_added_when_it_is_known_what_there_is_to_do(
     assert [(r.id, r.variant) for r in records] == [job.key for job in (*jobs, *broken)]
     pool = team._pool
     assert isinstance(pool, Pool) and pool.asked == asked
+
+
+def test_many_case_files_are_sent_together_and_jobs_one_by_one(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(crew, "Pool", Pool)
+    team = Crew(workers=2, early=False)
+    try:
+        for count in (1, 31, 32, 100, 1000):
+            team.load([Path(f"{n}.py") for n in range(count)])
+        list(team.run([Job(file="a.py", id="a", variant="v")], Setup(), lambda job, record: None))
+    finally:
+        team.close()
+    pool = team._pool
+    assert isinstance(pool, Pool) and pool.batches == [1, 1, 2, 6, 8, None, None]
 
 
 def test_without_j_the_number_is_left_to_the_crew(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import os
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import pytest
 
 from shaderlab.errors import ShaderlabError
 from shaderlab.workers import Limits, Pool
+from shaderlab.workers.process import Process
 
 WORK = """
 import os, signal, sys, time
@@ -115,6 +116,29 @@ def test_several_workers_share_the_items_and_keep_the_order(work: str) -> None:
         outcomes = list(pool.each(items))
     assert [o.item for o in outcomes] == items
     assert [o.status for o in outcomes].count("crash") == 1
+
+
+def test_how_many_are_sent_at_once_can_be_told_for_some_items(
+    work: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sent: list[int] = []
+    before = Process.answers
+
+    def answers(self: Process, batch: Sequence[object]) -> Iterator[tuple[str, object]]:
+        sent.append(len(batch))
+        return before(self, batch)
+
+    monkeypatch.setattr(Process, "answers", answers)
+    with Pool(work, limits=Limits(seconds=0.7), batch=1) as pool:
+        assert len(list(pool.each("abc"))) == 3
+        assert sent == [1, 1, 1]
+        sent.clear()
+        items = ["a", "hang", "slow", "slow", "slow", "raise", "b"]
+        outcomes = list(pool.each(items, batch=3))
+    assert sent == [3, 1, 3, 1]  # what comes after one that is lost is sent again
+    assert [o.item for o in outcomes] == items
+    expected = ["done", "timeout", "done", "done", "done", "error", "done"]
+    assert [o.status for o in outcomes] == expected
 
 
 def test_items_are_taken_as_they_are_needed(pool: Pool) -> None:
