@@ -34,12 +34,11 @@ def data_folder(kind: str) -> Path:
 
 def is_case_file(path: Path) -> bool:
     """Whether `path` is a case file; never raises, whatever the file holds."""
-    if not _looks_like_case(path):
+    source = _source_like_a_case(path)
+    if source is None:
         return False
     try:
-        tree = ast.parse(path.read_bytes())
-    except OSError:
-        return False
+        tree = ast.parse(source)
     except (SyntaxError, ValueError):
         return True  # meant as one: loading it reports the mistake, passing it over would not
     return _imports_case(tree) and any(_assigns_case(node) for node in tree.body)
@@ -57,7 +56,7 @@ def case_files(folder: Path) -> Iterator[Path]:
 def shipped_cases() -> Iterator[Path]:
     """The case files that come with the lab, sorted. What looks like one there is one, so none of
     them is parsed: that would take longer than to load it."""
-    return filter(_looks_like_case, _files(data_folder("cases")))
+    return (file for file in _files(data_folder("cases")) if _source_like_a_case(file) is not None)
 
 
 def _files(folder: Path) -> Iterator[Path]:
@@ -72,15 +71,16 @@ def _files(folder: Path) -> Iterator[Path]:
             yield from _files(entry)
 
 
-def _looks_like_case(path: Path) -> bool:
-    """Whether a file's name and words are those of a case file, wherever in it the words are."""
+def _source_like_a_case(path: Path) -> bytes | None:
+    """A file's text, if its name and words are those of a case file, wherever in it the words
+    are."""
     if path.suffix != ".py" or not _may_be_case(path.name):
-        return False
+        return None
     try:
         source = path.read_bytes()
     except OSError:
-        return False
-    return b"shaderlab" in source and _ASSIGNS.search(source) is not None
+        return None
+    return source if b"shaderlab" in source and _ASSIGNS.search(source) else None
 
 
 def _may_be_case(name: str) -> bool:

@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable
+from itertools import islice
 from pathlib import Path
 
 from shaderlab.errors import ShaderlabError
+
+# Most pieces are a word, some are a picture.
+_TOGETHER = 32
 
 
 def write_text(path: Path, text: str | Iterable[str]) -> None:
@@ -25,8 +29,9 @@ def write_text(path: Path, text: str | Iterable[str]) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)
         try:
             with temporary.open("wb") as file:
-                for piece in (text,) if isinstance(text, str) else text:
-                    file.write(piece.encode("utf-8", errors="replace"))
+                pieces = iter((text,) if isinstance(text, str) else text)
+                while some := list(islice(pieces, _TOGETHER)):
+                    file.write("".join(some).encode("utf-8", errors="replace"))
             os.replace(temporary, path)
         finally:
             temporary.unlink(missing_ok=True)

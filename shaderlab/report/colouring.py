@@ -23,7 +23,7 @@ _END = "</span>"
 _MOST_KEPT = 4096
 _LONGEST_KEPT = 40
 
-Span = tuple[str, list[str]]
+Span = tuple[str, str, list[str]]
 
 
 class Colouring:
@@ -41,20 +41,21 @@ class Colouring:
         line, inside = "", ""  # `inside` is the tag of a span that is open
         for kind, value in self._tokens(text):
             short = len(value) <= _LONGEST_KEPT
-            opening, parts = (self._kept if short else self._span)(kind, value)
-            for number, part in enumerate(parts):
-                if number:
-                    lines.append(line + _END if inside else line)
-                    line, inside = "", ""
-                if part and opening != inside:
+            opening, part, more = (self._kept if short else self._span)(kind, value)
+            if part:
+                if opening != inside:
                     line += _END + opening if inside else opening
                     inside = opening
                 line += part
+            for part in more:
+                lines.append(line + _END if inside else line)
+                line, inside = (opening + part, opening) if part else ("", "")
         return lines
 
     def _span(self, kind: Any, value: str) -> Span:
-        """The tag before a token, "" for none, and its text by lines."""
-        return self._opening(kind), escape(value, quote=False).split("\n")
+        """The tag before a token, "" for none, its text's first line, and the others."""
+        first, *more = escape(value, quote=False).split("\n")
+        return self._opening(kind), first, more
 
     def _opening_of(self, kind: Any) -> str:
         """The tag that the formatter puts before a token of this type; "" if it has no colour."""
