@@ -95,7 +95,7 @@ class CaseItem(pytest.Item):
         return super().repr_failure(excinfo, style)
 
     def reportinfo(self) -> tuple[os.PathLike[str], int | None, str]:
-        return self.path, None, self.name
+        return self.path, 0, self.name
 
 
 def crew_of(config: pytest.Config) -> Ahead:
@@ -139,7 +139,7 @@ def _workers(config: pytest.Config) -> int | None:
     name, text = "SHADERLAB_JOBS", os.environ.get("SHADERLAB_JOBS", "")
     if not text:
         name, text = "shaderlab_jobs", config.getini("shaderlab_jobs")
-    if text and not (text.isascii() and text.isdecimal()):
+    if text and not text.isdecimal():
         raise pytest.UsageError(f"{name} is {text!r}: give it a whole number, 0 for no workers")
     if text and int(text) == 0:
         return 0
