@@ -8,6 +8,9 @@ from __future__ import annotations
 
 import importlib.util
 import os
+import signal
+import subprocess
+import sys
 import time
 from pathlib import Path
 from types import ModuleType
@@ -29,6 +32,7 @@ def _neighbour(name: str) -> ModuleType:
 faulty = _neighbour("faulty")
 WAIT = "while not os.path.exists('{file}'): __import__('time').sleep(0.01)"
 TELL = "open('{file}', 'a').write('once ')"
+PID = "open('{told}/pids', 'a').write(str(os.getpid()) + ' ')"
 OUTCOMES = ("-rA", "--tb=no", "-o", "shaderlab_jobs=2")
 
 
@@ -170,6 +174,25 @@ def test_stopping_does_not_wait_for_what_is_under_way(cases: Cases) -> None:
     result = cases.run("-x", *files, "-o", "shaderlab_jobs=2", "-o", "shaderlab_timeout=90")
     result.assert_outcomes(failed=1)
     assert time.monotonic() - began < 60.0
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="looks for processes as Linux shows them")
+def test_an_interrupt_ends_everything_at_once(cases: Cases) -> None:
+    files = [cases.add(name, f"{PID}; __import__('time').sleep(600)") for name in "ab"]
+    command = [sys.executable, "-m", "pytest", *map(str, files), *OUTCOMES]
+    session = subprocess.Popen(
+        [*command, "-o", "shaderlab_timeout=90"], cwd=cases.pytester.path, stdout=subprocess.PIPE,
+        text=True, env=faulty.surroundings(),
+    )  # fmt: skip
+    pids = cases.told / "pids"
+    while not pids.exists() or pids.read_text().count(" ") < 2:
+        assert session.poll() is None
+        time.sleep(0.01)
+    session.send_signal(signal.SIGINT)
+    said, _ = session.communicate(timeout=60.0)
+    assert session.returncode == pytest.ExitCode.INTERRUPTED and "KeyboardInterrupt" in said
+    workers = [Path("/proc", pid) for pid in pids.read_text().split()]
+    assert len(workers) == 2 and not any(worker.exists() for worker in workers)
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="this system has no fork")
