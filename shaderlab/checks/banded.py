@@ -47,20 +47,22 @@ class Exact:
         """Rows number · rows and on, (rows, components). Raises FormulaError."""
         if number not in self._pieces:
             start = number * self.rows
-            part = self.inputs.part(slice(start, start + self.rows))
-            found = np.asarray(
-                evaluate(self.reference, part, rules=None, decimal=False, asked=self.asked)
-            )
-            count = min(self.rows, self.shape[0] - start)
-            values = np.broadcast_to(found.astype(np.float64, copy=False), (count, self.shape[1]))
-            self._pieces[number] = in_format(values, self.format)
+            stop = min(start + self.rows, self.shape[0])
+            self._pieces[number] = self._evaluated(slice(start, stop))
         return self._pieces[number]
 
+    def _evaluated(self, rows: slice) -> Array:
+        part = self.inputs.part(rows)
+        found = np.asarray(
+            evaluate(self.reference, part, rules=None, decimal=False, asked=self.asked)
+        )
+        shape = (rows.stop - rows.start, self.shape[1])
+        return in_format(np.broadcast_to(found.astype(np.float64, copy=False), shape), self.format)
+
     def at(self, row: int) -> Array:
-        """One row, (components,). Raises FormulaError."""
-        number, index = divmod(row, self.rows)
-        row_of_piece: Array = self.piece(number)[index]
-        return row_of_piece
+        """One row, (components,), evaluated by itself. Raises FormulaError."""
+        (values,) = self._evaluated(slice(row, row + 1))
+        return np.asarray(values)
 
     def whole(self) -> Array:
         """All of it, (count, components). Raises FormulaError."""

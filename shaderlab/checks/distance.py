@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -17,6 +18,7 @@ from shaderlab.bands.allowed import widths
 from shaderlab.frame import Array
 
 Floats = npt.NDArray[np.float64]
+Distances = npt.NDArray[np.floating[Any]]
 # So many rows of four components, in float64, twice: a quarter of a megabyte.
 BLOCK = 4096
 
@@ -43,8 +45,9 @@ class Placed:
         found, largest = 0, -1.0
         for start, distance in self._blocks():
             index = int(distance.argmax())
-            if distance.flat[index] > largest:
-                found, largest = start * distance.shape[1] + index, float(distance.flat[index])
+            here = float(distance.flat[index])
+            if here > largest:
+                found, largest = start * distance.shape[1] + index, here
         row, component = divmod(found, self.measured.shape[1])
         return row, component
 
@@ -71,26 +74,27 @@ class Placed:
             signed[rows] = np.where(below, -size, size)
         return signed
 
-    def _blocks(self) -> Iterator[tuple[int, Floats]]:
+    def _blocks(self) -> Iterator[tuple[int, Distances]]:
         """The first row and the distances of each block: at most 1 inside, at least 1 outside.
         The array is used again for the next block."""
-        scratch = np.empty((2, min(BLOCK, len(self.measured)), self.measured.shape[1]))
+        shape = min(BLOCK, len(self.measured)), self.measured.shape[1]
+        alike = self.measured.dtype == self.low.dtype == self.high.dtype == np.float32
+        single = np.empty((3, *shape), np.float32) if alike else None
+        double = np.empty((2, *shape)) if single is None else None
         for start in range(0, len(self.measured), BLOCK):
             rows = slice(start, start + BLOCK)
             low, high, value = self.low[rows], self.high[rows], self.measured[rows]
-            half, distance = scratch[:, : len(value)]
             with np.errstate(all="ignore"):
-                np.subtract(high, low, out=half, dtype=np.float64)
-                half *= 0.5
-                np.add(low, half, out=distance, dtype=np.float64)
-                np.subtract(value, distance, out=distance)
-                np.abs(distance, out=distance)
-                distance /= half
+                distance = None if single is None else _narrow(low, high, value, single)
+                if distance is None:
+                    double = np.empty((2, *shape)) if double is None else double
+                    distance = _wide(low, high, value, double)
                 # A band without width, or without an end, has no distance inside but 0.
                 np.fmax(distance, 0.0, out=distance)
                 np.minimum(distance, 1.0, out=distance)
             beyond = ~self.inside[rows]
             if beyond.any():
+                distance = distance.astype(np.float64, copy=False)
                 distance[beyond] = self._outside(low[beyond], high[beyond], value[beyond])
             yield start, distance
 
@@ -98,3 +102,35 @@ class Placed:
         wide = low.astype(np.float64), high.astype(np.float64)
         distance = widths(*wide, np.False_, value, self.unit or 0.0)
         return np.maximum(np.where(np.isnan(distance), np.inf, distance), 1.0)
+
+
+def _narrow(low: Array, high: Array, value: Array, scratch: Array) -> Distances | None:
+    """Distances of float32 values from float32 bounds, to a few units of the last place of 1;
+    None where a band is wider than float32 can say."""
+    whole: Distances
+    distance: Distances
+    whole, distance, below = scratch[:, : len(value)]
+    np.subtract(high, low, out=whole)
+    if not whole.max() < np.inf:  # NaN too
+        return None
+    # How far from either bound: exact where bounds are close to each other, and the same in size
+    # for a value and a band mirrored at zero.
+    np.subtract(value, low, out=distance)
+    np.subtract(high, value, out=below)
+    distance -= below
+    np.abs(distance, out=distance)
+    distance /= whole
+    return distance
+
+
+def _wide(low: Array, high: Array, value: Array, scratch: Floats) -> Distances:
+    """The same of any values and bounds, in float64."""
+    distance: Distances
+    half, distance = scratch[:, : len(value)]
+    np.subtract(high, low, out=half, dtype=np.float64)
+    half *= 0.5
+    np.add(low, half, out=distance, dtype=np.float64)
+    np.subtract(value, distance, out=distance)
+    np.abs(distance, out=distance)
+    distance /= half
+    return distance

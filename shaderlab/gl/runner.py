@@ -12,6 +12,7 @@ from shaderlab.errors import ShaderError, UnsupportedError
 from shaderlab.frame import Array, Bindings, Image, PassDraw
 from shaderlab.gl import bind, blocks, formats, state
 from shaderlab.gl.bound import BoundTextures
+from shaderlab.gl.captures import Captures
 from shaderlab.gl.continuing import refuse_stale, taken_over
 from shaderlab.gl.device import Device
 from shaderlab.gl.prepare import PreparedDraw, output_types, pass_colors
@@ -44,11 +45,13 @@ class Drawn:
 
 
 class Runner:
-    """Runs scenes on one device; programs are kept from one scene to the next."""
+    """Runs scenes on one device; programs, and what was captured, are kept from one scene to the
+    next."""
 
     def __init__(self, device: Device) -> None:
         self.device = device
         self.programs = Programs(device)
+        self.captures = Captures()
         device.context.gc_mode = "auto"
 
     @contextmanager

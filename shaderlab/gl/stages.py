@@ -19,6 +19,9 @@ PREFIX = "shaderlab_"
 COORD = PREFIX + "coord"
 _VERSION = re.compile(r"^[ \t]*#[ \t]*version[^\n]*", re.MULTILINE)
 _DIRECTIVE = re.compile(r"^[ \t]*#[ \t]*(?:version|extension)[^\n]*\n?", re.MULTILINE)
+_KEEPS_OUT = ("discard", "gl_FragDepth", "gl_SampleMask")
+# Words that change what an input's value, or gl_FragCoord, is in one shader and not in another.
+_OWN_READING = ("mediump", "lowp", "origin_upper_left", "pixel_center_integer")
 _BUILT_IN = {"gl_FrontFacing": "float", "gl_PointCoord": "vec2", "gl_PrimitiveID": "int"}
 
 
@@ -48,6 +51,25 @@ def input_pieces(text: str, inputs: Iterable[Variable]) -> list[Piece]:
     found = [piece for variable in elements(inputs) for piece in pieces(variable)]
     used = {name: kind for name, kind in _BUILT_IN.items() if re.search(rf"\b{name}\b", text)}
     return [*found, *(Piece(name, "", kind) for name, kind in used.items())]
+
+
+def may_keep_out(text: str) -> bool:
+    """Whether a fragment shader may keep fragments from being written, or give them another depth.
+
+    >>> may_keep_out("void main() { if (gl_FragCoord.x > 9.0) discard; }")
+    True
+    """
+    return any(word in text for word in _KEEPS_OUT)
+
+
+def reads_in_its_own_way(text: str) -> bool:
+    """Whether a fragment shader may get other values than one that reads the same inputs: in a
+    lower precision, or with window coordinates counted from elsewhere.
+
+    >>> reads_in_its_own_way("layout(origin_upper_left) in vec4 gl_FragCoord;")
+    True
+    """
+    return any(word in text for word in _OWN_READING)
 
 
 def domain_vertex(text: str, inputs: Iterable[Variable]) -> str:

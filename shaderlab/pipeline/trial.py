@@ -20,6 +20,7 @@ from shaderlab.gl import programs as linking
 from shaderlab.gl.device import Device, open_device
 from shaderlab.gl.prepare import PreparedDraw, Preparer
 from shaderlab.gl.runner import Prepared, Runner, Session
+from shaderlab.gl.stages import may_keep_out
 from shaderlab.gl.varyings import elements
 from shaderlab.glsl.compile import Compiled
 from shaderlab.glsl.kept import compiler
@@ -50,7 +51,6 @@ from shaderlab.records import Outcome
 Texts = Mapping[str, str]
 Programs = Prepared
 """Each pass's draws, compiled."""
-_MAY_KEEP_OUT = ("discard", "gl_FragDepth", "gl_SampleMask")
 
 
 class Bench:
@@ -281,10 +281,8 @@ class Trial:
             for stage in ("vertex", "geometry"):
                 if own.text(stage) != theirs.text(stage):
                     return False
-            texts = (own.text("fragment") or "") + (theirs.text("fragment") or "")
-            if own.text("fragment") != theirs.text("fragment") and any(
-                word in texts for word in _MAY_KEEP_OUT
-            ):
+            fragment, other_fragment = own.text("fragment") or "", theirs.text("fragment") or ""
+            if fragment != other_fragment and may_keep_out(fragment + other_fragment):
                 return False
         return True
 

@@ -1,0 +1,84 @@
+"""Captured fragments that are used again.
+
+Over a domain the vertex stage is the lab's own, and what it feeds a fragment shader depends on few
+things: many small programs of one folder get the same inputs at the same pixels. Those are captured
+once and kept, as long as there is room, for the next draw that must get the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from shaderlab.frame import Array, Fragments, PassDraw
+from shaderlab.gl import bind, stages
+from shaderlab.model import State
+
+if TYPE_CHECKING:
+    from shaderlab.gl.runner import Session
+
+ROOM = 32 << 20
+"""Bytes of arrays that are kept at most."""
+
+
+class Captures:
+    """Captured fragments by what they depend on; those used last are kept, in `room` bytes."""
+
+    def __init__(self, room: int = ROOM) -> None:
+        self._room = room
+        self._kept: dict[Hashable, Fragments] = {}
+
+    def get(self, identity: Hashable | None, capture: Callable[[], Fragments]) -> Fragments:
+        """What was captured under the same `identity`, or else what `capture` gives now.
+
+        The arrays of what is kept can't be written to. With None for an identity nothing is kept.
+        """
+        if identity is None:
+            return capture()
+        found = self._kept.pop(identity, None)
+        if found is None:
+            found = capture()
+            for array in _arrays(found):
+                array.flags.writeable = False
+        self._kept[identity] = found  # the last one used is the last one to go
+        while sum(map(_size, self._kept.values())) > self._room:
+            del self._kept[next(iter(self._kept))]
+        return found
+
+
+def identity(session: Session, key: PassDraw) -> Hashable | None:
+    """All that a draw's fragments depend on, or None where that is more than can be told.
+
+    They can be told for the only draw of a pass, over a domain and without a test of depth or
+    stencil, whose shader takes every fragment as it comes.
+    """
+    description = session.scene.find_pass(key[0])
+    draws = session.prepared[key[0]]
+    draw = draws[key[1]]
+    fragment, state = draw.text("fragment") or "", draw.draw.state
+    if description.onto or len(draws) > 1 or draw.draw.domain is None:
+        return None
+    if state.depth or state.stencil or state.alpha_to_coverage:
+        return None
+    if stages.may_keep_out(fragment) or stages.reads_in_its_own_way(fragment):
+        return None
+    varyings = draw.interface.varyings
+    ramps = bind.ramp_uniforms(draw.draw, varyings)
+    return (
+        draw.text("vertex"),
+        tuple(stages.input_pieces(fragment, varyings.values())),
+        tuple((name, values.dtype.str, values.tobytes()) for name, values in ramps.items()),
+        replace(state, blend=None, srgb=False, color_mask=State().color_mask),
+        draw.draw.instances,
+        draw.draw.vertex_array,
+        session.extent(description),
+    )
+
+
+def _arrays(captured: Fragments) -> tuple[Array, ...]:
+    return (captured.covered, captured.frag_coord, *captured.inputs.values())
+
+
+def _size(captured: Fragments) -> int:
+    return sum(array.nbytes for array in _arrays(captured))
