@@ -118,9 +118,11 @@ def further(folder: Path, many: int, size: int) -> None:
             )
         if kept is None:
             shares = phases(folder / "run")
-        costs["pytest" + note] = step(
-            lambda n, kept=kept: call(*pytest, places[n], kept=kept), many
-        )
+        for title, options in (("pytest", ()), ("pytest, one worker", ("-o", "shaderlab_jobs=1"))):
+            costs[title + note] = step(
+                lambda n, options=options, kept=kept: call(*pytest, *options, places[n], kept=kept),
+                many,
+            )
     print(f"each further program of {size}², every pixel judged:")
     fair = list(costs.values())[1]
     for title, cost in costs.items():

@@ -1,18 +1,23 @@
 """`pytest my_cases/`: each variant of each case file is an item; a failure shows what `run` does.
 
 Only files that take `Case` from shaderlab and assign `case = Case(...)` are touched. They are
-imported and run by one worker process, started when it is first needed: a case that crashes or
-hangs is a failed test, or a file that can't be collected, and the session goes on. Under
-pytest-xdist each of its processes has a worker.
+imported and run by worker processes, the first of them started when it is first needed: a case that
+crashes or hangs is a failed test, or a file that can't be collected, and the session goes on.
+
+While an item is reported, the workers already run those that come after it, as far as no other
+kind of test comes in between: none of them begins a variant while someone's Python test runs. With
+`shaderlab_jobs = 1`, in pytest's own process, and in those of pytest-xdist, which have a worker
+each, nothing is run ahead.
 
 `shaderlab_timeout` (seconds) and `shaderlab_memory` (gigabytes) in pytest's configuration are the
-limits of one variant. With SHADERLAB_JOBS=0 everything runs in pytest's own process, for debuggers.
+limits of one variant, `shaderlab_jobs` is the number of workers. SHADERLAB_JOBS goes before it;
+with 0 everything runs in pytest's own process, for debuggers.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,13 +25,14 @@ import pytest
 
 from shaderlab.discovery import is_case_file
 from shaderlab.errors import ShaderlabError
+from shaderlab.running.sizing import WORDS
 from shaderlab.terminal import failed, failure, label
 
 if TYPE_CHECKING:
     from shaderlab.records import Record
-    from shaderlab.running import Job, Team
+    from shaderlab.running import Ahead, Job
 
-_TEAM: pytest.StashKey[Team] = pytest.StashKey()
+_CREW: pytest.StashKey[Ahead] = pytest.StashKey()
 
 
 class CaseFailure(Exception):
@@ -43,7 +49,7 @@ class CaseFile(pytest.File):
     def collect(self) -> Iterator[CaseItem]:
         from shaderlab.running import Job
 
-        (facts,) = team_of(self.config).load([self.path])
+        (facts,) = crew_of(self.config).team.load([self.path])
         if facts.error is not None:
             raise facts.error
         for variant in facts.variants:
@@ -70,12 +76,12 @@ class CaseItem(pytest.Item):
     def __init__(self, *, job: Job, **kwargs: Any) -> None:
         super().__init__(**kwargs)
         self.job = job
+        self.seconds = 0.0
 
     def runtest(self) -> None:
-        from shaderlab.running import Setup
-
-        team = team_of(self.config)
-        (record,) = team.run([self.job], Setup(pictures=False), lambda job, record: None)
+        self.seconds = 0.0
+        record = crew_of(self.config).record(self.job, lambda: following(self))
+        self.seconds = record.seconds
         if record.status == "unsupported":
             pytest.skip(record.message or "this driver lacks what the case needs")
         if failed(record):
@@ -89,31 +95,57 @@ class CaseItem(pytest.Item):
         return super().repr_failure(excinfo, style)
 
     def reportinfo(self) -> tuple[os.PathLike[str], int | None, str]:
-        return self.path, None, self.name
+        return self.path, 0, self.name
 
 
-def team_of(config: pytest.Config) -> Team:
+def crew_of(config: pytest.Config) -> Ahead:
     """Whoever runs this process's cases, there from the first use on."""
-    team = config.stash.get(_TEAM, None)
-    if team is None:
-        from shaderlab.running import Crew, Limits, Solo
+    crew = config.stash.get(_CREW, None)
+    if crew is None:
+        from shaderlab.running import Ahead, Crew, Limits, Setup, Solo
 
-        if os.environ.get("SHADERLAB_JOBS") == "0":
-            team = Solo()
-        else:
-            limits = Limits(
-                seconds=_number(config, "shaderlab_timeout"),
-                gigabytes=_number(config, "shaderlab_memory"),
-            )
-            team = Crew(limits=limits, early=False)
-        config.stash[_TEAM] = team
-    return team
+        workers = _workers(config)
+        limits = Limits(
+            seconds=_number(config, "shaderlab_timeout"),
+            gigabytes=_number(config, "shaderlab_memory"),
+        )
+        team = Crew(limits=limits, workers=workers, early=False) if workers != 0 else Solo()
+        crew = Ahead(team, Setup(pictures=False), patient=workers in (0, 1))
+        config.stash[_CREW] = crew
+    return crew
+
+
+def following(item: CaseItem) -> Iterator[Job]:
+    """The jobs of the items right after this one that are going to run, up to another test."""
+    items = item.session.items  # selected, and in their order
+    start = items.index(item) + 1 if item in items else len(items)
+    for number in range(start, len(items)):
+        other = items[number]
+        if not isinstance(other, CaseItem):
+            return
+        if other.get_closest_marker("skip") is None:
+            yield other.job
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Settings for pytest's configuration file, or for -o on its command line."""
     parser.addini("shaderlab_timeout", "seconds that one variant of a case may take", default="30")
     parser.addini("shaderlab_memory", "gigabytes that it may have; 0 for any amount", default="4")
+    parser.addini("shaderlab_jobs", f"worker processes; 0 for none; else {WORDS}", default="")
+
+
+def _workers(config: pytest.Config) -> int | None:
+    """How many workers there are; None for as many as the items are worth."""
+    name, text = "SHADERLAB_JOBS", os.environ.get("SHADERLAB_JOBS", "")
+    if not text:
+        name, text = "shaderlab_jobs", config.getini("shaderlab_jobs")
+    if text and not text.isdecimal():
+        raise pytest.UsageError(f"{name} is {text!r}: give it a whole number, 0 for no workers")
+    if text and int(text) == 0:
+        return 0
+    if hasattr(config, "workerinput"):  # of pytest-xdist, which has as many processes as is right
+        return 1
+    return int(text) if text else None
 
 
 def _number(config: pytest.Config, name: str) -> float:
@@ -134,9 +166,28 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> CaseFile |
     return found
 
 
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Leave the machine to tests of another kind, also where items before them were passed over."""
+    crew = item.config.stash.get(_CREW, None)
+    if crew is not None and not isinstance(item, CaseItem):
+        crew.stop()
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(
+    item: pytest.Item, call: pytest.CallInfo[None]
+) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """What a variant took is its own time, wherever and whenever it ran."""
+    report = yield
+    if call.when == "call" and isinstance(item, CaseItem) and item.seconds > 0.0:
+        report.duration = item.seconds
+    return report
+
+
 def pytest_unconfigure(config: pytest.Config) -> None:
-    """End the worker."""
-    team = config.stash.get(_TEAM, None)
-    if team is not None:
-        team.close()
-        del config.stash[_TEAM]
+    """End the workers, whatever they are doing."""
+    crew = config.stash.get(_CREW, None)
+    if crew is not None:
+        crew.close()
+        del config.stash[_CREW]

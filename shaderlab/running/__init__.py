@@ -8,16 +8,17 @@ import importlib as _importlib
 import typing as _typing
 
 if _typing.TYPE_CHECKING:
+    from shaderlab.running.ahead import Ahead
     from shaderlab.running.crew import Crew, Solo, Team
     from shaderlab.running.jobs import Job, Limits, Setup
 
-__all__ = ["Crew", "Job", "Limits", "Setup", "Solo", "Team"]
+__all__ = ["Ahead", "Crew", "Job", "Limits", "Setup", "Solo", "Team"]
 
 
 def __getattr__(name: str) -> _typing.Any:
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    home = "crew" if name in ("Crew", "Solo", "Team") else "jobs"
-    value = getattr(_importlib.import_module(f".{home}", __name__), name)
+    homes = {"Ahead": "ahead", "Crew": "crew", "Solo": "crew", "Team": "crew"}
+    value = getattr(_importlib.import_module(f".{homes.get(name, 'jobs')}", __name__), name)
     globals()[name] = value
     return value

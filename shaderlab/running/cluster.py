@@ -10,7 +10,7 @@ import contextlib
 import os
 import queue
 import uuid
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Generator, Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError
 from dataclasses import replace
 from functools import cached_property
@@ -107,7 +107,7 @@ class Cluster:
             found: list[CaseFacts] = [self._wait(future) for future in asked]
         return [replace(facts, file=str(f)) for f, facts in zip(files, found, strict=True)]
 
-    def run(self, jobs: Sequence[Job], setup: Setup, heard: Heard) -> Iterator[Record]:
+    def run(self, jobs: Sequence[Job], setup: Setup, heard: Heard) -> Generator[Record]:
         """See `Team`.
 
         Raises:

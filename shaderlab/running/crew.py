@@ -6,9 +6,11 @@ job, whatever becomes of it.
 
 from __future__ import annotations
 
+import contextlib
+import itertools
 import shutil
 import tempfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
 from functools import cached_property
@@ -49,9 +51,9 @@ class Team(Protocol):
     def load(self, files: Sequence[Path]) -> list[CaseFacts]:
         """What is in each case file; one that is wrong costs nothing but itself."""
 
-    def run(self, jobs: Sequence[Job], setup: Setup, heard: Heard) -> Iterator[Record]:
+    def run(self, jobs: Sequence[Job], setup: Setup, heard: Heard) -> Generator[Record]:
         """Each job's record, in the jobs' order. `heard` gets each as soon as it is there, which
-        may be in another order, and from another thread."""
+        may be in another order, and from another thread. Close it, and no more jobs are begun."""
 
     def close(self) -> None:
         """End everything, whatever it is doing."""
@@ -89,6 +91,7 @@ class Crew:
         )
         self._sized = workers is not None
         self._thread = ThreadPoolExecutor(1)
+        self._runs = itertools.count()
         self._early = early
         if early:
             self._pool.start()
@@ -108,17 +111,16 @@ class Crew:
         outcomes = self._pool.each([Load(file) for file in files], batch=loads(len(files)))
         return [_facts(file, outcome) for file, outcome in zip(files, outcomes, strict=True)]
 
-    def run(self, jobs: Sequence[Job], setup: Setup, heard: Heard) -> Iterator[Record]:
+    def run(self, jobs: Sequence[Job], setup: Setup, heard: Heard) -> Generator[Record]:
         """See `Team`."""
         from shaderlab.running.lost import lost
 
         if not self._early:
             self.about()  # now, while workers are free: a lost job's record names the driver
-        path = self._folder / "steps"
-        Steps.create(path, len(jobs))
-        steps = Steps(path)
+        # Not the file of an earlier run, which may have been left with jobs that still write to it.
+        steps = Steps.create(self._folder / f"steps-{next(self._runs)}", len(jobs))
         sound = [(slot, job) for slot, job in enumerate(jobs) if not job.broken]
-        questions = [Perform(setup, job, path, slot) for slot, job in sound]
+        questions = [Perform(setup, job, steps.path, slot) for slot, job in sound]
         self._widen(len(questions))
 
         def record_of(outcome: Outcome) -> Record:
@@ -131,14 +133,17 @@ class Crew:
         def told(outcome: Outcome) -> None:
             heard(outcome.item.job, record_of(outcome))
 
-        outcomes = self._pool.each(questions, heard=told)
-        for job in jobs:
-            if job.broken:
-                record = lost(job, job.broken, job.trouble)
-                heard(job, record)
-                yield record
-            else:
-                yield record_of(next(outcomes))
+        with (
+            steps.removed_at_end(),
+            contextlib.closing(self._pool.each(questions, told)) as outcomes,
+        ):
+            for job in jobs:
+                if job.broken:
+                    record = lost(job, job.broken, job.trouble)
+                    heard(job, record)
+                    yield record
+                else:
+                    yield record_of(next(outcomes))
 
     def close(self) -> None:
         """See `Team`."""
@@ -192,7 +197,7 @@ class Solo:
                 found.append(_wrong(file, "error", error))
         return found
 
-    def run(self, jobs: Sequence[Job], setup: Setup, heard: Heard) -> Iterator[Record]:
+    def run(self, jobs: Sequence[Job], setup: Setup, heard: Heard) -> Generator[Record]:
         """See `Team`."""
         from shaderlab.running.lost import lost
         from shaderlab.running.working import perform

@@ -6,13 +6,13 @@ import functools
 import itertools
 import queue
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from shaderlab.workers.process import DiedError, Limits, Process
+from shaderlab.workers.process import DiedError, Limits, Process, environment
 
 BATCH = 32
 """Items sent at once: enough that sending costs little, few enough that progress is seen."""
@@ -39,6 +39,9 @@ class Outcome:
 class Pool:
     """Workers that share the items of `each`. Use it in a `with` statement.
 
+    All of them, those too that take the place of others later on, start in the environment and the
+    working directory that this process has now: what changes there meanwhile sets none apart.
+
     Args:
         work: the function to call, as "module:function", since workers import it by its name.
             It takes a sequence of items and gives one result for each, in order.
@@ -61,7 +64,8 @@ class Pool:
         warm: str = "",
     ) -> None:
         limits = limits or Limits()
-        self._make = functools.partial(Process, work, limits, folder, warm)
+        folder = folder or Path.cwd()
+        self._make = functools.partial(Process, work, limits, folder, environment(), warm)
         self._processes: list[Process] = []
         # Whoever worked last works next: one that was never needed is never started.
         self._idle: queue.LifoQueue[Process] = queue.LifoQueue()
@@ -110,9 +114,10 @@ class Pool:
         items: Iterable[Any],
         heard: Callable[[Outcome], None] | None = None,
         batch: int | None = None,
-    ) -> Iterator[Outcome]:
+    ) -> Generator[Outcome]:
         """Each item's outcome, in order. Only a few batches are taken from `items` ahead of what
-        was asked for, so memory does not grow with their number.
+        was asked for, so memory does not grow with their number. Close it before its end, and what
+        no worker has begun is not begun.
 
         Args:
             items: what to work on.
@@ -127,12 +132,16 @@ class Pool:
         waiting: deque[Future[list[Outcome]]] = deque()
         rest = iter(items)
         ahead = max(len(self._processes) + 1, BATCH // size)
-        for some in iter(lambda: list(itertools.islice(rest, size)), []):
-            waiting.append(self._threads[-1].submit(self._run, some, heard))
-            if len(waiting) > ahead:
+        try:
+            for some in iter(lambda: list(itertools.islice(rest, size)), []):
+                waiting.append(self._threads[-1].submit(self._run, some, heard))
+                if len(waiting) > ahead:
+                    yield from waiting.popleft().result()
+            while waiting:
                 yield from waiting.popleft().result()
-        while waiting:
-            yield from waiting.popleft().result()
+        finally:
+            for future in waiting:
+                future.cancel()
 
     def _run(
         self, batch: Sequence[Any], heard: Callable[[Outcome], None] | None = None
@@ -140,7 +149,8 @@ class Pool:
         process = self._idle.get()
         try:
             outcomes: list[Outcome] = []
-            process.start()
+            if not self._closed:
+                process.start()
             while len(outcomes) < len(batch) and not self._closed:
                 some = self._some(process, batch[len(outcomes) :])
                 outcomes += some

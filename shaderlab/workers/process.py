@@ -11,7 +11,7 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -40,6 +40,12 @@ class Limits:
     memory: int = 4 << 30
 
 
+def environment() -> dict[str, str]:
+    """The environment of a worker: this process's as it is now, with the modules it finds now."""
+    path = [os.path.abspath(entry) if entry else os.getcwd() for entry in sys.path]
+    return {**_KEEP_MEMORY, **_ONE_THREAD, **os.environ, "PYTHONPATH": os.pathsep.join(path)}
+
+
 class DiedError(Exception):
     """A worker is gone; `status` is "crash" or "timeout", the message says how."""
 
@@ -53,17 +59,18 @@ class Process:
     """A worker that answers batches by calling `work`, a function named "module:function".
 
     It is started with the first batch, and again with the first one after it died. `folder` is its
-    working directory, by default the parent's. `warm` is a function that it calls before it imports
-    `work`; what that gives back is called when `work` is there.
+    working directory, `environment` what `environment` gives. `warm` is a function that it calls
+    before it imports `work`; what that gives back is called when `work` is there.
     """
 
     def __init__(
-        self, work: str, limits: Limits, folder: Path | None = None, warm: str = ""
+        self, work: str, limits: Limits, folder: Path, environment: Mapping[str, str], warm: str
     ) -> None:
         self._work = work
         self._warm = warm
         self._limits = limits
         self._folder = folder
+        self._environment = environment
         self._child: subprocess.Popen[bytes] | None = None
         self._errors: Any = None
         self._deadline = _Deadline()
@@ -107,7 +114,6 @@ class Process:
         self._end()
 
     def _launch(self) -> None:
-        path = [os.path.abspath(entry) if entry else os.getcwd() for entry in sys.path]
         self._errors = tempfile.TemporaryFile()  # noqa: SIM115 — lives as long as the child
         self._child = subprocess.Popen(
             [sys.executable, "-c", _PROGRAM],
@@ -115,7 +121,7 @@ class Process:
             stdout=subprocess.PIPE,
             stderr=self._errors,
             cwd=self._folder,
-            env={**_KEEP_MEMORY, **_ONE_THREAD, **os.environ, "PYTHONPATH": os.pathsep.join(path)},
+            env=self._environment,
         )
         self._ready = False
         self.fresh = True

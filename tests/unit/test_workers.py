@@ -41,6 +41,8 @@ def work(items):
         done.append(item)
         if item == "slow":
             time.sleep(0.3)
+        if item == "place":
+            yield os.getcwd(), os.environ.get("PLACE"), sys.path
         yield os.getpid() if item in ("pid", "slow") else f"did {item}"
 
 done = []
@@ -153,6 +155,45 @@ def test_items_are_taken_as_they_are_needed(pool: Pool) -> None:
     assert next(outcomes).result == "did 0"
     assert len(taken) <= 64
     outcomes.close()
+
+
+def test_what_no_worker_has_begun_is_dropped_when_nobody_wants_it(work: str) -> None:
+    with Pool(work, limits=Limits(seconds=5.0), jobs=2, batch=1) as pool:
+        done: list[str] = []
+        outcomes = pool.each(["a", *["slow"] * 20], heard=lambda outcome: done.append(outcome.item))
+        next(outcomes)
+        outcomes.close()
+        (last,) = pool.each(["b"])
+        assert last.result == "did b"
+    assert done.count("slow") <= 4  # two under way, and two that were begun just before
+
+
+def test_closing_starts_no_process_for_what_is_left(
+    work: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with Pool(work, limits=Limits(seconds=60.0), jobs=2, batch=1) as pool:
+        outcomes = pool.each(["a", *["hang"] * 20])
+        next(outcomes)
+        started: list[Process] = []
+        monkeypatch.setattr(Process, "launch", lambda process: started.append(process))
+    assert started == []
+
+
+def test_workers_start_in_the_environment_that_the_pool_was_made_in(
+    work: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One that takes another's place starts in the middle of whatever its parent is doing then."""
+    monkeypatch.setenv("PLACE", "before")
+    here = os.getcwd()
+    with Pool(work, jobs=1, batch=1) as pool:
+        (first,) = pool.each(["place"])
+        monkeypatch.setenv("PLACE", "after")
+        monkeypatch.chdir(tmp_path)
+        monkeypatch.syspath_prepend(str(tmp_path / "elsewhere"))
+        pool.widen(2)
+        outcomes = list(pool.each(["crash", "place", "crash", "place"]))
+    assert first.result[:2] == (here, "before")
+    assert [o.result for o in outcomes if o.item == "place"] == [first.result] * 2
 
 
 def test_a_worker_that_cannot_start_is_an_error_and_not_a_crash_of_each_item() -> None:

@@ -1,0 +1,304 @@
+"""Under pytest workers run items ahead: two at once, each record at its own item, nothing else's
+tests disturbed, and no more run than is asked for.
+
+Cases tell of themselves in files: what waits for another's file passes only if both run at once.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from types import ModuleType
+from xml.etree import ElementTree
+
+import pytest
+
+from shaderlab.running import Crew, Job, Setup
+
+
+def _neighbour(name: str) -> ModuleType:
+    spec = importlib.util.spec_from_file_location(name, Path(__file__).with_name(f"{name}.py"))
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+faulty = _neighbour("faulty")
+WAIT = "while not os.path.exists('{file}'): __import__('time').sleep(0.01)"
+TELL = "open('{file}', 'a').write('once ')"
+PID = "open('{told}/pids', 'a').write(str(os.getpid()) + ' ')"
+OUTCOMES = ("-rA", "--tb=no", "-o", "shaderlab_jobs=2")
+
+
+class Cases:
+    """A folder in which cases are written that do something in the middle of their draw."""
+
+    def __init__(self, pytester: pytest.Pytester) -> None:
+        self.pytester = pytester
+        self.told = pytester.path / "told"
+        self.told.mkdir()
+
+    def add(self, name: str, act: str = "pass", *, wrong: bool = False) -> Path:
+        """A case that tells when it is drawn, then acts; a wrong one fails."""
+        acts = f"{TELL.format(file=self.told / name)}\n        {act.format(told=self.told)}"
+        body = "x = 10.0;" if wrong else ""
+        before = faulty.in_draw(name, acts)
+        file: Path = faulty.write(self.pytester.path, name, before=before, body=body)
+        return file
+
+    def count(self) -> dict[str, int]:
+        """How often each case was drawn."""
+        return {file.name: file.read_text().count("once") for file in self.told.iterdir()}
+
+    def run(self, *args: str | Path) -> pytest.RunResult:
+        return self.pytester.runpytest_subprocess(*map(str, args))
+
+
+@pytest.fixture
+def cases(pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch) -> Cases:
+    monkeypatch.delenv("SHADERLAB_JOBS", raising=False)
+    return Cases(pytester)
+
+
+def meeting(cases: Cases) -> list[Path]:
+    """Two cases of which the first goes on only when the second is there."""
+    wait = WAIT.format(file="{told}/second")
+    return [cases.add("first", wait), cases.add("second")]
+
+
+def test_two_items_run_at_once(cases: Cases) -> None:
+    files = meeting(cases)
+    cases.run(*files, "-o", "shaderlab_jobs=2").assert_outcomes(passed=2)
+
+
+@pytest.mark.parametrize("how", ["shaderlab_jobs=1", "xdist", "default"])
+def test_where_nothing_is_run_ahead_they_do_not_meet(cases: Cases, how: str) -> None:
+    """Two variants are not worth a second worker; and xdist has as many processes as it wants."""
+    args = {"shaderlab_jobs=1": ("-o", how), "xdist": ("-n1", "-o", "shaderlab_jobs=2")}.get(
+        how, ()
+    )
+    files = meeting(cases)
+    result = cases.run(*files, *args, "-o", "shaderlab_timeout=4")
+    result.assert_outcomes(passed=1, failed=1)
+    result.stdout.fnmatch_lines(["*first · T", "*timeout: took longer than 4 s"])
+
+
+def test_with_one_worker_nothing_is_begun_before_its_turn(cases: Cases) -> None:
+    cases.pytester.makeconftest(
+        "import os, time\ndef pytest_runtest_setup(item):\n    time.sleep(0.5)\n"
+        f"    assert not os.path.exists(os.path.join({str(cases.told)!r}, item.name))"
+    )
+    files = [cases.add(name) for name in "ab"]
+    cases.run(*files, "-o", "shaderlab_jobs=1").assert_outcomes(passed=2)
+
+
+def test_each_outcome_is_at_its_own_item(cases: Cases) -> None:
+    files = [
+        cases.add("a"),
+        cases.add("b", wrong=True),
+        cases.add("c", "os.kill(os.getpid(), 11)"),
+        cases.add("d"),
+        cases.add("e", "__import__('time').sleep(60)"),
+        cases.add("f", wrong=True),
+        cases.add("g"),
+        cases.add("h", "os._exit(3)"),
+        cases.add("i"),
+    ]
+    result = cases.run(*files, "-rA", "-o", "shaderlab_jobs=2", "-o", "shaderlab_timeout=5")
+    assert outcomes(result) == dict(zip("abcdefghi", "PFFPFFPFP", strict=True))
+    result.stdout.fnmatch_lines(
+        ["*b · T", "*FragColor (exact)*", "*c · T", "*SIGSEGV*", "*program c.frag*", "*e · T",
+         "*took longer than 5 s", "*program e.frag*", "*f · T", "*FragColor (exact)*", "*h · T",
+         "*exit status 3*", "*program h.frag*"]
+    )  # fmt: skip
+
+
+def outcomes(result: pytest.RunResult) -> dict[str, str]:
+    """The first letter of each item's outcome, by its case."""
+    lines = [line.split() for line in result.outlines if "::" in line]
+    return {line[1].split("::")[1]: line[0][0] for line in lines if line[0].isupper()}
+
+
+SELECTING = """
+import pytest
+from _pytest.runner import runtestprotocol
+
+def pytest_collection_modifyitems(items):
+    items.reverse()
+    for item in items:
+        if item.name == "marked":
+            item.add_marker("skip")
+
+def pytest_runtest_setup(item):
+    if item.name == "passed-over":
+        pytest.skip("not today")
+
+def pytest_runtest_protocol(item, nextitem):
+    if item.name != "twice":
+        return None
+    for _ in range(2):
+        item.ihook.pytest_runtest_logstart(nodeid=item.nodeid, location=item.location)
+        for report in runtestprotocol(item, nextitem=nextitem, log=False):
+            item.ihook.pytest_runtest_logreport(report=report)
+    return True
+"""
+
+
+def test_what_is_left_out_turned_round_or_run_twice(cases: Cases) -> None:
+    cases.pytester.makeconftest(SELECTING)
+    for name in ("early", "left_out", "marked", "passed_over", "twice"):
+        cases.add(name)
+    cases.add("wrong", wrong=True)
+    result = cases.run(*OUTCOMES, "-k", "not left_out")
+    result.assert_outcomes(passed=3, failed=1, skipped=2, deselected=1)
+    assert outcomes(result) == {"early": "P", "twice": "P", "wrong": "F"}
+    count = cases.count()
+    # The second time of `twice` begins anew what comes after it, which may have been under way.
+    assert count.pop("passed_over", 0) in (0, 1, 2)
+    assert count.pop("early") in (1, 2)
+    assert count == {"twice": 2, "wrong": 1}
+
+
+def test_stopping_does_not_wait_for_what_is_under_way(cases: Cases) -> None:
+    files = [cases.add("wrong", WAIT.format(file="{told}/hangs"), wrong=True)]
+    files.append(cases.add("hangs", "__import__('time').sleep(600)"))
+    files += [cases.add(name) for name in "pqrst"]
+    began = time.monotonic()
+    result = cases.run("-x", *files, "-o", "shaderlab_jobs=2", "-o", "shaderlab_timeout=90")
+    result.assert_outcomes(failed=1)
+    assert time.monotonic() - began < 60.0
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="looks for processes as Linux shows them")
+def test_an_interrupt_ends_everything_at_once(cases: Cases) -> None:
+    files = [cases.add(name, f"{PID}; __import__('time').sleep(600)") for name in "ab"]
+    command = [sys.executable, "-m", "pytest", *map(str, files), *OUTCOMES]
+    session = subprocess.Popen(
+        [*command, "-o", "shaderlab_timeout=90"], cwd=cases.pytester.path, stdout=subprocess.PIPE,
+        text=True, env=faulty.surroundings(),
+    )  # fmt: skip
+    pids = cases.told / "pids"
+    while not pids.exists() or pids.read_text().count(" ") < 2:
+        assert session.poll() is None
+        time.sleep(0.01)
+    session.send_signal(signal.SIGINT)
+    said, _ = session.communicate(timeout=60.0)
+    assert session.returncode == pytest.ExitCode.INTERRUPTED and "KeyboardInterrupt" in said
+    workers = [Path("/proc", pid) for pid in pids.read_text().split()]
+    assert len(workers) == 2 and not any(worker.exists() for worker in workers)
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="this system has no fork")
+def test_nothing_is_begun_while_another_test_runs(cases: Cases) -> None:
+    """That test may fork, or change the process's folder and environment."""
+    before = [cases.add(name) for name in "ab"]
+    between = cases.pytester.makepyfile(
+        test_between=f"""
+        import os, time
+        def test_between(tmp_path, monkeypatch):
+            seen = sorted(os.listdir({str(cases.told)!r}))
+            monkeypatch.chdir(tmp_path)
+            monkeypatch.setattr(os, "environ", {{}})
+            child = os.fork()
+            if child == 0:
+                os._exit(0)
+            assert os.waitpid(child, 0)[1] == 0
+            time.sleep(0.5)
+            assert seen == sorted(os.listdir({str(cases.told)!r})) == ["a", "b"]
+        """
+    )
+    after = [cases.add(name) for name in "cd"]
+    result = cases.run(*before, between, *after, *OUTCOMES)
+    result.assert_outcomes(passed=5)
+    assert cases.count() == dict.fromkeys("abcd", 1)
+
+
+def test_an_item_that_is_not_run_leaves_nothing_to_run_beside_another_test(cases: Cases) -> None:
+    """`a` goes on when `b` is under way, and `b` when the other test has begun: `c` to `h` then
+    wait for a worker, and are not wanted any more."""
+    cases.pytester.makeconftest(
+        "import pytest\ndef pytest_runtest_setup(item):\n"
+        "    if item.name in 'bcdefgh': pytest.skip('not today')"
+    )
+    files = [cases.add("a", WAIT.format(file="{told}/c"))]
+    files += [cases.add(name, WAIT.format(file="{told}/between")) for name in "bcdefgh"]
+    between = cases.pytester.makepyfile(
+        test_between=f"""
+        import time
+        def test_between():
+            open({str(cases.told / "between")!r}, "w").close()
+            time.sleep(1.0)
+        """
+    )
+    result = cases.run(*files, between, "-o", "shaderlab_jobs=3")
+    result.assert_outcomes(passed=2, skipped=7)
+    assert set(cases.count()) <= set("abcd") | {"between"}
+
+
+def test_under_xdist_each_variant_is_run_once(cases: Cases) -> None:
+    for name in "abcdefgh":
+        cases.add(name, wrong=name in "ch")
+    result = cases.run("-n2", *OUTCOMES)
+    assert outcomes(result) == dict(zip("abcdefgh", "PPFPPPPF", strict=True))
+    assert cases.count() == dict.fromkeys("abcdefgh", 1)
+
+
+def test_durations_are_the_variants_own(cases: Cases) -> None:
+    """`sleepy` has been done for long when pytest comes to it."""
+    cases.add("hangs", "__import__('time').sleep(60)")
+    sleepy = cases.add("sleepy", "__import__('time').sleep(0.5)")
+    cases.run(*OUTCOMES, "-o", "shaderlab_timeout=3", "--junitxml=found.xml")
+    found = ElementTree.parse(sleepy.parent / "found.xml").getroot().iter("testcase")
+    seconds = {case.attrib["name"]: float(case.attrib["time"]) for case in found}
+    assert seconds["hangs"] == pytest.approx(3.0, abs=0.01)
+    assert seconds["sleepy"] >= 0.5
+
+
+def test_a_number_of_workers_that_is_none_is_said(
+    cases: Cases, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    cases.add("a")
+    for value in ("two", "-1", "1.5", "²"):
+        result = cases.run("-o", f"shaderlab_jobs={value}")
+        assert result.ret != 0
+        assert f"shaderlab_jobs is {value!r}" in result.stdout.str() + result.stderr.str()
+    monkeypatch.setenv("SHADERLAB_JOBS", "many")
+    result = cases.run("-o", "shaderlab_jobs=2")
+    assert "SHADERLAB_JOBS is 'many'" in result.stdout.str() + result.stderr.str()
+
+
+def test_the_environment_goes_before_the_configuration(
+    cases: Cases, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("SHADERLAB_JOBS", "2")
+    cases.run(*meeting(cases), "-o", "shaderlab_jobs=0").assert_outcomes(passed=2)
+    pids = cases.told / "pid"
+    alone = cases.add("alone", f"open('{pids}', 'w').write(str(os.getppid()))")
+    for jobs, parent in (("0", True), ("1", False)):
+        monkeypatch.setenv("SHADERLAB_JOBS", jobs)
+        cases.run(alone, "-o", "shaderlab_jobs=2").assert_outcomes(passed=1)
+        assert (pids.read_text() == str(os.getpid())) is parent
+
+
+def test_runs_of_one_crew_keep_their_notes_apart(cases: Cases) -> None:
+    """One that was left may have jobs under way, whose notes are not those of the next one."""
+    files = [cases.add("a"), cases.add("dies", "os._exit(3)"), cases.add("b")]
+    crew = Crew(workers=1)
+    try:
+        found = crew.load(files)
+        jobs = [Job(file=one.file, id=one.id, variant=one.variants[0]) for one in found]
+        first = crew.run(jobs, Setup(pictures=False), lambda job, record: None)
+        assert next(first).status == "pass"
+        second = crew.run(jobs[:1], Setup(pictures=False), lambda job, record: None)
+        assert [record.status for record in second] == ["pass"]
+        assert "program dies.frag" in next(first).message
+        assert [record.status for record in first] == ["pass"]
+        assert not list(crew._folder.glob("steps*"))
+    finally:
+        crew.close()
