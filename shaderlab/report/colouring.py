@@ -13,8 +13,6 @@ from typing import Any
 from pygments.formatters import HtmlFormatter
 from pygments.lexers import GLShaderLexer, PythonLexer
 
-from shaderlab.report.lexing import Merged, Token
-
 PREFIX = "t-"
 # White space, punctuation, names, operators.
 _UNCOLOURED = frozenset(f'<span class="{PREFIX}{short}">' for short in "wpno")
@@ -23,6 +21,7 @@ _END = "</span>"
 _MOST_KEPT = 4096
 _LONGEST_KEPT = 40
 
+Token = tuple[Any, str]
 Span = tuple[str, str, list[str]]
 
 
@@ -71,7 +70,4 @@ def colouring(language: str) -> Colouring:
     known = PythonLexer if language == "python" else GLShaderLexer
     # stripnl would take blank first lines away and so shift every number.
     lexer = known(stripnl=False, ensurenl=False)
-    try:
-        return Colouring(Merged(lexer).tokens)
-    except ValueError:  # rules of a later Pygments
-        return Colouring(lexer.get_tokens)
+    return Colouring(lexer.get_tokens)
