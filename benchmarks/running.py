@@ -1,6 +1,6 @@
 """What running costs, side by side with a hand-written script, pytest, and piglit.
 
-    python -m benchmarks.running [--programs 50] [--size 256] [--most 500]
+    python -m benchmarks.running [--programs 50] [--size 256] [--tests 500] [--most 500]
 
 Every way runs the same small programs and looks at every pixel (piglit probes three of them).
 Each is a process of its own, run three times: the first warms the driver's shader cache, the better
@@ -74,15 +74,18 @@ def call(*command: str | Path, kept: Path | None = None) -> None:
 def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--programs", type=int, default=50)
+    parser.add_argument("--programs", type=int, default=50, help="to judge, 0 for none")
     parser.add_argument("--size", type=int, default=256)
+    parser.add_argument("--tests", type=int, default=500, help="for piglit, 0 for none")
     parser.add_argument("--most", type=int, default=0, help="also run this many in one command")
     asked = parser.parse_args()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        further(folder, asked.programs, asked.size)
-        fixed(folder)
-        piglit(folder, asked.programs, asked.size)
+        if asked.programs:
+            further(folder, asked.programs, asked.size)
+            fixed(folder)
+        if asked.tests:
+            piglit(folder, asked.tests, asked.size)
         if asked.most:
             growth(folder, asked.most)
 
