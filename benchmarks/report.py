@@ -10,6 +10,7 @@ in headless Chromium where there is one, from the first request to the end of th
 
 from __future__ import annotations
 
+import argparse
 import json
 import shutil
 import subprocess
@@ -43,9 +44,12 @@ COUNTS = (100, 300, 1000)
 
 def main() -> None:
     """Measure, and print a table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("run", type=Path, nargs="?", help="a run's folder, not made-up records")
+    run: Path | None = parser.parse_args().run
     print("records  cases  make (s)  peak memory (MB)  after load (MB)  page (MB)  opens (s)")
-    if len(sys.argv) > 1:
-        _measure(Path(sys.argv[1]))
+    if run is not None:
+        _measure(run)
         return
     for count in COUNTS:
         folder = Path(tempfile.mkdtemp(prefix="shaderlab-report-"))
