@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import importlib.util
 import json
 import os
 import shutil
@@ -12,7 +11,6 @@ import sys
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import pytest
@@ -23,20 +21,9 @@ from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.records import Record
 from shaderlab.running import Job, Limits, Setup, cluster, joining, parcels
 from shaderlab.running.cluster import Cluster
+from tests.gpu import faulty
 
 distributed = pytest.importorskip("distributed")
-
-
-def _neighbour(name: str) -> ModuleType:
-    """The module beside this one; tests are no package."""
-    spec = importlib.util.spec_from_file_location(name, Path(__file__).with_name(f"{name}.py"))
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-faulty = _neighbour("faulty")
 
 WAITING = """\
 import time

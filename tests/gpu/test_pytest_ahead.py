@@ -6,30 +6,19 @@ Cases tell of themselves in files: what waits for another's file passes only if 
 
 from __future__ import annotations
 
-import importlib.util
 import os
 import signal
 import subprocess
 import sys
 import time
 from pathlib import Path
-from types import ModuleType
 from xml.etree import ElementTree
 
 import pytest
 
 from shaderlab.running import Crew, Job, Setup
+from tests.gpu import faulty
 
-
-def _neighbour(name: str) -> ModuleType:
-    spec = importlib.util.spec_from_file_location(name, Path(__file__).with_name(f"{name}.py"))
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-faulty = _neighbour("faulty")
 WAIT = "while not os.path.exists('{file}'): __import__('time').sleep(0.01)"
 TELL = "open('{file}', 'a').write('once ')"
 PID = "open('{told}/pids', 'a').write(str(os.getpid()) + ' ')"
