@@ -15,7 +15,7 @@ import numpy as np
 
 from shaderlab.errors import CaseError, ShaderError, UnsupportedError, nearest
 from shaderlab.frame import Array, Bindings, Fragments, PassDraw, Samples
-from shaderlab.gl import bind, captures, formats, stages
+from shaderlab.gl import bind, capture_cache, formats, stages
 from shaderlab.gl import state as fixed
 from shaderlab.gl.feedback import probe_vertices, vertices
 from shaderlab.gl.prepare import PreparedDraw
@@ -41,13 +41,13 @@ def fragments(session: Session, key: PassDraw) -> Fragments:
     of the draw in the end. Blending and colour masks are off.
 
     Where a scene before it must have had the same fragments, theirs are used (see
-    `shaderlab.gl.captures`); those arrays can't be written to.
+    `shaderlab.gl.capture_cache`); those arrays can't be written to.
 
     Raises:
         UnsupportedError: the fragment shader has so many outputs that none can be added, and they
             are declared in a way that leaves none out.
     """
-    same = captures.identity(session, key)
+    same = capture_cache.identity(session, key)
     return session.runner.captures.get(same, lambda: _captured(session, key))
 
 

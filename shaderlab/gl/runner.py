@@ -12,7 +12,7 @@ from shaderlab.errors import ShaderError, UnsupportedError
 from shaderlab.frame import Array, Bindings, Image, PassDraw
 from shaderlab.gl import bind, blocks, formats, state
 from shaderlab.gl.bound import BoundTextures
-from shaderlab.gl.captures import Captures
+from shaderlab.gl.capture_cache import CaptureCache
 from shaderlab.gl.continuing import refuse_stale, taken_over
 from shaderlab.gl.device import Device
 from shaderlab.gl.prepare import PreparedDraw, output_types, pass_colors
@@ -51,7 +51,7 @@ class Runner:
     def __init__(self, device: Device) -> None:
         self.device = device
         self.programs = Programs(device)
-        self.captures = Captures()
+        self.captures = CaptureCache()
         device.context.gc_mode = "auto"
 
     @contextmanager

@@ -12,7 +12,7 @@ import pytest
 from shaderlab import Case, Draw, Mesh, Pass, Ramp, State, Target, across, formula, mesh_pass
 from shaderlab.catalogue import Catalogue
 from shaderlab.frame import Fragments, Frame, PassDraw
-from shaderlab.gl.captures import Captures
+from shaderlab.gl.capture_cache import CaptureCache
 from shaderlab.model import Blend, Cell, Depth, Scene
 from shaderlab.pipeline import Lab, Options
 
@@ -23,8 +23,8 @@ void main() {{ FragColor = vec4({body}); }}
 """
 
 
-class Counting(Captures):
-    """Captures that write down what was asked for, and what was there."""
+class Counting(CaptureCache):
+    """CaptureCache that write down what was asked for, and what was there."""
 
     def __init__(self, room: int = 1 << 25) -> None:
         super().__init__(room)

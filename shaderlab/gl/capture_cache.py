@@ -22,7 +22,7 @@ ROOM = 32 << 20
 """Bytes of arrays that are kept at most."""
 
 
-class Captures:
+class CaptureCache:
     """Captured fragments by what they depend on; those used last are kept, in `room` bytes."""
 
     def __init__(self, room: int = ROOM) -> None:
