@@ -33,6 +33,7 @@ from shaderlab import (
     value,
 )
 from shaderlab.assets.courtyard import boxes, courtyard
+from shaderlab.assets.order import any_order, both_ways
 from shaderlab.glslmath import dot, length, max, normalize, swizzle, vec3, vec4
 from shaderlab.reference.courtyard import light_position, seen_place, unit_normal
 from shaderlab.reference.lighting import finished
@@ -194,20 +195,23 @@ case = Case(
     section="5.9.2",
     math=r"s = \left[\lVert p - l \rVert (1 - b) > z_{\text{cube}}(p - l)\right]",
     passes=(
-        *(face(name, size) for size in (256, 512) for name in FACES),
-        lit(
-            "scene",
-            512,
-            BIAS,
-            bulb(),
-            size=(1024, 1024),
-            colors={
-                "FragColor": "rgba16f",
-                "shadow": "r8",
-                "place": "rgba32f",
-                "upright": "rgba16f",
-            },
-            clear=(0.003, 0.004, 0.007, 0.0),
+        *(face(name, 256) for name in FACES),
+        *(one for name in FACES for one in both_ways(face(name, 512))),
+        *both_ways(
+            lit(
+                "scene",
+                512,
+                BIAS,
+                bulb(),
+                size=(1024, 1024),
+                colors={
+                    "FragColor": "rgba16f",
+                    "shadow": "r8",
+                    "place": "rgba32f",
+                    "upright": "rgba16f",
+                },
+                clear=(0.003, 0.004, 0.007, 0.0),
+            )
         ),
         *fullscreen(
             "ch05_lighting/finish.frag",
@@ -222,6 +226,7 @@ case = Case(
     picture="picture.FragColor",
     expect=[
         *(formula(f"{name}-256.depth", stored, name=f"distances on {name}") for name in FACES),
+        *(any_order(f"{name}-512.depth") for name in FACES),
         formula("+x-256.gl_Position", light_position),
         formula("+x-256.FragPos", world_position),
         formula("judged.gl_Position", clip_position),
@@ -233,6 +238,7 @@ case = Case(
         formula("judged.shadow", dark),
         formula("small.shadow", dark),
         formula("judged.FragColor", color),
+        any_order("scene.FragColor"),
         formula("picture.FragColor", finished(texture), name="the picture"),
         formula("bulb.gl_Position", clip_position, name="where the lamp is"),
         formula("bulb.FragColor", glowing, name="colour of the lamp"),

@@ -40,22 +40,20 @@ def judge_exact(expectation: Exact, image: Image, expected: Any) -> Judgement:
             ulp=float("nan"),
             widths=float("inf"),
         )
-    return Judgement(
-        outcome=Outcome(
-            name=expectation.name,
-            kind="exact",
-            status="fail" if outside else "pass",
-            message=f"{outside} of {same.size} pixels differ" if outside else "",
-            judged=same.size,
-            outside=outside,
-            worst=worst,
-        ),
-        pictures={
-            "measured": image.values,
-            "reference": wanted,
-            "distance": np.where(same, 0.0, np.inf),
-        },
+    outcome = Outcome(
+        name=expectation.name,
+        kind="exact",
+        status="fail" if outside else "pass",
+        message=f"{outside} of {same.size} pixels differ" if outside else "",
+        judged=same.size,
+        outside=outside,
+        worst=worst,
     )
+    if not outside and not expectation.pictured:
+        return Judgement(outcome=outcome)
+    distance = np.where(same, 0.0, np.inf)
+    pictures = {"measured": image.values, "reference": wanted, "distance": distance}
+    return Judgement(outcome=outcome, pictures=pictures)
 
 
 def laid_over(expected: Any, values: Array, name: str) -> Array:

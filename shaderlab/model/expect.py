@@ -92,11 +92,15 @@ class Property(Sweep):
 
 @dataclass(frozen=True, kw_only=True)
 class Exact:
-    """An output equals an array, or another pass's output, bit for bit, at every pixel."""
+    """An output equals an array, or another pass's output, bit for bit, at every pixel.
+
+    `pictured` says whether it is shown where that holds; where it does not, it always is.
+    """
 
     output: str
     equals: Any
     name: str = ""
+    pictured: bool = True
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -251,14 +255,15 @@ def sweep(
     )
 
 
-def exact(output: str, equals: Any, *, name: str = "") -> Exact:
+def exact(output: str, equals: Any, *, name: str = "", pictured: bool = True) -> Exact:
     """Every pixel of `output` equals `equals` bit for bit.
 
     `equals` is a number or vector, an array (height, width, components) with row 0 at the
     bottom (a smaller one is repeated in equal blocks, as a table's cells are), or an
-    `Output(pass, name)` to be compared with.
+    `Output(pass, name)` to be compared with. Without `pictured` it is shown only if it fails: for
+    what each pass's own picture shows already.
     """
-    return Exact(output=output, equals=equals, name=name or output)
+    return Exact(output=output, equals=equals, name=name or output, pictured=pictured)
 
 
 def coverage(

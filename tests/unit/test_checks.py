@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -286,6 +287,19 @@ def test_exact_against_another_output() -> None:
     made = Frame(images=both, order=made.order, bindings=made.bindings)
     assert judged(exact("y", Output("main", "y")), made).outcome.status == "pass"
     assert judged(exact("y", Output("main", "z")), made).outcome.status == "fail"
+
+
+@pytest.mark.parametrize("equals", [0.0, Output("main", "z")])
+def test_exact_without_pictures_still_shows_what_differs(equals: Any) -> None:
+    zero = np.zeros((4, 6, 1), np.float32)
+    made = frame(zero.copy())
+    made = replace(made, images=dict(made.images) | {("main", "z"): Image(zero, "r32f")})
+    assert judged(exact("y", equals), made).pictures
+    assert not judged(exact("y", equals, pictured=False), made).pictures
+    made.images["main", "y"].values[1, 2] = 1.0
+    found = judged(exact("y", equals, pictured=False), made)
+    assert found.outcome.status == "fail"
+    assert np.argwhere(found.pictures["distance"]).tolist() == [[1, 2]]
 
 
 def test_exact_refuses_what_can_not_be_compared() -> None:
