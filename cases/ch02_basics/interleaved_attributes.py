@@ -66,7 +66,7 @@ def place_of(aTexCoord):
 def fields(ourColor, TexCoord):
     """The colour, by turns as it is and by a quarter darker."""
     field = floor(8.0 * TexCoord)
-    even = mod(swizzle(field, "x") + swizzle(field, "y"), 2.0) < 0.5
+    even = mod(swizzle(field, "x") + swizzle(field, "y") + 0.5, 2.0) < 1.0
     return vec4(where(even, 1.0, 0.75) * ourColor, 1.0)
 
 

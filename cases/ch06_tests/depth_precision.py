@@ -42,6 +42,8 @@ PLACES = (2.0, 5.0, 10.0, 20.0, 50.0, 90.0)
 AROUND = 0.02  # of the distance, to either side
 WIDTH = 512
 SQUARE = Mesh(**assets.quad(2.0)).only("aPos")
+# No pixel of the judged chart lies on these.
+LINES = {"the line at z = 1": 0.0, "the line at z = 10": 1.0, "just inside a line": 0.00398}
 
 
 def chart(row, near):
@@ -91,7 +93,7 @@ def charted(decade, near, far):
 def painted(decade, height, near, far):
     """The chart's colours."""
     depth = charted(decade, near, far)
-    share = mod(floor(20.0 * depth), 2.0)
+    share = mod(floor(20.0 * depth) + 0.5, 2.0) - 0.5
     below = mix(vec3(0.93, 0.62, 0.16), vec3(0.50, 0.27, 0.07), share)
     color = where(height < depth, below, vec3(0.10, 0.13, 0.20))
     line = min(abs(decade), abs(decade - 1.0))
@@ -164,6 +166,17 @@ case = Case(
         formula("judged.depth", charted, draw=1, name="F with n = 1"),
         formula("judged.FragColor", painted, draw=0, name="the lower chart"),
         formula("judged.FragColor", painted, draw=1, name="the upper chart"),
+        *(
+            value(
+                "judged.FragColor", at={"decade": decade, "height": 0.5},
+                equals=(0.75, 0.75, 0.75, 1.0), digits=6, reference=painted, name=where_it_is,
+            )
+            for where_it_is, decade in LINES.items()
+        ),
+        value(
+            "judged.FragColor", at={"decade": 0.5, "height": 0.98}, equals=(0.10, 0.13, 0.20, 1.0),
+            digits=6, reference=painted, name="just below the bar at the top",
+        ),
         formula("tenth.F", of_distance, name="F of a strip, n = 0.1"),
         formula("one.F", of_distance, name="F of a strip, n = 1"),
         formula("one.Distance", distance, name="the strip's distance"),

@@ -7,10 +7,11 @@ float line(float value, float width)
     return 1.0 - smoothstep(0.5 * width - 0.5, 0.5 * width + 0.5, pixels);
 }
 
-// 0 and 1 on the fields of a chessboard of unit squares.
+// 0 and 1 on the fields of a chessboard of unit squares. mod divides, and divisions may err: of an
+// even number it may be 2 as well as 0, but not of one and a half.
 float chessboard(vec2 place)
 {
-    return mod(floor(place.x) + floor(place.y), 2.0);
+    return mod(floor(place.x) + floor(place.y) + 0.5, 2.0) - 0.5;
 }
 
 // Light as the numbers a display expects.
