@@ -34,6 +34,7 @@ from shaderlab import (
 )
 from shaderlab.assets.courtyard import boxes, courtyard
 from shaderlab.assets.order import any_order, both_ways
+from shaderlab.assets.shadow_stage import PICTURED
 from shaderlab.glslmath import dot, length, max, normalize, swizzle, vec3, vec4
 from shaderlab.reference.courtyard import light_position, seen_place, unit_normal
 from shaderlab.reference.lighting import finished
@@ -204,12 +205,7 @@ case = Case(
                 BIAS,
                 bulb(),
                 size=(1024, 1024),
-                colors={
-                    "FragColor": "rgba16f",
-                    "shadow": "r8",
-                    "place": "rgba32f",
-                    "upright": "rgba16f",
-                },
+                colors=PICTURED,
                 clear=(0.003, 0.004, 0.007, 0.0),
             )
         ),

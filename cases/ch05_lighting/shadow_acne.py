@@ -17,7 +17,14 @@ from math import radians
 
 from shaderlab import Case, Cell, Output, Pass, Target, formula, fullscreen, measure, reading, value
 from shaderlab.assets.courtyard import boxes
-from shaderlab.assets.shadow_stage import EYE, SUN, cast, lit, single_points
+from shaderlab.assets.shadow_stage import (
+    EYE,
+    PICTURED,
+    SUN,
+    cast,
+    lit,
+    single_points,
+)
 from shaderlab.reference.courtyard import courtyard_references, light_position, stored_depth
 from shaderlab.reference.lighting import finished
 from shaderlab.reference.shadow_truth import blocked, hidden_share, wrongly_bright, wrongly_dark
@@ -112,12 +119,7 @@ case = Case(
             name="scene",
             target=Target(
                 size=(1024, 1024),
-                colors={
-                    "FragColor": "rgba16f",
-                    "shadow": "r8",
-                    "place": "rgba32f",
-                    "upright": "rgba16f",
-                },
+                colors=PICTURED,
                 depth="depth24",
             ),
             draws=(

@@ -28,7 +28,14 @@ from shaderlab import (
     value,
 )
 from shaderlab.assets.courtyard import boxes
-from shaderlab.assets.shadow_stage import EYE, SUN, cast, lit, single_points
+from shaderlab.assets.shadow_stage import (
+    EYE,
+    PICTURED,
+    SUN,
+    cast,
+    lit,
+    single_points,
+)
 from shaderlab.reference.courtyard import courtyard_references, light_position, stored_depth
 from shaderlab.reference.lighting import finished
 from shaderlab.reference.shadow_truth import blocked, hidden_share
@@ -105,12 +112,7 @@ case = Case(
         scene(
             "large",
             size=(1024, 1024),
-            colors={
-                "FragColor": "rgba16f",
-                "shadow": "r8",
-                "place": "rgba32f",
-                "upright": "rgba16f",
-            },
+            colors=PICTURED,
             clear=(0.30, 0.40, 0.52, 0.0),
         ),
         *fullscreen(

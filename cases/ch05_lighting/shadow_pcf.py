@@ -34,7 +34,13 @@ from shaderlab import (
     value,
 )
 from shaderlab.assets.courtyard import boxes
-from shaderlab.assets.shadow_stage import SUN, cast, lit, single_points
+from shaderlab.assets.shadow_stage import (
+    PICTURED,
+    SUN,
+    cast,
+    lit,
+    single_points,
+)
 from shaderlab.reference.courtyard import (
     courtyard_references,
     light_position,
@@ -147,12 +153,7 @@ case = Case(
             name="scene",
             target=Target(
                 size=(1024, 1024),
-                colors={
-                    "FragColor": "rgba16f",
-                    "shadow": "r8",
-                    "place": "rgba32f",
-                    "upright": "rgba16f",
-                },
+                colors=PICTURED,
                 depth="depth24",
             ),
             draws=(half(1, 0), half(0, 1)),

@@ -25,6 +25,8 @@ from shaderlab.model.scene import UniformValue
 Matrix = npt.NDArray[Any]
 SUN = (-2.0, 4.0, -1.0)
 EYE = (1.9, 3.3, -4.9)
+PICTURED = {"FragColor": "rgba16f", "shadow": "r8", "place": "rgba32f", "upright": "rgba16f"}
+"""What a large picture keeps of its light and of what rays need to check its shadows."""
 
 
 def cast(name: str, light_space: Matrix, model: Matrix, size: int = 1024) -> Pass:

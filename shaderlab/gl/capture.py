@@ -30,7 +30,6 @@ from shaderlab.model import Draw, Mesh, State, Target
 __all__ = ["exact_inputs", "fragments", "probe_fragments", "probe_vertices", "vertices"]
 
 PROBE_WIDTH = 256
-_MAX_OUTPUTS = 8
 _MAX_ATTRIBUTES = 16
 
 
@@ -54,8 +53,8 @@ def fragments(session: Session, key: PassDraw) -> Fragments:
 def _captured(session: Session, key: PassDraw) -> Fragments:
     draw = session.prepared[key[0]][key[1]]
     parts = stages.input_pieces(draw.text("fragment") or "", draw.interface.varyings.values())
-    crowded = len(draw.interface.outputs) + 2 > _MAX_OUTPUTS
-    room = _MAX_OUTPUTS - 1 - (0 if crowded else len(draw.interface.outputs))
+    crowded = stages.crowded(draw.interface.outputs)
+    room = stages.MOST_OUTPUTS - 1 - (0 if crowded else len(draw.interface.outputs))
     values: dict[Piece, Array] = {}
     for start in range(0, max(len(parts), 1), room):
         coord, got = _capture_group(session, key, parts[start : start + room], crowded)
@@ -97,7 +96,7 @@ def _capture_group(
 
 def _blank(draw: PreparedDraw) -> str:
     """The draw's fragment shader, its coordinate written as zero: covered by somebody else."""
-    crowded = len(draw.interface.outputs) + 1 > _MAX_OUTPUTS
+    crowded = len(draw.interface.outputs) + 1 > stages.MOST_OUTPUTS
     unwanted = draw.interface.outputs if crowded else None
     text, _ = stages.capture_fragment(draw.text("fragment") or "", (), unwanted)
     return text.replace(f"{stages.COORD} = gl_FragCoord;", f"{stages.COORD} = vec4(0.0);")

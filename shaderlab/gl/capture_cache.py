@@ -41,17 +41,24 @@ class CaptureCache:
             found = capture()
             for array in _arrays(found):
                 array.flags.writeable = False
-        self._kept[identity] = found  # the last one used is the last one to go
-        while sum(map(_size, self._kept.values())) > self._room:
-            del self._kept[next(iter(self._kept))]
+            self._make_room(_size(found))
+        if _size(found) <= self._room:
+            self._kept[identity] = found  # the last one used is the last one to go
         return found
+
+    def _make_room(self, wanted: int) -> None:
+        """Drop what was not used for longest; nothing for what never fits."""
+        taken = sum(map(_size, self._kept.values()))
+        while wanted <= self._room < taken + wanted:
+            taken -= _size(self._kept.pop(next(iter(self._kept))))
 
 
 def identity(session: Session, key: PassDraw) -> Hashable | None:
     """All that a draw's fragments depend on, or None where that is more than can be told.
 
     They can be told for the only draw of a pass, over a domain and without a test of depth or
-    stencil, whose shader takes every fragment as it comes.
+    stencil, whose shader takes every fragment as it comes. One with so many outputs that some must
+    give way to what is captured is asked itself: that may be refused.
     """
     description = session.scene.find_pass(key[0])
     draws = session.prepared[key[0]]
@@ -60,6 +67,8 @@ def identity(session: Session, key: PassDraw) -> Hashable | None:
     if description.onto or len(draws) > 1 or draw.draw.domain is None:
         return None
     if state.depth or state.stencil or state.alpha_to_coverage:
+        return None
+    if stages.crowded(draw.interface.outputs):
         return None
     if stages.may_keep_out(fragment) or stages.reads_in_its_own_way(fragment):
         return None

@@ -8,7 +8,7 @@ that they can't meet an author's.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence, Sized
 from dataclasses import dataclass
 
 from shaderlab.errors import UnsupportedError
@@ -19,6 +19,7 @@ PREFIX = "shaderlab_"
 COORD = PREFIX + "coord"
 _VERSION = re.compile(r"^[ \t]*#[ \t]*version[^\n]*", re.MULTILINE)
 _DIRECTIVE = re.compile(r"^[ \t]*#[ \t]*(?:version|extension)[^\n]*\n?", re.MULTILINE)
+MOST_OUTPUTS = 8
 _KEEPS_OUT = ("discard", "gl_FragDepth", "gl_SampleMask")
 # Words that change what an input's value, or gl_FragCoord, is in one shader and not in another.
 _OWN_READING = ("mediump", "lowp", "origin_upper_left", "pixel_center_integer")
@@ -51,6 +52,11 @@ def input_pieces(text: str, inputs: Iterable[Variable]) -> list[Piece]:
     found = [piece for variable in elements(inputs) for piece in pieces(variable)]
     used = {name: kind for name, kind in _BUILT_IN.items() if re.search(rf"\b{name}\b", text)}
     return [*found, *(Piece(name, "", kind) for name, kind in used.items())]
+
+
+def crowded(outputs: Sized) -> bool:
+    """Whether there is no room beside a fragment shader's outputs for a place and an input."""
+    return len(outputs) + 2 > MOST_OUTPUTS
 
 
 def may_keep_out(text: str) -> bool:

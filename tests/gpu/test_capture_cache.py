@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -116,6 +117,9 @@ UNTOLD: dict[str, dict[str, Any]] = {
     "less precision": {"declared": "in mediump float x;"},
     "a depth test": {"state": State(depth=Depth()), "target": Target(depth="depth24")},
     "two draws": {"draws": 2},
+    "many outputs": {"declared": "in float x;\n" + "".join(f"out float o{k};" for k in range(6)),
+                     "body": "x); " + "".join(f"o{k} = x; " for k in range(6))
+                     + "FragColor += vec4(0.0"},
 }  # fmt: skip
 
 
@@ -169,6 +173,9 @@ def test_the_least_recently_used_goes_when_there_is_no_room() -> None:
     for name, made in [("a", 1), ("b", 2), ("a", 2), ("c", 3), ("a", 3), ("b", 4), ("c", 5)]:
         kept.get(name, some)
         assert kept.made == made, name
+    kept.get("large", lambda: replace(some(), inputs={"x": np.zeros(99)}))
+    kept.get("c", some)
+    assert kept.made == 6  # what never fits drives nobody out
     nothing = Counting(room=10)
     assert [nothing.get("a", some) is not None for _ in range(2)] and nothing.made == 2
 
