@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-import os
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from pathlib import Path
 
+from shaderlab.files import display_path
 from shaderlab.records import Diagnostic, Outcome, Record, Worst
 
 DEFAULT_VARIANT = "default"
@@ -34,26 +33,15 @@ def failed(record: Record) -> bool:
     return record.status not in ("pass", "unsupported")
 
 
-def place(file: str, line: int | None = None) -> str:
-    """`file:line`, relative to the current folder where that is shorter."""
-    shown = file
-    if os.path.isabs(file):
-        try:
-            shown = min(file, os.path.relpath(file), key=len)
-        except ValueError:  # another drive
-            shown = file
-    return shown if line is None else f"{shown}:{line}"
-
-
 def diagnostic_line(found: Diagnostic) -> str:
     """`file:line: error: message`, the form that editors jump from."""
-    return f"{place(found.file, found.line)}: {found.severity}: {found.message}"
+    return f"{display_path(found.file, found.line)}: {found.severity}: {found.message}"
 
 
 def failure(record: Record) -> list[str]:
     """Everything to know about a record that did not pass, most telling first."""
     lines = [f"{MARKS[record.status]} {label(record.id, record.variant)} · {record.title}"]
-    lines += [f"  {place(record.file)}"] if record.file else []
+    lines += [f"  {display_path(record.file)}"] if record.file else []
     if record.status not in ("fail", "pass"):
         lines += _indented(f"{record.status}: {record.message}", 2)
     elif record.message and not _said_below(record):
@@ -101,7 +89,7 @@ def _outcome(outcome: Outcome) -> Iterator[str]:
         yield f"    … and {len(wrong) - MOST_ROWS} more"
     for source in outcome.sources:
         what = "formula" if source.language == "python" else "shader"
-        yield f"    {what:<10} {place(source.file, source.line)}"
+        yield f"    {what:<10} {display_path(source.file, source.line)}"
 
 
 def _worst(worst: Worst) -> Iterator[str]:
@@ -149,8 +137,3 @@ def summary(records: Iterable[Record], seconds: float) -> str:
     parts = [f"{counts[s]} {words.get(s, s)}" for s in MARKS if counts.get(s)]
     noun = "case" if len(cases) == 1 else "cases"
     return f"{len(cases)} {noun}: {', '.join(parts) or 'nothing run'} in {seconds:.1f} s"
-
-
-def shown_path(path: Path) -> str:
-    """A path as a person would type it from here."""
-    return place(str(path))

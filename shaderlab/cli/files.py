@@ -6,7 +6,6 @@ import contextlib
 import datetime
 import itertools
 import json
-import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -14,6 +13,7 @@ from typing import Any
 import click
 
 from shaderlab.errors import UsageError
+from shaderlab.files import replacing, write_bytes
 
 REPORTS = Path("reports")
 LATEST = "latest"
@@ -47,13 +47,8 @@ def report_folder(folder: Path) -> Path:
 
 def latest(folder: Path) -> None:
     """Let `latest`, beside `folder`, point to it; where there are no symbolic links, leave it."""
-    pointer = folder.parent / LATEST
-    new = folder.parent / f".{LATEST}-{os.getpid()}"
-    with contextlib.suppress(OSError):
-        new.symlink_to(folder.name, target_is_directory=True)
-        os.replace(new, pointer)
-    with contextlib.suppress(OSError):
-        new.unlink()
+    with contextlib.suppress(OSError), replacing(folder.parent / LATEST) as link:
+        link.symlink_to(folder.name, target_is_directory=True)
 
 
 def find_latest(parent: Path = REPORTS) -> Path:
@@ -84,11 +79,9 @@ def write_output(text: str, file: str) -> None:
         click.echo(text, nl=False)
         return
     path = Path(file)
-    part = path.with_name(f".{path.name}.{os.getpid()}")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        part.write_text(text, encoding="utf-8")
-        os.replace(part, path)
+        write_bytes(path, text.encode("utf-8"))
     except OSError as error:
         raise _unwritable(path, error) from error
 

@@ -175,8 +175,8 @@ class _Live:
 def _show(console: Console, results: Sequence[CaseResult]) -> None:
     from rich.table import Table
 
+    from ..files import display_path
     from ..mutation import score
-    from ..terminal import place
 
     table = Table(box=None, pad_edge=False, header_style="dim")
     table.add_column("case", no_wrap=True)
@@ -203,7 +203,7 @@ def _show(console: Console, results: Sequence[CaseResult]) -> None:
         if result.survivors:
             console.print(f"\nsurvived in {result.id}:", style="bold", markup=False)
         for tried in result.survivors:
-            where = place(tried.file, tried.line or None)
+            where = display_path(tried.file, tried.line or None)
             line = f"  {where}  {tried.operator}: {tried.before} → {tried.after}"
             console.print(f"{line}\n      {tried.fate.by}", markup=False)
     unjudged = sum(r.count("unjudged") for r in results)

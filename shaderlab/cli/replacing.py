@@ -53,7 +53,7 @@ def unread(replacements: Replacements, records: Sequence[Record]) -> list[UsageE
     """
     if not replacements or not all(record.programs for record in records):
         return []
-    from shaderlab.pipeline.write_up import near
+    from shaderlab.files import display_path
 
     used = {file for record in records for program in record.programs for file in program.files}
     return [
@@ -63,7 +63,7 @@ def unread(replacements: Replacements, records: Sequence[Record]) -> list[UsageE
             remedy=f"name a shader that they use: {', '.join(_short(used))}",
         )
         for name, file in replacements
-        if near(str(file)) not in used
+        if display_path(file) not in used
     ]
 
 

@@ -8,6 +8,7 @@ import click
 
 from shaderlab.cli.files import find_latest, write_output
 from shaderlab.errors import UsageError
+from shaderlab.files import display_path
 
 
 @click.command("report", short_help="Make a run's page once more, or show where it is.")
@@ -33,7 +34,6 @@ def command(
       shaderlab report --markdown "$GITHUB_STEP_SUMMARY"
     """
     from shaderlab.report import html, markdown, store
-    from shaderlab.terminal import shown_path
 
     folder = _run_folder(find_latest() if run_folder is None else Path(run_folder))
     run = store.load(folder)
@@ -44,7 +44,7 @@ def command(
     page = html.write(run, folder, against)
     if markdown_file is not None:
         write_output(markdown.summary(run), markdown_file)
-    click.echo(f"report: {shown_path(page)}", err=markdown_file == "-")
+    click.echo(f"report: {display_path(page)}", err=markdown_file == "-")
     if open_report:
         click.launch(page.resolve().as_uri())
 

@@ -15,9 +15,10 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 
 from shaderlab.cli.rows import STYLES, CaseTable
+from shaderlab.files import display_path
 from shaderlab.records import Record, Run
 from shaderlab.running.tabulating import Row
-from shaderlab.terminal import MARKS, failed, failure, label, shown_path, summary
+from shaderlab.terminal import MARKS, failed, failure, label, summary
 
 HEARTBEAT = 10.0
 MOST_ROWS = 40
@@ -116,7 +117,7 @@ class Show:
 
     def where(self, page: Path) -> None:
         """Where the report is."""
-        self.console.print(f"report: {shown_path(page)}", markup=False)
+        self.console.print(f"report: {display_path(page)}", markup=False)
 
     def disagreements(self, run: Run) -> None:
         """Where drivers disagree: a row for each output that is not the same on all of them."""
@@ -144,7 +145,9 @@ class Show:
 
     def go_on(self, folder: Path) -> None:
         """How to run what an interrupt left out."""
-        self.console.print(f"go on with: shaderlab run --resume {shown_path(folder)}", markup=False)
+        self.console.print(
+            f"go on with: shaderlab run --resume {display_path(folder)}", markup=False
+        )
 
     def profile(self, run: Run) -> None:
         """Where the time of all records went, by phase."""

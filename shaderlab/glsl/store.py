@@ -17,6 +17,8 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+from shaderlab.files import write_bytes
+
 LIMIT = 256 << 20
 _BLOCK = 4096  # what the smallest file takes of a disk
 _SEAL = 32
@@ -73,10 +75,10 @@ class Store:
         path = self._path(key)
         try:
             try:
-                _write(path, data)
+                write_bytes(path, data)
             except FileNotFoundError:
                 self._make(os.path.dirname(path))
-                _write(path, data)
+                write_bytes(path, data)
             if key[1:3] == "00":  # one time in 256, since all of the folder is looked at
                 self._trim(os.path.dirname(path))
         except OSError:
@@ -112,19 +114,6 @@ class Store:
                 with suppress(FileNotFoundError):
                     os.unlink(path)
                 total -= size
-
-
-def _write(path: str, data: bytes) -> None:
-    """A file that is there as a whole or not at all."""
-    draft = os.path.join(os.path.dirname(path), f".{os.urandom(8).hex()}")
-    try:
-        with open(draft, "xb") as file:
-            file.write(data)
-        os.replace(draft, path)
-    except OSError:
-        with suppress(OSError):
-            os.unlink(draft)
-        raise
 
 
 def _files(shelf: str) -> Iterator[tuple[float, int, str]]:

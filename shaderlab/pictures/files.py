@@ -5,7 +5,6 @@ Files have the top row first, OpenGL the lowest; the flip happens here and nowhe
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shaderlab.errors import AssetError
+from shaderlab.files import replacing, write_bytes
 from shaderlab.pictures.display import as_pixels, enlarge, to_display
 
 Floats = NDArray[np.float32]
@@ -56,32 +56,24 @@ def save_png(
     top_first = np.ascontiguousarray(pixels if palette is None else palette[pixels[:, :, 0]])
     height, width, channels = top_first.shape
 
-    temporary = _beside(target)
     spec = oiio.ImageSpec(width, height, channels, "uint8")
     spec.attribute("oiio:UnassociatedAlpha", 1)
     # A third of the default's time, for files a tenth larger.
     spec.attribute("png:compressionLevel", 3)
     spec.attribute("png:filter", _PNG_FILTER_SUB)
     output = oiio.ImageOutput.create("png")
-    problem = ""
     if output is None:
-        problem = oiio.geterror() or "no PNG writer"
-    elif not output.open(str(temporary), spec):
-        problem = output.geterror()
-    else:
-        written = output.write_image(top_first)
-        closed = output.close()
-        if not (written and closed):
-            problem = output.geterror() or "the file could not be finished"
+        raise _unwritten(target, oiio.geterror() or "no PNG writer")
     try:
-        if not problem:
-            os.replace(temporary, target)
+        with replacing(target) as draft:
+            if not output.open(str(draft), spec):
+                raise _unwritten(target, output.geterror())
+            written = output.write_image(top_first)
+            closed = output.close()
+            if not (written and closed):
+                raise _unwritten(target, output.geterror() or "the file could not be finished")
     except OSError as error:
-        problem = error.strerror or str(error)
-    finally:
-        temporary.unlink(missing_ok=True)
-    if problem:
-        raise _unwritten(target, problem)
+        raise _unwritten(target, error.strerror or str(error)) from error
 
 
 def copy_png(path: str | Path, source: Path) -> None:
@@ -94,20 +86,10 @@ def copy_png(path: str | Path, source: Path) -> None:
         data = source.read_bytes()
     except OSError as error:
         raise _damaged(source, str(error.strerror)) from error
-    target = Path(path)
-    temporary = _beside(target)
     try:
-        temporary.write_bytes(data)
-        os.replace(temporary, target)
+        write_bytes(path, data)
     except OSError as error:
-        temporary.unlink(missing_ok=True)
-        raise _unwritten(target, error.strerror or str(error)) from error
-
-
-def _beside(target: Path) -> Path:
-    """A new file's path in the same folder."""
-    # Not mkstemp: its files can be read by their owner only, and reports are for sharing.
-    return target.with_name(f".{target.stem}.{os.urandom(6).hex()}.png")
+        raise _unwritten(Path(path), error.strerror or str(error)) from error
 
 
 def _unwritten(target: Path, problem: str) -> AssetError:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import os
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -12,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from shaderlab import pictures
+from shaderlab.files import write_bytes
 from shaderlab.frame import Array, Image
 from shaderlab.glsl.spirv import disassemble
 from shaderlab.model import Pass, Scene, outputs_read
@@ -155,10 +155,8 @@ class Album:
         if not path.exists():
             path.parent.mkdir(parents=True, exist_ok=True)
             stages = (f"; {stage}\n{disassemble(data)}" for stage, data in modules.items())
-            # Other workers may write the same at the same time: each a file of its own first.
-            whole = path.with_suffix(f".{os.getpid()}")
-            whole.write_text("\n".join(stages), encoding="utf-8")
-            whole.replace(path)
+            # Other workers may write the same file at the same time.
+            write_bytes(path, "\n".join(stages).encode("utf-8"))
         return relative
 
     def _save(self, label: str, image: Array, side: int, palette: Array | None = None) -> str:

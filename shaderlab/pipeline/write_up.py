@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
@@ -12,6 +11,7 @@ import numpy as np
 from shaderlab.checks.judgement import Judgement, shown
 from shaderlab.checks.naming import draw_key, split_output
 from shaderlab.errors import ShaderlabError
+from shaderlab.files import display_path
 from shaderlab.frame import PassDraw
 from shaderlab.gl.prepare import PreparedDraw
 from shaderlab.glsl.opinion import compared
@@ -61,8 +61,8 @@ class Draft:
         """The scene could not be run to its end."""
         self._status = status
         located = error.file is not None
-        place = f"{near(error.file or '')}:{error.line}: " if located and error.line else ""
-        place = place or (f"{near(error.file or '')}: " if located else "")
+        place = f"{display_path(error.file or '')}:{error.line}: " if located and error.line else ""
+        place = place or (f"{display_path(error.file or '')}: " if located else "")
         remedy = f"\n→ {error.remedy}" if error.remedy else ""
         self._message = f"{place}{error.message}{remedy}"
 
@@ -101,7 +101,7 @@ class Draft:
 
     def add(self, outcome: Outcome, found: Judgement, expectation: Expectation) -> None:
         """Note one expectation's outcome, and what there is to plot of its judgement."""
-        where = [replace(s, file=near(s.file)) for s in outcome.sources]
+        where = [replace(s, file=display_path(s.file)) for s in outcome.sources]
         output = getattr(expectation, "output", "")
         if where and output:
             where += self._assignments(output, getattr(expectation, "draw", -1))
@@ -127,7 +127,7 @@ class Draft:
             section=case.section,
             lesson=case.lesson,
             formula=case.math,
-            file=near(case.file),
+            file=display_path(case.file),
             status=self._final_status(verdicts),
             message=self._message or _refused(verdicts),
             seconds=seconds,
@@ -178,24 +178,15 @@ class Draft:
         return []
 
 
-def near(path: str) -> str:
-    """A path as people like to see it: relative, if it lies below the working directory."""
-    try:
-        relative = os.path.relpath(path)
-    except ValueError:
-        return path
-    return path if relative.startswith("..") or not os.path.isabs(path) else relative
-
-
 def _program(draw: PreparedDraw, assembly: Assembly) -> ProgramRecord:
     modules = draw.compiled.spirv
     parts: dict[str, str] = {}
     for source in draw.authored:
         parts.update(dict(source.parts))
     return ProgramRecord(
-        files=tuple(near(path) for path in parts),
+        files=tuple(display_path(path) for path in parts),
         sources=tuple(
-            SourceText(file=near(path), line=1, language="glsl", text=text)
+            SourceText(file=display_path(path), line=1, language="glsl", text=text)
             for path, text in parts.items()
         ),
         verdicts=tuple(
@@ -236,7 +227,7 @@ def _declared(interface: Interface | None) -> Iterator[Declared]:
 
 def _nearer(verdict: Verdict) -> Verdict:
     def moved(diagnostic: Diagnostic) -> Diagnostic:
-        return replace(diagnostic, file=near(diagnostic.file))
+        return replace(diagnostic, file=display_path(diagnostic.file))
 
     return replace(verdict, diagnostics=tuple(moved(d) for d in verdict.diagnostics))
 

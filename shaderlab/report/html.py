@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from shaderlab import pictures
+from shaderlab.files import write_text
 from shaderlab.records import Run
 from shaderlab.report import mutants
-from shaderlab.report.atomic import write_text
 from shaderlab.report.build import build
 from shaderlab.report.compare import compare
 from shaderlab.report.drivers import driver_table

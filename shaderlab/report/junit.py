@@ -6,8 +6,8 @@ import math
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
+from shaderlab.files import write_text
 from shaderlab.records import Outcome, Record, Run
-from shaderlab.report.atomic import write_text
 from shaderlab.report.grouping import group_cases
 from shaderlab.report.text import clean, figure
 

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from shaderlab.errors import ShaderlabError, UsageError
+from shaderlab.files import write_text
 from shaderlab.records import Disagreement, DriverResult, Outcome, Record, Run, Worst
-from shaderlab.report.atomic import write_text
 
 if TYPE_CHECKING:
     from cattrs import Converter

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import csv
 import io
-import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from shaderlab.errors import ShaderlabError, UsageError
-from shaderlab.report.atomic import write_text
+from shaderlab.files import replacing, write_text
 
 FORMATS = (".csv", ".parquet")
 Row = Mapping[str, str | float | int | None]
@@ -50,15 +49,12 @@ def write_table(rows: Sequence[Row], path: Path) -> None:
     import pyarrow as arrow
     from pyarrow import parquet
 
-    part = path.with_name(f".{path.name}.{os.getpid()}")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        parquet.write_table(arrow.Table.from_pylist([dict(row) for row in rows]), part)
-        part.replace(path)
+        with replacing(path) as draft:
+            parquet.write_table(arrow.Table.from_pylist([dict(row) for row in rows]), draft)
     except OSError as error:
         raise ShaderlabError(f"can't write the table ({error.strerror})", file=path) from error
-    finally:
-        part.unlink(missing_ok=True)
 
 
 def _csv(rows: Sequence[Row]) -> str:

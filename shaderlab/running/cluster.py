@@ -7,7 +7,6 @@ record is taken once, so it does not matter where or how often its scene was run
 from __future__ import annotations
 
 import contextlib
-import os
 import queue
 import uuid
 from collections.abc import Generator, Iterator, Mapping, Sequence
@@ -18,6 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from shaderlab.errors import ShaderlabError
+from shaderlab.files import display_path
 from shaderlab.records import Record
 from shaderlab.running.jobs import About, CaseFacts, Job, Limits, Setup
 from shaderlab.running.joining import check_workers, connected, other_version, quiet
@@ -258,11 +258,7 @@ class Cluster:
 
 def _shown(folder: Path) -> str:
     """A folder as it begins the paths of files in it, as records name them."""
-    path = os.path.join(folder, "x")
-    if os.path.isabs(path):
-        relative = os.path.relpath(path)
-        path = path if relative.startswith("..") else relative
-    return path[:-1]
+    return display_path(folder / "x")[:-1]
 
 
 def _keep(files: Mapping[str, bytes], folder: Path) -> str:

@@ -20,6 +20,7 @@ from typing import Any
 
 from shaderlab.discovery import data_folder
 from shaderlab.errors import UsageError
+from shaderlab.files import replacing
 
 MOST_BYTES = 64 << 20
 SHIPPED = "shipped"
@@ -38,10 +39,8 @@ class Parcel:
         """The folder with its files, made below `parent` if it is not there yet."""
         folder = parent / self.name
         if not folder.is_dir():
-            whole = parent / f"{self.name}.{os.getpid()}"
-            with zipfile.ZipFile(io.BytesIO(self.data)) as archive:
-                archive.extractall(whole)
-            whole.replace(folder)
+            with replacing(folder) as draft, zipfile.ZipFile(io.BytesIO(self.data)) as archive:
+                archive.extractall(draft)
         return folder
 
 

@@ -15,6 +15,7 @@ PACKAGE = "shaderlab"
 # Bottom to top. A room may import those it lists, each of which must stand above it here.
 ROOMS: dict[str, set[str]] = {
     "errors": set(),
+    "files": {"errors"},
     "activity": set(),
     "packages": set(),
     "records": set(),
@@ -22,11 +23,11 @@ ROOMS: dict[str, set[str]] = {
     "bands": {"errors"},
     "sampling": {"errors", "bands", "frame"},
     "glslmath": {"errors", "bands", "frame", "sampling"},
-    "pictures": {"errors"},
+    "pictures": {"errors", "files"},
     "model": {"errors", "bands"},
     "assets": {"errors", "model", "pictures"},
     "reference": {"errors", "bands", "glslmath", "assets"},
-    "glsl": {"errors", "records"},
+    "glsl": {"errors", "files", "records"},
     "checks": {
         "errors", "activity", "records", "frame", "bands", "sampling", "glslmath", "model",
         "reference",
@@ -35,27 +36,27 @@ ROOMS: dict[str, set[str]] = {
     "discovery": {"errors"},
     "catalogue": {"errors", "model", "discovery"},
     "pipeline": {
-        "errors", "activity", "packages", "records", "frame", "bands", "sampling", "glslmath",
-        "pictures", "model",
+        "errors", "files", "activity", "packages", "records", "frame", "bands", "sampling",
+        "glslmath", "pictures", "model",
         "assets", "reference", "glsl", "checks", "gl", "discovery",
     },
     "workers": {"errors", "records", "model", "catalogue", "pipeline"},
     "mutation": {
         "errors", "frame", "model", "glsl", "checks", "discovery", "catalogue", "pipeline",
     },
-    "report": {"errors", "records", "pictures"},
+    "report": {"errors", "files", "records", "pictures"},
     "running": {
-        "errors", "packages", "records", "frame", "model", "gl", "discovery", "catalogue",
+        "errors", "files", "packages", "records", "frame", "model", "gl", "discovery", "catalogue",
         "pipeline", "workers", "report",
     },
-    "terminal": {"errors", "records"},
+    "terminal": {"files", "records"},
     "doctor": {"errors", "glsl", "gl", "discovery"},
     "pytest_plugin": {
         "errors", "records", "discovery", "running", "terminal",
     },
     "cli": {
-        "errors", "records", "model", "glsl", "discovery", "catalogue", "pipeline", "workers",
-        "mutation", "report", "running", "terminal", "doctor",
+        "errors", "files", "records", "model", "glsl", "discovery", "catalogue", "pipeline",
+        "workers", "mutation", "report", "running", "terminal", "doctor",
     },
     "__main__": {"cli"},
     "__init__": {"errors", "bands", "model"},

@@ -4,12 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from pathlib import Path
-
-import pytest
 
 from shaderlab.records import Record
-from shaderlab.terminal import failure, label, numbers, place, summary
+from shaderlab.terminal import failure, label, numbers, summary
 
 
 def test_labels() -> None:
@@ -22,15 +19,6 @@ def test_float32_neighbours_read_differently() -> None:
     assert numbers([1.0, 2.5]) == "(1, 2.5)"
     assert numbers([0.100000001490116]) != numbers([0.100000008940697])
     assert numbers([math.nan]) == "nan"
-
-
-def test_places_are_relative_where_that_is_shorter(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    assert place(str(tmp_path / "a" / "b.frag"), 3) == "a/b.frag:3"
-    assert place("lib/light.glsl") == "lib/light.glsl"
-    assert place("/x.frag", 1) == "/x.frag:1"
 
 
 def test_only_what_failed_is_told(failing: Record, passing: Record) -> None:
