@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import dataclasses
-import importlib.util
+import hashlib
+import os
 import re
 import sys
 import traceback
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from importlib.machinery import ModuleSpec
+from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
+from types import ModuleType
 
 from shaderlab import model
-from shaderlab.discovery import place, shipped_cases
+from shaderlab.discovery import TREE_FILE, place, shipped_cases, tree_of
 from shaderlab.errors import CaseError, ShaderlabError, UsageError, nearest
 from shaderlab.model import Case
 
+_PACKAGE = "shaderlab_cases_"
 _UNKNOWN_KEYWORD = re.compile(
     r"(\w+)(?:\.__init__)?\(\) got an unexpected keyword argument '(\w+)'"
 )
@@ -99,16 +104,18 @@ def load_case(path: Path) -> Case:
     return loaded
 
 
-def _import(path: Path) -> object:
-    name = f"shaderlab_case_{path.stem}"
-    spec = importlib.util.spec_from_file_location(name, path)
-    if spec is None or spec.loader is None:
+def _import(path: Path) -> ModuleType:
+    """Run a case file as a module of its tree's package (`tree_of`)."""
+    if path.suffix != ".py":
         raise CaseError("a case file is a Python file (.py)", file=path)
-    module = importlib.util.module_from_spec(spec)
-    # Case files import their neighbours, as scripts do.
-    sys.path.insert(0, str(path.parent))
+    file = Path(os.path.abspath(path))
+    tree = tree_of(file)
+    known = set(sys.modules)
+    # For `import helper` of a module beside the file, as in a script.
+    sys.path.insert(0, str(file.parent))
     try:
-        spec.loader.exec_module(module)
+        name = f"{_package(file.parent, tree)}.{_plain(file.stem)}"
+        return _run(spec_from_file_location(name, path))
     except ShaderlabError as error:
         line = error.line or _line_in(path, error)
         raise CaseError(error.message, file=path, line=line, remedy=error.remedy) from error
@@ -117,11 +124,66 @@ def _import(path: Path) -> object:
             f"{type(error).__name__}: {error}",
             file=path,
             line=error.lineno if isinstance(error, SyntaxError) else _line_in(path, error),
-            remedy=_right_spelling(error),
+            remedy=_above_the_tree(error, tree) or _right_spelling(error),
         ) from error
     finally:
-        sys.path.remove(str(path.parent))
+        sys.path.remove(str(file.parent))
+        _forget_scripts(sorted(set(sys.modules) - known, reverse=True), file.parent)
+
+
+def _package(folder: Path, tree: Path) -> str:
+    """The package that stands for a folder of a tree; its name is made of the tree's whole path,
+    so that folders of equal name are different packages."""
+    if folder == tree:
+        digest = hashlib.blake2b(str(tree).encode(), digest_size=6).hexdigest()
+        name = f"{_PACKAGE}{digest}"
+    else:
+        name = f"{_package(folder.parent, tree)}.{_plain(folder.name)}"
+    if name not in sys.modules:
+        init = folder / "__init__.py"
+        if init.is_file():
+            _run(spec_from_file_location(name, init, submodule_search_locations=[str(folder)]))
+        else:
+            spec = ModuleSpec(name, None, is_package=True)
+            spec.submodule_search_locations = [str(folder)]
+            sys.modules[name] = module_from_spec(spec)
+    return name
+
+
+def _run(spec: ModuleSpec | None) -> ModuleType:
+    """Execute a module anew, also if it was imported before."""
+    assert spec is not None and spec.loader is not None  # the name ends in .py
+    module = module_from_spec(spec)
+    sys.modules[spec.name] = module
+    try:
+        spec.loader.exec_module(module)
+    except BaseException:
+        del sys.modules[spec.name]
+        raise
     return module
+
+
+def _forget_scripts(names: Iterable[str], folder: Path) -> None:
+    """Drop modules imported by their bare name from beside a case: another folder may hold one of
+    the same name."""
+    for name in names:
+        spec = getattr(sys.modules.get(name.partition(".")[0]), "__spec__", None)
+        places = list(spec.submodule_search_locations or [spec.origin or ""]) if spec else []
+        if any(Path(place).parent == folder for place in places):
+            del sys.modules[name]
+
+
+def _plain(name: str) -> str:
+    return name.replace(".", "_")
+
+
+def _above_the_tree(error: BaseException, tree: Path) -> str | None:
+    if not isinstance(error, ImportError) or "beyond top-level package" not in str(error):
+        return None
+    return (
+        f"the tree of cases begins at {tree}; to share modules between folders, put an empty "
+        f"{TREE_FILE} into the folder that holds them all"
+    )
 
 
 def _line_in(path: Path, error: BaseException) -> int | None:

@@ -7,12 +7,14 @@ file is one that takes `Case` from shaderlab and assigns `case = Case(...)` at i
 from __future__ import annotations
 
 import ast
+import os
 import re
 from collections.abc import Iterator
 from pathlib import Path
 
 from shaderlab.errors import UsageError
 
+TREE_FILE = "cases.toml"
 _ASSIGNS = re.compile(rb"^case\s*(:[^=\n]*)?=", re.MULTILINE)
 _SKIPPED_FOLDERS = frozenset({"__pycache__", "node_modules", "site-packages", "build", "dist"})
 
@@ -30,6 +32,16 @@ def data_folder(kind: str) -> Path:
     raise UsageError(
         f"this installation has no {kind} folder", remedy="install shaderlab again, or run `make`"
     )
+
+
+def tree_of(file: Path) -> Path:
+    """The root of the tree that a case file belongs to: the nearest folder above it that holds a
+    cases.toml, or else the file's own folder.
+
+    The tree is one package: its modules import each other by relative imports.
+    """
+    folders = Path(os.path.abspath(file)).parents
+    return next((folder for folder in folders if (folder / TREE_FILE).is_file()), folders[0])
 
 
 def is_case_file(path: Path) -> bool:

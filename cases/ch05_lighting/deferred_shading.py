@@ -31,7 +31,6 @@ from shaderlab import (
     reading,
     value,
 )
-from shaderlab.assets.plaza import plaza
 from shaderlab.glslmath import dot, length, max, normalize, swizzle, vec4
 from shaderlab.reference.blinn_phong import lobe
 from shaderlab.reference.transforms import (
@@ -44,6 +43,8 @@ from shaderlab.reference.transforms import (
     world_position,
 )
 from shaderlab.sampling import texture
+
+from ..scenes.plaza import plaza
 
 EYE = (0.0, 4.6, 7.4)
 MODEL = rotate(radians(12.0), (0.0, 1.0, 0.0))

@@ -25,7 +25,6 @@ from shaderlab import (
     value,
 )
 from shaderlab.assets.order import any_order, both_ways
-from shaderlab.assets.plaza import plaza
 from shaderlab.glslmath import vec4
 from shaderlab.reference import light_sources
 from shaderlab.reference.lighting import finished
@@ -41,6 +40,8 @@ from shaderlab.reference.transforms import (
     world_position,
 )
 from shaderlab.sampling import texture
+
+from ..scenes.plaza import plaza
 
 EYE = (4.4, 5.2, 8.6)
 # Not quite evenly scaled, so that the normals have something to get wrong.

@@ -27,7 +27,6 @@ from shaderlab import (
     value,
 )
 from shaderlab.assets.order import any_order, both_ways
-from shaderlab.assets.plaza import plaza
 from shaderlab.glslmath import vec4
 from shaderlab.reference import light_sources
 from shaderlab.reference.lighting import finished
@@ -44,6 +43,8 @@ from shaderlab.reference.transforms import (
     world_position,
 )
 from shaderlab.sampling import texture
+
+from ..scenes.plaza import plaza
 
 EYE, LAMP = (4.4, 5.2, 8.6), (1.1, 1.25, 0.95)
 CAMERA = {

@@ -7,6 +7,7 @@ record is taken once, so it does not matter where or how often its scene was run
 from __future__ import annotations
 
 import contextlib
+import os
 import queue
 import uuid
 from collections.abc import Generator, Iterator, Mapping, Sequence
@@ -16,6 +17,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from shaderlab.discovery import tree_of
 from shaderlab.errors import ShaderlabError
 from shaderlab.files import display_path
 from shaderlab.records import Record
@@ -225,10 +227,12 @@ class Cluster:
         if shipped is not None:
             address = Address(SHIPPED, shipped)
         else:
-            parcel = self._folder(file.parent)
+            tree = tree_of(file)
+            parcel = self._folder(tree)
             parcels.append(parcel)
-            known_as[parcel.name] = _shown(file.parent)
-            address = Address(parcel.name, file.name)
+            known_as[parcel.name] = _shown(tree)
+            inside = Path(os.path.abspath(file)).relative_to(tree)
+            address = Address(parcel.name, inside.as_posix())
         shaders = []
         for name, path in setup.shaders:
             parcel = packed({path.name: path.read_bytes()})

@@ -39,6 +39,101 @@ def test_case_files_import_their_neighbours(tmp_path: Path) -> None:
     assert case.title == "from next door"
 
 
+def tree(folder: Path, files: dict[str, str]) -> Path:
+    for name, text in files.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    return folder
+
+
+def titled(import_line: str) -> str:
+    return import_line + "\n" + GOOD.replace('"t"', "TITLE")
+
+
+@pytest.mark.parametrize("line", ["from helper import TITLE", "from .helper import TITLE"])
+def test_helpers_of_one_name_in_two_folders_are_two_modules(tmp_path: Path, line: str) -> None:
+    tree(
+        tmp_path,
+        {
+            "cases.toml": "",
+            "a/helper.py": "TITLE = 'a'",
+            "b/helper.py": "TITLE = 'b'",
+            "a/one.py": titled(line),
+            "b/two.py": titled(line),
+        },
+    )
+    for _ in range(2):
+        assert load_case(tmp_path / "a" / "one.py").title == "a"
+        assert load_case(tmp_path / "b" / "two.py").title == "b"
+
+
+def test_bare_imports_of_folders_and_of_what_they_import_stay_apart_too(tmp_path: Path) -> None:
+    for name in ("a", "b"):
+        tree(
+            tmp_path / name,
+            {
+                "parts/titles.py": "import deeper\nTITLE = deeper.TITLE",
+                "deeper.py": f"TITLE = {name!r}",
+                "lamp.py": titled("from parts.titles import TITLE"),
+            },
+        )
+    assert load_case(tmp_path / "a" / "lamp.py").title == "a"
+    assert load_case(tmp_path / "b" / "lamp.py").title == "b"
+
+
+def test_cases_import_from_a_folder_that_their_tree_shares(tmp_path: Path) -> None:
+    """Also from folders whose names are no words of Python; a package's own file is run."""
+    tree(
+        tmp_path,
+        {
+            "my-cases.v2/cases.toml": "",
+            "my-cases.v2/scenes/titles.py": "from .words import TITLE",
+            "my-cases.v2/scenes/words.py": "from dataclasses import dataclass\nTITLE = 'shared'",
+            "my-cases.v2/lights/__init__.py": "COLOUR = 'red'",
+            "my-cases.v2/ch-1.5/deep/lamp.py": titled(
+                "from __future__ import annotations\n"
+                "from dataclasses import dataclass\n"
+                "from ...lights import COLOUR\n"
+                "from ...scenes.titles import TITLE\n"
+                "@dataclass\nclass Light:\n    name: str\n"
+                "assert COLOUR == 'red'"
+            ).replace('"""A lesson.\n\nTwo paragraphs."""\n', ""),
+        },
+    )
+    assert load_case(tmp_path / "my-cases.v2" / "ch-1.5" / "deep" / "lamp.py").title == "shared"
+
+
+def test_two_trees_do_not_mix(tmp_path: Path) -> None:
+    for name in ("mine", "yours"):
+        files = {"cases.toml": "", "scenes/titles.py": f"TITLE = {name!r}"}
+        folder = tree(tmp_path / name / "cases", files)
+        saved(folder / "scenes", titled("from .titles import TITLE"), "lamp.py")
+        assert load_case(folder / "scenes" / "lamp.py").title == name
+
+
+def test_a_relative_import_from_outside_the_tree_says_how_to_share(tmp_path: Path) -> None:
+    files = {
+        "scenes/titles.py": "TITLE = 'x'",
+        "a/lamp.py": titled("from ..scenes.titles import TITLE"),
+    }
+    file = tree(tmp_path, files) / "a" / "lamp.py"
+    with pytest.raises(CaseError, match="beyond top-level package") as caught:
+        load_case(file)
+    assert caught.value.line == 1
+    assert "cases.toml" in (caught.value.remedy or "")
+    (tmp_path / "cases.toml").touch()
+    assert load_case(file).title == "x"
+
+
+def test_a_mistake_in_a_shared_module_is_an_error_of_the_case_each_time(tmp_path: Path) -> None:
+    tree(tmp_path, {"helper.py": "TITLE = 1 / 0", "lamp.py": titled("from .helper import TITLE")})
+    for _ in range(2):
+        with pytest.raises(CaseError, match="ZeroDivisionError") as caught:
+            load_case(tmp_path / "lamp.py")
+        assert caught.value.line == 1
+
+
 @pytest.mark.parametrize(
     ("change", "says", "line", "remedy"),
     [

@@ -10,12 +10,13 @@ import pkgutil
 import numpy as np
 import pytest
 
+import cases.scenes
 import shaderlab.assets
 import shaderlab.reference
 
 MODULES = [
     module.name
-    for package in (shaderlab.reference, shaderlab.assets)
+    for package in (shaderlab.reference, shaderlab.assets, cases.scenes)
     for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}.")
 ]
 

@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from cases.scenes.plaza import plaza
 from shaderlab.assets.chest import chest_diffuse, chest_specular
 from shaderlab.assets.normals import rods
-from shaderlab.assets.plaza import plaza
 from shaderlab.assets.pottery import vase
 from shaderlab.reference import light_sources, lighting, microfacets, tone_mapping
 

@@ -1,0 +1,108 @@
+"""A tree of cases with a shared folder, and helpers of one name in two folders: every command loads
+it, and so do pytest and the workers of a Dask cluster."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from shaderlab.cli import cli
+
+CASE = '''"""A lamp of the tree."""
+
+from shaderlab import Case, formula, fullscreen
+
+from ..scenes.factors import half
+from .helper import COLOUR
+
+
+def light(reach):
+    return half(reach) * COLOUR
+
+
+case = Case(
+    title="A lamp",
+    passes=fullscreen("lamp.frag", uniforms={"reach": 0.5, "colour": COLOUR}),
+    expect=[formula("light", light)],
+)
+'''
+SHADER = """#version 330 core
+in vec2 TexCoords;
+uniform float reach;
+uniform float colour;
+out float light;
+
+void main()
+{
+    light = 0.5 * reach * colour;
+}
+"""
+FILES = {
+    "cases.toml": "",
+    "scenes/factors.py": "from .halves import HALF\n\n\ndef half(x):\n    return x * HALF\n",
+    "scenes/halves.py": "HALF = 0.5\n",
+    "red/helper.py": "COLOUR = 0.75\n",
+    "red/red_lamp.py": CASE,
+    "red/lamp.frag": SHADER,
+    "blue/helper.py": "COLOUR = 0.25\n",
+    "blue/blue_lamp.py": CASE,
+    "blue/lamp.frag": SHADER,
+}
+LAMPS = {"red-lamp": 0.75, "blue-lamp": 0.25}
+
+
+@pytest.fixture
+def tree(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    for name, text in FILES.items():
+        file = tmp_path / "tree" / name
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(text)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path / "tree"
+
+
+def statuses(*words: str) -> dict[str, str]:
+    result = CliRunner().invoke(cli, ["run", *words, "--json", "run.json"], catch_exceptions=False)
+    assert result.exit_code == 0, result.output
+    found = json.loads(Path("run.json").read_text())["cases"]
+    return {case["id"]: case["status"] for case in found}
+
+
+@pytest.mark.parametrize("jobs", ["0", "1", "2"])
+def test_run(tree: Path, monkeypatch: pytest.MonkeyPatch, jobs: str) -> None:
+    monkeypatch.setenv("SHADERLAB_JOBS", jobs)
+    assert statuses("./tree", "--no-pictures") == dict.fromkeys(LAMPS, "pass")
+
+
+def test_one_case_alone_from_within_its_folder(tree: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tree / "blue")
+    assert statuses("./blue_lamp.py", "--no-pictures") == {"blue-lamp": "pass"}
+
+
+def test_mutate_and_sweep(tree: Path) -> None:
+    file = str(tree / "red" / "red_lamp.py")
+    done = CliRunner().invoke(cli, ["mutate", file, "--json", "mutants.json"])
+    assert done.exit_code in (0, 1) and Path("mutants.json").is_file(), done.output
+    done = CliRunner().invoke(cli, ["sweep", file, "--param", "reach=0:1:3"])
+    assert done.exit_code == 0, done.output
+
+
+def test_pytest(tree: Path, pytester: pytest.Pytester) -> None:
+    pytester.runpytest_subprocess(tree).assert_outcomes(passed=2)
+
+
+def test_a_cluster_is_sent_the_whole_tree(tree: Path) -> None:
+    distributed = pytest.importorskip("distributed")
+    with distributed.LocalCluster(
+        n_workers=1, threads_per_worker=1, processes=True, dashboard_address=":0"
+    ) as dask:
+        words = ("--scheduler", dask.scheduler_address, "--no-pictures", "--report", "there")
+        assert statuses("./tree", *words) == dict.fromkeys(LAMPS, "pass")
+    records = json.loads(Path("there", "run.json").read_text())["records"]
+    assert [Path(record["file"]).as_posix() for record in records] == [
+        "tree/blue/blue_lamp.py",
+        "tree/red/red_lamp.py",
+    ]
