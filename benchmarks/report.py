@@ -103,15 +103,15 @@ def _made_up(folder: Path, count: int) -> None:
     import numpy as np
 
     from shaderlab.frame import Image
-    from shaderlab.pipeline.album import Album
+    from shaderlab.pipeline.picture_writer import PictureWriter
     from shaderlab.records import ProgramRecord, SourceText, Verdict
     from shaderlab.report import save
     from tests.unit.test_report_samples import curve, outcome, record, run, worst
 
     generator = np.random.default_rng(7)
     y, x = np.mgrid[0:512, 0:512] / 512
-    outcomes, template = [], Album(folder, "made-up", "first")
-    shown = template.portrait(Image(np.stack([x, y, x * y], -1).astype("f4"), "rgba32f"))
+    outcomes, template = [], PictureWriter(folder, "made-up", "first")
+    shown = template.write_picture(Image(np.stack([x, y, x * y], -1).astype("f4"), "rgba32f"))
     for components in (1, 4):
         exact = np.sqrt((x + y)[::8, ::8, None] + np.arange(components) / 7 + 0.1)
         measured = (exact * (1 + generator.uniform(-4, 4, exact.shape) * 2**-24)).astype("f4")
@@ -121,7 +121,7 @@ def _made_up(folder: Path, count: int) -> None:
             "distance": np.zeros((64, 64)), "covered": np.ones((64, 64), bool),
             "outside": np.zeros(exact.shape, bool), "unit": np.float64(0),
         }  # fmt: skip
-        seen = template.judged(str(components), arrays)
+        seen = template.write_comparison(str(components), arrays)
         outcomes.append(
             outcome(worst=worst(), images=seen.files, captions=seen.captions, values=seen.values)
         )

@@ -100,6 +100,10 @@ class Outcome:
     to be read ("one channel in false colour, 0 to 2"). `values` is the file of the numbers behind
     those pictures (`shaderlab.pictures.Values`), likewise relative, or "". `sources` are the
     formula and the shader.
+
+    Where the rows of several outcomes stand in one table, `rows_heading` goes before each label;
+    `rows_per_variant` says whether they differ between a case's variants. `rows_show_worst` says
+    that they tell all there is to know about `worst` where it is inside its band.
     """
 
     name: str
@@ -112,6 +116,9 @@ class Outcome:
     vacuous: float = 0.0
     undecided: float = 0.0
     rows: tuple[Row, ...] = ()
+    rows_heading: str = ""
+    rows_per_variant: bool = True
+    rows_show_worst: bool = False
     images: Mapping[str, str] = field(default_factory=dict)
     captions: Mapping[str, str] = field(default_factory=dict)
     sources: tuple[SourceText, ...] = ()

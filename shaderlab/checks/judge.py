@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -191,7 +192,8 @@ def _value(expectation: Value, index: int, scene: Scene, frame: Frame) -> Judgem
         status == "pass",
         expectation.note,
     )
-    return Judgement(outcome=_outcome(expectation.name, "value", status, message, banded, [row]))
+    outcome = _outcome(expectation.name, "value", status, message, banded, [row])
+    return Judgement(outcome=replace(outcome, rows_show_worst=True))
 
 
 def _measured_figure(expectation: Value, index: int, scene: Scene, frame: Frame) -> Judgement:

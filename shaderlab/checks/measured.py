@@ -48,6 +48,7 @@ def judge_measure(expectation: Measure, scene: Scene, frame: Frame) -> Judgement
         judged=sum(row.bound is not None for row in expectation.readings),
         outside=len(wrong),
         rows=rows,
+        rows_heading=expectation.name if len(rows) > 1 else "",
         sources=(source_of(expectation.statistic),),
     )
     return Judgement(outcome=outcome, plot=_plot(expectation, figures, rows))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -110,7 +111,8 @@ def judge_computed(expectation: Computed) -> Judgement:
         expectation.note or "float64, no shader",
     )
     message = "" if ok else f"the reference gives {shown(got, expectation.digits + 3)}"
-    return table(expectation.name, "computed", [row], message, judged=1)
+    judgement = table(expectation.name, "computed", [row], message, judged=1)
+    return replace(judgement, outcome=replace(judgement.outcome, rows_per_variant=False))
 
 
 def judge_gl_error(expectation: GlError, errors: Sequence[int]) -> Judgement:

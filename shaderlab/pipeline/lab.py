@@ -32,7 +32,9 @@ from shaderlab.gl.runner import Drawn, Prepared, Runner, Session, step
 from shaderlab.glsl.kept import compiler
 from shaderlab.glsl.sources import Source
 from shaderlab.model import GlCall, GlError, Scene, Sweep, Value
-from shaderlab.pipeline import album, frames, plan, refusals, write_up
+from shaderlab.pipeline import plan, refusals, stored_images
+from shaderlab.pipeline.picture_writer import PictureFiles, PictureWriter
+from shaderlab.pipeline.record_builder import RecordBuilder
 from shaderlab.pipeline.roots import shaders_beside
 from shaderlab.records import Outcome, Record, Verdict
 
@@ -49,8 +51,8 @@ class Options:
         folder: the run's folder for pictures; None writes none.
         shaders: replacements by shader name: text, or the path of another file.
         driver: as in `shaderlab.gl.device.open_device`.
-        frames: the folder to keep what each scene draws in, as `shaderlab.pipeline.frames` says;
-            None keeps nothing.
+        frames: the folder in which `shaderlab.pipeline.stored_images` stores what each scene
+            draws; None stores nothing.
     """
 
     size: int = 64
@@ -127,59 +129,59 @@ class Lab:
         "error", or "unsupported" for a feature that the driver lacks, with the message.
         """
         started = time.perf_counter()
-        draft = write_up.Draft(scene)
+        builder = RecordBuilder(scene)
         activity = Activity(self._notice)
         try:
             with activity.watch():
-                self._run(scene, draft)
+                self._run(scene, builder)
         except UnsupportedError as error:
-            draft.stop("unsupported", error)
+            builder.set_failure("unsupported", error)
         except MemoryError as error:
             self.exhausted = True
-            draft.stop("error", ShaderlabError(f"out of memory: {error}".rstrip(": ")))
+            builder.set_failure("error", ShaderlabError(f"out of memory: {error}".rstrip(": ")))
         except ShaderlabError as error:
-            draft.stop("error", error)
+            builder.set_failure("error", error)
         except Exception as error:
             # A defect of the lab itself costs this scene only; what else was asked for goes on.
             if os.environ.get("SHADERLAB_DEBUG"):
                 raise
-            draft.stop("error", _defect(error))
-        return draft.record(time.perf_counter() - started, activity.ordered())
+            builder.set_failure("error", _defect(error))
+        return builder.build(time.perf_counter() - started, activity.ordered())
 
-    def _run(self, scene: Scene, draft: write_up.Draft) -> None:
+    def _run(self, scene: Scene, builder: RecordBuilder) -> None:
         preparer = self._preparer(str(Path(scene.case.file).parent))
         with doing("compile", "compiling"):
             prepared = {p.name: tuple(preparer.prepare(d) for d in p.draws) for p in scene.passes}
-        book = album.Album(self.options.folder, scene.case.id, scene.variant)
+        writer = PictureWriter(self.options.folder, scene.case.id, scene.variant)
 
         def assembly(modules: Mapping[str, bytes]) -> str:
             file = ""
-            with _unless_unwritable(draft):
-                file = book.assembly(modules)
+            with _unless_unwritable(builder):
+                file = writer.write_assembly(modules)
             return file
 
-        draft.programs(prepared, assembly)
+        builder.add_programs(prepared, assembly)
         for draws in prepared.values():
             for draw in draws:
                 _ = draw.interface  # raises the compiler's first error where there is one
         plans = plan.plan(scene, prepared)
         with doing("link"):
-            draft.second_opinions(self._opinion)
+            builder.add_driver_verdicts(self._opinion)
             said = refusals.gathered(scene, preparer, self._opinion)
         size = (self.options.size,) * 2
         picture_size = 0 if self.options.folder is None else self.options.picture_size
-        draft.drawn_on(self.driver, self.options.size, picture_size)
+        builder.set_device(self.driver, self.options.size, picture_size)
         with doing("draw"), self.runner.session(scene, prepared, size) as session:
             drawn = session.run()
             frame = _frame(session, drawn, plans)
         if self.options.frames is not None:
-            frames.save(self.options.frames, scene.case.id, scene.variant, drawn.images)
-        draft.notice_inactive(drawn.inactive)
+            stored_images.save(self.options.frames, scene.case.id, scene.variant, drawn.images)
+        builder.add_inactive_uniforms(drawn.inactive)
         _expect_no_errors(scene, drawn)
-        self._judge(scene, frame, said, draft, book)
+        self._judge(scene, frame, said, builder, writer)
         if self.options.folder is not None:
             with doing("picture", "drawing the picture"):
-                self._portrait(scene, self._enlarged(scene, prepared, drawn), draft, book)
+                self._write_pictures(scene, self._enlarged(scene, prepared, drawn), builder, writer)
 
     def _opinion(self, sources: tuple[Source, ...]) -> Verdict:
         """The driver's own verdict on a program, asked for once."""
@@ -192,17 +194,17 @@ class Lab:
         scene: Scene,
         frame: Frame,
         said: Mapping[int, Answer | Complaint],
-        draft: write_up.Draft,
-        book: album.Album,
+        builder: RecordBuilder,
+        writer: PictureWriter,
     ) -> None:
         for index, expectation in enumerate(scene.expect):
-            seen = album.Shown()
+            seen = PictureFiles()
             try:
                 with doing("judge", f"judging {expectation.name!r}"):
                     found = judge(index, scene, frame, said)
                 worst = found.outcome.worst
-                with doing("picture"), _unless_unwritable(draft):
-                    seen = book.judged(
+                with doing("picture"), _unless_unwritable(builder):
+                    seen = writer.write_comparison(
                         f"{index}-{expectation.name}",
                         found.pictures,
                         worst.pixel if worst else None,
@@ -216,7 +218,7 @@ class Lab:
             outcome = replace(
                 found.outcome, images=seen.files, captions=seen.captions, values=seen.values
             )
-            draft.add(outcome, found, expectation)
+            builder.add_outcome(outcome, found, expectation)
 
     def _enlarged(self, scene: Scene, prepared: Prepared, drawn: Drawn) -> Drawn:
         """The scene in the size for people: drawn once more, but where it has one size only."""
@@ -227,27 +229,30 @@ class Lab:
         with self.runner.session(scene, prepared, (self.options.picture_size,) * 2) as session:
             return session.run()
 
-    def _portrait(
-        self, scene: Scene, drawn: Drawn, draft: write_up.Draft, book: album.Album
+    def _write_pictures(
+        self, scene: Scene, drawn: Drawn, builder: RecordBuilder, writer: PictureWriter
     ) -> None:
         wanted = plan.picture_of(scene, drawn.images)
-        with _unless_unwritable(draft):
-            draft.portrait(book.portrait(drawn.images[wanted]), book.passes(scene, drawn.images))
+        with _unless_unwritable(builder):
+            builder.set_pictures(
+                writer.write_picture(drawn.images[wanted]),
+                writer.write_passes(scene, drawn.images),
+            )
 
     def _preparer_beside(self, folder: str) -> Preparer:
         return Preparer(shaders_beside(Path(folder), self.options.shaders), compiler())
 
 
 @contextmanager
-def _unless_unwritable(draft: write_up.Draft) -> Iterator[None]:
+def _unless_unwritable(builder: RecordBuilder) -> Iterator[None]:
     """A file for people that can't be written, on a full disk say, changes no verdict: it is a
     notice."""
     try:
         yield
     except AssetError as error:
-        draft.notice(error.message)
+        builder.add_notice(error.message)
     except OSError as error:
-        draft.notice(f"can't write a picture ({error.strerror or error})")
+        builder.add_notice(f"can't write a picture ({error.strerror or error})")
 
 
 def _defect(error: Exception) -> ShaderlabError:

@@ -59,10 +59,10 @@ def _case(
     several = len(group.records) > 1
     glsl, python = listings(group, anchors, shown)
     figures = tuple(
-        (record.variant if several and outcome.kind != "computed" else "", row)
+        (record.variant if several and outcome.rows_per_variant else "", row)
         for record in group.records
         for outcome in record.expectations
-        for row in named_rows(outcome)
+        for row in _rows(outcome)
     )
     together = len(figures) <= _FIGURES_TOGETHER
     return CaseView(
@@ -100,11 +100,11 @@ def _case(
     )
 
 
-def named_rows(outcome: Outcome) -> tuple[Row, ...]:
-    """An outcome's figures; of a measure's several readings each says what is measured, too."""
-    if outcome.kind != "measure" or len(outcome.rows) < 2:
+def _rows(outcome: Outcome) -> tuple[Row, ...]:
+    """An outcome's rows, labelled so that they can stand beside those of others."""
+    if not outcome.rows_heading:
         return outcome.rows
-    return tuple(replace(row, label=f"{outcome.name}: {row.label}") for row in outcome.rows)
+    return tuple(replace(r, label=f"{outcome.rows_heading}: {r.label}") for r in outcome.rows)
 
 
 def _charts(group: CaseGroup) -> tuple[tuple[str, Chart], ...]:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from shaderlab.frame import Array, Image
-from shaderlab.pipeline.album import Album
+from shaderlab.pipeline.picture_writer import PictureWriter
 from shaderlab.records import (
     Declared,
     ErratumNote,
@@ -67,7 +67,7 @@ def arrays(seed: int, *, wrong: bool) -> dict[str, Array]:
 
 def judged(folder: Path, variant: str, values: dict[str, Array]) -> Outcome:
     """The outcome of a check over these arrays, its files written."""
-    seen = Album(folder, "lamp", variant).judged("0-FragColor", values, WORST)
+    seen = PictureWriter(folder, "lamp", variant).write_comparison("0-FragColor", values, WORST)
     x, y = WORST
     each = {
         name: tuple(float(v) for v in values[key][y, x])
@@ -106,8 +106,8 @@ def lamp(folder: Path) -> Sample:
     (folder / "spirv").mkdir(parents=True)
     (folder / "spirv" / "lamp.spvasm").write_text("; fragment\n%main = OpFunction <img src=x>\n")
     picture = np.random.default_rng(2).random((256, 256, 3)).astype("f4")
-    album = Album(folder, "lamp", "good")
-    shown = album.portrait(Image(picture, "rgba32f"))
+    writer = PictureWriter(folder, "lamp", "good")
+    shown = writer.write_picture(Image(picture, "rgba32f"))
     note = ErratumNote(section="5.1", says="the lamp is off", truth="it is on", proof="F(7)")
     common = {"programs": (program,), "images": shown.files, "captions": shown.captions}
     lamp_records: list[Record] = [

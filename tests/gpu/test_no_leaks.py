@@ -24,8 +24,8 @@ from shaderlab.frame import Frame
 from shaderlab.gl import state as fixed
 from shaderlab.model import Case, Mesh, Scene, State, Target, exact, mesh_pass
 from shaderlab.pipeline import Lab, Options
-from shaderlab.pipeline.album import Album
-from shaderlab.pipeline.write_up import Draft
+from shaderlab.pipeline.picture_writer import PictureWriter
+from shaderlab.pipeline.record_builder import RecordBuilder
 from shaderlab.records import Record
 
 SEEDS = (1, 20)
@@ -46,8 +46,8 @@ class Watched(Lab):
         scene: Scene,
         frame: Frame,
         said: Mapping[int, Answer | Complaint],
-        draft: Draft,
-        book: Album,
+        builder: RecordBuilder,
+        writer: PictureWriter,
     ) -> None:
         self.hashes[scene.case.id, scene.variant] = {
             name: hashlib.blake2s(b"".join(parts(getattr(frame, name)))).hexdigest()
@@ -55,7 +55,7 @@ class Watched(Lab):
             if name != "timings"  # seconds differ
         }
         if scene.case.id in self._judged:
-            super()._judge(scene, frame, said, draft, book)
+            super()._judge(scene, frame, said, builder, writer)
 
 
 def parts(value: Any) -> Iterator[bytes]:

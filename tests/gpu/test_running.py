@@ -447,7 +447,7 @@ def test_the_same_scene_gives_the_same_bytes(lab: Lab, folder: Path) -> None:
 def test_a_defect_of_the_lab_costs_one_scene_only(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from shaderlab.pipeline import album
+    from shaderlab.pipeline.picture_writer import PictureWriter
 
     def broken(self: Any, image: Any) -> Any:
         raise IndexError("no such luck")
@@ -455,7 +455,7 @@ def test_a_defect_of_the_lab_costs_one_scene_only(
     monkeypatch.delenv("SHADERLAB_DEBUG", raising=False)
     with Lab(Options(size=16, folder=folder)) as lab:
         with monkeypatch.context() as patch:
-            patch.setattr(album.Album, "portrait", broken)
+            patch.setattr(PictureWriter, "write_picture", broken)
             record = run(lab, folder, ramp(), formula("product", product))
         assert record.status == "error"
         assert "IndexError: no such luck" in record.message

@@ -22,7 +22,6 @@ from shaderlab.records import (
     Verdict,
 )
 from shaderlab.report import save, summary, write
-from shaderlab.report.build import named_rows
 from shaderlab.report.compare import compare
 from tests.unit.test_report_samples import HOSTILE, Page, hostile, outcome, record, run, worst
 
@@ -142,10 +141,27 @@ def test_several_drivers_stand_side_by_side(tmp_path: Path) -> None:
     assert "side by side" not in alone.words()
 
 
-def test_readings_of_a_measure_say_what_is_measured() -> None:
+def test_rows_with_a_heading_begin_with_it(tmp_path: Path) -> None:
     rows = tuple(Row(label=x, expected="≤ 1", measured="0", ok=True) for x in ("256", "512"))
-    several = outcome(name="share in the dark", kind="measure", rows=rows)
-    labels = [row.label for row in named_rows(several)]
-    assert labels == ["share in the dark: 256", "share in the dark: 512"]
-    assert named_rows(outcome(name="a", kind="measure", rows=rows[:1])) == rows[:1]
-    assert named_rows(outcome(name="a", kind="value", rows=rows)) == rows
+    headed = outcome(name="share in the dark", rows=rows, rows_heading="share in the dark")
+    words = Page(write(run(record("a", expectations=(headed,))), tmp_path)).words()
+    assert "share in the dark: 256" in words and "share in the dark: 512" in words
+    plain = outcome(name="share in the dark", rows=rows)
+    words = Page(write(run(record("a", expectations=(plain,))), tmp_path)).words()
+    assert "share in the dark: 256" not in words and " 256 " in words
+
+
+def test_rows_that_no_variant_changes_are_not_labelled_by_it(tmp_path: Path) -> None:
+    row = Row(label="F(7)", expected="1", measured="1", ok=True)
+    for per_variant in (True, False):
+        found = outcome(rows=(row,), rows_per_variant=per_variant)
+        records = [record("a", variant, expectations=(found,)) for variant in ("dim", "bright")]
+        page = Page(write(run(*records), tmp_path))
+        assert ("<td>bright</td>" in page.source) is per_variant
+
+
+def test_a_worst_value_that_rows_show_is_not_shown_again(tmp_path: Path) -> None:
+    for shown in (True, False):
+        found = outcome(worst=worst(), rows_show_worst=shown)
+        words = Page(write(run(record("a", expectations=(found,))), tmp_path)).words()
+        assert ("nearest to its band's edge" in words) is not shown

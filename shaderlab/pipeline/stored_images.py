@@ -1,4 +1,4 @@
-"""What scenes drew, kept as files, so that two drivers' values can be compared afterwards."""
+"""Stores what scenes drew, so that two drivers' values can be compared afterwards."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from shaderlab.frame import Array, Image
 
 
 def save(folder: Path, case_id: str, variant: str, images: Mapping[tuple[str, str], Image]) -> None:
-    """Keep a scene's images, by "pass.output", uncompressed: they are read once and thrown away."""
+    """Store a scene's images as "pass.output", uncompressed: they are read once and deleted."""
     folder.mkdir(parents=True, exist_ok=True)
     arrays = {".".join(key): image.values for key, image in images.items()}
     np.savez(_file(folder, case_id, variant), **arrays)  # type: ignore[arg-type]
 
 
 def load(folder: Path, case_id: str, variant: str) -> dict[str, Array]:
-    """The images that `save` kept; none if the scene did not come to draw."""
+    """The images that `save` stored; empty if the scene was not drawn."""
     try:
-        with np.load(_file(folder, case_id, variant), allow_pickle=False) as kept:
-            return {name: kept[name] for name in kept.files}
+        with np.load(_file(folder, case_id, variant), allow_pickle=False) as stored:
+            return {name: stored[name] for name in stored.files}
     except FileNotFoundError:
         return {}
 

@@ -1,4 +1,4 @@
-"""The picture files of a run: what a case looks like, and what its checks saw."""
+"""Writes the picture files of a run: cases, their passes, and the values that were compared."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ from shaderlab.glsl.spirv import disassemble
 from shaderlab.model import Pass, Scene, outputs_read
 from shaderlab.records import Attachment, PassRecord
 
-# A value is a pixel of its own (2 × 2 where some are outside); the page enlarges them.
-JUDGED_SIDE = 1
+# Of compared pictures: one pixel a value (2 × 2 where some are outside); the page enlarges them.
+COMPARISON_SIDE = 1
 ATTACHMENT_SIDE = 160
-# Bytes of numbers that are much for a comparison in which nothing differs.
+# An exact comparison without a difference keeps at most so many bytes of numbers, or a corner.
 LARGE = 4096
 # The size in which a report's overview shows a picture.
 PREVIEW_SIDE = 320
 
 
 @dataclass(frozen=True)
-class Shown:
+class PictureFiles:
     """Picture files by what they show, relative to the run's folder, and how to read them.
 
     `values` is the file of the numbers behind them, or "".
@@ -38,7 +38,7 @@ class Shown:
     values: str = ""
 
 
-class Album:
+class PictureWriter:
     """Writes pictures below `folder`/images; without a folder it writes nothing.
 
     Names are made of the case's id, the variant and a label, and always end up inside the folder.
@@ -49,21 +49,21 @@ class Album:
         self._stem = f"{_safe(case_id)}--{_safe(variant)}"
         self._saved: dict[tuple[bytes, tuple[int, ...], int], Path] = {}
 
-    def portrait(self, image: Image) -> Shown:
-        """The case's picture."""
+    def write_picture(self, image: Image) -> PictureFiles:
+        """Write the case's picture, with a small copy for the overview."""
         if self._folder is None:
-            return Shown()
+            return PictureFiles()
         display = pictures.to_display(_colours(image))
         file = self._save("picture", display.image, 256)
         if min(display.image.shape[:2]) >= 256:
             pictures.save_previews(self._folder / file, display.image, (0,))
             self._preview(file, display.image)
-        return Shown({"picture": file}, {"picture": display.caption})
+        return PictureFiles({"picture": file}, {"picture": display.caption})
 
-    def passes(
+    def write_passes(
         self, scene: Scene, images: Mapping[tuple[str, str], Image]
     ) -> tuple[PassRecord, ...]:
-        """The scene's passes with a small picture of each attachment, if it has several."""
+        """Describe a scene's passes, with a small picture of each attachment if it has several."""
         if self._folder is None or (len(scene.passes) == 1 and len(images) == 1):
             return ()
         return tuple(self._pass(description, images) for description in scene.passes)
@@ -90,15 +90,18 @@ class Album:
         pictures.save_previews(self._folder / file, small, (0,))
         return Attachment(name=name, format=image.format, image=file, caption=display.caption)
 
-    def judged(
+    def write_comparison(
         self, label: str, arrays: Mapping[str, Array], worst: tuple[int, int] | None = None
-    ) -> Shown:
-        """A check's measured and reference values in common colours, the distance, the numbers.
+    ) -> PictureFiles:
+        """Write measured and reference values in common colours, their distance, and the numbers.
 
-        `worst` is the pixel that must be among the numbers where there are too many of them.
+        Args:
+            label: distinguishes this comparison from others of the scene.
+            arrays: as in `Judgement.pictures`; nothing is written if there are none.
+            worst: the pixel to keep where only a part of the numbers is kept.
         """
         if self._folder is None or not arrays:
-            return Shown()
+            return PictureFiles()
         distance, shown = arrays["distance"], {w: arrays[w] for w in ("measured", "reference")}
         covered = arrays.get("covered", np.ones(distance.shape, bool))
         partly = not covered.all()
@@ -115,34 +118,34 @@ class Album:
             captions[what] = display.caption
             twin = displayed.get("measured")
             if twin is not None and np.array_equal(twin, display.image):
-                files[what] = files["measured"]  # the usual case, where all is right
+                files[what] = files["measured"]  # the usual case: nothing differs visibly
                 continue
             displayed[what] = display.image
-            files[what] = self._save(f"{label}-{what}", display.image, JUDGED_SIDE)
+            files[what] = self._save(f"{label}-{what}", display.image, COMPARISON_SIDE)
             self._preview(files[what], display.image)
         seen, palette = pictures.distance_picture(
-            distance, np.abs(distance) > 1.0, min_side=JUDGED_SIDE
+            distance, np.abs(distance) > 1.0, min_side=COMPARISON_SIDE
         )
-        files["distance"] = self._save(f"{label}-distance", seen, JUDGED_SIDE, palette)
+        files["distance"] = self._save(f"{label}-distance", seen, COMPARISON_SIDE, palette)
         self._preview(files["distance"], seen, palette)
         relative, path = self._file(label, "values")
         numbers = _numbers(arrays)
         packed = pictures.pack(pictures.judged_part(numbers, worst))
         if "covered" not in arrays and len(packed) > LARGE and not numbers["outside"].any():
-            # Equal in every bit, and of no pattern: a corner tells as much.
+            # Every bit is equal, and the data do not compress: a corner is enough.
             packed = pictures.pack(pictures.judged_part(numbers, worst, pictures.WINDOW // 2))
         path.write_bytes(packed)
-        return Shown(files, captions, relative)
+        return PictureFiles(files, captions, relative)
 
     def _preview(self, file: str, image: Array, palette: Array | None = None) -> None:
-        """A small copy beside a picture that is larger than the page shows it."""
+        """Write a small copy of a picture that is larger than the page shows it."""
         assert self._folder is not None
         if max(image.shape[:2]) > PREVIEW_SIDE:
             colours = image if palette is None else palette[image]
             pictures.save_previews(self._folder / file, colours, (PREVIEW_SIDE,))
 
-    def assembly(self, modules: Mapping[str, bytes]) -> str:
-        """A program's modules as SPIR-V assembly, by stage; one file for all that are the same.
+    def write_assembly(self, modules: Mapping[str, bytes]) -> str:
+        """Write a program's modules as SPIR-V assembly, by stage; equal modules share a file.
 
         Returns:
             the file, relative to the run's folder; "" where there is none.
@@ -160,7 +163,7 @@ class Album:
         return relative
 
     def _save(self, label: str, image: Array, side: int, palette: Array | None = None) -> str:
-        """Write a picture; what several checks of a scene show alike is encoded once."""
+        """Write a picture; equal ones of a scene are encoded once."""
         relative, path = self._file(label, "png")
         pixels = np.ascontiguousarray(image)
         key = hashlib.blake2b(pixels.data, digest_size=16).digest(), pixels.shape, side
@@ -180,7 +183,7 @@ class Album:
 
 
 def _numbers(arrays: Mapping[str, Array]) -> Mapping[str, Array]:
-    """All that `judged_part` wants: of an exact comparison each band is its reference alone."""
+    """All that `judged_part` needs; in an exact comparison each band is its reference alone."""
     if "covered" in arrays:
         return arrays
     measured, reference = (arrays[what].astype(np.float64) for what in ("measured", "reference"))

@@ -1,4 +1,4 @@
-"""How a scene's buffers are laid out, for showing."""
+"""Describes how a scene's buffers are laid out, for the report."""
 
 from __future__ import annotations
 
@@ -9,24 +9,25 @@ from shaderlab.gl.prepare import PreparedDraw
 from shaderlab.model import Mesh, UniformBuffer
 from shaderlab.records import BufferPart, BufferRecord
 
-_MOST = 24  # buffers that are shown
+_MOST = 24
 
 
-def buffers(prepared: Mapping[str, tuple[PreparedDraw, ...]]) -> tuple[BufferRecord, ...]:
-    """The uniform buffers of a scene, and the vertex buffers of meshes that say how they lie,
-    each once."""
-    draws = [draw for some in prepared.values() for draw in some]
-    found = [*_uniform(draws), *_vertex(prepared)]
-    return tuple(found[:_MOST])
+def buffer_records(prepared: Mapping[str, tuple[PreparedDraw, ...]]) -> tuple[BufferRecord, ...]:
+    """A scene's uniform buffers, and the vertex buffers of meshes that ask for a layout.
+
+    Each appears once; 24 are described at most.
+    """
+    return tuple([*_uniform_buffers(prepared), *_vertex_buffers(prepared)][:_MOST])
 
 
-def _uniform(draws: list[PreparedDraw]) -> Iterator[BufferRecord]:
+def _uniform_buffers(prepared: Mapping[str, tuple[PreparedDraw, ...]]) -> Iterator[BufferRecord]:
     users: dict[int, list[tuple[str, UniformBuffer, PreparedDraw]]] = {}
-    for draw in draws:
-        for name, buffer in draw.draw.blocks.items():
-            users.setdefault(id(buffer), []).append((name, buffer, draw))
-    for some in users.values():
-        name, _, draw = some[0]
+    for draws in prepared.values():
+        for draw in draws:
+            for name, buffer in draw.draw.blocks.items():
+                users.setdefault(id(buffer), []).append((name, buffer, draw))
+    for uses in users.values():
+        name, _, draw = uses[0]
         interface = draw.compiled.interface
         block = None if interface is None else blocks.uniform_blocks(interface).get(name)
         if block is not None:
@@ -36,16 +37,16 @@ def _uniform(draws: list[PreparedDraw]) -> Iterator[BufferRecord]:
                 for member, slot in layout.slots.items()
             )
             yield BufferRecord(
-                name=name, kind="uniform", size=layout.size, used=len(some), parts=parts
+                name=name, kind="uniform", size=layout.size, used=len(uses), parts=parts
             )
 
 
-def _vertex(prepared: Mapping[str, tuple[PreparedDraw, ...]]) -> Iterator[BufferRecord]:
+def _vertex_buffers(prepared: Mapping[str, tuple[PreparedDraw, ...]]) -> Iterator[BufferRecord]:
     meshes: dict[int, tuple[str, Mesh, int]] = {}
     for name, draws in prepared.items():
         for draw in draws:
             mesh = draw.draw.mesh
-            if mesh is not None and _says_how(mesh):
+            if mesh is not None and _has_own_layout(mesh):
                 first, _, count = meshes.get(id(mesh), (name, mesh, 0))
                 meshes[id(mesh)] = (first, mesh, count + 1)
     for name, mesh, count in meshes.values():
@@ -66,7 +67,7 @@ def _vertex(prepared: Mapping[str, tuple[PreparedDraw, ...]]) -> Iterator[Buffer
             )
 
 
-def _says_how(mesh: Mesh) -> bool:
-    """Whether the mesh lies otherwise than meshes do that say nothing."""
-    plain = ("separate", "static_draw", "data")
-    return bool(mesh.instance_attributes) or (mesh.layout, mesh.usage, mesh.upload) != plain
+def _has_own_layout(mesh: Mesh) -> bool:
+    """Whether the mesh asks for another layout than the default, or for instances."""
+    default = ("separate", "static_draw", "data")
+    return bool(mesh.instance_attributes) or (mesh.layout, mesh.usage, mesh.upload) != default

@@ -1,4 +1,4 @@
-"""Writing a record down while its scene is run, so that a failure half way loses nothing."""
+"""Collects a record while its scene runs, so that a failure half way loses nothing."""
 
 from __future__ import annotations
 
@@ -18,13 +18,12 @@ from shaderlab.glsl.opinion import compared
 from shaderlab.glsl.sources import Source
 from shaderlab.glsl.spirv import Interface
 from shaderlab.model import Expectation, Ramp, Scene
-from shaderlab.pipeline.album import Shown
-from shaderlab.pipeline.memory import buffers
+from shaderlab.pipeline.buffer_layouts import buffer_records
+from shaderlab.pipeline.picture_writer import PictureFiles
 from shaderlab.records import (
     BufferRecord,
     Curve,
     Declared,
-    Diagnostic,
     ErratumNote,
     Outcome,
     PassRecord,
@@ -39,8 +38,8 @@ from shaderlab.records import (
 Assembly = Callable[[Mapping[str, bytes]], str]
 
 
-class Draft:
-    """A record in the making."""
+class RecordBuilder:
+    """Collects what a record is made of, in the order in which a scene runs."""
 
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
@@ -52,72 +51,72 @@ class Draft:
         self._curves: list[Curve] = []
         self._plots: list[Plot] = []
         self._notices: list[str] = []
-        self._picture = Shown()
+        self._picture = PictureFiles()
         self._passes: tuple[PassRecord, ...] = ()
         self._buffers: tuple[BufferRecord, ...] = ()
         self._driver, self._size, self._picture_size = "", 0, 0
 
-    def stop(self, status: Status, error: ShaderlabError) -> None:
-        """The scene could not be run to its end."""
+    def set_failure(self, status: Status, error: ShaderlabError) -> None:
+        """Give the reason why the scene could not be run to its end."""
         self._status = status
-        located = error.file is not None
-        place = f"{display_path(error.file or '')}:{error.line}: " if located and error.line else ""
-        place = place or (f"{display_path(error.file or '')}: " if located else "")
+        place = "" if error.file is None else f"{display_path(error.file, error.line or None)}: "
         remedy = f"\n→ {error.remedy}" if error.remedy else ""
         self._message = f"{place}{error.message}{remedy}"
 
-    def drawn_on(self, driver: Mapping[str, str], size: int, picture_size: int) -> None:
-        """Note what the values that are drawn now depend on besides the case."""
+    def set_device(self, driver: Mapping[str, str], size: int, picture_size: int) -> None:
+        """Set what the drawn values depend on besides the case."""
         self._driver = f"{driver['renderer']}; {driver['version']}"
         self._size, self._picture_size = size, picture_size
 
-    def programs(
+    def add_programs(
         self, prepared: Mapping[str, tuple[PreparedDraw, ...]], assembly: Assembly
     ) -> None:
-        """Note each different program's sources and verdicts; `assembly` writes down its modules
-        and tells the file."""
+        """Add each different program's sources and verdicts, and the layout of the buffers.
+
+        `assembly` writes a program's modules to a file and returns its name.
+        """
         for name, draws in prepared.items():
             for index, draw in enumerate(draws):
                 self._drawn_by[name, index] = draw.sources
                 if draw.sources not in self._programs:
                     self._programs[draw.sources] = _program(draw, assembly)
-        self._buffers = buffers(prepared)
+        self._buffers = buffer_records(prepared)
 
-    def second_opinions(self, opinion: Callable[[tuple[Source, ...]], Verdict]) -> None:
-        """Add the driver's own verdict on each program noted so far, beside the compilers'."""
+    def add_driver_verdicts(self, verdict_of: Callable[[tuple[Source, ...]], Verdict]) -> None:
+        """Add the driver's own verdict on each program so far to those of the compilers."""
         for sources, program in self._programs.items():
-            verdicts = compared((*program.verdicts, _nearer(opinion(sources))))
+            verdicts = compared((*program.verdicts, _for_display(verdict_of(sources))))
             self._programs[sources] = replace(program, verdicts=verdicts)
 
-    def notice(self, text: str) -> None:
-        """Say something that changes no verdict."""
+    def add_notice(self, text: str) -> None:
+        """Add a message that changes no verdict."""
         if text not in self._notices:
             self._notices.append(text)
 
-    def notice_inactive(self, names: frozenset[str]) -> None:
-        """Say which declared uniforms the driver found to have no effect."""
+    def add_inactive_uniforms(self, names: frozenset[str]) -> None:
+        """Add a notice for each declared uniform that the driver found to have no effect."""
         for name in sorted(names):
             self._notices.append(f"uniform {name} is declared but inactive: it changes no output")
 
-    def add(self, outcome: Outcome, found: Judgement, expectation: Expectation) -> None:
-        """Note one expectation's outcome, and what there is to plot of its judgement."""
+    def add_outcome(self, outcome: Outcome, judgement: Judgement, expectation: Expectation) -> None:
+        """Add one expectation's outcome, with its curve and plot if it has any."""
         where = [replace(s, file=display_path(s.file)) for s in outcome.sources]
         output = getattr(expectation, "output", "")
         if where and output:
             where += self._assignments(output, getattr(expectation, "draw", -1))
         self._outcomes.append(replace(outcome, sources=tuple(where)))
-        if found.curve is not None:
-            self._curves.append(found.curve)
-        if found.plot is not None:
-            self._plots.append(found.plot)
+        if judgement.curve is not None:
+            self._curves.append(judgement.curve)
+        if judgement.plot is not None:
+            self._plots.append(judgement.plot)
 
-    def portrait(self, picture: Shown, passes: tuple[PassRecord, ...] = ()) -> None:
-        """Note the case's picture, and those of its passes."""
+    def set_pictures(self, picture: PictureFiles, passes: tuple[PassRecord, ...] = ()) -> None:
+        """Set the case's picture, and those of its passes."""
         self._picture = picture
         self._passes = passes
 
-    def record(self, seconds: float, timings: Mapping[str, float]) -> Record:
-        """The finished record; `timings` are seconds by phase."""
+    def build(self, seconds: float, timings: Mapping[str, float]) -> Record:
+        """Build the record; `timings` are seconds by phase."""
         case = self._scene.case
         verdicts = _by_target(self._programs.values())
         return Record(
@@ -190,7 +189,7 @@ def _program(draw: PreparedDraw, assembly: Assembly) -> ProgramRecord:
             for path, text in parts.items()
         ),
         verdicts=tuple(
-            replace(_nearer(verdict), assembly=assembly(modules.get(verdict.target, {})))
+            replace(_for_display(verdict), assembly=assembly(modules.get(verdict.target, {})))
             for verdict in draw.compiled.verdicts
         ),
         declared=tuple(_declared(draw.compiled.interface)),
@@ -225,11 +224,9 @@ def _declared(interface: Interface | None) -> Iterator[Declared]:
         )
 
 
-def _nearer(verdict: Verdict) -> Verdict:
-    def moved(diagnostic: Diagnostic) -> Diagnostic:
-        return replace(diagnostic, file=display_path(diagnostic.file))
-
-    return replace(verdict, diagnostics=tuple(moved(d) for d in verdict.diagnostics))
+def _for_display(verdict: Verdict) -> Verdict:
+    diagnostics = (replace(d, file=display_path(d.file)) for d in verdict.diagnostics)
+    return replace(verdict, diagnostics=tuple(diagnostics))
 
 
 def _by_target(programs: Iterable[ProgramRecord]) -> dict[str, str]:
@@ -247,12 +244,12 @@ def _refused(verdicts: Mapping[str, str]) -> str:
 
 
 def _inputs(scene: Scene) -> dict[str, str]:
-    """All uniforms and ramps, for showing; those that the variant changes come first."""
-    seen = {name: _spelt(value) for name, value in scene.inputs.items()}
-    return {name: seen[name] for name in sorted(seen, key=lambda n: n not in scene.changes)}
+    """All uniforms and ramps as text; those that the variant changes come first."""
+    texts = {name: _input_text(value) for name, value in scene.inputs.items()}
+    return {name: texts[name] for name in sorted(texts, key=lambda n: n not in scene.changes)}
 
 
-def _spelt(value: object) -> str:
+def _input_text(value: object) -> str:
     if isinstance(value, Ramp):
         ends = [shown(value.origin)]
         for label, step in (("across", value.dx), ("up", value.dy)):
@@ -261,7 +258,7 @@ def _spelt(value: object) -> str:
         return " + ".join(ends)
     try:
         return shown(value)
-    except (TypeError, ValueError):  # no numbers: the record says so elsewhere
+    except (TypeError, ValueError):  # not numbers: another part of the record says so
         return repr(value)
 
 

@@ -1,4 +1,4 @@
-"""The pictures of a scene: each encoded once, and read back as what was judged."""
+"""The pictures of a scene, each encoded once and read back as what was judged; its SPIR-V."""
 
 from __future__ import annotations
 
@@ -10,7 +10,10 @@ import pytest
 
 from shaderlab import pictures
 from shaderlab.frame import Image
-from shaderlab.pipeline.album import Album
+from shaderlab.glsl import Shaders, compile_program
+from shaderlab.pipeline.picture_writer import PictureWriter
+
+FRAGMENT = "#version 330 core\nout vec4 color;\nvoid main() { color = vec4(0.25); }\n"
 
 
 def compared(measured: np.ndarray, reference: np.ndarray) -> dict[str, Any]:
@@ -41,11 +44,11 @@ def noise(seed: int) -> np.ndarray:
 
 
 def test_equal_pictures_of_a_scene_are_encoded_once(tmp_path: Path, encoded: list[str]) -> None:
-    album = Album(tmp_path, "case", "v")
+    writer = PictureWriter(tmp_path, "case", "v")
     values = noise(1)
-    first = album.judged("0-a", compared(values, values))
-    again = album.judged("1-b", compared(values, values))
-    portrait = album.portrait(Image(values, "rgba32f"))
+    first = writer.write_comparison("0-a", compared(values, values))
+    again = writer.write_comparison("1-b", compared(values, values))
+    picture = writer.write_picture(Image(values, "rgba32f"))
     assert encoded == [
         "case--v--0-a-measured.png",
         "case--v--0-a-distance.png",
@@ -54,15 +57,15 @@ def test_equal_pictures_of_a_scene_are_encoded_once(tmp_path: Path, encoded: lis
     for what in ("measured", "reference", "distance"):
         one, other = (tmp_path / shown.files[what] for shown in (first, again))
         assert one != other and one.read_bytes() == other.read_bytes()
-    assert (tmp_path / portrait.files["picture"]).is_file()
+    assert (tmp_path / picture.files["picture"]).is_file()
 
 
 def test_a_pixel_makes_another_picture(tmp_path: Path, encoded: list[str]) -> None:
-    album = Album(tmp_path, "case", "v")
+    writer = PictureWriter(tmp_path, "case", "v")
     values, other = noise(1), noise(1)
     other[3, 5] = 1.0 - other[3, 5]
-    album.judged("0-a", compared(values, values))
-    shown = album.judged("1-b", compared(other, values))
+    writer.write_comparison("0-a", compared(values, values))
+    shown = writer.write_comparison("1-b", compared(other, values))
     assert {"case--v--1-b-measured.png", "case--v--1-b-distance.png"} <= set(encoded)
     seen = pictures.load(tmp_path / shown.files["measured"])
     assert np.abs(seen - other).max() <= 0.5 / 255 + 1e-6
@@ -85,7 +88,7 @@ def test_pixels_that_nothing_covers_are_grey_and_stay_as_they_were(tmp_path: Pat
         "outside": np.zeros(values.shape, bool),
         "unit": np.asarray(1.0),
     }
-    shown = Album(tmp_path, "case", "v").judged("0-a", arrays)
+    shown = PictureWriter(tmp_path, "case", "v").write_comparison("0-a", arrays)
     seen = np.rint(pictures.load(tmp_path / shown.files["measured"]) * 255)
     assert (seen[2] == pictures.UNCOVERED).all() and (seen[3] == values[3]).all()
     assert np.array_equal(values, before)
@@ -102,3 +105,25 @@ def test_a_copy_that_cannot_be_written_is_named(tmp_path: Path) -> None:
     pictures.copy_png(tmp_path / "b.png", source)
     assert (tmp_path / "b.png").read_bytes() == source.read_bytes()
     assert sorted(p.name for p in tmp_path.iterdir()) == ["a.png", "b.png"]
+
+
+def modules(text: str) -> dict[str, bytes]:
+    source = Shaders([]).from_text(text, "fragment", "a.frag")
+    return dict(compile_program([source]).spirv["opengl"])
+
+
+def test_equal_modules_are_one_file_and_others_are_another(tmp_path: Path) -> None:
+    quarter, half = modules(FRAGMENT), modules(FRAGMENT.replace("0.25", "0.5"))
+    writers = [PictureWriter(tmp_path, "case", variant) for variant in "abc"]
+    names = [a.write_assembly(m) for a, m in zip(writers, (quarter, quarter, half), strict=True)]
+    assert names[0] == names[1] != names[2]
+    text = (tmp_path / names[0]).read_text()
+    assert text.startswith("; fragment\n") and "OpConstant %float 0.25" in text
+    assert "OpConstant %float 0.5" in (tmp_path / names[2]).read_text()
+    assert sorted(p.suffix for p in (tmp_path / "spirv").iterdir()) == [".spvasm"] * 2
+
+
+def test_nothing_is_written_without_a_folder_or_modules(tmp_path: Path) -> None:
+    assert PictureWriter(None, "case", "v").write_assembly(modules(FRAGMENT)) == ""
+    assert PictureWriter(tmp_path, "case", "v").write_assembly({}) == ""
+    assert not list(tmp_path.iterdir())
