@@ -37,7 +37,7 @@ def examine() -> tuple[Finding, ...]:
         _sizes(),
         *_packages(),
         *_compilers(),
-        _kept(),
+        _compile_cache(),
         *_data(),
         *_driver(),
     )
@@ -119,14 +119,14 @@ def _compilers() -> Iterator[Finding]:
         yield Finding(name=name, found=version)
 
 
-def _kept() -> Finding:
-    """Where compiled programs are kept, and how much there is."""
-    from .glsl.kept import FOLDER_VARIABLE, cache_folder
-    from .glsl.store import Store
+def _compile_cache() -> Finding:
+    """Where the compile cache is, and how large."""
+    from .glsl.cache_store import Store
+    from .glsl.compile_cache import FOLDER_VARIABLE, cache_folder
 
     folder = cache_folder()
     if folder is None:
-        found = f"not kept: {FOLDER_VARIABLE} is empty, or there is no home folder"
+        found = f"no cache: {FOLDER_VARIABLE} is empty, or there is no home folder"
     else:
         usage = Store(folder).usage()
         found = f"{usage.entries} files, {usage.size / 1e6:.1f} MB in {folder}"

@@ -12,8 +12,8 @@ import click
 from ..errors import UsageError
 from ..glsl.compile import ALL_TARGETS, TARGETS
 from ..glsl.engines import ENGINES
-from ..glsl.harness import compile_found, patience
-from ..glsl.jobs import WORK, FileResult, Options
+from ..glsl.harness import compile_found, time_limit
+from ..glsl.jobs import WORK, CompileOptions, FileResult
 from ..glsl.sources import STAGES
 from ..glsl.tree import find_shaders
 from ..workers import Limits, Pool
@@ -102,16 +102,16 @@ def command(
     shipped = _shipped()
     shaders = find_shaders(paths, [shipped], stage=stage)
     programs = [shaders] if link else [[shader] for shader in shaders]
-    options = Options(
+    options = CompileOptions(
         targets=tuple(dict.fromkeys(targets)) or TARGETS,
         roots=tuple(map(str, [*includes, shipped])),
         defines=dict(map(_macro, defines)),
         stage=stage,
         engine=engine,
         seconds=seconds,
-        opinion=_DRIVER if driver else "",
+        driver=_DRIVER if driver else "",
     )
-    limits = Limits(seconds=patience(engine, seconds))
+    limits = Limits(seconds=time_limit(engine, seconds))
     # A worker takes as long to start as two hundred files take to compile.
     most = 1 + len(programs) // _FILES_PER_WORKER
     with Pool(WORK, limits=limits, jobs=jobs or min(os.cpu_count() or 1, 4, most)) as pool:

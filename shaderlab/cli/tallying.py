@@ -9,8 +9,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any, TextIO
 
+from ..glsl.driver_verdict import DRIVER
 from ..glsl.jobs import FileResult
-from ..glsl.opinion import DRIVER
 from ..terminal import diagnostic_line
 
 _WIDTH = 30

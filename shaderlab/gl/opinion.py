@@ -8,8 +8,9 @@ from typing import Any
 
 from shaderlab.errors import DriverError
 from shaderlab.gl.device import Device, open_device
-from shaderlab.glsl.opinion import DRIVER, Diagnostic, Verdict, of_driver
+from shaderlab.glsl.driver_verdict import DRIVER, parse_driver_log
 from shaderlab.glsl.sources import Source
+from shaderlab.records import Diagnostic, Verdict
 
 _KINDS = {
     "vertex": 0x8B31,
@@ -56,13 +57,13 @@ def driver_verdict(device: Device | Any, sources: Sequence[Source]) -> Verdict:
             GL.glShaderSource(shader, source.text)
             GL.glCompileShader(shader)
             good = bool(GL.glGetShaderiv(shader, _COMPILED))
-            found += of_driver(_text(GL.glGetShaderInfoLog(shader)), source, ok=good)
+            found += parse_driver_log(_text(GL.glGetShaderInfoLog(shader)), source, ok=good)
             ok = ok and good
             GL.glAttachShader(program, shader)
         if ok and any(source.stage in _BEGIN for source in sources):
             GL.glLinkProgram(program)
             ok = bool(GL.glGetProgramiv(program, _LINKED))
-            found += of_driver(_text(GL.glGetProgramInfoLog(program)), sources[-1], ok=ok)
+            found += parse_driver_log(_text(GL.glGetProgramInfoLog(program)), sources[-1], ok=ok)
         return Verdict(target=DRIVER, ok=ok, diagnostics=tuple(dict.fromkeys(found)))
     finally:
         GL.glDeleteProgram(program)

@@ -1,4 +1,4 @@
-"""Many files to their verdicts: `compile_glsl`, in this process or in workers that may die."""
+"""Compiles many files, in this process or in a pool of processes that may crash."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from typing import Any, Protocol
 from shaderlab.errors import ShaderError, nearest
 from shaderlab.glsl.compile import ALL_TARGETS, TARGETS
 from shaderlab.glsl.engines import COMMAND_VARIABLE, ENGINES
-from shaderlab.glsl.jobs import FileResult, Job, Options, lost, work
+from shaderlab.glsl.jobs import CompileJob, CompileOptions, FileResult, died, work
 from shaderlab.glsl.sources import STAGES
 from shaderlab.glsl.tree import ShaderFile, find_shaders
 
 _BATCH = 128
-# Checks at once, then for each of three SPIR-V targets the compiler and the validator.
+# One check, then for each of three SPIR-V targets the compiler and the validator; rounded up.
 _COMMANDS_PER_FILE = 8
 
 
 class Outcome(Protocol):
-    """What became of one job in a worker."""
+    """How a pool's process ended a job."""
 
     @property
     def item(self) -> Any:
@@ -30,7 +30,7 @@ class Outcome(Protocol):
 
     @property
     def status(self) -> str:
-        """ "done", "crash", "timeout", or "error" where an exception was raised."""
+        """ "done", "crash", "timeout", or "error" if an exception was raised."""
 
     @property
     def result(self) -> Any:
@@ -38,11 +38,11 @@ class Outcome(Protocol):
 
     @property
     def message(self) -> str:
-        """How the worker died."""
+        """How the process died."""
 
 
 class Workers(Protocol):
-    """Processes that do jobs, such as `shaderlab.workers.Pool(jobs.WORK)`."""
+    """A pool of processes that run jobs, such as `shaderlab.workers.Pool(WORK)`."""
 
     def each(self, items: Iterable[Any]) -> Iterator[Outcome]:
         """Each job's outcome, in order."""
@@ -58,46 +58,46 @@ def compile_glsl(
     engine: str | None = None,
     seconds: float = 10.0,
     link: bool = False,
-    opinion: str = "",
+    driver: str = "",
     keep: bool = False,
     workers: Workers | None = None,
 ) -> Iterator[FileResult]:
-    """What the compilers say of shader files, one result a file, sorted by path.
+    """Compiles shader files and yields one result for each, sorted by path.
 
-    Results come as they are made and are not kept, so that ten thousand files take no more
-    memory than ten.
+    Results are yielded as they are made, so ten thousand files take no more memory than ten.
 
     Args:
         paths: files, and folders to search; see `find_shaders`.
         targets: some of `ALL_TARGETS`.
         include: more folders that `#include` may read from.
         defines: macros put after each `#version` line.
-        stage: of every file; by default its extension or `#pragma shader_stage` tells.
-        engine: "library", "process", or None for what there is.
-        seconds: what one file may take; kept by `workers` and by the "process" engine, while a
+        stage: every file's stage; by default its extension or `#pragma shader_stage` says it.
+        engine: "library", "process", or None for the default.
+        seconds: time limit for one file, enforced by `workers` and by the "process" engine; a
             library in this process can't be stopped.
-        link: whether all the files are one program's stages.
-        opinion: a function that asks a driver about a program, as "module:function".
-        keep: whether each result carries its SPIR-V modules.
-        workers: where to compile, so that a file on which a compiler crashes, hangs or fills the
-            memory is reported as such and costs nothing else. In this process by default.
+        link: whether the files are the stages of one program.
+        driver: a function that returns a driver's verdict on a program, as "module:function".
+        keep: whether to return each result's SPIR-V modules.
+        workers: processes to compile in. A file that crashes a compiler, hangs it or fills the
+            memory is then reported as such and does not affect the others. By default this
+            process compiles.
 
     Raises:
-        UsageError: nothing is there of one of the names, or a folder holds no shader.
-        ShaderError: no such target, stage or engine, or no compiler here. What is wrong with a
-            file never raises; it is in the file's result.
+        UsageError: a path does not exist, or a folder holds no shader.
+        ShaderError: unknown target, stage or engine, or no compiler is installed. What is wrong
+            with a file never raises; it is in the file's result.
     """
     _check(targets, ALL_TARGETS, "compile target")
     _check([stage] if stage else [], STAGES, "stage")
     _check([engine] if engine else [], ENGINES, "engine")
-    options = Options(
+    options = CompileOptions(
         targets=tuple(targets),
         roots=tuple(map(str, include)),
         defines=dict(defines or {}),
         stage=stage,
         engine=engine,
         seconds=seconds,
-        opinion=opinion,
+        driver=driver,
         keep=keep,
     )
     shaders = find_shaders(paths, [Path(folder) for folder in include], stage=stage)
@@ -105,11 +105,15 @@ def compile_glsl(
 
 
 def compile_found(
-    programs: Iterable[Sequence[ShaderFile]], options: Options, workers: Workers | None = None
+    programs: Iterable[Sequence[ShaderFile]],
+    options: CompileOptions,
+    workers: Workers | None = None,
 ) -> Iterator[FileResult]:
-    """The same for files found already: each sequence of them is one program."""
+    """As `compile_glsl`, for files that `find_shaders` found; each sequence is one program."""
     jobs = (
-        Job(" + ".join(s.path for s in files), tuple((s.root, s.name) for s in files), options)
+        CompileJob(
+            " + ".join(s.path for s in files), tuple((s.root, s.name) for s in files), options
+        )
         for files in programs
     )
     if workers is None:
@@ -122,16 +126,18 @@ def compile_found(
         elif outcome.status == "error":
             raise outcome.result
         else:
-            yield lost(outcome.item, outcome.status, outcome.message)
+            yield died(outcome.item, outcome.status, outcome.message)
 
 
-def patience(engine: str | None, seconds: float) -> float:
-    """How long a worker may be busy with a file that may take so many seconds: commands have
-    time limits of their own, and each of several may take that long."""
-    driven = engine == "process" or (
+def time_limit(engine: str | None, seconds: float) -> float:
+    """The time limit for a process that compiles a file which may take so many seconds.
+
+    Each of an engine's commands has a time limit of its own, and a file takes several.
+    """
+    commands = engine == "process" or (
         engine is None and (COMMAND_VARIABLE in os.environ or sys.platform != "linux")
     )
-    return seconds * _COMMANDS_PER_FILE if driven else seconds
+    return seconds * _COMMANDS_PER_FILE if commands else seconds
 
 
 def _check(words: Sequence[str], known: Sequence[str], what: str) -> None:

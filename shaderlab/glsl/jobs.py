@@ -1,35 +1,39 @@
-"""One file to compile, as data that can be sent to another process, and what came of it."""
+"""One program to compile, as data that another process can take, and its result."""
 
 from __future__ import annotations
 
 import importlib
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from contextlib import suppress
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Literal
 
 from shaderlab.errors import DriverError, ShaderError
 from shaderlab.glsl.compile import TARGETS, compile_program
+from shaderlab.glsl.driver_verdict import mark_disagreement
 from shaderlab.glsl.engines import Engine, choose, limited
-from shaderlab.glsl.opinion import compared
 from shaderlab.glsl.programs import CompilerDiedError
 from shaderlab.glsl.sources import Shaders, Source, stage_of
 from shaderlab.records import Diagnostic, Verdict
 
 WORK = "shaderlab.glsl.jobs:work"
+"""What a pool of processes runs, by name: takes `CompileJob`s, yields `FileResult`s."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Options:
-    """How files are to be compiled.
+class CompileOptions:
+    """How to compile files.
 
     Attributes:
+        targets: some of `ALL_TARGETS`.
         roots: folders to include from, after a file's own root.
-        defines: macros put after each `#version` line.
-        stage: of every file; by default each file tells.
-        engine: one of `engines.ENGINES`, or None for what there is.
-        seconds: how long one file may take.
-        opinion: what asks a driver, as "module:function", or "" for no second opinion.
-        keep: whether the modules are wanted, and not only their size.
+        defines: macros to put after each `#version` line.
+        stage: every file's stage; by default each file's name or pragma says it.
+        engine: one of `engines.ENGINES`, or None for the default.
+        seconds: time limit for one file.
+        driver: the function that returns a driver's verdict, as "module:function", or "".
+        keep: whether to return SPIR-V modules.
     """
 
     targets: tuple[str, ...] = TARGETS
@@ -38,29 +42,28 @@ class Options:
     stage: str | None = None
     engine: str | None = None
     seconds: float = 10.0
-    opinion: str = ""
+    driver: str = ""
     keep: bool = False
 
 
 @dataclass(frozen=True)
-class Job:
-    """Files to be compiled as one program: the root and name of each."""
+class CompileJob:
+    """Files to compile as one program: the root and name of each."""
 
     path: str
     files: tuple[tuple[str, str], ...]
-    options: Options
+    options: CompileOptions
 
 
 @dataclass(frozen=True, kw_only=True)
 class FileResult:
-    """What every target said of one file, or of the files that make one program.
+    """Every target's verdict on one file, or on the files of one program.
 
     Attributes:
-        path: as it was named; of a program, its files' paths with " + " between them.
-        stage: one of `STAGES`, with " + " between those of a program; "" where nobody can tell.
-        verdicts: one a target, in the order asked for, then the driver's where there is one to ask.
-        spirv: each target's module (of a program, by stage in `STAGES`' order, end to end), if
-            it was asked for.
+        path: as it was named; of a program, its files' paths joined by " + ".
+        stage: one of `STAGES`; of a program, its stages joined by " + "; "" if unknown.
+        verdicts: one for each target, in the order they were given, then the driver's if any.
+        spirv: each target's modules by stage, if they were requested.
     """
 
     path: str
@@ -74,99 +77,83 @@ class FileResult:
         return all(verdict.ok for verdict in self.verdicts)
 
 
-def work(jobs: Sequence[Job]) -> Iterator[FileResult]:
-    """The jobs' results, in order. What is wrong with a file is in its verdicts."""
-    options = jobs[0].options if jobs else Options()
+def work(jobs: Sequence[CompileJob]) -> Iterator[FileResult]:
+    """Compiles jobs of one set of options, in order. What is wrong with a file is in its result."""
+    options = jobs[0].options if jobs else CompileOptions()
     engine = limited(choose(options.engine), options.seconds)
-    loaded = _load_all(jobs)
+    shaders: dict[str, Shaders] = {}
+    loaded = [_load(job, shaders) for job in jobs]
     engine.prepare([source for stages in loaded if isinstance(stages, list) for source in stages])
     for job, stages in zip(jobs, loaded, strict=True):
-        if isinstance(stages, ShaderError):
-            yield refused(job, stages)
-        else:
-            yield _compiled(job, stages, engine)
-
-
-def refused(job: Job, error: ShaderError) -> FileResult:
-    """A file that can't even be read, refused by every target for the same reason."""
-    message = error.message + (f" ({error.remedy})" if error.remedy else "")
-    said = Diagnostic(
-        file=error.file or job.path, line=error.line, severity="error", message=message
-    )
-    return _same(job, Verdict(target="", ok=False, diagnostics=(said,)))
-
-
-def lost(job: Job, status: str, message: str) -> FileResult:
-    """A file that took its compiler down, or kept it too long."""
-    word = "took the compiler down" if status == "crash" else "took the compiler too long"
-    said = Diagnostic(
-        file=job.path, line=None, severity="error", message=f"{status}: {word}: {message}"
-    )
-    verdict = Verdict(
-        target="",
-        ok=False,
-        diagnostics=(said,),
-        status="crash" if status == "crash" else "timeout",
-    )
-    return _same(job, verdict)
-
-
-def _same(job: Job, verdict: Verdict) -> FileResult:
-    return FileResult(
-        path=job.path,
-        stage=_stages_by_name(job),
-        verdicts=tuple(replace(verdict, target=target) for target in job.options.targets),
-    )
-
-
-def _stages_by_name(job: Job) -> str:
-    try:
-        stages = [job.options.stage or stage_of(name, "") for _, name in job.files]
-    except ShaderError:
-        return ""
-    return " + ".join(stages)
-
-
-def _load_all(jobs: Sequence[Job]) -> list[list[Source] | ShaderError]:
-    shaders: dict[str, Shaders] = {}
-    found: list[list[Source] | ShaderError] = []
-    for job in jobs:
         try:
-            found.append([_load(root, name, job.options, shaders) for root, name in job.files])
+            if isinstance(stages, ShaderError):
+                raise stages
+            yield _compile(job, stages, engine)
+        except CompilerDiedError as error:
+            yield died(job, error.status, error.message)
         except ShaderError as error:
-            found.append(error)
-    return found
+            message = error.message + (f" ({error.remedy})" if error.remedy else "")
+            yield _failed(job, message, error.file, error.line)
 
 
-def _load(root: str, name: str, options: Options, shaders: dict[str, Shaders]) -> Source:
-    if root not in shaders:
-        roots = dict.fromkeys([root, *options.roots])
-        shaders[root] = Shaders([Path(folder) for folder in roots], defines=options.defines)
-    return shaders[root].load(name, options.stage)
+def died(job: CompileJob, status: str, message: str) -> FileResult:
+    """The result of a job whose compiler crashed or timed out."""
+    if status == "crash":
+        return _failed(job, f"crash: took the compiler down: {message}", status="crash")
+    return _failed(job, f"{status}: took the compiler too long: {message}", status="timeout")
 
 
-def _compiled(job: Job, stages: Sequence[Source], engine: Engine) -> FileResult:
+def _failed(
+    job: CompileJob,
+    message: str,
+    file: str | None = None,
+    line: int | None = None,
+    status: Literal["", "crash", "timeout"] = "",
+) -> FileResult:
+    """The same error as every target's verdict."""
+    error = Diagnostic(file=file or job.path, line=line, severity="error", message=message)
     try:
-        compiled = compile_program(stages, job.options.targets, engine=engine)
-    except CompilerDiedError as error:
-        return lost(job, error.status, error.message)
+        stage = " + ".join(job.options.stage or stage_of(name, "") for _, name in job.files)
+    except ShaderError:
+        stage = ""
+    verdicts = (
+        Verdict(target=target, ok=False, diagnostics=(error,), status=status)
+        for target in job.options.targets
+    )
+    return FileResult(path=job.path, stage=stage, verdicts=tuple(verdicts))
+
+
+def _load(job: CompileJob, shaders: dict[str, Shaders]) -> list[Source] | ShaderError:
+    """The job's sources; `shaders` holds what loads them, by root, for all jobs."""
+    options = job.options
+    try:
+        sources = []
+        for root, name in job.files:
+            if root not in shaders:
+                folders = map(Path, dict.fromkeys([root, *options.roots]))
+                shaders[root] = Shaders([*folders], defines=options.defines)
+            sources.append(shaders[root].load(name, options.stage))
+        return sources
     except ShaderError as error:
-        return refused(job, error)
-    verdicts = list(compiled.verdicts)
-    if job.options.opinion:
-        verdicts += _asked(job.options.opinion, stages)
+        return error
+
+
+def _compile(job: CompileJob, stages: Sequence[Source], engine: Engine) -> FileResult:
+    options = job.options
+    compiled = compile_program(stages, options.targets, engine=engine)
+    verdicts = compiled.verdicts
+    if options.driver:
+        verdicts = mark_disagreement([*verdicts, *_driver_verdict(options.driver, stages)])
     return FileResult(
         path=job.path,
         stage=" + ".join(source.stage for source in compiled.sources),
-        verdicts=compared(verdicts) if job.options.opinion else compiled.verdicts,
-        spirv=compiled.spirv if job.options.keep else {},
+        verdicts=verdicts,
+        spirv=compiled.spirv if options.keep else {},
     )
 
 
-def _asked(opinion: str, stages: Sequence[Source]) -> list[Verdict]:
-    """The driver's verdict, or none where there is no driver or it lacks such a stage."""
-    module, _, function = opinion.partition(":")
-    try:
-        return [getattr(importlib.import_module(module), function)(stages)]
-    except DriverError:
-        return []
+def _driver_verdict(name: str, stages: Sequence[Source]) -> Iterator[Verdict]:
+    """The driver's verdict; none if there is no driver or it lacks such a stage."""
+    module, _, function = name.partition(":")
+    with suppress(DriverError):
+        yield getattr(importlib.import_module(module), function)(stages)

@@ -29,7 +29,7 @@ from shaderlab.gl.device import Device, open_device
 from shaderlab.gl.opinion import driver_verdict
 from shaderlab.gl.prepare import Preparer
 from shaderlab.gl.runner import Drawn, Prepared, Runner, Session, step
-from shaderlab.glsl.kept import compiler
+from shaderlab.glsl.compile_cache import cached_compiler
 from shaderlab.glsl.sources import Source
 from shaderlab.model import GlCall, GlError, Scene, Sweep, Value
 from shaderlab.pipeline import plan, refusals, stored_images
@@ -240,7 +240,7 @@ class Lab:
             )
 
     def _preparer_beside(self, folder: str) -> Preparer:
-        return Preparer(shaders_beside(Path(folder), self.options.shaders), compiler())
+        return Preparer(shaders_beside(Path(folder), self.options.shaders), cached_compiler())
 
 
 @contextmanager

@@ -14,7 +14,7 @@ from shaderlab.errors import ShaderlabError
 from shaderlab.files import display_path
 from shaderlab.frame import PassDraw
 from shaderlab.gl.prepare import PreparedDraw
-from shaderlab.glsl.opinion import compared
+from shaderlab.glsl.driver_verdict import mark_disagreement
 from shaderlab.glsl.sources import Source
 from shaderlab.glsl.spirv import Interface
 from shaderlab.model import Expectation, Ramp, Scene
@@ -85,7 +85,7 @@ class RecordBuilder:
     def add_driver_verdicts(self, verdict_of: Callable[[tuple[Source, ...]], Verdict]) -> None:
         """Add the driver's own verdict on each program so far to those of the compilers."""
         for sources, program in self._programs.items():
-            verdicts = compared((*program.verdicts, _for_display(verdict_of(sources))))
+            verdicts = mark_disagreement((*program.verdicts, _for_display(verdict_of(sources))))
             self._programs[sources] = replace(program, verdicts=verdicts)
 
     def add_notice(self, text: str) -> None:

@@ -23,7 +23,7 @@ from shaderlab.gl.runner import Prepared, Runner, Session
 from shaderlab.gl.stages import may_keep_out
 from shaderlab.gl.varyings import elements
 from shaderlab.glsl.compile import Compiled
-from shaderlab.glsl.kept import compiler
+from shaderlab.glsl.compile_cache import cached_compiler
 from shaderlab.glsl.sources import Source
 from shaderlab.model import (
     AttributeLayout,
@@ -334,4 +334,4 @@ class _OpenGLOnly(Preparer):
 
 
 def _preparer(folder: Path, texts: Texts) -> Preparer:
-    return _OpenGLOnly(shaders_beside(folder, texts), compiler())
+    return _OpenGLOnly(shaders_beside(folder, texts), cached_compiler())

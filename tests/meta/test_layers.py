@@ -32,7 +32,7 @@ ROOMS: dict[str, set[str]] = {
         "errors", "activity", "records", "frame", "bands", "sampling", "glslmath", "model",
         "reference",
     },
-    "gl": {"errors", "activity", "frame", "model", "glsl", "assets", "pictures"},
+    "gl": {"errors", "activity", "records", "frame", "model", "glsl", "assets", "pictures"},
     "discovery": {"errors"},
     "catalogue": {"errors", "model", "discovery"},
     "pipeline": {

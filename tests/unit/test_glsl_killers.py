@@ -36,7 +36,7 @@ DEADLY = """
 import os, time
 from shaderlab.records import Verdict
 
-def opinion(sources):
+def verdict(sources):
     if "crash" in sources[0].name:
         os.abort()
     if "hang" in sources[0].name:
@@ -76,7 +76,7 @@ def test_a_file_that_kills_or_hangs_is_named_and_the_others_stand(
     for name in names:
         (tmp_path / f"{name}.frag").write_text(GOOD)
     with Pool(WORK, limits=Limits(seconds=2.0)) as pool:
-        results = list(compile_glsl([tmp_path], opinion="deadly:opinion", workers=pool))
+        results = list(compile_glsl([tmp_path], driver="deadly:verdict", workers=pool))
     assert [Path(result.path).stem for result in results] == names
     assert [result.ok for result in results] == [True, False, True, False, True]
     for index, status, words in [(1, "crash", "SIGABRT"), (3, "timeout", "longer than 2 s")]:

@@ -1,4 +1,4 @@
-"""What is kept on disk: found again whole or not at all, bounded, and no trouble to anybody."""
+"""The store behind the compile cache: whole entries or none, a bounded size, no exceptions."""
 
 import errno
 import os
@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from shaderlab.glsl.store import Store, Usage
+from shaderlab.glsl.cache_store import Store, Usage
 
 KEY = "0a" * 32
 OTHER = "1b" * 32
@@ -25,7 +25,7 @@ def entries(store: Store) -> list[str]:
     return sorted(file.parent.name + file.name for file in store.folder.glob("?/*"))
 
 
-def test_what_was_put_is_found(tmp_path: Path) -> None:
+def test_what_was_put_can_be_read(tmp_path: Path) -> None:
     store = Store(tmp_path / "deep" / "down")
     assert store.get(KEY) is None
     store.put(KEY, CONTENT)
@@ -45,7 +45,7 @@ def test_the_folder_says_that_it_is_a_cache(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "spoilt",
+    "damaged",
     [
         b"",
         b"\0" * 31,
@@ -53,20 +53,22 @@ def test_the_folder_says_that_it_is_a_cache(tmp_path: Path) -> None:
         pytest.param(lambda data: data[: len(data) // 2], id="half"),
         pytest.param(lambda data: data + b"\0", id="longer"),
         pytest.param(lambda data: data[:40] + bytes([data[40] ^ 1]) + data[41:], id="one bit"),
-        pytest.param(lambda data: bytes([data[0] ^ 1]) + data[1:], id="its seal"),
+        pytest.param(lambda data: bytes([data[0] ^ 1]) + data[1:], id="its checksum"),
     ],
 )
-def test_a_spoilt_entry_is_none_and_is_written_anew(tmp_path: Path, spoilt: object) -> None:
+def test_a_damaged_entry_is_absent_and_can_be_written_again(
+    tmp_path: Path, damaged: object
+) -> None:
     store = Store(tmp_path)
     store.put(KEY, CONTENT)
     file = file_of(store, KEY)
-    file.write_bytes(spoilt(file.read_bytes()) if callable(spoilt) else spoilt)  # type: ignore[arg-type]
+    file.write_bytes(damaged(file.read_bytes()) if callable(damaged) else damaged)  # type: ignore[arg-type]
     assert store.get(KEY) is None
     store.put(KEY, CONTENT)
     assert store.get(KEY) == CONTENT
 
 
-def test_an_entry_in_the_place_of_another_is_none(tmp_path: Path) -> None:
+def test_an_entry_in_another_ones_place_is_absent(tmp_path: Path) -> None:
     store = Store(tmp_path)
     store.put(KEY, CONTENT)
     store.put(OTHER, b"other")
@@ -74,7 +76,7 @@ def test_an_entry_in_the_place_of_another_is_none(tmp_path: Path) -> None:
     assert store.get(OTHER) is None
 
 
-def test_a_folder_in_the_place_of_an_entry_is_none(tmp_path: Path) -> None:
+def test_a_folder_in_an_entrys_place_is_absent(tmp_path: Path) -> None:
     store = Store(tmp_path)
     (store.folder / KEY[0] / KEY[1:]).mkdir(parents=True)
     assert store.get(KEY) is None
@@ -83,7 +85,18 @@ def test_a_folder_in_the_place_of_an_entry_is_none(tmp_path: Path) -> None:
     assert entries(store) == [KEY]  # and no draft beside it
 
 
-def test_a_place_that_is_no_folder_keeps_nothing(tmp_path: Path) -> None:
+def test_a_fifo_in_an_entrys_place_is_absent(tmp_path: Path) -> None:
+    store = Store(tmp_path)
+    store.put(KEY, CONTENT)
+    file = file_of(store, KEY)
+    file.unlink()
+    os.mkfifo(file)
+    assert store.get(KEY) is None  # and nobody waits for a writer
+    store.put(KEY, CONTENT)
+    assert store.get(KEY) == CONTENT
+
+
+def test_below_a_file_nothing_is_stored(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     store = Store(tmp_path / "file" / "cache")
     store.put(KEY, CONTENT)
@@ -92,7 +105,7 @@ def test_a_place_that_is_no_folder_keeps_nothing(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
-def test_a_folder_that_may_only_be_read_is_read(tmp_path: Path) -> None:
+def test_a_read_only_folder_can_be_read(tmp_path: Path) -> None:
     store = Store(tmp_path)
     store.put(KEY, CONTENT)
     shelf = file_of(store, KEY).parent
@@ -105,7 +118,7 @@ def test_a_folder_that_may_only_be_read_is_read(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("code", [errno.ENOSPC, errno.EROFS, errno.EACCES])
-def test_a_full_or_closed_disk_leaves_no_trace(
+def test_a_full_or_read_only_disk_leaves_no_drafts(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, code: int
 ) -> None:
     store = Store(tmp_path)
@@ -122,11 +135,11 @@ def test_a_full_or_closed_disk_leaves_no_trace(
 
 
 def key(number: int) -> str:
-    """A key that has its folder looked through each time that it is put."""
+    """A key whose folder is trimmed whenever it is put."""
     return f"000{number:061x}"
 
 
-def test_the_size_is_bounded_and_the_oldest_use_goes_first(tmp_path: Path) -> None:
+def test_the_size_is_bounded_and_the_least_recently_used_goes_first(tmp_path: Path) -> None:
     store = Store(tmp_path, limit=16 * 8 * 4096)
     for number in range(7):
         store.put(key(number), CONTENT)
@@ -142,22 +155,22 @@ def test_the_size_is_bounded_and_the_oldest_use_goes_first(tmp_path: Path) -> No
     assert store.get(key(199)) == CONTENT
 
 
-def test_folders_are_looked_through_now_and_then(tmp_path: Path) -> None:
+def test_folders_are_trimmed_now_and_then(tmp_path: Path) -> None:
     share = 2048
     store = Store(tmp_path, limit=16 * share * 4096)
-    for number in range(2 * share):  # keys of one folder; one in 256 has it looked through
+    for number in range(2 * share):  # keys of one folder; one in 256 trims it
         store.put(f"0{number % 256:02x}{number:061x}", b"")
         assert number % 64 or store.usage().entries <= share
     assert store.usage().entries > share * 3 // 4
 
 
-def test_what_is_larger_than_a_folders_share_is_not_kept(tmp_path: Path) -> None:
+def test_an_entry_larger_than_a_folders_share_is_not_stored(tmp_path: Path) -> None:
     store = Store(tmp_path, limit=16 * 4 * 4096)
     store.put(KEY, b"x" * (4 * 4096))
     assert store.get(KEY) is None
     store.put(KEY, b"x" * (3 * 4096))
     assert store.get(KEY) is not None
-    file_of(store, KEY).write_bytes(b"x" * 10**6)  # nor read, whoever put it there
+    file_of(store, KEY).write_bytes(b"x" * 10**6)  # nor read, if something else put it there
     assert store.get(KEY) is None
 
 
@@ -174,7 +187,7 @@ def test_drafts_of_processes_that_died_are_removed(tmp_path: Path) -> None:
     assert store.get(key(1)) == store.get(key(2)) == CONTENT
 
 
-def test_use_is_noted_to_the_hour(tmp_path: Path) -> None:
+def test_the_time_of_use_is_known_to_the_hour(tmp_path: Path) -> None:
     store = Store(tmp_path)
     store.put(KEY, CONTENT)
     for age, noted in ((60, False), (7200, True)):
@@ -184,7 +197,7 @@ def test_use_is_noted_to_the_hour(tmp_path: Path) -> None:
         assert (file_of(store, KEY).stat().st_mtime > then + 1) == noted
 
 
-def test_usage_counts_entries_by_what_they_take_of_the_disk(tmp_path: Path) -> None:
+def test_usage_counts_whole_blocks_of_disk(tmp_path: Path) -> None:
     store = Store(tmp_path)
     store.put(KEY, b"small")
     store.put(OTHER, b"x" * 5000)
@@ -194,7 +207,7 @@ def test_usage_counts_entries_by_what_they_take_of_the_disk(tmp_path: Path) -> N
 MANY = """
 import sys
 from pathlib import Path
-from shaderlab.glsl.store import Store
+from shaderlab.glsl.cache_store import Store
 store = Store(Path(sys.argv[1]), limit=16 * 64 * 4096)
 for turn in range(3):
     for number in range(300):
@@ -212,6 +225,6 @@ def test_processes_read_write_and_remove_at_once(tmp_path: Path) -> None:
         _, said = process.communicate(timeout=120)
         assert process.returncode == 0, said.decode()
     store = Store(tmp_path)
-    kept = entries(store)
-    assert kept
-    assert all(store.get(one) is not None for one in kept)  # whole, and no drafts
+    stored = entries(store)
+    assert stored
+    assert all(store.get(one) is not None for one in stored)  # whole, and no drafts

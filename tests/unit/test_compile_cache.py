@@ -1,4 +1,4 @@
-"""Programs that were compiled before: the same result, for as long as nothing of it has changed."""
+"""Cached programs: the same result as compiling, and only while nothing it is made of changes."""
 
 import dataclasses
 import functools
@@ -12,12 +12,11 @@ from pathlib import Path
 import pytest
 
 from shaderlab.errors import ShaderError
-from shaderlab.glsl import Shaders, Source, compile_program, kept
+from shaderlab.glsl import Shaders, Source, compile_cache, compile_program
+from shaderlab.glsl.cache_store import Store
 from shaderlab.glsl.compile import ALL_TARGETS, TARGETS, Compiled
-from shaderlab.glsl.kept import Keeper, key_of
-from shaderlab.glsl.packing import Package, packed, unpacked
+from shaderlab.glsl.compile_cache import CompileCache, Entry, decode, encode, program_key
 from shaderlab.glsl.programs import CompilerDiedError
-from shaderlab.glsl.store import Store
 
 VERTEX = """#version 330 core
 in vec3 place;
@@ -98,26 +97,26 @@ def store(tmp_path: Path) -> Store:
 
 
 @pytest.fixture
-def keeper(store: Store) -> Keeper:
-    return Keeper(store, lambda: FINGERPRINT)
+def cache(store: Store) -> CompileCache:
+    return CompileCache(store, lambda: FINGERPRINT)
 
 
 @pytest.fixture
-def asked(monkeypatch: pytest.MonkeyPatch) -> list[Sequence[Source]]:
-    """The programs that the compilers were asked about."""
+def compiled(monkeypatch: pytest.MonkeyPatch) -> list[Sequence[Source]]:
+    """The programs that were compiled and not found in the cache."""
     log: list[Sequence[Source]] = []
 
     def counted(stages: Sequence[Source], targets: Sequence[str], **more: object) -> Compiled:
         log.append(stages)
         return compile_program(stages, targets, **more)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(kept, "compile_program", counted)
+    monkeypatch.setattr(compile_cache, "compile_program", counted)
     return log
 
 
-def told(compiled: Compiled) -> str:
-    """All of a result, types and order too."""
-    return repr((compiled, compiled.sources, compiled.interface))
+def whole(result: Compiled) -> str:
+    """All of a result, including types and order."""
+    return repr((result, result.sources, result.interface))
 
 
 KINDS = {
@@ -135,17 +134,17 @@ KINDS = {
 
 
 @pytest.mark.parametrize("name", KINDS)
-def test_what_is_kept_equals_what_was_compiled(
-    tmp_path: Path, keeper: Keeper, asked: list[Sequence[Source]], name: str
+def test_a_cached_result_equals_the_compiled_one(
+    tmp_path: Path, cache: CompileCache, compiled: list[Sequence[Source]], name: str
 ) -> None:
     stages, targets = programs(tmp_path)[name]
     true = compile_program(stages, targets)
-    first, again = keeper.compile(stages, targets), keeper.compile(stages, targets)
-    assert len(asked) == 1
+    first, again = cache.compile(stages, targets), cache.compile(stages, targets)
+    assert len(compiled) == 1
     for field in dataclasses.fields(Compiled):
         if field.compare:
             assert getattr(again, field.name) == getattr(true, field.name), field.name
-    assert told(first) == told(again) == told(true)
+    assert whole(first) == whole(again) == whole(true)
     assert again.ok == KINDS[name]
     assert any(v.diagnostics for v in again.verdicts) or name in (
         "one stage", "plain", "compute", "two stages",
@@ -156,26 +155,26 @@ def test_another_process_finds_it_without_a_compiler(
     tmp_path: Path, store: Store, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     stages, targets = programs(tmp_path)["two stages"]
-    true = Keeper(store, lambda: FINGERPRINT).compile(stages, targets)
+    true = CompileCache(store, lambda: FINGERPRINT).compile(stages, targets)
 
     def loaded() -> None:
         raise AssertionError("the compiler's libraries were loaded")
 
     monkeypatch.setattr("shaderlab.glsl.library.glslang", loaded)
     monkeypatch.setattr("shaderlab.glsl.library.spirv_tools", loaded)
-    again = Keeper(Store(store.folder), lambda: FINGERPRINT).compile(stages, targets)
-    assert told(again) == told(true)
+    again = CompileCache(Store(store.folder), lambda: FINGERPRINT).compile(stages, targets)
+    assert whole(again) == whole(true)
 
 
-def test_a_kept_plain_verdict_still_knows_what_the_program_declares(
-    tmp_path: Path, keeper: Keeper, asked: list[Sequence[Source]]
+def test_a_cached_plain_verdict_still_has_an_interface(
+    tmp_path: Path, cache: CompileCache, compiled: list[Sequence[Source]]
 ) -> None:
     stages, targets = programs(tmp_path)["plain"]
-    keeper.compile(stages, targets)
+    cache.compile(stages, targets)
     for _ in range(2):
-        interface = keeper.compile(stages, targets).interface
+        interface = cache.compile(stages, targets).interface
         assert interface is not None and set(interface.attributes) == {"place"}
-    assert len(asked) == 2  # once as plain GLSL, once for OpenGL
+    assert len(compiled) == 2  # once as plain GLSL, once for OpenGL
 
 
 def changed(of: Callable[[dict[str, str]], None]) -> Callable[[Path], list[Source]]:
@@ -188,7 +187,7 @@ def changed(of: Callable[[dict[str, str]], None]) -> Callable[[Path], list[Sourc
     return load
 
 
-def in_place_of(name: str, old: str, new: str) -> Callable[[Path], list[Source]]:
+def replacing(name: str, old: str, new: str) -> Callable[[Path], list[Source]]:
     def replaced(texts: dict[str, str]) -> None:
         assert old in texts[name]
         texts[name] = texts[name].replace(old, new)
@@ -219,10 +218,10 @@ def on_other_lines(folder: Path) -> list[Source]:
 
 
 CHANGES = {
-    "a space in a shader": in_place_of("a.vert", "uv = place.xy;", "uv =  place.xy;"),
-    "a comment": in_place_of("a.frag", "in vec2 uv;", "in vec2 uv; // from 0 to 1"),
-    "the version": in_place_of("a.frag", "330", "410"),
-    "an included file": in_place_of("light.glsl", "0.0", "0.5"),
+    "a space in a shader": replacing("a.vert", "uv = place.xy;", "uv =  place.xy;"),
+    "a comment": replacing("a.frag", "in vec2 uv;", "in vec2 uv; // from 0 to 1"),
+    "the version": replacing("a.frag", "330", "410"),
+    "an included file": replacing("light.glsl", "0.0", "0.5"),
     "a define": defined,
     "the folder": elsewhere,
     "a name": named_otherwise,
@@ -232,59 +231,61 @@ CHANGES = {
 
 
 @pytest.mark.parametrize("change", CHANGES)
-def test_whatever_changes_is_compiled_anew(
-    tmp_path: Path, keeper: Keeper, asked: list[Sequence[Source]], change: str
+def test_a_change_is_a_cache_miss(
+    tmp_path: Path, cache: CompileCache, compiled: list[Sequence[Source]], change: str
 ) -> None:
     stages = changed(lambda texts: None)(tmp_path)
-    keeper.compile(stages, TARGETS)
-    keeper.compile(list(reversed(stages)), TARGETS)  # the order is no part of it
-    assert len(asked) == 1
+    cache.compile(stages, TARGETS)
+    cache.compile(list(reversed(stages)), TARGETS)  # their order is not part of the key
+    assert len(compiled) == 1
     other = CHANGES[change](tmp_path)
-    assert told(keeper.compile(other, TARGETS)) == told(compile_program(other, TARGETS))
-    assert len(asked) == 2
+    assert whole(cache.compile(other, TARGETS)) == whole(compile_program(other, TARGETS))
+    assert len(compiled) == 2
 
 
 @pytest.mark.parametrize("targets", [TARGETS[:2], TARGETS[::-1], ALL_TARGETS])
-def test_other_targets_are_compiled_anew(
-    tmp_path: Path, keeper: Keeper, asked: list[Sequence[Source]], targets: Sequence[str]
+def test_other_targets_are_a_cache_miss(
+    tmp_path: Path, cache: CompileCache, compiled: list[Sequence[Source]], targets: Sequence[str]
 ) -> None:
     stages = changed(lambda texts: None)(tmp_path)
-    keeper.compile(stages, TARGETS)
-    assert told(keeper.compile(stages, targets)) == told(compile_program(stages, targets))
-    assert len(asked) == 2
+    cache.compile(stages, TARGETS)
+    assert whole(cache.compile(stages, targets)) == whole(compile_program(stages, targets))
+    assert len(compiled) == 2
 
 
-def test_the_stage_is_a_part_of_the_key() -> None:
+def test_the_stage_is_part_of_the_key() -> None:
     code = "#version 330 core\nvoid main() {}"
-    keys = {key_of([text(code, s)], TARGETS, FINGERPRINT) for s in ("vertex", "fragment")}
+    keys = {program_key([text(code, s)], TARGETS, FINGERPRINT) for s in ("vertex", "fragment")}
     assert len(keys) == 2
 
 
-def test_other_compilers_are_asked_anew(
-    tmp_path: Path, store: Store, asked: list[Sequence[Source]]
+def test_other_compilers_are_a_cache_miss(
+    tmp_path: Path, store: Store, compiled: list[Sequence[Source]]
 ) -> None:
     stages = changed(lambda texts: None)(tmp_path)
     for name in ("these", "others", "these"):
-        Keeper(store, functools.partial(str, name)).compile(stages, TARGETS)
-    assert len(asked) == 2
+        CompileCache(store, functools.partial(str, name)).compile(stages, TARGETS)
+    assert len(compiled) == 2
 
 
-def test_a_verdict_does_not_outlive_its_shader(tmp_path: Path, keeper: Keeper) -> None:
-    wrong = in_place_of("a.frag", "* weights[1]", "* wieghts[1]")
-    wrong_include = in_place_of("light.glsl", "normal.z", "normals.z")
+def test_an_accepted_shader_is_refused_once_it_is_wrong(
+    tmp_path: Path, cache: CompileCache
+) -> None:
+    wrong = replacing("a.frag", "* weights[1]", "* wieghts[1]")
+    wrong_include = replacing("light.glsl", "normal.z", "normals.z")
     for _ in range(2):
-        assert keeper.compile(changed(lambda texts: None)(tmp_path), TARGETS).ok
+        assert cache.compile(changed(lambda texts: None)(tmp_path), TARGETS).ok
         for load, file, line in ((wrong, "a.frag", 10), (wrong_include, "light.glsl", 1)):
             with pytest.raises(ShaderError) as refused:
-                keeper.compile(load(tmp_path), TARGETS).require()
+                cache.compile(load(tmp_path), TARGETS).require()
             assert (refused.value.file, refused.value.line) == (str(tmp_path / file), line)
 
 
-def test_a_refusal_does_not_outlive_its_mistake(tmp_path: Path, keeper: Keeper) -> None:
-    wrong = in_place_of("a.frag", "* weights[1]", "* wieghts[1]")
+def test_a_refused_shader_is_accepted_once_it_is_right(tmp_path: Path, cache: CompileCache) -> None:
+    wrong = replacing("a.frag", "* weights[1]", "* wieghts[1]")
     for _ in range(2):
-        assert not keeper.compile(wrong(tmp_path), TARGETS).ok
-        assert keeper.compile(changed(lambda texts: None)(tmp_path), TARGETS).ok
+        assert not cache.compile(wrong(tmp_path), TARGETS).ok
+        assert cache.compile(changed(lambda texts: None)(tmp_path), TARGETS).ok
 
 
 def every_file(store: Store) -> list[Path]:
@@ -292,7 +293,7 @@ def every_file(store: Store) -> list[Path]:
 
 
 class Bomb:
-    """What runs something when it is unpickled."""
+    """Runs something when it is unpickled."""
 
     def __reduce__(self) -> tuple[Callable[[str], None], tuple[str]]:
         return os.mkdir, ("bombed",)
@@ -302,106 +303,114 @@ class Bomb:
     "content",
     [
         b"",
-        b"no package",
+        b"no entry",
         zlib.compress(b""),
-        zlib.compress((2).to_bytes(8, "little") + b"{}"),
-        zlib.compress((2).to_bytes(8, "little") + b"[]"),
-        zlib.compress((10**9).to_bytes(8, "little") + b"[" * 10**6),
+        zlib.compress(b"{}"),
+        zlib.compress(b"[]"),
+        zlib.compress(b'{"verdicts": [{"target": "glsl"}]}'),
+        zlib.compress(b"[" * 10**6),
         zlib.compress(b"\xff" * 100),
         zlib.compress(b"\0" * (65 << 20)),
         pickle.dumps(Bomb()),
         zlib.compress(pickle.dumps(Bomb())),
     ],
 )
-def test_an_entry_that_is_no_program_is_compiled_anew(
+def test_an_entry_that_is_not_a_program_is_a_cache_miss(
     tmp_path: Path, store: Store, content: bytes, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
     stages = changed(lambda texts: None)(tmp_path)
-    store.put(key_of(stages, TARGETS, FINGERPRINT), content)
-    keeper = Keeper(store, lambda: FINGERPRINT)
-    assert told(keeper.compile(stages, TARGETS)) == told(compile_program(stages, TARGETS))
-    assert store.get(key_of(stages, TARGETS, FINGERPRINT)) != content
+    store.put(program_key(stages, TARGETS, FINGERPRINT), content)
+    cache = CompileCache(store, lambda: FINGERPRINT)
+    assert whole(cache.compile(stages, TARGETS)) == whole(compile_program(stages, TARGETS))
+    assert store.get(program_key(stages, TARGETS, FINGERPRINT)) != content
     assert not (tmp_path / "bombed").exists()
 
 
-def package_of(compiled: Compiled) -> Package:
-    return Package(compiled.verdicts, compiled.spirv, compiled.logs, compiled.interface)
+def entry_of(compiled: Compiled) -> Entry:
+    return Entry(compiled.verdicts, compiled.spirv, compiled.logs, compiled.interface)
 
 
-def test_packages_that_were_tampered_with_are_packages_or_value_errors(tmp_path: Path) -> None:
+def test_an_entry_that_was_tampered_with_is_an_entry_or_a_value_error(tmp_path: Path) -> None:
     stages, targets = programs(tmp_path)["two stages"]
-    whole = zlib.decompress(packed(package_of(compile_program(stages, targets))))
+    data = zlib.decompress(encode(entry_of(compile_program(stages, targets))))
     chance = random.Random(7)
     refused = 0
     for _ in range(1500):
-        at, length = chance.randrange(len(whole)), chance.choice([0, 1, 1, 2, 40])
-        bad = whole[:at] + chance.randbytes(chance.choice([0, 1, 3])) + whole[at + length :]
+        at, length = chance.randrange(len(data)), chance.choice([0, 1, 1, 2, 40])
+        bad = data[:at] + chance.randbytes(chance.choice([0, 1, 3])) + data[at + length :]
         try:
-            assert isinstance(unpacked(zlib.compress(bad, 1)), Package)
+            assert isinstance(decode(zlib.compress(bad, 1)), Entry)
         except ValueError:
             refused += 1
     assert refused > 300
 
 
-def test_the_cache_is_no_condition(tmp_path: Path) -> None:
+def test_without_a_usable_folder_programs_are_compiled_each_time(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
-    keeper = Keeper(Store(tmp_path / "file"), lambda: FINGERPRINT)
+    cache = CompileCache(Store(tmp_path / "file"), lambda: FINGERPRINT)
     stages = changed(lambda texts: None)(tmp_path)
     for _ in range(2):
-        assert told(keeper.compile(stages, TARGETS)) == told(compile_program(stages, TARGETS))
+        assert whole(cache.compile(stages, TARGETS)) == whole(compile_program(stages, TARGETS))
 
 
-def test_wrong_calls_raise_as_ever_and_keep_nothing(store: Store, keeper: Keeper) -> None:
+def test_wrong_calls_raise_as_without_a_cache_and_store_nothing(
+    store: Store, cache: CompileCache
+) -> None:
     with pytest.raises(ShaderError, match="no such compile target: 'vulcan'"):
-        keeper.compile([text(WARNED)], ["vulcan"])
+        cache.compile([text(WARNED)], ["vulcan"])
     with pytest.raises(ShaderError, match="at least one stage"):
-        keeper.compile([], TARGETS)
+        cache.compile([], TARGETS)
     assert not every_file(store)
 
 
-def test_what_took_the_compiler_down_or_too_long_is_not_kept(
-    store: Store, keeper: Keeper, monkeypatch: pytest.MonkeyPatch
+def test_a_crash_or_time_out_is_not_cached(
+    store: Store, cache: CompileCache, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def dies(*_: object, **__: object) -> Compiled:
         raise CompilerDiedError("timeout", "glslang took longer than 10 s")
 
     with monkeypatch.context() as patch:
-        patch.setattr(kept, "compile_program", dies)
+        patch.setattr(compile_cache, "compile_program", dies)
         with pytest.raises(CompilerDiedError):
-            keeper.compile([text(WARNED)], TARGETS)
+            cache.compile([text(WARNED)], TARGETS)
     assert not every_file(store)
-    assert keeper.compile([text(WARNED)], TARGETS).ok
+    assert cache.compile([text(WARNED)], TARGETS).ok
 
 
-def test_commands_are_asked_each_time(
-    store: Store, keeper: Keeper, asked: list[Sequence[Source]], monkeypatch: pytest.MonkeyPatch
+def test_commands_are_run_each_time(
+    store: Store,
+    cache: CompileCache,
+    compiled: list[Sequence[Source]],
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setenv("SHADERLAB_GLSLANG", "glslangValidator-of-somebody")
     for _ in range(2):
         with pytest.raises(ShaderError, match="SHADERLAB_GLSLANG names no program"):
-            keeper.compile([text(WARNED)], TARGETS)
-    assert len(asked) == 2
+            cache.compile([text(WARNED)], TARGETS)
+    assert len(compiled) == 2
     assert not every_file(store)
 
 
-def test_commands_in_the_libraries_place_leave_nothing(
-    store: Store, keeper: Keeper, monkeypatch: pytest.MonkeyPatch
+def test_results_of_commands_are_not_cached(
+    store: Store, cache: CompileCache, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     engine = type("Engine", (), {"name": "process"})()
-    monkeypatch.setattr(kept, "choose", lambda: engine)
+    monkeypatch.setattr(compile_cache, "choose", lambda: engine)
     monkeypatch.setattr(
-        kept, "compile_program", lambda stages, targets, engine: compile_program(stages, targets)
+        compile_cache,
+        "compile_program",
+        lambda stages, targets, engine: compile_program(stages, targets),
     )
-    assert keeper.compile([text(WARNED)], TARGETS).ok
+    assert cache.compile([text(WARNED)], TARGETS).ok
     assert not every_file(store)
 
 
-def test_compilers_that_cannot_be_told_apart_keep_nothing(
-    store: Store, asked: list[Sequence[Source]]
+def test_without_a_digest_of_the_compilers_nothing_is_cached(
+    store: Store, compiled: list[Sequence[Source]]
 ) -> None:
-    keeper = Keeper(store, lambda: None)
+    cache = CompileCache(store, lambda: None)
     for _ in range(2):
-        assert keeper.compile([text(WARNED)], TARGETS).ok
-    assert len(asked) == 2
+        assert cache.compile([text(WARNED)], TARGETS).ok
+    assert len(compiled) == 2
     assert not every_file(store)

@@ -1,4 +1,4 @@
-"""Where compiled programs are kept, what stands for the compilers, and how to keep nothing."""
+"""Where the compile cache is, its digest of the compilers, and how to switch it off."""
 
 import os
 import sys
@@ -10,10 +10,14 @@ import pytest
 
 from shaderlab.doctor import examine
 from shaderlab.errors import ShaderError
-from shaderlab.glsl import compile_program, fingerprint, library
-from shaderlab.glsl.fingerprint import compilers, digest_of
-from shaderlab.glsl.kept import cache_folder, compiler
-from shaderlab.glsl.store import Store
+from shaderlab.glsl import compile_cache, compile_program, library
+from shaderlab.glsl.cache_store import Store
+from shaderlab.glsl.compile_cache import (
+    cache_folder,
+    cached_compiler,
+    compilers_digest,
+    files_digest,
+)
 
 LATER = time.time() + 3600
 
@@ -62,96 +66,96 @@ def test_the_digest_changes_with_any_file(
     tmp_path: Path, store: Counting, change: Callable[[list[Path]], None]
 ) -> None:
     files = two_files(tmp_path)
-    first = digest_of(files, store, LATER)
+    first = files_digest(files, store, LATER)
     assert first is not None and len(first) == 64
     change(files)
-    assert digest_of(files, store, LATER) not in (first, None)
+    assert files_digest(files, store, LATER) not in (first, None)
 
 
-def test_the_digest_is_that_of_the_contents_and_is_remembered(
+def test_the_digest_depends_on_contents_only_and_is_remembered(
     tmp_path: Path, store: Counting
 ) -> None:
     files = two_files(tmp_path)
-    first = digest_of(files, store, LATER)
+    first = files_digest(files, store, LATER)
     assert store.puts == 1
-    assert digest_of(files, store, LATER) == first
+    assert files_digest(files, store, LATER) == first
     assert store.puts == 1
     (tmp_path / "elsewhere").mkdir()
-    assert digest_of(two_files(tmp_path / "elsewhere"), store, LATER) == first
+    assert files_digest(two_files(tmp_path / "elsewhere"), store, LATER) == first
     assert store.puts == 2
 
 
-def test_other_pythons_have_other_digests(
+def test_another_python_has_another_digest(
     tmp_path: Path, store: Counting, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     files = two_files(tmp_path)
-    first = digest_of(files, Store(tmp_path / "one"), LATER)
+    first = files_digest(files, Store(tmp_path / "one"), LATER)
     monkeypatch.setattr(sys.implementation, "cache_tag", "snake-20")
-    assert digest_of(files, Store(tmp_path / "two"), LATER) != first
+    assert files_digest(files, Store(tmp_path / "two"), LATER) != first
 
 
-def test_files_that_were_only_just_written_have_no_digest(tmp_path: Path, store: Counting) -> None:
+def test_files_that_have_just_been_written_have_no_digest(tmp_path: Path, store: Counting) -> None:
     files = two_files(tmp_path)
     now = time.time()
-    assert digest_of(files, store, now) is None
-    assert digest_of(files, store, now - 60) is None
-    assert digest_of(files, store, now + 60) is not None
+    assert files_digest(files, store, now) is None
+    assert files_digest(files, store, now - 60) is None
+    assert files_digest(files, store, now + 60) is not None
 
 
-def test_the_compilers_are_their_libraries_and_the_code_around_them(
+def test_the_digest_covers_the_libraries_and_the_code_around_them(
     store: Counting, monkeypatch: pytest.MonkeyPatch, repository: Path
 ) -> None:
     seen: list[Path] = []
     monkeypatch.setattr(
-        fingerprint, "digest_of", lambda paths, store: seen.extend(paths) or "digest"
+        compile_cache, "files_digest", lambda paths, store: seen.extend(paths) or "digest"
     )
-    assert compilers(store) == "digest"
+    assert compilers_digest(store) == "digest"
     assert set(library.files()) < set(seen)
     assert {path.name for path in library.files()} == {
         "libglslang.so", "libSPIRV.so", "libglslang-default-resource-limits.so",
         "libSPIRV-Tools-shared.so",
     }  # fmt: skip
     own = set((repository / "shaderlab" / "glsl").glob("*.py"))
-    own |= {repository / "shaderlab" / name for name in ("records.py", "errors.py")}
+    own |= {repository / "shaderlab" / name for name in ("errors.py", "files.py", "records.py")}
     assert set(seen) == own | set(library.files())
 
 
-def test_all_that_compiling_imports_of_the_lab_is_in_the_digest(
+def test_the_digest_covers_all_that_compiling_imports_of_the_lab(
     store: Counting, monkeypatch: pytest.MonkeyPatch, repository: Path
 ) -> None:
     import subprocess
 
     show = (
-        "import sys, shaderlab.glsl.kept, shaderlab.glsl.commands\n"
+        "import sys, shaderlab.glsl.compile_cache, shaderlab.glsl.commands\n"
         "print('\\n'.join(m.__file__ for n, m in sys.modules.items() if n[:9] == 'shaderlab'))"
     )
     done = subprocess.run([sys.executable, "-c", show], capture_output=True, text=True, check=True)
     seen: list[Path] = []
     monkeypatch.setattr(
-        fingerprint, "digest_of", lambda paths, store: seen.extend(paths) or "digest"
+        compile_cache, "files_digest", lambda paths, store: seen.extend(paths) or "digest"
     )
-    compilers(store)
+    compilers_digest(store)
     package = repository / "shaderlab" / "__init__.py"
     assert set(map(Path, done.stdout.split())) - {package} <= set(seen)
 
 
-def test_without_the_libraries_there_is_no_fingerprint(
+def test_without_the_libraries_there_is_no_digest(
     store: Counting, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def missing() -> tuple[Path, ...]:
         raise ShaderError("not installed")
 
-    monkeypatch.setattr(fingerprint, "files", missing)
-    assert compilers(store) is None
-    monkeypatch.setattr(fingerprint, "files", lambda: (Path("/nowhere/lib.so"),))
-    assert compilers(store) is None
+    monkeypatch.setattr(compile_cache, "files", missing)
+    assert compilers_digest(store) is None
+    monkeypatch.setattr(compile_cache, "files", lambda: (Path("/nowhere/lib.so"),))
+    assert compilers_digest(store) is None
 
 
-def test_the_folder_is_the_variables(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_the_variable_names_the_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("HOME", str(tmp_path / "home"))
     for named, folder in (
-        (str(tmp_path / "kept"), tmp_path / "kept"),
+        (str(tmp_path / "own"), tmp_path / "own"),
         (".cache/lab", tmp_path / ".cache" / "lab"),
         ("~/lab", tmp_path / "home" / "lab"),
     ):
@@ -159,7 +163,9 @@ def test_the_folder_is_the_variables(monkeypatch: pytest.MonkeyPatch, tmp_path: 
         assert cache_folder() == folder / "compiled"
 
 
-def test_the_folder_is_where_caches_are(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_the_default_folder_is_among_the_users_caches(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
     monkeypatch.delenv("SHADERLAB_CACHE_DIR")
     monkeypatch.setenv("HOME", str(tmp_path))
     usual = tmp_path / ".cache" / "shaderlab" / "compiled"
@@ -178,21 +184,21 @@ def test_the_folder_is_where_caches_are(monkeypatch: pytest.MonkeyPatch, tmp_pat
 
     monkeypatch.setattr(Path, "home", homeless)
     assert cache_folder() is None
-    monkeypatch.setenv("SHADERLAB_CACHE_DIR", "~no-such-user/kept")
+    monkeypatch.setenv("SHADERLAB_CACHE_DIR", "~no-such-user/cache")
     assert cache_folder() is None
 
 
 def test_an_empty_variable_switches_it_off(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("SHADERLAB_CACHE_DIR", "")
     assert cache_folder() is None
-    assert compiler() is compile_program
+    assert cached_compiler() is compile_program
     monkeypatch.setenv("SHADERLAB_CACHE_DIR", str(tmp_path))
-    assert compiler() is not compile_program
-    assert compiler() == compiler()
+    assert cached_compiler() is not compile_program
+    assert cached_compiler() == cached_compiler()
 
 
-def test_these_tests_keep_nothing() -> None:
-    assert compiler() is compile_program
+def test_these_tests_run_without_a_cache() -> None:
+    assert cached_compiler() is compile_program
 
 
 def test_doctor_names_the_folder_and_its_size(
@@ -200,14 +206,14 @@ def test_doctor_names_the_folder_and_its_size(
 ) -> None:
     monkeypatch.setattr("shaderlab.gl.device.probe", lambda: {"renderer": "none"})
 
-    def told() -> str:
+    def found() -> str:
         (finding,) = [f for f in examine() if f.name == "compiled programs"]
         assert finding.ok and not finding.necessary
         return finding.found
 
-    assert told().startswith("not kept: SHADERLAB_CACHE_DIR is empty")
+    assert found().startswith("no cache: SHADERLAB_CACHE_DIR is empty")
     monkeypatch.setenv("SHADERLAB_CACHE_DIR", str(tmp_path))
-    assert told() == f"0 files, 0.0 MB in {tmp_path / 'compiled'}"
+    assert found() == f"0 files, 0.0 MB in {tmp_path / 'compiled'}"
     for digit in "0123456789abcdef":
         Store(tmp_path / "compiled").put(digit * 64, b"x" * 20_000)
-    assert told() == f"16 files, 0.3 MB in {tmp_path / 'compiled'}"
+    assert found() == f"16 files, 0.3 MB in {tmp_path / 'compiled'}"

@@ -1,4 +1,4 @@
-"""What a driver says of programs, beside what glslang says of them."""
+"""A driver's verdicts on programs, next to glslang's."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from shaderlab.errors import DriverError
 from shaderlab.gl.device import Device, open_device
 from shaderlab.gl.opinion import driver_verdict
 from shaderlab.glsl import WORK, Shaders, compile_glsl, compile_program
-from shaderlab.glsl.opinion import compared, of_driver
+from shaderlab.glsl.driver_verdict import mark_disagreement, parse_driver_log
 from shaderlab.workers import Pool
 
 VERTEX = (
@@ -91,20 +91,20 @@ def test_a_disagreement_is_said_in_both_directions() -> None:
     right = compile_program(program(fragment=FRAGMENT), ["glsl"]).verdicts[0]
     wrong = compile_program(program(fragment=BROKEN), ["glsl"]).verdicts[0]
     source = program(fragment=FRAGMENT)[0]
-    said = of_driver("0:5(11): error: `n' undeclared\n", source, ok=False)
+    said = parse_driver_log("0:5(11): error: `n' undeclared\n", source, ok=False)
     refusing = type(right)(target="driver", ok=False, diagnostics=said)
     accepting = type(right)(target="driver", ok=True)
     for plain, driver, words in [
         (right, refusing, "glslang accepts what the driver refuses: `n' undeclared"),
         (wrong, accepting, "the driver accepts what glslang refuses: 'm' : undeclared identifier"),
     ]:
-        _, judged = compared([plain, driver])
+        _, judged = mark_disagreement([plain, driver])
         assert (judged.status, judged.ok) == ("disagrees", driver.ok)
         first = judged.diagnostics[0]
         assert (first.severity, first.line) == ("warning", 5)
         assert first.message == f"disagreement: {words}"
     for plain, driver in [(right, accepting), (wrong, refusing)]:
-        assert compared([plain, driver]) == (plain, driver)
+        assert mark_disagreement([plain, driver]) == (plain, driver)
 
 
 @pytest.mark.parametrize(
@@ -122,7 +122,7 @@ def test_a_disagreement_is_said_in_both_directions() -> None:
 def test_logs_of_several_drivers_are_understood(
     log: str, line: int | None, severity: str, message: str
 ) -> None:
-    first = of_driver(log, program(fragment=FRAGMENT)[0], ok=severity == "warning")[0]
+    first = parse_driver_log(log, program(fragment=FRAGMENT)[0], ok=severity == "warning")[0]
     assert (first.line, first.severity, first.message) == (line, severity, message)
 
 
@@ -141,7 +141,7 @@ def test_workers_ask_a_driver_of_their_own(tmp_path: Path) -> None:
     (tmp_path / "a.frag").write_text(FRAGMENT)
     with Pool(WORK) as pool:
         (result,) = compile_glsl(
-            [tmp_path], opinion="shaderlab.gl.opinion:opinion", workers=pool, targets=["glsl"]
+            [tmp_path], driver="shaderlab.gl.opinion:opinion", workers=pool, targets=["glsl"]
         )
     assert [(v.target, v.ok, v.status) for v in result.verdicts] == [
         ("glsl", True, ""),

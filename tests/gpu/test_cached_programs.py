@@ -1,7 +1,7 @@
-"""Runs that find their programs compiled: the same records, and never another shader's verdict.
+"""Runs with a compile cache: the same records, and never another shader's verdict.
 
-To see that a run reads what is kept, the tests alter what is there: every verdict for Vulkan
-becomes a refusal that no compiler would utter.
+To see that a run reads the cache, the tests alter its entries: every verdict for Vulkan becomes a
+refusal in words that no compiler has.
 """
 
 from __future__ import annotations
@@ -18,19 +18,19 @@ from typing import Any
 
 import pytest
 
-from shaderlab.glsl import fingerprint, library
-from shaderlab.glsl.packing import packed, unpacked
-from shaderlab.glsl.store import Store
+from shaderlab.glsl import compile_cache, library
+from shaderlab.glsl.cache_store import Store
+from shaderlab.glsl.compile_cache import decode, encode
 from shaderlab.records import Diagnostic
 
 Call = Callable[..., subprocess.CompletedProcess[str]]
-SAID = "said by nobody but the cache"
+SAID = "only the cache says so"
 
 
 @pytest.fixture(autouse=True)
 def settled() -> None:
-    """Nothing is kept by compilers that were changed a moment ago, as in the middle of work."""
-    code = Path(fingerprint.__file__).parent
+    """Compilers that have just been changed cache nothing; a developer may have done so."""
+    code = Path(compile_cache.__file__).parent
     files = [*library.files(), *code.glob("*.py"), *code.parent.glob("*.py")]
     newest = max(os.stat(file).st_ctime for file in files)
     time.sleep(max(0.0, newest + 3.0 - time.time()))
@@ -38,13 +38,13 @@ def settled() -> None:
 
 @pytest.fixture
 def store(tmp_path: Path) -> Store:
-    return Store(tmp_path / "kept" / "compiled")
+    return Store(tmp_path / "cache" / "compiled")
 
 
 @pytest.fixture
 def call(case_folder: Path, store: Store, monkeypatch: pytest.MonkeyPatch) -> Call:
     """Runs the command line beside the case, in a process of its own as people do; programs are
-    kept in `store`."""
+    cached in `store`."""
     monkeypatch.chdir(case_folder)
 
     def call(*words: str, cache: str | None = None) -> subprocess.CompletedProcess[str]:
@@ -69,7 +69,7 @@ def ran(call: Call, **more: str) -> dict[str, Any]:
 
 
 def elsewhere(store: Store, *words: str) -> subprocess.Popen[str]:
-    """A module that is run in a process of its own, with programs kept in `store`."""
+    """A module that is run in a process of its own, with `store` as its cache."""
     return subprocess.Popen(
         [sys.executable, "-m", *words],
         env={**os.environ, "SHADERLAB_CACHE_DIR": str(store.folder.parent)},
@@ -83,21 +83,21 @@ def keys(store: Store) -> list[str]:
 
 
 def alter(store: Store) -> int:
-    """Have each kept program refused for Vulkan; how many there are."""
+    """Makes Vulkan refuse each cached program; returns how many there are."""
     said = Diagnostic(file="lamp.frag", line=1, severity="error", message=SAID)
     altered = 0
     for key in keys(store):
         content = store.get(key)
         assert content is not None
         try:
-            package = unpacked(content)
-        except ValueError:  # the fingerprint of the compilers
+            entry = decode(content)
+        except ValueError:  # the digest of the compilers
             continue
         verdicts = tuple(
             dataclasses.replace(v, ok=False, diagnostics=(said,)) if v.target == "vulkan" else v
-            for v in package.verdicts
+            for v in entry.verdicts
         )
-        store.put(key, packed(dataclasses.replace(package, verdicts=verdicts)))
+        store.put(key, encode(dataclasses.replace(entry, verdicts=verdicts)))
         altered += 1
     return altered
 
@@ -109,12 +109,12 @@ def test_a_second_run_gives_the_same_record(call: Call, store: Store) -> None:
     assert alter(store) == 2  # the shader alone, and with the vertex stage that is written for it
 
 
-def test_what_is_kept_is_read_until_the_shader_changes(
+def test_a_cached_program_is_used_until_the_shader_changes(
     call: Call, store: Store, case_folder: Path
 ) -> None:
     assert ran(call)["status"] == "pass"
     alter(store)
-    assert ran(call)["compile"]["vulkan"] == "fail"  # so a run takes what it finds
+    assert ran(call)["compile"]["vulkan"] == "fail"  # so a run uses what it finds
     assert ran(call, cache="")["status"] == "pass"  # and nothing where it is switched off
     shader = case_folder / "lamp.frag"
     text = shader.read_text()
@@ -133,7 +133,7 @@ def test_what_is_kept_is_read_until_the_shader_changes(
     assert ran(call)["compile"]["vulkan"] == "fail"  # the altered one again
 
 
-def test_spoilt_files_are_passed_over(call: Call, store: Store) -> None:
+def test_damaged_files_are_ignored(call: Call, store: Store) -> None:
     first = ran(call)
     alter(store)
     for file in store.folder.glob("?/*"):
@@ -141,12 +141,12 @@ def test_spoilt_files_are_passed_over(call: Call, store: Store) -> None:
     assert ran(call) == first
 
 
-def test_a_folder_that_is_none_is_passed_over(call: Call, case_folder: Path) -> None:
+def test_a_file_in_the_folders_place_is_ignored(call: Call, case_folder: Path) -> None:
     assert ran(call, cache=str(case_folder / "lamp.py"))["status"] == "pass"
 
 
 @pytest.mark.usefixtures("call")
-def test_pytest_keeps_them_too(store: Store) -> None:
+def test_pytest_uses_the_cache(store: Store) -> None:
     def pytested() -> tuple[int, str]:
         process = elsewhere(store, "pytest", "lamp.py::lamp[near]", "-p", "no:cacheprovider")
         said, _ = process.communicate(timeout=120)
@@ -159,7 +159,7 @@ def test_pytest_keeps_them_too(store: Store) -> None:
     assert SAID in said
 
 
-def test_mutants_are_kept_too_and_get_the_same_fate(call: Call, store: Store) -> None:
+def test_mutants_are_cached_and_get_the_same_fate(call: Call, store: Store) -> None:
     def mutated(**more: str) -> dict[str, Any]:
         words = ("mutate", "lamp.py", "--variant", "near", "--json", "-", "--limit", "9")
         (case,) = json.loads(call(*words, **more).stdout)["cases"]
@@ -171,7 +171,7 @@ def test_mutants_are_kept_too_and_get_the_same_fate(call: Call, store: Store) ->
     assert alter(store) > 9
 
 
-def test_compile_asks_the_compilers_themselves(call: Call, store: Store) -> None:
+def test_the_compile_command_uses_no_cache(call: Call, store: Store) -> None:
     for _ in range(2):
         assert call("compile", "lamp.frag").returncode == 0
     assert not keys(store)

@@ -1,9 +1,9 @@
-"""What keeping compiled programs saves: `python -m benchmarks.keeping [--programs N] [--rounds N]`.
+"""What the compile cache saves: `python -m benchmarks.caching [--programs N] [--rounds N]`.
 
-Each round prepares the same small programs three times, each time in a process of its own: without
-a cache, into an empty one, and from it. Shown is the processor time that preparing takes, of each
-process's first program, for which the compilers are loaded and set up if they are needed, and of
-each further one; median and least of the rounds, in milliseconds.
+Each round prepares the same small programs three times, each time in a new process: without a
+cache, with an empty cache, and with a full one. Shows the processor time of each process's first
+program, which includes loading the compilers if they are needed, and of each further program:
+median and minimum of the rounds, in milliseconds.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from pathlib import Path
 from benchmarks import running_programs
 
 REPOSITORY = Path(__file__).resolve().parent.parent
-WAYS = ("nothing kept", "kept now", "kept before")
+WAYS = ("no cache", "empty cache", "full cache")
 
 
 def main() -> None:
@@ -41,26 +41,26 @@ def main() -> None:
         folder = Path(name)
         running_programs.write(folder / "programs", asked.programs, 64)
         for _ in range(asked.rounds):
-            shutil.rmtree(folder / "kept", ignore_errors=True)
+            shutil.rmtree(folder / "cache", ignore_errors=True)
             for way in WAYS:
-                kept = "" if way == "nothing kept" else str(folder / "kept")
-                times[way].append(measured(folder / "programs", asked.programs, kept))
+                cache = "" if way == "no cache" else str(folder / "cache")
+                times[way].append(measured(folder / "programs", asked.programs, cache))
     show(times)
 
 
-def measured(programs: Path, count: int, kept: str) -> list[float]:
-    """What the first program and each further one cost in a new process."""
+def measured(programs: Path, count: int, cache: str) -> list[float]:
+    """Processor seconds of the first program and of each further one, in a new process."""
     done = subprocess.run(
         [
             sys.executable,
             "-m",
-            "benchmarks.keeping",
+            "benchmarks.caching",
             "--inside",
             programs,
             "--programs",
             str(count),
         ],
-        env={**os.environ, "PYTHONPATH": str(REPOSITORY), "SHADERLAB_CACHE_DIR": kept},
+        env={**os.environ, "PYTHONPATH": str(REPOSITORY), "SHADERLAB_CACHE_DIR": cache},
         cwd=REPOSITORY,
         stdout=subprocess.PIPE,
         text=True,
@@ -72,16 +72,16 @@ def measured(programs: Path, count: int, kept: str) -> list[float]:
 
 def prepared(folder: Path, count: int) -> list[float]:
     """The same in this process."""
-    import shaderlab.pipeline  # noqa: F401  what a run has imported before it compiles
+    import shaderlab.pipeline  # noqa: F401  a run has imported it before it compiles
     from shaderlab import fullscreen
     from shaderlab.gl.prepare import Preparer
     from shaderlab.glsl import Shaders
-    from shaderlab.glsl.kept import compiler
+    from shaderlab.glsl.compile_cache import cached_compiler
 
     uniforms = {"gain": running_programs.GAIN}
     names = [f"light_{index}.frag" for index in range(count)]
     draws = [fullscreen(name, uniforms=uniforms)[0].draws[0] for name in names]
-    preparer = Preparer(Shaders([folder]), compiler())
+    preparer = Preparer(Shaders([folder]), cached_compiler())
     times = [time.process_time()]
     for draw in draws:
         assert preparer.prepare(draw).interface.varyings
@@ -91,7 +91,7 @@ def prepared(folder: Path, count: int) -> list[float]:
 
 def show(times: Mapping[str, list[list[float]]]) -> None:
     """A row for each way."""
-    print(f"{'':<14} {'first program':>20} {'each further one':>20}   ms: median, least")
+    print(f"{'':<14} {'first program':>20} {'each further one':>20}   ms: median, minimum")
     for way, rounds in times.items():
         cells = ""
         for column in zip(*rounds, strict=True):

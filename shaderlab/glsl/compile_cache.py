@@ -1,0 +1,253 @@
+"""The compile cache: what compiling a program gave, kept on disk and found again.
+
+An entry holds a program's verdicts with all their messages, its SPIR-V modules and its interface,
+under a digest of everything they depend on. Crashes and time-outs are no results and are not
+cached; nor is anything that the compilers' commands say, since we can't tell which libraries a
+command loads.
+
+Entries are written by hand as JSON: msgspec, which packs dataclasses, saves 0.05 ms for each
+program and takes 10 ms to import (docs/running.md, "What it costs").
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import json
+import os
+import sys
+import time
+import zlib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from shaderlab.errors import ShaderError
+from shaderlab.glsl.cache_store import Store
+from shaderlab.glsl.compile import Compile, Compiled, compile_program, in_order
+from shaderlab.glsl.engines import COMMAND_VARIABLE, choose
+from shaderlab.glsl.interface import Block, Interface, Member, SpecConstant, Variable
+from shaderlab.glsl.library import files
+from shaderlab.glsl.sources import Source
+from shaderlab.records import Diagnostic, Verdict
+
+FOLDER_VARIABLE = "SHADERLAB_CACHE_DIR"
+
+_LARGEST = 64 << 20  # bytes that an entry may inflate to
+_VARIABLES = ("attributes", "varyings", "vertex_outputs", "outputs", "uniforms")
+# A file written after this process started may differ from what the process has loaded.
+_STARTED = time.time()
+_CLOCK_TICK = 2.0  # seconds; coarser than any file system's clock
+
+
+def cache_folder() -> Path | None:
+    """The cache's folder: below SHADERLAB_CACHE_DIR, else below the user's cache folder.
+
+    None if the variable is empty or the user has no home folder.
+    """
+    configured, base = os.environ.get(FOLDER_VARIABLE), os.environ.get("XDG_CACHE_HOME", "")
+    if configured == "":
+        return None
+    try:
+        if configured is not None:
+            return Path(configured).expanduser().absolute() / "compiled"
+        caches = Path(base) if os.path.isabs(base) else Path.home() / ".cache"
+    except (OSError, RuntimeError):  # no such user, no home, no working directory
+        return None
+    return caches / "shaderlab" / "compiled"
+
+
+def cached_compiler() -> Compile:
+    """`compile_program`, behind the compile cache where there is one."""
+    folder = cache_folder()
+    return compile_program if folder is None else _cache(folder).compile
+
+
+@functools.cache
+def _cache(folder: Path) -> CompileCache:
+    store = Store(folder)
+    return CompileCache(store, functools.partial(compilers_digest, store))
+
+
+class CompileCache:
+    """Compiles each program once and stores the result.
+
+    Args:
+        store: where entries are stored.
+        compilers: returns a digest of the compilers, or None to switch the cache off; called
+            once, for the first program.
+    """
+
+    def __init__(self, store: Store, compilers: Callable[[], str | None]) -> None:
+        self._store = store
+        self._compilers = functools.cache(compilers)
+
+    def compile(self, stages: Sequence[Source], targets: Sequence[str]) -> Compiled:
+        """As `compile_program`, with the default engine.
+
+        Raises:
+            ShaderError: as `compile_program`.
+        """
+        compilers = None if os.environ.get(COMMAND_VARIABLE) else self._compilers()
+        if compilers is None:
+            return compile_program(stages, targets)
+        ordered = tuple(in_order(stages, targets))
+        key = program_key(ordered, targets, compilers)
+        return self._load(key, ordered, targets) or self._compile(key, ordered, targets)
+
+    def _load(
+        self, key: str, ordered: tuple[Source, ...], targets: Sequence[str]
+    ) -> Compiled | None:
+        data = self._store.get(key)
+        try:
+            entry = None if data is None else decode(data)
+        except ValueError:
+            return None
+        if entry is None:
+            return None
+
+        def interface() -> Interface | None:
+            if "opengl" in targets:
+                return entry.interface
+            return self.compile(ordered, ("glsl", "opengl")).interface
+
+        return Compiled(entry.verdicts, entry.spirv, entry.logs, ordered, interface)
+
+    def _compile(self, key: str, ordered: tuple[Source, ...], targets: Sequence[str]) -> Compiled:
+        engine = choose()
+        compiled = compile_program(ordered, targets, engine=engine)
+        if engine.name == "library":
+            interface = compiled.interface if "opengl" in targets else None
+            entry = Entry(compiled.verdicts, compiled.spirv, compiled.logs, interface)
+            self._store.put(key, encode(entry))
+        return compiled
+
+
+def program_key(ordered: Sequence[Source], targets: Sequence[str], compilers: str) -> str:
+    """A digest of each stage's text with its includes, of the names and lines that messages
+    quote, of the targets and of the compilers."""
+    stages = [
+        [s.stage, s.name, s.path, s.text, s.stripped, s.lines.spans, s.parts] for s in ordered
+    ]
+    return _digest([compilers, list(targets), stages])
+
+
+def compilers_digest(store: Store) -> str | None:
+    """A digest of the compilers' libraries and of the lab's code around them.
+
+    None if it is unknown: there are no libraries, or a file has only just been written.
+    """
+    here = Path(__file__).parent
+    shared = [here.parent / name for name in ("errors.py", "files.py", "records.py")]
+    own = [*sorted(here.glob("*.py")), *shared]
+    if Path(__file__) not in own:  # an installation without sources
+        return None
+    try:
+        return files_digest([*files(), *own], store)
+    except (OSError, ShaderError):
+        return None
+
+
+def files_digest(paths: Sequence[Path], store: Store, started: float = _STARTED) -> str | None:
+    """One digest of the files' contents, which `store` remembers until a file is touched.
+
+    None if a file was changed after, or just before, the time `started`.
+
+    Raises:
+        OSError: a file can't be read.
+    """
+    known = [os.stat(path) for path in paths]
+    if max(stat.st_ctime for stat in known) > started - _CLOCK_TICK:
+        return None
+    identities = [
+        [str(path), stat.st_dev, stat.st_ino, stat.st_size, stat.st_mtime_ns, stat.st_ctime_ns]
+        for path, stat in zip(paths, known, strict=True)
+    ]
+    key = _digest(["files", identities])
+    remembered = store.get(key)
+    if remembered is not None:
+        return remembered.decode("ascii", "replace")
+    contents = []
+    for path in paths:
+        with open(path, "rb") as file:
+            contents.append(hashlib.file_digest(file, "sha256").hexdigest())
+    digest = _digest([sys.byteorder, sys.implementation.cache_tag, contents])
+    store.put(key, digest.encode("ascii"))
+    return digest
+
+
+def _digest(value: object) -> str:
+    return hashlib.sha256(json.dumps(value).encode("ascii")).hexdigest()
+
+
+@dataclass(frozen=True)
+class Entry:
+    """The parts of a `Compiled` that are data; its interface only if it is known."""
+
+    verdicts: tuple[Verdict, ...]
+    spirv: Mapping[str, Mapping[str, bytes]]
+    logs: Mapping[str, str]
+    interface: Interface | None = None
+
+
+def encode(entry: Entry) -> bytes:
+    """The entry as deflated JSON, with modules in hexadecimal."""
+    return zlib.compress(json.dumps(entry, default=_plain).encode("ascii"), 1)
+
+
+def decode(data: bytes) -> Entry:
+    """The entry again. Only builds plain data; never runs anything that `data` says.
+
+    Raises:
+        ValueError: the bytes are not an entry.
+    """
+    try:
+        fields = json.loads(zlib.decompressobj().decompress(data, _LARGEST))
+        return Entry(
+            verdicts=tuple(map(_verdict, fields["verdicts"])),
+            spirv={
+                target: {stage: bytes.fromhex(module) for stage, module in modules.items()}
+                for target, modules in fields["spirv"].items()
+            },
+            logs=fields["logs"],
+            interface=_interface(fields["interface"]),
+        )
+    except (
+        zlib.error,
+        ArithmeticError,
+        AttributeError,
+        LookupError,
+        RecursionError,
+        TypeError,
+    ) as error:
+        raise ValueError(f"not a compile cache entry: {error}") from error
+
+
+def _plain(value: Any) -> Any:
+    return value.hex() if isinstance(value, bytes) else vars(value)
+
+
+def _verdict(fields: Mapping[str, Any]) -> Verdict:
+    diagnostics = tuple(Diagnostic(**one) for one in fields["diagnostics"])
+    return Verdict(**{**fields, "diagnostics": diagnostics})
+
+
+def _interface(fields: Mapping[str, Any] | None) -> Interface | None:
+    if fields is None:
+        return None
+    size = fields["local_size"]
+    blocks = {
+        name: Block(**{**block, "members": _by_name(Member, block["members"])})
+        for name, block in fields["blocks"].items()
+    }
+    return Interface(
+        **{kind: _by_name(Variable, fields[kind]) for kind in _VARIABLES},
+        blocks=blocks,
+        constants=_by_name(SpecConstant, fields["constants"]),
+        local_size=None if size is None else (size[0], size[1], size[2]),
+    )
+
+
+def _by_name(kind: Callable[..., Any], told: Mapping[str, Any]) -> dict[str, Any]:
+    return {name: kind(**fields) for name, fields in told.items()}
