@@ -7,7 +7,7 @@ import time
 import traceback
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 from types import TracebackType
@@ -32,6 +32,7 @@ from shaderlab.gl.runner import Drawn, Prepared, Runner, Session, step
 from shaderlab.glsl.compile_cache import cached_compiler
 from shaderlab.glsl.sources import Source
 from shaderlab.model import GlCall, GlError, Scene, Sweep, Value
+from shaderlab.options import RunOptions
 from shaderlab.pipeline import plan, refusals, stored_images
 from shaderlab.pipeline.picture_writer import PictureFiles, PictureWriter
 from shaderlab.pipeline.record_builder import RecordBuilder
@@ -41,35 +42,13 @@ from shaderlab.records import Outcome, Record, Verdict
 Got = TypeVar("Got")
 
 
-@dataclass(frozen=True, kw_only=True)
-class Options:
-    """How scenes are run.
-
-    Args:
-        size: side in pixels of the square frame that is judged, where a case does not say.
-        picture_size: side of the picture for people, likewise.
-        folder: the run's folder for pictures; None writes none.
-        shaders: replacements by shader name: text, or the path of another file.
-        driver: as in `shaderlab.gl.device.open_device`.
-        frames: the folder in which `shaderlab.pipeline.stored_images` stores what each scene
-            draws; None stores nothing.
-    """
-
-    size: int = 64
-    picture_size: int = 512
-    folder: Path | None = None
-    shaders: Mapping[str, str | Path] = field(default_factory=dict)
-    driver: str | None = None
-    frames: Path | None = None
-
-
 class Lab:
     """Runs scenes and gives their records. A context manager; the device is opened on first use."""
 
     def __init__(
-        self, options: Options = Options(), notice: Callable[[str], None] | None = None
+        self, options: RunOptions | None = None, notice: Callable[[str], None] | None = None
     ) -> None:
-        self.options = options
+        self.options = options or RunOptions()
         self._notice = notice
         self.exhausted = False  # whether memory ran out in it
         self._device: Device | None = None
@@ -88,7 +67,7 @@ class Lab:
     ) -> None:
         self.close()
 
-    def configure(self, options: Options) -> None:
+    def configure(self, options: RunOptions) -> None:
         """Take other options for the scenes to come. The device stays, and with it the driver."""
         if options.shaders != self.options.shaders:
             self._preparer.cache_clear()
@@ -152,7 +131,7 @@ class Lab:
         preparer = self._preparer(str(Path(scene.case.file).parent))
         with doing("compile", "compiling"):
             prepared = {p.name: tuple(preparer.prepare(d) for d in p.draws) for p in scene.passes}
-        writer = PictureWriter(self.options.folder, scene.case.id, scene.variant)
+        writer = PictureWriter(self.options.picture_folder, scene.case.id, scene.variant)
 
         def assembly(modules: Mapping[str, bytes]) -> str:
             file = ""
@@ -169,7 +148,7 @@ class Lab:
             builder.add_driver_verdicts(self._opinion)
             said = refusals.gathered(scene, preparer, self._opinion)
         size = (self.options.size,) * 2
-        picture_size = 0 if self.options.folder is None else self.options.picture_size
+        picture_size = 0 if self.options.picture_folder is None else self.options.picture_size
         builder.set_device(self.driver, self.options.size, picture_size)
         with doing("draw"), self.runner.session(scene, prepared, size) as session:
             drawn = session.run()
@@ -179,7 +158,7 @@ class Lab:
         builder.add_inactive_uniforms(drawn.inactive)
         _expect_no_errors(scene, drawn)
         self._judge(scene, frame, said, builder, writer)
-        if self.options.folder is not None:
+        if self.options.picture_folder is not None:
             with doing("picture", "drawing the picture"):
                 self._write_pictures(scene, self._enlarged(scene, prepared, drawn), builder, writer)
 

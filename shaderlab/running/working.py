@@ -18,7 +18,8 @@ import numpy as np
 from shaderlab.catalogue import load_case
 from shaderlab.errors import CaseError
 from shaderlab.model import Expectation, Formula, Ramp, Scene, Sweep
-from shaderlab.pipeline import Lab, Options
+from shaderlab.options import RunOptions
+from shaderlab.pipeline import Lab
 from shaderlab.records import Record
 from shaderlab.running.jobs import About, CaseFacts, Describe, Job, Load, Perform, Question, Setup
 from shaderlab.running.steps import Steps
@@ -62,11 +63,12 @@ def perform(lab: Lab, setup: Setup, job: Job) -> Record:
     return lab.run(_scene_of(job))
 
 
-def options_of(setup: Setup) -> Options:
+def options_of(setup: Setup) -> RunOptions:
     """The lab's options for a run."""
-    return Options(
+    return RunOptions(
         size=setup.size,
-        folder=setup.folder if setup.pictures else None,
+        folder=setup.folder,
+        pictures=setup.pictures,
         shaders=dict(setup.shaders),
         driver=setup.driver,
         frames=setup.frames,
@@ -107,7 +109,7 @@ class _Station:
 
     def open(self, driver: str | None) -> Lab:
         if self._lab is None:
-            self._lab = Lab(Options(driver=driver), self._note)
+            self._lab = Lab(RunOptions(driver=driver), self._note)
         return self._lab
 
     def perform(self, question: Perform) -> Record:

@@ -32,7 +32,8 @@ from shaderlab import (
 from shaderlab.errors import CaseError
 from shaderlab.glslmath import mul, vec4
 from shaderlab.model.mesh import LAYOUTS, UPLOADS, USAGES
-from shaderlab.pipeline import Lab, Options
+from shaderlab.options import RunOptions
+from shaderlab.pipeline import Lab
 from shaderlab.records import Record
 
 SQUARE = {
@@ -108,7 +109,7 @@ def folder(tmp_path: Path) -> Path:
 
 def run(folder: Path, **case: Any) -> list[Record]:
     made = Case(title="a case", id="a-case", file=str(folder / "case.py"), **case)
-    with Lab(Options()) as lab:
+    with Lab(RunOptions()) as lab:
         return [lab.run(scene) for scene in made.scenes()]
 
 

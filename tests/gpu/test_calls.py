@@ -25,7 +25,8 @@ from shaderlab import (
 )
 from shaderlab.errors import CaseError
 from shaderlab.model.scene import UNIT_SQUARE
-from shaderlab.pipeline import Lab, Options
+from shaderlab.options import RunOptions
+from shaderlab.pipeline import Lab
 from shaderlab.pipeline.trial import Bench, judged_passes
 from shaderlab.records import Record
 
@@ -56,7 +57,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def lab() -> Iterator[Lab]:
-    with Lab(Options(size=4)) as made:
+    with Lab(RunOptions(size=4)) as made:
         yield made
 
 

@@ -26,7 +26,8 @@ from shaderlab import (
     value,
 )
 from shaderlab.glslmath import dot, mul, vec4
-from shaderlab.pipeline import Lab, Options
+from shaderlab.options import RunOptions
+from shaderlab.pipeline import Lab
 from shaderlab.records import Record
 
 QUAD = Mesh(
@@ -105,7 +106,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def lab() -> Iterator[Lab]:
-    with Lab(Options(size=16)) as made:
+    with Lab(RunOptions(size=16)) as made:
         yield made
 
 

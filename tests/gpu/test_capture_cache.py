@@ -15,7 +15,8 @@ from shaderlab.catalogue import Catalogue
 from shaderlab.frame import Fragments, Frame, PassDraw
 from shaderlab.gl.capture_cache import CaptureCache
 from shaderlab.model import Blend, Cell, Depth, Scene
-from shaderlab.pipeline import Lab, Options
+from shaderlab.options import RunOptions
+from shaderlab.pipeline import Lab
 
 SHADER = """#version 330 core
 {declared}
@@ -46,7 +47,7 @@ class Watched(Lab):
     """A lab that keeps what was captured for each scene, and judges nothing."""
 
     def __init__(self, room: int = 1 << 25) -> None:
-        super().__init__(Options(size=32))
+        super().__init__(RunOptions(size=32))
         self.captures = self.runner.captures = Counting(room)
         self.seen: dict[tuple[str, str], Mapping[PassDraw, Fragments]] = {}
 

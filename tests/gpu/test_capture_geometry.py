@@ -12,7 +12,8 @@ import pytest
 from shaderlab import Case, Draw, Mesh, Pass, coverage, formula, mesh_pass, value
 from shaderlab.gl.feedback import corners
 from shaderlab.glslmath import cross, normalize, vec4, where
-from shaderlab.pipeline import Lab, Options
+from shaderlab.options import RunOptions
+from shaderlab.pipeline import Lab
 from shaderlab.records import Record
 
 TRIANGLES = Mesh(
@@ -136,7 +137,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def lab() -> Iterator[Lab]:
-    with Lab(Options(size=32)) as made:
+    with Lab(RunOptions(size=32)) as made:
         yield made
 
 

@@ -20,7 +20,8 @@ from shaderlab import (
     symmetric,
 )
 from shaderlab.model import Property
-from shaderlab.pipeline import Lab, Options
+from shaderlab.options import RunOptions
+from shaderlab.pipeline import Lab
 from shaderlab.records import Outcome
 
 SHADER = """#version 330 core
@@ -38,7 +39,7 @@ void main() {
 
 @pytest.fixture(scope="module")
 def lab() -> Iterator[Lab]:
-    with Lab(Options(size=8)) as made:
+    with Lab(RunOptions(size=8)) as made:
         yield made
 
 

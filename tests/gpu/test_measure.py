@@ -14,7 +14,8 @@ from shaderlab.catalogue import load_case
 from shaderlab.mutation import Options as MutationOptions
 from shaderlab.mutation.campaign import mutants_of_case
 from shaderlab.mutation.judging import Judge
-from shaderlab.pipeline import Lab, Options
+from shaderlab.options import RunOptions
+from shaderlab.pipeline import Lab
 from shaderlab.pipeline.trial import Bench
 
 STEP = """\
@@ -74,7 +75,7 @@ def folder(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def lab() -> Iterator[Lab]:
-    with Lab(Options(size=16)) as made:
+    with Lab(RunOptions(size=16)) as made:
         yield made
 
 

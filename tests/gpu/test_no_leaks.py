@@ -23,7 +23,8 @@ from shaderlab.checks.refusals import Answer, Complaint
 from shaderlab.frame import Frame
 from shaderlab.gl import state as fixed
 from shaderlab.model import Case, Mesh, Scene, State, Target, exact, mesh_pass
-from shaderlab.pipeline import Lab, Options
+from shaderlab.options import RunOptions
+from shaderlab.pipeline import Lab
 from shaderlab.pipeline.picture_writer import PictureWriter
 from shaderlab.pipeline.record_builder import RecordBuilder
 from shaderlab.records import Record
@@ -37,7 +38,7 @@ class Watched(Lab):
     """A lab that keeps a hash of each scene's frame, and judges only what it is told to."""
 
     def __init__(self, judged: Sequence[str] = ()) -> None:
-        super().__init__(Options())
+        super().__init__(RunOptions())
         self.hashes: dict[tuple[str, str], dict[str, str]] = {}
         self._judged = judged
 

@@ -38,7 +38,8 @@ from shaderlab import (
 )
 from shaderlab.gl.runner import Runner
 from shaderlab.glslmath import normalize, vec4
-from shaderlab.pipeline import Lab, Options
+from shaderlab.options import RunOptions
+from shaderlab.pipeline import Lab
 from shaderlab.records import Record
 from shaderlab.sampling import texture
 
@@ -100,7 +101,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def lab() -> Iterator[Lab]:
-    with Lab(Options(size=16)) as made:
+    with Lab(RunOptions(size=16)) as made:
         yield made
 
 
@@ -428,7 +429,7 @@ def test_a_uniform_without_effect_is_noticed(lab: Lab, folder: Path) -> None:
 
 
 def test_pictures_are_written_where_the_record_says(folder: Path, tmp_path: Path) -> None:
-    with Lab(Options(size=16, picture_size=32, folder=tmp_path)) as lab:
+    with Lab(RunOptions(size=16, picture_size=32, folder=tmp_path)) as lab:
         record = run(lab, folder, ramp(), formula("product", product), picture="FragColor")
     files = [*record.images.values(), *record.expectations[0].images.values()]
     assert len(files) == 4
@@ -453,7 +454,7 @@ def test_a_defect_of_the_lab_costs_one_scene_only(
         raise IndexError("no such luck")
 
     monkeypatch.delenv("SHADERLAB_DEBUG", raising=False)
-    with Lab(Options(size=16, folder=folder)) as lab:
+    with Lab(RunOptions(size=16, folder=folder)) as lab:
         with monkeypatch.context() as patch:
             patch.setattr(PictureWriter, "write_picture", broken)
             record = run(lab, folder, ramp(), formula("product", product))
@@ -475,7 +476,7 @@ def test_a_driver_that_disagrees_with_the_compiler_is_told_on(
         return Verdict(target="driver", ok=False, diagnostics=(said,))
 
     monkeypatch.setattr(laboratory, "driver_verdict", refusing)
-    with Lab(Options(size=16)) as lab:
+    with Lab(RunOptions(size=16)) as lab:
         record = run(lab, folder, ramp(), formula("product", product))
     assert record.status == "fail"
     assert record.compile["driver"] == "fail"
@@ -498,7 +499,7 @@ def test_only_a_scene_without_a_size_is_drawn_again_for_its_picture(
         return session(runner, scene, prepared, size)
 
     monkeypatch.setattr(Runner, "session", noted)
-    with Lab(Options(size=16, folder=tmp_path)) as lab:
+    with Lab(RunOptions(size=16, folder=tmp_path)) as lab:
         record = run(lab, folder, ramp(target=target), formula("product", product))
     assert record.status == "pass" and drawn == sizes
     seen = pictures.load(tmp_path / record.images["picture"])
@@ -516,7 +517,7 @@ def test_a_formula_that_fails_on_values_only_a_picture_looks_at(
             raise ValueError("too high")
         return x * y * gain
 
-    options = Options(size=16, folder=tmp_path)
+    options = RunOptions(size=16, folder=tmp_path)
     wide = ramp(target=Target(size=(160, 160)))
     with Lab(options) as lab:
         record = run(lab, folder, wide, formula("product", fails), formula("product", product))

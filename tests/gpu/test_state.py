@@ -30,7 +30,8 @@ from shaderlab import (
 )
 from shaderlab.errors import CaseError
 from shaderlab.glslmath import swizzle
-from shaderlab.pipeline import Lab, Options
+from shaderlab.options import RunOptions
+from shaderlab.pipeline import Lab
 from shaderlab.pipeline.trial import judged_passes
 from shaderlab.records import Record
 
@@ -83,7 +84,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def lab() -> Iterator[Lab]:
-    with Lab(Options(size=16)) as made:
+    with Lab(RunOptions(size=16)) as made:
         yield made
 
 

@@ -18,6 +18,7 @@ ROOMS: dict[str, set[str]] = {
     "files": {"errors"},
     "activity": set(),
     "packages": set(),
+    "options": set(),
     "records": set(),
     "frame": {"errors"},
     "bands": {"errors"},
@@ -38,7 +39,7 @@ ROOMS: dict[str, set[str]] = {
     "pipeline": {
         "errors", "files", "activity", "packages", "records", "frame", "bands", "sampling",
         "glslmath", "pictures", "model",
-        "assets", "reference", "glsl", "checks", "gl", "discovery",
+        "assets", "reference", "glsl", "checks", "gl", "discovery", "options",
     },
     "workers": {"errors", "records", "model", "catalogue", "pipeline"},
     "mutation": {
@@ -46,8 +47,8 @@ ROOMS: dict[str, set[str]] = {
     },
     "report": {"errors", "files", "records", "pictures"},
     "running": {
-        "errors", "files", "packages", "records", "frame", "model", "gl", "discovery", "catalogue",
-        "pipeline", "workers", "report",
+        "errors", "files", "options", "packages", "records", "frame", "model", "gl", "discovery",
+        "catalogue", "pipeline", "workers", "report",
     },
     "terminal": {"files", "records"},
     "doctor": {"errors", "glsl", "gl", "discovery"},

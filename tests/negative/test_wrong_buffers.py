@@ -14,7 +14,8 @@ from shaderlab import UniformBuffer
 from shaderlab.catalogue import Catalogue
 from shaderlab.discovery import data_folder
 from shaderlab.model import Case, Draw, Mesh, Pass
-from shaderlab.pipeline import Lab, Options
+from shaderlab.options import RunOptions
+from shaderlab.pipeline import Lab
 from shaderlab.records import Record
 
 CH2, CH8, CH10 = "ch02_basics", "ch08_techniques", "ch10_buffers"
@@ -88,7 +89,7 @@ def shipped(case_id: str) -> Case:
 
 def run(case: Case, shaders: dict[str, str] | None = None) -> Record:
     scenes = list(case.scenes())
-    with Lab(Options(shaders=shaders or {})) as lab:
+    with Lab(RunOptions(shaders=shaders or {})) as lab:
         return lab.run(scenes[-1])  # the last kernel is the one that is not symmetric
 
 

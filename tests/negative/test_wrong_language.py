@@ -11,7 +11,8 @@ import pytest
 from shaderlab.catalogue import Catalogue
 from shaderlab.discovery import data_folder
 from shaderlab.model import Case, CompileFails, Computed, InactiveUniforms, Output, Refused
-from shaderlab.pipeline import Lab, Options
+from shaderlab.options import RunOptions
+from shaderlab.pipeline import Lab
 from shaderlab.records import Record
 
 CH2, CH11 = "ch02_basics", "ch11_window"
@@ -74,7 +75,7 @@ def judged_only(case_id: str) -> Case:
 
 
 def run(case: Case, shaders: dict[str, str] | None = None) -> list[Record]:
-    with Lab(Options(shaders=shaders or {})) as lab:
+    with Lab(RunOptions(shaders=shaders or {})) as lab:
         return [lab.run(scene) for scene in case.scenes()]
 
 

@@ -10,7 +10,8 @@ import pytest
 from shaderlab.catalogue import Catalogue
 from shaderlab.discovery import data_folder
 from shaderlab.model import Case
-from shaderlab.pipeline import Lab, Options
+from shaderlab.options import RunOptions
+from shaderlab.pipeline import Lab
 from shaderlab.records import Record
 
 FOLDER = "ch05_lighting"
@@ -109,7 +110,7 @@ def with_mistake(case_id: str, shader: str, right: str, wrong: str) -> list[Reco
     case = catalogue().find(case_id)
     if shader != "finish.frag":
         case = without_picture(case)
-    with Lab(Options(shaders={path: text.replace(right, wrong)})) as lab:
+    with Lab(RunOptions(shaders={path: text.replace(right, wrong)})) as lab:
         return [lab.run(scene) for scene in case.scenes()]
 
 

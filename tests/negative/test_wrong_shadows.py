@@ -10,7 +10,8 @@ import pytest
 from shaderlab.catalogue import Catalogue
 from shaderlab.discovery import data_folder
 from shaderlab.model import Case, Measure
-from shaderlab.pipeline import Lab, Options
+from shaderlab.options import RunOptions
+from shaderlab.pipeline import Lab
 from shaderlab.records import Outcome
 
 FOLDER = "ch05_lighting"
@@ -100,7 +101,7 @@ def judged(case: Case) -> Case:
 
 
 def failures_of(case: Case, shaders: dict[str, str]) -> list[Outcome]:
-    with Lab(Options(shaders=shaders)) as lab:
+    with Lab(RunOptions(shaders=shaders)) as lab:
         record = lab.run(case.scene("default"))
     assert record.status == "fail", record.message
     return [o for o in record.expectations if o.status == "fail"]

@@ -13,7 +13,8 @@ from shaderlab import Case, CubeTexture, Texture
 from shaderlab.catalogue import Catalogue
 from shaderlab.discovery import data_folder
 from shaderlab.model import Expectation
-from shaderlab.pipeline import Lab, Options
+from shaderlab.options import RunOptions
+from shaderlab.pipeline import Lab
 from shaderlab.records import Record
 
 CH2, CH7, CH13 = "ch02_basics", "ch07_maps", "ch13_skybox"
@@ -80,7 +81,7 @@ def _pass_of(expectation: Expectation) -> str:
 
 
 def run(case: Case, shaders: dict[str, str]) -> Record:
-    with Lab(Options(shaders=dict(shaders))) as lab:
+    with Lab(RunOptions(shaders=dict(shaders))) as lab:
         return lab.run(next(iter(case.scenes())))
 
 

@@ -10,7 +10,8 @@ import pytest
 from shaderlab.catalogue import Catalogue
 from shaderlab.discovery import data_folder
 from shaderlab.model import Case
-from shaderlab.pipeline import Lab, Options
+from shaderlab.options import RunOptions
+from shaderlab.pipeline import Lab
 from shaderlab.records import Record
 
 CH3, CH4 = "ch03_transforms", "ch04_spaces"
@@ -88,7 +89,7 @@ def judged_only(case_id: str) -> Case:
 
 
 def run(case_id: str, shaders: dict[str, str]) -> Record:
-    with Lab(Options(shaders=shaders)) as lab:
+    with Lab(RunOptions(shaders=shaders)) as lab:
         return lab.run(next(judged_only(case_id).scenes()))
 
 

@@ -34,7 +34,7 @@ def test_without_pictures_the_lab_gets_no_folder(
     log = fake_lab({})
     assert call(case_folder, "--report", "a").exit_code == 0
     assert call(case_folder, "--report", "b", "--no-pictures").exit_code == 0
-    folders = [entry.folder for entry in log if dataclasses.is_dataclass(entry)]
+    folders = [entry.picture_folder for entry in log if dataclasses.is_dataclass(entry)]
     assert folders == [Path("a"), None]
     assert Path("b/index.html").is_file() and len(read(Path("b"))[1]) == 2
 

@@ -1,0 +1,52 @@
+"""How scenes are run, as one value that every room takes and that crosses processes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+
+@dataclass(frozen=True, kw_only=True)
+class Limits:
+    """What one job may take.
+
+    Attributes:
+        seconds: of time.
+        gigabytes: of address space, 2^30 bytes each; 0 for any amount. It holds where the system
+            limits processes (Linux, not Windows).
+    """
+
+    seconds: float = 30.0
+    gigabytes: float = 4.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunOptions:
+    """How scenes are run.
+
+    Attributes:
+        size: side in pixels of the square frame that is judged, where a case does not say.
+        picture_size: side of the picture for people, likewise.
+        folder: the run's folder; None writes no file.
+        pictures: whether pictures are drawn into it.
+        shaders: replacements by shader name: text, or the path of another file.
+        driver: as in `shaderlab.gl.device.open_device`; a process keeps the first it is given.
+        frames: the folder in which `shaderlab.pipeline.stored_images` stores what each scene
+            draws; None stores nothing.
+        limits: of each scene.
+    """
+
+    size: int = 64
+    picture_size: int = 512
+    folder: Path | None = None
+    pictures: bool = True
+    shaders: Mapping[str, str | Path] = field(default_factory=dict)
+    driver: str | None = None
+    frames: Path | None = None
+    limits: Limits = Limits()
+
+    @property
+    def picture_folder(self) -> Path | None:
+        """The folder for pictures; None where none are drawn."""
+        return self.folder if self.pictures else None
