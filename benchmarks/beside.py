@@ -44,7 +44,8 @@ finally:
 """
 PAGE = """
 import json, sys, time
-from shaderlab.report import html, load
+from shaderlab.report import html
+from shaderlab.report.store import load
 run = load(sys.argv[2])
 html.write(run, sys.argv[2])
 began = time.process_time()

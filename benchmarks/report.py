@@ -22,7 +22,8 @@ from pathlib import Path
 
 MAKE = """
 import json, resource, sys, time
-from shaderlab.report import load, write
+from shaderlab.report.html import write
+from shaderlab.report.store import load
 began = time.perf_counter()
 run = load(sys.argv[1])
 loaded = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
@@ -105,7 +106,7 @@ def _made_up(folder: Path, count: int) -> None:
     from shaderlab.frame import Image
     from shaderlab.pipeline.picture_writer import PictureWriter
     from shaderlab.records import ProgramRecord, SourceText, Verdict
-    from shaderlab.report import save
+    from shaderlab.report.store import save
     from tests.unit.test_report_samples import curve, outcome, record, run, worst
 
     generator = np.random.default_rng(7)

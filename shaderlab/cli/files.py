@@ -1,4 +1,4 @@
-"""Where the command line puts what it makes: run folders, the pointer to the latest, JSON."""
+"""Where the command line puts what it makes: run folders, the pointer to the latest, outputs."""
 
 from __future__ import annotations
 
@@ -6,21 +6,24 @@ import contextlib
 import datetime
 import itertools
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import click
 
-from shaderlab.errors import UsageError
+from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.files import replacing, write_bytes
+from shaderlab.records import Run
+from shaderlab.report.formats import FORMATS
 
 REPORTS = Path("reports")
 LATEST = "latest"
+Command = TypeVar("Command", bound=Callable[..., Any])
 
 
 def new_run_folder(parent: Path = REPORTS) -> Path:
-    """Make a folder of its own for this run, named by the time, whoever else starts now."""
+    """Make a new folder named by the time; runs that start together get different ones."""
     stamp = datetime.datetime.now().strftime("%Y%m%d-%H%M%S")
     for number in itertools.count(1):
         folder = parent / (stamp if number == 1 else f"{stamp}-{number}")
@@ -37,7 +40,7 @@ def new_run_folder(parent: Path = REPORTS) -> Path:
 
 
 def report_folder(folder: Path) -> Path:
-    """Make the folder that was asked for; it may be there already."""
+    """Make the folder of `--report`; it may exist already."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -46,7 +49,7 @@ def report_folder(folder: Path) -> Path:
 
 
 def latest(folder: Path) -> None:
-    """Let `latest`, beside `folder`, point to it; where there are no symbolic links, leave it."""
+    """Point `latest` beside `folder` to it, where the file system has symbolic links."""
     with contextlib.suppress(OSError), replacing(folder.parent / LATEST) as link:
         link.symlink_to(folder.name, target_is_directory=True)
 
@@ -68,6 +71,46 @@ def find_latest(parent: Path = REPORTS) -> Path:
     return runs[-1]
 
 
+def output_options(command: Command) -> Command:
+    """Give a command the option `--NAME FILE` for each output format.
+
+    It gets those that were named as `outputs`, a file for each format, which `write_outputs` takes.
+    """
+
+    def collect(context: click.Context, option: click.Parameter, file: str | None) -> None:
+        outputs = context.params.setdefault("outputs", {})
+        if file is not None:
+            outputs[option.name] = file
+
+    for name, help in reversed(FORMATS):
+        command = click.option(
+            f"--{name}", metavar="FILE", help=help, expose_value=False, callback=collect
+        )(command)
+    return command
+
+
+def uses_stdout(outputs: Mapping[str, str]) -> bool:
+    """Whether one of the outputs goes to standard output.
+
+    Raises:
+        UsageError: several do.
+    """
+    names = [f"--{name}" for name, file in outputs.items() if file == "-"]
+    if len(names) > 1:
+        raise UsageError(f"only one of {' and '.join(names)} can go to standard output")
+    return bool(names)
+
+
+def write_outputs(run: Run, outputs: Mapping[str, str]) -> Iterator[ShaderlabError]:
+    """Write each output of a run; yields an error for each that can't be written."""
+    for format in FORMATS:
+        if format.name in outputs:
+            try:
+                write_output(format.render(run), outputs[format.name])
+            except ShaderlabError as error:
+                yield error
+
+
 def write_json(data: Mapping[str, Any] | Sequence[Any], file: str) -> None:
     """Write `data` to a file whole or not at all, or to standard output for "-"."""
     write_output(json.dumps(data, indent=2, ensure_ascii=False) + "\n", file)
@@ -81,7 +124,7 @@ def write_output(text: str, file: str) -> None:
     path = Path(file)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        write_bytes(path, text.encode("utf-8"))
+        write_bytes(path, text.encode("utf-8", errors="replace"))
     except OSError as error:
         raise _unwritable(path, error) from error
 

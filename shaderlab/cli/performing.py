@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from shaderlab.cli.files import new_run_folder, report_folder
+from shaderlab.cli.files import new_run_folder, report_folder, uses_stdout
 from shaderlab.cli.replacing import named, parsed, unread
 from shaderlab.cli.requesting import Request, place_of
 from shaderlab.cli.selecting import choose
@@ -42,7 +42,7 @@ class Performed:
 def finish(request: Request, team: Team) -> tuple[Performed, Show]:
     """Do what was asked for, or the rest of it. Raises UsageError, CaseError."""
     load_libraries()
-    show = Show(to_stderr=request.json_file == "-")
+    show = Show(to_stderr=uses_stdout(request.outputs))
     done: list[Record] = []
     if request.resume is None:
         heading, folder = _begun(request, team)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import click
 
-from shaderlab.cli.files import find_latest, write_output
+from shaderlab.cli.files import find_latest, output_options, uses_stdout, write_outputs
 from shaderlab.errors import UsageError
 from shaderlab.files import display_path
 
@@ -19,10 +20,10 @@ from shaderlab.files import display_path
     metavar="RUN_FOLDER",
     help="Show what changed since another run; written to against.html.",
 )
-@click.option("--markdown", "markdown_file", metavar="FILE", help="Write a summary; - for stdout.")
+@output_options
 @click.option("--open", "open_report", is_flag=True, help="Open it in a browser.")
 def command(
-    run_folder: str | None, earlier: str | None, markdown_file: str | None, open_report: bool
+    run_folder: str | None, earlier: str | None, outputs: Mapping[str, str], open_report: bool
 ) -> None:
     """Make the page of a run once more, from the run.json in its folder.
 
@@ -33,8 +34,9 @@ def command(
       shaderlab report --against reports/20260101-120000
       shaderlab report --markdown "$GITHUB_STEP_SUMMARY"
     """
-    from shaderlab.report import html, markdown, store
+    from shaderlab.report import html, store
 
+    to_stderr = uses_stdout(outputs)
     folder = _run_folder(find_latest() if run_folder is None else Path(run_folder))
     run = store.load(folder)
     against = None
@@ -42,9 +44,9 @@ def command(
         before = _run_folder(Path(earlier))
         against = store.load(before), before
     page = html.write(run, folder, against)
-    if markdown_file is not None:
-        write_output(markdown.summary(run), markdown_file)
-    click.echo(f"report: {display_path(page)}", err=markdown_file == "-")
+    for problem in write_outputs(run, outputs):
+        raise problem
+    click.echo(f"report: {display_path(page)}", err=to_stderr)
     if open_report:
         click.launch(page.resolve().as_uri())
 

@@ -5,7 +5,8 @@ Little is imported here: workers get ready while the command imports the rest.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from shaderlab.cli.files import REPORTS
@@ -23,8 +24,7 @@ class Request:
     variants: tuple[str, ...] = ()
     size: int = 64
     shaders: tuple[str, ...] = ()
-    json_file: str | None = None
-    junit_file: str | None = None
+    outputs: Mapping[str, str] = field(default_factory=dict)
     folder: str | None = None
     seconds: float
     gigabytes: float

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from shaderlab.cli.files import latest, write_json
+from shaderlab.cli.files import latest, output_options, write_outputs
 from shaderlab.errors import ShaderlabError
 from shaderlab.running.jobs import DEFAULT_GIGABYTES, DEFAULT_SECONDS
 from shaderlab.running.sizing import WORDS
@@ -38,8 +38,7 @@ if TYPE_CHECKING:
     metavar="NAME=FILE",
     help="Judge FILE in place of the shader called NAME: its path, or the end of it.",
 )
-@click.option("--json", "json_file", metavar="FILE", help="Write results as JSON; - for stdout.")
-@click.option("--junit", "junit_file", metavar="FILE", help="Write results as JUnit XML.")
+@output_options
 @click.option(
     "--report",
     "folder",
@@ -166,8 +165,8 @@ def command(open_report: bool, **asked: Any) -> None:
 
 
 def write_all(run: Run, folder: Path, request: Request) -> tuple[Path | None, list[ShaderlabError]]:
-    """Write everything that was asked for; what can't be written keeps nothing else from it."""
-    from shaderlab.report import html, junit, store
+    """Write the run, its page and its outputs; return what can't be written."""
+    from shaderlab.report import html, store
 
     problems: list[ShaderlabError] = []
     page: Path | None = None
@@ -175,12 +174,7 @@ def write_all(run: Run, folder: Path, request: Request) -> tuple[Path | None, li
         store.save(run, folder)
     with _collected(problems):
         page = html.write(run, folder)
-    with _collected(problems):
-        if request.json_file is not None:
-            write_json(store.public_json(run), request.json_file)
-    with _collected(problems):
-        if request.junit_file is not None:
-            junit.write_junit(run, Path(request.junit_file))
+    problems += write_outputs(run, request.outputs)
     return page, problems
 
 

@@ -1,4 +1,4 @@
-"""A run as JSON: kept whole in its folder, and the smaller public form of `run --json`."""
+"""A run as JSON, whole: `run.json` in its folder, from which the page can be made again."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.files import write_text
-from shaderlab.records import Disagreement, DriverResult, Outcome, Record, Run, Worst
+from shaderlab.records import Run
 
 if TYPE_CHECKING:
     from cattrs import Converter
@@ -73,106 +73,10 @@ def parse(data: Any, kind: type[Kind]) -> Kind:
         raise _damaged(Path(kind.__name__), error) from error
 
 
-def public_json(run: Run) -> dict[str, Any]:
-    """The stable view of a run that `shaderlab run --json` prints (docs/json.md).
-
-    Strict JSON as in `save`; fields may be added to it in later versions, none is renamed.
-    """
-    return {
-        "driver": dict(run.driver),
-        "seconds": _number(run.seconds),
-        "cases": [_case(record) for record in run.records],
-        "drivers": [_on_driver(result) for result in run.drivers],
-        "disagreements": [_disagreement(found) for found in run.disagreements],
-    }
-
-
-def _on_driver(result: DriverResult) -> dict[str, Any]:
-    return {
-        "driver": result.driver,
-        "renderer": result.renderer,
-        "id": result.id,
-        "variant": result.variant,
-        "status": result.status,
-        "ulp": _number(result.ulp),
-        "widths": _number(result.widths),
-    }
-
-
-def _disagreement(found: Disagreement) -> dict[str, Any]:
-    return {
-        "id": found.id,
-        "variant": found.variant,
-        "output": found.output,
-        "drivers": list(found.drivers),
-        "pixels": found.pixels,
-        "differing": found.differing,
-        "ulp": _number(found.ulp),
-    }
-
-
-def _case(record: Record) -> dict[str, Any]:
-    return {
-        "id": record.id,
-        "variant": record.variant,
-        "status": record.status,
-        "message": record.message,
-        "seconds": _number(record.seconds),
-        "timings": {phase: _number(spent) for phase, spent in record.timings.items()},
-        "driver": record.driver,
-        "size": record.size,
-        "compile": dict(record.compile),
-        "expectations": [_expectation(outcome) for outcome in record.expectations],
-        "images": dict(record.images),
-    }
-
-
-def _expectation(outcome: Outcome) -> dict[str, Any]:
-    return {
-        "name": outcome.name,
-        "kind": outcome.kind,
-        "status": outcome.status,
-        "message": outcome.message,
-        "worst": None if outcome.worst is None else _worst(outcome.worst),
-        "vacuous": _number(outcome.vacuous),
-        "undecided": _number(outcome.undecided),
-        "judged": outcome.judged,
-        "outside": outcome.outside,
-        "values": [
-            {
-                "label": row.label,
-                "expected": row.expected,
-                "measured": row.measured,
-                "ok": row.ok,
-                "note": row.note,
-            }
-            for row in outcome.rows
-        ],
-    }
-
-
-def _worst(worst: Worst) -> dict[str, Any]:
-    return {
-        "pixel": None if worst.pixel is None else list(worst.pixel),
-        "component": worst.component,
-        "measured": _numbers(worst.measured),
-        "reference": _numbers(worst.reference),
-        "low": _numbers(worst.low),
-        "high": _numbers(worst.high),
-        "ulp": _number(worst.ulp),
-        "widths": _number(worst.widths),
-        "inputs": {name: _numbers(values) for name, values in worst.inputs.items()},
-    }
-
-
 def _number(value: float) -> float | str:
     """A float for strict JSON: itself, or "nan", "inf", "-inf"."""
     number = float(value)
     return number if math.isfinite(number) else str(number)
-
-
-def _numbers(values: tuple[float, ...]) -> list[float | str]:
-    return [_number(value) for value in values]
 
 
 @cache

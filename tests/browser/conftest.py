@@ -14,7 +14,7 @@ from typing import Any
 
 import pytest
 
-from shaderlab.report import write
+from shaderlab.report.html import write
 from tests.browser import samples
 
 NAMES = ("chromium", "chromium-browser", "google-chrome-stable", "google-chrome", "chrome")

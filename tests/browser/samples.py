@@ -21,7 +21,8 @@ from shaderlab.records import (
     Verdict,
     Worst,
 )
-from shaderlab.report import save, write
+from shaderlab.report.html import write
+from shaderlab.report.store import save
 from tests.unit.test_report_samples import curve, outcome, record, run
 
 WIDTH, HEIGHT = 20, 12

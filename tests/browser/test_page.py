@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from shaderlab.report import write
+from shaderlab.report.html import write
 from tests.browser.samples import WORST, Sample, lamp
 
 PHONE = {"viewport": {"width": 375, "height": 720}}

@@ -15,7 +15,8 @@ from shaderlab.errors import CaseError, FormulaError
 from shaderlab.frame import Bindings, Frame, Image, Texels
 from shaderlab.model import Measure
 from shaderlab.records import Plot, PlotPoint
-from shaderlab.report import load, save, write
+from shaderlab.report.html import write
+from shaderlab.report.store import load, save
 from tests.unit.test_report_samples import NAN, Page, record, run
 
 LIT = np.linspace(0.0, 1.0, 16, dtype=np.float32).reshape(4, 4, 1)

@@ -14,7 +14,7 @@ from shaderlab.records import (
     ProgramRecord,
     SourceText,
 )
-from shaderlab.report import write
+from shaderlab.report.html import write
 from tests.unit.test_report_samples import (
     INF,
     NAN,

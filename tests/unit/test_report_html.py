@@ -17,7 +17,7 @@ from shaderlab.records import (
     SourceText,
     Verdict,
 )
-from shaderlab.report import write
+from shaderlab.report.html import write
 from tests.unit.test_report_samples import (
     Page,
     curve,

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from xml.etree import ElementTree as ET
 
 from shaderlab.records import Outcome, Record, Row, Run, Worst
-from shaderlab.report import write_junit
+from shaderlab.report.formats.junit import render
 
 HOSTILE = "]]></failure>&<\x00\x1b\udc80\ufffe\u202e"
 
@@ -32,18 +31,17 @@ def record(id: str, status: str, *outcomes: Outcome, **changes: object) -> Recor
     return Record(**(fields | changes))  # type: ignore[arg-type]
 
 
-def junit(tmp_path: Path, *records: Record, seconds: float = 2.0) -> ET.Element:
+def junit(*records: Record, seconds: float = 2.0) -> ET.Element:
     run = Run(driver={}, versions={}, started="", seconds=seconds, records=records)
-    return ET.parse(write_junit(run, tmp_path / "junit.xml")).getroot()
+    return ET.fromstring(render(run))
 
 
 def counts(element: ET.Element) -> dict[str, int]:
     return {k: int(element.attrib[k]) for k in ("tests", "failures", "errors", "skipped")}
 
 
-def test_counts_add_up(tmp_path: Path) -> None:
+def test_counts_add_up() -> None:
     root = junit(
-        tmp_path,
         record("a", "pass", outcome(), outcome(name="n")),
         record("b", "fail", outcome(), outcome("fail", message="off"), variant="x"),
         record("b", "error", outcome("error"), variant="y"),
@@ -63,19 +61,19 @@ def test_counts_add_up(tmp_path: Path) -> None:
     assert abs(total - 3.0) < 1e-3
 
 
-def test_a_failure_that_no_expectation_explains_is_a_test_of_its_own(tmp_path: Path) -> None:
-    root = junit(tmp_path, record("a", "fail", outcome(), message="refused by glslang\nline 3"))
+def test_a_failure_that_no_expectation_explains_is_a_test_of_its_own() -> None:
+    root = junit(record("a", "fail", outcome(), message="refused by glslang\nline 3"))
     test = next(t for t in root.iter("testcase") if t.find("failure") is not None)
     failure = test.find("failure")
     assert test.attrib["name"] == "default: run" and failure is not None
     assert failure.attrib["message"] == "refused by glslang" and "line 3" in (failure.text or "")
 
 
-def test_a_case_without_expectations_counts_as_one_test(tmp_path: Path) -> None:
-    assert counts(junit(tmp_path, record("a", "pass")))["tests"] == 1
+def test_a_case_without_expectations_counts_as_one_test() -> None:
+    assert counts(junit(record("a", "pass")))["tests"] == 1
 
 
-def test_details_help_without_the_report(tmp_path: Path) -> None:
+def test_details_help_without_the_report() -> None:
     worst = Worst(
         pixel=(3, 4),
         component=0,
@@ -89,16 +87,16 @@ def test_details_help_without_the_report(tmp_path: Path) -> None:
     )
     row = Row(label="F(7)", expected=".01", measured=".02", ok=False)
     bad = outcome("fail", judged=10, outside=2, worst=worst, rows=(row,))
-    text = junit(tmp_path, record("a", "fail", bad)).findtext(".//failure") or ""
+    text = junit(record("a", "fail", bad)).findtext(".//failure") or ""
     for seen in ("2 of 10", "(3, 4)", "0.75", "distance = 2", "F(7): expected .01, measured .02"):
         assert seen in text, seen
 
 
-def test_any_string_makes_a_file_that_parses(tmp_path: Path) -> None:
+def test_any_string_makes_a_file_that_parses() -> None:
     bad = outcome("fail", name=HOSTILE, message=HOSTILE)
     hostile = record(
         HOSTILE, "crash", bad, message=HOSTILE, variant=HOSTILE, file=HOSTILE, seconds=float("nan")
     )
-    root = junit(tmp_path, hostile, seconds=float("inf"))
+    root = junit(hostile, seconds=float("inf"))
     assert counts(root) == {"tests": 2, "failures": 1, "errors": 1, "skipped": 0}
     assert "]]></failure>&<" in (root.findtext(".//failure") or "")

@@ -7,7 +7,8 @@ import pytest
 
 from shaderlab.errors import ShaderlabError
 from shaderlab.records import ProgramRecord, SourceText
-from shaderlab.report import mutants, write
+from shaderlab.report import mutants
+from shaderlab.report.html import write
 from tests.unit.test_report_samples import record, run
 
 SURVIVOR = {

@@ -14,7 +14,7 @@ import pytest
 
 from shaderlab import pictures
 from shaderlab.errors import ShaderlabError
-from shaderlab.report import write
+from shaderlab.report.html import write
 from shaderlab.report.inline import Pictures
 from tests.unit.test_report_samples import (
     Page,

@@ -21,8 +21,10 @@ from shaderlab.records import (
     Row,
     Verdict,
 )
-from shaderlab.report import save, summary, write
 from shaderlab.report.compare import compare
+from shaderlab.report.formats.markdown import render as summary
+from shaderlab.report.html import write
+from shaderlab.report.store import save
 from tests.unit.test_report_samples import HOSTILE, Page, hostile, outcome, record, run, worst
 
 

@@ -22,7 +22,7 @@ _SIGNS = {"pass": "✅", "unsupported": "➖"}
 _MOST_FAILURES = 50
 
 
-def summary(run: Run) -> str:
+def render(run: Run) -> str:
     """The verdict, a line a chapter, and what failed with its worst value.
 
     Every string from a shader, a case or a driver is escaped: none of it is markup.

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from xml.etree import ElementTree as ET
 
-from shaderlab.files import write_text
 from shaderlab.records import Outcome, Record, Run
 from shaderlab.report.grouping import group_cases
 from shaderlab.report.text import clean, figure
@@ -22,15 +20,12 @@ _TAGS = {
 }
 
 
-def write_junit(run: Run, path: str | Path) -> Path:
-    """Write `run` as JUnit XML to `path` and return it.
+def render(run: Run) -> str:
+    """A run as JUnit XML.
 
     Each case is a `testsuite`, each expectation of each variant a `testcase`. A record whose
     status none of its expectations accounts for (it crashed, timed out, did not compile, or has
     no expectations) gets a test of its own, "run".
-
-    Raises:
-        ShaderlabError: the file can't be written.
     """
     root = ET.Element("testsuites", name="shaderlab", time=_seconds(run.seconds))
     totals = [0, 0, 0, 0]
@@ -44,10 +39,8 @@ def write_junit(run: Run, path: str | Path) -> Path:
         totals = [a + b for a, b in zip(totals, counts, strict=True)]
     _set_counts(root, totals)
     ET.indent(root)
-    target = Path(path)
     text = ET.tostring(root, encoding="unicode")
-    write_text(target, f'<?xml version="1.0" encoding="UTF-8"?>\n{text}\n')
-    return target
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n{text}\n'
 
 
 def _add_record(suite: ET.Element, record: Record) -> None:

@@ -1,0 +1,49 @@
+"""The stable JSON that other programs read; docs/json.md describes each field.
+
+It is strict: NaN and infinities are the strings "nan", "inf" and "-inf". Fields may be added in
+later versions, none is renamed.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+from shaderlab.records import Run
+from shaderlab.report.store import plain
+
+_RECORD = (
+    "id", "variant", "status", "message", "seconds", "timings", "driver", "size", "compile",
+    "expectations", "images",
+)  # fmt: skip
+_OUTCOME = (
+    "name", "kind", "status", "message", "worst", "vacuous", "undecided", "judged", "outside",
+)  # fmt: skip
+_ROW = ("label", "expected", "measured", "ok", "note")
+
+
+def render(run: Run) -> str:
+    """The public view of a run, as indented JSON."""
+    whole = plain(run)
+    public = {
+        "driver": whole["driver"],
+        "seconds": whole["seconds"],
+        "cases": [_record(record) for record in whole["records"]],
+        "drivers": whole["drivers"],
+        "disagreements": whole["disagreements"],
+    }
+    return json.dumps(public, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def _record(record: Mapping[str, Any]) -> dict[str, Any]:
+    outcomes = [_outcome(outcome) for outcome in record["expectations"]]
+    return _only(record, _RECORD) | {"expectations": outcomes}
+
+
+def _outcome(outcome: Mapping[str, Any]) -> dict[str, Any]:
+    return _only(outcome, _OUTCOME) | {"values": [_only(row, _ROW) for row in outcome["rows"]]}
+
+
+def _only(data: Mapping[str, Any], names: tuple[str, ...]) -> dict[str, Any]:
+    return {name: data[name] for name in names}

@@ -1,0 +1,71 @@
+"""Each output format is one module and one line: the options of the commands follow from it."""
+
+from __future__ import annotations
+
+import pkgutil
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import click
+import pytest
+from click.testing import CliRunner
+
+from shaderlab.cli import cli, files
+from shaderlab.errors import UsageError
+from shaderlab.records import Run
+from shaderlab.report import formats
+from tests.unit.test_report_samples import record, run
+
+
+def test_every_module_of_the_folder_is_a_format() -> None:
+    modules = {module.name for module in pkgutil.iter_modules(formats.__path__)}
+    assert {format.name for format in formats.FORMATS} == modules
+
+
+@pytest.mark.parametrize("format", formats.FORMATS)
+@pytest.mark.parametrize("command", ["run", "report"])
+def test_commands_have_an_option_for_each(command: str, format: formats.Format) -> None:
+    help = CliRunner().invoke(cli, [command, "-h"]).output
+    assert f"--{format.name} FILE" in help and format.help in " ".join(help.split())
+
+
+@pytest.mark.parametrize("format", formats.FORMATS)
+def test_a_run_without_records_can_be_written(format: formats.Format) -> None:
+    assert format.render(run())
+
+
+def test_a_new_format_is_a_module_and_a_line(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def render(run: Run) -> str:
+        return " ".join(record.id for record in run.records)
+
+    module = ModuleType("shaderlab.report.formats.names")
+    module.render = render  # type: ignore[attr-defined]
+    monkeypatch.setitem(sys.modules, module.__name__, module)
+    line = formats.Format("names", "Write the names of all cases.")
+    monkeypatch.setattr(files, "FORMATS", (*formats.FORMATS, line))
+
+    @click.command()
+    @files.output_options
+    def command(outputs: dict[str, str]) -> None:
+        assert files.uses_stdout(outputs)
+        assert not list(files.write_outputs(run(record("a"), record("b")), outputs))
+
+    result = CliRunner().invoke(command, ["--names", "-"], catch_exceptions=False)
+    assert result.output == "a b"
+
+
+def test_one_output_at_most_goes_to_stdout() -> None:
+    assert not files.uses_stdout({"json": "a.json"})
+    with pytest.raises(UsageError, match="only one of --json and --junit"):
+        files.uses_stdout({"json": "-", "junit": "-"})
+
+
+def test_an_output_that_cannot_be_written_stops_no_other(tmp_path: Path) -> None:
+    summary = tmp_path / "summary.md"
+    outputs = {"json": str(tmp_path), "markdown": str(summary)}
+    (problem,) = files.write_outputs(run(), outputs)
+    assert isinstance(problem, UsageError) and problem.file == str(tmp_path)
+    assert summary.read_text()
