@@ -29,7 +29,8 @@ from shaderlab import (
     fullscreen,
     measure,
 )
-from shaderlab.reference.opinions import decoded_blocks
+
+from ..scenes.block_codecs import compressed, decoded_blocks
 
 FORMATS = {
     "ETC1": ("etc1", "etc2_rgb8"),
@@ -63,14 +64,14 @@ def texture(kind, image):
     by, read_as = FORMATS[kind]
     side = image.shape[0]
     return CompressedTexture(
-        blocks=lambda: [assets.compressed(image, by)], format=read_as, size=(side, side)
+        blocks=lambda: [compressed(image, by)], format=read_as, size=(side, side)
     )
 
 
 def decoded(kind):
     """What another library reads out of the same blocks."""
     by, _ = FORMATS[kind]
-    return decoded_blocks(assets.compressed(IMAGE, by), by, SIZE)
+    return decoded_blocks(compressed(IMAGE, by), by, SIZE)
 
 
 def furthest(kind):

@@ -13,7 +13,8 @@ from math import pi, sin
 import numpy as np
 
 from shaderlab import Case, Ramp, Rules, Variant, exact, formula, fullscreen, sweep, value
-from shaderlab.reference.waves import pulse
+
+from ..scenes.waves import pulse
 
 FRAMES = [
     ("0", 0.0, 0.5),

@@ -17,11 +17,9 @@ from math import pi, radians
 import numpy as np
 
 from shaderlab import Case, Cell, Depth, Draw, Mesh, State, assets, computed, formula, value
-from shaderlab.assets import solids, stage
+from shaderlab.assets import solids
 from shaderlab.assets.order import any_order
 from shaderlab.reference.euler import euler_matrix, euler_turned, gimbal_axes, gimbal_freedom
-from shaderlab.reference.glm import euler_by_glm
-from shaderlab.reference.studio import handed_on, softened, studio_color
 from shaderlab.reference.transforms import (
     clip_position,
     in_view,
@@ -32,9 +30,14 @@ from shaderlab.reference.transforms import (
 )
 from shaderlab.sampling import texture
 
+from ..scenes import stage
+from ..scenes.glm import euler_by_glm
+from ..scenes.props import aircraft
+from ..scenes.studio import handed_on, softened, studio_color
+
 VIEW = look_at((2.6, 2.1, 4.2), (0.0, 0.0, 0.0))
 PROJECTION = perspective(radians(38.0), 1.0, 0.1, 20.0)
-AIRCRAFT = Mesh(**solids.aircraft())
+AIRCRAFT = Mesh(**aircraft())
 # yaw, pitch, roll in degrees, from the upper left to the lower right
 POSES = {
     "yaw": (40.0, 0.0, 0.0),

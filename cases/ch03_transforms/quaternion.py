@@ -29,13 +29,11 @@ from shaderlab import (
     sweep,
     value,
 )
-from shaderlab.assets import solids, stage
+from shaderlab.assets import solids
 from shaderlab.assets.order import any_order
 from shaderlab.glslmath import vec4
 from shaderlab.reference.euler import euler_matrix
-from shaderlab.reference.glm import slerp_by_glm, turned_by_glm
 from shaderlab.reference.quaternions import axis_angle, conjugate, matrix_of, product, slerp, turned
-from shaderlab.reference.studio import handed_on, softened, studio_color
 from shaderlab.reference.transforms import (
     clip_position,
     in_view,
@@ -46,10 +44,15 @@ from shaderlab.reference.transforms import (
 )
 from shaderlab.sampling import texture
 
+from ..scenes import stage
+from ..scenes.glm import slerp_by_glm, turned_by_glm
+from ..scenes.props import aircraft, letter_f
+from ..scenes.studio import handed_on, softened, studio_color
+
 VIEW = look_at((0.3, 1.5, 6.0), (0.0, 0.72, 0.0))
 PROJECTION = perspective(radians(38.0), 3.0 / 2.0, 0.1, 20.0)
 FRAMES = 7
-AIRCRAFT = Mesh(**solids.placed(solids.aircraft(), scale(0.36)))
+AIRCRAFT = Mesh(**solids.placed(aircraft(), scale(0.36)))
 # An aircraft stands a radius from the middle, ahead along its own nose.
 AWAY = (0.0, 0.0, -1.72)
 UPRIGHT = axis_angle((1, 0, 0), radians(90.0))
@@ -88,7 +91,7 @@ def through(name, q):
     draw = Draw(
         vertex="ch03_transforms/quaternion_turn.vert",
         fragment="ch03_transforms/quaternion_turn.frag",
-        mesh=Mesh(**solids.letter_f()).only("aPos"),
+        mesh=Mesh(**letter_f()).only("aPos"),
         uniforms={"q": q},
     )
     return Pass(name=name, target=Target(size=(16, 16)), draws=(draw,))

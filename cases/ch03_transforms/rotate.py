@@ -14,11 +14,9 @@ z to x.
 from math import radians
 
 from shaderlab import Case, Cell, Depth, Draw, Erratum, Mesh, State, computed, formula, value
-from shaderlab.assets import solids, stage
+from shaderlab.assets import solids
 from shaderlab.assets.order import any_order
 from shaderlab.glslmath import normalize
-from shaderlab.reference.glm import rotated_by_glm
-from shaderlab.reference.studio import handed_on, softened, studio_color
 from shaderlab.reference.transforms import (
     clip_position,
     in_view,
@@ -31,6 +29,11 @@ from shaderlab.reference.transforms import (
 )
 from shaderlab.sampling import texture
 
+from ..scenes import stage
+from ..scenes.glm import rotated_by_glm
+from ..scenes.props import letter_f, tile
+from ..scenes.studio import handed_on, softened, studio_color
+
 PROJECTION = perspective(radians(38.0), 4.0 / 3.0, 0.1, 20.0)
 AXES = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1), "any": (1, 1, 1)}
 PLACES = {"x": (0, 1), "y": (1, 1), "z": (0, 0), "any": (1, 0)}
@@ -41,7 +44,7 @@ FULL = {"x": 90.0, "y": 90.0, "z": 90.0, "any": 120.0}
 
 def shade(step):
     """The letter, the paler the less it has turned."""
-    return solids.repainted(solids.letter_f(), (0.66, 0.69, 0.72), 0.85 * (1.0 - step / 3.0))
+    return solids.repainted(letter_f(), (0.66, 0.69, 0.72), 0.85 * (1.0 - step / 3.0))
 
 
 def quarter(name):
@@ -50,7 +53,7 @@ def quarter(name):
     cell = Cell(column=column, row=row, columns=2, rows=2)
     view = look_at(EYES[name], (0.1, 0.35, 0.1))
     unit = normalize([float(a) for a in AXES[name]])
-    props = (solids.tile(1.5, 0.5), solids.arrow(1.6 * unit, color=solids.INK, thickness=0.026))
+    props = (tile(1.5, 0.5), solids.arrow(1.6 * unit, color=solids.INK, thickness=0.026))
     letters = (
         Draw(
             vertex="ch03_transforms/rotate.vert",

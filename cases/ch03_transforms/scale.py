@@ -15,11 +15,9 @@ from math import radians
 import numpy as np
 
 from shaderlab import Case, Cell, Depth, Draw, Mesh, State, computed, formula, value
-from shaderlab.assets import solids, stage
+from shaderlab.assets import solids
 from shaderlab.assets.order import any_order
 from shaderlab.glslmath import mul
-from shaderlab.reference.glm import scaled_by_glm
-from shaderlab.reference.studio import handed_on, softened, studio_color
 from shaderlab.reference.transforms import (
     clip_position,
     look_at,
@@ -31,10 +29,15 @@ from shaderlab.reference.transforms import (
 )
 from shaderlab.sampling import texture
 
+from ..scenes import stage
+from ..scenes.glm import scaled_by_glm
+from ..scenes.props import letter_f, tile
+from ..scenes.studio import handed_on, softened, studio_color
+
 VIEW = look_at((1.5, 2.3, 5.6), (0.15, 0.75, 0.0))
 PROJECTION = perspective(radians(34.0), 4.0 / 3.0, 0.1, 20.0)
-GHOST = solids.repainted(solids.letter_f(), (0.62, 0.66, 0.70), 0.85)
-FLOOR = solids.tile(1.5, 0.5)
+GHOST = solids.repainted(letter_f(), (0.62, 0.66, 0.70), 0.85)
+FLOOR = tile(1.5, 0.5)
 FRONT = (0.0, 0.0, 0.55)
 SCALES = {
     "one half": ((0.5, 0.5, 0.5), (0, 1)),
@@ -54,7 +57,7 @@ def quarter(factors, place):
     letter = Draw(
         vertex="ch03_transforms/scale.vert",
         fragment="ch03_transforms/studio.frag",
-        mesh=Mesh(**solids.letter_f()),
+        mesh=Mesh(**letter_f()),
         uniforms={"factors": factors, "offset": FRONT, "view": VIEW, "projection": PROJECTION},
         state=State(depth=Depth(), cell=cell),
     )

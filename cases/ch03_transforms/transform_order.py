@@ -17,10 +17,9 @@ from math import radians
 import numpy as np
 
 from shaderlab import Case, Cell, Depth, Draw, Mesh, State, computed, formula, value
-from shaderlab.assets import solids, stage
+from shaderlab.assets import solids
 from shaderlab.assets.order import any_order
 from shaderlab.glslmath import mul, vec4
-from shaderlab.reference.studio import handed_on, softened, studio_color
 from shaderlab.reference.transforms import (
     clip_position,
     look_at,
@@ -32,6 +31,10 @@ from shaderlab.reference.transforms import (
     world_normal,
 )
 from shaderlab.sampling import texture
+
+from ..scenes import stage
+from ..scenes.props import letter_f, tile
+from ..scenes.studio import handed_on, softened, studio_color
 
 STEPS = {
     "S": (scale((2.0, 1.0, 1.0)), solids.GREEN),
@@ -51,12 +54,12 @@ POINT = np.array([1.0, 0.0, 0.0, 1.0])
 VIEW = look_at((1.2, 6.0, 16.0), (-0.7, 1.9, 0.8))
 PROJECTION = perspective(radians(24.0), 16.0 / 9.0, 1.0, 40.0)
 LETTER = solids.gathered(
-    solids.letter_f(),
+    letter_f(),
     solids.rod((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), solids.INK, 0.04),
     solids.painted(solids.box((0.88, -0.12, -0.12), (1.12, 0.12, 0.12)), solids.INK),
 )
 GHOST = solids.repainted(LETTER, (0.62, 0.66, 0.70), 0.85)
-FLOOR = solids.tile(4.5, 1.0)
+FLOOR = tile(4.5, 1.0)
 
 
 def matrices(order):

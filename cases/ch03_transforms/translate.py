@@ -25,11 +25,9 @@ from shaderlab import (
     formula,
     value,
 )
-from shaderlab.assets import solids, stage
+from shaderlab.assets import solids
 from shaderlab.assets.order import any_order
 from shaderlab.glslmath import swizzle
-from shaderlab.reference.glm import translated_by_glm
-from shaderlab.reference.studio import handed_on, softened, studio_color
 from shaderlab.reference.transforms import (
     clip_position,
     in_view,
@@ -42,10 +40,15 @@ from shaderlab.reference.transforms import (
 )
 from shaderlab.sampling import texture
 
+from ..scenes import stage
+from ..scenes.glm import translated_by_glm
+from ..scenes.props import letter_f, tile
+from ..scenes.studio import handed_on, softened, studio_color
+
 OFFSET = (1.35, 0.55, -0.4)
-LETTER = solids.letter_f()
+LETTER = letter_f()
 STILL = (
-    solids.tile(1.9, 0.475),
+    tile(1.9, 0.475),
     solids.repainted(LETTER, (0.62, 0.66, 0.70), 0.85),
     solids.arrow(OFFSET, color=solids.BLUE, thickness=0.028),
 )

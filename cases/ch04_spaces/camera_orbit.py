@@ -14,13 +14,16 @@ from math import hypot, radians
 import numpy as np
 
 from shaderlab import Case, Cell, Depth, Draw, Mesh, State, assets, computed, formula, sweep, value
-from shaderlab.assets import solids, stage
+from shaderlab.assets import solids
 from shaderlab.assets.order import any_order
 from shaderlab.glslmath import mul, vec3, vec4
 from shaderlab.reference.spaces import in_camera, orbit_eye
-from shaderlab.reference.studio import handed_on, softened, studio_color
 from shaderlab.reference.transforms import perspective, rotate, translate
 from shaderlab.sampling import texture
+
+from ..scenes import stage
+from ..scenes.props import letter_f, tile
+from ..scenes.studio import handed_on, softened, studio_color
 
 FRAMES = 12
 RADIUS, HEIGHT = 4.6, 2.0
@@ -31,8 +34,8 @@ PROJECTION = perspective(radians(34.0), 4.0 / 3.0, 0.1, 20.0)
 def still_life():
     """What the camera goes around: a letter, a ball, a ring and a box on a floor."""
     return solids.gathered(
-        solids.tile(1.5, 0.5),
-        solids.placed(solids.letter_f(), translate((-0.35, 0.0, 0.0))),
+        tile(1.5, 0.5),
+        solids.placed(letter_f(), translate((-0.35, 0.0, 0.0))),
         solids.placed(
             solids.painted(assets.sphere(0.32, 32, 16), solids.GOLD), translate((0.85, 0.32, -0.5))
         ),

@@ -16,12 +16,10 @@ from math import radians
 import numpy as np
 
 from shaderlab import Case, Cell, Depth, Draw, Mesh, State, formula, value
-from shaderlab.assets import solids, stage
+from shaderlab.assets import solids
 from shaderlab.assets.order import any_order
 from shaderlab.glslmath import mul, swizzle, vec4
-from shaderlab.reference.glm import clip_by_glm
 from shaderlab.reference.spaces import device, window
-from shaderlab.reference.studio import handed_on, softened, studio_color
 from shaderlab.reference.transforms import (
     clip_position,
     look_at,
@@ -35,6 +33,11 @@ from shaderlab.reference.transforms import (
 )
 from shaderlab.sampling import texture
 
+from ..scenes import stage
+from ..scenes.glm import clip_by_glm
+from ..scenes.props import aircraft, tile, tripod
+from ..scenes.studio import handed_on, softened, studio_color
+
 MODEL = translate((0.35, 0.45, -0.3)) @ rotate(radians(55.0), (0, 1, 0)) @ scale(0.95)
 EYE, TARGET = (1.7, 1.5, 3.0), (0.25, 0.35, -0.3)
 VIEW = look_at(EYE, TARGET)
@@ -42,7 +45,7 @@ PROJECTION = perspective(radians(40.0), 4.0 / 3.0, 2.2, 5.0)
 VIEWPORT = (0.0, 0.0, 640.0, 480.0)
 NOSE = (0.0, 0.0, -1.0)
 
-AIRCRAFT = solids.aircraft()
+AIRCRAFT = aircraft()
 
 
 def frustum():
@@ -103,15 +106,15 @@ def field(space):
     cell = Cell(column=space % 3, row=1 - space // 3, columns=3, rows=2)
     watch, still = WATCHES[space], np.eye(4)
     props = {
-        0: (solids.tripod(1.3, 0.03),),
+        0: (tripod(1.3, 0.03),),
         1: (
-            solids.tile(2.0, 0.5),
-            solids.tripod(1.0, 0.03),
+            tile(2.0, 0.5),
+            tripod(1.0, 0.03),
             solids.placed(camera(), np.linalg.inv(VIEW)),
         ),
-        2: (solids.tripod(1.2, 0.04), camera()),
-        3: (solids.tripod(2.4, 0.07),),
-        4: (solids.tripod(0.6, 0.025),),
+        2: (tripod(1.2, 0.04), camera()),
+        3: (tripod(2.4, 0.07),),
+        4: (tripod(0.6, 0.025),),
         5: (),
     }[space]
     shapes = (AIRCRAFT,) if space == 0 else (AIRCRAFT, frustum())

@@ -29,11 +29,10 @@ from shaderlab import (
     sweep,
     value,
 )
-from shaderlab.assets import solids, stage
+from shaderlab.assets import solids
 from shaderlab.assets.order import any_order
 from shaderlab.glslmath import cross, vec3, where
 from shaderlab.reference.spaces import depth_of
-from shaderlab.reference.studio import handed_on, softened, studio_color
 from shaderlab.reference.transforms import (
     clip_position,
     in_view,
@@ -42,6 +41,10 @@ from shaderlab.reference.transforms import (
     world_normal,
 )
 from shaderlab.sampling import texture
+
+from ..scenes import stage
+from ..scenes.props import tripod
+from ..scenes.studio import handed_on, softened, studio_color
 
 VIEW = look_at((2.9, 2.5, 3.6), (0.2, 0.32, -0.1))
 PROJECTION = perspective(radians(33.0), 4.0 / 3.0, 0.1, 20.0)
@@ -60,7 +63,7 @@ def dice():
     return solids.gathered(*blocks)
 
 
-AXES = Mesh(**solids.tripod(1.35, 0.045))
+AXES = Mesh(**tripod(1.35, 0.045))
 
 
 def half(column, left_handed):

@@ -15,12 +15,10 @@ from math import radians
 import numpy as np
 
 from shaderlab import Case, Cell, Depth, Draw, Mesh, State, computed, formula, value
-from shaderlab.assets import solids, stage
+from shaderlab.assets import solids
 from shaderlab.assets.order import any_order
 from shaderlab.glslmath import mul, vec4
-from shaderlab.reference.glm import in_camera_by_glm, rotation_by_glm_float32
 from shaderlab.reference.spaces import in_camera
-from shaderlab.reference.studio import handed_on, softened, studio_color
 from shaderlab.reference.transforms import (
     clip_position,
     look_at,
@@ -31,13 +29,18 @@ from shaderlab.reference.transforms import (
 )
 from shaderlab.sampling import texture
 
+from ..scenes import stage
+from ..scenes.glm import in_camera_by_glm, rotation_by_glm_float32
+from ..scenes.props import letter_f, tile, tripod
+from ..scenes.studio import handed_on, softened, studio_color
+
 EYE, TARGET, UP = (3.0, 2.0, 5.0), (0.0, 1.0, 0.0), (0.0, 1.0, 0.0)
 SEES = perspective(radians(30.0), 4.0 / 3.0, 1.0, 9.0)
 WATCHER = look_at((7.4, 5.4, 8.6), (1.1, 1.05, 1.9))
 WATCHES = perspective(radians(32.0), 4.0 / 3.0, 0.5, 40.0)
 
 LETTERS = tuple(
-    solids.placed(solids.letter_f(front=color), translate((x, 0.0, z)))
+    solids.placed(letter_f(front=color), translate((x, 0.0, z)))
     for x, z, color in (
         (-1.3, -0.4, solids.BLUE),
         (-0.3, 0.0, solids.ORANGE),
@@ -45,8 +48,8 @@ LETTERS = tuple(
     )
 )
 SCENE = solids.gathered(
-    solids.tile(2.4, 0.6),
-    solids.placed(solids.tripod(0.6, 0.03), translate((0, 0.01, 0))),
+    tile(2.4, 0.6),
+    solids.placed(tripod(0.6, 0.03), translate((0, 0.01, 0))),
     *LETTERS,
 )
 
@@ -58,7 +61,7 @@ def camera():
     corners = [(x, y, z, 1.0) for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)]
     seen = (np.linalg.inv(perspective(radians(30.0), 4.0 / 3.0, 1.0, 6.5)) @ np.array(corners).T).T
     frustum = solids.wire(seen[:, :3] / seen[:, 3:], solids.GOLD, 0.022)
-    parts = solids.gathered(body, lens, solids.tripod(1.1, 0.04), frustum)
+    parts = solids.gathered(body, lens, tripod(1.1, 0.04), frustum)
     return solids.placed(parts, np.linalg.inv(look_at(EYE, TARGET, UP)))
 
 

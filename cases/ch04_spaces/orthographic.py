@@ -13,14 +13,16 @@ track.
 import numpy as np
 
 from shaderlab import Case, Depth, Draw, Mesh, State, computed, formula, value
-from shaderlab.assets import solids, stage
 from shaderlab.assets.order import any_order
 from shaderlab.glslmath import mul, swizzle, vec4
-from shaderlab.reference.glm import orthographic_by_glm
 from shaderlab.reference.spaces import orthographic_clip
-from shaderlab.reference.studio import handed_on, softened, studio_color
 from shaderlab.reference.transforms import look_at, orthographic
 from shaderlab.sampling import texture
+
+from ..scenes import stage
+from ..scenes.glm import orthographic_by_glm
+from ..scenes.props import railway
+from ..scenes.studio import handed_on, softened, studio_color
 
 VIEW = look_at((3.4, 4.6, 3.0), (-0.6, 0.2, -7.0))
 BOX = {"left": -5.2, "right": 6.0, "bottom": -3.6, "top": 4.8, "near": 0.5, "far": 40.0}
@@ -29,7 +31,7 @@ NOTES = {"left": -3.0, "right": 5.0, "bottom": -2.0, "top": 7.0, "near": 1.0, "f
 track = Draw(
     vertex="ch04_spaces/orthographic.vert",
     fragment="ch03_transforms/studio.frag",
-    mesh=Mesh(**solids.railway(16.0)),
+    mesh=Mesh(**railway(16.0)),
     uniforms={"view": VIEW, **BOX},
     state=State(depth=Depth()),
 )

@@ -15,14 +15,16 @@ from math import radians
 import numpy as np
 
 from shaderlab import Case, Depth, Draw, Mesh, State, computed, formula, sweep, value
-from shaderlab.assets import solids, stage
 from shaderlab.assets.order import any_order
 from shaderlab.glslmath import mul, swizzle, vec4
-from shaderlab.reference.glm import perspective_by_glm
 from shaderlab.reference.spaces import device, perspective_clip
-from shaderlab.reference.studio import handed_on, softened, studio_color
 from shaderlab.reference.transforms import look_at, perspective
 from shaderlab.sampling import texture
+
+from ..scenes import stage
+from ..scenes.glm import perspective_by_glm
+from ..scenes.props import railway
+from ..scenes.studio import handed_on, softened, studio_color
 
 VIEW = look_at((0.9, 1.9, 3.6), (0.15, 0.9, -7.0))
 LENS = {"fovy": radians(45.0), "aspect": 4.0 / 3.0, "near": 0.1, "far": 100.0}
@@ -30,7 +32,7 @@ LENS = {"fovy": radians(45.0), "aspect": 4.0 / 3.0, "near": 0.1, "far": 100.0}
 track = Draw(
     vertex="ch04_spaces/perspective.vert",
     fragment="ch03_transforms/studio.frag",
-    mesh=Mesh(**solids.railway(60.0)),
+    mesh=Mesh(**railway(60.0)),
     uniforms={"view": VIEW, **LENS},
     state=State(depth=Depth()),
 )

@@ -28,14 +28,15 @@ from shaderlab import (
     formula,
     value,
 )
-from shaderlab.assets import stage
 from shaderlab.assets.order import any_order
 from shaderlab.glslmath import mul, swizzle
-from shaderlab.reference.boxes import nearest_box
-from shaderlab.reference.glm import clip_by_glm
-from shaderlab.reference.studio import softened, studio_color
 from shaderlab.reference.transforms import clip_position, look_at, perspective, rotate, translate
 from shaderlab.sampling import texture
+
+from ..scenes import stage
+from ..scenes.boxes import nearest_box
+from ..scenes.glm import clip_by_glm
+from ..scenes.studio import softened, studio_color
 
 VIEW = look_at((0.6, 1.1, 5.6), (0.0, -0.05, -1.5))
 PROJECTION = perspective(radians(45.0), 4.0 / 3.0, 0.1, 100.0)

@@ -28,11 +28,12 @@ from shaderlab import (
     fullscreen,
     value,
 )
-from shaderlab.assets import stage
 from shaderlab.glslmath import abs, dot, fract, min, swizzle, vec3, vec4, where
 from shaderlab.reference.spaces import window
-from shaderlab.reference.studio import softened
 from shaderlab.sampling import texture
+
+from ..scenes import stage
+from ..scenes.studio import softened
 
 SQUARE = Mesh(
     attributes={"aPos": np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], float)},

@@ -29,7 +29,7 @@ from shaderlab import (
 )
 from shaderlab.assets.order import any_order, both_ways
 from shaderlab.glslmath import vec4
-from shaderlab.reference.lighting import ambient_color, finished
+from shaderlab.reference.lighting import ambient_color
 from shaderlab.reference.transforms import (
     clip_position,
     look_at,
@@ -39,6 +39,8 @@ from shaderlab.reference.transforms import (
     translate,
 )
 from shaderlab.sampling import texture
+
+from ..scenes.studio import finished
 
 CORAL, TEAL, STONE = (1.0, 0.5, 0.31), (0.16, 0.55, 0.6), (0.55, 0.57, 0.62)
 UPRIGHT = translate((-0.55, 0.66, -0.5)) @ rotate(radians(76.0), (1.0, 0.0, 0.25))

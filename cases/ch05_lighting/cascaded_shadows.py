@@ -34,15 +34,10 @@ from shaderlab import (
     reading,
     value,
 )
-from shaderlab.assets.courtyard import avenue, avenue_boxes
 from shaderlab.assets.order import any_order, both_ways
 from shaderlab.glslmath import dot, max, mix, mul, normalize, swizzle, vec3, vec4, where
 from shaderlab.reference.cascades import cascade_index, fitted, slice_corners, split_distances
-from shaderlab.reference.courtyard import light_position, seen_place, stored_depth, unit_normal
-from shaderlab.reference.lighting import finished
-from shaderlab.reference.shadow_truth import blocked, hidden_share
 from shaderlab.reference.shadows import shadow, shadow_coordinates, slope_bias
-from shaderlab.reference.studio import handed_on
 from shaderlab.reference.transforms import (
     clip_position,
     look_at,
@@ -53,6 +48,11 @@ from shaderlab.reference.transforms import (
     world_position,
 )
 from shaderlab.sampling import texture
+
+from ..scenes.courtyard import avenue, avenue_boxes
+from ..scenes.courtyard_light import light_position, seen_place, stored_depth, unit_normal
+from ..scenes.shadow_truth import blocked, hidden_share
+from ..scenes.studio import finished, handed_on
 
 SUN = (2.6, 3.0, 1.4)
 NEAR, FAR, CASCADES = 0.5, 60.0, 3

@@ -28,7 +28,7 @@ from shaderlab import (
 )
 from shaderlab.assets.order import any_order, both_ways
 from shaderlab.glslmath import dot, normalize, vec3, vec4
-from shaderlab.reference.lighting import finished, reflected_color
+from shaderlab.reference.lighting import reflected_color
 from shaderlab.reference.transforms import (
     clip_position,
     look_at,
@@ -40,6 +40,8 @@ from shaderlab.reference.transforms import (
     world_position,
 )
 from shaderlab.sampling import texture
+
+from ..scenes.studio import finished
 
 WHITE, GREEN = (1.0, 1.0, 1.0), (0.0, 1.0, 0.0)
 ROOMS = (WHITE, (1.0, 0.06, 0.03), (0.03, 0.9, 0.08), (0.04, 0.09, 1.0))

@@ -33,10 +33,9 @@ from shaderlab import (
     fullscreen,
     value,
 )
-from shaderlab.assets import normals
 from shaderlab.assets.order import any_order, both_ways
 from shaderlab.glslmath import inverse, mat3, mul, transpose
-from shaderlab.reference.lighting import diffuse_color, diffuse_factor, finished
+from shaderlab.reference.lighting import diffuse_color, diffuse_factor
 from shaderlab.reference.transforms import (
     clip_position,
     look_at,
@@ -48,6 +47,9 @@ from shaderlab.reference.transforms import (
     world_position,
 )
 from shaderlab.sampling import texture
+
+from ..scenes import normal_rods as normals
+from ..scenes.studio import finished
 
 AS_IT_IS, LIKE_A_POINT, INVERSE_TRANSPOSE = PATHS = (0, 1, 2)
 CORAL, BRASS = (1.0, 0.5, 0.31), (1.0, 0.83, 0.35)

@@ -32,7 +32,8 @@ from shaderlab import (
 )
 from shaderlab.glslmath import vec4
 from shaderlab.reference.gamma import gamma_encode, srgb_decode, srgb_encode
-from shaderlab.reference.opinions import srgb_by_colour_science
+
+from ..scenes.colour_science import srgb_by_colour_science
 
 CODES = np.arange(256) / 255.0
 ALL_CODES = np.stack([CODES, CODES, CODES, np.ones(256)], axis=-1)[None]

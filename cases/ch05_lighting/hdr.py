@@ -40,7 +40,6 @@ from shaderlab.assets.order import any_order, both_ways
 from shaderlab.glslmath import clamp, dot, normalize, pow, swizzle, vec4
 from shaderlab.glslmath import max as larger
 from shaderlab.reference import tone_mapping
-from shaderlab.reference.colour_difference import delta_e_2000
 from shaderlab.reference.transforms import (
     clip_position,
     look_at,
@@ -52,6 +51,8 @@ from shaderlab.reference.transforms import (
     world_position,
 )
 from shaderlab.sampling import texture
+
+from ..scenes.colour_science import delta_e_2000
 
 CLIPPED, REINHARD, EXPOSURE = 0, 1, 2
 # Past 1, at 1 and below it; exact in half floats.

@@ -28,8 +28,7 @@ from shaderlab import (
     value,
 )
 from shaderlab.assets.order import any_order, both_ways
-from shaderlab.assets.pottery import vase
-from shaderlab.reference.lighting import finished, lit_material
+from shaderlab.reference.lighting import lit_material
 from shaderlab.reference.transforms import (
     clip_position,
     look_at,
@@ -42,6 +41,9 @@ from shaderlab.reference.transforms import (
     world_position,
 )
 from shaderlab.sampling import texture
+
+from ..scenes.pottery import vase
+from ..scenes.studio import finished
 
 EYE = (0.0, 2.1, 6.0)
 CORAL, HALF, WHITE = (1.0, 0.5, 0.31), (0.5, 0.5, 0.5), (1.0, 1.0, 1.0)

@@ -30,10 +30,9 @@ from shaderlab import (
     fullscreen,
     value,
 )
-from shaderlab.assets.chest import chest_diffuse, chest_specular
 from shaderlab.assets.order import any_order, both_ways
 from shaderlab.glslmath import swizzle, vec4
-from shaderlab.reference.lighting import diffuse_factor, finished, specular_factor
+from shaderlab.reference.lighting import diffuse_factor, specular_factor
 from shaderlab.reference.transforms import (
     clip_position,
     look_at,
@@ -45,6 +44,9 @@ from shaderlab.reference.transforms import (
     world_position,
 )
 from shaderlab.sampling import texture
+
+from ..scenes.chest import chest_diffuse, chest_specular
+from ..scenes.studio import finished
 
 EYE = (0.1, 1.7, 5.8)
 LAMP = (0.1, 0.5, 1.55)

@@ -27,7 +27,7 @@ from shaderlab import (
     value,
 )
 from shaderlab.assets.order import any_order, both_ways
-from shaderlab.reference.lighting import finished, lit_material
+from shaderlab.reference.lighting import lit_material
 from shaderlab.reference.transforms import (
     clip_position,
     look_at,
@@ -40,6 +40,8 @@ from shaderlab.reference.transforms import (
     world_position,
 )
 from shaderlab.sampling import texture
+
+from ..scenes.studio import finished
 
 EYE = (0.0, 1.6, 9.0)
 # ambient, diffuse, specular, shininess; linear light.

@@ -37,7 +37,6 @@ from shaderlab import (
 from shaderlab.glslmath import dot, max, mul, normalize, swizzle, vec3, vec4, where
 from shaderlab.reference import tangent_space
 from shaderlab.reference.blinn_phong import lobe
-from shaderlab.reference.lighting import finished
 from shaderlab.reference.transforms import (
     look_at,
     normal_matrix,
@@ -49,6 +48,8 @@ from shaderlab.reference.transforms import (
     world_position,
 )
 from shaderlab.sampling import texture
+
+from ..scenes.studio import finished
 
 EYE = (0.0, 0.0, 4.0)
 TURNED = rotate(radians(-24.0), (0.3, 1.0, 0.0)) @ rotate(radians(4.0), (0.0, 0.0, 1.0))

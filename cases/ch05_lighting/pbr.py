@@ -36,7 +36,6 @@ from shaderlab import (
 from shaderlab.assets.order import any_order, both_ways
 from shaderlab.glslmath import dot, max, normalize, vec4
 from shaderlab.reference import microfacets
-from shaderlab.reference.lighting import finished
 from shaderlab.reference.transforms import (
     clip_position,
     look_at,
@@ -49,6 +48,8 @@ from shaderlab.reference.transforms import (
     world_position,
 )
 from shaderlab.sampling import texture
+
+from ..scenes.studio import finished
 
 EYE = (0.0, 0.0, 15.0)
 COPPER = (0.91, 0.27, 0.13)

@@ -27,7 +27,9 @@ from shaderlab import (
     value,
 )
 from shaderlab.glslmath import sqrt, vec3
-from shaderlab.reference import furnace, microfacets
+from shaderlab.reference import microfacets
+
+from ..scenes import furnace
 
 LEVELS = 16
 RING = np.cos((np.arange(8) + 0.5) / 8.0 * np.pi)
@@ -37,8 +39,8 @@ ROWS = [round(0.1 * k, 1) for k in range(1, 11)]
 SERIES = {"direct": "k for lamps", "sky": "k = α/2", "smith": "GGX's own G"}
 FORMS = {
     "direct": microfacets.shadowing,
-    "sky": furnace.shadowing_under_sky,
-    "smith": furnace.masking,
+    "sky": microfacets.shadowing_under_sky,
+    "smith": microfacets.masking,
 }
 
 

@@ -34,8 +34,9 @@ from shaderlab import (
 )
 from shaderlab.glslmath import abs, dot, length, swizzle, vec2, vec3, vec4, where
 from shaderlab.reference import blinn_phong
-from shaderlab.reference.lighting import finished
 from shaderlab.sampling import texture
+
+from ..scenes.studio import finished
 
 LIGHT = (-sin(radians(40.0)), cos(radians(40.0)), 0.0)
 UP = np.array([0.0, 1.0, 0.0])

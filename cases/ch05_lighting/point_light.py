@@ -29,8 +29,6 @@ from shaderlab import (
 from shaderlab.assets.order import any_order, both_ways
 from shaderlab.glslmath import vec4
 from shaderlab.reference import light_sources
-from shaderlab.reference.lighting import finished
-from shaderlab.reference.studio import handed_on
 from shaderlab.reference.transforms import (
     clip_position,
     look_at,
@@ -45,6 +43,7 @@ from shaderlab.reference.transforms import (
 from shaderlab.sampling import texture
 
 from ..scenes.plaza import plaza
+from ..scenes.studio import finished, handed_on
 
 EYE, LAMP = (4.4, 5.2, 8.6), (1.1, 1.25, 0.95)
 CAMERA = {

@@ -32,15 +32,9 @@ from shaderlab import (
     reading,
     value,
 )
-from shaderlab.assets.courtyard import boxes, courtyard
 from shaderlab.assets.order import any_order, both_ways
-from shaderlab.assets.shadow_stage import PICTURED
 from shaderlab.glslmath import dot, length, max, normalize, swizzle, vec3, vec4
-from shaderlab.reference.courtyard import light_position, seen_place, unit_normal
-from shaderlab.reference.lighting import finished
-from shaderlab.reference.shadow_truth import blocked, hidden_share, wrongly_bright, wrongly_dark
 from shaderlab.reference.shadows import shadow, slope_bias
-from shaderlab.reference.studio import handed_on
 from shaderlab.reference.transforms import (
     clip_position,
     look_at,
@@ -52,6 +46,12 @@ from shaderlab.reference.transforms import (
     world_position,
 )
 from shaderlab.sampling import texture
+
+from ..scenes.courtyard import boxes, courtyard
+from ..scenes.courtyard_light import light_position, seen_place, unit_normal
+from ..scenes.shadow_stage import PICTURED
+from ..scenes.shadow_truth import blocked, hidden_share, wrongly_bright, wrongly_dark
+from ..scenes.studio import finished, handed_on
 
 LAMP, FAR = (0.12, 0.85, 0.1), 25.0
 MODEL = rotate(radians(6.0), (0.0, 1.0, 0.0))

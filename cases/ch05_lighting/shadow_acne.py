@@ -16,20 +16,14 @@ from dataclasses import replace
 from math import radians
 
 from shaderlab import Case, Cell, Output, Pass, Target, formula, fullscreen, measure, reading, value
-from shaderlab.assets.courtyard import boxes
-from shaderlab.assets.shadow_stage import (
-    EYE,
-    PICTURED,
-    SUN,
-    cast,
-    lit,
-    single_points,
-)
-from shaderlab.reference.courtyard import courtyard_references, light_position, stored_depth
-from shaderlab.reference.lighting import finished
-from shaderlab.reference.shadow_truth import blocked, hidden_share, wrongly_bright, wrongly_dark
 from shaderlab.reference.transforms import look_at, orthographic, perspective, rotate
 from shaderlab.sampling import texture
+
+from ..scenes.courtyard import boxes
+from ..scenes.courtyard_light import courtyard_references, light_position, stored_depth
+from ..scenes.shadow_stage import EYE, PICTURED, SUN, cast, lit, single_points
+from ..scenes.shadow_truth import blocked, hidden_share, wrongly_bright, wrongly_dark
+from ..scenes.studio import finished
 
 MODEL = rotate(radians(6.0), (0.0, 1.0, 0.0))
 BOXES = [MODEL @ box for box in boxes()]

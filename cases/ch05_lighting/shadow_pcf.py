@@ -33,25 +33,15 @@ from shaderlab import (
     reading,
     value,
 )
-from shaderlab.assets.courtyard import boxes
-from shaderlab.assets.shadow_stage import (
-    PICTURED,
-    SUN,
-    cast,
-    lit,
-    single_points,
-)
-from shaderlab.reference.courtyard import (
-    courtyard_references,
-    light_position,
-    seen_place,
-    stored_depth,
-)
-from shaderlab.reference.lighting import finished
-from shaderlab.reference.shadow_truth import blocked, hidden_share
 from shaderlab.reference.shadows import compared_shadow
 from shaderlab.reference.transforms import look_at, orthographic, perspective, rotate
 from shaderlab.sampling import texture
+
+from ..scenes.courtyard import boxes
+from ..scenes.courtyard_light import courtyard_references, light_position, seen_place, stored_depth
+from ..scenes.shadow_stage import PICTURED, SUN, cast, lit, single_points
+from ..scenes.shadow_truth import blocked, hidden_share
+from ..scenes.studio import finished
 
 MODEL = rotate(radians(6.0), (0.0, 1.0, 0.0))
 BOXES = [MODEL @ box for box in boxes()]

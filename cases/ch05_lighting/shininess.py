@@ -37,7 +37,7 @@ from shaderlab import (
 from shaderlab.assets.order import any_order, both_ways
 from shaderlab.glslmath import vec3, vec4, where
 from shaderlab.reference.blinn_phong import phong
-from shaderlab.reference.lighting import finished, half_power_angle, phong_color, specular_factor
+from shaderlab.reference.lighting import half_power_angle, phong_color, specular_factor
 from shaderlab.reference.transforms import (
     clip_position,
     look_at,
@@ -49,6 +49,8 @@ from shaderlab.reference.transforms import (
     world_position,
 )
 from shaderlab.sampling import texture
+
+from ..scenes.studio import finished
 
 SHININESS = (2, 4, 8, 16, 32, 64, 128, 256)
 HALF_POWER = (45.0, 32.765100, 23.508050, 16.743653, 11.882461, 8.417365, 5.957353, 4.214387)

@@ -29,7 +29,7 @@ from shaderlab import (
     value,
 )
 from shaderlab.assets.order import any_order, both_ways
-from shaderlab.reference.lighting import finished, phong_color, specular_factor
+from shaderlab.reference.lighting import phong_color, specular_factor
 from shaderlab.reference.transforms import (
     clip_position,
     look_at,
@@ -41,6 +41,8 @@ from shaderlab.reference.transforms import (
     world_position,
 )
 from shaderlab.sampling import texture
+
+from ..scenes.studio import finished
 
 CORAL = (1.0, 0.5, 0.31)
 EYE, LAMP = (0.0, 1.9, 5.6), (-1.8, 3.4, 2.4)

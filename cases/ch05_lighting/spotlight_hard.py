@@ -26,9 +26,7 @@ from shaderlab import (
 from shaderlab.assets.order import any_order, both_ways
 from shaderlab.glslmath import vec4
 from shaderlab.reference import light_sources
-from shaderlab.reference.lighting import finished
 from shaderlab.reference.spotlight import spot_cosine
-from shaderlab.reference.studio import handed_on
 from shaderlab.reference.transforms import (
     clip_position,
     look_at,
@@ -42,6 +40,7 @@ from shaderlab.reference.transforms import (
 from shaderlab.sampling import texture
 
 from ..scenes.plaza import plaza
+from ..scenes.studio import finished, handed_on
 
 EYE = (4.4, 5.2, 8.6)
 MODEL = rotate(radians(8.0), (0.0, 1.0, 0.0)) @ scale((1.0, 1.1, 1.0))

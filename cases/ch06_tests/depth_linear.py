@@ -29,17 +29,19 @@ from shaderlab import (
     formula,
     measure,
 )
-from shaderlab.assets import solids, stage
 from shaderlab.glslmath import mix, mul, swizzle, vec3, vec4, where
 from shaderlab.reference.depth import distance_of, window_depth
-from shaderlab.reference.studio import handed_on, softened
 from shaderlab.reference.transforms import clip_position, look_at, perspective
 from shaderlab.sampling import texture
+
+from ..scenes import stage
+from ..scenes.props import railway
+from ..scenes.studio import handed_on, softened
 
 NEAR, FAR = 0.1, 30.0
 VIEW = look_at((0.5, 1.1, 2.6), (0.1, 0.55, -3.0))
 PROJECTION = perspective(radians(48.0), 1.0, NEAR, FAR)
-RAILWAY = solids.railway()
+RAILWAY = railway()
 WHITE = (1.0, 1.0, 1.0, 0.0)
 
 

@@ -28,9 +28,8 @@ from shaderlab import (
     formula,
     measure,
 )
-from shaderlab.assets import solids, stage
+from shaderlab.assets import solids
 from shaderlab.glslmath import vec4
-from shaderlab.reference.studio import handed_on, softened, studio_color
 from shaderlab.reference.transforms import (
     clip_position,
     look_at,
@@ -41,6 +40,10 @@ from shaderlab.reference.transforms import (
     world_normal,
 )
 from shaderlab.sampling import texture
+
+from ..scenes import stage
+from ..scenes.props import tile
+from ..scenes.studio import handed_on, softened, studio_color
 
 VIEW = look_at((1.6, 2.1, 4.6), (0.05, 0.25, 0.0))
 PROJECTION = perspective(radians(38.0), 16.0 / 9.0, 0.1, 20.0)
@@ -54,7 +57,7 @@ BOXES = tuple(
     solids.painted(solids.box((-0.5, -0.5, -0.5), (0.5, 0.5, 0.5)), color)
     for color in ((0.10, 0.36, 0.42), (0.36, 0.16, 0.30))
 )
-FLOOR = solids.tile(2.2, 0.5)
+FLOOR = tile(2.2, 0.5)
 JUDGED = (96, 54)
 
 

@@ -32,7 +32,6 @@ from shaderlab import (
     fullscreen,
     value,
 )
-from shaderlab.assets.pottery import vase
 from shaderlab.glslmath import mix
 from shaderlab.reference.cube_maps import bent, fresnel, mirrored
 from shaderlab.reference.transforms import (
@@ -48,6 +47,9 @@ from shaderlab.reference.transforms import (
 )
 from shaderlab.sampling import textureLod
 
+from ..scenes.pottery import vase
+from ..scenes.sky import sky_face
+
 EYE, AIM = (0.0, 0.35, 6.4), (0.0, 0.0, 0.0)
 VIEW = look_at(EYE, AIM)
 FOVY, ASPECT = radians(30.0), 2.0
@@ -55,7 +57,7 @@ PROJECTION = perspective(FOVY, ASPECT, 0.1, 100.0)
 GLASS, METAL = 0.04, 0.85
 SMOOTH = ("linear", "linear")
 
-MORNING = CubeTexture(faces=[partial(assets.sky_face, k) for k in range(6)], filter=SMOOTH)
+MORNING = CubeTexture(faces=[partial(sky_face, k) for k in range(6)], filter=SMOOTH)
 NOISE = CubeTexture(faces=list(np.random.default_rng(74).random((6, 8, 8, 4))), filter=SMOOTH)
 
 THINGS = [

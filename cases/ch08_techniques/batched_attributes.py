@@ -23,8 +23,8 @@ from shaderlab import (
     query,
     value,
 )
-from shaderlab.assets.rosette import rosette
-from shaderlab.reference.rosette import as_it_is, color_of, encoded
+
+from ..scenes.rosette import as_it_is, color_of, encoded, rosette
 
 
 def drawn(name, layout, upload):

@@ -26,9 +26,7 @@ from shaderlab import (
     fullscreen,
     value,
 )
-from shaderlab.assets.still_life import photograph_checks, photographed
 from shaderlab.glslmath import min, swizzle, vec4, where
-from shaderlab.reference.studio import handed_on, studio_color
 from shaderlab.reference.transforms import (
     clip_position,
     look_at,
@@ -38,6 +36,9 @@ from shaderlab.reference.transforms import (
     world_normal,
 )
 from shaderlab.sampling import texture
+
+from ..scenes.still_life import photograph_checks, photographed
+from ..scenes.studio import handed_on, studio_color
 
 VIEW = look_at((0.0, 2.4, 4.4), (0.0, 0.35, 0.1))
 PROJECTION = perspective(radians(38.0), 1.0, 0.1, 20.0)

@@ -31,7 +31,6 @@ from shaderlab import (
     value,
 )
 from shaderlab.assets import meshes, solids
-from shaderlab.assets.still_life import CORAL
 from shaderlab.glslmath import (
     cross,
     dot,
@@ -46,6 +45,8 @@ from shaderlab.glslmath import (
     where,
 )
 from shaderlab.reference.transforms import look_at, perspective, rotate, translate
+
+from ..scenes.still_life import CORAL
 
 BALL = Mesh(**solids.painted(meshes.sphere(0.8, segments=16, rings=10), CORAL))
 # The same triangles, the last one first.

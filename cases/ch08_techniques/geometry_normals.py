@@ -16,10 +16,9 @@ from math import radians
 import numpy as np
 
 from shaderlab import Case, Depth, Draw, Mesh, Pass, State, Target, formula, query, value
-from shaderlab.assets import meshes, solids, stage
+from shaderlab.assets import meshes, solids
 from shaderlab.glslmath import mix, mod, mul, normalize, vec3, vec4, where
 from shaderlab.reference.rasterisation import samples_passed
-from shaderlab.reference.studio import handed_on, studio_color
 from shaderlab.reference.transforms import (
     clip_position,
     look_at,
@@ -29,6 +28,9 @@ from shaderlab.reference.transforms import (
     translate,
     world_normal,
 )
+
+from ..scenes import stage
+from ..scenes.studio import handed_on, studio_color
 
 VIEW = look_at((0.5, 1.7, 4.2), (0.0, 0.0, 0.0))
 PROJECTION = perspective(radians(38.0), 1.0, 0.1, 20.0)

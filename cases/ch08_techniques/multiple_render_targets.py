@@ -28,10 +28,8 @@ from shaderlab import (
     fullscreen,
     value,
 )
-from shaderlab.assets.still_life import still_life
 from shaderlab.glslmath import dot, fract, max, normalize, sqrt, swizzle, vec3, vec4, where
 from shaderlab.reference import post_processing
-from shaderlab.reference.studio import handed_on
 from shaderlab.reference.transforms import (
     clip_position,
     look_at,
@@ -41,6 +39,9 @@ from shaderlab.reference.transforms import (
     world_normal,
 )
 from shaderlab.sampling import texture
+
+from ..scenes.still_life import still_life
+from ..scenes.studio import handed_on
 
 MODEL = rotate(radians(12.0), (0.0, 1.0, 0.0))
 SCENE = Mesh(**still_life())

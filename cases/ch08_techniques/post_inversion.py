@@ -20,10 +20,8 @@ from shaderlab import (
     measure,
     value,
 )
-from shaderlab.assets.still_life import CORAL, photograph_checks, photographed
 from shaderlab.glslmath import swizzle, vec4
 from shaderlab.reference import post_processing
-from shaderlab.reference.studio import handed_on, studio_color
 from shaderlab.reference.transforms import (
     clip_position,
     look_at,
@@ -31,6 +29,9 @@ from shaderlab.reference.transforms import (
     world_normal,
 )
 from shaderlab.sampling import texture
+
+from ..scenes.still_life import CORAL, photograph_checks, photographed
+from ..scenes.studio import handed_on, studio_color
 
 VIEW = look_at((0.0, 2.4, 4.4), (0.0, 0.35, 0.1))
 PROJECTION = perspective(radians(38.0), 1.0, 0.1, 20.0)

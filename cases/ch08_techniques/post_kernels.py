@@ -14,7 +14,6 @@ from math import radians
 import numpy as np
 
 from shaderlab import Case, Output, Ramp, Target, Texture, Variant, computed, formula, fullscreen
-from shaderlab.assets.still_life import photograph_checks, photographed
 from shaderlab.glslmath import swizzle, vec4
 from shaderlab.reference.post_processing import (
     BLUR,
@@ -24,7 +23,6 @@ from shaderlab.reference.post_processing import (
     convolved,
     filtered,
 )
-from shaderlab.reference.studio import handed_on, studio_color
 from shaderlab.reference.transforms import (
     clip_position,
     look_at,
@@ -32,6 +30,9 @@ from shaderlab.reference.transforms import (
     world_normal,
 )
 from shaderlab.sampling import texture
+
+from ..scenes.still_life import photograph_checks, photographed
+from ..scenes.studio import handed_on, studio_color
 
 VIEW = look_at((0.0, 2.4, 4.4), (0.0, 0.35, 0.1))
 PROJECTION = perspective(radians(38.0), 1.0, 0.1, 20.0)

@@ -15,10 +15,7 @@ the vertices cost, which resolution does not change.
 from math import radians
 
 from shaderlab import Case, Output, Target, cost, formula, fullscreen, measure, reading
-from shaderlab.assets.still_life import photograph_checks, photographed
 from shaderlab.glslmath import fract, swizzle, vec2, vec4, where
-from shaderlab.reference.picture_difference import flip, psnr
-from shaderlab.reference.studio import handed_on, studio_color
 from shaderlab.reference.transforms import (
     clip_position,
     look_at,
@@ -26,6 +23,10 @@ from shaderlab.reference.transforms import (
     world_normal,
 )
 from shaderlab.sampling import texture
+
+from ..scenes.picture_difference import flip, psnr
+from ..scenes.still_life import photograph_checks, photographed
+from ..scenes.studio import handed_on, studio_color
 
 VIEW = look_at((0.0, 2.4, 4.4), (0.0, 0.35, 0.1))
 PROJECTION = perspective(radians(38.0), 1.0, 0.1, 20.0)

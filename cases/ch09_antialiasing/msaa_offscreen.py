@@ -13,9 +13,8 @@ first of each pixel's four samples, on the right the mean of all four.
 from math import radians
 
 from shaderlab import Case, Output, Pass, Ramp, Target, exact, formula, fullscreen, value
-from shaderlab.assets import solids, stage
+from shaderlab.assets import solids
 from shaderlab.glslmath import floor
-from shaderlab.reference.studio import handed_on, studio_color
 from shaderlab.reference.transforms import (
     clip_position,
     look_at,
@@ -25,6 +24,10 @@ from shaderlab.reference.transforms import (
     world_normal,
 )
 from shaderlab.sampling import texelFetch
+
+from ..scenes import stage
+from ..scenes.props import tile
+from ..scenes.studio import handed_on, studio_color
 
 SIZE = (96, 64)
 VIEW = look_at((1.3, 1.5, 3.4), (0.0, 0.35, 0.0))
@@ -44,7 +47,7 @@ def box(k):
 
 def scene(order):
     """The boxes and the floor, in an order, with four samples a pixel."""
-    draws = (stage.prop(solids.tile(1.5, 0.5), VIEW, PROJECTION), box(0), box(1))
+    draws = (stage.prop(tile(1.5, 0.5), VIEW, PROJECTION), box(0), box(1))
     return tuple(draws[k] for k in order)
 
 

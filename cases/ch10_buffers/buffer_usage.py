@@ -25,8 +25,8 @@ from shaderlab import (
     formula,
     value,
 )
-from shaderlab.assets.rosette import rosette
-from shaderlab.reference.rosette import as_it_is, color_of, encoded
+
+from ..scenes.rosette import as_it_is, color_of, encoded, rosette
 
 OFTEN = ("stream", "static", "dynamic")
 WHO = ("draw", "read", "copy")

@@ -22,9 +22,9 @@ from shaderlab import (
     query,
     value,
 )
-from shaderlab.assets.rosette import rosette
 from shaderlab.glslmath import swizzle, vec4
-from shaderlab.reference.rosette import color_of, encoded
+
+from ..scenes.rosette import color_of, encoded, rosette
 
 SIDE = 4
 ROSETTE = rosette(layout="interleaved")

@@ -11,8 +11,8 @@ Look at: the seven squares, 24 pixels wide each: 576 pixels, 4032 together.
 import numpy as np
 
 from shaderlab import Case, Mesh, Output, Target, exact, formula, measure, mesh_pass, query, value
-from shaderlab.assets.rosette import rosette
-from shaderlab.reference.rosette import as_it_is, color_of, encoded
+
+from ..scenes.rosette import as_it_is, color_of, encoded, rosette
 
 SIDE, SIZE = 256, 24.0
 # Device coordinates of corners between pixels, where a square of even size covers whole pixels.

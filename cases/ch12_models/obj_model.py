@@ -34,10 +34,7 @@ from shaderlab import (
     refused,
     value,
 )
-from shaderlab.assets import solids, stage
 from shaderlab.glslmath import clamp, dot, fract, max, normalize, pow, swizzle, vec4, where
-from shaderlab.reference.studio import handed_on as same_color
-from shaderlab.reference.studio import softened, studio_color
 from shaderlab.reference.transforms import (
     clip_position,
     look_at,
@@ -48,6 +45,11 @@ from shaderlab.reference.transforms import (
     world_position,
 )
 from shaderlab.sampling import texture
+
+from ..scenes import stage
+from ..scenes.props import tile
+from ..scenes.studio import handed_on as same_color
+from ..scenes.studio import softened, studio_color
 
 FOLDER = Path(__file__).parent / "obj_model"
 EYE = (2.6, 2.1, 4.6)
@@ -142,7 +144,7 @@ FIGURES = [
 ]
 
 DRAWS = [
-    stage.prop(solids.tile(1.5, 0.5), VIEW, PROJECTION),
+    stage.prop(tile(1.5, 0.5), VIEW, PROJECTION),
     draw("plaster", (0.86, 0.83, 0.76), 8.0),
     draw("paint", (0.62, 0.07, 0.05), 48.0),
 ]

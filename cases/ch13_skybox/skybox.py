@@ -37,7 +37,6 @@ from shaderlab import (
 )
 from shaderlab.glslmath import mul, swizzle, vec4
 from shaderlab.reference.spaces import sky_clip
-from shaderlab.reference.studio import studio_color
 from shaderlab.reference.transforms import (
     clip_position,
     look_at,
@@ -47,12 +46,15 @@ from shaderlab.reference.transforms import (
 )
 from shaderlab.sampling import texture
 
+from ..scenes.sky import sky_face
+from ..scenes.studio import studio_color
+
 PROJECTION = perspective(radians(50.0), 1.0, 0.1, 100.0)
 # The camera looks the same way from both places.
 TURN = look_at((0.0, 0.0, 0.0), (0.10, 0.13, -1.0))
 HERE, THERE = TURN @ translate((0.0, -0.8, -5.0)), TURN @ translate((-1.5, -1.3, -3.4))
 SMOOTH = ("linear", "linear")
-MORNING = CubeTexture(faces=[partial(assets.sky_face, k) for k in range(6)], filter=SMOOTH)
+MORNING = CubeTexture(faces=[partial(sky_face, k) for k in range(6)], filter=SMOOTH)
 NOISE = CubeTexture(faces=list(np.random.default_rng(13).random((6, 8, 8, 4))), filter=SMOOTH)
 BOX = Mesh(**assets.cube(2.0)).only("aPos")
 CRATE = Texture(image=assets.crate, filter=SMOOTH)

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from shaderlab.assets.meshes import Geometry, plane, sphere
-from shaderlab.assets.remembered import remembered
 from shaderlab.assets.solids import gathered, lathe, painted, placed
+
+from .remembered import remembered
 
 STEP = 2.2
 _TILES = ((0.42, 0.41, 0.40), (0.30, 0.30, 0.31))

@@ -5,8 +5,6 @@ A mesh is a mapping that `Mesh` takes as it is: `Mesh(**assets.sphere())`. A tex
 Models and point clouds of one's own are read by `load_obj` and `load_pcd`.
 """
 
-from shaderlab.assets.charts import uv_grid
-from shaderlab.assets.compressed import compressed
 from shaderlab.assets.meshes import (
     Geometry,
     cube,
@@ -20,7 +18,6 @@ from shaderlab.assets.meshes import (
 )
 from shaderlab.assets.obj import Part, load_obj
 from shaderlab.assets.pcd import Cloud, load_pcd
-from shaderlab.assets.sky import sky_face
 from shaderlab.assets.textures import (
     brick_normals,
     brick_wall,
@@ -29,6 +26,7 @@ from shaderlab.assets.textures import (
     emblem,
     plaster,
     solid,
+    uv_grid,
 )
 
 __all__ = [
@@ -38,7 +36,6 @@ __all__ = [
     "brick_normals",
     "brick_wall",
     "checker",
-    "compressed",
     "crate",
     "cube",
     "ellipsoid",
@@ -50,7 +47,6 @@ __all__ = [
     "plane",
     "plaster",
     "quad",
-    "sky_face",
     "solid",
     "sphere",
     "torus",

@@ -15,7 +15,6 @@ import numpy as np
 import numpy.typing as npt
 
 from shaderlab.assets.meshes import Geometry, cube, joined, moved
-from shaderlab.assets.remembered import remembered
 
 Array = npt.NDArray[Any]
 Color = Sequence[float]
@@ -136,85 +135,12 @@ def arrow(
     return painted(moved(lathe(profile, segments=20), matrix), color)
 
 
-@remembered
-def tripod(size: float = 1.0, thickness: float = 0.03) -> Geometry:
-    """The axes: x red, y green, z blue, from the origin."""
-    hub = painted(box((-thickness,) * 3, (thickness,) * 3), INK)
-    axes = [arrow(size * np.eye(3)[k], color=c, thickness=thickness)
-            for k, c in enumerate((RED, GREEN, BLUE))]  # fmt: skip
-    return gathered(hub, *axes)
-
-
-@remembered
-def letter_f(front: Color = ORANGE, side: Color = TEAL) -> Geometry:
-    """A thick letter F, one unit high, its lower left corner near the origin, its front at +z.
-
-    No turn makes it its own mirror image: front and sides differ in colour.
-    """
-    depth = 0.12
-    bars = (
-        box((0.0, 0.0, -depth), (0.22, 1.0, depth)),
-        box((0.22, 0.78, -depth), (0.70, 1.0, depth)),
-        box((0.22, 0.40, -depth), (0.56, 0.60, depth)),
-    )
-    whole = painted(joined(*bars), side)
-    faces_us = whole["attributes"]["aNormal"][:, 2] > 0.5
-    whole["attributes"]["aColor"][faces_us] = front
-    return whole
-
-
-@remembered
-def aircraft(body: Color = PAPER, wings: Color = ORANGE) -> Geometry:
-    """A small aircraft around the origin: its nose at −z, its fin up +y, its span along x."""
-    quarter = np.linspace(0.0, 1.0, 9)
-    outline = [(float(0.13 * np.sin(np.pi * s) ** 0.6), float(2.0 * s - 1.0)) for s in quarter]
-    outline[0], outline[-1] = (0.0, -1.0), (0.0, 1.0)
-    nose_first = np.eye(4)
-    nose_first[:3, :3] = [[1, 0, 0], [0, 0, 1], [0, -1, 0]]
-    fuselage = moved(lathe(outline, segments=24), nose_first)
-    wing = box((-0.95, -0.03, -0.28), (0.95, 0.02, 0.16))
-    tail = box((-0.36, 0.0, 0.66), (0.36, 0.04, 0.92))
-    fin = box((-0.025, 0.03, 0.60), (0.025, 0.44, 0.92))
-    port = box((-0.98, -0.05, -0.30), (-0.86, 0.04, 0.18))
-    starboard = box((0.86, -0.05, -0.30), (0.98, 0.04, 0.18))
-    return gathered(
-        painted(fuselage, body), painted(wing, wings), painted(tail, wings), painted(fin, wings),
-        painted(port, RED), painted(starboard, GREEN),
-    )  # fmt: skip
-
-
-@remembered
-def tile(half: float = 2.0, step: float = 0.5, thickness: float = 0.06) -> Geometry:
-    """A square slab of floor whose top is y = 0, inlaid with a grid `step` apart.
-
-    The line under the x axis is red, the one under the z axis blue, as maps have their meridians.
-    """
-    slab = painted(box((-half, -thickness, -half), (half, 0.0, half)), PAPER)
-    parts = [slab]
-    count = round(half / step)
-    for k in range(-count, count + 1):
-        at, main = k * step, k == 0
-        width = 0.018 if main else 0.009
-        top = 0.004 if main else 0.002
-        along_x = box((-half, 0.0, at - width), (half, top, at + width))
-        along_z = box((at - width, 0.0, -half), (at + width, top, half))
-        parts.append(painted(along_x, RED if main else (0.55, 0.56, 0.56)))
-        parts.append(painted(along_z, BLUE if main else (0.55, 0.56, 0.56)))
-    return gathered(*parts)
-
-
-@remembered
-def wire_box(low: Vector, high: Vector, color: Color, thickness: float = 0.012) -> Geometry:
-    """A box's twelve edges as thin bars."""
-    return wire([[x, y, z] for z in (low[2], high[2]) for y in (low[1], high[1])
-                 for x in (low[0], high[0])], color, thickness)  # fmt: skip
-
-
 def wire(corners: Any, color: Color, thickness: float = 0.012) -> Geometry:
     """The twelve edges of a box bent to eight corners (x fastest, then y, then z), as bars.
 
-    >>> len(wire_box((0, 0, 0), (1, 1, 1), INK)["attributes"]["aPos"]) > 0
-    True
+    >>> corners = [(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)]
+    >>> len(wire(corners, INK)["indices"]) // len(rod((0, 0, 0), (1, 0, 0), INK)["indices"])
+    12
     """
     corners = np.asarray(corners, float)
     edges = [(k, k | bit) for k in range(8) for bit in (1, 2, 4) if not k & bit]
@@ -258,27 +184,3 @@ def _solid(positions: Array, normals: Array, indices: Array) -> Geometry:
         },
         "indices": indices.astype(np.uint32),
     }
-
-
-def railway(length: float = 30.0) -> Geometry:
-    """A straight track that runs from z = 0 towards −z, with posts of one height beside it.
-
-    The rails lie at x = ±0.7, the posts stand three units apart at x = ±1.9 and are 1.8 high.
-    """
-    ground = painted(box((-3.2, -0.3, -length), (3.2, -0.06, 0.0)), (0.42, 0.47, 0.36))
-    parts = [ground]
-    for x in (-0.7, 0.7):
-        parts.append(painted(box((x - 0.06, 0.02, -length), (x + 0.06, 0.14, 0.0)), STONE))
-    for k in range(int(length)):
-        z = -0.5 - k
-        parts.append(
-            painted(box((-1.1, -0.06, z - 0.14), (1.1, 0.02, z + 0.14)), (0.30, 0.17, 0.09))
-        )
-    for k in range(int(length / 3.0)):
-        z = -1.5 - 3.0 * k
-        for x, color in ((-1.9, RED), (1.9, BLUE)):
-            parts.append(
-                painted(box((x - 0.13, -0.06, z - 0.13), (x + 0.13, 1.8, z + 0.13)), PAPER)
-            )
-            parts.append(painted(box((x - 0.17, 1.8, z - 0.17), (x + 0.17, 2.05, z + 0.17)), color))
-    return gathered(*parts)

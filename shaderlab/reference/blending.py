@@ -24,7 +24,6 @@ def over(source: Value, destination: Value) -> Value:
         source: the fragment's colour and α, (…, 4).
         destination: the colour and alpha it falls on, (…, 4).
 
-    >>> import numpy as np
     >>> green, red = np.array([0.0, 1.0, 0.0, 0.6]), np.array([1.0, 0.0, 0.0, 1.0])
     >>> over(green, red).round(6).tolist()
     [0.4, 0.6, 0.0, 0.76]

@@ -18,7 +18,6 @@ def face_coordinates(direction: Value) -> Value:
     Args:
         direction: (…, 3), of any length but 0.
 
-    >>> import numpy as np
     >>> face_coordinates(np.array([2.0, 0.5, -1.0])).tolist()
     [0.0, 0.75, 0.375]
     >>> face_coordinates(np.array([0.25, -1.0, 0.5])).tolist()
@@ -42,7 +41,6 @@ def face_coordinates(direction: Value) -> Value:
 def mirrored(FragPos: Value, Normal: Value, cameraPos: Value) -> Value:
     """Where a mirror shows the viewer's ray to go: reflect(normalize(P − C), N), (…, 3).
 
-    >>> import numpy as np
     >>> mirrored(np.zeros(3), np.array([0.0, 1, 0]), np.array([3.0, 4, 0])).round(9).tolist()
     [-0.6, 0.8, 0.0]
     """
@@ -55,7 +53,6 @@ def bent(FragPos: Value, Normal: Value, cameraPos: Value, ratio: Value) -> Value
     Args:
         ratio: of the indices, outside over inside; 1.00/1.52 for air and glass.
 
-    >>> import numpy as np
     >>> ray = bent(np.zeros(3), np.array([0.0, 1, 0]), np.array([3.0, 4, 0]), 1.0 / 1.52)
     >>> ray.round(6).tolist()
     [-0.394737, -0.918794, 0.0]
@@ -69,7 +66,6 @@ def fresnel(FragPos: Value, Normal: Value, cameraPos: Value, base: Value) -> Val
     Source: C. Schlick, "An Inexpensive BRDF Model for Physically-based Rendering", Computer
     Graphics Forum 13 (3), 1994, equation 15.
 
-    >>> import numpy as np
     >>> fresnel(np.zeros(3), np.array([0.0, 1, 0]), np.array([0.0, 4, 0]), 0.04).tolist()
     [0.04]
     """

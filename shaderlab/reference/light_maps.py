@@ -20,7 +20,6 @@ def baked(place: Value, lamp: Value, intensity: Value) -> Value:
     Returns:
         (…, 1) or (…, 3), in the intensity's unit over a length squared.
 
-    >>> import numpy as np
     >>> float(baked(np.array([3.0, 0.0]), np.array([0.0, 0.0, 4.0]), 1.0)[0])
     0.032
     """

@@ -12,12 +12,8 @@ Places and directions are (…, 3), factors (…, 1), colours (…, 3) in linear
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import Any
 
-import numpy as np
-
-from shaderlab.glslmath import Value, clamp, dot, max, normalize, pow, swizzle, vec4
+from shaderlab.glslmath import Value, dot, max, normalize, vec4
 from shaderlab.reference.blinn_phong import phong
 
 
@@ -149,33 +145,3 @@ def lit_material(
     diffuse = light_diffuse * (diff * material_diffuse)
     specular = light_specular * (spec * material_specular)
     return vec4(ambient + diffuse + specular, 1.0)
-
-
-def finished(texture: Callable[[Any, Value], Value]) -> Callable[..., Value]:
-    """A picture of a scene drawn twice as large: the mean of four texels, encoded for a display.
-
-    Each texel is cut to what a display can show before the mean is taken, so that a bright
-    point does not make its neighbours white; a gamma of 2.2 encodes.
-
-    Args:
-        texture: how the scene is read; `shaderlab.sampling.texture`.
-
-    >>> class Scene:
-    ...     texels = type("Texels", (), {"values": np.zeros((4, 4, 1))})
-    >>> made = finished(lambda scene, uv: vec4(uv, 2.0, 1.0))(Scene, np.array([0.5, 0.25]))
-    >>> made.round(6).tolist()
-    [0.72974, 0.532521, 1.0, 1.0]
-    """
-
-    def mean_of_four(scene: Any, TexCoords: Value) -> Value:
-        height, width = scene.texels.values.shape[:2]
-        across, up = 0.5 / width, 0.5 / height
-
-        def shown(x: float, y: float) -> Value:
-            light = swizzle(texture(scene, TexCoords + np.array([x, y])), "xyz")
-            return clamp(light, 0.0, 1.0)
-
-        total = shown(-across, -up) + shown(across, up) + shown(-across, up) + shown(across, -up)
-        return vec4(pow(clamp(0.25 * total, 1.0e-6, 1.0), 1.0 / 2.2), 1.0)
-
-    return mean_of_four

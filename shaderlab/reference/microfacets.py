@@ -2,10 +2,11 @@
 
 Sources: R. L. Cook, K. E. Torrance, "A Reflectance Model for Computer Graphics", ACM Transactions
 on Graphics 1(1), 1982 (the product); B. Walter, S. R. Marschner, H. Li, K. E. Torrance, "Microfacet
-Models for Refraction through Rough Surfaces", EGSR 2007, equation 33 (D, "GGX"); C. Schlick, "An
-Inexpensive BRDF Model for Physically-based Rendering", Computer Graphics Forum 13(3), 1994,
-equation 15 (F) and section 4 (the rational G); B. Karis, "Real Shading in Unreal Engine 4",
-SIGGRAPH course notes 2013 (α = roughness², k = (roughness + 1)² / 8 for direct light).
+Models for Refraction through Rough Surfaces", EGSR 2007, equations 33 (D, "GGX") and 34 (its
+masking); C. Schlick, "An Inexpensive BRDF Model for Physically-based Rendering", Computer Graphics
+Forum 13(3), 1994, equation 15 (F) and section 4 (the rational G); B. Karis, "Real Shading in Unreal
+Engine 4", SIGGRAPH course notes 2013 (α = roughness², k = (roughness + 1)² / 8 for direct light,
+k = α / 2 for light from everywhere).
 
 Cosines and factors are (…, 1), colours (…, 3).
 """
@@ -14,7 +15,7 @@ from __future__ import annotations
 
 import math
 
-from shaderlab.glslmath import Value, clamp, cross, dot, either, max, mix, normalize
+from shaderlab.glslmath import Value, clamp, cross, dot, either, max, mix, normalize, sqrt
 
 PI = 3.14159265359
 
@@ -43,7 +44,6 @@ def distribution_of(normal: Value, half: Value, roughness: Value) -> Value:
 
     (n·h)² (α² − 1) + 1 = α² (n·h)² + |n × h|² for unit vectors; exactly the same number.
 
-    >>> import numpy as np
     >>> print(f"{distribution_of(np.eye(3)[2], np.array([0.6, 0.0, 0.8]), 0.5).item():.6f}")
     0.124340
     """
@@ -59,7 +59,6 @@ def distribution_either(normal: Value, half: Value, roughness: Value) -> Value:
     """`distribution_of`, or `distribution` as it is printed, of max(n·h, 0): a shader may have
     either. They are one number but where h lies below the surface, which reflects nothing there.
 
-    >>> import numpy as np
     >>> up, half = np.eye(3)[2], np.array([0.6, 0.0, 0.8])
     >>> print(f"{distribution_either(up, half, 0.5).item():.6f}")
     0.124340
@@ -77,6 +76,27 @@ def shadowing(cosine: Value, roughness: Value) -> Value:
     grown = roughness + 1.0
     k = grown * grown / 8.0
     return cosine / (cosine * (1.0 - k) + k)
+
+
+def shadowing_under_sky(cosine: Value, roughness: Value) -> Value:
+    """The rational half of G with k = α/2, for light from everywhere.
+
+    >>> print(f"{shadowing_under_sky(0.5, 0.5):.6f}")
+    0.888889
+    """
+    k = 0.5 * (roughness * roughness)
+    return cosine / (cosine * (1.0 - k) + k)
+
+
+def masking(cosine: Value, roughness: Value) -> Value:
+    """The half of G that belongs to GGX's own mirrors: 2c / (c + √(α² + (1 − α²) c²)).
+
+    >>> print(f"{masking(0.5, 0.5):.6f}")
+    0.957064
+    """
+    alpha = roughness * roughness
+    squared = alpha * alpha
+    return 2.0 * cosine / (cosine + sqrt(squared + (1.0 - squared) * (cosine * cosine)))
 
 
 def geometry(normal_view: Value, normal_light: Value, roughness: Value) -> Value:
@@ -127,7 +147,6 @@ def radiance(
 
     The denominator has 0.0001 added, as the shader has, against a division by zero.
 
-    >>> import numpy as np
     >>> up, grey = np.array([0.0, 0.0, 1.0]), np.full(3, 0.5)
     >>> radiance(up, up, up, grey, 0.0, 0.5).round(6).tolist()
     [0.203717, 0.203717, 0.203717]

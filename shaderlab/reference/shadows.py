@@ -29,7 +29,6 @@ def shadow_coordinates(light_space: Value) -> Value:
     Returns:
         (…, 3); inside the map where all lie in 0…1.
 
-    >>> import numpy as np
     >>> shadow_coordinates(np.array([0.0, 1.0, -1.0, 2.0])).tolist()
     [0.5, 0.75, 0.25]
     """
@@ -81,7 +80,6 @@ def shadow_of_fragment(texture: Callable[[Any, Value], Value]) -> Callable[..., 
         a function of the fragment's normal, its place in the light's clip space, the map, the
         direction to the light, the two biases and the radius of the texels to be asked.
 
-    >>> import numpy as np
     >>> class Map:
     ...     texels = type("Texels", (), {"values": np.zeros((4, 4, 1))})
     >>> dark = shadow_of_fragment(lambda map, uv: np.array([[0.3, 0.0, 0.0, 1.0]]))
@@ -124,7 +122,6 @@ def compared_shadow(texture: Callable[[Any, Value], Value]) -> Callable[..., Val
         a function of the fragment's normal, its place in the light's clip space, the map, the
         direction to the light and the two biases.
 
-    >>> import numpy as np
     >>> dark = compared_shadow(lambda map, p: np.where(p[..., 2:] <= map, 1.0, 0.0))
     >>> up, middle = np.array([[0.0, 1.0, 0.0]]), np.array([[0.0, 0.0, 0.0, 1.0]])
     >>> [dark(up, middle, depth, up, 0.01, 0.0).item() for depth in (0.3, 0.495)]

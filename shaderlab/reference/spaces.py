@@ -27,7 +27,6 @@ from shaderlab.glslmath import (
 def in_camera(world: Value, eye: Value, target: Value, up: Value) -> Value:
     """A place (…, 3) as a camera sees it: x to its right, y up, z towards it.
 
-    >>> import numpy as np
     >>> in_camera(np.zeros(3), np.array([0, 0, 3.0]), np.zeros(3), np.array([0, 1.0, 0])).tolist()
     [0.0, 0.0, -3.0]
     """
@@ -56,7 +55,6 @@ def orthographic_clip(
 ) -> Value:
     """The box left…right, bottom…top, −near…−far of view space onto −1…1, w = 1: (…, 4).
 
-    >>> import numpy as np
     >>> orthographic_clip(np.array([3.0, -2, -7.5]), -3, 3, -2, 2, 1, 7.5).round(9).tolist()
     [1.0, -1.0, 1.0, 1.0]
     """
@@ -73,7 +71,6 @@ def perspective_clip(seen: Value, fovy: Value, aspect: Value, near: Value, far: 
     """View space to clip space, with a vertical opening of `fovy` radians; w is the distance −z.
 
     >>> import math
-    >>> import numpy as np
     >>> clip = perspective_clip(np.array([0.0, 0, -0.1]), math.radians(45), 1.0, 0.1, 100.0)
     >>> (clip[2] / clip[3]).round(9)
     np.float64(-1.0)
@@ -91,7 +88,6 @@ def perspective_clip(seen: Value, fovy: Value, aspect: Value, near: Value, far: 
 def device(clip: Value) -> Value:
     """Normalised device coordinates: the division by w, (…, 4) to (…, 3).
 
-    >>> import numpy as np
     >>> device(np.array([1.0, -2.0, 3.0, 4.0])).tolist()
     [0.25, -0.5, 0.75]
     """
@@ -106,7 +102,6 @@ def window(ndc: Value, viewport: Value, depth_range: Value) -> Value:
         viewport: x, y, width, height.
         depth_range: depths of the near and the far plane, 0 and 1 by default.
 
-    >>> import numpy as np
     >>> window(np.array([0.5, -0.5, 0.2]), np.array([10, 20, 640, 480]), np.array([0, 1]))
     array([490. , 140. ,   0.6])
     """
@@ -137,7 +132,6 @@ def sky_clip(aPos: Value, view: Value, projection: Value) -> Value:
         aPos: (…, 3), a point of a box around the camera.
         view, projection: 4 × 4.
 
-    >>> import numpy as np
     >>> far = np.eye(4) + 9.0 * np.eye(4, k=3)
     >>> sky_clip(np.array([1.0, 2, 3]), far, np.eye(4)).tolist()
     [1.0, 2.0, 1.0, 1.0]

@@ -20,7 +20,6 @@ def spot_cosine(FragPos: Value, light_position: Value, light_direction: Value) -
     Returns:
         cos θ in −1…1, (…, 1).
 
-    >>> import numpy as np
     >>> fragment, lamp, axis = np.eye(3)[0], np.zeros(3), np.array([1.0, 0.0, -1.0])
     >>> print(f"{spot_cosine(fragment, lamp, axis).item():.6f}")
     0.707107
@@ -54,7 +53,6 @@ def spot_ratio(
 ) -> Value:
     """`ratio_of_cosines` at a fragment: above 1 inside the inner cone, negative outside.
 
-    >>> import numpy as np
     >>> lamp, down = np.zeros(3), np.array([0.0, 0.0, -1.0])
     >>> print(f"{spot_ratio(np.array([0.6, 0.0, -0.8]), lamp, down, 0.9, 0.7).item():.6f}")
     0.500000
@@ -72,7 +70,6 @@ def spot_intensity(
 ) -> Value:
     """I = clamp((θ − γ) / (φ − γ), 0, 1): the share of the spot's light, 0…1.
 
-    >>> import numpy as np
     >>> lamp, down = np.zeros(3), np.array([0.0, 0.0, -1.0])
     >>> print(f"{spot_intensity(np.array([0.8, 0.0, -0.6]), lamp, down, 0.9, 0.7).item():.6f}")
     0.000000

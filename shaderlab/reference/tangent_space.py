@@ -37,7 +37,6 @@ def tilt_of_flat_bytes() -> float:
 def uv_area(uv1: Value, uv2: Value) -> Value:
     """Twice a triangle's signed area in the texture; negative where the picture is mirrored.
 
-    >>> import numpy as np
     >>> uv_area(np.array([1.0, 0.0]), np.array([0.0, 1.0])).tolist()
     [1.0]
     """
@@ -55,7 +54,6 @@ def tangent(edge1: Value, edge2: Value, uv1: Value, uv2: Value, normal: Value) -
     Returns:
         a unit vector (…, 3).
 
-    >>> import numpy as np
     >>> east, north, up = np.eye(3)
     >>> tangent(2.0 * east, north + east, np.array([2.0, 0.0]), np.array([1.0, 1.0]), up).tolist()
     [1.0, 0.0, 0.0]
@@ -68,7 +66,6 @@ def tangent(edge1: Value, edge2: Value, uv1: Value, uv2: Value, normal: Value) -
 def bitangent(normal: Value, tangent: Value, uv1: Value, uv2: Value) -> Value:
     """B, the direction in which v grows: N × T, turned round where the picture is mirrored.
 
-    >>> import numpy as np
     >>> east, north, up = np.eye(3)
     >>> bitangent(up, east, np.array([1.0, 0.0]), np.array([0.0, 1.0])).tolist()
     [0.0, 1.0, 0.0]

@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from cases.scenes.block_codecs import compressed, decoded_blocks
 from shaderlab import CompressedTexture
-from shaderlab.assets import checker, compressed
+from shaderlab.assets import checker
 from shaderlab.errors import AssetError, CaseError
 from shaderlab.gl.dds import read_dds
-from shaderlab.reference.opinions import decoded_blocks
 
 IMAGE = checker(size=16, cells=4)
 

@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from cases.scenes.chest import chest_diffuse, chest_specular
+from cases.scenes.normal_rods import rods
 from cases.scenes.plaza import plaza
-from shaderlab.assets.chest import chest_diffuse, chest_specular
-from shaderlab.assets.normals import rods
-from shaderlab.assets.pottery import vase
+from cases.scenes.pottery import vase
 from shaderlab.reference import light_sources, lighting, microfacets, tone_mapping
 
 UP = np.array([0.0, 0.0, 1.0])

@@ -11,9 +11,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pyglm import glm
 
+from cases.scenes import boxes, studio
+from cases.scenes.glm import glm_rows
 from shaderlab.bands import Band, Rules
-from shaderlab.reference import boxes, euler, quaternions, spaces, studio, transforms
-from shaderlab.reference.glm import glm_rows
+from shaderlab.reference import euler, quaternions, spaces, transforms
 
 CLOSE: Any = {"rtol": 1e-9, "atol": 1e-9}
 

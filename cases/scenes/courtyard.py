@@ -9,8 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from shaderlab.assets.meshes import Geometry, cube, moved
-from shaderlab.assets.remembered import remembered
 from shaderlab.assets.solids import gathered, painted
+
+from .remembered import remembered
 
 Array = npt.NDArray[Any]
 

@@ -4,11 +4,9 @@ A mirror that absorbs nothing (F = 1) must give all of it back. A microfacet mod
 bounce only gives back less: what a second bounce would bring out is lost.
 
 Sources: B. Walter, S. R. Marschner, H. Li, K. E. Torrance, "Microfacet Models for Refraction
-through Rough Surfaces", EGSR 2007, equations 34 (masking of GGX), 35, 36 and 41 (sampling by D and
-the weight of a sample); B. Karis, "Real Shading in Unreal Engine 4", SIGGRAPH course notes 2013
-(the rational G with k = α/2 for light from everywhere); E. Heitz, "Understanding the
-Masking-Shadowing Function in Microfacet-Based BRDFs", Journal of Computer Graphics Techniques
-3(2), 2014, section 5 (the furnace as a test).
+through Rough Surfaces", EGSR 2007, equations 35, 36 and 41 (sampling by D and the weight of a
+sample); E. Heitz, "Understanding the Masking-Shadowing Function in Microfacet-Based BRDFs", Journal
+of Computer Graphics Techniques 3(2), 2014, section 5 (the furnace as a test).
 
 Cosines and factors are (…, 1). α is roughness².
 """
@@ -27,27 +25,6 @@ from shaderlab.reference.microfacets import distribution
 Masking = Callable[[Value, Value], Value]
 
 
-def shadowing_under_sky(cosine: Value, roughness: Value) -> Value:
-    """The rational half of G with k = α/2, for light from everywhere.
-
-    >>> print(f"{shadowing_under_sky(0.5, 0.5):.6f}")
-    0.888889
-    """
-    k = 0.5 * (roughness * roughness)
-    return cosine / (cosine * (1.0 - k) + k)
-
-
-def masking(cosine: Value, roughness: Value) -> Value:
-    """The half of G that belongs to GGX's own mirrors: 2c / (c + √(α² + (1 − α²) c²)).
-
-    >>> print(f"{masking(0.5, 0.5):.6f}")
-    0.957064
-    """
-    alpha = roughness * roughness
-    squared = alpha * alpha
-    return 2.0 * cosine / (cosine + sqrt(squared + (1.0 - squared) * (cosine * cosine)))
-
-
 def reflected_share(
     normal_view: Value, roughness: Value, half_of_g: Masking, levels: int, ring: Any
 ) -> Value:
@@ -64,6 +41,7 @@ def reflected_share(
         levels: how many parts.
         ring: cosines of azimuths to the viewer, evenly over 0…π, as a sequence.
 
+    >>> from shaderlab.reference.microfacets import masking
     >>> ring = np.cos((np.arange(8) + 0.5) / 8.0 * np.pi)
     >>> print(f"{reflected_share(0.7, 0.5, masking, 16, ring).item():.4f}")
     0.8940
@@ -92,6 +70,7 @@ def reflected_share_by_directions(
 
     Gauss–Legendre in cos θ by the trapezoidal rule in the azimuth; for roughness 0.3 and more.
 
+    >>> from shaderlab.reference.microfacets import masking
     >>> print(f"{reflected_share_by_directions(0.7, 0.5, masking):.4f}")
     0.8848
     """

@@ -44,3 +44,29 @@ def compressed(image: Array, format: str) -> bytes:
     if format == "bc7":
         return bytes(etcpak.compress_bc7(packed, width, height, etcpak.BC7CompressBlockParams()))
     return bytes(getattr(etcpak, _BY[format])(packed, width, height))
+
+
+def decoded_blocks(blocks: bytes, format: str, size: tuple[int, int]) -> Any:
+    """Compressed blocks as the library `texture2ddecoder` decodes them: codes (height, width, 4).
+
+    Args:
+        blocks: of one level, its first row first.
+        format: "etc1", "etc2_rgb8", "etc2_eac_rgba8", "bc1", "bc3" or "bc7".
+        size: (width, height).
+
+    >>> decoded_blocks(bytes(8), "bc1", (4, 4))[0, 0].tolist()
+    [0, 0, 0, 255]
+    """
+    import texture2ddecoder
+
+    function = {
+        "etc1": texture2ddecoder.decode_etc1,
+        "etc2_rgb8": texture2ddecoder.decode_etc2,
+        "etc2_eac_rgba8": texture2ddecoder.decode_etc2a8,
+        "bc1": texture2ddecoder.decode_bc1,
+        "bc3": texture2ddecoder.decode_bc3,
+        "bc7": texture2ddecoder.decode_bc7,
+    }[format]
+    width, height = size
+    codes = np.frombuffer(function(blocks, width, height), np.uint8)
+    return codes.reshape(height, width, 4)[..., [2, 1, 0, 3]]

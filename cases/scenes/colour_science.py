@@ -39,3 +39,17 @@ def delta_e_2000(one: Any, other: Any) -> npt.NDArray[np.float64]:
         ]
         found = colour.delta_E(labs[0], labs[1], method="CIE 2000")
     return np.asarray(found, np.float64)
+
+
+def srgb_by_colour_science(linear: Any) -> Any:
+    """The sRGB encoding by the colour-science library, of float64 arrays only.
+
+    >>> print(f"{srgb_by_colour_science(0.5):.6f}")
+    0.735357
+    """
+    # It announces which optional parts of it are not installed, and changes how NumPy prints.
+    with warnings.catch_warnings(), np.printoptions():
+        warnings.simplefilter("ignore")
+        from colour.models import eotf_inverse_sRGB
+
+    return eotf_inverse_sRGB(np.asarray(linear))

@@ -12,23 +12,22 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from shaderlab.assets.meshes import Geometry
-from shaderlab.assets.order import both_ways
-from shaderlab.model import (
+from shaderlab import (
     Cell,
     Depth,
     Draw,
-    Expectation,
     Mesh,
     Output,
     Pass,
     State,
     Target,
-    UniformValue,
     formula,
     fullscreen,
     value,
 )
+from shaderlab.assets.meshes import Geometry
+from shaderlab.assets.order import both_ways
+from shaderlab.model import Expectation, UniformValue
 
 Matrix = npt.NDArray[Any]
 SKY = (0.80, 0.83, 0.86, 1.0)

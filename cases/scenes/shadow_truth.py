@@ -1,7 +1,7 @@
 """What is really in shadow, by rays: the measure of every shadow map.
 
 Source: A. Appel, "Some Techniques for Shading Machine Renderings of Solids", AFIPS 1968 (a ray
-from the surface to the light decides); boxes as slabs as in `shaderlab.reference.boxes`.
+from the surface to the light decides); boxes as slabs as in `scenes.boxes`.
 """
 
 from __future__ import annotations
@@ -11,8 +11,9 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from shaderlab.reference.boxes import slab_distance
 from shaderlab.reference.transforms import Matrix
+
+from .boxes import slab_distance
 
 _OFF = 1e-4
 

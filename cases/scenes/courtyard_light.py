@@ -12,8 +12,9 @@ from typing import Any
 from shaderlab.glslmath import Value, dot, max, mul, normalize, swizzle, vec4
 from shaderlab.reference.blinn_phong import lobe
 from shaderlab.reference.shadows import shadow_of_fragment
-from shaderlab.reference.studio import handed_on
 from shaderlab.reference.transforms import clip_position, world_normal, world_position
+
+from .studio import handed_on
 
 Reference = Callable[..., Any]
 
@@ -21,7 +22,6 @@ Reference = Callable[..., Any]
 def light_position(aPos: Value, model: Value, lightSpaceMatrix: Value) -> Value:
     """Clip coordinates seen from the light, (…, 4).
 
-    >>> import numpy as np
     >>> light_position(np.ones(3), np.eye(4), 2.0 * np.eye(4)).tolist()
     [2.0, 2.0, 2.0, 2.0]
     """
@@ -31,7 +31,6 @@ def light_position(aPos: Value, model: Value, lightSpaceMatrix: Value) -> Value:
 def stored_depth(frag_coord: Value) -> Value:
     """What a shadow map keeps of a fragment: its window depth.
 
-    >>> import numpy as np
     >>> stored_depth(np.array([3.5, 4.5, 0.25, 1.0])).tolist()
     [0.25]
     """
@@ -41,7 +40,6 @@ def stored_depth(frag_coord: Value) -> Value:
 def unit_normal(Normal: Value) -> Value:
     """The interpolated normal, of length 1 again.
 
-    >>> import numpy as np
     >>> unit_normal(np.array([0.0, 3.0, 4.0])).tolist()
     [0.0, 0.6, 0.8]
     """
@@ -68,7 +66,6 @@ def sunlit(
         Color: (…, 3).
         shadow: s, 0 … 1.
 
-    >>> import numpy as np
     >>> up, grey = np.array([0.0, 1.0, 0.0]), np.full(3, 0.5)
     >>> sunlit(np.zeros(3), up, grey, 1.0, up, up).round(6).tolist()
     [0.075, 0.075, 0.075, 1.0]

@@ -8,19 +8,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from shaderlab.assets.courtyard import courtyard
-from shaderlab.model import (
-    Depth,
-    Draw,
-    Expectation,
-    Mesh,
-    Pass,
-    State,
-    Target,
-    TextureSource,
-    value,
-)
-from shaderlab.model.scene import UniformValue
+from shaderlab import Depth, Draw, Mesh, Pass, State, Target, value
+from shaderlab.model import Expectation, TextureSource, UniformValue
+
+from .courtyard import courtyard
 
 Matrix = npt.NDArray[Any]
 SUN = (-2.0, 4.0, -1.0)

@@ -8,11 +8,14 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from shaderlab import Pass, Target, measure, value
 from shaderlab.assets.meshes import Geometry, sphere, torus
-from shaderlab.assets.remembered import remembered
-from shaderlab.assets.solids import box, gathered, letter_f, painted, placed
-from shaderlab.assets.stage import SKY, prop, prop_checks
-from shaderlab.model import Expectation, Pass, Target, measure, value
+from shaderlab.assets.solids import box, gathered, painted, placed
+from shaderlab.model import Expectation
+
+from .props import letter_f
+from .remembered import remembered
+from .stage import SKY, prop, prop_checks
 
 Array = npt.NDArray[Any]
 
