@@ -23,6 +23,7 @@ from typing import Any
 
 import numpy as np
 
+from shaderlab.backends import Backend, open_backend
 from shaderlab.bands import Rules
 from shaderlab.bands.allowed import contains
 from shaderlab.catalogue import Catalogue
@@ -31,13 +32,10 @@ from shaderlab.checks.inputs import Inputs, evaluate
 from shaderlab.checks.naming import subject_of
 from shaderlab.discovery import data_folder
 from shaderlab.frame import Frame
-from shaderlab.gl import capture
-from shaderlab.gl.device import open_device
-from shaderlab.gl.prepare import Preparer
-from shaderlab.gl.runner import Runner
 from shaderlab.glsl.sources import Shaders
 from shaderlab.model import Formula, Scene
 from shaderlab.pipeline.plan import plan
+from shaderlab.programs.prepare import Preparer
 
 SIDE = 64
 LARGE = 512
@@ -156,33 +154,33 @@ def memory(slowest: Job) -> None:
 def jobs(side: int, only: Collection[str] = ()) -> Iterator[Job]:
     """Every formula of the shipped cases, with what the driver gives its shader at this size."""
     preparer = Preparer(Shaders([data_folder("shaders")]))
-    runner = Runner(open_device())
+    backend = open_backend()
     for case in Catalogue.shipped():
         if only and case.id not in only:
             continue
         for scene in case.scenes():
             checks = [(i, c) for i, c in enumerate(scene.expect) if isinstance(c, Formula)]
-            frame = drawn(runner, preparer, scene, tuple(c for _, c in checks), side)
+            frame = drawn(backend, preparer, scene, tuple(c for _, c in checks), side)
             for index, check in checks:
                 inputs = subject_of(check, scene, frame).inputs
                 yield Job(case.id, scene.variant, check, inputs, index, scene, frame)
 
 
 def drawn(
-    runner: Runner, preparer: Preparer, scene: Scene, checks: tuple[Formula, ...], side: int
+    backend: Backend, preparer: Preparer, scene: Scene, checks: tuple[Formula, ...], side: int
 ) -> Frame:
     """The scene's frame, with what these formulas need."""
     prepared = {p.name: tuple(preparer.prepare(d) for d in p.draws) for p in scene.passes}
     wants = plan(replace(scene, expect=checks), prepared)
-    with runner.session(scene, prepared, (side, side)) as session:
-        done = session.run()
+    with backend.session(scene, prepared, (side, side)) as session:
+        done = session.draw()
         return Frame(
             images=done.images,
             order=tuple(p.name for p in scene.passes),
             bindings=done.bindings,
             sample_positions=done.sample_positions,
-            fragments={key: capture.fragments(session, key) for key in wants.fragments},
-            vertices={key: capture.vertices(session, key) for key in wants.vertices},
+            fragments={key: session.fragments(key) for key in wants.fragments},
+            vertices={key: session.vertices(key) for key in wants.vertices},
         )
 
 

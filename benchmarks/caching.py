@@ -74,9 +74,9 @@ def prepared(folder: Path, count: int) -> list[float]:
     """The same in this process."""
     import shaderlab.pipeline  # noqa: F401  a run has imported it before it compiles
     from shaderlab import fullscreen
-    from shaderlab.gl.prepare import Preparer
     from shaderlab.glsl import Shaders
     from shaderlab.glsl.compile_cache import cached_compiler
+    from shaderlab.programs.prepare import Preparer
 
     uniforms = {"gain": running_programs.GAIN}
     names = [f"light_{index}.frag" for index in range(count)]

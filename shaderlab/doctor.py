@@ -152,7 +152,7 @@ def _data() -> Iterator[Finding]:
 
 
 def _driver() -> Iterator[Finding]:
-    from .gl.device import probe
+    from .backends import probe
 
     try:
         driver = probe()

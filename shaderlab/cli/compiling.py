@@ -21,7 +21,7 @@ from .files import write_json
 from .tallying import Tally, as_data, messages, watched
 
 # Workers import the driver's room by this name; the command itself never touches a device.
-_DRIVER = "shaderlab.gl.opinion:opinion"
+_DRIVER = "shaderlab.backends:driver_verdict"
 _FILES_PER_WORKER = 500
 _FOLDER = click.Path(path_type=Path)
 

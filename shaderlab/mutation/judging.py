@@ -22,7 +22,8 @@ from shaderlab.mutation.subjects import (
     with_what_they_read,
 )
 from shaderlab.mutation.tasks import Seen, Task, part_of
-from shaderlab.pipeline.trial import Bench, Programs, Trial, judged_passes
+from shaderlab.pipeline.trial import Bench, Trial, judged_passes
+from shaderlab.programs.prepare import Programs
 
 
 class PartError(CaseError):
@@ -189,7 +190,7 @@ class Judge:
         if (variant, key) not in self._wide:
             original = self._originals[variant]
             part = part_of(original.scene, with_what_they_read(original.scene, {key[0]}), [])
-            prepared = {p.name: original.session.prepared[p.name] for p in part.passes}
+            prepared = {p.name: original.session.programs[p.name] for p in part.passes}
             some = wider.rounds(original, key, seed=key[1])
             with _sound_part(part), self._bench.trial(part, prepared) as trial:
                 self._wide[variant, key] = (some, dict(wider.outputs(trial, key, some)))
@@ -225,7 +226,7 @@ class Judge:
     def _prepared(self, task: Task, part: Scene) -> Programs:
         """Programs of the touched passes made anew, the others' as they are."""
         mine = replace(part, passes=tuple(p for p in part.passes if p.name in task.touched))
-        original = self._originals[part.variant].session.prepared
+        original = self._originals[part.variant].session.programs
         anew = self._bench.prepare(mine, task.texts)
         return {p.name: anew.get(p.name) or original[p.name] for p in part.passes}
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from shaderlab.gl import blocks
-from shaderlab.gl.prepare import PreparedDraw
 from shaderlab.model import Mesh, UniformBuffer
+from shaderlab.programs import blocks
+from shaderlab.programs.prepare import PreparedDraw
 from shaderlab.records import BufferPart, BufferRecord
 
 _MOST = 24

@@ -15,6 +15,7 @@ from typing import Self, TypeVar
 
 from shaderlab import packages
 from shaderlab.activity import Activity, doing
+from shaderlab.backends import Backend, Drawn, Session, open_backend
 from shaderlab.checks import Judgement, judge
 from shaderlab.checks.refusals import Answer, Complaint
 from shaderlab.errors import (
@@ -24,11 +25,6 @@ from shaderlab.errors import (
     UnsupportedError,
 )
 from shaderlab.frame import Frame, PassDraw, Reply
-from shaderlab.gl import capture, queries
-from shaderlab.gl.device import Device, open_device
-from shaderlab.gl.opinion import driver_verdict
-from shaderlab.gl.prepare import Preparer
-from shaderlab.gl.runner import Drawn, Prepared, Runner, Session, step
 from shaderlab.glsl.compile_cache import cached_compiler
 from shaderlab.glsl.sources import Source
 from shaderlab.model import GlCall, GlError, Scene, Sweep, Value
@@ -37,6 +33,7 @@ from shaderlab.pipeline import plan, refusals, stored_images
 from shaderlab.pipeline.picture_writer import PictureFiles, PictureWriter
 from shaderlab.pipeline.record_builder import RecordBuilder
 from shaderlab.pipeline.roots import shaders_beside
+from shaderlab.programs.prepare import Preparer, Programs, step
 from shaderlab.records import Outcome, Record, Verdict
 
 Got = TypeVar("Got")
@@ -51,8 +48,7 @@ class Lab:
         self.options = options or RunOptions()
         self._notice = notice
         self.exhausted = False  # whether memory ran out in it
-        self._device: Device | None = None
-        self._runner: Runner | None = None
+        self._backend: Backend | None = None
         self._opinions: dict[tuple[Source, ...], Verdict] = {}
         self._preparer = lru_cache(maxsize=64)(self._preparer_beside)
 
@@ -75,24 +71,22 @@ class Lab:
 
     def close(self) -> None:
         """Give the device back; the lab opens it again if it is used once more."""
-        self._runner = None
-        if self._device is not None:
-            self._device.close()
-            self._device = None
+        if self._backend is not None:
+            self._backend.close()
+            self._backend = None
 
     @property
-    def runner(self) -> Runner:
-        """The runner, on a device opened now if there is none. Raises DriverError."""
-        if self._runner is None:
-            self._device = open_device(self.options.driver)
-            self._runner = Runner(self._device)
-        return self._runner
+    def backend(self) -> Backend:
+        """The device, opened now if it is not open yet. Raises DriverError."""
+        if self._backend is None:
+            self._backend = open_backend(self.options.driver)
+        return self._backend
 
     @property
     def driver(self) -> Mapping[str, str]:
         """What the driver says of itself; "renderer" is "none" while no device could be opened."""
         try:
-            return self.runner.device.info
+            return self.backend.info
         except DriverError as error:
             return {"renderer": "none", "vendor": "", "version": error.message, "glsl": ""}
 
@@ -150,8 +144,8 @@ class Lab:
         size = (self.options.size,) * 2
         picture_size = 0 if self.options.picture_folder is None else self.options.picture_size
         builder.set_device(self.driver, self.options.size, picture_size)
-        with doing("draw"), self.runner.session(scene, prepared, size) as session:
-            drawn = session.run()
+        with doing("draw"), self.backend.session(scene, prepared, size) as session:
+            drawn = session.draw()
             frame = _frame(session, drawn, plans)
         if self.options.frames is not None:
             stored_images.save(self.options.frames, scene.case.id, scene.variant, drawn.images)
@@ -165,7 +159,7 @@ class Lab:
     def _opinion(self, sources: tuple[Source, ...]) -> Verdict:
         """The driver's own verdict on a program, asked for once."""
         if sources not in self._opinions:
-            self._opinions[sources] = driver_verdict(self.runner.device, sources)
+            self._opinions[sources] = self.backend.driver_verdict(sources)
         return self._opinions[sources]
 
     def _judge(
@@ -199,14 +193,14 @@ class Lab:
             )
             builder.add_outcome(outcome, found, expectation)
 
-    def _enlarged(self, scene: Scene, prepared: Prepared, drawn: Drawn) -> Drawn:
+    def _enlarged(self, scene: Scene, prepared: Programs, drawn: Drawn) -> Drawn:
         """The scene in the size for people: drawn once more, but where it has one size only."""
         if self.options.picture_size == self.options.size or all(
             description.target.size for description in scene.passes
         ):
             return drawn
-        with self.runner.session(scene, prepared, (self.options.picture_size,) * 2) as session:
-            return session.run()
+        with self.backend.session(scene, prepared, (self.options.picture_size,) * 2) as session:
+            return session.draw()
 
     def _write_pictures(
         self, scene: Scene, drawn: Drawn, builder: RecordBuilder, writer: PictureWriter
@@ -252,28 +246,26 @@ def _frame(session: Session, drawn: Drawn, plans: plan.Plan) -> Frame:
         expectation = session.scene.expect[index]
         assert isinstance(expectation, Sweep | Value)
         with doing("draw", f"sampling for {expectation.name!r}"):
-            probes[index] = plan.probe(session, expectation)
+            probes[index] = plan.probe(session, drawn.bindings, expectation)
     return Frame(
         images=drawn.images,
         order=tuple(p.name for p in session.scene.passes),
         bindings=drawn.bindings,
         fragments={
-            key: _captured(capture.fragments, session, key) for key in sorted(plans.fragments)
+            key: _captured(session.fragments, session, key) for key in sorted(plans.fragments)
         },
-        vertices={key: _captured(capture.vertices, session, key) for key in sorted(plans.vertices)},
+        vertices={key: _captured(session.vertices, session, key) for key in sorted(plans.vertices)},
         probes=probes,
         gl_errors=drawn.gl_errors,
         replies={index: _replied(session, index) for index in plans.calls},
         sample_positions=drawn.sample_positions,
-        attributes={key: queries.attributes(session, key) for key in sorted(plans.attributes)},
-        blocks={key: queries.block_readings(session, key) for key in sorted(plans.blocks)},
+        attributes={key: session.attributes(key) for key in sorted(plans.attributes)},
+        blocks={key: session.blocks(key) for key in sorted(plans.blocks)},
         queries={
-            (name, index, counter): queries.counted(session, (name, index), counter)
+            (name, index, counter): session.count((name, index), counter)
             for name, index, counter in sorted(plans.queries)
         },
-        timings={
-            name: queries.timed(session, name, repeats) for name, repeats in plans.timings.items()
-        },
+        timings={name: session.time(name, repeats) for name, repeats in plans.timings.items()},
         locations={key: session.locations(key) for key in sorted(plans.located)},
     )
 
@@ -282,14 +274,12 @@ def _replied(session: Session, index: int) -> Reply:
     expectation = session.scene.expect[index]
     assert isinstance(expectation, GlCall)
     with doing("draw", f"calling {expectation.call}"):
-        return plan.answer(session, expectation)
+        return session.call(expectation)
 
 
-def _captured(
-    capturing: Callable[[Session, PassDraw], Got], session: Session, key: PassDraw
-) -> Got:
-    with doing("draw", f"capturing the inputs of {step(key, session.prepared[key[0]][key[1]])}"):
-        return capturing(session, key)
+def _captured(capturing: Callable[[PassDraw], Got], session: Session, key: PassDraw) -> Got:
+    with doing("draw", f"capturing the inputs of {step(key, session.programs[key[0]][key[1]])}"):
+        return capturing(key)
 
 
 def _expect_no_errors(scene: Scene, drawn: Drawn) -> None:

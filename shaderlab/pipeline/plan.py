@@ -8,13 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from shaderlab.backends import Session
 from shaderlab.checks import draw_key, split_output
 from shaderlab.errors import CaseError, nearest
-from shaderlab.frame import Array, Bindings, PassDraw, Reply, Samples
-from shaderlab.gl import bind, calls, capture, feedback
-from shaderlab.gl.prepare import PreparedDraw
-from shaderlab.gl.runner import Prepared, Session
-from shaderlab.gl.varyings import elements
+from shaderlab.frame import Array, Bindings, PassDraw, Samples
 from shaderlab.model import (
     AttributeLayout,
     BlockLayout,
@@ -24,13 +21,17 @@ from shaderlab.model import (
     GlCall,
     InactiveUniforms,
     Pixel,
-    Program,
     Property,
     Query,
     Scene,
     Sweep,
     Value,
 )
+from shaderlab.programs import bind
+from shaderlab.programs.inputs import exact_inputs
+from shaderlab.programs.prepare import PreparedDraw, Programs
+from shaderlab.programs.varyings import elements
+from shaderlab.programs.vertices import vertex_outputs
 
 
 @dataclass(frozen=True)
@@ -50,7 +51,7 @@ class Plan:
     calls: tuple[int, ...] = ()
 
 
-def plan(scene: Scene, prepared: Prepared) -> Plan:
+def plan(scene: Scene, prepared: Programs) -> Plan:
     """Read the scene's expectations.
 
     Raises:
@@ -148,16 +149,19 @@ def picture_of(scene: Scene, images: Collection[tuple[str, str]]) -> tuple[str, 
     return key
 
 
-def probe(session: Session, expectation: Value | Sweep) -> Samples:
+def probe(
+    session: Session, bound: Mapping[PassDraw, Bindings], expectation: Value | Sweep
+) -> Samples:
     """Run the draw's program on the inputs that a `value` or `sweep` gives.
 
-    Inputs of the stage are gathered into one draw; a uniform takes one draw for each value.
+    `bound` is what the draws were drawn with. Inputs of the stage are gathered into one draw; a
+    uniform takes one draw for each value.
 
     Raises:
         CaseError: a name is neither an input of the stage nor a uniform.
     """
     key = key_of(session.scene, expectation)
-    draw, bindings = session.prepared[key[0]][key[1]], session.bindings[key]
+    draw, bindings = session.programs[key[0]][key[1]], bound[key]
     of_vertex = _is_of_vertex(split_output(expectation.output, session.scene)[1], draw)
     declared = draw.interface.attributes if of_vertex else draw.interface.varyings
     inputs = {variable.name: variable for variable in elements(declared.values())}
@@ -176,13 +180,13 @@ def probe(session: Session, expectation: Value | Sweep) -> Samples:
                 remedy=nearest(word, known),
             )
     uniform_names = [n for n in steps[0] if n not in inputs]
-    run = capture.probe_vertices if of_vertex else capture.probe_fragments
+    run = session.probe_vertices if of_vertex else session.probe_fragments
 
     def samples(some: list[dict[str, Any]]) -> Samples:
         changed = _with_uniforms(bindings, draw, {n: some[0][n] for n in uniform_names})
-        got = [capture.exact_inputs(inputs, step) for step in some]
+        got = [exact_inputs(inputs, step) for step in some]
         joined = {n: np.concatenate([g[n] for g in got]) for n in got[0]}
-        result = run(session, key, changed, joined)
+        result = run(key, changed, joined)
         exact = {n: _repeated(changed.uniforms[n], len(some)) for n in uniform_names}
         decimal = {n: _repeated(changed.decimal[n], len(some)) for n in uniform_names}
         for n in joined:
@@ -194,25 +198,11 @@ def probe(session: Session, expectation: Value | Sweep) -> Samples:
     return _joined([samples([step]) for step in steps])
 
 
-def answer(session: Session, expectation: GlCall) -> Reply:
-    """Make the calls of a `gl_call`, with the programs of the scene that they name.
-
-    Raises:
-        CaseError: one of them names a pass or a draw that does not exist, or is no call of OpenGL.
-    """
-
-    def texts(program: Program) -> dict[str, str]:
-        name, index = draw_key(session.scene, program.pass_name, program.draw)
-        return {source.stage: source.text for source in session.prepared[name][index].sources}
-
-    return calls.answer(session.runner.device, expectation, texts)
-
-
 def _is_of_vertex(name: str, draw: PreparedDraw) -> bool:
     outputs = draw.interface.outputs
     if name in outputs:
         return False
-    of_vertex = [] if draw.draw.mesh is None and name != "gl_Position" else feedback.names(draw)
+    of_vertex = [] if draw.draw.mesh is None and name != "gl_Position" else vertex_outputs(draw)
     if name in of_vertex:
         if draw.draw.mesh is None:
             raise CaseError(f"{name!r} is the lab's own vertex stage's: draw a mesh to judge it")

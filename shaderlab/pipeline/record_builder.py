@@ -13,13 +13,13 @@ from shaderlab.checks.naming import draw_key, split_output
 from shaderlab.errors import ShaderlabError
 from shaderlab.files import display_path
 from shaderlab.frame import PassDraw
-from shaderlab.gl.prepare import PreparedDraw
 from shaderlab.glsl.driver_verdict import mark_disagreement
 from shaderlab.glsl.sources import Source
 from shaderlab.glsl.spirv import Interface
 from shaderlab.model import Expectation, Ramp, Scene
 from shaderlab.pipeline.buffer_layouts import buffer_records
 from shaderlab.pipeline.picture_writer import PictureFiles
+from shaderlab.programs.prepare import PreparedDraw
 from shaderlab.records import (
     BufferRecord,
     Curve,

@@ -8,9 +8,9 @@ from pathlib import Path
 from shaderlab.activity import doing
 from shaderlab.checks.refusals import Answer, Complaint
 from shaderlab.errors import DriverError, ShaderlabError
-from shaderlab.gl.prepare import Preparer
 from shaderlab.glsl.sources import Source
 from shaderlab.model import CompileFails, Refused, Scene
+from shaderlab.programs.prepare import Preparer
 from shaderlab.records import Verdict
 
 Opinion = Callable[[tuple[Source, ...]], Verdict]

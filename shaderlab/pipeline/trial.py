@@ -13,15 +13,9 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
+from shaderlab.backends import Drawn, Session, open_backend
 from shaderlab.checks import draw_key, judge, outputs_read, split_output
 from shaderlab.frame import Array, Bindings, Fragments, Frame, Image, PassDraw, Reply, Samples
-from shaderlab.gl import bind, capture, feedback, queries
-from shaderlab.gl import programs as linking
-from shaderlab.gl.device import Device, open_device
-from shaderlab.gl.prepare import PreparedDraw, Preparer
-from shaderlab.gl.runner import Prepared, Runner, Session
-from shaderlab.gl.stages import may_keep_out
-from shaderlab.gl.varyings import elements
 from shaderlab.glsl.compile import Compiled
 from shaderlab.glsl.compile_cache import cached_compiler
 from shaderlab.glsl.sources import Source
@@ -46,11 +40,14 @@ from shaderlab.model import (
 )
 from shaderlab.pipeline import plan
 from shaderlab.pipeline.roots import shaders_beside
+from shaderlab.programs import bind
+from shaderlab.programs.formats import shape_of
+from shaderlab.programs.prepare import PreparedDraw, Preparer, Programs
+from shaderlab.programs.stages import may_keep_out
+from shaderlab.programs.varyings import elements
 from shaderlab.records import Outcome
 
 Texts = Mapping[str, str]
-Programs = Prepared
-"""Each pass's draws, compiled."""
 
 
 class Bench:
@@ -58,13 +55,12 @@ class Bench:
 
     Args:
         size: side in pixels of the square frame that is judged, where a case does not say.
-        driver: as in `shaderlab.gl.device.open_device`.
+        driver: as in `shaderlab.backends.open_backend`.
     """
 
     def __init__(self, size: int = 64, driver: str | None = None) -> None:
         self._size = size
-        self._device: Device = open_device(driver)
-        self._programs = linking.Programs(self._device)
+        self._backend = open_backend(driver)
         self._originals: dict[str, Preparer] = {}
 
     def __enter__(self) -> Self:
@@ -76,12 +72,12 @@ class Bench:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        self._device.close()
+        self._backend.close()
 
     @property
     def renderer(self) -> str:
         """What draws."""
-        return self._device.info["renderer"]
+        return self._backend.info["renderer"]
 
     def prepare(self, scene: Scene, texts: Texts) -> Programs:
         """The scene's programs, compiled for OpenGL alone, with some shaders' texts replaced.
@@ -113,24 +109,12 @@ class Bench:
         Raises:
             ShaderError, UnsupportedError, CaseError: as `Session.run`.
         """
-        runner = Runner(self._device)
+        size = (self._size,) * 2
         # What a replaced text is linked to goes away with its trial.
-        runner.programs = self._programs if like is None else Borrowing(self._programs)
-        with runner.session(scene, prepared, (self._size,) * 2) as session:
-            drawn = session.run()
-            yield Trial(session, dict(drawn.images), dict(drawn.gl_errors), like)
-
-
-class Borrowing(linking.Programs):
-    """A program cache that looks into another one first, and leaves that as it is."""
-
-    def __init__(self, first: linking.Programs) -> None:
-        super().__init__(first._device)
-        self._first = first
-
-    def _link(self, stages: Mapping[str, str], feedback: Any) -> Any:
-        known = self._first._linked.get((tuple(sorted(stages.items())), tuple(feedback)))
-        return known if known is not None else super()._link(stages, feedback)
+        with self._backend.session(
+            scene, prepared, size, temporary_programs=like is not None
+        ) as session:
+            yield Trial(session, session.draw(), like)
 
 
 @dataclass
@@ -139,14 +123,12 @@ class Trial:
 
     Attributes:
         session: the scene on the device; of use only while the trial is open.
-        images: attachments by (pass, output).
-        gl_errors: as in `Frame`.
+        drawn: what drawing it gave.
         like: the trial that may be borrowed from.
     """
 
     session: Session
-    images: dict[tuple[str, str], Image]
-    gl_errors: dict[PassDraw, tuple[int, ...]]
+    drawn: Drawn
     like: Trial | None
 
     def __post_init__(self) -> None:
@@ -162,7 +144,17 @@ class Trial:
     @property
     def bindings(self) -> Mapping[PassDraw, Bindings]:
         """Uniforms and textures by (pass, draw)."""
-        return self.session.bindings
+        return self.drawn.bindings
+
+    @property
+    def images(self) -> Mapping[tuple[str, str], Image]:
+        """Attachments by (pass, output)."""
+        return self.drawn.images
+
+    @property
+    def gl_errors(self) -> Mapping[PassDraw, tuple[int, ...]]:
+        """As in `Frame`."""
+        return self.drawn.gl_errors
 
     @property
     def captured_fragments(self) -> Mapping[PassDraw, Fragments]:
@@ -176,12 +168,12 @@ class Trial:
 
     def draw(self, key: PassDraw) -> PreparedDraw:
         """One draw of the scene, compiled."""
-        return self.session.prepared[key[0]][key[1]]
+        return self.session.programs[key[0]][key[1]]
 
     def inputs_of(self, key: PassDraw) -> dict[str, tuple[tuple[int, ...], str]]:
         """The fragment inputs that `sample` takes: each one's shape and GLSL type."""
         declared = self.draw(key).interface.varyings
-        return {v.name: (bind.shape_of(v.type), v.type) for v in elements(declared.values())}
+        return {v.name: (shape_of(v.type), v.type) for v in elements(declared.values())}
 
     def uniform_types(self, key: PassDraw) -> dict[str, str]:
         """The GLSL type of each uniform and each member of a uniform block."""
@@ -194,7 +186,7 @@ class Trial:
             self._fragments[key] = (
                 self.like.fragments(key)
                 if same and self.like is not None
-                else capture.fragments(self.session, key)
+                else self.session.fragments(key)
             )
         return self._fragments[key]
 
@@ -206,7 +198,7 @@ class Trial:
                 own.text(stage) == like.draw(key).text(stage) for stage in ("vertex", "geometry")
             )
             self._vertices[key] = (
-                like.vertices(key) if same and like else feedback.vertices(self.session, key)
+                like.vertices(key) if same and like else self.session.vertices(key)
             )
         return self._vertices[key]
 
@@ -214,23 +206,22 @@ class Trial:
         """What expectation `index`, a `value` or a `sweep`, has the program run on."""
         if index not in self._probes:
             expectation: Any = self.scene.expect[index]
-            self._probes[index] = plan.probe(self.session, expectation)
+            self._probes[index] = plan.probe(self.session, self.bindings, expectation)
         return self._probes[index]
 
     def sample(
         self, key: PassDraw, inputs: Mapping[str, Array], uniforms: Mapping[str, Array]
     ) -> Samples:
-        """Run a draw's fragment stage on inputs and uniforms of one's own (see
-        `capture.probe_fragments`)."""
+        """Run a draw's fragment stage on inputs and uniforms of one's own."""
         bindings = replace(self.bindings[key], uniforms={**self.bindings[key].uniforms, **uniforms})
-        return capture.probe_fragments(self.session, key, bindings, inputs)
+        return self.session.probe_fragments(key, bindings, inputs)
 
     def sample_vertices(
         self, key: PassDraw, inputs: Mapping[str, Array], uniforms: Mapping[str, Array]
     ) -> Samples:
         """The same for the vertex stage of a draw of a mesh."""
         bindings = replace(self.bindings[key], uniforms={**self.bindings[key].uniforms, **uniforms})
-        return feedback.probe_vertices(self.session, key, bindings, inputs)
+        return self.session.probe_vertices(key, bindings, inputs)
 
     def judge(self, index: int) -> Outcome:
         """The outcome of expectation `index`; what no shader has a part in passes unread.
@@ -245,13 +236,13 @@ class Trial:
 
     def _frame(self, index: int, expectation: Expectation) -> Frame:
         """No more than this expectation needs."""
-        wants = plan.plan(replace(self.scene, expect=(expectation,)), self.session.prepared)
+        wants = plan.plan(replace(self.scene, expect=(expectation,)), self.session.programs)
         fragments = {key: self.fragments(key) for key in wants.fragments}
         vertices = {key: self.vertices(key) for key in wants.vertices}
         probes = {index: self.probe(index)} if wants.probes else {}
         replies: dict[int, Reply] = {}
         if isinstance(expectation, GlCall):
-            replies[index] = plan.answer(self.session, expectation)
+            replies[index] = self.session.call(expectation)
         return Frame(
             images=self.images,
             order=tuple(p.name for p in self.scene.passes),
@@ -261,11 +252,11 @@ class Trial:
             probes=probes,
             gl_errors=self.gl_errors,
             replies=replies,
-            sample_positions=self.session.sample_positions,
-            attributes={key: queries.attributes(self.session, key) for key in wants.attributes},
-            blocks={key: queries.block_readings(self.session, key) for key in wants.blocks},
+            sample_positions=self.drawn.sample_positions,
+            attributes={key: self.session.attributes(key) for key in wants.attributes},
+            blocks={key: self.session.blocks(key) for key in wants.blocks},
             queries={
-                (name, at, counter): queries.counted(self.session, (name, at), counter)
+                (name, at, counter): self.session.count((name, at), counter)
                 for name, at, counter in wants.queries
             },
             locations={key: self.session.locations(key) for key in wants.located},
@@ -274,7 +265,7 @@ class Trial:
     def _gets_the_same(self, pass_name: str, other: Trial) -> bool:
         """Whether the fragment shaders of a pass must get the same inputs as in another trial."""
         for own, theirs in zip(
-            self.session.prepared[pass_name], other.session.prepared[pass_name], strict=True
+            self.session.programs[pass_name], other.session.programs[pass_name], strict=True
         ):
             if own.draw is not theirs.draw:
                 return False  # other state may let other fragments through

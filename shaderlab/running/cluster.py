@@ -51,7 +51,7 @@ class Cluster:
 
     Args:
         address: the scheduler's, such as "tcp://host:8786".
-        driver: as in `shaderlab.gl.device.open_device`, on the workers.
+        driver: as in `shaderlab.backends.open_backend`, on the workers.
         limits: what one scene may take.
         patience: seconds that a cluster may be without any worker in the middle of a run.
 

@@ -63,7 +63,7 @@ class Crew:
     """Worker processes. They start at once, so that they get ready while others get ready too.
 
     Args:
-        driver: as in `shaderlab.gl.device.open_device`.
+        driver: as in `shaderlab.backends.open_backend`.
         limits: what one scene may take.
         workers: how many there are; None for as many as what is asked for is worth.
         folder: their working directory, by default this process's.

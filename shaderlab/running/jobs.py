@@ -21,7 +21,7 @@ class Setup:
         folder: the run's folder.
         pictures: whether pictures are drawn into it.
         shaders: replacements, as (shader name, file).
-        driver: as in `shaderlab.gl.device.open_device`; a worker keeps the first it is given.
+        driver: as in `shaderlab.backends.open_backend`; a worker keeps the first it is given.
         frames: the folder that keeps each scene's drawn values; None keeps none.
     """
 
@@ -132,7 +132,7 @@ Question = Describe | Load | Perform
 
 def known(name: str) -> str:
     """`name`, if it is a driver's. Raises UsageError."""
-    from shaderlab.gl.device import DRIVERS
+    from shaderlab.backends import DRIVERS
 
     if name not in DRIVERS:
         raise UsageError(f"there is no driver {name!r}", remedy=nearest(name, DRIVERS))

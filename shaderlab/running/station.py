@@ -88,7 +88,7 @@ class Station(WorkerPlugin):
 
     Args:
         name: the run's own name for it.
-        driver: as in `shaderlab.gl.device.open_device`.
+        driver: as in `shaderlab.backends.open_backend`.
         limits: what one scene may take.
     """
 

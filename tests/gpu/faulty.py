@@ -34,13 +34,13 @@ ENDLESS = "while (x < 2.0) while (x < 2.0) while (x < 2.0) while (x < 2.0) x = f
 BILLION = " ".join(SPIN.format(v=v) for v in "abc") + " x = fract(x * 1.5 + .1);"
 IN_DRAW = """
 import os, signal
-from shaderlab.gl import runner
-submit = runner.submit
+from shaderlab.backends.opengl import drawing
+submit = drawing.submit
 def shot(vao, program, draw):
     if draw.draw.fragment == "{name}.frag":
         {act}
     submit(vao, program, draw)
-runner.submit = shot
+drawing.submit = shot
 """
 
 

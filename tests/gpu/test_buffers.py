@@ -308,7 +308,7 @@ def test_one_buffer_serves_several_programs_unless_they_lay_it_out_differently(
 def test_a_block_that_the_driver_lays_out_otherwise_is_an_error_that_names_the_member(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from shaderlab.gl import blocks as gl_blocks
+    from shaderlab.backends.opengl import uniform_buffers as gl_blocks
 
     real = gl_blocks._offset
     monkeypatch.setattr(

@@ -11,12 +11,13 @@ import numpy as np
 import pytest
 
 from shaderlab import Case, Draw, Mesh, Pass, Ramp, State, Target, across, formula, mesh_pass
+from shaderlab.backends.opengl.backend import OpenGLBackend
 from shaderlab.catalogue import Catalogue
 from shaderlab.frame import Fragments, Frame, PassDraw
-from shaderlab.gl.capture_cache import CaptureCache
 from shaderlab.model import Blend, Cell, Depth, Scene
 from shaderlab.options import RunOptions
 from shaderlab.pipeline import Lab
+from shaderlab.programs.captures import CaptureCache
 
 SHADER = """#version 330 core
 {declared}
@@ -48,7 +49,8 @@ class Watched(Lab):
 
     def __init__(self, room: int = 1 << 25) -> None:
         super().__init__(RunOptions(size=32))
-        self.captures = self.runner.captures = Counting(room)
+        assert isinstance(self.backend, OpenGLBackend)
+        self.captures = self.backend.captures = Counting(room)
         self.seen: dict[tuple[str, str], Mapping[PassDraw, Fragments]] = {}
 
     def _judge(self, scene: Scene, frame: Frame, *_: Any) -> None:

@@ -9,10 +9,11 @@ from typing import Any
 import pytest
 from click.testing import CliRunner
 
+from shaderlab.backends import Backend, open_backend
+from shaderlab.backends.opengl.backend import OpenGLBackend
+from shaderlab.backends.opengl.device import Device
 from shaderlab.cli import cli
 from shaderlab.errors import DriverError
-from shaderlab.gl.device import Device, open_device
-from shaderlab.gl.opinion import driver_verdict
 from shaderlab.glsl import WORK, Shaders, compile_glsl, compile_program
 from shaderlab.glsl.driver_verdict import mark_disagreement, parse_driver_log
 from shaderlab.workers import Pool
@@ -27,9 +28,9 @@ COMPUTE = "#version 430 core\nlayout (local_size_x = 8) in;\nvoid main() {}\n"
 
 
 @pytest.fixture(scope="module")
-def device() -> Iterator[Device]:
+def device() -> Iterator[Backend]:
     try:
-        made = open_device()
+        made = open_backend()
     except DriverError as error:
         pytest.skip(error.message)
     yield made
@@ -40,32 +41,32 @@ def program(**stages: str) -> list[Any]:
     return [Shaders([]).from_text(text, stage, f"p.{stage}") for stage, text in stages.items()]
 
 
-def test_a_right_program_is_accepted(device: Device) -> None:
-    verdict = driver_verdict(device, program(vertex=VERTEX, fragment=FRAGMENT))
+def test_a_right_program_is_accepted(device: Backend) -> None:
+    verdict = device.driver_verdict(program(vertex=VERTEX, fragment=FRAGMENT))
     assert (verdict.target, verdict.ok) == ("driver", True)
-    assert driver_verdict(device.context, program(fragment=FRAGMENT)).ok
-    assert driver_verdict(device, program(compute=COMPUTE)).ok
+    assert device.driver_verdict(program(fragment=FRAGMENT)).ok
+    assert device.driver_verdict(program(compute=COMPUTE)).ok
 
 
-def test_a_wrong_stage_is_refused_at_the_authors_line(device: Device) -> None:
-    verdict = driver_verdict(device, program(vertex=VERTEX, fragment=BROKEN))
+def test_a_wrong_stage_is_refused_at_the_authors_line(device: Backend) -> None:
+    verdict = device.driver_verdict(program(vertex=VERTEX, fragment=BROKEN))
     assert not verdict.ok
     first = next(d for d in verdict.diagnostics if d.severity == "error")
     assert (first.file, first.line) == ("p.fragment", 5)
     assert "m" in first.message
 
 
-def test_stages_that_do_not_fit_are_refused_by_the_link(device: Device) -> None:
+def test_stages_that_do_not_fit_are_refused_by_the_link(device: Backend) -> None:
     stages = program(
         vertex=VERTEX, fragment=FRAGMENT.replace("vec3 n", "vec4 n").replace("n, 1.0", "n")
     )
-    assert driver_verdict(device, stages[1:]).ok
-    verdict = driver_verdict(device, stages)
+    assert device.driver_verdict(stages[1:]).ok
+    verdict = device.driver_verdict(stages)
     assert not verdict.ok
     assert "n" in verdict.diagnostics[0].message
 
 
-def test_nothing_stays_behind_in_the_context(device: Device) -> None:
+def test_nothing_stays_behind_in_the_context(device: Backend) -> None:
     from OpenGL import GL
 
     def alive() -> int:
@@ -73,8 +74,8 @@ def test_nothing_stays_behind_in_the_context(device: Device) -> None:
 
     before = alive()
     for _ in range(3):
-        driver_verdict(device, program(vertex=VERTEX, fragment=BROKEN))
-        driver_verdict(device, program(vertex=VERTEX, fragment=FRAGMENT))
+        device.driver_verdict(program(vertex=VERTEX, fragment=BROKEN))
+        device.driver_verdict(program(vertex=VERTEX, fragment=FRAGMENT))
     assert alive() == before
     assert GL.glGetError() == 0
 
@@ -84,7 +85,7 @@ def test_a_stage_that_the_driver_lacks_is_no_verdict() -> None:
         version_code = 330
 
     with pytest.raises(DriverError, match="has no compute stage"):
-        driver_verdict(Old(), program(compute=COMPUTE))
+        OpenGLBackend(Device(Old(), {})).driver_verdict(program(compute=COMPUTE))
 
 
 def test_a_disagreement_is_said_in_both_directions() -> None:
@@ -141,7 +142,7 @@ def test_workers_ask_a_driver_of_their_own(tmp_path: Path) -> None:
     (tmp_path / "a.frag").write_text(FRAGMENT)
     with Pool(WORK) as pool:
         (result,) = compile_glsl(
-            [tmp_path], driver="shaderlab.gl.opinion:opinion", workers=pool, targets=["glsl"]
+            [tmp_path], driver="shaderlab.backends:driver_verdict", workers=pool, targets=["glsl"]
         )
     assert [(v.target, v.ok, v.status) for v in result.verdicts] == [
         ("glsl", True, ""),

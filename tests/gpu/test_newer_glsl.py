@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import pytest
 
+from shaderlab.backends.opengl.device import Device
+from shaderlab.backends.opengl.drawing import require_glsl
 from shaderlab.errors import UnsupportedError
-from shaderlab.gl.device import Device
-from shaderlab.gl.prepare import Preparer
-from shaderlab.gl.runner import require_glsl
 from shaderlab.glsl.sources import Shaders
 from shaderlab.model import fullscreen
+from shaderlab.programs.prepare import Preparer
 
 TEXT = "#version 400 core\nout vec4 FragColor;\nvoid main() { FragColor = vec4(1.0); }\n"
 

@@ -18,10 +18,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from shaderlab.backends.opengl import state as fixed
 from shaderlab.catalogue import Catalogue
 from shaderlab.checks.refusals import Answer, Complaint
 from shaderlab.frame import Frame
-from shaderlab.gl import state as fixed
 from shaderlab.model import Case, Mesh, Scene, State, Target, exact, mesh_pass
 from shaderlab.options import RunOptions
 from shaderlab.pipeline import Lab

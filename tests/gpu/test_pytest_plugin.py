@@ -133,10 +133,10 @@ def broken(folder: Path, name: str, act: str, *, when: str = "draw") -> None:
     """A case like `lamp` that does `act` when it is drawn, or when it is imported."""
     if when == "draw":
         act = (
-            "from shaderlab.gl import runner\nsubmit = runner.submit\n"
+            "from shaderlab.backends.opengl import drawing\nsubmit = drawing.submit\n"
             "def shot(vao, program, draw):\n"
             f"    if draw.draw.fragment == '{name}.frag': {act}\n"
-            "    submit(vao, program, draw)\nrunner.submit = shot"
+            "    submit(vao, program, draw)\ndrawing.submit = shot"
         )
     text = (folder / "lamp.py").read_text().replace("lamp.frag", f"{name}.frag")
     (folder / f"{name}.py").write_text(

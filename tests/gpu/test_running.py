@@ -36,7 +36,7 @@ from shaderlab import (
     up,
     value,
 )
-from shaderlab.gl.runner import Runner
+from shaderlab.backends.opengl.backend import OpenGLBackend
 from shaderlab.glslmath import normalize, vec4
 from shaderlab.options import RunOptions
 from shaderlab.pipeline import Lab
@@ -492,13 +492,13 @@ def test_only_a_scene_without_a_size_is_drawn_again_for_its_picture(
     folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, target: Target, sizes: list[int]
 ) -> None:
     drawn: list[int] = []
-    session = Runner.session
+    session = OpenGLBackend.session
 
-    def noted(runner: Runner, scene: Any, prepared: Any, size: tuple[int, int]) -> Any:
+    def noted(backend: OpenGLBackend, scene: Any, prepared: Any, size: tuple[int, int]) -> Any:
         drawn.append(size[0])
-        return session(runner, scene, prepared, size)
+        return session(backend, scene, prepared, size)
 
-    monkeypatch.setattr(Runner, "session", noted)
+    monkeypatch.setattr(OpenGLBackend, "session", noted)
     with Lab(RunOptions(size=16, folder=tmp_path)) as lab:
         record = run(lab, folder, ramp(target=target), formula("product", product))
     assert record.status == "pass" and drawn == sizes

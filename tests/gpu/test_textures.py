@@ -277,8 +277,8 @@ def test_depth_is_read_only_where_it_is_asked_for(lab: Lab, folder: Path) -> Non
     prepared = {
         "shadow": tuple(lab._preparer(str(folder)).prepare(d) for d in scene.passes[0].draws)
     }
-    with lab.runner.session(scene, prepared, (4, 4)) as session:
-        assert set(session.run().images) == {("shadow", "FragColor")}
+    with lab.backend.session(scene, prepared, (4, 4)) as session:
+        assert set(session.draw().images) == {("shadow", "FragColor")}
 
 
 def ones(frag_coord: Any) -> Any:
@@ -356,7 +356,7 @@ def test_an_outputs_own_levels(lab: Lab, folder: Path) -> None:
 
 
 def test_every_sample_of_a_multisampled_target(lab: Lab, folder: Path) -> None:
-    if lab.runner.device.context.max_samples < 4:
+    if int(lab.backend.info["max_samples"]) < 4:
         pytest.skip("this driver takes one sample a pixel")
     draw = Draw(vertex="placed.vert", fragment="white.frag", mesh=TRIANGLE)
     drawn = Pass(name="drawn", target=Target(samples=4), draws=(draw,))
@@ -449,7 +449,7 @@ def test_a_dds_file_with_its_levels(lab: Lab, folder: Path) -> None:
 def test_a_format_that_the_driver_lacks_names_its_extension(
     lab: Lab, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from shaderlab.gl import compressed
+    from shaderlab.backends.opengl import compressed
 
     there_is_none = (0x8E8C, "GL_ARB_no_such_thing", 999)
     monkeypatch.setitem(compressed._FORMATS, "bc7", there_is_none)

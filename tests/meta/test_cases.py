@@ -10,9 +10,9 @@ import pytest
 
 from shaderlab.catalogue import Catalogue
 from shaderlab.discovery import data_folder
-from shaderlab.gl.prepare import Preparer
 from shaderlab.glsl.sources import Shaders
 from shaderlab.model import Case, CompileFails, Computed, Coverage, Refused
+from shaderlab.programs.prepare import Preparer
 
 FIRST = {
     "orange-triangle", "indexed-quad", "texture-mix", "uniform-over-time", "mvp", "attenuation",

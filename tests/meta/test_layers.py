@@ -33,25 +33,28 @@ ROOMS: dict[str, set[str]] = {
         "errors", "activity", "records", "frame", "bands", "sampling", "glslmath", "model",
         "reference",
     },
-    "gl": {"errors", "activity", "records", "frame", "model", "glsl", "assets", "pictures"},
+    "programs": {"errors", "frame", "model", "glsl", "pictures"},
+    "backends": {"errors", "activity", "records", "frame", "model", "glsl", "programs"},
     "discovery": {"errors"},
     "catalogue": {"errors", "model", "discovery"},
     "pipeline": {
         "errors", "files", "activity", "packages", "records", "frame", "bands", "sampling",
         "glslmath", "pictures", "model",
-        "assets", "reference", "glsl", "checks", "gl", "discovery", "options",
+        "assets", "reference", "glsl", "checks", "programs", "backends", "discovery",
+        "options",
     },
     "workers": {"errors", "records", "model", "catalogue", "pipeline"},
     "mutation": {
-        "errors", "frame", "model", "glsl", "checks", "discovery", "catalogue", "pipeline",
+        "errors", "frame", "model", "glsl", "checks", "programs", "discovery", "catalogue",
+        "pipeline",
     },
     "report": {"errors", "files", "records", "pictures"},
     "running": {
-        "errors", "files", "options", "packages", "records", "frame", "model", "gl", "discovery",
-        "catalogue", "pipeline", "workers", "report",
+        "errors", "files", "options", "packages", "records", "frame", "model", "backends",
+        "discovery", "catalogue", "pipeline", "workers", "report",
     },
     "terminal": {"files", "records"},
-    "doctor": {"errors", "glsl", "gl", "discovery"},
+    "doctor": {"errors", "glsl", "backends", "discovery"},
     "pytest_plugin": {
         "errors", "records", "discovery", "running", "terminal",
     },
@@ -65,10 +68,10 @@ ROOMS: dict[str, set[str]] = {
 
 # Who may import a foreign module that has an owner.
 OWNERS: dict[str, set[str]] = {
-    "moderngl": {"gl"},
-    "glcontext": {"gl"},
-    "OpenGL": {"gl"},
-    "ctypes": {"bands", "gl", "glsl", "workers"},
+    "moderngl": {"backends"},
+    "glcontext": {"backends"},
+    "OpenGL": {"backends"},
+    "ctypes": {"backends", "bands", "glsl", "workers"},
     "OpenImageIO": {"pictures"},
     "trimesh": {"assets"},
     "pypcd4": {"assets"},
@@ -229,14 +232,14 @@ def test_cases_use_only_what_any_reader_may(repository: Path) -> None:
 @pytest.mark.parametrize(
     ("room", "text", "wrong"),
     [
-        ("glsl", "from ..gl import device", True),
+        ("glsl", "from ..backends import opengl", True),
         ("glsl", "def f():\n    from shaderlab.checks.judge import judge", True),
         ("model", "from shaderlab import pipeline", True),
         ("model", "from shaderlab import Case", True),
-        ("report", "import shaderlab.gl.device", True),
-        ("gl", "from ..glsl.compile import TARGETS", False),
-        ("gl", "from .state import apply", False),
-        ("gl", "import numpy", False),
+        ("report", "import shaderlab.backends.opengl.device", True),
+        ("backends", "from ..glsl.compile import TARGETS", False),
+        ("backends", "from .opengl.state import apply", False),
+        ("backends", "import numpy", False),
     ],
 )
 def test_a_wrong_edge_would_be_noticed(room: str, text: str, wrong: bool) -> None:

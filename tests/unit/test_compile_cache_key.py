@@ -204,7 +204,7 @@ def test_these_tests_run_without_a_cache() -> None:
 def test_doctor_names_the_folder_and_its_size(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr("shaderlab.gl.device.probe", lambda: {"renderer": "none"})
+    monkeypatch.setattr("shaderlab.backends.probe", lambda: {"renderer": "none"})
 
     def found() -> str:
         (finding,) = [f for f in examine() if f.name == "compiled programs"]

@@ -12,7 +12,7 @@ from cases.scenes.block_codecs import compressed, decoded_blocks
 from shaderlab import CompressedTexture
 from shaderlab.assets import checker
 from shaderlab.errors import AssetError, CaseError
-from shaderlab.gl.dds import read_dds
+from shaderlab.programs.compressed import read_dds
 
 IMAGE = checker(size=16, cells=4)
 

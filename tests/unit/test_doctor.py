@@ -19,12 +19,12 @@ def no_driver(monkeypatch: pytest.MonkeyPatch) -> None:
     def probe() -> Mapping[str, str]:
         raise DriverError("no context", remedy="Debian: this · Fedora: that")
 
-    monkeypatch.setattr("shaderlab.gl.device.probe", probe)
+    monkeypatch.setattr("shaderlab.backends.probe", probe)
 
 
 @pytest.fixture
 def driver(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("shaderlab.gl.device.probe", lambda: {"renderer": "paint", "glsl": "3.30"})
+    monkeypatch.setattr("shaderlab.backends.probe", lambda: {"renderer": "paint", "glsl": "3.30"})
 
 
 def doctor(*args: str) -> tuple[int, str]:

@@ -1,0 +1,1 @@
+"""OpenGL on EGL, without a screen."""

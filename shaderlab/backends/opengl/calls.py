@@ -1,0 +1,260 @@
+"""Making calls of the OpenGL API as a case writes them, in a context where nothing was set yet.
+
+The C functions are called as they are (PyOpenGL's raw prototypes): its convenient wrappers look at
+some arguments themselves, and would answer in the driver's place.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import importlib
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from functools import lru_cache
+from itertools import takewhile
+from typing import Any, TypeGuard
+
+import numpy as np
+
+from shaderlab.backends.opengl.device import REQUIRED_VERSION, Device
+from shaderlab.backends.opengl.drawing import drain_errors
+from shaderlab.errors import CaseError, DriverError, ShaderError, UnsupportedError, nearest
+from shaderlab.frame import Reply
+from shaderlab.model import Call, GlCall, Location, Object, Program
+
+Texts = Callable[[Program], Mapping[str, str]]
+"""The stages' text of one of a case's programs, by stage."""
+
+_VERSIONS = ("1_0", "1_1", "1_2", "1_3", "1_4", "1_5", "2_0", "2_1", "3_0", "3_1", "3_2", "3_3",
+             "4_0", "4_1", "4_2", "4_3", "4_4", "4_5", "4_6")  # fmt: skip
+_STAGES = {"vertex": 0x8B31, "geometry": 0x8DD9, "fragment": 0x8B30}
+_ARRAYS: Mapping[str, type[np.generic]] = {
+    "GLint": np.int32, "GLsizei": np.int32, "GLuint": np.uint32, "GLenum": np.uint32,
+    "GLfloat": np.float32, "GLdouble": np.float64, "GLboolean": np.uint8, "GLubyte": np.uint8,
+    "GLint64": np.int64, "GLuint64": np.uint64, "GLintptr": np.int64, "GLsizeiptr": np.int64,
+}  # fmt: skip
+_ROOM = 4096  # numbers that a call may write
+
+
+def answer(device: Device, expectation: GlCall, texts: Texts) -> Reply:
+    """Make the calls in a context of their own, and say what came of the last one.
+
+    Raises:
+        CaseError: a function, a constant or an argument is none of OpenGL's.
+        UnsupportedError: the driver has no such function.
+    """
+    wanted = tuple(constant(w) if _is_constant(w) else w for w in expectation.returns or ())
+    with _fresh_context(device):
+        maker = _Maker(texts)
+        for step in expectation.before:
+            maker.make(step, 0)
+            errors = drain_errors()
+            if errors:
+                return Reply(errors=errors, at=str(step), wanted=wanted)
+        returned = maker.make(expectation.call, len(wanted))
+        errors = drain_errors()
+    words = [w if isinstance(w, str) else "" for w in expectation.returns or ()]
+    names = {
+        int(n): _name_of(int(n), word)
+        for word, want, got in zip(words, wanted, returned, strict=False)
+        if _is_constant(word)
+        for n in (want, got)
+    }
+    return Reply(
+        errors=errors, at=str(expectation.call), wanted=wanted, returned=returned, names=names
+    )
+
+
+def constant(words: str) -> int:
+    """The number of a constant, or of several joined by "|".
+
+    Raises:
+        CaseError: OpenGL has no such constant.
+
+    >>> hex(constant("GL_MAP_READ_BIT | GL_MAP_WRITE_BIT"))
+    '0x3'
+    """
+    number = 0
+    for word in (w.strip() for w in words.split("|")):
+        if word not in _constants():
+            raise CaseError(f"OpenGL has no constant {word!r}", remedy=nearest(word, _constants()))
+        number |= _constants()[word]
+    return number
+
+
+@contextmanager
+def _fresh_context(device: Device) -> Iterator[None]:
+    """A context of its own, current for a while, which takes with it what was made in it. The
+    device's is untouched, and current again afterwards."""
+    import glcontext
+
+    # Objects that Python drops meanwhile belong to the other context: they wait till it is back.
+    device.context.gc_mode = "context_gc"
+    names = {"glversion": REQUIRED_VERSION, "mode": "standalone"}
+    try:
+        fresh = glcontext.get_backend_by_name("egl")(**names)
+    except Exception as error:  # glcontext raises plain Exception for whatever EGL says
+        raise DriverError(f"no further OpenGL context on EGL ({error})") from error
+    try:
+        yield
+    finally:
+        fresh.release()
+        device.context.__enter__()
+        device.context.gc()
+        device.context.gc_mode = "auto"
+
+
+class _Maker:
+    """Calls made one after the other, with the objects and programs that they name."""
+
+    def __init__(self, texts: Texts) -> None:
+        self._texts = texts
+        self._objects: dict[Object, int] = {}
+        self._programs: dict[Program, int] = {}
+
+    def make(self, call: Call, returns: int) -> tuple[Any, ...]:
+        """Make one call: the first `returns` values that it returned or wrote."""
+        function = _function(call.function)
+        types = tuple(function.argtypes or ())
+        writes = len(call.arguments) == len(types) - 1 and _element(types[-1]) is not None
+        if len(call.arguments) != len(types) and not writes:
+            raise CaseError(
+                f"{call}: {call.function} takes {len(types)} arguments",
+                remedy=f"{call.function}({', '.join(function.argNames)})",
+            )
+        values = [self._value(call, a, t) for a, t in zip(call.arguments, types, strict=False)]
+        room = np.zeros(_ROOM, _element(types[-1])) if writes else None
+        got = self._called(call, function, values if room is None else [*values, room])
+        if room is not None:
+            return tuple(room[:returns].tolist())
+        got = got.decode(errors="replace") if isinstance(got, bytes) else got
+        return (0 if got is None else got,) if function.restype is not None else ()
+
+    def _called(self, call: Call, function: Any, values: Sequence[Any]) -> Any:
+        from OpenGL.error import NullFunctionError
+
+        try:
+            return function(*values)
+        except NullFunctionError as error:
+            raise UnsupportedError(f"{call.function}: this driver has no such function") from error
+        except (ctypes.ArgumentError, TypeError, ValueError) as error:
+            raise CaseError(
+                f"{call}: {error}", remedy=f"{call.function}({', '.join(function.argNames)})"
+            ) from error
+
+    def _value(self, call: Call, argument: Any, kind: Any) -> Any:
+        """An argument as the C function takes it."""
+        if isinstance(argument, Object):
+            return self._object(argument)
+        if isinstance(argument, Program):
+            return self._program(argument)
+        if isinstance(argument, Location):
+            from OpenGL import GL
+
+            program = self._program(argument.program)
+            GL.glUseProgram(program)
+            return GL.glGetUniformLocation(program, argument.uniform.encode())
+        if _is_constant(argument):
+            return constant(argument)
+        return _passed(call, argument, kind)
+
+    def _object(self, wanted: Object) -> int:
+        if wanted not in self._objects:
+            name = np.zeros(1, np.uint32)
+            _raw(f"glGen{_plural(wanted.kind)}")(1, name)
+            self._objects[wanted] = int(name[0])
+        return self._objects[wanted]
+
+    def _program(self, wanted: Program) -> int:
+        from OpenGL import GL
+
+        if wanted not in self._programs:
+            program = GL.glCreateProgram()
+            self._programs[wanted] = program
+            for stage, text in self._texts(wanted).items():
+                shader = GL.glCreateShader(_STAGES[stage])
+                GL.glShaderSource(shader, text)
+                GL.glCompileShader(shader)
+                GL.glAttachShader(program, shader)
+                GL.glDeleteShader(shader)
+            GL.glLinkProgram(program)
+            if not GL.glGetProgramiv(program, GL.GL_LINK_STATUS):
+                log = GL.glGetProgramInfoLog(program)
+                raise ShaderError(f"the driver refuses the {wanted}: {log!r}")
+        return self._programs[wanted]
+
+
+def _passed(call: Call, argument: Any, kind: Any) -> Any:
+    """A number, text, array or null pointer for a parameter of this C type."""
+    if isinstance(argument, int) and kind.__name__ == "c_void_p":
+        return ctypes.c_void_p(argument)  # an offset into the buffer that is bound
+    if argument is None or isinstance(argument, bytes | int | float):
+        return argument
+    several = [argument] if isinstance(argument, str) else list(argument)
+    if all(isinstance(word, str) for word in several):
+        texts = [word.encode() for word in several]
+        if "LP_LP" not in kind.__name__:
+            return texts[0]
+        return ctypes.cast((ctypes.c_char_p * len(texts))(*texts), kind)
+    if _element(kind) is None:
+        raise CaseError(f"{call}: {several} where no array is taken", remedy="bytes, or a number")
+    return np.array(several, _element(kind))
+
+
+def _element(kind: Any) -> type[np.generic] | None:
+    """The type of an array parameter's elements; None for what is no array of numbers."""
+    return _ARRAYS.get(kind.__name__.removesuffix("Array")) if "Array" in kind.__name__ else None
+
+
+def _function(name: str) -> Any:
+    functions = _functions()
+    if name not in functions:
+        raise CaseError(f"OpenGL has no function {name!r}", remedy=nearest(name, functions))
+    return _raw(name)
+
+
+def _raw(name: str) -> Any:
+    module = importlib.import_module(f"OpenGL.raw.GL.VERSION.GL_{_functions()[name]}")
+    return getattr(module, name)
+
+
+@lru_cache(maxsize=1)
+def _functions() -> Mapping[str, str]:
+    """The version whose header has each function, by the function's C name."""
+    found: dict[str, str] = {}
+    for version in _VERSIONS:
+        module = importlib.import_module(f"OpenGL.raw.GL.VERSION.GL_{version}")
+        for name in vars(module):
+            if name.startswith("gl") and name[2:3].isupper():
+                found.setdefault(name, version)
+    return found
+
+
+@lru_cache(maxsize=1)
+def _constants() -> Mapping[str, int]:
+    from OpenGL import GL
+
+    return {n: int(v) for n, v in vars(GL).items() if n.startswith("GL_") and isinstance(v, int)}
+
+
+def _is_constant(word: Any) -> TypeGuard[str]:
+    return isinstance(word, str) and word.startswith("GL_")
+
+
+def _name_of(number: int, like: str) -> str:
+    """The name of a number among those that begin as another one does, or ""."""
+    found = [name for name, value in _constants().items() if value == number]
+    if like in found:
+        return like
+
+    def alike(name: str) -> tuple[int, int]:
+        pairs = zip(name, like, strict=False)
+        return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], pairs)), -len(name)
+
+    return max(found, key=alike, default="")
+
+
+def _plural(kind: str) -> str:
+    """Several of a kind of object as functions spell it: VertexArrays, Queries."""
+    words = "".join(word.capitalize() for word in kind.split("_"))
+    return "Queries" if words == "Query" else f"{words}s"

@@ -1,0 +1,178 @@
+"""Writing down what shaders got: fragment inputs, vertices, and single invocations on demand.
+
+A shader is judged by the very float32 values that it read, so that each stage is judged by itself
+(no rounding of an earlier stage, of interpolation or of an upload can be taken for its mistake).
+Vertices are captured in `feedback`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from shaderlab.backends.opengl import state as fixed
+from shaderlab.backends.opengl.drawing import Drawing, drain_errors, submit
+from shaderlab.backends.opengl.linking import output_locations, set_uniforms
+from shaderlab.backends.opengl.target import RenderTarget
+from shaderlab.backends.opengl.vertices import PRIMITIVES, vertex_array
+from shaderlab.errors import ShaderError, UnsupportedError
+from shaderlab.frame import Array, Bindings, Fragments, PassDraw, Samples
+from shaderlab.model import Draw, Mesh, State, Target
+from shaderlab.programs import formats, stages
+from shaderlab.programs.inputs import complete_inputs, piece_of
+from shaderlab.programs.prepare import PreparedDraw
+from shaderlab.programs.varyings import Piece, assembled
+
+PROBE_WIDTH = 256
+_MAX_ATTRIBUTES = 16
+
+
+def fragments(drawing: Drawing, key: PassDraw) -> Fragments:
+    """Draw a pass once more, with draw `key` writing its inputs beside its colours.
+
+    The pass's other draws run as well and wipe out what they cover, so `covered` is what is seen
+    of the draw in the end. Blending and colour masks are off.
+
+    Raises:
+        UnsupportedError: the fragment shader has so many outputs that none can be added, and they
+            are declared in a way that leaves none out.
+    """
+    draw = drawing.programs[key[0]][key[1]]
+    parts = stages.input_pieces(draw.text("fragment") or "", draw.interface.varyings.values())
+    crowded = stages.crowded(draw.interface.outputs)
+    room = stages.MOST_OUTPUTS - 1 - (0 if crowded else len(draw.interface.outputs))
+    values: dict[Piece, Array] = {}
+    for start in range(0, max(len(parts), 1), room):
+        coord, got = _capture_group(drawing, key, parts[start : start + room], crowded)
+        values.update(got)
+    return Fragments(covered=coord[..., 3] > 0.0, frag_coord=coord, inputs=assembled(values))
+
+
+def _capture_group(
+    drawing: Drawing, key: PassDraw, group: Sequence[Piece], crowded: bool
+) -> tuple[Array, dict[Piece, Array]]:
+    description = drawing.scene.find_pass(key[0])
+    prepared = drawing.programs[key[0]]
+    subject = prepared[key[1]]
+    outputs = subject.interface.outputs
+    text, captured = stages.capture_fragment(
+        subject.text("fragment") or "", group, outputs if crowded else None
+    )
+    colors = {n: formats.for_output(v.type) for n, v in outputs.items() if not crowded}
+    colors[stages.COORD] = "rgba32f"
+    colors.update({c.output: c.format for c in captured})
+    plain = replace(description.target, colors=colors, clear=(0.0,) * 4, samples=0)
+    target = RenderTarget(drawing.device, plain, colors, drawing.extent(description))
+    try:
+        target.clear()
+        for index, draw in enumerate(prepared):
+            ending = text if index == key[1] else _blank(draw)
+            state = replace(draw.draw.state, blend=None, srgb=False, color_mask=(True,) * 4)
+            bindings = drawing.bindings[key[0], index]
+            _draw_instead(drawing, draw, ending, bindings, target, state)
+        coord = target.read(stages.COORD).values
+        got = {
+            c.piece: target.read(c.output).values[..., : formats.components_of(c.piece.type)]
+            for c in captured
+        }
+    finally:
+        target.release()
+    return coord, got
+
+
+def _blank(draw: PreparedDraw) -> str:
+    """The draw's fragment shader, its coordinate written as zero: covered by somebody else."""
+    crowded = len(draw.interface.outputs) + 1 > stages.MOST_OUTPUTS
+    unwanted = draw.interface.outputs if crowded else None
+    text, _ = stages.capture_fragment(draw.text("fragment") or "", (), unwanted)
+    return text.replace(f"{stages.COORD} = gl_FragCoord;", f"{stages.COORD} = vec4(0.0);")
+
+
+def _draw_instead(
+    drawing: Drawing,
+    draw: PreparedDraw,
+    fragment: str,
+    bindings: Bindings,
+    target: RenderTarget,
+    state: State,
+) -> None:
+    texts = {s.stage: s.text for s in draw.sources} | {"fragment": fragment}
+    program = drawing.linker.link(texts)
+    drawing.use(program, draw, bindings)
+    vao = vertex_array(drawing.device, program, draw.draw.mesh)
+    target.bind(output_locations(program, target.colors))
+    fixed.apply(state, target.size)
+    submit(vao, program, draw)
+    drain_errors()
+
+
+def probe_fragments(
+    drawing: Drawing, key: PassDraw, bindings: Bindings, inputs: Mapping[str, Array]
+) -> Samples:
+    """Run the fragment stage on given inputs, each an array (count, components).
+
+    Each sample is a point of one pixel, so that nothing is interpolated; tests and blending are
+    off. Inputs that are not given take the value a domain has at the centre of the screen.
+
+    Raises:
+        CaseError: an input has no value, or is none of the shader's.
+        UnsupportedError: the lab can't write a vertex stage that feeds the shader.
+    """
+    draw = drawing.programs[key[0]][key[1]]
+    complete = complete_inputs(draw, inputs)
+    count = max((len(v) for v in inputs.values()), default=1)
+    width = min(count, PROBE_WIDTH)
+    size = (width, -(-count // width))
+    program, columns = _fed(drawing, draw)
+    colors = {n: formats.for_output(v.type) for n, v in draw.interface.outputs.items()}
+    target = RenderTarget(drawing.device, Target(), colors, size)
+    try:
+        target.clear()
+        fixed.apply(State(), size)
+        drawing.use(program, replace(draw, draw=_without_domain(draw.draw)), bindings)
+        set_uniforms(program, {stages.PREFIX + "size": np.array(size, np.int32)})
+        attributes = {name: piece_of(complete, piece) for piece, name in columns.items()}
+        attributes = attributes or {stages.PREFIX + "nothing": np.zeros((count, 1), np.float32)}
+        mesh = Mesh(attributes=attributes, primitive="points")
+        vao = vertex_array(drawing.device, program, mesh)
+        target.bind(output_locations(program, target.colors))
+        vao.render(PRIMITIVES["points"])
+        drain_errors()
+        outputs = {
+            name: target.read(name).values.reshape(-1, formats.COLOR[word].components)
+            for name, word in colors.items()
+        }
+    finally:
+        target.release()
+    kinds = draw.interface.outputs
+    outputs = {n: v[:count, : formats.components_of(kinds[n].type)] for n, v in outputs.items()}
+    return Samples(inputs=complete, outputs=outputs)
+
+
+def _fed(drawing: Drawing, draw: PreparedDraw) -> tuple[Any, dict[Piece, str]]:
+    """The draw's fragment shader behind a vertex stage that feeds it from attributes."""
+    text = draw.text("fragment") or ""
+    vertex, columns = stages.probe_vertex(text, draw.interface.varyings.values())
+    remedy = "judge it over the frame (formula, or value at a Pixel)"
+    if len(columns) > _MAX_ATTRIBUTES:
+        raise UnsupportedError(
+            f"running {draw.draw.fragment} on given inputs: it reads {len(columns)} vectors, "
+            f"{_MAX_ATTRIBUTES} can be given",
+            remedy=remedy,
+        )
+    try:
+        return drawing.linker.link({"vertex": vertex, "fragment": text}), columns
+    except ShaderError as error:
+        raise UnsupportedError(
+            f"running {draw.draw.fragment} on given inputs: no vertex stage can be written that "
+            f"declares them as it does ({error.message})",
+            remedy=remedy,
+        ) from error
+
+
+def _without_domain(draw: Draw) -> Draw:
+    """The draw with no ramps to upload: its vertex stage is the probe's."""
+    return replace(draw, domain={}) if draw.domain is not None else draw

@@ -1,0 +1,92 @@
+"""Depth and stencil attachments: textures that later passes can sample, and their read-back."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from shaderlab.backends.opengl import pixels
+from shaderlab.backends.opengl.formats import depth_storage
+from shaderlab.backends.opengl.textures import DeviceTexture
+from shaderlab.errors import UnsupportedError
+from shaderlab.frame import Image
+from shaderlab.model import Target
+from shaderlab.programs.formats import DEPTH
+
+UNREADABLE = "Target(samples=0): the depth of several samples a pixel has no one value"
+_COMPLETE = 0x8CD5
+
+
+@dataclass(frozen=True)
+class Attached:
+    """A depth attachment: a texture, or a renderbuffer where there are several samples a pixel."""
+
+    texture: DeviceTexture | None
+    renderbuffer: int | None = None
+
+    def release(self) -> None:
+        """Give its memory back."""
+        from OpenGL import GL
+
+        if self.texture is not None:
+            self.texture.release()
+        if self.renderbuffer is not None:
+            GL.glDeleteRenderbuffers(1, [self.renderbuffer])
+
+
+def attach_depth(framebuffer: Any, word: str, size: tuple[int, int], samples: int) -> Attached:
+    """Give a framebuffer depth, and stencil if the format has it.
+
+    Raises:
+        UnsupportedError: the driver can't draw with such a format.
+    """
+    from OpenGL import GL
+
+    made_as = depth_storage(word)
+    stencil = DEPTH[word].stencil
+    point = GL.GL_DEPTH_STENCIL_ATTACHMENT if stencil else GL.GL_DEPTH_ATTACHMENT
+    framebuffer.use()
+    if samples:
+        buffer = int(GL.glGenRenderbuffers(1))
+        GL.glBindRenderbuffer(GL.GL_RENDERBUFFER, buffer)
+        GL.glRenderbufferStorageMultisample(GL.GL_RENDERBUFFER, samples, made_as.internal, *size)
+        GL.glFramebufferRenderbuffer(GL.GL_FRAMEBUFFER, point, GL.GL_RENDERBUFFER, buffer)
+        made = Attached(None, buffer)
+    else:
+        texture = DeviceTexture(int(GL.glGenTextures(1)), "2D")
+        GL.glBindTexture(texture.target, texture.glo)
+        pixels.tex_image_2d(texture.target, 0, size, made_as, None)
+        GL.glTexParameteri(texture.target, GL.GL_TEXTURE_MIN_FILTER, GL.GL_NEAREST)
+        GL.glTexParameteri(texture.target, GL.GL_TEXTURE_MAG_FILTER, GL.GL_NEAREST)
+        GL.glBindTexture(texture.target, 0)
+        GL.glFramebufferTexture2D(GL.GL_FRAMEBUFFER, point, texture.target, texture.glo, 0)
+        made = Attached(texture)
+    status = GL.glCheckFramebufferStatus(GL.GL_FRAMEBUFFER)
+    if status != _COMPLETE:
+        made.release()
+        raise UnsupportedError(f"a framebuffer with {word} (status 0x{status:04X})")
+    return made
+
+
+def read_depth(framebuffer: Any, target: Target, name: str, size: tuple[int, int]) -> Image:
+    """ "depth" as float32 in 0…1, or "stencil" as bytes: (height, width, 1).
+
+    Raises:
+        UnsupportedError: the target has several samples a pixel.
+    """
+    from OpenGL import GL
+
+    if target.samples:
+        raise UnsupportedError(f"reading the {name} of a multisampled target", remedy=UNREADABLE)
+    assert target.depth is not None
+    width, height = size
+    of_depth = name == "depth"
+    values = np.empty((height, width, 1), np.float32 if of_depth else np.uint8)
+    framebuffer.use()
+    place = (GL.GL_DEPTH_COMPONENT, GL.GL_FLOAT)
+    if not of_depth:
+        place = (GL.GL_STENCIL_INDEX, GL.GL_UNSIGNED_BYTE)
+    pixels.read_pixels((width, height), place, values)
+    return Image(values, target.depth if of_depth else "stencil8")

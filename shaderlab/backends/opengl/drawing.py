@@ -1,0 +1,218 @@
+"""Drawing a scene's passes, and reading back what they drew."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from typing import Any
+
+from shaderlab.activity import doing
+from shaderlab.backends import Drawn, Size
+from shaderlab.backends.opengl import state
+from shaderlab.backends.opengl.bound_textures import BoundTextures
+from shaderlab.backends.opengl.device import Device
+from shaderlab.backends.opengl.linking import Linker, output_locations, set_uniforms
+from shaderlab.backends.opengl.target import RenderTarget
+from shaderlab.backends.opengl.uniform_buffers import UniformBuffers
+from shaderlab.backends.opengl.vertices import PRIMITIVES, VertexArray, vertex_array
+from shaderlab.errors import ShaderError, UnsupportedError
+from shaderlab.frame import Array, Bindings, Image, PassDraw
+from shaderlab.model import Mesh, Pass, Scene, names_asked_for
+from shaderlab.programs import bind, blocks
+from shaderlab.programs.formats import components_of
+from shaderlab.programs.passes import check_continues, check_reads
+from shaderlab.programs.prepare import PreparedDraw, Programs, output_types, pass_colors, step
+
+
+class Drawing:
+    """One scene on the device: its targets and textures, kept until the scene is through.
+
+    Args:
+        device: where to draw.
+        linker: links its programs.
+        scene: what to draw.
+        programs: each pass's draws, compiled.
+        size: (width, height) for targets that do not say.
+        stack: releases device memory in the end.
+    """
+
+    def __init__(
+        self,
+        device: Device,
+        linker: Linker,
+        scene: Scene,
+        programs: Programs,
+        size: Size,
+        stack: ExitStack,
+    ) -> None:
+        self.device = device
+        self.linker = linker
+        self.scene = scene
+        self.programs = programs
+        self.size = size
+        self.bindings: dict[PassDraw, Bindings] = {}
+        self._images: dict[tuple[str, str], Image] = {}
+        self._sample_positions: dict[str, Array] = {}
+        self._stack = stack
+        self._targets: dict[str, RenderTarget] = {}
+        self._textures = BoundTextures(device, scene, self._images, self._targets, stack)
+        self._blocks = UniformBuffers(device, stack)
+        self._arrays: dict[tuple[int, int], tuple[Any, Mesh | None, VertexArray]] = {}
+        self._gl_errors: dict[PassDraw, tuple[int, ...]] = {}
+        self._inactive: set[str] = set()
+        self._asked = names_asked_for(scene)
+
+    def run(self) -> Drawn:
+        """Draw all passes in order.
+
+        Raises:
+            CaseError, ShaderError, UnsupportedError: see the modules that find them.
+        """
+        for description in self.scene.passes:
+            self._run_pass(description)
+        return Drawn(
+            images=self._images,
+            bindings=self.bindings,
+            gl_errors=self._gl_errors,
+            inactive=frozenset(self._inactive),
+            sample_positions=self._sample_positions,
+        )
+
+    def extent(self, description: Pass) -> Size:
+        """The size in pixels of a pass's target."""
+        return description.target.size or self.size
+
+    def _run_pass(self, description: Pass) -> None:
+        """Draw one pass, then read its colour attachments, and depth or stencil if asked for."""
+        draws = self.programs[description.name]
+        colors = pass_colors(description, draws)
+        extent = self.extent(description)
+        with doing("draw", f"making the target of pass {description.name!r}"):
+            if description.onto:
+                earlier = {name: target.colors for name, target in self._targets.items()}
+                check_continues(self.scene, description, colors, earlier)
+                target = self._targets[description.onto]
+            else:
+                target = RenderTarget(self.device, description.target, colors, extent)
+                self._stack.callback(target.release)
+                target.clear()
+            self._targets[description.name] = target
+            if description.target.samples:
+                self._sample_positions[description.name] = target.sample_positions()
+        for index, draw in enumerate(draws):
+            key = (description.name, index)
+            check_reads(self.scene, description, draw.draw, self._targets)
+            with doing("draw", step(key, draw)):
+                self.bindings[key] = self.bind(draw)
+                self._draw(key, draw, target)
+        with doing("draw"):
+            target.resolve()
+            # Drivers draw when they are made to: a program that hangs, hangs here.
+            self.device.context.finish()
+        with doing("read", f"reading pass {description.name!r}"):
+            self._read(description, target)
+
+    def _read(self, description: Pass, target: RenderTarget) -> None:
+        kinds = output_types(self.programs[description.name])
+        for name in target.colors:
+            image = target.read(name)
+            if description.target.colors is None:
+                # There is no three-component attachment: drop what the shader never wrote.
+                count = components_of(kinds[name])
+                image = Image(image.values[..., :count], image.format)
+            self._images[description.name, name] = image
+        for name in self._asked.get(description.name, ()):
+            if name in target.attached and name not in target.colors:
+                self._images[description.name, name] = target.read(name)
+
+    def bind(self, draw: PreparedDraw) -> Bindings:
+        """The draw's uniforms and textures as the shader will get them."""
+        return bind.bind(draw.draw, draw.interface, self._textures.texels)
+
+    def use(self, program: Any, draw: PreparedDraw, bindings: Bindings) -> None:
+        """Set the program's uniforms and bind its textures."""
+        ramps = {}
+        if draw.draw.domain is not None:
+            ramps = bind.ramp_uniforms(draw.draw, draw.interface.varyings)
+        set_uniforms(program, ramps)
+        members = blocks.variables(draw.interface)
+        plain = {name: v for name, v in bindings.uniforms.items() if name not in members}
+        self._inactive.update(set_uniforms(program, plain))
+        self._inactive.update(self._blocks.bind(program, draw, bindings.uniforms))
+        for unit, (name, source) in enumerate(draw.draw.textures.items()):
+            variable = draw.interface.uniforms[name]
+            if not self._textures.bind(program, unit, variable, source):
+                self._inactive.add(name)
+
+    def _draw(self, key: PassDraw, draw: PreparedDraw, target: RenderTarget) -> None:
+        program, vao = self.ready(key, draw, target)
+        drain_errors()
+        submit(vao, program, draw)
+        errors = drain_errors()
+        if errors:
+            self._gl_errors[key] = errors
+
+    def ready(
+        self, key: PassDraw, draw: PreparedDraw, target: RenderTarget
+    ) -> tuple[Any, VertexArray]:
+        """Bind and set everything for a draw, which `submit` then issues: its program and vertex
+        array. Raises ShaderError if the driver refuses the program."""
+        require_glsl(self.device, draw)
+        stages = {s.stage: s.text for s in draw.sources}
+        try:
+            program = self.linker.link(stages)
+        except ShaderError as error:
+            raise ShaderError(
+                error.message, file=draw.authored[-1].path, remedy=error.remedy
+            ) from error
+        self.use(program, draw, self.bindings[key])
+        vao = self._vertex_array(program, draw.draw.mesh)
+        target.bind(output_locations(program, target.colors))
+        state.apply(draw.draw.state, target.size)
+        return program, vao
+
+    def _vertex_array(self, program: Any, mesh: Mesh | None) -> VertexArray:
+        """The vertex array of a mesh for a program, made once and kept."""
+        key = (id(program), id(mesh))
+        if key not in self._arrays:
+            made = vertex_array(self.device, program, mesh)
+            # Program and mesh are kept with it, so that nothing else gets their identity.
+            self._arrays[key] = (program, mesh, made)
+        return self._arrays[key][2]
+
+
+def require_glsl(device: Device, draw: PreparedDraw) -> None:
+    """Raise UnsupportedError for a shader of a newer GLSL than the driver takes."""
+    for source in draw.sources:
+        number, profile = source.version
+        if profile != "es" and number > device.glsl:
+            raise UnsupportedError(
+                f"#version {number}: this driver takes GLSL up to {device.glsl}", file=source.path
+            )
+
+
+def submit(vao: VertexArray, program: Any, draw: PreparedDraw) -> None:
+    """Issue the draw call itself."""
+    from OpenGL import GL
+
+    description = draw.draw
+    last = draw.text("geometry") or draw.text("vertex") or ""
+    if description.state.point_size is None:
+        # A shader that gives points no size gets the default one, a pixel.
+        (GL.glEnable if "gl_PointSize" in last else GL.glDisable)(GL.GL_PROGRAM_POINT_SIZE)
+    mode = PRIMITIVES[description.mesh.primitive if description.mesh else "triangles"]
+    if not description.vertex_array:
+        GL.glUseProgram(program.glo)
+        GL.glBindVertexArray(0)
+        GL.glDrawArrays(mode, 0, vao.count)
+        return
+    vao.render(mode, instances=description.instances)
+
+
+def drain_errors() -> tuple[int, ...]:
+    """All GL errors raised since the last call, oldest first."""
+    from OpenGL import GL
+
+    errors: list[int] = []
+    while (code := GL.glGetError()) != GL.GL_NO_ERROR and len(errors) < 16:
+        errors.append(int(code))
+    return tuple(errors)

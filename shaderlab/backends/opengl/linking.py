@@ -1,0 +1,103 @@
+"""Linking programs on the driver, once each, and drawing with them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from shaderlab.activity import doing
+from shaderlab.backends.opengl.device import Device
+from shaderlab.errors import ShaderError
+from shaderlab.frame import Array
+
+KEPT = 64
+
+
+class Linker:
+    """Linked programs by their stages' text, so that equal ones are linked once.
+
+    Those used last are kept, `KEPT` of them: a software driver's machine code takes a megabyte.
+    """
+
+    def __init__(self, device: Device) -> None:
+        self._device = device
+        self._linked: dict[tuple[Any, ...], Any] = {}
+
+    def link(self, stages: Mapping[str, str], *, feedback: Sequence[str] = ()) -> Any:
+        """A `moderngl.Program` of these stages (text by "vertex", "geometry", "fragment").
+
+        `feedback` are the vertex outputs to be captured by transform feedback.
+
+        Raises:
+            ShaderError: the driver refuses the program.
+        """
+        key = (tuple(sorted(stages.items())), tuple(feedback))
+        program = self._linked.pop(key, None)
+        if program is None:
+            with doing("link"):
+                program = self._link(stages, feedback)
+        self._linked[key] = program  # the last one used is the last one to go
+        if len(self._linked) > KEPT:
+            del self._linked[next(iter(self._linked))]
+        return program
+
+    def borrowed(self) -> Linker:
+        """A linker that uses the programs of this one, and adds none to them."""
+        return _Borrowed(self)
+
+    def linked(self, stages: Mapping[str, str], feedback: Sequence[str] = ()) -> Any:
+        """The program of these stages if there is one, or else None."""
+        return self._linked.get((tuple(sorted(stages.items())), tuple(feedback)))
+
+    def _link(self, stages: Mapping[str, str], feedback: Sequence[str]) -> Any:
+        import moderngl
+
+        try:
+            return self._device.context.program(
+                vertex_shader=stages["vertex"],
+                fragment_shader=stages.get("fragment"),
+                geometry_shader=stages.get("geometry"),
+                varyings=tuple(feedback),
+            )
+        except moderngl.Error as error:
+            raise ShaderError(f"the driver refuses the program: {str(error).strip()}") from error
+
+
+class _Borrowed(Linker):
+    """Looks for a program in another linker first, and leaves that as it is."""
+
+    def __init__(self, first: Linker) -> None:
+        super().__init__(first._device)
+        self._first = first
+
+    def _link(self, stages: Mapping[str, str], feedback: Sequence[str]) -> Any:
+        known = self._first.linked(stages, feedback)
+        return known if known is not None else super()._link(stages, feedback)
+
+
+def output_locations(program: Any, names: Iterable[str]) -> dict[str, int]:
+    """Where the linked program writes each of its fragment outputs; −1 for one it has not."""
+    from OpenGL import GL
+
+    return {name: int(GL.glGetFragDataLocation(program.glo, name.encode())) for name in names}
+
+
+def set_uniforms(program: Any, values: Mapping[str, Array]) -> list[str]:
+    """Upload uniforms; matrices are transposed into GLSL's columns-first order.
+
+    Returns the names that the driver does not know: declared, but with no effect on any output.
+    Members of uniform blocks are no uniforms to be set; leave them out.
+    """
+    inactive = []
+    for name, array in values.items():
+        member = program.get(name, None)
+        if member is None:
+            inactive.append(name)
+            continue
+        matrix = member.dimension in (4, 6, 8, 9, 12, 16) and array.ndim >= 2
+        data = np.ascontiguousarray(np.swapaxes(array, -1, -2) if matrix else array)
+        count = getattr(member, "array_length", 1)
+        member.write(data.reshape(-1)[: count * member.dimension].tobytes())
+    return inactive

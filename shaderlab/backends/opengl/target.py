@@ -1,0 +1,218 @@
+"""Render targets: a framebuffer with its attachments, cleared, drawn into, and read back."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from shaderlab.backends.opengl.depth import UNREADABLE, Attached, attach_depth, read_depth
+from shaderlab.backends.opengl.device import Device
+from shaderlab.backends.opengl.formats import moderngl_internal, moderngl_type
+from shaderlab.backends.opengl.multisample import read_samples
+from shaderlab.backends.opengl.textures import DeviceTexture
+from shaderlab.errors import UnsupportedError
+from shaderlab.frame import Array, Image
+from shaderlab.model import Target
+from shaderlab.programs.formats import COLOR, DEPTH
+
+
+class RenderTarget:
+    """The attachments of one pass at one size, on the device.
+
+    Args:
+        device: where to make them.
+        target: sizes, clear values, depth format, samples.
+        colors: format by output name, in the order of the outputs' locations.
+        size: (width, height) in pixels.
+
+    Raises:
+        UnsupportedError: the driver can't make such a target; the message says which.
+    """
+
+    def __init__(
+        self, device: Device, target: Target, colors: Mapping[str, str], size: tuple[int, int]
+    ) -> None:
+        limit = device.context.info["GL_MAX_TEXTURE_SIZE"]
+        if max(size) > limit:
+            raise UnsupportedError(
+                f"a target of {size[0]} × {size[1]}: this driver ends at {limit}"
+            )
+        if target.samples > device.context.max_samples:
+            raise UnsupportedError(
+                f"{target.samples} samples: this driver offers {device.context.max_samples}"
+            )
+        self.size = size
+        self.colors = dict(colors)
+        self._device = device
+        self._target = target
+        self.textures = {name: self._texture(word) for name, word in colors.items()}
+        self._sampled = [
+            self._texture(w, target.samples) for w in colors.values() if target.samples
+        ]
+        self._resolved = self._framebuffer(list(self.textures.values()))
+        self._drawn = self._framebuffer(self._sampled) if target.samples else self._resolved
+        self._depth: Attached | None = None
+        if target.depth is not None:
+            self._depth = attach_depth(self._drawn, target.depth, size, target.samples)
+
+    def release(self) -> None:
+        """Give all of its memory on the device back; the target is of no use afterwards."""
+
+        for framebuffer in {self._drawn, self._resolved}:
+            framebuffer.release()
+        for texture in (*self.textures.values(), *self._sampled):
+            texture.release()
+        if self._depth is not None:
+            self._depth.release()
+
+    @property
+    def samples(self) -> int:
+        """How many samples a pixel has; 0 for one."""
+        return self._target.samples
+
+    @property
+    def attached(self) -> tuple[str, ...]:
+        """The attachments that can be read: colours by name, "depth" and "stencil"."""
+        if self._target.depth is None:
+            return tuple(self.colors)
+        stencil = DEPTH[self._target.depth].stencil
+        return (*self.colors, "depth", *(("stencil",) if stencil else ()))
+
+    def texture(self, name: str, *, sampled: bool = False) -> DeviceTexture:
+        """A colour attachment, or "depth", as a texture; `sampled`: that of all samples.
+
+        Raises:
+            UnsupportedError: it is kept in a way that no sampler can read.
+        """
+        if name in self.colors:
+            if sampled:
+                index = list(self.colors).index(name)
+                return DeviceTexture(self._sampled[index].glo, "2DMS")
+            return DeviceTexture(self.textures[name].glo, "2D")
+        if name == "depth" and self._depth is not None and self._depth.texture is not None:
+            return self._depth.texture
+        raise UnsupportedError(f"sampling the {name} of this target", remedy=UNREADABLE)
+
+    def clear(self) -> None:
+        """Bind the target and set every attachment to its clear value, unmasked."""
+        from OpenGL import GL
+
+        self.bind({name: index for index, name in enumerate(self.colors)})
+        GL.glDisable(GL.GL_SCISSOR_TEST)
+        GL.glDisable(GL.GL_FRAMEBUFFER_SRGB)
+        GL.glColorMask(True, True, True, True)
+        GL.glDepthMask(True)
+        GL.glStencilMask(0xFF)
+        for index, word in enumerate(self.colors.values()):
+            if COLOR[word].integer:
+                values = np.array(self._target.clear, np.int32)
+                GL.glClearBufferiv(GL.GL_COLOR, index, values)
+            else:
+                GL.glClearBufferfv(GL.GL_COLOR, index, np.array(self._target.clear, np.float32))
+        if self._target.depth is not None:
+            depth = np.array([self._target.clear_depth], np.float32)
+            GL.glClearBufferfv(GL.GL_DEPTH, 0, depth)
+            if DEPTH[self._target.depth].stencil:
+                stencil = np.array([self._target.clear_stencil], np.int32)
+                GL.glClearBufferiv(GL.GL_STENCIL, 0, stencil)
+
+    def bind(self, locations: Mapping[str, int]) -> None:
+        """Draw into this target from now on, with a program that writes its outputs at these
+        locations; outputs without an attachment here go nowhere."""
+        from OpenGL import GL
+
+        self._drawn.use()
+        attachments = {
+            locations[name]: GL.GL_COLOR_ATTACHMENT0 + index
+            for index, name in enumerate(self.colors)
+            if locations.get(name, -1) >= 0
+        }
+        count = max(attachments, default=-1) + 1
+        buffers = [attachments.get(location, GL.GL_NONE) for location in range(count)]
+        GL.glDrawBuffers(count, np.array(buffers, np.uint32))
+
+    def resolve(self) -> None:
+        """Average the samples into the textures, if there are several a pixel."""
+        if self._drawn is self._resolved:
+            return
+        from OpenGL import GL
+
+        width, height = self.size
+        GL.glDisable(GL.GL_SCISSOR_TEST)
+        for index in range(len(self.colors)):
+            GL.glBindFramebuffer(GL.GL_READ_FRAMEBUFFER, self._drawn.glo)
+            GL.glBindFramebuffer(GL.GL_DRAW_FRAMEBUFFER, self._resolved.glo)
+            GL.glReadBuffer(GL.GL_COLOR_ATTACHMENT0 + index)
+            GL.glDrawBuffer(GL.GL_COLOR_ATTACHMENT0 + index)
+            box = (0, 0, width, height)
+            GL.glBlitFramebuffer(*box, *box, GL.GL_COLOR_BUFFER_BIT, GL.GL_NEAREST)
+
+    def sample_positions(self) -> Array:
+        """Where the driver takes a pixel's samples: (samples, 2), from its lower left corner."""
+        from OpenGL import GL
+
+        self._drawn.use()
+        found = np.empty((int(GL.glGetIntegerv(GL.GL_SAMPLES)), 2), np.float32)
+        for index, position in enumerate(found):
+            GL.glGetMultisamplefv(GL.GL_SAMPLE_POSITION, index, position)
+        return found
+
+    def read(self, name: str) -> Image:
+        """One attachment in its own components and type, row 0 at the bottom.
+
+        "depth" is read as floats, whatever its format, "stencil" as unsigned bytes.
+
+        Raises:
+            UnsupportedError: depth or stencil of a multisampled target.
+        """
+        if name not in self.colors:
+            assert self._target.depth is not None
+            return read_depth(self._drawn, self._target, name, self.size)
+        word = self.colors[name]
+        kind = COLOR[word]
+        values = np.empty((self.size[1], self.size[0], kind.components), kind.numpy)
+        self.textures[name].read_into(values, alignment=1)
+        return Image(values, word)
+
+    def read_samples(self, name: str) -> Array:
+        """All samples of a colour attachment: (samples, height, width, components)."""
+        kind = COLOR[self.colors[name]]
+        found = read_samples(
+            self._device, self.texture(name, sampled=True), self.size, self.samples
+        )
+        return found[..., : kind.components]
+
+    def _texture(self, word: str, samples: int = 0) -> Any:
+        internal = moderngl_internal(word)
+        texture = self._device.context.texture(
+            self.size, COLOR[word].components, dtype=moderngl_type(word), samples=samples,
+            **({} if internal is None else {"internal_format": internal}),
+        )  # fmt: skip
+        if not samples:
+            texture.filter = (self._device.context.NEAREST,) * 2
+            texture.repeat_x = texture.repeat_y = False  # later passes read its edge beyond it
+        return texture
+
+    def _framebuffer(self, textures: list[Any]) -> Any:
+        if not textures:
+            return self._device.context.framebuffer(self._device.context.renderbuffer(self.size))
+        import moderngl
+
+        try:
+            return self._device.context.framebuffer(textures)
+        except moderngl.Error as error:
+            raise self._unmade(str(error)) from error
+
+    def _unmade(self, said: str) -> Exception:
+        """Why the framebuffer is not complete: memory, most of the time."""
+        from OpenGL import GL
+
+        size = self.size[0] * self.size[1] * max(self._target.samples, 1)
+        kinds = [COLOR[word] for word in self.colors.values()]
+        wanted = size * sum(kind.components * np.dtype(kind.numpy).itemsize for kind in kinds)
+        what = f"a target of {self.size[0]} × {self.size[1]} with {len(kinds)} attachments"
+        if GL.GL_OUT_OF_MEMORY in iter(GL.glGetError, GL.GL_NO_ERROR) or wanted >= 1 << 30:
+            return MemoryError(f"{what} takes {wanted / (1 << 30):.3g} GB")
+        return UnsupportedError(f"{what}: {said}")

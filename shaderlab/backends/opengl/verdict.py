@@ -1,0 +1,73 @@
+"""What the driver itself says of a program's GLSL: compiled, and linked where it is whole."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from shaderlab.backends.opengl.device import Device
+from shaderlab.errors import DriverError
+from shaderlab.glsl.driver_verdict import DRIVER, parse_driver_log
+from shaderlab.glsl.sources import Source
+from shaderlab.records import Diagnostic, Verdict
+
+_KINDS = {
+    "vertex": 0x8B31,
+    "tess_control": 0x8E88,
+    "tess_evaluation": 0x8E87,
+    "geometry": 0x8DD9,
+    "fragment": 0x8B30,
+    "compute": 0x91B9,
+}
+_NEEDS = {"tess_control": 400, "tess_evaluation": 400, "compute": 430}
+# A driver links a program only from a stage that begins one.
+_BEGIN = ("vertex", "compute")
+_COMPILED, _LINKED = 0x8B81, 0x8B82
+
+
+def driver_verdict(device: Device, sources: Sequence[Source]) -> Verdict:
+    """The driver's verdict on a program, as a target of its own named "driver".
+
+    Each stage is compiled; all are linked where the program has a stage that begins one. Nothing
+    stays behind in the context.
+
+    Args:
+        device: an open device, current in this thread.
+        sources: the stages, each once.
+
+    Raises:
+        DriverError: the driver has no such stage; glslang's verdict is then the only one.
+    """
+    from OpenGL import GL
+
+    for source in sources:
+        if device.version < _NEEDS.get(source.stage, 0):
+            raise DriverError(f"this driver has no {source.stage} stage", file=source.path)
+    shaders: list[int] = []
+    program = GL.glCreateProgram()
+    try:
+        found: list[Diagnostic] = []
+        ok = True
+        for source in sources:
+            shader = GL.glCreateShader(_KINDS[source.stage])
+            shaders.append(shader)
+            GL.glShaderSource(shader, source.text)
+            GL.glCompileShader(shader)
+            good = bool(GL.glGetShaderiv(shader, _COMPILED))
+            found += parse_driver_log(_text(GL.glGetShaderInfoLog(shader)), source, ok=good)
+            ok = ok and good
+            GL.glAttachShader(program, shader)
+        if ok and any(source.stage in _BEGIN for source in sources):
+            GL.glLinkProgram(program)
+            ok = bool(GL.glGetProgramiv(program, _LINKED))
+            found += parse_driver_log(_text(GL.glGetProgramInfoLog(program)), sources[-1], ok=ok)
+        return Verdict(target=DRIVER, ok=ok, diagnostics=tuple(dict.fromkeys(found)))
+    finally:
+        GL.glDeleteProgram(program)
+        for shader in shaders:
+            GL.glDeleteShader(shader)
+        while GL.glGetError():
+            pass
+
+
+def _text(log: bytes | str) -> str:
+    return log.decode("utf-8", "replace") if isinstance(log, bytes) else log

@@ -1,0 +1,144 @@
+"""Meshes on the device: buffers filled as a mesh asks for, and read as OpenGL is told to."""
+
+from __future__ import annotations
+
+import ctypes
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from shaderlab.backends.opengl.device import Device
+from shaderlab.errors import DriverError
+from shaderlab.frame import Array, AttributeReading
+from shaderlab.model import Mesh, Placement
+
+PRIMITIVES = {
+    "points": 0x0000,
+    "lines": 0x0001,
+    "line_strip": 0x0003,
+    "triangles": 0x0004,
+    "triangle_strip": 0x0005,
+    "triangle_fan": 0x0006,
+}
+_WRITE = 0x0002  # GL_MAP_WRITE_BIT
+_KINDS = {"f": 0x1406, "i": 0x1404, "u": 0x1405}
+
+
+@dataclass(frozen=True)
+class VertexArray:
+    """A vertex array with the buffers that it reads; `count` is how many vertices a draw takes."""
+
+    made: Any
+    count: int
+    buffers: tuple[Any, ...] = ()
+    indices: Any = None
+
+    def render(self, mode: int, *, instances: int = 1) -> None:
+        """Issue the draw call."""
+        self.made.render(mode, vertices=self.count, instances=instances)
+
+
+def vertex_array(device: Device, program: Any, mesh: Mesh | None) -> VertexArray:
+    """A vertex array of `mesh` for `program`, or one of three vertices without attributes.
+
+    Raises:
+        DriverError: a buffer can't be mapped.
+    """
+    context = device.context
+    if mesh is None:
+        return VertexArray(context.vertex_array(program, []), 3)
+    indices = None if mesh.indices is None else context.buffer(mesh.indices)
+    made = context.vertex_array(program, [], index_buffer=indices, index_element_size=4)
+    buffers = tuple(_filled(device, parts, mesh) for parts in mesh.parts())
+    for name, place in mesh.placements().items():
+        member = program.get(name, None)
+        if member is not None:  # else it is declared, but the driver found that it has no effect
+            _point(made.glo, buffers[place.buffer].glo, member, mesh.inputs[name], place)
+    count = mesh.vertices if mesh.indices is None else len(mesh.indices)
+    return VertexArray(made, count, buffers, indices)
+
+
+def read_layout(program: Any, vao: VertexArray, mesh: Mesh) -> dict[str, AttributeReading]:
+    """What OpenGL itself says of each attribute's place; those without effect are left out."""
+    from OpenGL import GL
+
+    names = [buffer.glo for buffer in vao.buffers]
+    found = {}
+    GL.glBindVertexArray(vao.made.glo)
+    for name in mesh.inputs:
+        member = program.get(name, None)
+        if member is None:
+            continue
+        at = member.location
+        pointer = ctypes.c_void_p()
+        GL.glGetVertexAttribPointerv(at, GL.GL_VERTEX_ATTRIB_ARRAY_POINTER, ctypes.byref(pointer))
+        stride, divisor, buffer = (
+            int(np.ravel(GL.glGetVertexAttribiv(at, word))[0])
+            for word in (
+                GL.GL_VERTEX_ATTRIB_ARRAY_STRIDE,
+                GL.GL_VERTEX_ATTRIB_ARRAY_DIVISOR,
+                GL.GL_VERTEX_ATTRIB_ARRAY_BUFFER_BINDING,
+            )
+        )
+        found[name] = AttributeReading(
+            buffer=names.index(buffer), offset=pointer.value or 0, stride=stride, divisor=divisor
+        )
+    GL.glBindVertexArray(0)
+    return found
+
+
+def _filled(device: Device, parts: list[tuple[int, bytes]], mesh: Mesh) -> Any:
+    """One buffer with these pieces, made and written as the mesh asks for."""
+    from OpenGL import GL
+
+    whole = b"".join(piece for _, piece in parts)
+    buffer = device.context.buffer(reserve=max(len(whole), 1))
+    GL.glBindBuffer(GL.GL_ARRAY_BUFFER, buffer.glo)
+    usage = getattr(GL, f"GL_{mesh.usage.upper()}")
+    GL.glBufferData(
+        GL.GL_ARRAY_BUFFER, max(len(whole), 1), whole if mesh.upload == "data" and whole else None,
+        usage,
+    )  # fmt: skip
+    if mesh.upload == "sub_data":
+        for offset, piece in parts:
+            GL.glBufferSubData(GL.GL_ARRAY_BUFFER, offset, len(piece), piece)
+    elif mesh.upload == "map" and whole:
+        _write_mapped(whole)
+    GL.glBindBuffer(GL.GL_ARRAY_BUFFER, 0)
+    return buffer
+
+
+def _write_mapped(whole: bytes) -> None:
+    """Write through a mapping of the buffer that is bound."""
+    from OpenGL import GL
+
+    address = GL.glMapBufferRange(GL.GL_ARRAY_BUFFER, 0, len(whole), _WRITE)
+    if not address:
+        raise DriverError(f"the driver does not map a buffer of {len(whole)} bytes")
+    ctypes.memmove(address, whole, len(whole))
+    if not GL.glUnmapBuffer(GL.GL_ARRAY_BUFFER):
+        raise DriverError("the driver lost a buffer's contents while it was mapped")
+
+
+def _point(vao: int, buffer: int, member: Any, array: Array, place: Placement) -> None:
+    """Tell OpenGL how one attribute is read; a matrix takes a location for each column."""
+    from OpenGL import GL
+
+    columns = array.shape[2] if array.ndim == 3 else 1
+    components = array.shape[1]
+    GL.glBindVertexArray(vao)
+    GL.glBindBuffer(GL.GL_ARRAY_BUFFER, buffer)
+    for column in range(columns):
+        at = member.location + column
+        pointer = ctypes.c_void_p(place.offset + column * components * array.itemsize)
+        GL.glEnableVertexAttribArray(at)
+        if member.shape in ("i", "I"):
+            kind = _KINDS["u" if member.shape == "I" else array.dtype.kind]
+            GL.glVertexAttribIPointer(at, components, kind, place.stride, pointer)
+        else:
+            kind = _KINDS[array.dtype.kind]
+            GL.glVertexAttribPointer(at, components, kind, False, place.stride, pointer)
+        GL.glVertexAttribDivisor(at, place.divisor)
+    GL.glBindBuffer(GL.GL_ARRAY_BUFFER, 0)
+    GL.glBindVertexArray(0)

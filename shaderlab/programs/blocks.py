@@ -1,0 +1,110 @@
+"""Uniform blocks: their members' values, and the bytes that a buffer holds of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from shaderlab.errors import CaseError, UnsupportedError, nearest
+from shaderlab.frame import Array
+from shaderlab.glsl.interface import Block, Interface, Member, Variable
+from shaderlab.glsl.layout import Layout, Slot, declared, layout
+from shaderlab.model import Draw
+
+
+def uniform_blocks(interface: Interface) -> dict[str, Block]:
+    """The uniform blocks that a program declares."""
+    return {name: block for name, block in interface.blocks.items() if block.kind == "uniform"}
+
+
+def spelt(block: Block, member: str) -> str:
+    """A member's name as OpenGL's interface has it: with the block's name before it where the
+    block has an instance name (OpenGL 4.5, §7.3.1), alone where it has none."""
+    return f"{block.name}.{member}" if block.instance else member
+
+
+def variables(interface: Interface) -> dict[str, Variable]:
+    """Each member of each uniform block, under the name that OpenGL has for it."""
+    return {
+        spelt(block, member.name): _variable(spelt(block, member.name), member)
+        for block in uniform_blocks(interface).values()
+        for member in block.members.values()
+    }
+
+
+def given(draw: Draw, interface: Interface) -> dict[str, Any]:
+    """The values that a draw gives for its blocks' members, by the names of `variables`.
+
+    Raises:
+        CaseError: a block or a member is missing or unknown.
+        UnsupportedError: a block is an array of blocks.
+    """
+    program = " + ".join(draw.shaders)
+    blocks = uniform_blocks(interface)
+    for name in draw.blocks:
+        if name not in blocks:
+            known = nearest(name, blocks) if blocks else "its shaders declare none"
+            raise CaseError(f"{program}: there is no uniform block {name!r}", remedy=known)
+    values: dict[str, Any] = {}
+    for name, block in blocks.items():
+        if block.array is not None:
+            raise UnsupportedError(
+                f"{program}: {name} is an array of uniform blocks",
+                remedy="give each block a name of its own, or make its members arrays",
+            )
+        if name not in draw.blocks:
+            raise CaseError(
+                f"{program}: nothing is given for the uniform block {name}",
+                remedy=f"add blocks={{{name!r}: UniformBuffer(values=…)}} to the draw",
+            )
+        own = draw.blocks[name].values
+        for member in own:
+            if member not in block.members:
+                raise CaseError(
+                    f"{program}: the uniform block {name} has no member {member!r}",
+                    remedy=nearest(member, block.members),
+                )
+        missing = [f"{m.name} ({m.type})" for m in block.members.values() if m.name not in own]
+        if missing:
+            raise CaseError(
+                f"{program}: nothing is given for {', '.join(missing)} of the uniform block {name}",
+                remedy="add it to the values of the UniformBuffer",
+            )
+        values.update({spelt(block, member): value for member, value in own.items()})
+    return values
+
+
+def layout_of(block: Block) -> Layout:
+    """Where the lab puts a uniform block's members: by the std140 rules."""
+    return layout(declared(block.members.values()))
+
+
+def packed(block: Block, uniforms: Mapping[str, Array]) -> bytes:
+    """A block's bytes, all gaps zero; `uniforms` are its members' values as shaders get them."""
+    places = layout_of(block)
+    data = np.zeros(places.size, np.uint8)
+    for name, slot in places.slots.items():
+        member = block.members[name]
+        values = uniforms[spelt(block, name)]
+        elements = values if member.array is not None else values[None]
+        for index, element in enumerate(elements):
+            for at, vector in _vectors(element, member, slot):
+                start = slot.offset + index * slot.array_stride + at
+                raw = np.ascontiguousarray(vector).view(np.uint8)
+                data[start : start + raw.size] = raw
+    return data.tobytes()
+
+
+def _vectors(element: Array, member: Member, slot: Slot) -> Iterator[tuple[int, Array]]:
+    """One element's vectors with their offsets: a matrix's columns, or its rows."""
+    if element.ndim < 2:
+        yield 0, element
+        return
+    for index, vector in enumerate(element if member.row_major else element.T):
+        yield index * slot.matrix_stride, vector
+
+
+def _variable(name: str, member: Member) -> Variable:
+    return Variable(name=name, type=member.type, array=member.array, used=True)

@@ -1,0 +1,182 @@
+"""From a draw to a compiled program: sources read, stages generated, interface known. No device."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from shaderlab.errors import CaseError, ShaderError, UnsupportedError, nearest
+from shaderlab.frame import PassDraw
+from shaderlab.glsl.compile import TARGETS, Compile, Compiled, compile_program
+from shaderlab.glsl.sources import Shaders, Source
+from shaderlab.glsl.spirv import Interface
+from shaderlab.model import Draw, Pass
+from shaderlab.programs import bind, formats, stages
+
+
+@dataclass(frozen=True, kw_only=True)
+class PreparedDraw:
+    """A draw with its program compiled.
+
+    `sources` are all stages, generated ones too; `authored` those of them that are files.
+    `compiling` is what compiled them.
+    """
+
+    draw: Draw
+    sources: tuple[Source, ...]
+    authored: tuple[Source, ...]
+    compiled: Compiled
+    compiling: Compile = field(default=compile_program, repr=False, compare=False)
+
+    @property
+    def interface(self) -> Interface:
+        """What the program declares. Raises ShaderError if it does not compile for OpenGL."""
+        if self.compiled.interface is None:
+            self.compiled.require()
+            raise ShaderError("the program has no OpenGL interface", file=self.authored[0].path)
+        return self.compiled.interface
+
+    @functools.cached_property
+    def vertex_interface(self) -> Interface:
+        """What the vertex stage alone declares: before a geometry stage, other outputs than the
+        program's. Raises ShaderError as `interface` does."""
+        if self.draw.geometry is None:
+            return self.interface
+        alone = self.compiling(self.sources[:1], ("glsl", "opengl"))
+        alone.require()
+        assert alone.interface is not None
+        return alone.interface
+
+    def text(self, stage: str) -> str | None:
+        """One stage's text after includes, or None where the program has no such stage."""
+        return next((s.text for s in self.sources if s.stage == stage), None)
+
+
+Programs = Mapping[str, tuple[PreparedDraw, ...]]
+"""Each pass's draws, compiled, by the pass's name."""
+
+
+class Preparer:
+    """Prepares draws, reading each file and compiling each program once.
+
+    Args:
+        shaders: where shader files are found.
+        compiling: what compiles a program for some targets.
+    """
+
+    def __init__(self, shaders: Shaders, compiling: Compile = compile_program) -> None:
+        self._shaders = shaders
+        self._compiling = compiling
+        self._loaded: dict[str, Source] = {}
+        self._compiled: dict[tuple[Source, ...], Compiled] = {}
+        self._interfaces: dict[tuple[Source, ...], Interface | None] = {}
+
+    def prepare(self, draw: Draw) -> PreparedDraw:
+        """Read, complete and compile a draw's program for every target.
+
+        Raises:
+            ShaderError: a file can't be read or included. A shader that does not compile raises
+                nothing here: its verdicts say so.
+            UnsupportedError: the lab can't write a vertex stage for a domain.
+            CaseError: a domain does not fit the fragment shader's inputs, or a mesh its vertex
+                stage.
+        """
+        if draw.mesh is not None and draw.mesh is not draw.mesh.made():
+            draw = replace(draw, mesh=draw.mesh.made())
+        authored = tuple(self._load(name) for name in draw.shaders)
+        sources = authored
+        if draw.domain is not None:
+            interface = self._declared(authored)
+            if interface is not None:
+                bind.check_domain(draw, interface.varyings)
+                sources = (self._domain_stage(authored[0], interface), *authored)
+        compiled = self.compile(sources)
+        if compiled.interface is None and sources is not authored:
+            raise UnsupportedError(
+                f"a domain for {authored[0].path}: no vertex stage can be written that declares "
+                "its inputs as it does",
+                remedy="draw a mesh with a vertex shader of your own",
+            )
+        if draw.mesh is not None and compiled.interface is not None:
+            bind.check_attributes(draw, compiled.interface)
+        return PreparedDraw(
+            draw=draw,
+            sources=sources,
+            authored=authored,
+            compiled=compiled,
+            compiling=self._compiling,
+        )
+
+    @property
+    def folders(self) -> tuple[Path, ...]:
+        """Where shader files are found."""
+        return self._shaders.folders
+
+    def source(self, name: str) -> Source:
+        """One shader file with its includes. Raises ShaderError if it can't be read."""
+        return self._load(name)
+
+    def refusal(self, names: Sequence[str]) -> tuple[tuple[Source, ...], Compiled]:
+        """Some shader files as one program, and what the plain GLSL compiler says of it."""
+        sources = tuple(self._load(name) for name in names)
+        return sources, self._compiling(sources, ("glsl",))
+
+    def compile(self, sources: tuple[Source, ...]) -> Compiled:
+        """A program's verdicts for every target, from memory if it was compiled before."""
+        if sources not in self._compiled:
+            self._compiled[sources] = self._compiling(sources, TARGETS)
+        return self._compiled[sources]
+
+    def _declared(self, authored: tuple[Source, ...]) -> Interface | None:
+        """What the files of a program declare: one target is enough to read that from."""
+        if authored not in self._interfaces:
+            compiled = self._compiling(authored, ("glsl", "opengl"))
+            self._interfaces[authored] = compiled.interface
+        return self._interfaces[authored]
+
+    def _load(self, name: str) -> Source:
+        if name not in self._loaded:
+            self._loaded[name] = self._shaders.load(name)
+        return self._loaded[name]
+
+    def _domain_stage(self, fragment: Source, interface: Interface) -> Source:
+        text = stages.domain_vertex(fragment.text, interface.varyings.values())
+        return self._shaders.from_text(text, "vertex", "<domain>")
+
+
+def output_types(draws: Iterable[PreparedDraw]) -> dict[str, str]:
+    """The GLSL type of each fragment output of a pass, in the order of their locations."""
+    return {
+        variable.name: variable.type
+        for draw in draws
+        for variable in sorted(
+            draw.interface.outputs.values(), key=lambda v: (v.location is None, v.location or 0)
+        )
+    }
+
+
+def pass_colors(description: Pass, draws: tuple[PreparedDraw, ...]) -> Mapping[str, str]:
+    """The pass's colour attachments: format by output name.
+
+    Raises:
+        CaseError: the target names an output that none of its programs writes.
+    """
+    outputs = output_types(draws)
+    asked = description.target.colors
+    if asked is None:
+        return {name: formats.for_output(kind) for name, kind in outputs.items()}
+    for name in asked:
+        if name not in outputs:
+            raise CaseError(
+                f"pass {description.name!r}: its target has a colour {name!r}, "
+                f"but its shaders write {', '.join(outputs) or 'nothing'}",
+                remedy=nearest(name, outputs),
+            )
+    return asked
+
+
+def step(key: PassDraw, draw: PreparedDraw) -> str:
+    """A draw in words: what is to blame if the driver goes down with it."""
+    return f"draw {key[1]} of pass {key[0]!r}, program {' + '.join(draw.draw.shaders)}"

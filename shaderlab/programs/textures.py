@@ -1,0 +1,108 @@
+"""Textures before any device: the values that are uploaded, and the samplers that may read them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from shaderlab.errors import CaseError
+from shaderlab.frame import Array, Image
+from shaderlab.glsl.spirv import Variable
+from shaderlab.model import CubeTexture, Output, TextureArray, TextureSource
+from shaderlab.model.textures import level_sizes
+from shaderlab.programs.formats import format_of
+
+
+def texel_values(image: Any, format: str, folder: Path, owner: str = "a texture") -> Array:
+    """The array that will be uploaded: (height, width, channels) of the format's own type.
+
+    Floats for an 8-bit format are taken as 0…1 and rounded to the nearest code.
+
+    Args:
+        image: an array, a function that makes one, an image file's path, or a `frame.Image`.
+        format: the texture's format.
+        folder: where relative paths begin.
+        owner: what the image is for, for errors.
+
+    Raises:
+        CaseError: the array's shape does not fit the format.
+        AssetError: an image file can't be read.
+    """
+    wanted, channels = format_of(format).numpy, format_of(format).components
+    if isinstance(image, str | Path):
+        from shaderlab.pictures import load
+
+        image = load(folder / image)
+    if isinstance(image, Image):
+        codes = image.values.dtype == np.uint8 and wanted is not np.uint8
+        values = image.values / 255.0 if codes else image.values
+    else:
+        values = np.asarray(image() if callable(image) else image)
+    if values.ndim == 2:
+        values = values[:, :, None]
+    if values.ndim != 3 or values.shape[2] < channels or 0 in values.shape:
+        raise CaseError(
+            f"{owner}: a {format} texture takes (height, width, {channels}), not {values.shape}"
+        )
+    values = values[:, :, :channels]
+    if wanted is np.uint8 and values.dtype.kind == "f":
+        values = np.rint(np.clip(values, 0.0, 1.0) * 255.0)
+    return np.ascontiguousarray(values.astype(wanted))
+
+
+def check_levels(first: Array, smaller: Sequence[Array]) -> None:
+    """Raise CaseError unless these are all the levels below `first`, in order."""
+    sizes = level_sizes(first.shape[1], first.shape[0])[1:]
+    given = [(level.shape[1], level.shape[0]) for level in smaller]
+    if given != sizes:
+        listed = ", ".join(f"{w} × {h}" for w, h in given) or "nothing"
+        raise CaseError(
+            f"a texture of {first.shape[1]} × {first.shape[0]}: its smaller mipmap levels are "
+            f"{listed}",
+            remedy=f"mipmaps=True, or all of {', '.join(f'{w} × {h}' for w, h in sizes)}",
+        )
+
+
+def kind_of(source: TextureSource, declared: str, samples: int) -> str:
+    """The kind that a texture is when it is read by a sampler of the type `declared`.
+
+    Args:
+        source: the texture.
+        declared: the sampler's type: the output of a multisampled target is "2DMS" to a
+            sampler2DMS, and "2D", its samples averaged, to all others.
+        samples: how many samples the target has that `source` is an output of; 0 for one.
+    """
+    if isinstance(source, CubeTexture):
+        return "Cube"
+    if isinstance(source, TextureArray):
+        return "2DArray"
+    return "2DMS" if samples and "2DMS" in declared and isinstance(source, Output) else "2D"
+
+
+def check_sampler(
+    program: str, variable: Variable, source: TextureSource, kind: str, format: str
+) -> None:
+    """Check that a sampler's type is that of its texture.
+
+    Raises:
+        CaseError: it is another; names the sampler's type and the texture's.
+    """
+    shadow = source.compare is not None
+    fitting = f"{format_of(format).scalar}sampler{kind}{'Shadow' * shadow}"
+    if variable.type == fitting:
+        return
+    what = type(source).__name__
+    described = f"{what}(compare={source.compare!r})" if shadow else what
+    remedy = f"declare it {fitting}"
+    if variable.type.endswith("Shadow") and not shadow:
+        remedy = 'give the texture compare="lequal", or declare it ' + fitting
+    elif shadow and variable.type == fitting.removesuffix("Shadow"):
+        remedy = f"declare it {fitting}, or leave compare= out"
+    raise CaseError(
+        f"{program}: {variable.name!r} is a {variable.type}, but the {described} given for it, "
+        f"{format}, is read by a {fitting}",
+        remedy=remedy,
+    )
