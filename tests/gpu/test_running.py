@@ -467,15 +467,14 @@ def test_a_defect_of_the_lab_costs_one_scene_only(
 def test_a_driver_that_disagrees_with_the_compiler_is_told_on(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from shaderlab.pipeline import lab as laboratory
     from shaderlab.records import Diagnostic, Verdict
 
     said = Diagnostic(file="ramp.frag", line=3, severity="error", message="not on my machine")
 
-    def refusing(device: Any, sources: Any) -> Verdict:
+    def refusing(backend: Any, sources: Any) -> Verdict:
         return Verdict(target="driver", ok=False, diagnostics=(said,))
 
-    monkeypatch.setattr(laboratory, "driver_verdict", refusing)
+    monkeypatch.setattr(OpenGLBackend, "driver_verdict", refusing)
     with Lab(RunOptions(size=16)) as lab:
         record = run(lab, folder, ramp(), formula("product", product))
     assert record.status == "fail"
