@@ -17,8 +17,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from shaderlab.glsl import WORK, compile_glsl
-from shaderlab.glsl.commands import FLAGS
-from shaderlab.glsl.programs import locate
+from shaderlab.glsl.executables import locate
+from shaderlab.glsl.targets import SETTINGS
 from shaderlab.workers import Pool
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
@@ -50,7 +50,7 @@ def one_process_each(paths: Sequence[Path], folder: Path) -> None:
     lib = str(glslang.parent.parent / "lib")
     env = {**os.environ, "LD_LIBRARY_PATH": lib}
     for path, target in itertools.product(paths, TARGETS):
-        flags = ["-d"] if target == "glsl" else FLAGS[target]
+        flags = ["-d"] if target == "glsl" else SETTINGS[target].flags
         done = subprocess.run(
             [glslang, *flags, path], cwd=folder, env=env, capture_output=True, check=False
         )

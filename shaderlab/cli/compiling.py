@@ -10,11 +10,11 @@ from typing import Any
 import click
 
 from ..errors import UsageError
-from ..glsl.compile import ALL_TARGETS, TARGETS
 from ..glsl.engines import ENGINES
 from ..glsl.harness import compile_found, time_limit
 from ..glsl.jobs import WORK, CompileOptions, FileResult
 from ..glsl.sources import STAGES
+from ..glsl.targets import ALL_TARGETS, TARGETS
 from ..glsl.tree import find_shaders
 from ..workers import Limits, Pool
 from .files import write_json

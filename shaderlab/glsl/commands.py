@@ -1,8 +1,8 @@
-"""The engine that drives commands: glslangValidator and spirv-val, of a wheel, a system, an SDK.
+"""The engine that runs commands: glslangValidator and spirv-val, of a wheel, a system or an SDK.
 
-Slower than the libraries by the start of a process for each program and target; plain checks are
-made for many files at once, since the command takes many. SPIR-V can't be: given many files,
-the command links them all.
+It is slower than the libraries by the start of a process for each program and target. One command
+checks many files as plain GLSL, but makes SPIR-V for one program only, since it links all the files
+that it gets.
 """
 
 from __future__ import annotations
@@ -12,25 +12,13 @@ import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from shaderlab.glsl.frontend import Checked, Linked
-from shaderlab.glsl.programs import CompilerDiedError, Programs, Ran, run
-from shaderlab.glsl.sources import Source
+from shaderlab.glsl.engines import Checked, Linked
+from shaderlab.glsl.executables import CompilerDiedError, Executables, run
+from shaderlab.glsl.sources import EXTENSIONS, Source
+from shaderlab.glsl.targets import SETTINGS
 
-_SUFFIX = {
-    "vertex": "vert",
-    "tess_control": "tesc",
-    "tess_evaluation": "tese",
-    "geometry": "geom",
-    "fragment": "frag",
-    "compute": "comp",
-}
-# What the command is told of each target, before the files.
-FLAGS: Mapping[str, Sequence[str]] = {
-    "glsl": ("-d", "-l"),
-    "opengl": ("-d", "-G", "--aml", "--amb"),
-    "vulkan": ("-d", "-V", "-R", "--aml", "--amb"),
-    "vulkan-strict": ("-d", "-V", "--aml", "--amb"),
-}
+# The first extension of each stage is the one that the command knows.
+_SUFFIX = {stage: extension for extension, stage in reversed(list(EXTENSIONS.items()))}
 _NOT_PARSED = re.compile(r"^ERROR: \d+ compilation errors", re.M)
 _LINKING = re.compile(r"^(?:ERROR|WARNING): Linking .*\n(?:[ \t]+.*\n)*", re.M)
 _STEM = "shaderlab-"
@@ -43,30 +31,26 @@ _POSITION = re.compile(r"\Aerror: (?:line \d+: |\d+: )?")
 
 
 class Commands:
-    """An engine that starts a command for each question it has no answer to.
+    """An `Engine`; see there.
 
     Args:
-        programs: the commands.
-        seconds: how long one of them may take.
+        executables: the commands.
+        seconds: time limit for each command.
     """
 
     name = "process"
 
-    def __init__(self, programs: Programs, seconds: float | None = None) -> None:
-        self.programs = programs
+    def __init__(self, executables: Executables, seconds: float | None = None) -> None:
+        self.executables = executables
         self._seconds = seconds
         self._checked: dict[tuple[str, str], Checked] = {}
 
-    def limited(self, seconds: float) -> Commands:
-        """The same commands with a time limit."""
-        return Commands(self.programs, seconds)
-
     def prepare(self, sources: Sequence[Source]) -> None:
-        """Checks all of them with one command, and remembers until the next call."""
+        """Checks all of them with one command and keeps the results until the next call."""
         try:
             checks = self._check(sources)
         except CompilerDiedError:
-            checks = []  # one of them took it down: `check` asks for each by itself
+            checks = []  # one of them crashed it, so `check` runs a command for each
         self._checked = {
             (source.stage, source.text): checked
             for source, checked in zip(sources, checks, strict=False)
@@ -79,19 +63,19 @@ class Commands:
     def preprocess(self, source: Source) -> str | None:
         with tempfile.TemporaryDirectory(prefix=_STEM) as folder:
             names = _write([source], folder)
-            ran = self._run(["-d", "-E", *names], folder)
-        return None if ran.code else ran.output
+            code, output = self._run(["-d", "-E", *names], folder)
+        return None if code else output
 
     def link(self, sources: Sequence[Source], target: str) -> Linked:
         with tempfile.TemporaryDirectory(prefix=_STEM) as folder:
             names = _write(sources, folder)
-            ran = self._run([*FLAGS[target], *names], folder)
+            code, printed = self._run([*SETTINGS[target].flags, *names], folder)
             modules = {
                 source.stage: file.read_bytes()
                 for source in sources
-                if (file := Path(folder) / f"{_SUFFIX[source.stage]}.spv").is_file()
+                if (file := Path(folder) / f"{_SUFFIX[source.stage][1:]}.spv").is_file()
             }
-        output = _FILE.sub(r"\1: 0:\2:", ran.output.replace(_NO_MODULE, ""))
+        output = _FILE.sub(r"\1: 0:\2:", printed.replace(_NO_MODULE, ""))
         sections = _sections(output, names)
         log = ""
         if not _NOT_PARSED.search(output):
@@ -100,52 +84,49 @@ class Commands:
         else:
             sections[-1] = _LINKING.sub("", sections[-1])  # the command links what it could parse
         logs = {s.stage: section for s, section in zip(sources, sections, strict=True)}
-        return Linked(ran.code == 0, logs, log, modules if ran.code == 0 else {})
+        return Linked(code == 0, logs, log, {} if code else modules)
 
     def validate(self, module: bytes, environment: str) -> str | None:
-        ran = run(
-            self.programs.validator,
-            ["--target-env", environment, "-"],
-            given=module,
-            seconds=self._seconds,
-        )
-        return None if ran.code == 0 else _POSITION.sub("", ran.output.strip())
+        arguments = ["--target-env", environment, "-"]
+        validator = self.executables.validator
+        code, output = run(validator, arguments, given=module, seconds=self._seconds)
+        return _POSITION.sub("", output.strip()) if code else None
 
     def versions(self) -> Mapping[str, str]:
-        said = self._run(["--version"], None).output
+        said = self._run(["--version"], None)[1]
         version = re.search(r"Glslang Version: (?:\d+:)?(\S+)", said)
-        tools = run(self.programs.validator, ["--version"]).output.split("\n")[0]
+        tools = run(self.executables.validator, ["--version"])[1].split("\n")[0]
         return {
             "glslang": version[1] if version else said.split("\n")[0],
-            "glslang command": str(self.programs.glslang),
+            "glslang command": str(self.executables.glslang),
             "SPIRV-Tools": tools.removeprefix("SPIRV-Tools "),
-            "SPIRV-Tools command": str(self.programs.validator),
+            "SPIRV-Tools command": str(self.executables.validator),
         }
 
     def _check(self, sources: Sequence[Source]) -> list[Checked]:
         with tempfile.TemporaryDirectory(prefix=_STEM) as folder:
             names = _write(sources, folder)
-            ran = self._run(["-d", *names], folder)
+            _, output = self._run(["-d", *names], folder)
         return [
             Checked(not re.search(r"^(INTERNAL )?ERROR: ", log, re.M), log)
-            for log in _sections(ran.output, names)
+            for log in _sections(output, names)
         ]
 
-    def _run(self, arguments: Sequence[str], folder: str | None) -> Ran:
-        return run(self.programs.glslang, arguments, folder=folder, seconds=self._seconds)
+    def _run(self, arguments: Sequence[str], folder: str | None) -> tuple[int, str]:
+        return run(self.executables.glslang, arguments, folder=folder, seconds=self._seconds)
 
 
 def _write(sources: Sequence[Source], folder: str) -> list[str]:
     names = []
     for number, source in enumerate(sources):
-        name = f"{_STEM}{number}.{_SUFFIX[source.stage]}"
+        name = f"{_STEM}{number}{_SUFFIX[source.stage]}"
         (Path(folder) / name).write_text(source.text, encoding="utf-8", newline="")
         names.append(name)
     return names
 
 
 def _sections(output: str, names: Sequence[str]) -> list[str]:
-    """What the command printed of each file: it prints a file's name first, on its own line."""
+    """The command's output for each file, which starts with the file's name on its own line."""
     sections = []
     rest = output
     for name, after in zip(names, [*names[1:], None], strict=True):

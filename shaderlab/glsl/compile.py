@@ -1,4 +1,4 @@
-"""One program, several targets: what each compiler says of it, and what it made of it."""
+"""Compiles one program for several targets: verdicts, SPIR-V modules, interface."""
 
 from __future__ import annotations
 
@@ -10,16 +10,14 @@ from itertools import pairwise
 
 from shaderlab.errors import ShaderError, nearest
 from shaderlab.glsl.engines import Engine, choose
-from shaderlab.glsl.frontend import ENVIRONMENTS
+from shaderlab.glsl.interface import Interface
+from shaderlab.glsl.reflection import reflect
 from shaderlab.glsl.sources import STAGES, Source
-from shaderlab.glsl.spirv import Interface, reflect
-from shaderlab.glsl.targets import check_stages, link_stages, to_spirv
+from shaderlab.glsl.targets import ALL_TARGETS, TARGETS
+from shaderlab.glsl.verdicts import check_stages, link_stages, to_spirv
 from shaderlab.records import Diagnostic, Verdict
 
-TARGETS = ("glsl", "opengl", "vulkan")
-ALL_TARGETS = tuple(ENVIRONMENTS)
-
-# What plain GLSL lacks and GLSL for Vulkan or SPIR-V has; the compiler's words, or a name.
+# The compiler's words, or a name, for what GLSL has for Vulkan or SPIR-V only.
 _SPIRV_ONLY = re.compile(
     r"only allowed when (?:using GLSL for Vulkan|generating SPIR-V)"
     r"|'(?:gl_VertexIndex|gl_InstanceIndex|subpassInput\w*|[iu]?texture[123C]\w+|sampler)' : "
@@ -28,13 +26,13 @@ _SPIRV_ONLY = re.compile(
 
 @dataclass(frozen=True)
 class Compiled:
-    """What compiling and linking one program gave.
+    """A program's verdicts, modules and interface.
 
     Attributes:
-        verdicts: one a target, in the order asked for.
-        spirv: for each SPIR-V target that compiled, each stage's module, with the locations of
-            varyings and uniforms made to agree between stages.
-        logs: for each target, the compiler's own words: each stage's log, then the link's.
+        verdicts: one for each target, in the order they were given.
+        spirv: each stage's module, for each SPIR-V target that accepts the program. Locations of
+            varyings and uniforms agree between stages.
+        logs: the compiler's own words for each target: each stage's log, then the link's.
         sources: the stages, in pipeline order.
     """
 
@@ -42,9 +40,7 @@ class Compiled:
     spirv: Mapping[str, Mapping[str, bytes]]
     logs: Mapping[str, str] = field(default_factory=dict)
     sources: tuple[Source, ...] = field(default=(), repr=False)
-    _declared: Callable[[], Interface | None] | None = field(
-        default=None, repr=False, compare=False
-    )
+    _reflect: Callable[[], Interface | None] | None = field(default=None, repr=False, compare=False)
 
     @property
     def ok(self) -> bool:
@@ -53,12 +49,12 @@ class Compiled:
 
     @functools.cached_property
     def interface(self) -> Interface | None:
-        """What the program declares, read from its OpenGL modules when it is first asked for;
-        None where it does not compile for OpenGL."""
-        return self._declared() if self._declared else None
+        """What the program declares, read from its OpenGL modules on first use; None if it does
+        not compile for OpenGL."""
+        return self._reflect() if self._reflect else None
 
     def only(self, targets: Sequence[str]) -> Compiled:
-        """The same program with some of its targets alone. What it declares stays known."""
+        """The program with some of its targets only, and the same interface."""
         return replace(
             self,
             verdicts=tuple(verdict for verdict in self.verdicts if verdict.target in targets),
@@ -67,10 +63,10 @@ class Compiled:
         )
 
     def require(self) -> None:
-        """Nothing, where every target accepts the program.
+        """Raises unless every target accepts the program.
 
         Raises:
-            ShaderError: a target rejects it; carries that target's first error.
+            ShaderError: the first error of the first target that refuses it.
         """
         for verdict in self.verdicts:
             if not verdict.ok:
@@ -84,7 +80,7 @@ class Compiled:
 
 
 Compile = Callable[[Sequence[Source], Sequence[str]], Compiled]
-"""What compiles a program for some targets, as `compile_program` does."""
+"""`compile_program` or a function that stands for it."""
 
 
 def compile_program(
@@ -92,21 +88,21 @@ def compile_program(
 ) -> Compiled:
     """Compiles and links one program's stages for each target.
 
-    For "vulkan", samplers are first lifted out of uniform structs, where Vulkan allows none; an
+    Vulkan allows no samplers in uniform structs, so they are lifted out for "vulkan", and an
     "info" diagnostic says so.
 
-    A program that plain GLSL rejects is not given to the SPIR-V targets, which can crash on it;
-    they are reported as failed for the same reasons. GLSL that only SPIR-V knows, such as
-    `layout (constant_id = 0)`, is given to them all the same.
+    A program that plain GLSL refuses can crash the SPIR-V targets. They don't get it, and their
+    verdicts have the same errors. They do get GLSL that only SPIR-V knows, such as
+    `layout (constant_id = 0)`.
 
     Args:
-        stages: one source a stage, in any order; a single stage is a program too.
+        stages: at least one source, in any order; at most one for each stage.
         targets: some of `ALL_TARGETS`.
-        engine: what to compile with; by default what `engines.choose()` gives.
+        engine: by default `engines.choose()`.
 
     Raises:
         ShaderError: no stages, two of one stage, stages that can't be linked, or an unknown
-            target; never for what a compiler says of the text, which is in the verdicts.
+            target. What is wrong with the text never raises; it is in the verdicts.
     """
     ordered = in_order(stages, targets)
     engine = engine or choose()
@@ -119,15 +115,15 @@ def compile_program(
     for target in targets:
         if target != "glsl":
             results[target] = to_spirv(ordered, target, engine) if goes_on else plain
-        # One stage that links for OpenGL without a word does so as plain GLSL; half a
-        # millisecond saved. Where it does not, the plain link has the first word.
+        # One stage that links for OpenGL without a message also links as plain GLSL, which saves
+        # half a millisecond. Otherwise the plain link's messages come first.
         if target == "opengl" and plain.ok and len(ordered) == 1 and not results[target].linked:
             results["glsl"] = plain = link_stages(plain, ordered, engine)
             if not plain.ok:
                 goes_on = False
                 results = {done: plain for done in results}
 
-    def declared() -> Interface | None:
+    def interface() -> Interface | None:
         if "opengl" not in results:
             return compile_program(ordered, ("glsl", "opengl"), engine=engine).interface
         modules = results["opengl"].modules
@@ -138,12 +134,12 @@ def compile_program(
         spirv={t: results[t].modules for t in targets if results[t].modules},
         logs={target: results[target].log for target in targets},
         sources=tuple(ordered),
-        _declared=functools.cache(declared),
+        _reflect=functools.cache(interface),
     )
 
 
 def _is_spirv_only(diagnostics: Sequence[Diagnostic]) -> bool:
-    """Whether all that plain GLSL has against a text is that it was written for SPIR-V."""
+    """Whether all errors of plain GLSL are about GLSL that only SPIR-V has."""
     errors = [d.message for d in diagnostics if d.severity == "error"]
     return all(map(_SPIRV_ONLY.search, errors))
 
@@ -151,9 +147,9 @@ def _is_spirv_only(diagnostics: Sequence[Diagnostic]) -> bool:
 def in_order(stages: Sequence[Source], targets: Sequence[str]) -> list[Source]:
     """The sources in pipeline order. Raises ShaderError as `compile_program` does."""
     for target in targets:
-        if target not in ENVIRONMENTS:
+        if target not in ALL_TARGETS:
             raise ShaderError(
-                f"no such compile target: {target!r}", remedy=nearest(target, ENVIRONMENTS)
+                f"no such compile target: {target!r}", remedy=nearest(target, ALL_TARGETS)
             )
     if not stages:
         raise ShaderError("a program needs at least one stage")

@@ -1,4 +1,4 @@
-"""From the compiler's logs to diagnostics at the author's own file and line."""
+"""Compilers' logs as diagnostics at the author's own file and line."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _PLACED = re.compile(
     r"^(?P<string>-?\d+):(?P<line>\d+): (?:'(?P<token>.*?)' : )?(?P<message>.*)$", re.DOTALL
 )
 _LINKING = re.compile(r"^Linking (?P<stages>.+?) stages?: (?P<message>.*)$", re.DOTALL)
-# What the log adds of its own: a count, and a note after the error that ended the compile.
+# Not messages of their own: a count, and a note after the error that ended compilation.
 _COUNT = re.compile(r"^\d+ compilation errors\.  No code generated\.$")
 _TERMINATED = "compilation terminated"
 _SEVERITIES: dict[str, Severity] = {"WARNING": "warning", "NOTE": "info"}
@@ -29,7 +29,7 @@ _STAGE_WORDS = {
 
 
 def of_stage(log: str, source: Source) -> tuple[Diagnostic, ...]:
-    """The diagnostics in the log of compiling one stage, each named once, in the log's order."""
+    """The diagnostics in one stage's log, without duplicates, in the log's order."""
     found: dict[Diagnostic, None] = {}
     for severity, rest in _entries(log):
         placed = _PLACED.match(rest)
@@ -52,10 +52,10 @@ def of_stage(log: str, source: Source) -> tuple[Diagnostic, ...]:
 
 
 def of_link(log: str, sources: Sequence[Source]) -> tuple[Diagnostic, ...]:
-    """The diagnostics in the log of linking stages, placed at declarations where they name one.
+    """The diagnostics in a link's log.
 
-    The link's messages carry no lines. Where one shows a declaration, such as `" vec3 normal"`,
-    the last stage that it is found in gives the file and line.
+    The log has no lines. A message that quotes a declaration, such as `" vec3 normal"`, gets the
+    file and line of that declaration in the last stage that has it.
     """
     found: dict[Diagnostic, None] = {}
     for severity, rest in _entries(log):
@@ -69,12 +69,29 @@ def of_link(log: str, sources: Sequence[Source]) -> tuple[Diagnostic, ...]:
     return tuple(found)
 
 
+def of_validator(message: str, source: Source) -> Diagnostic:
+    """SPIRV-Tools' message as an error, at the declaration it is about if that is known."""
+    text = " ".join(message.split())
+    file, line, token = source.path, None, ""
+    named = re.search(r"%(\w+) = OpTypeStruct", text)
+    if "must not contain an opaque type" in text and named:
+        token = named.group(1)
+        file, line = _place_of(rf"\bstruct\s+{re.escape(token)}\b", source)
+        text = (
+            f"'{token}' : Vulkan has no samplers inside structs; declare the sampler as a uniform "
+            f"of its own [{text}]"
+        )
+    return Diagnostic(
+        file=file, line=line, severity="error", message=f"invalid SPIR-V: {text}", token=token
+    )
+
+
 def declaration(source: Source, name: str, kind: str = "") -> tuple[int, str] | None:
-    """Where a global name is declared, and how: its line in `source.text` from 1, and the text.
+    """A global name's declaration: its line in `source.text`, counted from 1, and its text.
 
     Args:
         name: the declared name, without array brackets.
-        kind: a word that must stand before it, such as "in" or "uniform"; any by default.
+        kind: a qualifier that must precede it, such as "in" or "uniform"; any by default.
     """
     code = re.sub(r"^[ \t]*#.*$", "", source.code, flags=re.MULTILINE)
     for match in re.finditer(rf"\b{re.escape(name)}\b", code):
@@ -94,7 +111,7 @@ def has_errors(diagnostics: Sequence[Diagnostic]) -> bool:
 
 
 def _entries(log: str) -> Iterator[tuple[Severity, str]]:
-    """Each message with the indented lines that belong to it."""
+    """Each message with the indented lines that continue it."""
     severity: Severity = "error"
     rows: list[str] = []
     for row in [*log.split("\n"), "NOTE: "]:
@@ -110,14 +127,19 @@ def _entries(log: str) -> Iterator[tuple[Severity, str]]:
 
 
 def _unplaced(severity: Severity, rest: str, source: Source) -> Diagnostic:
-    """A message without a line; those about the version belong to its line."""
+    """A message without a line; one about the version goes to the line of `#version`."""
     file, line = source.path, None
     if "version" in rest:
-        match = re.search(r"^[ \t]*#[ \t]*version\b", source.code, re.MULTILINE)
-        if match:
-            file, line = source.place(source.text.count("\n", 0, match.start()) + 1)
+        file, line = _place_of(r"^[ \t]*#[ \t]*version\b", source)
     message = rest.removeprefix("#version: ")
     return Diagnostic(file=file, line=line, severity=severity, message=message, token="")
+
+
+def _place_of(pattern: str, source: Source) -> tuple[str, int | None]:
+    match = re.search(pattern, source.code, re.MULTILINE)
+    if match is None:
+        return source.path, None
+    return source.place(source.code.count("\n", 0, match.start()) + 1)
 
 
 def _worded(token: str, message: str) -> str:
@@ -130,7 +152,7 @@ def _stages(words: str) -> tuple[str, ...]:
 
 
 def _declared_in(message: str, sources: Sequence[Source]) -> tuple[str, tuple[str, int | None]]:
-    """The name that a link message is about and the place of its declaration."""
+    """The name that a link message is about, and the place of its declaration."""
     shown = re.findall(r'"[^"]*?(\w+)(?:\[[^"]*)?"', message)
     listed = re.findall(r"^\s+(\w+)[(:]", message, re.MULTILINE)
     for name in [*reversed(shown), *listed]:

@@ -1,112 +1,100 @@
-"""Two ways to ask the same compilers: their libraries in this process, or their commands.
+"""Two ways to call the same compilers: as libraries in this process, or as commands.
 
-Everything above this works with an `Engine` and gets the same data from either.
+Code that compiles takes an `Engine` and gets the same data from either.
 """
 
 from __future__ import annotations
 
 import functools
 import os
-from collections.abc import Mapping, Sequence
+import threading
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
 from typing import Protocol
 
 from shaderlab.errors import ShaderError, nearest
-from shaderlab.glsl import frontend, library, tools
-from shaderlab.glsl.frontend import ENVIRONMENTS, Checked, Linked
-from shaderlab.glsl.sources import Source
+from shaderlab.glsl.sources import Shaders, Source
 
 ENGINES = ("library", "process")
 COMMAND_VARIABLE = "SHADERLAB_GLSLANG"
 
 
+@dataclass(frozen=True)
+class Checked:
+    """The plain GLSL verdict on one stage, and the log as the command prints it."""
+
+    ok: bool
+    log: str
+
+
+@dataclass(frozen=True)
+class Linked:
+    """The result of linking: each stage's parse log, the link's log, and the modules by stage.
+
+    `ok` is glslang's own verdict; `modules` is empty if it is false or the target has none.
+    """
+
+    ok: bool
+    stage_logs: Mapping[str, str]
+    log: str
+    modules: Mapping[str, bytes]
+
+
 class Engine(Protocol):
-    """What the lab asks of a compiler. Nothing here raises for what a text says."""
+    """A compiler and a validator. What is wrong with a text is never an exception."""
 
     @property
     def name(self) -> str:
         """One of ENGINES."""
 
     def prepare(self, sources: Sequence[Source]) -> None:
-        """Told which sources are about to be checked, an engine may do so all at once."""
+        """Announces sources that will be checked; an engine may check them all at once."""
 
     def check(self, source: Source) -> Checked:
-        """One stage under plain GLSL rules, in the words of `glslangValidator -d`."""
+        """Checks one stage under plain GLSL rules, as `glslangValidator -d` does."""
 
     def preprocess(self, source: Source) -> str | None:
-        """The text after the preprocessor, line for line, or None where that fails."""
+        """The text after the preprocessor, line for line, or None if that fails."""
 
     def link(self, sources: Sequence[Source], target: str) -> Linked:
-        """All stages parsed and linked for a target, and turned into SPIR-V if it makes any."""
+        """Parses and links all stages for a target, and makes SPIR-V if the target has it."""
 
     def validate(self, module: bytes, environment: str) -> str | None:
-        """SPIRV-Tools' message about an invalid module, or None where it is valid."""
+        """SPIRV-Tools' message about an invalid module, or None if it is valid."""
 
     def versions(self) -> Mapping[str, str]:
-        """What compiles: versions by "glslang" and "SPIRV-Tools", and where each comes from."""
-
-
-_REMEMBERED = 8
-"""How many answers a library keeps: a program's stages are asked about several times in a row."""
-
-
-class Library:
-    """glslang and SPIRV-Tools inside this process, from the wheels' shared libraries."""
-
-    name = "library"
-
-    def __init__(self) -> None:
-        self._check = functools.lru_cache(_REMEMBERED)(frontend.check)
-        self._validate = functools.lru_cache(_REMEMBERED)(tools.validate)
-
-    def prepare(self, sources: Sequence[Source]) -> None:
-        """Nothing: one by one costs no more."""
-
-    def check(self, source: Source) -> Checked:
-        return self._check(source)
-
-    def preprocess(self, source: Source) -> str | None:
-        return frontend.preprocess(source)
-
-    def link(self, sources: Sequence[Source], target: str) -> Linked:
-        return frontend.link(sources, ENVIRONMENTS[target])
-
-    def validate(self, module: bytes, environment: str) -> str | None:
-        return self._validate(module, environment)
-
-    def versions(self) -> Mapping[str, str]:
-        return library.versions()
+        """Versions by "glslang" and "SPIRV-Tools", and the path of each file in use."""
 
 
 def choose(name: str | None = None) -> Engine:
     """The engine to use.
 
     Args:
-        name: one of ENGINES; None takes the commands where SHADERLAB_GLSLANG names one, else the
-            libraries, else whatever commands the system has.
+        name: one of ENGINES. By default the command that SHADERLAB_GLSLANG names, else the
+            libraries, else the system's commands.
 
     Raises:
-        ShaderError: no such engine, or nothing to drive it with; the remedy says what to install.
+        ShaderError: no such engine, or it is not installed; the remedy says what to install.
     """
     return _chosen(name, os.environ.get(COMMAND_VARIABLE) or None)
 
 
 @functools.cache
 def _chosen(name: str | None, command: str | None) -> Engine:
-    # Late: the commands need subprocess and tempfile, which the libraries do without.
+    # Imported late: commands need subprocess and tempfile, which the library does without.
     from shaderlab.glsl.commands import Commands
-    from shaderlab.glsl.programs import locate
+    from shaderlab.glsl.executables import locate
+    from shaderlab.glsl.library_engine import Library
 
     if name == "library":
-        library.glslang()
-        library.spirv_tools()
         return Library()
     if name == "process" or (name is None and command):
         return Commands(locate(command))
     if name is not None:
         raise ShaderError(f"no such engine: {name!r}", remedy=nearest(name, ENGINES))
     try:
-        engine: Engine = _chosen("library", command)
-        return engine
+        return choose("library")
     except ShaderError as error:
         try:
             return Commands(locate(None))
@@ -115,7 +103,32 @@ def _chosen(name: str | None, command: str | None) -> Engine:
 
 
 def limited(engine: Engine, seconds: float) -> Engine:
-    """The same engine, each of whose commands may take so long; a library can't be stopped."""
+    """The engine with a time limit for each of its commands; a library can't be stopped."""
     from shaderlab.glsl.commands import Commands
 
-    return engine.limited(seconds) if isinstance(engine, Commands) else engine
+    return Commands(engine.executables, seconds) if isinstance(engine, Commands) else engine
+
+
+def warm_up() -> Callable[[], None]:
+    """Starts what glslang does once a process, in a thread; returns a function that waits for it.
+
+    Before its first text of a version, glslang builds tables of all built-in names for each
+    target and all stages. That takes a tenth of a second outside Python's lock, in which other
+    threads can import. If the libraries are missing nothing happens, since compiling reports it.
+    If SHADERLAB_GLSLANG names a command, no library is needed.
+    """
+    if os.environ.get(COMMAND_VARIABLE):
+        return lambda: None
+    thread = threading.Thread(target=_compile_smallest, daemon=True)
+    thread.start()
+    return thread.join
+
+
+def _compile_smallest() -> None:
+    text = "#version 330 core\nvoid main() {}\n"
+    source = Shaders([]).from_text(text, "vertex", "smallest.vert")
+    with suppress(ShaderError):
+        engine = choose("library")
+        engine.check(source)
+        for target in ("opengl", "vulkan"):
+            engine.link([source], target)

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 from shaderlab.glsl.engines import Engine
 from shaderlab.glsl.sources import Source
+from shaderlab.glsl.targets import SETTINGS
 from shaderlab.records import Diagnostic
 
 MAX_NESTING = 200
@@ -27,7 +28,6 @@ _DEFINE = re.compile(r"#[ \t]*define\b[ \t]*(.*)")
 # A macro that stands for one number or name, or for nothing, makes no text deeper.
 _HARMLESS = re.compile(r"\w+(?:[ \t]+(?!(?:if|else|for|while|do|switch)\b)[\w.]+)?[ \t]*$")
 _BRANCHES = frozenset(["if", "else", "for", "while", "do", "switch", "?"])
-_MINIMUM = {"opengl": (330, "OpenGL"), "vulkan": (140, "Vulkan"), "vulkan-strict": (140, "Vulkan")}
 
 
 def fatal(source: Source, engine: Engine) -> Diagnostic | None:
@@ -49,9 +49,7 @@ def too_old(source: Source, target: str) -> Diagnostic | None:
     Below these versions glslang can't parse its own built-in functions, and prints all of them
     to the process's standard output.
     """
-    if target not in _MINIMUM:
-        return None
-    minimum, name = _MINIMUM[target]
+    minimum, name = SETTINGS[target].minimum, SETTINGS[target].api
     version, profile = source.version
     if version >= minimum or profile == "es" or version == 100:
         return None

@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from shaderlab.errors import ShaderError, nearest
-from shaderlab.glsl.compile import ALL_TARGETS, TARGETS
 from shaderlab.glsl.engines import COMMAND_VARIABLE, ENGINES
 from shaderlab.glsl.jobs import CompileJob, CompileOptions, FileResult, died, work
 from shaderlab.glsl.sources import STAGES
+from shaderlab.glsl.targets import ALL_TARGETS, TARGETS
 from shaderlab.glsl.tree import ShaderFile, find_shaders
 
 _BATCH = 128

@@ -10,11 +10,12 @@ from pathlib import Path
 from typing import Literal
 
 from shaderlab.errors import DriverError, ShaderError
-from shaderlab.glsl.compile import TARGETS, compile_program
+from shaderlab.glsl.compile import compile_program
 from shaderlab.glsl.driver_verdict import mark_disagreement
 from shaderlab.glsl.engines import Engine, choose, limited
-from shaderlab.glsl.programs import CompilerDiedError
+from shaderlab.glsl.executables import CompilerDiedError
 from shaderlab.glsl.sources import Shaders, Source, stage_of
+from shaderlab.glsl.targets import TARGETS
 from shaderlab.records import Diagnostic, Verdict
 
 WORK = "shaderlab.glsl.jobs:work"

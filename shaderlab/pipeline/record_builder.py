@@ -14,8 +14,8 @@ from shaderlab.errors import ShaderlabError
 from shaderlab.files import display_path
 from shaderlab.frame import PassDraw
 from shaderlab.glsl.driver_verdict import mark_disagreement
+from shaderlab.glsl.interface import Interface
 from shaderlab.glsl.sources import Source
-from shaderlab.glsl.spirv import Interface
 from shaderlab.model import Expectation, Ramp, Scene
 from shaderlab.pipeline.buffer_layouts import buffer_records
 from shaderlab.pipeline.picture_writer import PictureFiles

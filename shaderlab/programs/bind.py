@@ -13,7 +13,7 @@ import numpy as np
 
 from shaderlab.errors import CaseError, nearest
 from shaderlab.frame import Array, Bindings, Texels
-from shaderlab.glsl.spirv import Interface, Variable
+from shaderlab.glsl.interface import Interface, Variable
 from shaderlab.model import Draw, Ramp, TextureSource
 from shaderlab.model.scene import UNIT_SQUARE
 from shaderlab.programs import blocks

@@ -9,7 +9,7 @@ import numpy as np
 
 from shaderlab.errors import CaseError, nearest
 from shaderlab.frame import Array
-from shaderlab.glsl.spirv import Variable
+from shaderlab.glsl.interface import Variable
 from shaderlab.model import Draw
 from shaderlab.programs import bind
 from shaderlab.programs.formats import numpy_type, shape_of

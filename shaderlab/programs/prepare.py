@@ -9,9 +9,10 @@ from pathlib import Path
 
 from shaderlab.errors import CaseError, ShaderError, UnsupportedError, nearest
 from shaderlab.frame import PassDraw
-from shaderlab.glsl.compile import TARGETS, Compile, Compiled, compile_program
+from shaderlab.glsl.compile import Compile, Compiled, compile_program
+from shaderlab.glsl.interface import Interface
 from shaderlab.glsl.sources import Shaders, Source
-from shaderlab.glsl.spirv import Interface
+from shaderlab.glsl.targets import TARGETS
 from shaderlab.model import Draw, Pass
 from shaderlab.programs import bind, formats, stages
 

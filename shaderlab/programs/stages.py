@@ -12,7 +12,7 @@ from collections.abc import Iterable, Mapping, Sequence, Sized
 from dataclasses import dataclass
 
 from shaderlab.errors import UnsupportedError
-from shaderlab.glsl.spirv import Variable
+from shaderlab.glsl.interface import Variable
 from shaderlab.programs.varyings import Declared, Piece, elements, pieces
 
 PREFIX = "shaderlab_"

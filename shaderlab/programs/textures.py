@@ -10,7 +10,7 @@ import numpy as np
 
 from shaderlab.errors import CaseError
 from shaderlab.frame import Array, Image
-from shaderlab.glsl.spirv import Variable
+from shaderlab.glsl.interface import Variable
 from shaderlab.model import CubeTexture, Output, TextureArray, TextureSource
 from shaderlab.model.textures import level_sizes
 from shaderlab.programs.formats import format_of

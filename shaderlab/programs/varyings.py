@@ -15,7 +15,7 @@ import numpy as np
 
 from shaderlab.errors import UnsupportedError
 from shaderlab.frame import Array
-from shaderlab.glsl.spirv import Variable
+from shaderlab.glsl.interface import Variable
 
 _COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
 _BLOCK = re.compile(r"\bin\s+(\w+)\s*\{([^{}]*)\}\s*(\w*)\s*((?:\[[^\]]*\]\s*)*);")
@@ -122,7 +122,7 @@ def elements(variables: Iterable[Variable]) -> Iterator[Variable]:
 def pieces(variable: Variable) -> Iterator[Piece]:
     """A variable that is no array, as vectors: itself, or a matrix' columns.
 
-    >>> from shaderlab.glsl.spirv import Variable
+    >>> from shaderlab.glsl.interface import Variable
     >>> [piece.path + piece.type for piece in pieces(Variable(name="m", type="mat2x3"))]
     ['[0]vec3', '[1]vec3']
     """

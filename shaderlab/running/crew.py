@@ -87,7 +87,7 @@ class Crew:
             jobs=1 if workers is None else workers,
             batch=1,
             folder=folder,
-            warm="shaderlab.glsl.warming:begin",
+            warm="shaderlab.glsl.engines:warm_up",
         )
         self._sized = workers is not None
         self._thread = ThreadPoolExecutor(1)

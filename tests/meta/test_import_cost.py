@@ -62,7 +62,7 @@ def test_listing_cases_loads_nothing_heavy() -> None:
 
 
 def test_a_worker_loads_nothing_that_starts_or_watches_workers() -> None:
-    loaded = modules_after("import shaderlab.glsl.warming, shaderlab.running.working")
+    loaded = modules_after("import shaderlab.glsl.engines, shaderlab.running.working")
     assert not loaded & (DEVICE | HEAVY | PRINTING | {"click", "cattrs", "logging"})
 
 

@@ -14,9 +14,10 @@ import pytest
 from shaderlab.errors import ShaderError
 from shaderlab.glsl import Shaders, Source, compile_cache, compile_program
 from shaderlab.glsl.cache_store import Store
-from shaderlab.glsl.compile import ALL_TARGETS, TARGETS, Compiled
+from shaderlab.glsl.compile import Compiled
 from shaderlab.glsl.compile_cache import CompileCache, Entry, decode, encode, program_key
-from shaderlab.glsl.programs import CompilerDiedError
+from shaderlab.glsl.executables import CompilerDiedError
+from shaderlab.glsl.targets import ALL_TARGETS, TARGETS
 
 VERTEX = """#version 330 core
 in vec3 place;

@@ -17,8 +17,8 @@ from shaderlab.errors import ShaderError
 from shaderlab.glsl import ALL_TARGETS, Shaders, compile_glsl, compile_program
 from shaderlab.glsl.commands import Commands
 from shaderlab.glsl.engines import choose
-from shaderlab.glsl.programs import CompilerDiedError, Programs, locate
-from shaderlab.glsl.wheels import GLSLANG_WHEEL, find
+from shaderlab.glsl.executables import CompilerDiedError, Executables, locate
+from shaderlab.glsl.library import GLSLANG_WHEEL, find
 
 GOOD = "#version 330 core\nout vec4 c;\nvoid main() { c = vec4(1.0); }\n"
 VERTEX = "#version 330 core\nin vec3 a;\nout vec3 n;\nvoid main() { n = a; }\n"
@@ -118,7 +118,7 @@ def test_without_wheels_the_systems_commands_are_found(
     def missing(*_: str) -> Path:
         raise ShaderError("not installed")
 
-    monkeypatch.setattr("shaderlab.glsl.programs.find", missing)
+    monkeypatch.setattr("shaderlab.glsl.executables.find", missing)
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.delenv("VULKAN_SDK", raising=False)
     with pytest.raises(ShaderError, match="there is no glslangValidator command") as raised:
@@ -131,7 +131,7 @@ def test_without_wheels_the_systems_commands_are_found(
     with pytest.raises(ShaderError, match="there is no spirv-val command"):
         locate(None)
     _script(sdk / "spirv-val", "")
-    assert locate(None) == Programs(sdk / "glslang", sdk / "spirv-val")
+    assert locate(None) == Executables(sdk / "glslang", sdk / "spirv-val")
 
 
 @pytest.fixture
@@ -143,7 +143,7 @@ def scripted(tmp_path: Path) -> Iterator[Commands]:
         f'LD_LIBRARY_PATH={real.glslang.parent.parent}/lib exec {real.glslang} "$@"\n'
     )
     _script(tmp_path / "glslangValidator", text)
-    yield Commands(Programs(tmp_path / "glslangValidator", real.validator), seconds=1.0)
+    yield Commands(Executables(tmp_path / "glslangValidator", real.validator), seconds=1.0)
 
 
 def test_a_command_that_dies_or_hangs_costs_only_its_file(scripted: Commands) -> None:
@@ -162,7 +162,7 @@ def test_a_command_that_dies_or_hangs_costs_only_its_file(scripted: Commands) ->
 
 def test_a_command_that_does_not_start_says_why(tmp_path: Path) -> None:
     _script(tmp_path / "glslangValidator", "echo lib.so: cannot open >&2; exit 127\n")
-    engine = Commands(Programs(tmp_path / "glslangValidator", tmp_path / "spirv-val"))
+    engine = Commands(Executables(tmp_path / "glslangValidator", tmp_path / "spirv-val"))
     source = Shaders([]).from_text(GOOD, "fragment", "a.frag")
     with pytest.raises(ShaderError, match=r"does not start: lib\.so: cannot open"):
         engine.check(source)

@@ -1,5 +1,5 @@
-"""Texts known to take glslang or SPIRV-Tools down: in a worker with no guard before them, and in
-the lab, which refuses them."""
+"""Texts that crash glslang or SPIRV-Tools: a pool survives them without the lab's guards, and the
+lab refuses them."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ KILLERS = {
 }
 GOOD = HEAD + "void main() { c = vec4(x); }\n"
 
-# What a person would write who drives the libraries without the lab.
+# Calls the libraries without the lab's guards.
 UNGUARDED = """
 from shaderlab.glsl import Shaders
-from shaderlab.glsl.frontend import ENVIRONMENTS, link
-from shaderlab.glsl.tools import validate
+from shaderlab.glsl.engines import choose
+from shaderlab.glsl.spirv_tools import validate
 
 def work(texts):
     for text in texts:
         source = Shaders([]).from_text(text, "fragment", "killer.frag")
-        linked = link([source], ENVIRONMENTS["vulkan"])
+        linked = choose("library").link([source], "vulkan")
         yield [validate(module, "vulkan1.0") for module in linked.modules.values()]
 """
 
@@ -45,7 +45,7 @@ def verdict(sources):
 """
 
 
-def test_a_worker_survives_each_killer_with_no_guard_before_it(
+def test_a_pool_survives_each_killer_without_guards(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "unguarded.py").write_text(UNGUARDED)

@@ -14,7 +14,7 @@ from shaderlab.backends.opengl.target import RenderTarget
 from shaderlab.backends.opengl.textures import DeviceTexture
 from shaderlab.errors import CaseError, nearest
 from shaderlab.frame import Array, Image, Texels
-from shaderlab.glsl.spirv import Variable
+from shaderlab.glsl.interface import Variable
 from shaderlab.model import (
     CompressedTexture,
     CubeTexture,

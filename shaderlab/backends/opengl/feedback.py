@@ -12,7 +12,7 @@ from dataclasses import replace
 from shaderlab.backends.opengl.drawing import Drawing
 from shaderlab.backends.opengl.recording import recorded
 from shaderlab.frame import Array, Bindings, PassDraw, Samples
-from shaderlab.glsl.spirv import Interface
+from shaderlab.glsl.interface import Interface
 from shaderlab.model import Mesh
 from shaderlab.programs import stages
 from shaderlab.programs.prepare import PreparedDraw

@@ -1,9 +1,10 @@
-"""SPIRV-Tools: validating and disassembling modules."""
+"""SPIR-V modules as a whole: validation and disassembly by SPIRV-Tools, and their size."""
 
 from __future__ import annotations
 
 import ctypes as c
 import functools
+import sys
 from collections.abc import Mapping
 
 from shaderlab.errors import ShaderError, nearest
@@ -22,7 +23,7 @@ _NO_HEADER, _INDENT, _FRIENDLY_NAMES = 1 << 5, 1 << 3, 1 << 6
 
 
 def validate(module: bytes, env: str) -> str | None:
-    """SPIRV-Tools' message about an invalid module, or None where it is valid.
+    """SPIRV-Tools' message about an invalid module, or None if it is valid.
 
     Args:
         module: SPIR-V as bytes, four a word.
@@ -76,17 +77,37 @@ def disassemble(module: bytes) -> str:
         tools.spvDiagnosticDestroy(message)
 
 
+def instruction_count(module: bytes) -> int:
+    """The number of a module's instructions.
+
+    Raises:
+        ShaderError: the bytes are not a SPIR-V module.
+    """
+    if len(module) < 20 or len(module) % 4:
+        raise ShaderError(f"not a SPIR-V module: {len(module)} bytes")
+    # An instruction's first word has its length in the upper half; a list is read fastest.
+    upper = 1 if sys.byteorder == "little" else 0
+    lengths = memoryview(module).cast("H")[upper::2].tolist()
+    at, end = 5, len(lengths)
+    for count in range(end):
+        if at >= end:
+            return count
+        at += lengths[at]
+    # An instruction of length 0: the loop did not advance.
+    raise ShaderError(f"not a SPIR-V module: broken instruction at word {at}")
+
+
 class _Binary:
-    """A module's words where a C function can read them; a last half word is dropped."""
+    """A module's words for a C function; an incomplete last word is dropped."""
 
     def __init__(self, module: bytes) -> None:
         self.count = len(module) // 4
-        self._pointer = c.c_char_p(module)  # points into the bytes, and keeps them
+        self._pointer = c.c_char_p(module)  # points into the bytes and keeps them alive
         self.words = c.cast(self._pointer, c.c_void_p)
 
 
 @functools.cache
 def _context(env: str) -> int:
-    """A context for the environment. It is only read from, so one serves all calls and threads."""
+    """A context for the environment. It is never written to, so all calls and threads share it."""
     context: int = spirv_tools().spvContextCreate(_ENVIRONMENTS[env])
     return context

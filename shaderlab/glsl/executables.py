@@ -1,4 +1,4 @@
-"""The compilers as commands: where they are, and running one with a time limit."""
+"""The compilers' commands: finding them, and running one with a time limit."""
 
 from __future__ import annotations
 
@@ -7,19 +7,20 @@ import shutil
 import signal
 import subprocess
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
 from shaderlab.errors import ShaderError
-from shaderlab.glsl.wheels import GLSLANG_WHEEL, INSTALL, SPIRV_TOOLS_WHEEL, find
+from shaderlab.glsl.library import GLSLANG_WHEEL, INSTALL, SPIRV_TOOLS_WHEEL, find
 
 GLSLANG_NAMES = ("glslangValidator", "glslang")
 VALIDATOR_NAME = "spirv-val"
 
 
 class CompilerDiedError(ShaderError):
-    """A compiler's command gave no answer; `status` says how."""
+    """A compiler's command crashed or timed out, as `status` says."""
 
     def __init__(self, status: Literal["crash", "timeout"], message: str) -> None:
         self.status: Literal["crash", "timeout"] = status
@@ -27,30 +28,22 @@ class CompilerDiedError(ShaderError):
 
 
 @dataclass(frozen=True)
-class Programs:
-    """The two commands."""
+class Executables:
+    """The two commands' files."""
 
     glslang: Path
     validator: Path
 
 
-@dataclass(frozen=True)
-class Ran:
-    """What a command gave: its exit status, and standard output and error together."""
-
-    code: int
-    output: str
-
-
-def locate(command: str | None) -> Programs:
-    """The commands to drive.
+def locate(command: str | None) -> Executables:
+    """Finds the commands.
 
     Args:
-        command: a glslangValidator by its path or name; None looks in the wheels, on the PATH
-            and in the Vulkan SDK.
+        command: a glslangValidator by its path or name. By default the wheels, the PATH and the
+            Vulkan SDK are searched.
 
     Raises:
-        ShaderError: there is none; the remedy says what to install.
+        ShaderError: a command is missing; the remedy says what to install.
     """
     if command is None:
         glslang = next(_candidates(GLSLANG_NAMES, GLSLANG_WHEEL), None)
@@ -64,12 +57,12 @@ def locate(command: str | None) -> Programs:
                 remedy="set it to the path of glslangValidator, or unset it",
             )
         glslang = Path(named)
-    beside = shutil.which(VALIDATOR_NAME, path=str(glslang.parent))
-    validator = Path(beside) if beside else None
+    neighbour = shutil.which(VALIDATOR_NAME, path=str(glslang.parent))
+    validator = Path(neighbour) if neighbour else None
     validator = validator or next(_candidates((VALIDATOR_NAME,), SPIRV_TOOLS_WHEEL), None)
     if validator is None:
         raise ShaderError(f"there is no {VALIDATOR_NAME} command", remedy=INSTALL)
-    return Programs(glslang, validator)
+    return Executables(glslang, validator)
 
 
 def run(
@@ -77,10 +70,10 @@ def run(
     arguments: Sequence[str],
     *,
     folder: str | None = None,
-    given: bytes | None = None,
+    given: bytes = b"",
     seconds: float | None = None,
-) -> Ran:
-    """A command run to its end.
+) -> tuple[int, str]:
+    """Runs a command; returns its exit status, and standard output and error together.
 
     Raises:
         CompilerDiedError: it crashed or took longer than `seconds`.
@@ -90,7 +83,7 @@ def run(
         done = subprocess.run(
             [str(program), *arguments],
             cwd=folder,
-            input=b"" if given is None else given,
+            input=given,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             env=_environment(program),
@@ -105,32 +98,28 @@ def run(
         raise ShaderError(
             f"can't run this command: {error.strerror or error}", file=program
         ) from None
+    output = done.stdout.decode("utf-8", "replace")
     if done.returncode < 0:
         name = signal.Signals(-done.returncode).name
         raise CompilerDiedError("crash", f"{program.name} died: {name}")
     if done.returncode in (126, 127):
-        last = done.stdout.decode("utf-8", "replace").strip().rpartition("\n")[2]
+        last = output.strip().rpartition("\n")[2]
         raise ShaderError(f"this command does not start: {last}", file=program, remedy=INSTALL)
-    return Ran(done.returncode, done.stdout.decode("utf-8", "replace"))
+    return done.returncode, output
 
 
 def _candidates(names: Sequence[str], wheel: str) -> Iterator[Path]:
     for name in names:
-        try:
+        with suppress(ShaderError):
             yield find(wheel, name, "bin")
-        except ShaderError:
-            continue
     sdk = os.environ.get("VULKAN_SDK")
     folders = [os.environ.get("PATH", os.defpath), *([str(Path(sdk) / "bin")] if sdk else [])]
-    for folder in folders:
-        for name in names:
-            found = shutil.which(name, path=folder)
-            if found:
-                yield Path(found)
+    found = (shutil.which(name, path=folder) for folder in folders for name in names)
+    yield from map(Path, filter(None, found))
 
 
 def _environment(program: Path) -> Mapping[str, str]:
-    """The wheels' programs find their own libraries only if they are told where."""
+    """Variables for a command; the wheels' commands must be told where their libraries are."""
     lib = program.parent.parent / "lib"
     if lib.parent.name != "cmeel.prefix":
         return os.environ

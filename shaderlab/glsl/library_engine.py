@@ -1,0 +1,150 @@
+"""The engine that calls glslang and SPIRV-Tools in this process, from the wheels' libraries.
+
+Plain checks go through `ShCompile`, whose logs equal the command's; the newer C interface words
+some syntax errors differently, but only it can link and make SPIR-V.
+"""
+
+from __future__ import annotations
+
+import ctypes as c
+import functools
+import sys
+from collections.abc import Mapping, Sequence
+
+from shaderlab.glsl.engines import Checked, Linked
+from shaderlab.glsl.library import Glslang, Input, SpirvOptions, glslang, spirv_tools, versions
+from shaderlab.glsl.sources import STAGES, Source
+from shaderlab.glsl.spirv_tools import validate
+from shaderlab.glsl.targets import SETTINGS, TargetSettings
+
+_DEFAULT_VERSION = 110
+_GLSL, _SPV, _SPV_1_0 = 1, 1, 1 << 16
+_NO_PROFILE = 1
+_MAGIC = (0x07230203).to_bytes(4, sys.byteorder)
+# glslang_stage_t has the order of STAGES.
+_STAGE = {stage: number for number, stage in enumerate(STAGES)}
+_CACHED = 8  # a program's stages are checked, and its modules validated, several times in a row
+
+
+class Library:
+    """An `Engine`; see there.
+
+    Raises:
+        ShaderError: the libraries are not installed.
+    """
+
+    name = "library"
+
+    def __init__(self) -> None:
+        self._glslang = glslang()
+        spirv_tools()
+        self.check = functools.lru_cache(_CACHED)(self._check)
+        self.validate = functools.lru_cache(_CACHED)(validate)
+
+    def prepare(self, sources: Sequence[Source]) -> None:
+        """Nothing: one by one costs no more."""
+
+    def preprocess(self, source: Source) -> str | None:
+        front = self._glslang.front
+        handle, given = self._create(source, SETTINGS["glsl"])
+        try:
+            if not front.glslang_shader_preprocess(handle, c.byref(given)):
+                return None
+            return _text(front.glslang_shader_get_preprocessed_code(handle))
+        finally:
+            front.glslang_shader_delete(handle)
+
+    def link(self, sources: Sequence[Source], target: str) -> Linked:
+        front = self._glslang.front
+        settings = SETTINGS[target]
+        handles: list[int] = []
+        inputs: list[Input] = []  # must outlive the shaders
+        logs: dict[str, str] = {}
+        program = None
+        try:
+            parsed = True
+            for source in sources:
+                handle, given = self._create(source, settings)
+                handles.append(handle)
+                inputs.append(given)
+                ok = front.glslang_shader_preprocess(handle, c.byref(given))
+                ok = ok and front.glslang_shader_parse(handle, c.byref(given))
+                logs[source.stage] = _text(front.glslang_shader_get_info_log(handle))
+                parsed = parsed and bool(ok)
+            if not parsed:
+                return Linked(False, logs, "", {})
+            program = front.glslang_program_create()
+            for handle in handles:
+                front.glslang_program_add_shader(program, handle)
+            return _linked(self._glslang, program, settings, logs)
+        finally:
+            # Deleted before its shaders: it may hold what it merged from them.
+            if program is not None:
+                front.glslang_program_delete(program)
+            for handle in handles:
+                front.glslang_shader_delete(handle)
+
+    def versions(self) -> Mapping[str, str]:
+        return versions()
+
+    def _check(self, source: Source) -> Checked:
+        front = self._glslang.front
+        text = source.text.encode()
+        compiler = front.ShConstructCompiler(_STAGE[source.stage], 0)
+        try:
+            texts, lengths = (c.c_char_p * 1)(text), (c.c_int * 1)(len(text))
+            limits = self._glslang.limits
+            ok = front.ShCompile(
+                compiler, texts, 1, lengths, 0, limits, 0, _DEFAULT_VERSION, False, 0
+            )
+            return Checked(bool(ok), _text(front.ShGetInfoLog(compiler)))
+        finally:
+            front.ShDestruct(compiler)
+
+    def _create(self, source: Source, settings: TargetSettings) -> tuple[int, Input]:
+        front, makes_spirv = self._glslang.front, bool(settings.environment)
+        given = Input(
+            language=_GLSL,
+            stage=_STAGE[source.stage],
+            client=settings.client,
+            client_version=settings.client_version,
+            target_language=_SPV if makes_spirv else 0,
+            target_language_version=_SPV_1_0 if makes_spirv else 0,
+            code=source.text.encode(),
+            default_version=_DEFAULT_VERSION,
+            default_profile=_NO_PROFILE,
+            messages=settings.messages,
+            resource=self._glslang.limits,
+        )
+        handle: int = front.glslang_shader_create(c.byref(given))
+        front.glslang_shader_set_options(handle, settings.options)
+        return handle, given
+
+
+def _linked(
+    lib: Glslang, program: int, settings: TargetSettings, logs: Mapping[str, str]
+) -> Linked:
+    makes_spirv = bool(settings.environment)
+    ok = bool(lib.front.glslang_program_link(program, settings.messages))
+    if ok and makes_spirv:
+        ok = bool(lib.front.glslang_program_map_io(program))
+    log = _text(lib.front.glslang_program_get_info_log(program))
+    if not (ok and makes_spirv):
+        return Linked(ok, logs, log, {})
+    options = SpirvOptions(validate=False)
+    modules, before = {}, 0
+    for stage in sorted(logs, key=STAGES.index):
+        lib.back.glslang_program_SPIRV_generate_with_options(
+            program, _STAGE[stage], c.byref(options)
+        )
+        size = 4 * lib.back.glslang_program_SPIRV_get_size(program)
+        data = c.string_at(lib.back.glslang_program_SPIRV_get_ptr(program), size)
+        # glslang 13 appends each stage's module to those made before from the same program.
+        modules[stage] = data[before:] if data.startswith(_MAGIC, before) else data
+        log += _text(lib.back.glslang_program_SPIRV_get_messages(program))
+        before = size
+    return Linked(True, logs, log, modules)
+
+
+def _text(raw: bytes | None) -> str:
+    return "" if raw is None else raw.decode("utf-8", "replace")
