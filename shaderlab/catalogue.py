@@ -16,7 +16,7 @@ from pathlib import Path
 from types import ModuleType
 
 from shaderlab import model
-from shaderlab.discovery import TREE_FILE, place, shipped_cases, tree_of
+from shaderlab.discovery import TREE_FILE, chapter_title, place, shipped_cases, tree_of
 from shaderlab.errors import CaseError, ShaderlabError, UsageError, nearest
 from shaderlab.model import Case
 
@@ -28,7 +28,7 @@ _UNKNOWN_KEYWORD = re.compile(
 
 @dataclass(frozen=True)
 class Catalogue:
-    """Cases in the order of the notes: by chapter, then section, then id."""
+    """Cases by chapter, then section, then id."""
 
     cases: tuple[Case, ...]
 
@@ -97,6 +97,7 @@ def load_case(path: Path) -> Case:
         file=str(path),
         lesson=(module.__doc__ or "").strip(),
     )
+    chapter_title(path, loaded.section)
     try:
         list(loaded.scenes())
     except CaseError as error:

@@ -9,10 +9,12 @@ from __future__ import annotations
 import ast
 import os
 import re
-from collections.abc import Iterator
+import tomllib
+from collections.abc import Iterator, Mapping
+from functools import cache
 from pathlib import Path
 
-from shaderlab.errors import UsageError
+from shaderlab.errors import CaseError, UsageError
 
 TREE_FILE = "cases.toml"
 _ASSIGNS = re.compile(rb"^case\s*(:[^=\n]*)?=", re.MULTILINE)
@@ -42,6 +44,35 @@ def tree_of(file: Path) -> Path:
     """
     folders = Path(os.path.abspath(file)).parents
     return next((folder for folder in folders if (folder / TREE_FILE).is_file()), folders[0])
+
+
+def chapter_title(file: str | Path, section: str) -> str:
+    """The title of the chapter that a section such as "5.5.2" lies in, as [chapters] in the
+    cases.toml of the case's tree gives it; "" where there is none.
+
+    Raises:
+        CaseError: the cases.toml is wrong.
+    """
+    number = section.split(".")[0].strip()
+    return _chapters(tree_of(Path(file)) / TREE_FILE).get(number, "") if number else ""
+
+
+@cache
+def _chapters(file: Path) -> Mapping[str, str]:
+    try:
+        found = tomllib.loads(file.read_text(encoding="utf-8")) if file.is_file() else {}
+    except (OSError, ValueError) as error:
+        raise CaseError(f"this is no TOML file: {error}", file=file) from error
+    chapters: dict[str, str] = found.pop("chapters", {})
+    if found or not isinstance(chapters, dict):
+        wrong = next(iter(found), "chapters")
+        raise CaseError(f"there is no setting {wrong!r}", file=file, remedy="write [chapters]")
+    for number, title in chapters.items():
+        if not (number.isdigit() and isinstance(title, str)):
+            raise CaseError(
+                f"{number} = {title!r} is no chapter", file=file, remedy='write 5 = "Lighting"'
+            )
+    return chapters
 
 
 def is_case_file(path: Path) -> bool:

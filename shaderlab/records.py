@@ -166,7 +166,8 @@ class Plot:
 
 @dataclass(frozen=True, kw_only=True)
 class ErratumNote:
-    """Where the notes are wrong: what they say, what is true, which expectation proves it."""
+    """Where the text that a case follows is wrong: what it says, what is true, which expectation
+    proves it."""
 
     section: str
     says: str
@@ -226,6 +227,8 @@ class BufferRecord:
 class Record:
     """One variant of one case, run and judged. `id` and `variant` name it within a run.
 
+    `chapter` is the title of the one that `section` lies in, "" where the case's tree has none.
+
     `images` maps "picture" (and what else there is) to files relative to the run's folder,
     `captions` the same names to how they are to be read. `passes` are in the order they ran.
     `buffers` are those of uniform blocks, and of meshes that say how they lie in memory.
@@ -262,6 +265,7 @@ class Record:
     driver: str = ""
     size: int = 0
     picture_size: int = 0
+    chapter: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -12,7 +12,7 @@ from shaderlab.model import DEFAULT_VARIANT, Case
 
 
 @click.command("list", short_help="The cases there are.")
-@click.option("--chapter", type=int, metavar="N", help="Only chapter N of the notes.")
+@click.option("--chapter", type=int, metavar="N", help="Only chapter N.")
 @click.option("--json", "as_json", is_flag=True, help="As a JSON array on standard output.")
 def command(chapter: int | None, as_json: bool) -> None:
     """List the cases that come with shaderlab, by chapter.

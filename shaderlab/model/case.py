@@ -34,7 +34,8 @@ class Variant:
 
 @dataclass(frozen=True, kw_only=True)
 class Erratum:
-    """A place where the notes are wrong: what they say, what is true, what proves it."""
+    """A place where the text that a case follows is wrong: what it says, what is true, what proves
+    it."""
 
     says: str
     truth: str
@@ -48,11 +49,11 @@ class Case:
 
     Args:
         title: a few words.
-        section: the notes' section number ("5.5.2"), or "" for a case of one's own.
+        section: its number in the text that it follows ("5.5.2"), "" where it follows none.
         passes: what is drawn, from `fullscreen`, `mesh_pass` or `Pass` themselves.
         expect: what must hold of every variant.
         variants: named changes of inputs; without any there is one, called "default".
-        errata: where the notes are wrong.
+        errata: where that text is wrong.
         math: the formula in LaTeX, for the report.
         picture: the output that is the case's picture; the last pass's first one by default.
 
@@ -83,7 +84,7 @@ class Case:
 
     @property
     def chapter(self) -> int:
-        """The notes' chapter, 0 for a case of one's own."""
+        """The chapter that its section lies in; 0 without a section."""
         head = self.section.split(".")[0]
         return int(head) if head.isdigit() else 0
 

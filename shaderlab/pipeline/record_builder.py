@@ -10,6 +10,7 @@ import numpy as np
 
 from shaderlab.checks.judgement import Judgement, shown
 from shaderlab.checks.naming import draw_key, split_output
+from shaderlab.discovery import chapter_title
 from shaderlab.errors import ShaderlabError
 from shaderlab.files import display_path
 from shaderlab.frame import PassDraw
@@ -124,6 +125,7 @@ class RecordBuilder:
             variant=self._scene.variant,
             title=case.title,
             section=case.section,
+            chapter=chapter_title(case.file, case.section),
             lesson=case.lesson,
             formula=case.math,
             file=display_path(case.file),

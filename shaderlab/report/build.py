@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import groupby
 from typing import TypeVar
 
 from shaderlab.records import Curve, Outcome, Plot, Record, Row, Run
 from shaderlab.report import markup
 from shaderlab.report.assembly import Packed, assemblies
 from shaderlab.report.chart import Chart, chart
-from shaderlab.report.grouping import CHAPTERS, CaseGroup, group_cases, total
+from shaderlab.report.grouping import CaseGroup, group_cases, total
 from shaderlab.report.inline import Picture, Pictures
 from shaderlab.report.listing import Listing
 from shaderlab.report.mutants import Mutants, together
@@ -43,10 +44,9 @@ def build(run: Run, pictures: Pictures, mutants: Mapping[str, Mutants] | None = 
         over_all = (*(("", plot_view(plot)) for plot in run.plots), *cases[0].plots)
         cases = (replace(cases[0], plots=over_all), *cases[1:])
     chapters = []
-    for number, name in CHAPTERS.items():
-        members = tuple(case for case in cases if case.group.chapter == number)
-        if members:
-            chapters.append(ChapterView(number, name, anchors.new(f"chapter-{number}"), members))
+    for (number, name), members in groupby(cases, lambda case: case.group.chapter):
+        anchor = anchors.new(f"chapter-{number}")
+        chapters.append(ChapterView(number, name, anchor, tuple(members)))
     noticed = together(known[group.id] for group in groups if group.id in known)
     return Page(run, total(run, groups), tuple(chapters), cases, noticed)
 

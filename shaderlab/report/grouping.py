@@ -21,23 +21,8 @@ STATUS_WORDS: dict[Status, str] = {
     "pass": "passed",
 }
 
-CHAPTERS: dict[int, str] = {
-    1: "Set-up",
-    2: "Basics",
-    3: "Transforms",
-    4: "Spaces",
-    5: "Lighting",
-    6: "Per-fragment tests",
-    7: "Maps",
-    8: "Performance techniques",
-    9: "Antialiasing",
-    10: "Buffers",
-    11: "Window system",
-    12: "OBJ models",
-    13: "Skybox",
-    14: "Point clouds",
-    0: "Your own",
-}
+OWN = "Your own"
+"""The heading of cases whose tree names no chapters."""
 
 
 @dataclass(frozen=True)
@@ -58,11 +43,10 @@ class CaseGroup:
         return worst(record.status for record in self.records)
 
     @property
-    def chapter(self) -> int:
-        """The chapter its section lies in; 0 for a case of one's own."""
+    def chapter(self) -> tuple[int, str]:
+        """Number and title of the chapter it lies in; (0, OWN) for a case of one's own."""
         head = re.match(r"\s*(\d{1,4})", self.first.section)
-        number = int(head.group(1)) if head else 0
-        return number if number in CHAPTERS else 0
+        return (int(head.group(1)), self.first.chapter) if head and self.first.chapter else (0, OWN)
 
 
 @dataclass(frozen=True)
@@ -99,7 +83,8 @@ def worst(statuses: Iterable[Status]) -> Status:
 
 
 def group_cases(records: Sequence[Record]) -> list[CaseGroup]:
-    """One group a case id, ordered by chapter and section, equal sections as they ran."""
+    """One group a case id, ordered by chapter and section, equal sections as they ran; cases of
+    one's own come last."""
     by_id: dict[str, list[Record]] = {}
     for record in records:
         by_id.setdefault(record.id, []).append(record)
@@ -107,10 +92,10 @@ def group_cases(records: Sequence[Record]) -> list[CaseGroup]:
     return sorted(groups, key=_place)
 
 
-def _place(group: CaseGroup) -> tuple[int, list[int]]:
+def _place(group: CaseGroup) -> tuple[bool, tuple[int, str], list[int]]:
     first_section = group.first.section.split(",")[0]
     numbers = [int(n) for n in re.findall(r"\d{1,9}", first_section)]
-    return list(CHAPTERS).index(group.chapter), numbers
+    return group.chapter == (0, OWN), group.chapter, numbers
 
 
 def total(run: Run, cases: Sequence[CaseGroup]) -> Totals:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import cast
 
+from shaderlab.discovery import chapter_title
 from shaderlab.records import Record, Status
 from shaderlab.running.jobs import Job
 
@@ -31,6 +32,7 @@ def lost(
         variant=job.variant,
         title=job.title,
         section=job.section,
+        chapter=chapter_title(job.file, job.section),
         lesson="",
         formula="",
         file=job.file,

@@ -6,8 +6,15 @@ from pathlib import Path
 
 import pytest
 
-from shaderlab.discovery import case_files, data_folder, is_case_file, shipped_cases
-from shaderlab.errors import UsageError
+from shaderlab.discovery import (
+    case_files,
+    chapter_title,
+    data_folder,
+    is_case_file,
+    shipped_cases,
+    tree_of,
+)
+from shaderlab.errors import CaseError, UsageError
 
 IMPORT = "from shaderlab import Case\n"
 
@@ -83,3 +90,44 @@ def test_shipped_cases_need_no_parsing_to_be_told() -> None:
     shipped = list(shipped_cases())
     assert len(shipped) > 100
     assert shipped == list(case_files(data_folder("cases")))
+
+
+def test_a_tree_begins_at_the_nearest_file_that_says_so(tmp_path: Path) -> None:
+    (tmp_path / "a" / "b").mkdir(parents=True)
+    case = tmp_path / "a" / "b" / "lamp.py"
+    assert tree_of(case) == tmp_path / "a" / "b"
+    (tmp_path / "cases.toml").touch()
+    assert tree_of(case) == tmp_path
+    (tmp_path / "a" / "cases.toml").touch()
+    assert tree_of(case) == tmp_path / "a"
+    assert tree_of(tmp_path / "c" / ".." / "sun.py") == tmp_path
+
+
+def test_chapters_have_the_titles_that_their_tree_gives_them(tmp_path: Path) -> None:
+    case = tmp_path / "lamp.py"
+    assert chapter_title(case, "5.1") == ""
+    tree = tmp_path / "tree"
+    tree.mkdir()
+    (tree / "cases.toml").write_text('[chapters]\n5 = "Lamps"\n')
+    found = [chapter_title(tree / "lamp.py", s) for s in ("5", "5.10", "5.1, 6.2", "6", "", "x")]
+    assert found == ["Lamps", "Lamps", "Lamps", "", "", ""]
+    assert chapter_title(next(shipped_cases()), "5.5.2") == "Lighting"
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("[chapters", "no TOML file"),
+        ("[chapter]\n5 = 'Lamps'", "no setting 'chapter'"),
+        ("chapters = 5", "no setting 'chapters'"),
+        ("[chapters]\nfive = 'Lamps'", "five = 'Lamps' is no chapter"),
+        ("[chapters]\n5 = 6", "5 = 6 is no chapter"),
+    ],
+)
+def test_a_wrong_file_of_a_tree_is_an_error_with_its_name(
+    tmp_path: Path, text: str, says: str
+) -> None:
+    (tmp_path / "cases.toml").write_text(text)
+    with pytest.raises(CaseError, match=says.replace("[", r"\[")) as caught:
+        chapter_title(tmp_path / "lamp.py", "5.1")
+    assert caught.value.file == str(tmp_path / "cases.toml")

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterable
+from itertools import groupby
 
 from shaderlab.records import Outcome, Record, Run
 from shaderlab.report.grouping import (
-    CHAPTERS,
     PASSABLE,
     STATUS_WORDS,
     STATUSES,
@@ -73,12 +74,10 @@ def _chapters(cases: list[CaseGroup]) -> Iterable[str]:
     present = [s for s in reversed(STATUSES) if any(case.status == s for case in cases)]
     yield "| Chapter | " + " | ".join(STATUS_WORDS[status] for status in present) + " |"
     yield "|---" * (len(present) + 1) + "|"
-    for number, name in CHAPTERS.items():
-        members = [case for case in cases if case.chapter == number]
-        if members:
-            numbers = [sum(case.status == status for case in members) for status in present]
-            title = f"{number} {name}" if number else name
-            yield f"| {title} | " + " | ".join(str(n or "") for n in numbers) + " |"
+    for (number, name), members in groupby(cases, lambda case: case.chapter):
+        counted = Counter(case.status for case in members)
+        title = f"{number} {escape(name)}" if number else name
+        yield f"| {title} | " + " | ".join(str(counted[s] or "") for s in present) + " |"
 
 
 def _failure(record: Record) -> Iterable[str]:
