@@ -18,7 +18,7 @@ MARKS: Mapping[str, str] = {
     "timeout": "✗",
     "unsupported": "–",
 }
-_CONTROLS = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")  # what could steer a terminal
+_CONTROLS = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")
 MOST_ROWS = 12
 MOST_DIAGNOSTICS = 10
 
@@ -38,6 +38,11 @@ def diagnostic_line(found: Diagnostic) -> str:
     return f"{display_path(found.file, found.line)}: {found.severity}: {found.message}"
 
 
+def printable(text: str) -> str:
+    """The text without characters that could steer a terminal."""
+    return _CONTROLS.sub("\ufffd", text)
+
+
 def failure(record: Record) -> list[str]:
     """Everything to know about a record that did not pass, most telling first."""
     lines = [f"{MARKS[record.status]} {label(record.id, record.variant)} · {record.title}"]
@@ -50,7 +55,7 @@ def failure(record: Record) -> list[str]:
     for outcome in record.expectations:
         if outcome.status != "pass":
             lines += ["", *_outcome(outcome)]
-    return [_CONTROLS.sub("\ufffd", line) for line in lines]
+    return [printable(line) for line in lines]
 
 
 def _said_below(record: Record) -> bool:

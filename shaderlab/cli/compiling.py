@@ -18,7 +18,7 @@ from ..glsl.targets import ALL_TARGETS, TARGETS
 from ..glsl.tree import find_shaders
 from ..workers import Limits, Pool
 from .files import write_json
-from .tallying import Tally, as_data, messages, watched
+from .tallying import Tally, as_data, messages, progress_bar
 
 # Workers import the driver's room by this name; the command itself never touches a device.
 _DRIVER = "shaderlab.backends:driver_verdict"
@@ -127,13 +127,12 @@ def _told(results: Iterator[FileResult], count: int, json_file: str | None, quie
     tally = Tally()
     entries: list[dict[str, Any]] = []
     to_stderr = json_file == "-"
-    with watched(count, quiet=quiet) as progress:
+    with progress_bar(count, quiet=quiet) as advance:
         for result in results:
             for line in messages(result):
-                progress.clear()
                 click.echo(line, err=to_stderr)
             tally.add(result)
-            progress.advance()
+            advance()
             if json_file is not None:
                 entries += as_data(result)
     if not quiet:

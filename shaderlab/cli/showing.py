@@ -14,7 +14,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
-from shaderlab.cli.rows import STYLES, CaseTable
+from shaderlab.cli.rows import STYLES, case_table
 from shaderlab.files import display_path
 from shaderlab.records import Record, Run
 from shaderlab.running.tabulating import Row
@@ -61,7 +61,7 @@ class Show:
 
     def outcomes(self, run: Run) -> None:
         """A table of all cases, each failure in full, one line that sums up."""
-        self.console.print(CaseTable(run.records))
+        self.console.print(case_table(run.records))
         for record in run.records:
             if failed(record):
                 self.console.print()

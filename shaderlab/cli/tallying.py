@@ -1,20 +1,19 @@
-"""What `shaderlab compile` shows: messages, a progress line, a table, and JSON."""
+"""What `shaderlab compile` shows: messages, a progress bar, a table, and JSON."""
 
 from __future__ import annotations
 
 import sys
-import time
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any, TextIO
+from typing import Any
 
 from ..glsl.driver_verdict import DRIVER
 from ..glsl.jobs import FileResult
 from ..terminal import diagnostic_line
 
 _WIDTH = 30
-_SECONDS_BETWEEN = 0.1
+_FEW = 50
 
 
 class Tally:
@@ -40,7 +39,7 @@ class Tally:
             counts["disagrees"] += verdict.status == "disagrees"
 
     def lines(self) -> Iterator[str]:
-        """A table; columns that only misfortune fills are left out where they are empty."""
+        """A table by target; without columns for crashes, timeouts and such if there were none."""
         rare = [
             kind
             for kind in ("crash", "timeout", "disagrees")
@@ -89,40 +88,24 @@ def as_data(result: FileResult) -> Iterator[dict[str, Any]]:
 
 
 @contextmanager
-def watched(total: int, *, quiet: bool) -> Iterator[Progress]:
-    """A progress bar on standard error, where that is a terminal."""
-    stream = sys.stderr
-    progress = Progress(stream if stream.isatty() and not quiet else None, total)
-    try:
-        yield progress
-    finally:
-        progress.clear()
+def progress_bar(total: int, *, quiet: bool) -> Iterator[Callable[[], None]]:
+    """A progress bar on standard error; the function that it gives moves it on by one file.
 
+    There is none if that is no terminal, or for few files: importing Rich takes as long as
+    compiling fifty.
+    """
+    if quiet or total < _FEW or not sys.stderr.isatty():
+        yield lambda: None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress
 
-class Progress:
-    """One line that is drawn over itself; importing a library for it would take longer than
-    compiling a hundred files."""
-
-    def __init__(self, stream: TextIO | None, total: int) -> None:
-        self._stream = stream
-        self._total = max(total, 1)
-        self._done = 0
-        self._drawn = 0.0
-
-    def advance(self) -> None:
-        """One more file is done."""
-        self._done += 1
-        now = time.monotonic()
-        if self._stream is not None and now - self._drawn >= _SECONDS_BETWEEN:
-            self._drawn = now
-            full = _WIDTH * self._done // self._total
-            bar = "━" * full + " " * (_WIDTH - full)
-            self._stream.write(f"\r{bar} {self._done}/{self._total}")
-            self._stream.flush()
-
-    def clear(self) -> None:
-        """Take the bar away, so that a message can be written in its place."""
-        if self._stream is not None and self._drawn:
-            self._drawn = 0.0
-            self._stream.write("\r\x1b[2K")
-            self._stream.flush()
+    with Progress(
+        BarColumn(_WIDTH),
+        MofNCompleteColumn(),
+        console=Console(stderr=True),
+        transient=True,
+        redirect_stdout=sys.stdout.isatty(),  # a pipe must get its messages
+    ) as progress:
+        task = progress.add_task("", total=total)
+        yield lambda: progress.advance(task)

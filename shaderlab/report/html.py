@@ -89,9 +89,9 @@ def _load(environment: Callable[[], Environment]) -> None:
     importlib.import_module("cattrs")
     for name in environment().list_templates():
         _template(name)
-    colouring = importlib.import_module("shaderlab.report.colouring").colouring
+    coloured_lines = importlib.import_module("shaderlab.report.colouring").coloured_lines
     for language in ("glsl", "python"):
-        colouring(language).lines("\n")
+        coloured_lines("\n", language)
     pictures.load_library()
     for name in ("markdown_it", "latex2mathml.converter"):
         importlib.import_module(name)

@@ -62,14 +62,14 @@ def listing(
     variants: tuple[str, ...] = (),
 ) -> Listing:
     """`source` with those of `diagnostics` that speak of its file, each said once."""
-    from shaderlab.report.colouring import colouring
+    from shaderlab.report.colouring import coloured_lines
 
     by_line: dict[int, list[Diagnostic]] = {}
     for message in dict.fromkeys(diagnostics):
         if message.file == source.file and message.line is not None:
             by_line.setdefault(message.line, []).append(message)
     code = clean(source.text).expandtabs(4).rstrip("\n") + "\n"
-    lines = colouring(source.language).lines(code)
+    lines = coloured_lines(code, source.language)
     return Listing(
         file=source.file,
         language=source.language,

@@ -64,6 +64,20 @@ def test_eighty_columns_are_enough(
     assert all(len(line) <= 80 for line in table(shown(capsys, passing, failing)))
 
 
+@pytest.mark.parametrize("section", ["[b]", ":sun:", "a\\"])
+def test_what_cells_hold_is_no_markup(
+    capsys: pytest.CaptureFixture[str], passing: Record, section: str
+) -> None:
+    assert section in row(shown(capsys, dataclasses.replace(passing, section=section)), "lamp")
+
+
+def test_cells_cannot_steer_the_terminal(
+    capsys: pytest.CaptureFixture[str], passing: Record
+) -> None:
+    lines = shown(capsys, dataclasses.replace(passing, section="\x1b[2J"))
+    assert not any("\x1b" in line for line in lines)
+
+
 def test_elsewhere_only_failures_are_told_while_it_runs(
     capsys: pytest.CaptureFixture[str], passing: Record, failing: Record
 ) -> None:
