@@ -13,9 +13,9 @@ from ..errors import UsageError
 from ..glsl.engines import ENGINES
 from ..glsl.harness import compile_found, time_limit
 from ..glsl.jobs import WORK, CompileOptions, FileResult
-from ..glsl.sources import STAGES
+from ..glsl.shader_files import find_shaders
 from ..glsl.targets import ALL_TARGETS, TARGETS
-from ..glsl.tree import find_shaders
+from ..glsl.text import STAGES
 from ..workers import Limits, Pool
 from .files import write_json
 from .tallying import Tally, as_data, messages, progress_bar

@@ -11,9 +11,10 @@ from shaderlab.glsl.interface import Block, Interface, Member, SpecConstant, Var
 from shaderlab.glsl.jobs import WORK, FileResult
 from shaderlab.glsl.library import versions
 from shaderlab.glsl.reflection import reflect
-from shaderlab.glsl.sources import STAGES, Shaders, Source
+from shaderlab.glsl.sources import Shaders, Source
 from shaderlab.glsl.spirv_tools import disassemble, validate
 from shaderlab.glsl.targets import ALL_TARGETS, TARGETS
+from shaderlab.glsl.text import STAGES
 
 __all__ = [
     "ALL_TARGETS",

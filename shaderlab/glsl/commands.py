@@ -14,8 +14,9 @@ from pathlib import Path
 
 from shaderlab.glsl.engines import Checked, Linked
 from shaderlab.glsl.executables import CompilerDiedError, Executables, run
-from shaderlab.glsl.sources import EXTENSIONS, Source
+from shaderlab.glsl.sources import Source
 from shaderlab.glsl.targets import SETTINGS
+from shaderlab.glsl.text import EXTENSIONS
 
 # The first extension of each stage is the one that the command knows.
 _SUFFIX = {stage: extension for extension, stage in reversed(list(EXTENSIONS.items()))}

@@ -12,8 +12,9 @@ from shaderlab.errors import ShaderError, nearest
 from shaderlab.glsl.engines import Engine, choose
 from shaderlab.glsl.interface import Interface
 from shaderlab.glsl.reflection import reflect
-from shaderlab.glsl.sources import STAGES, Source
+from shaderlab.glsl.sources import Source
 from shaderlab.glsl.targets import ALL_TARGETS, TARGETS
+from shaderlab.glsl.text import STAGES
 from shaderlab.glsl.verdicts import check_stages, link_stages, to_spirv
 from shaderlab.records import Diagnostic, Verdict
 

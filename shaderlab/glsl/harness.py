@@ -12,9 +12,9 @@ from typing import Any, Protocol
 from shaderlab.errors import ShaderError, nearest
 from shaderlab.glsl.engines import COMMAND_VARIABLE, ENGINES
 from shaderlab.glsl.jobs import CompileJob, CompileOptions, FileResult, died, work
-from shaderlab.glsl.sources import STAGES
+from shaderlab.glsl.shader_files import ShaderFile, find_shaders
 from shaderlab.glsl.targets import ALL_TARGETS, TARGETS
-from shaderlab.glsl.tree import ShaderFile, find_shaders
+from shaderlab.glsl.text import STAGES
 
 _BATCH = 128
 # One check, then for each of three SPIR-V targets the compiler and the validator; rounded up.

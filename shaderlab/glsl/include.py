@@ -1,35 +1,76 @@
-"""`#include`: one text out of a shader and the files it includes, with a map of its lines.
+"""`#include`: one text from a shader and the files it includes, with a map of its lines.
 
 Expansion is textual and happens before the compiler's own preprocessor, so an include inside
 an inactive `#if` is expanded as well (its text is then skipped like any other). A file with
-`#pragma once` gets a guard macro, which gives it the meaning C programmers know.
+`#pragma once` gets a guard macro, as C programmers expect.
 """
 
 from __future__ import annotations
 
 import posixpath
 import re
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 
 from shaderlab.errors import ShaderError, nearest
-from shaderlab.glsl.linemap import LineMap
-from shaderlab.glsl.reading import version_of, without_comments
-from shaderlab.glsl.roots import File, OutsideError, Roots, inside
+from shaderlab.glsl.shader_files import File, OutsideError, Roots, inside
+from shaderlab.glsl.text import version_of, without_comments
 
 MAX_DEPTH = 64
 MAX_INCLUDES = 1000
 
 _DIRECTIVE = re.compile(r"[ \t]*#[ \t]*(include|pragma|line|extension)\b[ \t]*(.*)")
 _ANY_DIRECTIVE = re.compile(r"#[ \t]*(?:include|pragma|line|extension)\b")
+_VERSION_LINE = re.compile(r"[ \t]*#[ \t]*version\b")
+_ONCE = re.compile(r"^[ \t]*#[ \t]*pragma[ \t]+once[ \t]*$", re.MULTILINE)
 _PATH = re.compile(r'"([^"]*)"[ \t]*|<([^>]*)>[ \t]*')
 _LINE = re.compile(r'(\d+)(?:[ \t]+(?:\d+|"([^"]*)"))?[ \t]*')
 _INCLUDE_EXTENSIONS = ("GL_GOOGLE_include_directive", "GL_ARB_shading_language_include")
 
+_Trail = tuple[tuple[File, int], ...]
+"""The includes that lead to a place, the outermost first: the including file and the line."""
+
+
+@dataclass(frozen=True)
+class LineMap:
+    """For each line of a text, by index, the author's file and line (counted from 1).
+
+    `spans` are runs of lines: the file, the first line, and how many there are.
+
+    >>> lines = LineMap.of([("main.frag", 1, 2), ("lib.glsl", 1, 1), ("main.frag", 4, 1)])
+    >>> len(lines), lines[1], lines[2], lines[3]
+    (4, ('main.frag', 2), ('lib.glsl', 1), ('main.frag', 4))
+    """
+
+    spans: tuple[tuple[str, int, int], ...] = ()
+
+    @classmethod
+    def of(cls, spans: Iterable[tuple[str, int, int]]) -> LineMap:
+        """The map of these runs, joined where one continues another."""
+        joined: list[tuple[str, int, int]] = []
+        for file, line, count in spans:
+            if joined and joined[-1][0] == file and sum(joined[-1][1:]) == line:
+                joined[-1] = (file, joined[-1][1], joined[-1][2] + count)
+            else:
+                joined.append((file, line, count))
+        return cls(tuple(joined))
+
+    def __len__(self) -> int:
+        return sum(count for _, _, count in self.spans)
+
+    def __getitem__(self, index: int) -> tuple[str, int]:
+        left = index
+        for file, line, count in self.spans:
+            if 0 <= left < count:
+                return file, line + left
+            left -= count
+        raise IndexError(f"no line {index} in a text of {len(self)}")
+
 
 @dataclass(frozen=True)
 class Expanded:
-    """Text with includes expanded, the same less its comments, each line's origin, and the files
-    it is made of."""
+    """A text with includes expanded, the same without its comments, each line's origin, and the
+    path and own text of each file it is made of."""
 
     text: str
     code: str
@@ -37,173 +78,155 @@ class Expanded:
     parts: tuple[tuple[str, str], ...]
 
 
-@dataclass(frozen=True)
-class _Site:
-    """Where an include stands: the file, the line in it, and where that file was included."""
-
-    file: File
-    line: int
-    outer: _Site | None
-
-    def chain(self) -> str:
-        outer = f"{self.outer.chain()} → " if self.outer else ""
-        return f"{outer}{self.file.path}:{self.line}"
-
-    def depth(self) -> int:
-        return 1 + (self.outer.depth() if self.outer else 0)
-
-    def names(self) -> tuple[str, ...]:
-        return (*(self.outer.names() if self.outer else ()), self.file.name)
-
-
-@dataclass
-class _Output:
-    rows: list[str] = field(default_factory=list)
-    codes: list[str] = field(default_factory=list)
-    spans: list[tuple[str, int, int]] = field(default_factory=list)
-    parts: dict[str, str] = field(default_factory=dict)
-    includes: int = 0
-
-    def add(self, row: str, code: str, place: tuple[str, int]) -> None:
-        self.rows.append(row)
-        self.codes.append(code)
-        self.spans.append((*place, 1))
-
-
-def expand(file: File, roots: Roots) -> Expanded:
+def expand(file: File, roots: Roots, defines: Mapping[str, str]) -> Expanded:
     """The file's text with every `#include` replaced by the included file's text.
+
+    Args:
+        file: the main file.
+        roots: where included files are.
+        defines: macros to put after the first `#version` line, or first if there is none.
 
     Raises:
         ShaderError: an include is malformed, missing, circular, outside the roots, too deep,
             or can't be read; the message has the chain of includes that led there.
     """
-    out = _Output()
     code = without_comments(file.text)
     version = version_of(code)
-    _expand(file, code, roots, None, out, version[0] if version else 110)
+    expansion = _Expansion(roots, defines, version[0] if version else 110)
+    expansion.append(file, code, ())
+    expansion.define_first()
     return Expanded(
-        "\n".join(out.rows), "\n".join(out.codes), LineMap.of(out.spans), tuple(out.parts.items())
+        "\n".join(expansion.rows),
+        "\n".join(expansion.codes),
+        LineMap.of(expansion.spans),
+        tuple(expansion.parts.items()),
     )
 
 
-def _expand(
-    file: File, code: str, roots: Roots, outer: _Site | None, out: _Output, version: int
-) -> None:
-    out.parts.setdefault(file.path, file.text)
-    rows = file.text.split("\n")
-    if outer is not None and rows[-1] == "":
-        rows.pop()  # the line end that closes the file starts no line of its own
-    codes = code.split("\n")
-    guard = _guard(file, codes) if outer is not None else None
-    place = (file.path, 1)
-    if guard:
-        for row in (f"#ifndef {guard}", f"#define {guard}"):
-            out.add(row, row, place)
-    if not _ANY_DIRECTIVE.search(code):
-        out.rows += rows
-        out.codes += codes[: len(rows)]
-        out.spans.append((file.path, 1, len(rows)))
-        return
-    said_file, shift = file.path, 0  # what the author's own #line makes of file and line
-    for number, (row, code) in enumerate(zip(rows, codes, strict=False), start=1):
-        place = (said_file, number + shift)
-        directive = _DIRECTIVE.fullmatch(code) if "#" in code else None
-        kind = directive.group(1) if directive else ""
-        rest = directive.group(2).strip() if directive else ""
-        said = _LINE.fullmatch(rest) if kind == "line" else None
-        if kind == "include":
-            site = _Site(file, number, outer)
-            _check_count(site, out)
-            inner = _included(rest, site, roots)
-            _expand(inner, without_comments(inner.text), roots, site, out, version)
-        elif kind == "extension" and rest.split(":")[0].strip() in _INCLUDE_EXTENSIONS:
-            out.add("", "", place)  # drivers that lack the extension would refuse it
-        elif said:
-            out.add("", "", place)
-            # Up to GLSL 1.50 the line after `#line n` is n + 1, from 3.30 on it is n.
-            shift = int(said.group(1)) - number - (1 if version >= 330 else 0)
-            said_file = said.group(2) or said_file
+class _Expansion:
+    """The text so far: its rows, the same without comments, their origin, the files."""
+
+    def __init__(self, roots: Roots, defines: Mapping[str, str], version: int) -> None:
+        self._roots, self._version, self._includes = roots, version, 0
+        self._defines = [f"#define {word} {value}".rstrip() for word, value in defines.items()]
+        self.rows: list[str] = []
+        self.codes: list[str] = []
+        self.spans: list[tuple[str, int, int]] = []
+        self.parts: dict[str, str] = {}
+
+    def append(self, file: File, code: str, trail: _Trail) -> None:
+        """Append a file; `code` is its text without comments, `trail` led to it."""
+        self.parts.setdefault(file.path, file.text)
+        rows, codes = file.text.split("\n"), code.split("\n")
+        if trail and rows[-1] == "":
+            rows.pop()  # the file's last line end does not start another line
+        guard = _guard(file, code) if trail else None
+        if guard:
+            self._add((file.path, 1), f"#ifndef {guard}", f"#define {guard}")
+        if _ANY_DIRECTIVE.search(code) or (self._defines and "version" in code):
+            self._append_rows(file, rows, codes, trail)
         else:
-            out.add(row, code, place)
-    if guard:
-        out.add("#endif", "#endif", place)
+            self.rows += rows
+            self.codes += codes[: len(rows)]
+            self.spans.append((file.path, 1, len(rows)))
+        if guard:
+            self._add((file.path, len(rows)), "#endif")
+
+    def define_first(self) -> None:
+        """Put macros first if no `#version` line preceded them."""
+        self.rows[:0] = self.codes[:0] = self._defines
+        self.spans[:0] = [(*self.spans[0][:2], 1)] * len(self._defines)
+
+    def _append_rows(
+        self, file: File, rows: Sequence[str], codes: Sequence[str], trail: _Trail
+    ) -> None:
+        said_file, shift = file.path, 0  # file and line according to the author's own #line
+        for number, (row, code) in enumerate(zip(rows, codes, strict=False), start=1):
+            place = (said_file, number + shift)
+            directive = _DIRECTIVE.fullmatch(code) if "#" in code else None
+            kind, rest = directive.groups() if directive else ("", "")
+            said = _LINE.fullmatch(rest.strip()) if kind == "line" else None
+            if kind == "include":
+                inner = self._included(rest.strip(), (*trail, (file, number)))
+                self.append(inner, without_comments(inner.text), (*trail, (file, number)))
+            elif kind == "extension" and rest.split(":")[0].strip() in _INCLUDE_EXTENSIONS:
+                self._add(place, "")  # drivers without the extension would refuse it
+            elif said:
+                self._add(place, "")
+                # Up to GLSL 1.50 the line after `#line n` is n + 1, from 3.30 on it is n.
+                shift = int(said[1]) - number - (1 if self._version >= 330 else 0)
+                said_file = said[2] or said_file
+            else:
+                self.rows.append(row)
+                self.codes.append(code)
+                self.spans.append((*place, 1))
+            if self._defines and _VERSION_LINE.match(code):
+                self._add(place, *self._defines)
+                self._defines = []
+
+    def _add(self, place: tuple[str, int], *rows: str) -> None:
+        """Append rows of our own, all from one place of the author's."""
+        self.rows += rows
+        self.codes += rows
+        self.spans += [(*place, 1)] * len(rows)
+
+    def _included(self, rest: str, trail: _Trail) -> File:
+        """The file that the text after `#include` names."""
+        self._includes += 1
+        if self._includes > MAX_INCLUDES:
+            remedy = "include files that are needed in many places once, from the main file"
+            raise _error(f"includes more than {MAX_INCLUDES} times in all", trail, remedy)
+        match = _PATH.fullmatch(rest)
+        if match is None:
+            remedy = 'write #include "file.glsl"'
+            raise _error(f"malformed #include {rest}".rstrip(), trail, remedy)
+        asked = match[2] if match[1] is None else match[1]
+        folder = "" if match[1] is None else posixpath.dirname(trail[-1][0].name)
+        outside = None
+        for start in dict.fromkeys([folder, ""]):
+            try:
+                name = inside(asked, start)
+                open_files = [file for file, _ in trail if file.name == name]
+                if open_files and not _ONCE.search(without_comments(open_files[0].text)):
+                    raise _error(f"{asked!r} includes itself", trail, "break the cycle of includes")
+                file = self._roots.find(name)
+            except OutsideError as error:
+                outside = outside or error
+                continue
+            except ShaderError as error:
+                raise _error_in(error, trail) from None
+            if file is not None and len(trail) > MAX_DEPTH:
+                raise _error(f"includes nest deeper than {MAX_DEPTH}", trail, "include less deeply")
+            if file is not None:
+                return File(file.name, file.path, "\n") if open_files else file
+        if outside is not None:
+            remedy = "move the file into a shader folder"
+            raise _error(f"#include {asked!r} {outside}", trail, remedy)
+        raise _error(f"no file to #include: {asked!r}", trail, nearest(asked, self._roots.names()))
 
 
-def _included(rest: str, site: _Site, roots: Roots) -> File:
-    """The file that the text after `#include` names."""
-    match = _PATH.fullmatch(rest)
-    if match is None:
-        raise _error(f"malformed #include {rest}".rstrip(), site, 'write #include "file.glsl"')
-    asked = match.group(1) if match.group(1) is not None else match.group(2)
-    folder = posixpath.dirname(site.file.name)
-    folders = [folder, ""] if match.group(1) is not None and folder else [""]
-    outside = None
-    for start in folders:
-        try:
-            name = inside(asked, start)
-            if name in site.names() and not _is_once(site, name):
-                raise _error(f"{asked!r} includes itself", site, "break the cycle of includes")
-            file = roots.find(name)
-        except OutsideError as error:
-            outside = outside or error
-            continue
-        except ShaderError as error:
-            raise _error_in(error, site) from None
-        if file is not None:
-            return _not_again(file, site)
-    if outside is not None:
-        raise _error(f"#include {asked!r} {outside}", site, "move the file into a shader folder")
-    raise _error(f"no file to #include: {asked!r}", site, nearest(asked, roots.names()))
-
-
-def _not_again(file: File, site: _Site) -> File:
-    """The file, or nothing of it where it has `#pragma once` and is being expanded already."""
-    if site.depth() > MAX_DEPTH:
-        raise _error(f"includes nest deeper than {MAX_DEPTH}", site, "include less deeply")
-    if file.name in site.names():
-        return File(file.name, file.path, "\n")
-    return file
-
-
-def _is_once(site: _Site | None, name: str) -> bool:
-    while site is not None:
-        if site.file.name == name:
-            return _has_once(without_comments(site.file.text).split("\n"))
-        site = site.outer
-    return False
-
-
-def _has_once(codes: list[str]) -> bool:
-    return any(re.fullmatch(r"[ \t]*#[ \t]*pragma[ \t]+once[ \t]*", code) for code in codes)
-
-
-def _guard(file: File, codes: list[str]) -> str | None:
+def _guard(file: File, code: str) -> str | None:
     """A macro's name for a file with `#pragma once`; two underscores in a row are reserved."""
-    if not _has_once(codes):
+    if not _ONCE.search(code):
         return None
     return "SHADERLAB_ONCE_" + "".join(
         c if c.isascii() and c.isalnum() else f"_{ord(c):x}Z" for c in file.name
     )
 
 
-def _check_count(site: _Site, out: _Output) -> None:
-    out.includes += 1
-    if out.includes > MAX_INCLUDES:
-        raise _error(
-            f"includes more than {MAX_INCLUDES} times in all",
-            site,
-            "include files that are needed in many places once, from the main file",
-        )
+def _error(message: str, trail: _Trail, remedy: str) -> ShaderError:
+    *outer, (file, line) = trail
+    chain = f" (included by {_chain(outer)})" if outer else ""
+    return ShaderError(message + chain, file=file.path, line=line, remedy=remedy)
 
 
-def _error(message: str, site: _Site, remedy: str) -> ShaderError:
-    chain = f" (included by {site.outer.chain()})" if site.outer else ""
-    return ShaderError(message + chain, file=site.file.path, line=site.line, remedy=remedy)
-
-
-def _error_in(error: ShaderError, site: _Site) -> ShaderError:
+def _error_in(error: ShaderError, trail: _Trail) -> ShaderError:
     """An error of reading an included file, with the chain that led to it."""
     if "included by" in error.message or "includes itself" in error.message:
         return error
-    message = f"{error.message} (included by {site.chain()})"
+    message = f"{error.message} (included by {_chain(trail)})"
     return ShaderError(message, file=error.file, line=error.line, remedy=error.remedy)
+
+
+def _chain(trail: Iterable[tuple[File, int]]) -> str:
+    return " → ".join(f"{file.path}:{line}" for file, line in trail)

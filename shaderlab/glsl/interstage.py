@@ -14,7 +14,8 @@ from shaderlab.glsl.diagnostics import declaration
 from shaderlab.glsl.interface import Variable
 from shaderlab.glsl.module import MAGIC, Decoration, Module, Storage, parse
 from shaderlab.glsl.numbering import interface_name, numbers, share
-from shaderlab.glsl.sources import STAGES, Source
+from shaderlab.glsl.sources import Source
+from shaderlab.glsl.text import STAGES
 from shaderlab.glsl.types import slots
 from shaderlab.glsl.variables import stage_variables
 from shaderlab.records import Diagnostic

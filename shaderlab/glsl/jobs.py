@@ -14,8 +14,9 @@ from shaderlab.glsl.compile import compile_program
 from shaderlab.glsl.driver_verdict import mark_disagreement
 from shaderlab.glsl.engines import Engine, choose, limited
 from shaderlab.glsl.executables import CompilerDiedError
-from shaderlab.glsl.sources import Shaders, Source, stage_of
+from shaderlab.glsl.sources import Shaders, Source
 from shaderlab.glsl.targets import TARGETS
+from shaderlab.glsl.text import stage_of
 from shaderlab.records import Diagnostic, Verdict
 
 WORK = "shaderlab.glsl.jobs:work"

@@ -13,9 +13,10 @@ from collections.abc import Mapping, Sequence
 
 from shaderlab.glsl.engines import Checked, Linked
 from shaderlab.glsl.library import Glslang, Input, SpirvOptions, glslang, spirv_tools, versions
-from shaderlab.glsl.sources import STAGES, Source
+from shaderlab.glsl.sources import Source
 from shaderlab.glsl.spirv_tools import validate
 from shaderlab.glsl.targets import SETTINGS, TargetSettings
+from shaderlab.glsl.text import STAGES
 
 _DEFAULT_VERSION = 110
 _GLSL, _SPV, _SPV_1_0 = 1, 1, 1 << 16

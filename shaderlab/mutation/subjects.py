@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from shaderlab.errors import ShaderError
-from shaderlab.glsl.sources import STAGES, Source
+from shaderlab.glsl.sources import Source
+from shaderlab.glsl.text import STAGES
 from shaderlab.model import Case, Pass, Scene, outputs_read
 from shaderlab.mutation.mutants import Mutant, mutants_of
 from shaderlab.mutation.syntax import Syntax, reachable

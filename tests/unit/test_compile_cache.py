@@ -17,6 +17,7 @@ from shaderlab.glsl.cache_store import Store
 from shaderlab.glsl.compile import Compiled
 from shaderlab.glsl.compile_cache import CompileCache, Entry, decode, encode, program_key
 from shaderlab.glsl.executables import CompilerDiedError
+from shaderlab.glsl.include import LineMap
 from shaderlab.glsl.targets import ALL_TARGETS, TARGETS
 
 VERTEX = """#version 330 core
@@ -214,8 +215,8 @@ def named_otherwise(folder: Path) -> list[Source]:
 
 def on_other_lines(folder: Path) -> list[Source]:
     vertex, fragment = changed(lambda texts: None)(folder)
-    rows = fragment.lines.with_inserted(0, 1, (fragment.path, 1))
-    return [vertex, dataclasses.replace(fragment, lines=rows)]
+    lines = LineMap.of([(fragment.path, 1, 1), *fragment.lines.spans])
+    return [vertex, dataclasses.replace(fragment, lines=lines)]
 
 
 CHANGES = {

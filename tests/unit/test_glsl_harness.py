@@ -9,7 +9,7 @@ import pytest
 
 from shaderlab.errors import ShaderError, UsageError
 from shaderlab.glsl import WORK, FileResult, compile_glsl
-from shaderlab.glsl.tree import find_shaders
+from shaderlab.glsl.shader_files import find_shaders
 from shaderlab.workers import Pool
 
 GOOD = "#version 330 core\nout vec4 c;\nvoid main() { c = vec4(1.0); }\n"

@@ -6,7 +6,7 @@ import pytest
 
 from shaderlab.errors import ShaderError
 from shaderlab.glsl import Shaders, compile_program
-from shaderlab.glsl.linemap import LineMap
+from shaderlab.glsl.include import LineMap
 
 FRAGMENT = "#version 330 core\nout vec4 color;\nvoid main() { color = vec4(1.0); }\n"
 
@@ -215,18 +215,27 @@ def test_text_that_is_no_file_may_include(tmp_path: Path) -> None:
     assert (source.path, source.stage) == ("<generated>", "vertex")
 
 
-def test_a_line_map_counts_lines_from_either_end_and_refuses_others():
+def test_a_line_map_joins_runs_and_refuses_other_lines():
     lines = LineMap.of([("a", 1, 2), ("a", 3, 1), ("b", 9, 2)])
     assert lines.spans == (("a", 1, 3), ("b", 9, 2))
-    assert tuple(lines) == (("a", 1), ("a", 2), ("a", 3), ("b", 9), ("b", 10))
-    assert lines[-2:] == (("b", 9), ("b", 10))
-    for index in (5, -6):
+    assert list(lines) == [("a", 1), ("a", 2), ("a", 3), ("b", 9), ("b", 10)]
+    for index in (5, -1):
         with pytest.raises(IndexError, match=f"no line {index}"):
             lines[index]
 
 
-@pytest.mark.parametrize("at", range(6))
-def test_lines_put_into_a_line_map_move_the_others(at):
-    lines = LineMap.of([("a", 1, 3), ("b", 9, 2)])
-    wanted = [*lines[:at], ("x", 7), ("x", 7), *lines[at:]]
-    assert list(lines.with_inserted(at, 2, ("x", 7))) == wanted
+@pytest.mark.parametrize(
+    ("main", "text", "lines"),
+    [
+        ("#version 330\nout vec4 c;", "#version 330\n#define N 4\nout vec4 c;", [1, 1, 2]),
+        ("// first\nout vec4 c;", "#define N 4\n// first\nout vec4 c;", [1, 1, 2]),
+        ("#version 330", "#version 330\n#define N 4", [1, 1]),
+        ('#include "v.glsl"\nint i;', "#version 410\n#define N 4\nint i;", [1, 1, 2]),
+        ('#version 330\n#include "i.glsl"', "#version 330\n#define N 4\nint j;", [1, 1, 1]),
+    ],
+)
+def test_defines_follow_the_version_line(tmp_path, main, text, lines):
+    write(tmp_path, main_frag=main, v_glsl="#version 410\n", i_glsl="int j;\n")
+    source = Shaders([tmp_path], defines={"N": "4"}).load("main.frag")
+    assert source.text == source.code.replace(" " * 8, "// first") == text
+    assert [line for _, line in source.lines] == lines

@@ -1,19 +1,40 @@
-"""Reading a shader file into text, and looking at GLSL text without its comments."""
+"""A shader file's text: encoding, line ends, comments, `#version`, stage."""
 
 from __future__ import annotations
 
 import os
+import posixpath
 import re
+from collections.abc import Mapping
 from pathlib import Path
 
-from shaderlab.errors import ShaderError
+from shaderlab.errors import ShaderError, nearest
+
+STAGES = ("vertex", "tess_control", "tess_evaluation", "geometry", "fragment", "compute")
+
+EXTENSIONS: Mapping[str, str] = {
+    ".vert": "vertex",
+    ".vs": "vertex",
+    ".tesc": "tess_control",
+    ".tcs": "tess_control",
+    ".tese": "tess_evaluation",
+    ".tes": "tess_evaluation",
+    ".geom": "geometry",
+    ".gs": "geometry",
+    ".frag": "fragment",
+    ".fs": "fragment",
+    ".comp": "compute",
+    ".cs": "compute",
+}
+_PRAGMA = re.compile(r"^[ \t]*#[ \t]*pragma[ \t]+shader_stage[ \t]*\([ \t]*(\w*)[ \t]*\)", re.M)
+_PRAGMA_NAMES = {"tesscontrol": "tess_control", "tesseval": "tess_evaluation"}
 
 # A quoted include path may hold "//"; everything else that looks like a comment is one. Without
 # groups the search skips to the next quote or slash, which is several times as fast.
 _COMMENT = re.compile(r'"[^"\n]*"|//(?:\\\n|[^\n])*|/\*.*?(?:\*/|\Z)', re.DOTALL)
 _VERSION = re.compile(r"#[ \t]*version[ \t]+(\d+)[ \t]*(\w*)")
 MAX_BYTES = 4 << 20
-"""The largest file that is taken for a shader."""
+"""The largest file accepted as a shader."""
 
 _WIDE = {b"\xff\xfe": "UTF-16", b"\xfe\xff": "UTF-16"}
 
@@ -26,7 +47,7 @@ def read_shader(path: str | Path) -> str:
     """
     try:
         with open(path, "rb") as file:
-            # Read by its size: a limit as large as this would be allocated for every file.
+            # Read by its size, since a buffer of the limit would be allocated for every file.
             size = os.fstat(file.fileno()).st_size
             data = file.read() if size <= MAX_BYTES else file.read(MAX_BYTES + 1)
     except FileNotFoundError:
@@ -48,7 +69,7 @@ def read_shader(path: str | Path) -> str:
 
 
 def decode(data: bytes, path: str | Path) -> str:
-    """UTF-8 bytes as text, less a byte order mark.
+    """UTF-8 bytes as text, without a byte order mark.
 
     Raises:
         ShaderError: the bytes are not UTF-8; the message names the first bad byte's offset.
@@ -68,7 +89,7 @@ def decode(data: bytes, path: str | Path) -> str:
 
 
 def normalise(text: str, path: str | Path) -> str:
-    """Text with "\\n" line ends, refused where no compiler could see all of it.
+    """Text with "\\n" line ends.
 
     Raises:
         ShaderError: the text is empty or holds a NUL character, at which compilers stop reading.
@@ -88,7 +109,7 @@ def normalise(text: str, path: str | Path) -> str:
 
 
 def without_comments(text: str) -> str:
-    """The text with every comment blanked out, all other characters where they were."""
+    """The text with its comments blanked out; all other characters stay in place."""
     if "//" not in text and "/*" not in text:
         return text
     return _COMMENT.sub(_blank, text)
@@ -104,8 +125,39 @@ def _blank(match: re.Match[str]) -> str:
 
 
 def version_of(code: str) -> tuple[int, str] | None:
-    """The `#version` of comment-free text as (330, "core"), or None where it gives none."""
+    """The `#version` of comment-free text as (330, "core"), or None if it has none."""
     for match in _VERSION.finditer(code):
         if not code[code.rfind("\n", 0, match.start()) + 1 : match.start()].strip():
             return int(match.group(1)), match.group(2)
     return None
+
+
+def stage_of(name: str, text: str, path: str | None = None) -> str:
+    """The stage that a file's extension or its `#pragma shader_stage(…)` names.
+
+    Raises:
+        ShaderError: there is neither, or the pragma names no stage.
+    """
+    stem, suffix = posixpath.splitext(name)
+    if suffix == ".glsl":
+        suffix = posixpath.splitext(stem)[1]
+    if suffix in EXTENSIONS:
+        return EXTENSIONS[suffix]
+    pragma = _PRAGMA.search(without_comments(text))
+    if pragma is None:
+        raise ShaderError(
+            "can't tell the shader's stage from its name",
+            file=path or name,
+            remedy=f"name it with {' '.join(EXTENSIONS)}, or add #pragma shader_stage(fragment)",
+        )
+    word = pragma.group(1)
+    stage = _PRAGMA_NAMES.get(word, word)
+    if stage not in STAGES:
+        line = text.count("\n", 0, pragma.start()) + 1
+        raise ShaderError(
+            f"#pragma shader_stage({word}) names no stage",
+            file=path or name,
+            line=line,
+            remedy=nearest(word, STAGES),
+        )
+    return stage

@@ -1,4 +1,4 @@
-"""The folders that shaders live in: from a name to a file inside them, and never outside."""
+"""Shader files on disk: by name inside the shader folders, or below paths that a user names."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ import functools
 import os
 import posixpath
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from shaderlab.errors import ShaderError, nearest
-from shaderlab.glsl.reading import normalise, read_shader
+from shaderlab.errors import ShaderError, UsageError, nearest
+from shaderlab.glsl.text import EXTENSIONS, normalise, read_shader, stage_of
 
 _SHADER_SUFFIXES = re.compile(r"\.(vert|vs|frag|fs|geom|gs|tesc|tcs|tese|tes|comp|cs|glsl|inc|h)")
 
@@ -31,14 +31,14 @@ class OutsideError(ValueError):
 
 @dataclass(frozen=True)
 class Roots:
-    """Shader folders in search order, with replacement texts or files for some names."""
+    """Shader folders in search order, with other texts or files for some names."""
 
     folders: tuple[Path, ...]
     overrides: Mapping[str, str | Path]
     _real_parents: dict[str, str] = field(default_factory=dict, repr=False, compare=False)
 
     def shader(self, name: str) -> File:
-        """The shader of that name.
+        """The named shader.
 
         Raises:
             ShaderError: it is in no root, leads out of them, or can't be read.
@@ -58,7 +58,7 @@ class Roots:
         return file
 
     def find(self, name: str) -> File | None:
-        """The file of a normalised name, or None where no root has it.
+        """The file of a normalised name, or None if it is in no root.
 
         Raises:
             OutsideError: a symbolic link leads out of the roots.
@@ -82,7 +82,7 @@ class Roots:
         return tuple(sorted(found | set(self.overrides)))
 
     def _real(self, path: str) -> str:
-        """A file's place without links in its folder's name, which is resolved only once."""
+        """The file's path without symbolic links in its folder; resolves each folder once."""
         parent, name = os.path.split(path)
         if parent not in self._real_parents:
             self._real_parents[parent] = os.path.realpath(parent)
@@ -90,12 +90,12 @@ class Roots:
 
     @functools.cached_property
     def _named_folders(self) -> tuple[str, ...]:
-        """The folders as text: joining that is several times as fast as joining paths."""
+        """The folders as strings, which join several times as fast as paths."""
         return tuple("" if folder == Path() else str(folder) for folder in self.folders)
 
     @functools.cached_property
     def _real_folders(self) -> tuple[str, ...]:
-        """The folders without links in them, each ending in a separator."""
+        """The folders without symbolic links, each with a separator at its end."""
         return tuple(os.path.join(os.path.realpath(folder), "") for folder in self.folders)
 
     def _refuse_escape(self, path: str) -> None:
@@ -127,3 +127,92 @@ def _below(folder: Path) -> Iterator[str]:
         for path in folder.rglob("*"):
             if _SHADER_SUFFIXES.fullmatch(path.suffix) and path.is_file():
                 yield path.relative_to(folder).as_posix()
+
+
+@dataclass(frozen=True)
+class ShaderFile:
+    """A shader file to compile: its path as the user would write it, its root, its name in it."""
+
+    path: str
+    root: str
+    name: str
+
+
+def find_shaders(
+    paths: Sequence[str | Path], roots: Sequence[Path] = (), *, stage: str | None = None
+) -> list[ShaderFile]:
+    """The shaders at the paths, each once, sorted by path.
+
+    Args:
+        paths: files, and folders to search for files whose extension or `#pragma shader_stage`
+            names a stage; other files in them are for inclusion.
+        roots: shader folders. A file in one of them includes from there, any other from the
+            folder in `paths`, or its own.
+        stage: every file's stage; by default each file names its own.
+
+    Raises:
+        UsageError: a path does not exist, or a folder holds no shader.
+    """
+    real_roots = [(os.path.join(os.path.realpath(root), ""), str(root)) for root in roots]
+    real_folders: dict[str, str] = {}  # each folder is resolved once
+    found: dict[str, ShaderFile] = {}
+    for path in map(Path, paths):
+        if not path.exists():
+            raise UsageError("there is no such file or folder", file=path)
+        if not path.is_dir():
+            files, folder = [str(path)], str(path.parent)
+        else:
+            folder = str(path)
+            files = [file for file in _walk(folder) if stage or _tells_stage(file)]
+            if not files:
+                raise UsageError(
+                    "there is no shader in this folder",
+                    file=path,
+                    remedy=f"shaders are named {' '.join(EXTENSIONS)}, or say #pragma shader_stage",
+                )
+        for file in files:
+            key = os.path.abspath(file) if len(paths) > 1 else file
+            found.setdefault(key, _placed(file, folder, real_roots, real_folders))
+    return sorted(found.values(), key=lambda shader: shader.path)
+
+
+def _placed(
+    file: str, folder: str, roots: Sequence[tuple[str, str]], real_folders: dict[str, str]
+) -> ShaderFile:
+    if roots:
+        parent, name = os.path.split(file)
+        if parent not in real_folders:
+            real_folders[parent] = os.path.realpath(parent)
+        real = os.path.join(real_folders[parent], name)
+        for real_root, root in roots:
+            if real.startswith(real_root):
+                return ShaderFile(file, root, _slashes(real[len(real_root) :]))
+    start = os.path.join(folder, "")
+    name = file[len(start) :] if file.startswith(start) else os.path.relpath(file, folder)
+    return ShaderFile(file, folder, _slashes(name))
+
+
+def _walk(folder: str) -> Iterator[str]:
+    for where, folders, files in os.walk(folder):
+        folders[:] = sorted(name for name in folders if not name.startswith("."))
+        for name in sorted(files):
+            yield os.path.join(where, name)
+
+
+def _tells_stage(file: str) -> bool:
+    stem, extension = os.path.splitext(file)
+    if extension in EXTENSIONS:
+        return True
+    if extension != ".glsl":
+        return False
+    if os.path.splitext(stem)[1] in EXTENSIONS:
+        return True
+    try:
+        stage_of(file, read_shader(Path(file)))
+    except ShaderError as error:
+        return "names no stage" in error.message  # a misspelt pragma is an error, not an include
+    return True
+
+
+def _slashes(name: str) -> str:
+    return name.replace(os.sep, "/")
