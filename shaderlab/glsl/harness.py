@@ -21,31 +21,13 @@ _BATCH = 128
 _COMMANDS_PER_FILE = 8
 
 
-class Outcome(Protocol):
-    """How a pool's process ended a job."""
-
-    @property
-    def item(self) -> Any:
-        """The job."""
-
-    @property
-    def status(self) -> str:
-        """ "done", "crash", "timeout", or "error" if an exception was raised."""
-
-    @property
-    def result(self) -> Any:
-        """The job's result, or the exception."""
-
-    @property
-    def message(self) -> str:
-        """How the process died."""
-
-
 class Workers(Protocol):
     """A pool of processes that run jobs, such as `shaderlab.workers.Pool(WORK)`."""
 
-    def each(self, items: Iterable[Any]) -> Iterator[Outcome]:
-        """Each job's outcome, in order."""
+    def each(self, items: Iterable[Any]) -> Iterator[Any]:
+        """How each job ended, in order: `item` is the job, `status` is "done", "crash", "timeout",
+        or "error" for an exception, `result` is the job's result or the exception, and `message`
+        says how the process died."""
 
 
 def compile_glsl(

@@ -12,9 +12,9 @@ from shaderlab.errors import ShaderError
 from shaderlab.glsl import Shaders, Source, compile_program, disassemble, validate, versions
 from shaderlab.glsl.engines import choose
 from shaderlab.glsl.guards import MAX_NESTING, MAX_OPERATORS, fatal
+from shaderlab.glsl.interstage import interface_name
 from shaderlab.glsl.library import find
 from shaderlab.glsl.module import Decoration, Module, parse
-from shaderlab.glsl.numbering import interface_name
 
 # Each stage uses its variables in another order than the others, so glslang numbers them apart.
 CROSSED: Mapping[str, str] = {
