@@ -191,6 +191,13 @@ def open_backend(driver: str | None = None) -> Backend:
     return backend
 
 
+def prepare_process(driver: str | None = None) -> None:
+    """Give this process to a driver for good, as only a process of the lab's own may: its
+    environment and the checks of its packages are set for the driver. To be called first."""
+    chosen = known_driver(driver)
+    importlib.import_module(_MODULES[chosen]).prepare_process(chosen)
+
+
 def probe() -> Mapping[str, str]:
     """Open a device, read what it is, close it. Raises DriverError as `open_backend` does."""
     backend = open_backend()

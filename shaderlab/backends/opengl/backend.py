@@ -7,7 +7,7 @@ from contextlib import ExitStack, contextmanager
 
 from shaderlab.backends import Drawn, Size
 from shaderlab.backends.opengl import calls, capture, feedback, queries, verdict
-from shaderlab.backends.opengl.device import Device, open_device
+from shaderlab.backends.opengl.device import Device, open_device, prepare_process
 from shaderlab.backends.opengl.drawing import Drawing
 from shaderlab.backends.opengl.linking import Linker
 from shaderlab.errors import CaseError
@@ -28,6 +28,8 @@ from shaderlab.programs import captures
 from shaderlab.programs.prepare import Programs
 from shaderlab.programs.vertices import probed_mesh
 from shaderlab.records import Verdict
+
+__all__ = ["OpenGLBackend", "OpenGLSession", "open_backend", "prepare_process"]
 
 
 def open_backend(driver: str) -> OpenGLBackend:
@@ -55,13 +57,14 @@ class OpenGLBackend:
     ) -> Iterator[OpenGLSession]:
         """A scene to draw and to ask about, as in `Backend.session`."""
         linker = self._linker.borrowed() if temporary_programs else self._linker
-        with ExitStack() as stack:
+        with self.device.unchecked(), ExitStack() as stack:
             drawing = Drawing(self.device, linker, scene, programs, size, stack)
             yield OpenGLSession(drawing, self.captures)
 
     def driver_verdict(self, sources: Sequence[Source]) -> Verdict:
         """The driver's own verdict on a program. Raises DriverError for a stage it has not."""
-        return verdict.driver_verdict(self.device, sources)
+        with self.device.unchecked():
+            return verdict.driver_verdict(self.device, sources)
 
     def close(self) -> None:
         """Give the device back."""

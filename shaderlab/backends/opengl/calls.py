@@ -9,14 +9,14 @@ from __future__ import annotations
 import ctypes
 import importlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import lru_cache
 from itertools import takewhile
 from typing import Any, TypeGuard
 
 import numpy as np
 
-from shaderlab.backends.opengl.device import REQUIRED_VERSION, Device
+from shaderlab.backends.opengl.device import REQUIRED_VERSION, Device, environment
 from shaderlab.backends.opengl.drawing import drain_errors
 from shaderlab.errors import CaseError, DriverError, ShaderError, UnsupportedError, nearest
 from shaderlab.frame import Reply
@@ -92,7 +92,8 @@ def _fresh_context(device: Device) -> Iterator[None]:
     device.context.gc_mode = "context_gc"
     names = {"glversion": REQUIRED_VERSION, "mode": "standalone"}
     try:
-        fresh = glcontext.get_backend_by_name("egl")(**names)
+        with environment(device.driver):
+            fresh = glcontext.get_backend_by_name("egl")(**names)
     except Exception as error:  # glcontext raises plain Exception for whatever EGL says
         raise DriverError(f"no further OpenGL context on EGL ({error})") from error
     try:
@@ -131,10 +132,12 @@ class _Maker:
         return (0 if got is None else got,) if function.restype is not None else ()
 
     def _called(self, call: Call, function: Any, values: Sequence[Any]) -> Any:
-        from OpenGL.error import NullFunctionError
+        from OpenGL.error import GLError, NullFunctionError
 
         try:
             return function(*values)
+        except GLError as error:  # PyOpenGL's own check, of compiling and linking
+            return error.result
         except NullFunctionError as error:
             raise UnsupportedError(f"{call.function}: this driver has no such function") from error
         except (ctypes.ArgumentError, TypeError, ValueError) as error:
@@ -167,6 +170,7 @@ class _Maker:
 
     def _program(self, wanted: Program) -> int:
         from OpenGL import GL
+        from OpenGL.error import GLError
 
         if wanted not in self._programs:
             program = GL.glCreateProgram()
@@ -174,10 +178,12 @@ class _Maker:
             for stage, text in self._texts(wanted).items():
                 shader = GL.glCreateShader(_STAGES[stage])
                 GL.glShaderSource(shader, text)
-                GL.glCompileShader(shader)
+                with suppress(GLError):
+                    GL.glCompileShader(shader)
                 GL.glAttachShader(program, shader)
                 GL.glDeleteShader(shader)
-            GL.glLinkProgram(program)
+            with suppress(GLError):  # the status says it
+                GL.glLinkProgram(program)
             if not GL.glGetProgramiv(program, GL.GL_LINK_STATUS):
                 log = GL.glGetProgramInfoLog(program)
                 raise ShaderError(f"the driver refuses the {wanted}: {log!r}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 
 from shaderlab.backends.opengl.device import Device
 from shaderlab.errors import DriverError
@@ -38,6 +39,7 @@ def driver_verdict(device: Device, sources: Sequence[Source]) -> Verdict:
         DriverError: the driver has no such stage; glslang's verdict is then the only one.
     """
     from OpenGL import GL
+    from OpenGL.error import GLError
 
     for source in sources:
         if device.version < _NEEDS.get(source.stage, 0):
@@ -51,13 +53,15 @@ def driver_verdict(device: Device, sources: Sequence[Source]) -> Verdict:
             shader = GL.glCreateShader(_KINDS[source.stage])
             shaders.append(shader)
             GL.glShaderSource(shader, source.text)
-            GL.glCompileShader(shader)
+            with suppress(GLError):  # the status says it
+                GL.glCompileShader(shader)
             good = bool(GL.glGetShaderiv(shader, _COMPILED))
             found += parse_driver_log(_text(GL.glGetShaderInfoLog(shader)), source, ok=good)
             ok = ok and good
             GL.glAttachShader(program, shader)
         if ok and any(source.stage in _BEGIN for source in sources):
-            GL.glLinkProgram(program)
+            with suppress(GLError):
+                GL.glLinkProgram(program)
             ok = bool(GL.glGetProgramiv(program, _LINKED))
             found += parse_driver_log(_text(GL.glGetProgramInfoLog(program)), sources[-1], ok=ok)
         return Verdict(target=DRIVER, ok=ok, diagnostics=tuple(dict.fromkeys(found)))
