@@ -35,9 +35,9 @@ Size = tuple[int, int]
 
 # The module that opens each driver, by the driver's name.
 _MODULES = {
-    "llvmpipe": "shaderlab.backends.opengl.backend",
-    "softpipe": "shaderlab.backends.opengl.backend",
-    "default": "shaderlab.backends.opengl.backend",
+    "llvmpipe": "shaderlab.backends.opengl",
+    "softpipe": "shaderlab.backends.opengl",
+    "default": "shaderlab.backends.opengl",
 }
 DRIVERS = tuple(_MODULES)
 

@@ -1,1 +1,61 @@
-"""OpenGL on EGL, without a screen."""
+"""OpenGL on EGL, without a screen, beside what else the process does with OpenGL.
+
+Mesa and PyOpenGL read how to open a driver from the environment. It is changed only while they
+do, and put back. A process that is the lab's alone is prepared for good. Nothing here imports a
+graphics API before a device is asked for.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from shaderlab.backends.opengl.backend import OpenGLBackend
+
+SOFTWARE = ("llvmpipe", "softpipe")
+
+
+def open_backend(driver: str) -> OpenGLBackend:
+    """Open an OpenGL device. Raises DriverError as `device.open_device` does."""
+    from shaderlab.backends.opengl.backend import OpenGLBackend
+    from shaderlab.backends.opengl.device import open_device
+
+    return OpenGLBackend(open_device(driver))
+
+
+def prepare_process(driver: str) -> None:
+    """Set the driver's environment for good and turn PyOpenGL's checks off; to be called before
+    anything imports PyOpenGL, in a process that nobody else uses."""
+    os.environ.update(_variables(driver))
+    import OpenGL
+
+    OpenGL.ERROR_CHECKING = False
+
+
+@contextmanager
+def environment(driver: str = "default") -> Iterator[None]:
+    """The environment variables that a context of this driver is made with, for a while."""
+    wanted = _variables(driver)
+    before = {name: os.environ.get(name) for name in wanted}
+    os.environ.update(wanted)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
+
+
+def _variables(driver: str) -> dict[str, str]:
+    wanted = {
+        name: os.environ.get(name, value)
+        for name, value in (("EGL_PLATFORM", "surfaceless"), ("PYOPENGL_PLATFORM", "egl"))
+    }
+    if driver in SOFTWARE:
+        wanted |= {"LIBGL_ALWAYS_SOFTWARE": "1", "GALLIUM_DRIVER": driver}
+    return wanted

@@ -7,7 +7,7 @@ from contextlib import ExitStack, contextmanager
 
 from shaderlab.backends import Drawn, Size
 from shaderlab.backends.opengl import calls, capture, feedback, queries, verdict
-from shaderlab.backends.opengl.device import Device, open_device, prepare_process
+from shaderlab.backends.opengl.device import Device
 from shaderlab.backends.opengl.drawing import Drawing
 from shaderlab.backends.opengl.linking import Linker
 from shaderlab.errors import CaseError
@@ -28,13 +28,6 @@ from shaderlab.programs import captures
 from shaderlab.programs.prepare import Programs
 from shaderlab.programs.vertices import probed_mesh
 from shaderlab.records import Verdict
-
-__all__ = ["OpenGLBackend", "OpenGLSession", "open_backend", "prepare_process"]
-
-
-def open_backend(driver: str) -> OpenGLBackend:
-    """Open an OpenGL device. Raises DriverError as `open_device` does."""
-    return OpenGLBackend(open_device(driver))
 
 
 class OpenGLBackend:
@@ -68,7 +61,7 @@ class OpenGLBackend:
 
     def close(self) -> None:
         """Give the device back."""
-        self.device.close()
+        self.device.context.release()
 
 
 class OpenGLSession:

@@ -10,6 +10,7 @@ from typing import Any
 
 from shaderlab.backends.opengl import compressed, samplers, textures
 from shaderlab.backends.opengl.device import Device
+from shaderlab.backends.opengl.pyopengl import GL
 from shaderlab.backends.opengl.target import RenderTarget
 from shaderlab.backends.opengl.textures import DeviceTexture
 from shaderlab.errors import CaseError, nearest
@@ -79,8 +80,6 @@ class BoundTextures:
 
     def bind(self, program: Any, unit: int, variable: Variable, source: TextureSource) -> bool:
         """Bind a texture to a unit, and the sampler to that; False if the program lacks it."""
-        from OpenGL import GL
-
         location = int(GL.glGetUniformLocation(program.glo, variable.name.encode()))
         if location < 0:
             return False

@@ -16,8 +16,10 @@ from typing import Any, TypeGuard
 
 import numpy as np
 
-from shaderlab.backends.opengl.device import REQUIRED_VERSION, Device, environment
+from shaderlab.backends.opengl import environment
+from shaderlab.backends.opengl.device import REQUIRED_VERSION, Device
 from shaderlab.backends.opengl.drawing import drain_errors
+from shaderlab.backends.opengl.pyopengl import GL, GLError, NullFunctionError
 from shaderlab.errors import CaseError, DriverError, ShaderError, UnsupportedError, nearest
 from shaderlab.frame import Reply
 from shaderlab.model import Call, GlCall, Location, Object, Program
@@ -132,8 +134,6 @@ class _Maker:
         return (0 if got is None else got,) if function.restype is not None else ()
 
     def _called(self, call: Call, function: Any, values: Sequence[Any]) -> Any:
-        from OpenGL.error import GLError, NullFunctionError
-
         try:
             return function(*values)
         except GLError as error:  # PyOpenGL's own check, of compiling and linking
@@ -152,8 +152,6 @@ class _Maker:
         if isinstance(argument, Program):
             return self._program(argument)
         if isinstance(argument, Location):
-            from OpenGL import GL
-
             program = self._program(argument.program)
             GL.glUseProgram(program)
             return GL.glGetUniformLocation(program, argument.uniform.encode())
@@ -169,9 +167,6 @@ class _Maker:
         return self._objects[wanted]
 
     def _program(self, wanted: Program) -> int:
-        from OpenGL import GL
-        from OpenGL.error import GLError
-
         if wanted not in self._programs:
             program = GL.glCreateProgram()
             self._programs[wanted] = program
@@ -238,8 +233,6 @@ def _functions() -> Mapping[str, str]:
 
 @lru_cache(maxsize=1)
 def _constants() -> Mapping[str, int]:
-    from OpenGL import GL
-
     return {n: int(v) for n, v in vars(GL).items() if n.startswith("GL_") and isinstance(v, int)}
 
 

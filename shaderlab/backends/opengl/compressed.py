@@ -8,6 +8,7 @@ import numpy as np
 
 from shaderlab.backends.opengl import pixels, textures
 from shaderlab.backends.opengl.device import Device
+from shaderlab.backends.opengl.pyopengl import GL
 from shaderlab.backends.opengl.textures import DeviceTexture
 from shaderlab.errors import UnsupportedError
 from shaderlab.frame import Array
@@ -36,8 +37,6 @@ def upload(
         AssetError: the file can't be read; see `read_dds`.
         UnsupportedError: the driver lacks the format; names the extension.
     """
-    from OpenGL import GL
-
     blocks = blocks_of(source, folder)
     internal, extension, version = _FORMATS[blocks.format]
     if device.version < version and extension not in device.context.extensions:

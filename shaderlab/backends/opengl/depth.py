@@ -9,6 +9,7 @@ import numpy as np
 
 from shaderlab.backends.opengl import pixels
 from shaderlab.backends.opengl.formats import depth_storage
+from shaderlab.backends.opengl.pyopengl import GL
 from shaderlab.backends.opengl.textures import DeviceTexture
 from shaderlab.errors import UnsupportedError
 from shaderlab.frame import Image
@@ -28,8 +29,6 @@ class Attached:
 
     def release(self) -> None:
         """Give its memory back."""
-        from OpenGL import GL
-
         if self.texture is not None:
             self.texture.release()
         if self.renderbuffer is not None:
@@ -42,8 +41,6 @@ def attach_depth(framebuffer: Any, word: str, size: tuple[int, int], samples: in
     Raises:
         UnsupportedError: the driver can't draw with such a format.
     """
-    from OpenGL import GL
-
     made_as = depth_storage(word)
     stencil = DEPTH[word].stencil
     point = GL.GL_DEPTH_STENCIL_ATTACHMENT if stencil else GL.GL_DEPTH_ATTACHMENT
@@ -76,8 +73,6 @@ def read_depth(framebuffer: Any, target: Target, name: str, size: tuple[int, int
     Raises:
         UnsupportedError: the target has several samples a pixel.
     """
-    from OpenGL import GL
-
     if target.samples:
         raise UnsupportedError(f"reading the {name} of a multisampled target", remedy=UNREADABLE)
     assert target.depth is not None

@@ -11,6 +11,7 @@ from shaderlab.backends.opengl import state
 from shaderlab.backends.opengl.bound_textures import BoundTextures
 from shaderlab.backends.opengl.device import Device
 from shaderlab.backends.opengl.linking import Linker, output_locations, set_uniforms
+from shaderlab.backends.opengl.pyopengl import GL
 from shaderlab.backends.opengl.target import RenderTarget
 from shaderlab.backends.opengl.uniform_buffers import UniformBuffers
 from shaderlab.backends.opengl.vertices import PRIMITIVES, VertexArray, vertex_array
@@ -192,8 +193,6 @@ def require_glsl(device: Device, draw: PreparedDraw) -> None:
 
 def submit(vao: VertexArray, program: Any, draw: PreparedDraw) -> None:
     """Issue the draw call itself."""
-    from OpenGL import GL
-
     description = draw.draw
     last = draw.text("geometry") or draw.text("vertex") or ""
     if description.state.point_size is None:
@@ -210,8 +209,6 @@ def submit(vao: VertexArray, program: Any, draw: PreparedDraw) -> None:
 
 def drain_errors() -> tuple[int, ...]:
     """All GL errors raised since the last call, oldest first."""
-    from OpenGL import GL
-
     errors: list[int] = []
     while (code := GL.glGetError()) != GL.GL_NO_ERROR and len(errors) < 16:
         errors.append(int(code))

@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+import moderngl
 import numpy as np
 
 from shaderlab.activity import doing
 from shaderlab.backends.opengl.device import Device
+from shaderlab.backends.opengl.pyopengl import GL
 from shaderlab.errors import ShaderError
 from shaderlab.frame import Array
 
@@ -52,8 +54,6 @@ class Linker:
         return self._linked.get((tuple(sorted(stages.items())), tuple(feedback)))
 
     def _link(self, stages: Mapping[str, str], feedback: Sequence[str]) -> Any:
-        import moderngl
-
         try:
             return self._device.context.program(
                 vertex_shader=stages["vertex"],
@@ -79,8 +79,6 @@ class _Borrowed(Linker):
 
 def output_locations(program: Any, names: Iterable[str]) -> dict[str, int]:
     """Where the linked program writes each of its fragment outputs; −1 for one it has not."""
-    from OpenGL import GL
-
     return {name: int(GL.glGetFragDataLocation(program.glo, name.encode())) for name in names}
 
 

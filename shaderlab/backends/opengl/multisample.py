@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import moderngl
 import numpy as np
 
 from shaderlab.backends.opengl.device import Device
+from shaderlab.backends.opengl.pyopengl import GL
 from shaderlab.backends.opengl.textures import DeviceTexture
 from shaderlab.errors import UnsupportedError
 from shaderlab.frame import Array
@@ -31,9 +33,6 @@ def read_samples(
     Raises:
         UnsupportedError: the driver can't fetch single samples.
     """
-    import moderngl
-    from OpenGL import GL
-
     context = device.context
     try:
         program = context.program(vertex_shader=_CORNERS, fragment_shader=_FETCH)

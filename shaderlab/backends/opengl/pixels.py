@@ -13,6 +13,7 @@ from contextlib import contextmanager
 import numpy as np
 
 from shaderlab.backends.opengl.formats import Transfer
+from shaderlab.backends.opengl.pyopengl import GL, GL_1_0, GL_1_2, GL_1_3
 from shaderlab.frame import Array
 
 
@@ -20,8 +21,6 @@ def tex_image_2d(
     target: int, level: int, size: tuple[int, int], form: Transfer, values: Array | None
 ) -> None:
     """glTexImage2D; `values` is None for an empty image."""
-    from OpenGL.raw.GL.VERSION import GL_1_0
-
     data = None if values is None else np.ascontiguousarray(values)
     with tightly():
         GL_1_0.glTexImage2D(
@@ -33,8 +32,6 @@ def tex_image_3d(
     target: int, level: int, size: tuple[int, int, int], form: Transfer, values: Array
 ) -> None:
     """glTexImage3D of (layers, height, width, components)."""
-    from OpenGL.raw.GL.VERSION import GL_1_2
-
     data = np.ascontiguousarray(values)
     with tightly():
         GL_1_2.glTexImage3D(
@@ -46,8 +43,6 @@ def compressed_tex_image_2d(
     target: int, level: int, internal: int, size: tuple[int, int], blocks: bytes
 ) -> None:
     """glCompressedTexImage2D of blocks."""
-    from OpenGL.raw.GL.VERSION import GL_1_3
-
     data = np.frombuffer(blocks, np.uint8)
     GL_1_3.glCompressedTexImage2D(
         target, level, internal, *size, 0, len(blocks), _address(np.ascontiguousarray(data))
@@ -56,16 +51,12 @@ def compressed_tex_image_2d(
 
 def get_tex_image(target: int, level: int, form: Transfer, values: Array) -> None:
     """glGetTexImage into a contiguous array of the right size and type."""
-    from OpenGL.raw.GL.VERSION import GL_1_0
-
     with tightly():
         GL_1_0.glGetTexImage(target, level, form.components, form.type, _address(values))
 
 
 def read_pixels(size: tuple[int, int], place: tuple[int, int], values: Array) -> None:
     """glReadPixels of the whole framebuffer that is bound, likewise."""
-    from OpenGL.raw.GL.VERSION import GL_1_0
-
     with tightly():
         GL_1_0.glReadPixels(0, 0, *size, *place, _address(values))
 
@@ -73,8 +64,6 @@ def read_pixels(size: tuple[int, int], place: tuple[int, int], values: Array) ->
 @contextmanager
 def tightly() -> Iterator[None]:
     """Rows one after the other, without padding."""
-    from OpenGL import GL
-
     words = (GL.GL_PACK_ALIGNMENT, GL.GL_UNPACK_ALIGNMENT)
     for word in words:
         GL.glPixelStorei(word, 1)

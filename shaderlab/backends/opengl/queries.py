@@ -13,6 +13,7 @@ import numpy as np
 from shaderlab.backends.opengl import state
 from shaderlab.backends.opengl.drawing import Drawing, drain_errors, submit
 from shaderlab.backends.opengl.linking import output_locations
+from shaderlab.backends.opengl.pyopengl import GL
 from shaderlab.backends.opengl.target import RenderTarget
 from shaderlab.backends.opengl.uniform_buffers import read_block
 from shaderlab.backends.opengl.vertices import read_layout
@@ -45,8 +46,6 @@ def counted(drawing: Drawing, key: PassDraw, counter: str) -> int:
     Raises:
         UnsupportedError: the driver does not count this.
     """
-    from OpenGL import GL
-
     device = drawing.device
     if counter not in _ALWAYS and _STATISTICS not in device.context.extensions:
         raise UnsupportedError(f"counting {counter}: the driver has no {_STATISTICS}")
@@ -123,8 +122,6 @@ def block_readings(drawing: Drawing, key: PassDraw) -> dict[str, BlockReading]:
 def locations(drawing: Drawing, key: PassDraw) -> dict[str, int]:
     """Where the driver put each uniform that a draw's program declares, samplers too; −1 for one
     that it left out."""
-    from OpenGL import GL
-
     draw = drawing.programs[key[0]][key[1]]
     program = drawing.linker.link({s.stage: s.text for s in draw.sources})
     return {

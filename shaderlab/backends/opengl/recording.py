@@ -10,6 +10,7 @@ import numpy as np
 
 from shaderlab.backends.opengl import state as fixed
 from shaderlab.backends.opengl.drawing import Drawing, drain_errors, submit
+from shaderlab.backends.opengl.pyopengl import GL
 from shaderlab.backends.opengl.target import RenderTarget
 from shaderlab.backends.opengl.vertices import PRIMITIVES, vertex_array
 from shaderlab.errors import DriverError
@@ -72,8 +73,6 @@ def _groups(parts: Sequence[Piece]) -> list[list[Piece]]:
 def _linked(
     drawing: Drawing, texts: Mapping[str, str], names: Sequence[str], draw: PreparedDraw
 ) -> Run:
-    from OpenGL import GL
-
     program = drawing.linker.link(texts, feedback=tuple(names))
     mode = PRIMITIVES["points"]
     if "geometry" in texts:
@@ -93,8 +92,6 @@ def _written(
     Raises:
         DriverError: the buffer is large enough, but less was written.
     """
-    from OpenGL import GL
-
     program, mode, corner_count = run
     device = drawing.device
     # Transform feedback without a complete framebuffer returns zeros without an error.

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from shaderlab.backends.opengl.pyopengl import GL
 from shaderlab.model.textures import Sampling
 
 # OpenGL 4.5 core profile, table 8.15.
@@ -40,8 +41,6 @@ class Samplers:
 
     def bind(self, unit: int, sampling: Sampling) -> None:
         """Sample whatever texture is bound to `unit` in this way."""
-        from OpenGL import GL
-
         key = (sampling.filter, sampling.wrap, sampling.border, sampling.compare, sampling.lod)
         if key not in self._made:
             self._made[key] = _made(sampling)
@@ -49,16 +48,12 @@ class Samplers:
 
     def release(self) -> None:
         """Give them all back."""
-        from OpenGL import GL
-
         if self._made:
             GL.glDeleteSamplers(len(self._made), list(self._made.values()))
         self._made.clear()
 
 
 def _made(sampling: Sampling) -> int:
-    from OpenGL import GL
-
     sampler = np.zeros(1, np.uint32)
     GL.glGenSamplers(1, sampler)
     name = int(sampler[0])

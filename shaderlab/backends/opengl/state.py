@@ -7,6 +7,7 @@ a draw gets exactly what it says, whatever ran before it.
 
 from __future__ import annotations
 
+from shaderlab.backends.opengl.pyopengl import GL
 from shaderlab.errors import UnsupportedError
 from shaderlab.model import Blend, Cell, Depth, State, Stencil
 from shaderlab.model.state import BLEND_EQUATIONS, BLEND_FACTORS, COMPARISONS, STENCIL_OPERATIONS
@@ -35,8 +36,6 @@ _WINDING = {"cw": 0x0900, "ccw": 0x0901}
 
 def apply(state: State, size: tuple[int, int]) -> None:
     """Make the current context's state what `state` says, for a target of `size` pixels."""
-    from OpenGL import GL
-
     _confine(state, size)
     _depth(state.depth)
     GL.glDepthRange(*state.depth_range)
@@ -66,14 +65,10 @@ def rectangle(cell: Cell, size: tuple[int, int]) -> tuple[int, int, int, int]:
 
 
 def _switch(capability: int, on: bool) -> None:
-    from OpenGL import GL
-
     (GL.glEnable if on else GL.glDisable)(capability)
 
 
 def _confine(state: State, size: tuple[int, int]) -> None:
-    from OpenGL import GL
-
     whole = (0, 0, *size)
     cell = None if state.cell is None else rectangle(state.cell, size)
     scissor = state.scissor if cell is None else cell
@@ -83,8 +78,6 @@ def _confine(state: State, size: tuple[int, int]) -> None:
 
 
 def _depth(depth: Depth | None) -> None:
-    from OpenGL import GL
-
     _switch(GL.GL_DEPTH_TEST, depth is not None)
     if depth is not None:
         GL.glDepthFunc(_COMPARISON[depth.func])
@@ -92,16 +85,12 @@ def _depth(depth: Depth | None) -> None:
 
 
 def _polygon_offset(offset: tuple[float, float] | None) -> None:
-    from OpenGL import GL
-
     for primitive in (GL.GL_POLYGON_OFFSET_FILL, GL.GL_POLYGON_OFFSET_LINE):
         _switch(primitive, offset is not None)
     GL.glPolygonOffset(*(offset or (0.0, 0.0)))
 
 
 def _stencil(front: Stencil | None, back: Stencil | None) -> None:
-    from OpenGL import GL
-
     _switch(GL.GL_STENCIL_TEST, front is not None)
     for face, stencil in ((GL.GL_FRONT, front), (GL.GL_BACK, back)):
         if stencil is None:
@@ -115,8 +104,6 @@ def _stencil(front: Stencil | None, back: Stencil | None) -> None:
 
 
 def _multisample(state: State) -> None:
-    from OpenGL import GL
-
     _switch(GL.GL_MULTISAMPLE, state.multisample)
     _switch(GL.GL_SAMPLE_ALPHA_TO_COVERAGE, state.alpha_to_coverage)
     if int(GL.glGetIntegerv(GL.GL_MAJOR_VERSION)) < 4:
@@ -128,8 +115,6 @@ def _multisample(state: State) -> None:
 
 
 def _blend(blend: Blend | None) -> None:
-    from OpenGL import GL
-
     _switch(GL.GL_BLEND, blend is not None)
     if blend is None:
         return

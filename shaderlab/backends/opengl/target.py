@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+import moderngl
 import numpy as np
 
 from shaderlab.backends.opengl.depth import UNREADABLE, Attached, attach_depth, read_depth
 from shaderlab.backends.opengl.device import Device
 from shaderlab.backends.opengl.formats import moderngl_internal, moderngl_type
 from shaderlab.backends.opengl.multisample import read_samples
+from shaderlab.backends.opengl.pyopengl import GL
 from shaderlab.backends.opengl.textures import DeviceTexture
 from shaderlab.errors import UnsupportedError
 from shaderlab.frame import Array, Image
@@ -59,7 +61,6 @@ class RenderTarget:
 
     def release(self) -> None:
         """Give all of its memory on the device back; the target is of no use afterwards."""
-
         for framebuffer in {self._drawn, self._resolved}:
             framebuffer.release()
         for texture in (*self.textures.values(), *self._sampled):
@@ -97,8 +98,6 @@ class RenderTarget:
 
     def clear(self) -> None:
         """Bind the target and set every attachment to its clear value, unmasked."""
-        from OpenGL import GL
-
         self.bind({name: index for index, name in enumerate(self.colors)})
         GL.glDisable(GL.GL_SCISSOR_TEST)
         GL.glDisable(GL.GL_FRAMEBUFFER_SRGB)
@@ -121,8 +120,6 @@ class RenderTarget:
     def bind(self, locations: Mapping[str, int]) -> None:
         """Draw into this target from now on, with a program that writes its outputs at these
         locations; outputs without an attachment here go nowhere."""
-        from OpenGL import GL
-
         self._drawn.use()
         attachments = {
             locations[name]: GL.GL_COLOR_ATTACHMENT0 + index
@@ -137,7 +134,6 @@ class RenderTarget:
         """Average the samples into the textures, if there are several a pixel."""
         if self._drawn is self._resolved:
             return
-        from OpenGL import GL
 
         width, height = self.size
         GL.glDisable(GL.GL_SCISSOR_TEST)
@@ -151,8 +147,6 @@ class RenderTarget:
 
     def sample_positions(self) -> Array:
         """Where the driver takes a pixel's samples: (samples, 2), from its lower left corner."""
-        from OpenGL import GL
-
         self._drawn.use()
         found = np.empty((int(GL.glGetIntegerv(GL.GL_SAMPLES)), 2), np.float32)
         for index, position in enumerate(found):
@@ -198,7 +192,6 @@ class RenderTarget:
     def _framebuffer(self, textures: list[Any]) -> Any:
         if not textures:
             return self._device.context.framebuffer(self._device.context.renderbuffer(self.size))
-        import moderngl
 
         try:
             return self._device.context.framebuffer(textures)
@@ -207,8 +200,6 @@ class RenderTarget:
 
     def _unmade(self, said: str) -> Exception:
         """Why the framebuffer is not complete: memory, most of the time."""
-        from OpenGL import GL
-
         size = self.size[0] * self.size[1] * max(self._target.samples, 1)
         kinds = [COLOR[word] for word in self.colors.values()]
         wanted = size * sum(kind.components * np.dtype(kind.numpy).itemsize for kind in kinds)

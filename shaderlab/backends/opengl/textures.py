@@ -10,6 +10,7 @@ import numpy as np
 from shaderlab.backends.opengl import pixels
 from shaderlab.backends.opengl.device import Device
 from shaderlab.backends.opengl.formats import transfer
+from shaderlab.backends.opengl.pyopengl import GL
 from shaderlab.errors import UnsupportedError
 from shaderlab.frame import Array
 from shaderlab.programs.formats import format_of
@@ -33,8 +34,6 @@ class DeviceTexture:
 
     def release(self) -> None:
         """Give its memory back."""
-        from OpenGL import GL
-
         GL.glDeleteTextures(1, [self.glo])
 
 
@@ -48,8 +47,6 @@ def upload(
     Raises:
         UnsupportedError: the texture is too large for the driver.
     """
-    from OpenGL import GL
-
     height, width = layers[0].shape[:2]
     limit = int(device.context.info["GL_MAX_TEXTURE_SIZE"])
     if max(width, height) > limit:
@@ -73,8 +70,6 @@ def upload(
 
 def generate_levels(texture: DeviceTexture) -> None:
     """Have the driver make all smaller levels."""
-    from OpenGL import GL
-
     GL.glBindTexture(texture.target, texture.glo)
     GL.glGenerateMipmap(texture.target)
     # llvmpipe (Mesa 22.3) draws the levels later, and hands out empty ones until it has.
@@ -94,8 +89,6 @@ def read_level(
         level: 0 is the largest.
         size: the level's (width, height, layers).
     """
-    from OpenGL import GL
-
     width, height, count = size
     form, kind = transfer(format), format_of(format)
     values = np.empty((count, height, width, kind.components), kind.numpy)

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from shaderlab.backends.opengl.device import Device
+from shaderlab.backends.opengl.pyopengl import GL
 from shaderlab.errors import CaseError, DriverError
 from shaderlab.frame import Array, BlockReading
 from shaderlab.glsl.interface import Block
@@ -77,8 +78,6 @@ class UniformBuffers:
 
 def read_block(program: Any, block: Block) -> BlockReading:
     """Where the driver has a block's members, and where the lab has them."""
-    from OpenGL import GL
-
     ours = blocks.layout_of(block)
     size = np.zeros(1, np.int32)
     offsets: dict[str, int | None] = {}
@@ -124,8 +123,6 @@ def check_against_driver(program: Any, block: Block) -> bool:
 
 def _offset(program: Any, name: str) -> int | None:
     import ctypes
-
-    from OpenGL import GL
 
     names = (ctypes.c_char_p * 1)(name.encode())
     pointer = ctypes.cast(names, ctypes.POINTER(ctypes.POINTER(ctypes.c_char)))

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 
 from shaderlab.backends.opengl.device import Device
+from shaderlab.backends.opengl.pyopengl import GL, GLError
 from shaderlab.errors import DriverError
 from shaderlab.glsl.driver_verdict import DRIVER, parse_driver_log
 from shaderlab.glsl.sources import Source
@@ -38,9 +39,6 @@ def driver_verdict(device: Device, sources: Sequence[Source]) -> Verdict:
     Raises:
         DriverError: the driver has no such stage; glslang's verdict is then the only one.
     """
-    from OpenGL import GL
-    from OpenGL.error import GLError
-
     for source in sources:
         if device.version < _NEEDS.get(source.stage, 0):
             raise DriverError(f"this driver has no {source.stage} stage", file=source.path)

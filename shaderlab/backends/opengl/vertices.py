@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from shaderlab.backends.opengl.device import Device
+from shaderlab.backends.opengl.pyopengl import GL
 from shaderlab.errors import DriverError
 from shaderlab.frame import Array, AttributeReading
 from shaderlab.model import Mesh, Placement
@@ -61,8 +62,6 @@ def vertex_array(device: Device, program: Any, mesh: Mesh | None) -> VertexArray
 
 def read_layout(program: Any, vao: VertexArray, mesh: Mesh) -> dict[str, AttributeReading]:
     """What OpenGL itself says of each attribute's place; those without effect are left out."""
-    from OpenGL import GL
-
     names = [buffer.glo for buffer in vao.buffers]
     found = {}
     GL.glBindVertexArray(vao.made.glo)
@@ -90,8 +89,6 @@ def read_layout(program: Any, vao: VertexArray, mesh: Mesh) -> dict[str, Attribu
 
 def _filled(device: Device, parts: list[tuple[int, bytes]], mesh: Mesh) -> Any:
     """One buffer with these pieces, made and written as the mesh asks for."""
-    from OpenGL import GL
-
     whole = b"".join(piece for _, piece in parts)
     buffer = device.context.buffer(reserve=max(len(whole), 1))
     GL.glBindBuffer(GL.GL_ARRAY_BUFFER, buffer.glo)
@@ -111,8 +108,6 @@ def _filled(device: Device, parts: list[tuple[int, bytes]], mesh: Mesh) -> Any:
 
 def _write_mapped(whole: bytes) -> None:
     """Write through a mapping of the buffer that is bound."""
-    from OpenGL import GL
-
     address = GL.glMapBufferRange(GL.GL_ARRAY_BUFFER, 0, len(whole), _WRITE)
     if not address:
         raise DriverError(f"the driver does not map a buffer of {len(whole)} bytes")
@@ -123,8 +118,6 @@ def _write_mapped(whole: bytes) -> None:
 
 def _point(vao: int, buffer: int, member: Any, array: Array, place: Placement) -> None:
     """Tell OpenGL how one attribute is read; a matrix takes a location for each column."""
-    from OpenGL import GL
-
     columns = array.shape[2] if array.ndim == 3 else 1
     components = array.shape[1]
     GL.glBindVertexArray(vao)

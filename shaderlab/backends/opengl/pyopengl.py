@@ -1,0 +1,19 @@
+"""PyOpenGL, imported on EGL: it chooses its platform once, from the environment, as it is imported.
+
+All modules of this backend take it from here.
+"""
+
+from __future__ import annotations
+
+from shaderlab.backends.opengl import environment
+
+with environment():
+    from OpenGL import GL
+    from OpenGL.error import GLError, NullFunctionError
+    from OpenGL.raw.GL import _errors
+    from OpenGL.raw.GL.VERSION import GL_1_0, GL_1_2, GL_1_3
+
+ERROR_CHECKER = _errors._error_checker
+"""What PyOpenGL asks for errors after each call, or None in a process without such checks."""
+
+__all__ = ["ERROR_CHECKER", "GL", "GL_1_0", "GL_1_2", "GL_1_3", "GLError", "NullFunctionError"]
