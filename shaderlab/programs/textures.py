@@ -2,35 +2,90 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from shaderlab.errors import CaseError
+from shaderlab.errors import CaseError, nearest
 from shaderlab.frame import Array, Image
 from shaderlab.glsl.interface import Variable
-from shaderlab.model import CubeTexture, Output, TextureArray, TextureSource
+from shaderlab.model import CubeTexture, Output, Texture, TextureArray, TextureSource
 from shaderlab.model.textures import level_sizes
 from shaderlab.programs.formats import format_of
 
+Images = Mapping[tuple[str, str], Image]
+"""What earlier passes have drawn, by (pass, output)."""
 
-def texel_values(image: Any, format: str, folder: Path, owner: str = "a texture") -> Array:
-    """The array that will be uploaded: (height, width, channels) of the format's own type.
 
-    Floats for an 8-bit format are taken as 0…1 and rounded to the nearest code.
+@dataclass(frozen=True)
+class Contents:
+    """What a texture is made of: `layers` of one size (one image, an array's, or a cube's six),
+    each (height, width, channels) of the format's own type, and further levels of one image."""
+
+    layers: Sequence[Array]
+    smaller: Sequence[Array] = ()
+
+
+def contents(
+    source: Texture | TextureArray | CubeTexture, folder: Path, images: Images
+) -> Contents:
+    """The values of a texture that are uploaded.
 
     Args:
-        image: an array, a function that makes one, an image file's path, or a `frame.Image`.
-        format: the texture's format.
-        folder: where relative paths begin.
-        owner: what the image is for, for errors.
+        source: the texture.
+        folder: where paths of image files begin.
+        images: what its layers may be copied from.
 
     Raises:
-        CaseError: the array's shape does not fit the format.
+        CaseError: an image does not fit the format or the others, or does not exist.
         AssetError: an image file can't be read.
     """
+
+    def values(image: Any, owner: str) -> Array:
+        image = find_image(image, images) if isinstance(image, Output) else image
+        return _values(image, source.format, folder, owner)
+
+    if isinstance(source, Texture):
+        first = values(source.image, "Texture")
+        if isinstance(source.mipmaps, bool):
+            return Contents([first])
+        smaller = [values(level, "Texture: a mipmap level") for level in source.mipmaps]
+        _check_levels(first, smaller)
+        return Contents([first], smaller)
+    cube = isinstance(source, CubeTexture)
+    owner = "CubeTexture: face" if cube else "TextureArray: layer"
+    given = source.faces if isinstance(source, CubeTexture) else source.layers
+    layers = [values(image, f"{owner} {number}") for number, image in enumerate(given)]
+    height, width = layers[0].shape[:2]
+    for number, image in enumerate(layers):
+        if image.shape != layers[0].shape:
+            raise CaseError(
+                f"{owner} {number} is {image.shape[1]} × {image.shape[0]}, "
+                f"the first one {width} × {height}"
+            )
+    if cube and height != width:
+        raise CaseError(f"CubeTexture: its faces are {width} × {height}, not square")
+    return Contents(layers)
+
+
+def find_image(source: Output, images: Images) -> Image:
+    """The output of an earlier pass. Raises CaseError if there is none."""
+    key = (source.pass_name, source.name)
+    if key not in images:
+        known = [f"{p}.{n}" for p, n in images]
+        raise CaseError(
+            f"no earlier pass gives {source.pass_name}.{source.name}",
+            remedy=nearest(f"{source.pass_name}.{source.name}", known),
+        )
+    return images[key]
+
+
+def _values(image: Any, format: str, folder: Path, owner: str) -> Array:
+    """One image: an array, a function that makes one, a file's path, or an earlier pass's output.
+    Floats for an 8-bit format are taken as 0…1 and rounded to the nearest code."""
     wanted, channels = format_of(format).numpy, format_of(format).components
     if isinstance(image, str | Path):
         from shaderlab.pictures import load
@@ -53,7 +108,7 @@ def texel_values(image: Any, format: str, folder: Path, owner: str = "a texture"
     return np.ascontiguousarray(values.astype(wanted))
 
 
-def check_levels(first: Array, smaller: Sequence[Array]) -> None:
+def _check_levels(first: Array, smaller: Sequence[Array]) -> None:
     """Raise CaseError unless these are all the levels below `first`, in order."""
     sizes = level_sizes(first.shape[1], first.shape[0])[1:]
     given = [(level.shape[1], level.shape[0]) for level in smaller]

@@ -16,8 +16,9 @@ import numpy as np
 from shaderlab.backends.opengl import state as fixed
 from shaderlab.backends.opengl.drawing import Drawing, drain_errors, submit
 from shaderlab.backends.opengl.linking import output_locations, set_uniforms
+from shaderlab.backends.opengl.pyopengl import GL
 from shaderlab.backends.opengl.target import RenderTarget
-from shaderlab.backends.opengl.vertices import PRIMITIVES, vertex_array
+from shaderlab.backends.opengl.vertices import vertex_array
 from shaderlab.errors import ShaderError, UnsupportedError
 from shaderlab.frame import Array, Bindings, Fragments, PassDraw, Samples
 from shaderlab.model import Draw, Mesh, State, Target
@@ -139,7 +140,7 @@ def probe_fragments(
         mesh = Mesh(attributes=attributes, primitive="points")
         vao = vertex_array(drawing.device, program, mesh)
         target.bind(output_locations(program, target.colors))
-        vao.render(PRIMITIVES["points"])
+        vao.render(GL.GL_POINTS)
         drain_errors()
         outputs = {
             name: target.read(name).values.reshape(-1, formats.COLOR[word].components)

@@ -7,10 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.backends.opengl import pixels
 from shaderlab.backends.opengl.formats import depth_storage
-from shaderlab.backends.opengl.pyopengl import GL
-from shaderlab.backends.opengl.textures import DeviceTexture
+from shaderlab.backends.opengl.pyopengl import GL, GL_1_0
+from shaderlab.backends.opengl.textures import DeviceTexture, address, tightly_packed
 from shaderlab.errors import UnsupportedError
 from shaderlab.frame import Image
 from shaderlab.model import Target
@@ -52,9 +51,10 @@ def attach_depth(framebuffer: Any, word: str, size: tuple[int, int], samples: in
         GL.glFramebufferRenderbuffer(GL.GL_FRAMEBUFFER, point, GL.GL_RENDERBUFFER, buffer)
         made = Attached(None, buffer)
     else:
-        texture = DeviceTexture(int(GL.glGenTextures(1)), "2D")
-        GL.glBindTexture(texture.target, texture.glo)
-        pixels.tex_image_2d(texture.target, 0, size, made_as, None)
+        texture = DeviceTexture.new("2D")
+        GL_1_0.glTexImage2D(
+            texture.target, 0, made_as.internal, *size, 0, made_as.components, made_as.type, None
+        )
         GL.glTexParameteri(texture.target, GL.GL_TEXTURE_MIN_FILTER, GL.GL_NEAREST)
         GL.glTexParameteri(texture.target, GL.GL_TEXTURE_MAG_FILTER, GL.GL_NEAREST)
         GL.glBindTexture(texture.target, 0)
@@ -83,5 +83,6 @@ def read_depth(framebuffer: Any, target: Target, name: str, size: tuple[int, int
     place = (GL.GL_DEPTH_COMPONENT, GL.GL_FLOAT)
     if not of_depth:
         place = (GL.GL_STENCIL_INDEX, GL.GL_UNSIGNED_BYTE)
-    pixels.read_pixels((width, height), place, values)
+    with tightly_packed():
+        GL_1_0.glReadPixels(0, 0, width, height, *place, address(values))
     return Image(values, target.depth if of_depth else "stencil8")

@@ -11,10 +11,10 @@ from shaderlab.backends.opengl import state
 from shaderlab.backends.opengl.bound_textures import BoundTextures
 from shaderlab.backends.opengl.device import Device
 from shaderlab.backends.opengl.linking import Linker, output_locations, set_uniforms
-from shaderlab.backends.opengl.pyopengl import GL
+from shaderlab.backends.opengl.pyopengl import GL, named
 from shaderlab.backends.opengl.target import RenderTarget
 from shaderlab.backends.opengl.uniform_buffers import UniformBuffers
-from shaderlab.backends.opengl.vertices import PRIMITIVES, VertexArray, vertex_array
+from shaderlab.backends.opengl.vertices import VertexArray, vertex_array
 from shaderlab.errors import ShaderError, UnsupportedError
 from shaderlab.frame import Array, Bindings, Image, PassDraw
 from shaderlab.model import Mesh, Pass, Scene, names_asked_for
@@ -198,7 +198,7 @@ def submit(vao: VertexArray, program: Any, draw: PreparedDraw) -> None:
     if description.state.point_size is None:
         # A shader that gives points no size gets the default one, a pixel.
         (GL.glEnable if "gl_PointSize" in last else GL.glDisable)(GL.GL_PROGRAM_POINT_SIZE)
-    mode = PRIMITIVES[description.mesh.primitive if description.mesh else "triangles"]
+    mode = named(description.mesh.primitive if description.mesh else "triangles")
     if not description.vertex_array:
         GL.glUseProgram(program.glo)
         GL.glBindVertexArray(0)

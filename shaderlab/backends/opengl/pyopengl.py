@@ -7,6 +7,17 @@ from __future__ import annotations
 
 from shaderlab.backends.opengl import environment
 
+__all__ = [
+    "ERROR_CHECKER",
+    "GL",
+    "GL_1_0",
+    "GL_1_2",
+    "GL_1_3",
+    "GLError",
+    "NullFunctionError",
+    "named",
+]
+
 with environment():
     from OpenGL import GL
     from OpenGL.error import GLError, NullFunctionError
@@ -16,4 +27,11 @@ with environment():
 ERROR_CHECKER = _errors._error_checker
 """What PyOpenGL asks for errors after each call, or None in a process without such checks."""
 
-__all__ = ["ERROR_CHECKER", "GL", "GL_1_0", "GL_1_2", "GL_1_3", "GLError", "NullFunctionError"]
+
+def named(word: str) -> int:
+    """The number of a constant by its name as `shaderlab.model` has it: in lower case, bare.
+
+    >>> hex(named("one_minus_src_alpha"))
+    '0x303'
+    """
+    return int(getattr(GL, f"GL_{word.upper()}"))

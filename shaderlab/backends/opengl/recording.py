@@ -12,7 +12,7 @@ from shaderlab.backends.opengl import state as fixed
 from shaderlab.backends.opengl.drawing import Drawing, drain_errors, submit
 from shaderlab.backends.opengl.pyopengl import GL
 from shaderlab.backends.opengl.target import RenderTarget
-from shaderlab.backends.opengl.vertices import PRIMITIVES, vertex_array
+from shaderlab.backends.opengl.vertices import vertex_array
 from shaderlab.errors import DriverError
 from shaderlab.frame import Array, Bindings
 from shaderlab.model import State, Target
@@ -74,7 +74,7 @@ def _linked(
     drawing: Drawing, texts: Mapping[str, str], names: Sequence[str], draw: PreparedDraw
 ) -> Run:
     program = drawing.linker.link(texts, feedback=tuple(names))
-    mode = PRIMITIVES["points"]
+    mode = GL.GL_POINTS
     if "geometry" in texts:
         kind = int(GL.glGetProgramiv(program.glo, GL.GL_GEOMETRY_OUTPUT_TYPE))
         mode = {GL.GL_LINE_STRIP: GL.GL_LINES, GL.GL_TRIANGLE_STRIP: GL.GL_TRIANGLES}.get(

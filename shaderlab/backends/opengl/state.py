@@ -7,31 +7,9 @@ a draw gets exactly what it says, whatever ran before it.
 
 from __future__ import annotations
 
-from shaderlab.backends.opengl.pyopengl import GL
+from shaderlab.backends.opengl.pyopengl import GL, named
 from shaderlab.errors import UnsupportedError
 from shaderlab.model import Blend, Cell, Depth, State, Stencil
-from shaderlab.model.state import BLEND_EQUATIONS, BLEND_FACTORS, COMPARISONS, STENCIL_OPERATIONS
-
-# OpenGL 4.5 core profile, glcorearb.h: the enumerations' numbers in the order of our names.
-_COMPARISON = dict(zip(COMPARISONS, range(0x0200, 0x0208), strict=True))
-_STENCIL_OPERATION = dict(
-    zip(
-        STENCIL_OPERATIONS,
-        (0x1E00, 0, 0x1E01, 0x1E02, 0x8507, 0x1E03, 0x8508, 0x150A),
-        strict=True,
-    )
-)
-_EQUATION = dict(zip(BLEND_EQUATIONS, (0x8006, 0x800A, 0x800B, 0x8007, 0x8008), strict=True))
-_FACTOR = dict(
-    zip(
-        BLEND_FACTORS,
-        (0, 1, 0x0300, 0x0301, 0x0306, 0x0307, 0x0302, 0x0303, 0x0304, 0x0305,
-         0x8001, 0x8002, 0x8003, 0x8004, 0x0308),
-        strict=True,
-    )
-)  # fmt: skip
-_FACE = {"front": 0x0404, "back": 0x0405, "front_and_back": 0x0408}
-_WINDING = {"cw": 0x0900, "ccw": 0x0901}
 
 
 def apply(state: State, size: tuple[int, int]) -> None:
@@ -44,8 +22,8 @@ def apply(state: State, size: tuple[int, int]) -> None:
     _blend(state.blend)
     _switch(GL.GL_CULL_FACE, state.cull is not None)
     if state.cull is not None:
-        GL.glCullFace(_FACE[state.cull])
-    GL.glFrontFace(_WINDING[state.front_face])
+        GL.glCullFace(named(state.cull))
+    GL.glFrontFace(named(state.front_face))
     GL.glColorMask(*state.color_mask)
     _switch(GL.GL_FRAMEBUFFER_SRGB, state.srgb)
     _switch(GL.GL_PROGRAM_POINT_SIZE, isinstance(state.point_size, str))
@@ -80,7 +58,7 @@ def _confine(state: State, size: tuple[int, int]) -> None:
 def _depth(depth: Depth | None) -> None:
     _switch(GL.GL_DEPTH_TEST, depth is not None)
     if depth is not None:
-        GL.glDepthFunc(_COMPARISON[depth.func])
+        GL.glDepthFunc(named(depth.func))
     GL.glDepthMask(depth is None or depth.write)
 
 
@@ -96,10 +74,10 @@ def _stencil(front: Stencil | None, back: Stencil | None) -> None:
         if stencil is None:
             GL.glStencilMaskSeparate(face, 0xFF)
             continue
-        func = _COMPARISON[stencil.func]
+        func = named(stencil.func)
         GL.glStencilFuncSeparate(face, func, stencil.reference, stencil.mask)
         operations = (stencil.fail, stencil.depth_fail, stencil.depth_pass)
-        GL.glStencilOpSeparate(face, *(_STENCIL_OPERATION[word] for word in operations))
+        GL.glStencilOpSeparate(face, *(named(word) for word in operations))
         GL.glStencilMaskSeparate(face, stencil.write_mask)
 
 
@@ -119,11 +97,14 @@ def _blend(blend: Blend | None) -> None:
     if blend is None:
         return
     GL.glBlendFuncSeparate(
-        _FACTOR[blend.source],
-        _FACTOR[blend.destination],
-        _FACTOR[blend.source_alpha or blend.source],
-        _FACTOR[blend.destination_alpha or blend.destination],
+        named(blend.source),
+        named(blend.destination),
+        named(blend.source_alpha or blend.source),
+        named(blend.destination_alpha or blend.destination),
     )
-    equation = blend.equation
-    GL.glBlendEquationSeparate(_EQUATION[equation], _EQUATION[blend.equation_alpha or equation])
+    for_color, for_alpha = (
+        named(word if word in ("min", "max") else f"func_{word}")
+        for word in (blend.equation, blend.equation_alpha or blend.equation)
+    )
+    GL.glBlendEquationSeparate(for_color, for_alpha)
     GL.glBlendColor(*blend.constant)

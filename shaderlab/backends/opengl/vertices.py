@@ -14,14 +14,6 @@ from shaderlab.errors import DriverError
 from shaderlab.frame import Array, AttributeReading
 from shaderlab.model import Mesh, Placement
 
-PRIMITIVES = {
-    "points": 0x0000,
-    "lines": 0x0001,
-    "line_strip": 0x0003,
-    "triangles": 0x0004,
-    "triangle_strip": 0x0005,
-    "triangle_fan": 0x0006,
-}
 _WRITE = 0x0002  # GL_MAP_WRITE_BIT
 _KINDS = {"f": 0x1406, "i": 0x1404, "u": 0x1405}
 
