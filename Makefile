@@ -38,5 +38,6 @@ setup: .venv/.ready ## only what run and test set up: .venv, packages, an OpenGL
 	@.ci/setup
 
 clean: ## remove everything that was made here, .venv and reports too
-	rm -rf .venv reports .cache build dist .hypothesis .mypy_cache .pytest_cache .ruff_cache
+	rm -rf .venv .cache build dist .hypothesis .mypy_cache .pytest_cache .ruff_cache
+	find reports -mindepth 1 ! -path reports/README.md -delete
 	find . -name __pycache__ -prune -exec rm -rf {} +
