@@ -1,8 +1,9 @@
-"""Axes of a chart: round tick marks on linear and logarithmic scales."""
+"""Axes of a chart: round tick marks on linear and logarithmic scales, and paths between them."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 _SMALLEST, _LARGEST = 1e-307, 1e308
@@ -39,6 +40,35 @@ class Axis:
 
     def _scale(self, value: float) -> float:
         return math.log10(value) if self.log else value
+
+
+@dataclass(frozen=True)
+class Plane:
+    """Two axes, and SVG paths in their coordinates."""
+
+    across: Axis
+    up: Axis
+
+    def at(self, x: float, y: float) -> tuple[float, float] | None:
+        """The position of a point, or None if an axis does not hold it."""
+        if not (self.across.holds(x) and self.up.holds(y)):
+            return None
+        return self.across.at(x), self.up.at(y)
+
+    def dots(self, points: Iterable[tuple[float, float]]) -> str:
+        """Strokes without length: with round caps each is a dot."""
+        positions = (self.at(x, y) for x, y in points)
+        return "".join(f"M{at[0]:g} {at[1]:g}h0" for at in positions if at)
+
+    def line(self, points: Iterable[tuple[float, float]]) -> str:
+        """A line through the points, broken where one can't be drawn."""
+        path, pen = "", "M"
+        for x, y in points:
+            at = self.at(x, y)
+            if at:
+                path += f"{pen}{at[0]:g} {at[1]:g}"
+            pen = "L" if at else "M"
+        return path
 
 
 def axis(

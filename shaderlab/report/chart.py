@@ -7,10 +7,11 @@ edges at every x. What can't be drawn (NaN, an infinity, x ≤ 0 on a logarithm)
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from shaderlab.records import Curve
-from shaderlab.report.axes import Axis, axis
+from shaderlab.report.axes import Axis, Plane, axis
 
 WIDTH = 460.0
 LEFT, RIGHT = 62.0, 448.0
@@ -20,6 +21,8 @@ HEIGHT = 352.0
 # Distances beyond this are drawn at the strip's edge.
 FURTHEST = 1.6
 _MOST_ROWS = 120
+_STRIP = Axis(-FURTHEST, FURTHEST, STRIP_BOTTOM, STRIP_TOP)
+_BAND_HEIGHT = (STRIP_BOTTOM - STRIP_TOP) / FURTHEST
 
 
 @dataclass(frozen=True)
@@ -39,64 +42,58 @@ class Point:
 
 @dataclass(frozen=True)
 class Chart:
-    """Everything the template draws, in the coordinates of a WIDTH × HEIGHT drawing."""
+    """Everything the template draws, in the coordinates of a WIDTH × HEIGHT drawing.
 
-    title: str
-    x_label: str
-    y_label: str
-    x_ticks: list[tuple[float, str]]
-    y_ticks: list[tuple[float, str]]
-    strip_ticks: list[tuple[float, str]]
-    band: str
-    reference: str
-    inside: str
-    outside: str
-    strip_inside: str
-    strip_outside: str
-    points: list[Point]
+    Without `x_ticks` there is nothing that could be drawn.
+    """
+
+    curve: Curve
     rows: list[Point]
     hidden: int
     bad: int
+    x_ticks: Sequence[tuple[float, str]] = ()
+    y_ticks: Sequence[tuple[float, str]] = ()
+    band: str = ""
+    reference: str = ""
+    inside: str = ""
+    outside: str = ""
+    strip_inside: str = ""
+    strip_outside: str = ""
+
+    width, height, left, right, top, bottom = WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM
+    strip_top, foot = STRIP_TOP, STRIP_BOTTOM
+    strip_ticks = tuple((_STRIP.at(at), label) for at, label in ((1, "+1"), (0, "0"), (-1, "−1")))
+    band_top, band_height = _STRIP.at(1), _BAND_HEIGHT
 
 
 def chart(curve: Curve) -> Chart:
-    """Lay out a curve; a chart without `x_ticks` has nothing that could be drawn."""
+    """Lay out a curve."""
     points = [
         _point(*values)
         for values in zip(
             curve.x, curve.measured, curve.reference, curve.low, curve.high, strict=False
         )
     ]
-    bad = [point for point in points if point.outside]
+    bad = [p for p in points if p.outside]
     across = axis([p.x for p in points], LEFT, RIGHT, log=curve.log_x, margin=0.02)
     up = axis(_heights(points), BOTTOM, TOP, log=False, margin=0.06)
-    strip = Axis(-FURTHEST, FURTHEST, STRIP_BOTTOM, STRIP_TOP)
-    drawn: list[Point] = []
-    if across is not None and up is not None:
-        drawn = [p for p in points if across.holds(p.x) and up.holds(p.measured)]
-        points = [replace(p, at=_places(p, across, up, strip)) for p in points]
-    step = max(1, math.ceil(len(points) / _MOST_ROWS))
-    rows = [p for index, p in enumerate(points) if index % step == 0 or p.outside]
-    empty = across is None or up is None
+    if across is None or up is None:
+        return Chart(curve, _rows(points), hidden=len(points), bad=len(bad))
+    plane, strip = Plane(across, up), Plane(across, _STRIP)
+    drawn = [p for p in points if plane.at(p.x, p.measured)]
     return Chart(
-        title=curve.title,
-        x_label=curve.x_label,
-        y_label=curve.y_label,
-        x_ticks=[] if across is None or empty else across.ticks(6),
-        y_ticks=[] if up is None or empty else up.ticks(5),
-        strip_ticks=[(strip.at(1), "+1"), (strip.at(0), "0"), (strip.at(-1), "−1")],
-        band=_band(points, across, up),
-        reference=_line([(p.x, p.reference) for p in points], across, up),
-        inside=_dots([(p.x, p.measured) for p in drawn if not p.outside], across, up),
-        outside=_dots([(p.x, p.measured) for p in drawn if p.outside], across, up),
-        strip_inside=_dots([(p.x, p.widths) for p in points if not p.outside], across, strip),
-        strip_outside=_dots(
-            [(p.x, max(-FURTHEST, min(FURTHEST, p.widths))) for p in bad], across, strip
-        ),
-        points=points,
-        rows=rows[: 4 * _MOST_ROWS],
+        curve=curve,
+        rows=_rows([replace(p, at=_positions(p, across, up)) for p in points]),
         hidden=len(points) - len(drawn),
         bad=len(bad),
+        x_ticks=across.ticks(6),
+        y_ticks=up.ticks(5),
+        band=_band(points, plane),
+        reference=plane.line((p.x, p.reference) for p in points),
+        inside=plane.dots((p.x, p.measured) for p in drawn if not p.outside),
+        outside=plane.dots((p.x, p.measured) for p in drawn if p.outside),
+        strip_inside=strip.dots((p.x, p.widths) for p in points if not p.outside),
+        strip_outside=strip.dots((p.x, _within_strip(p.widths)) for p in bad),
     )
 
 
@@ -113,20 +110,27 @@ def _point(x: float, measured: float, reference: float, low: float, high: float)
     return Point(x, measured, reference, low, high, widths, outside)
 
 
-def _places(
-    point: Point, across: Axis, up: Axis, strip: Axis
+def _rows(points: Sequence[Point]) -> list[Point]:
+    """Rows for the table: of many points some, evenly chosen, and those outside."""
+    step = max(1, math.ceil(len(points) / _MOST_ROWS))
+    rows = [p for index, p in enumerate(points) if index % step == 0 or p.outside]
+    return rows[: 4 * _MOST_ROWS]
+
+
+def _positions(
+    point: Point, across: Axis, up: Axis
 ) -> tuple[float, float | None, float | None] | None:
     if not across.holds(point.x):
         return None
-    width = max(-FURTHEST, min(FURTHEST, point.widths))
-    return (
-        across.at(point.x),
-        up.at(point.measured) if up.holds(point.measured) else None,
-        strip.at(width) if strip.holds(width) else None,
-    )
+    height = up.at(point.measured) if up.holds(point.measured) else None
+    return across.at(point.x), height, _STRIP.at(_within_strip(point.widths))
 
 
-def _heights(points: list[Point]) -> list[float]:
+def _within_strip(widths: float) -> float:
+    return max(-FURTHEST, min(FURTHEST, widths))
+
+
+def _heights(points: Sequence[Point]) -> list[float]:
     """What the upright axis must show: the reference, and measured values not far from it.
 
     One wild value would press everything else into a line; it is left to the lower chart.
@@ -140,47 +144,19 @@ def _heights(points: list[Point]) -> list[float]:
     return reference + near
 
 
-def _line(pairs: list[tuple[float, float]], across: Axis | None, up: Axis | None) -> str:
-    """An SVG path through the pairs, broken where one can't be drawn."""
-    if across is None or up is None:
-        return ""
-    parts: list[str] = []
-    pen_up = True
-    for x, y in pairs:
-        if across.holds(x) and up.holds(y):
-            parts.append(f"{'M' if pen_up else 'L'}{across.at(x):g} {up.at(y):g}")
-            pen_up = False
-        else:
-            pen_up = True
-    return "".join(parts)
-
-
-def _dots(pairs: list[tuple[float, float]], across: Axis | None, up: Axis | None) -> str:
-    """An SVG path of strokes without length: with round caps each is a dot."""
-    if across is None or up is None:
-        return ""
-    return "".join(
-        f"M{across.at(x):g} {up.at(y):g}h0" for x, y in pairs if across.holds(x) and up.holds(y)
-    )
-
-
-def _band(points: list[Point], across: Axis | None, up: Axis | None) -> str:
+def _band(points: Sequence[Point], plane: Plane) -> str:
     """A closed SVG path around the band; parts without a finite band are left out."""
-    if across is None or up is None:
-        return ""
     runs: list[list[Point]] = [[]]
     for point in points:
-        if across.holds(point.x) and math.isfinite(point.low) and math.isfinite(point.high):
+        if plane.across.holds(point.x) and all(map(math.isfinite, (point.low, point.high))):
             runs[-1].append(point)
         elif runs[-1]:
             runs.append([])
-    paths = []
-    for run in runs:
-        if len(run) < 2:
-            continue
-        # Cut at the frame, or one wide band would leave the paper.
-        edge = [(p.x, min(p.high, up.high)) for p in run]
-        edge += [(p.x, max(p.low, up.low)) for p in reversed(run)]
-        corners = [f"{across.at(x):g} {up.at(min(max(y, up.low), up.high)):g}" for x, y in edge]
-        paths.append("M" + "L".join(corners) + "Z")
-    return "".join(paths)
+    return "".join(_outline(run, plane) + "Z" for run in runs if len(run) > 1)
+
+
+def _outline(run: Sequence[Point], plane: Plane) -> str:
+    # Cut at the frame, or one wide band would leave the paper.
+    low, high = plane.up.low, plane.up.high
+    edge = [(p.x, p.high) for p in run] + [(p.x, p.low) for p in reversed(run)]
+    return plane.line((x, min(max(y, low), high)) for x, y in edge)

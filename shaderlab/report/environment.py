@@ -24,7 +24,7 @@ from jinja2 import (
 from jinja2.bccache import Bucket
 
 from shaderlab import pictures
-from shaderlab.report import chart, markup, text
+from shaderlab.report import markup, text
 from shaderlab.report.grouping import STATUS_WORDS, STATUSES
 
 
@@ -55,7 +55,6 @@ def environment() -> Environment:
     made.globals.update(
         statuses=STATUSES,
         words=STATUS_WORDS,
-        chart_size=_chart_size(),
         colours={
             "low": _css(pictures.BAND_LOW),
             "middle": _css(pictures.BAND_MIDDLE),
@@ -91,15 +90,6 @@ def _script_colours() -> str:
         "broken": pictures.NOT_FINITE,
     }
     return json.dumps(named, separators=(",", ":"))
-
-
-def _chart_size() -> dict[str, float]:
-    names = ("WIDTH", "HEIGHT", "LEFT", "RIGHT", "TOP", "BOTTOM", "STRIP_TOP", "STRIP_BOTTOM")
-    size = {name.lower(): getattr(chart, name) for name in names}
-    height = chart.STRIP_BOTTOM - chart.STRIP_TOP
-    size["band_top"] = chart.STRIP_TOP + height * (chart.FURTHEST - 1) / (2 * chart.FURTHEST)
-    size["band_height"] = height / chart.FURTHEST
-    return size
 
 
 class _TolerantCache(FileSystemBytecodeCache):

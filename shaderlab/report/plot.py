@@ -7,10 +7,11 @@ bound is a short bar above or below its point, with a stem towards what it allow
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from shaderlab.records import Plot, PlotPoint
-from shaderlab.report.axes import Axis, axis
+from shaderlab.report.axes import Plane, axis
 from shaderlab.report.chart import BOTTOM, LEFT, RIGHT, TOP, WIDTH
 from shaderlab.report.text import figure
 
@@ -41,53 +42,58 @@ class PlotRow:
 
 @dataclass(frozen=True)
 class PlotView:
-    """Everything the template draws, in the coordinates of a `width` × `height` drawing."""
+    """Everything the template draws, in the coordinates of a `width` × `height` drawing.
+
+    Without `x_ticks` there is nothing that could be drawn.
+    """
 
     plot: Plot
-    x_ticks: list[tuple[float, str]]
-    y_ticks: list[tuple[float, str]]
-    series: list[SeriesView]
-    bounds: str
-    outside: str
     rows: list[PlotRow]
-    bad: int
-    hidden: int
-    width: float = WIDTH
-    height: float = HEIGHT
-    left: float = LEFT
-    right: float = RIGHT
-    top: float = TOP
-    bottom: float = BOTTOM
+    x_ticks: Sequence[tuple[float, str]] = ()
+    y_ticks: Sequence[tuple[float, str]] = ()
+    series: Sequence[SeriesView] = ()
+    bounds: str = ""
+    outside: str = ""
+
+    width, height, left, right, top, bottom = WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM
+    strip_top, foot = None, BOTTOM
 
     @property
     def several(self) -> bool:
         """Whether series have to be told apart."""
         return len(self.series) > 1
 
+    @property
+    def bad(self) -> int:
+        """How many points are out of bounds."""
+        return sum(not row.point.ok for row in self.rows)
+
+    @property
+    def hidden(self) -> int:
+        """How many points can't be drawn."""
+        return sum(row.at is None for row in self.rows)
+
 
 def plot_view(plot: Plot) -> PlotView:
-    """Lay a plot out; one without `x_ticks` has nothing that could be drawn."""
-    across = axis([p.x for p in plot.points], LEFT, RIGHT, log=plot.log_x, margin=0.04)
+    """Lay a plot out."""
+    points = plot.points
+    across = axis([p.x for p in points], LEFT, RIGHT, log=plot.log_x, margin=0.04)
     up = axis(_heights(plot), BOTTOM, TOP, log=plot.log_y, margin=0.08)
-    names = list(dict.fromkeys(p.series for p in plot.points))
     if across is None or up is None:
-        rows = [PlotRow(p, _expected(p), None) for p in plot.points]
-        hidden, bad = len(rows), sum(not p.ok for p in plot.points)
-        return PlotView(plot, [], [], [], "", "", rows, bad, hidden)
-    rows = [PlotRow(p, _expected(p), _place(p, across, up)) for p in plot.points]
+        return PlotView(plot, [PlotRow(p, _expected(p), None) for p in points])
+    plane = Plane(across, up)
+    names = dict.fromkeys(p.series for p in points)
     return PlotView(
         plot=plot,
+        rows=[PlotRow(p, _expected(p), plane.at(p.x, p.y)) for p in points],
         x_ticks=across.ticks(6),
         y_ticks=up.ticks(5),
         series=[
-            _series(name, n % COLOURS, [r for r in rows if r.point.series == name])
+            _series(name, n % COLOURS, [(p.x, p.y) for p in points if p.series == name], plane)
             for n, name in enumerate(names)
         ],
-        bounds="".join(_bounds(row, up) for row in rows),
-        outside=_dots([row.at for row in rows if row.at and not row.point.ok]),
-        rows=rows,
-        bad=sum(not p.ok for p in plot.points),
-        hidden=sum(row.at is None for row in rows),
+        bounds="".join(_bounds(p, plane) for p in points),
+        outside=plane.dots((p.x, p.y) for p in points if not p.ok),
     )
 
 
@@ -102,37 +108,21 @@ def _heights(plot: Plot) -> list[float]:
     return figures + [b for b in bounds if low - room <= b <= high + room]
 
 
-def _place(point: PlotPoint, across: Axis, up: Axis) -> tuple[float, float] | None:
-    if not (across.holds(point.x) and up.holds(point.y)):
-        return None
-    return across.at(point.x), up.at(point.y)
+def _series(
+    name: str, colour: int, points: Sequence[tuple[float, float]], plane: Plane
+) -> SeriesView:
+    in_order = sorted(points, key=lambda point: point[0])
+    return SeriesView(name, colour, plane.line(in_order), plane.dots(points))
 
 
-def _series(name: str, colour: int, rows: list[PlotRow]) -> SeriesView:
-    line, pen_up = "", True
-    for row in sorted(rows, key=lambda row: row.point.x):
-        if row.at is None:
-            pen_up = True
-            continue
-        line += f"{'M' if pen_up else 'L'}{row.at[0]:g} {row.at[1]:g}"
-        pen_up = False
-    return SeriesView(name, colour, line, _dots([row.at for row in rows if row.at]))
-
-
-def _dots(places: list[tuple[float, float]]) -> str:
-    """Strokes without length: with round caps each is a dot."""
-    return "".join(f"M{x:g} {y:g}h0" for x, y in places)
-
-
-def _bounds(row: PlotRow, up: Axis) -> str:
-    if row.at is None:
-        return ""
-    x, point, path = row.at[0], row.point, ""
+def _bounds(point: PlotPoint, plane: Plane) -> str:
+    at = plane.at(point.x, point.y)
+    path = ""
     for bound, towards in ((point.low, -1.0), (point.high, 1.0)):
-        if up.holds(bound):
-            y = up.at(bound)
+        if at and plane.up.holds(bound):
+            y = plane.up.at(bound)
             # Upwards on the page is towards smaller y.
-            path += f"M{x - 6:g} {y:g}h12M{x:g} {y:g}v{towards * _STEM:g}"
+            path += f"M{at[0] - 6:g} {y:g}h12M{at[0]:g} {y:g}v{towards * _STEM:g}"
     return path
 
 
