@@ -13,6 +13,7 @@ from shaderlab.pictures.display import (
     UNCOVERED,
     Display,
     distance_picture,
+    palette,
     to_display,
 )
 from shaderlab.pictures.files import (
@@ -22,11 +23,9 @@ from shaderlab.pictures.files import (
     load_library,
     reduced,
     save_png,
-    thumbnail,
 )
-from shaderlab.pictures.palette import palette
 from shaderlab.pictures.previews import preview, save_previews
-from shaderlab.pictures.values import WINDOW, Values, judged_part, pack, unpack
+from shaderlab.pictures.values import WINDOW, Values, judged_part, pack
 
 __all__ = [
     "BAND_HIGH",
@@ -50,7 +49,5 @@ __all__ = [
     "reduced",
     "save_png",
     "save_previews",
-    "thumbnail",
     "to_display",
-    "unpack",
 ]

@@ -106,8 +106,8 @@ def distance_picture(
         furthest = size.argmax(axis=2)[:, :, None]
         distance = np.take_along_axis(distance, furthest, axis=2)[:, :, 0]
 
-    palette = _distance_palette()
-    uncovered, light, dark = range(len(palette) - 3, len(palette))
+    table = _distance_palette()
+    uncovered, light, dark = range(len(table) - 3, len(table))
     # Eight shades to each side are told apart, and make a file of half the size.
     with np.errstate(invalid="ignore"):
         steps = np.rint(np.clip(distance, -1.0, 1.0) * _SHADES) + _SHADES
@@ -120,7 +120,18 @@ def distance_picture(
         half = factor / 2
         check = np.where((y % factor >= half) ^ (x % factor >= half), dark, light)
         large = np.where(enlarge(beyond, factor), check, large).astype(np.uint8)
-    return large, palette
+    return large, table
+
+
+def palette(colours: str = "viridis", count: int = 256) -> str:
+    """`count` colours from a map's dark end to its bright one, six hexadecimal digits each.
+
+    Raises:
+        AssetError: there is no such map.
+    """
+    ramp = np.linspace(0.0, 1.0, count)[None, :, None]
+    table: bytes = to_display(ramp, colours=colours).image[0].tobytes()
+    return table.hex()
 
 
 def _distance_palette() -> Bytes:

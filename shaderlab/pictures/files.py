@@ -144,27 +144,6 @@ def load(path: str | Path) -> Floats:
     return np.ascontiguousarray(shaped[::-1])
 
 
-def thumbnail(path: str | Path, side: int) -> bytes:
-    """A PNG file's small copy, at most `side` pixels in each direction, as PNG bytes.
-
-    A picture that is small enough already is returned as it is.
-
-    Raises:
-        AssetError: the picture can't be read.
-    """
-    source = Path(path)
-    pixels = load(source)
-    if max(pixels.shape[:2]) <= side:
-        return source.read_bytes()
-    small = reduced(np.rint(pixels * 255).astype(np.uint8), side)
-    import tempfile
-
-    with tempfile.TemporaryDirectory(prefix="shaderlab-") as folder:
-        copy = Path(folder) / "small.png"
-        save_png(copy, small)
-        return copy.read_bytes()
-
-
 def reduced(pixels: NDArray[np.uint8], side: int) -> NDArray[np.uint8]:
     """uint8 (height, width, channels), at most `side` pixels in each direction.
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shaderlab.errors import AssetError
-from shaderlab.pictures.files import reduced, save_png, thumbnail
+from shaderlab.pictures.files import reduced, save_png
 
 _QUALITY = "webp:70"  # a photograph's usual one
 # How hard the encoder looks for a shorter file, 0 to 6: the default, 6, takes three times as long
@@ -47,17 +47,16 @@ def save_previews(path: str | Path, pixels: NDArray[np.uint8], sides: tuple[int,
 
 
 def preview(path: str | Path, side: int) -> bytes:
-    """The bytes of a PNG file's copy of at most `side` pixels; made now if there is none.
+    """The bytes of a PNG file's copy of at most `side` pixels, or of the file if there is none.
 
     Raises:
-        AssetError: the picture can't be read.
-        OSError: it has gone.
+        OSError: it can't be read.
     """
     for suffix in ("webp", "png"):
         file = _beside(Path(path), side, suffix)
         if file.is_file():
             return file.read_bytes()
-    return thumbnail(path, side) if side else Path(path).read_bytes()
+    return Path(path).read_bytes()
 
 
 def _beside(path: Path, side: int, suffix: str) -> Path:

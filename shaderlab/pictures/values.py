@@ -28,8 +28,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from shaderlab.errors import AssetError
-
 Floats = NDArray[np.float64]
 _REST = 65535.0
 _COARSE = 2048
@@ -71,7 +69,7 @@ class Values:
 
 
 def pack(values: Values) -> bytes:
-    """The values as a file's bytes, to be read by `unpack` and by the report's own script."""
+    """The values as a file's bytes; `report/script/values.js` reads them."""
     columns = _columns(values)
     rows, width, components = values.measured.shape
     head = {
@@ -86,47 +84,6 @@ def pack(values: Values) -> bytes:
     }
     text = json.dumps(head, separators=(",", ":")) + "\n"
     return zlib.compress(text.encode("ascii") + b"".join(columns), _LEVEL)
-
-
-def unpack(data: bytes) -> Values:
-    """What `pack` made.
-
-    Raises:
-        AssetError: the bytes are no such file.
-    """
-    try:
-        text, _, body = zlib.decompress(data).partition(b"\n")
-        head = json.loads(text)
-        rows, width, components = head["rows"], head["columns"], head["components"]
-        planes = (components, rows, width)
-        count = rows * width * components
-        flags = np.frombuffer(body, np.uint8, count).reshape(planes)
-        wide = [_unfold(body[count * at :], count).reshape(planes) for at in (1, 5, 11, 15)]
-        rest = np.frombuffer(_joined(body[count * 9 :], count, 2), np.int16).reshape(planes)
-    except (ValueError, KeyError, TypeError, zlib.error) as error:
-        raise AssetError(f"these are no packed values ({error})") from error
-    measured = wide[0].copy()
-    measured[:, :, 0] = np.cumsum(measured[:, :, 0], axis=1, dtype=np.int32)
-    measured = np.cumsum(measured, axis=2, dtype=np.int32)
-    nearest = wide[1] + measured
-    high_end = nearest - wide[2] - wide[3]
-    numbers = [_floats(each) for each in (measured, nearest, nearest + wide[2], high_end)]
-    m, r, low, high = (np.moveaxis(each, 0, -1).astype(np.float64) for each in numbers)
-    with np.errstate(invalid="ignore"):
-        r = np.where(np.isfinite(r), r + np.moveaxis(rest, 0, -1) / _REST * _ulp(r), r)
-    judged, outside = (np.moveaxis(flags & bit, 0, -1).astype(bool) for bit in (1, 2))
-    return Values(
-        size=tuple(head["size"]),
-        origin=tuple(head["origin"]),
-        unit=head["unit"],
-        whole=head["whole"],
-        measured=m,
-        reference=r,
-        low=low,
-        high=high,
-        judged=judged,
-        outside=outside,
-    )
 
 
 def judged_part(
@@ -207,27 +164,13 @@ def _ordered(values: NDArray[np.float32]) -> NDArray[np.int32]:
     return np.where(bits < 0, bits ^ np.int32(0x7FFFFFFF), bits)
 
 
-def _floats(ordered: NDArray[np.int32]) -> NDArray[np.float32]:
-    bits = np.where(ordered < 0, ordered ^ np.int32(0x7FFFFFFF), ordered)
-    return np.ascontiguousarray(bits).view(np.float32)
-
-
 def _fold(numbers: NDArray[np.int32]) -> bytes:
     return _split((numbers << 1) ^ (numbers >> 31))
-
-
-def _unfold(data: bytes, count: int) -> NDArray[np.int32]:
-    folded = np.frombuffer(_joined(data, count, 4), np.uint32)
-    return ((folded >> 1) ^ (np.uint32(0) - (folded & 1))).astype(np.int32)
 
 
 def _split(numbers: NDArray[Any]) -> bytes:
     little = np.ascontiguousarray(numbers).astype(numbers.dtype.newbyteorder("<"))
     return little.view(np.uint8).reshape(-1, numbers.dtype.itemsize).T.tobytes()
-
-
-def _joined(data: bytes, count: int, size: int) -> bytes:
-    return np.frombuffer(data, np.uint8, count * size).reshape(size, count).T.tobytes()
 
 
 def _ulp(values: Floats) -> Floats:

@@ -16,7 +16,6 @@ from pathlib import Path
 from markupsafe import Markup
 
 from shaderlab import pictures
-from shaderlab.errors import AssetError
 
 _SIGNATURE = b"\x89PNG\r\n\x1a\n"
 # Below this a picture is a table of pixels, to be enlarged with hard edges.
@@ -44,7 +43,7 @@ class Picture:
         """The picture as a data URI; an empty one if the file has gone or is damaged."""
         try:
             data = pictures.preview(self.path, self.side)
-        except (OSError, AssetError):
+        except OSError:
             data = b""
         kind = "webp" if data[:4] == b"RIFF" else "png"
         return f"data:image/{kind};base64," + in_base64(data)

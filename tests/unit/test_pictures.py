@@ -210,13 +210,6 @@ def test_oversized_images_are_refused_before_they_are_read(tmp_path: Path) -> No
     assert caught.value.file == str(tmp_path / "wide.pgm")
 
 
-def test_thumbnails_are_small_and_never_enlarged(tmp_path: Path) -> None:
-    pictures.save_png(tmp_path / "a.png", np.zeros((100, 200, 3), np.uint8))
-    (tmp_path / "small.png").write_bytes(pictures.thumbnail(tmp_path / "a.png", 50))
-    assert pictures.load(tmp_path / "small.png").shape == (25, 50, 3)
-    assert pictures.thumbnail(tmp_path / "a.png", 400) == (tmp_path / "a.png").read_bytes()
-
-
 def png(folder: Path, width: int = 32, height: int = 32) -> bytes:
     """A PNG file of 32 × 32 pixels whose header says another size."""
     noise = np.random.default_rng(0).integers(0, 256, (32, 32, 3), dtype=np.uint8)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import zlib
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,8 +11,7 @@ import numpy as np
 import pytest
 
 from shaderlab import pictures
-from shaderlab.errors import AssetError
-from shaderlab.pictures import Values, judged_part, pack, unpack
+from shaderlab.pictures import Values, judged_part, pack
 from tests.unit.test_report_samples import INF, NAN
 
 ODD = (0.0, -0.0, 1.0, -1.5, NAN, INF, -INF, 1e-45, -1e-45, 3.4e38, -3.4e38, 16777217.0)
@@ -30,6 +31,58 @@ def values(measured: np.ndarray, reference: np.ndarray) -> Values:
         judged=np.ones(shape, bool),
         outside=measured > 0,
     )
+
+
+def unpack(data: bytes) -> Values:
+    """What `pack` made, read as the page's script reads it."""
+    text, _, body = zlib.decompress(data).partition(b"\n")
+    head = json.loads(text)
+    rows, width, components = head["rows"], head["columns"], head["components"]
+    planes = (components, rows, width)
+    count = rows * width * components
+    flags = np.frombuffer(body, np.uint8, count).reshape(planes)
+    wide = [unfold(body[count * at :], count).reshape(planes) for at in (1, 5, 11, 15)]
+    rest = np.frombuffer(joined(body[count * 9 :], count, 2), np.int16).reshape(planes)
+    measured = wide[0].copy()
+    measured[:, :, 0] = np.cumsum(measured[:, :, 0], axis=1, dtype=np.int32)
+    measured = np.cumsum(measured, axis=2, dtype=np.int32)
+    nearest = wide[1] + measured
+    high_end = nearest - wide[2] - wide[3]
+    numbers = [floats(each) for each in (measured, nearest, nearest + wide[2], high_end)]
+    m, r, low, high = (np.moveaxis(each, 0, -1).astype(np.float64) for each in numbers)
+    with np.errstate(invalid="ignore"):
+        r = np.where(
+            np.isfinite(r),
+            r + np.moveaxis(rest, 0, -1) / 65535 * np.spacing(np.abs(r).astype(np.float32)),
+            r,
+        )
+    judged, outside = (np.moveaxis(flags & bit, 0, -1).astype(bool) for bit in (1, 2))
+    return Values(
+        size=tuple(head["size"]),
+        origin=tuple(head["origin"]),
+        unit=head["unit"],
+        whole=head["whole"],
+        measured=m,
+        reference=r,
+        low=low,
+        high=high,
+        judged=judged,
+        outside=outside,
+    )
+
+
+def unfold(data: bytes, count: int) -> np.ndarray:
+    folded = np.frombuffer(joined(data, count, 4), np.uint32)
+    return ((folded >> 1) ^ (np.uint32(0) - (folded & 1))).astype(np.int32)
+
+
+def joined(data: bytes, count: int, size: int) -> bytes:
+    return np.frombuffer(data, np.uint8, count * size).reshape(size, count).T.tobytes()
+
+
+def floats(ordered: np.ndarray) -> np.ndarray:
+    bits = np.where(ordered < 0, ordered ^ np.int32(0x7FFFFFFF), ordered)
+    return np.ascontiguousarray(bits).view(np.float32)
 
 
 def test_every_float32_comes_back_bit_for_bit() -> None:
@@ -78,12 +131,6 @@ def test_nothing_judged_is_a_file_too() -> None:
     assert not unpack(pack(part)).judged.any()
 
 
-@pytest.mark.parametrize("data", [b"", b"junk", pack(values(np.zeros((1, 1, 1)), np.zeros(1)))[:9]])
-def test_damaged_values_are_refused(data: bytes) -> None:
-    with pytest.raises(AssetError, match="no packed values"):
-        unpack(data)
-
-
 def test_smooth_values_are_small() -> None:
     y, x = np.mgrid[0:64, 0:64] / 64
     smooth = np.sqrt(x + y + 0.1)[..., None]
@@ -118,4 +165,4 @@ def test_previews_are_the_smaller_of_their_formats(tmp_path: Path, noisy: bool) 
     assert len(list(tmp_path.glob("p@100.*"))) == 1
     (tmp_path / "p@100.png").unlink(missing_ok=True)
     (tmp_path / "p@100.webp").unlink(missing_ok=True)
-    assert pictures.preview(path, 100)[:4] == b"\x89PNG"  # made on the spot
+    assert pictures.preview(path, 100) == path.read_bytes()
