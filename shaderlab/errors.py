@@ -7,7 +7,8 @@ whoever catches `ShaderlabError` has caught everything the lab itself can raise.
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 
@@ -83,6 +84,24 @@ def _rebuild(
     remedy: str | None,
 ) -> ShaderlabError:
     return kind(message, file=file, line=line, remedy=remedy)
+
+
+@contextmanager
+def extra(name: str, what: str) -> Iterator[None]:
+    """Around the import of a package that comes with an extra.
+
+    Args:
+        name: of the extra.
+        what: needs the package.
+
+    Raises:
+        UsageError: it is not installed; says how to install it.
+    """
+    try:
+        yield
+    except ImportError as error:
+        remedy = f"pip install 'shaderlab[{name}]'"
+        raise UsageError(f"{what} needs {error.name or error}", remedy=remedy) from error
 
 
 def nearest(word: str, choices: Iterable[str]) -> str:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from shaderlab.errors import AssetError, nearest
+from shaderlab.errors import AssetError, extra, nearest
 
 Array = npt.NDArray[Any]
 
@@ -32,7 +32,8 @@ def compressed(image: Array, format: str) -> bytes:
     >>> len(compressed(np.zeros((8, 8, 4)), "bc1"))
     32
     """
-    import etcpak
+    with extra("course", "compressing texels"):
+        import etcpak
 
     if format not in _BY:
         raise AssetError(f"nothing compresses {format!r}", remedy=nearest(format, _BY))
@@ -57,7 +58,8 @@ def decoded_blocks(blocks: bytes, format: str, size: tuple[int, int]) -> Any:
     >>> decoded_blocks(bytes(8), "bc1", (4, 4))[0, 0].tolist()
     [0, 0, 0, 255]
     """
-    import texture2ddecoder
+    with extra("course", "decoding compressed texels"):
+        import texture2ddecoder
 
     function = {
         "etc1": texture2ddecoder.decode_etc1,

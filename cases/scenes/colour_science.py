@@ -12,6 +12,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from shaderlab.errors import extra
+
 
 def delta_e_2000(one: Any, other: Any) -> npt.NDArray[np.float64]:
     """CIE ΔE 2000 of display colours; about 1 is what an eye can just see side by side.
@@ -28,7 +30,8 @@ def delta_e_2000(one: Any, other: Any) -> npt.NDArray[np.float64]:
     # colour-science changes how NumPy prints, and says what it was installed without.
     with np.printoptions(), warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        import colour
+        with extra("course", "ΔE 2000"):
+            import colour
 
         labs = [
             colour.XYZ_to_Lab(
@@ -50,6 +53,7 @@ def srgb_by_colour_science(linear: Any) -> Any:
     # It announces which optional parts of it are not installed, and changes how NumPy prints.
     with warnings.catch_warnings(), np.printoptions():
         warnings.simplefilter("ignore")
-        from colour.models import eotf_inverse_sRGB
+        with extra("course", "the comparison with colour-science"):
+            from colour.models import eotf_inverse_sRGB
 
     return eotf_inverse_sRGB(np.asarray(linear))

@@ -10,6 +10,14 @@ from typing import Any
 
 import numpy as np
 
+from shaderlab.errors import extra
+
+
+def _glm() -> Any:
+    with extra("course", "the comparison with GLM"):
+        from pyglm import glm
+    return glm
+
 
 def glm_rows(matrix: Any) -> Any:
     """A PyGLM matrix as mathematics writes it, rows first, in float64.
@@ -27,8 +35,7 @@ def translated_by_glm(aPos: Any, offset: Any, w: Any) -> Any:
     >>> translated_by_glm(np.array([[1.0, 0, 0]]), np.ones(3), np.ones(1)).tolist()
     [[2.0, 1.0, 1.0, 1.0]]
     """
-    from pyglm import glm
-
+    glm = _glm()
     matrix = glm_rows(glm.translate(glm.dvec3(*offset)))
     return np.column_stack([aPos, np.broadcast_to(w, (len(aPos), 1))]) @ matrix.T
 
@@ -39,8 +46,7 @@ def scaled_by_glm(aPos: Any, factors: Any, offset: Any) -> Any:
     >>> scaled_by_glm(np.array([[7.0, 8, 9]]), np.array([1, 2, 3]), np.array([4, 5, 6])).tolist()
     [[11.0, 21.0, 33.0, 1.0]]
     """
-    from pyglm import glm
-
+    glm = _glm()
     matrix = glm_rows(glm.scale(glm.translate(glm.dvec3(*offset)), glm.dvec3(*factors)))
     return np.column_stack([aPos, np.ones(len(aPos))]) @ matrix.T
 
@@ -52,8 +58,7 @@ def rotated_by_glm(aPos: Any, axis: Any, angle: Any, offset: Any) -> Any:
     >>> rotated_by_glm(np.array([[0.0, 0, 1]]), *up, np.zeros(3)).round(9).tolist()
     [[1.0, 0.0, 0.0]]
     """
-    from pyglm import glm
-
+    glm = _glm()
     turn = glm.rotate(float(np.ravel(angle)[0]), glm.normalize(glm.dvec3(*axis)))
     return aPos @ glm_rows(turn)[:3, :3].T + offset
 
@@ -65,8 +70,7 @@ def euler_by_glm(aPos: Any, yaw: Any, pitch: Any, roll: Any) -> Any:
     >>> euler_by_glm(nose, np.zeros(1), np.array([np.pi / 2]), np.zeros(1)).round(9).tolist()
     [[0.0, 1.0, -0.0]]
     """
-    from pyglm import glm
-
+    glm = _glm()
     matrix: Any = glm.dmat4(1.0)
     for angle, axis in ((yaw, (0, 1, 0)), (pitch, (1, 0, 0)), (roll, (0, 0, 1))):
         matrix = glm.rotate(matrix, float(np.ravel(angle)[0]), glm.dvec3(*axis))
@@ -80,8 +84,7 @@ def turned_by_glm(aPos: Any, q: Any) -> Any:
     >>> turned_by_glm(np.array([[1.0, 0, 0]]), np.array([0, 0, half, half])).round(9).tolist()
     [[-0.0, 1.0, 0.0]]
     """
-    from pyglm import glm
-
+    glm = _glm()
     quaternion = glm.dquat(float(q[3]), *(float(x) for x in q[:3]))
     return np.array([list(quaternion * glm.dvec3(*v)) for v in np.asarray(aPos, float)])
 
@@ -92,7 +95,7 @@ def slerp_by_glm(a: Any, b: Any) -> Any:
     >>> slerp_by_glm([0, 0, 0, 1], [0, 0, 1, 0])(np.array([0.5])).round(6).tolist()
     [0.0, 0.0, 0.707107, 0.707107]
     """
-    from pyglm import glm
+    glm = _glm()
 
     def between(t: Any) -> Any:
         start, end = (glm.dquat(float(q[3]), *(float(x) for x in q[:3])) for q in (a, b))
@@ -109,8 +112,7 @@ def in_camera_by_glm(aPos: Any, eye: Any, target: Any, up: Any) -> Any:
     >>> in_camera_by_glm(np.array([[1.0, 2, 3]]), np.zeros(3), ahead, up).tolist()
     [[1.0, 2.0, 3.0]]
     """
-    from pyglm import glm
-
+    glm = _glm()
     view = glm_rows(glm.lookAt(*(glm.dvec3(*v) for v in (eye, target, up))))
     return aPos @ view[:3, :3].T + view[:3, 3]
 
@@ -121,8 +123,7 @@ def rotation_by_glm_float32(angle: float, axis: Any) -> Any:
     >>> print(f"{rotation_by_glm_float32(np.pi / 2, (0, 0, 1))[1, 1]:.3g}")
     -4.37e-08
     """
-    from pyglm import glm
-
+    glm = _glm()
     return glm_rows(glm.rotate(glm.mat4(1.0), angle, glm.vec3(*axis)))
 
 
@@ -132,8 +133,7 @@ def perspective_by_glm(fovy: float, aspect: float, near: float, far: float) -> A
     >>> perspective_by_glm(np.pi / 2, 1.0, 1.0, 3.0)[2].tolist()
     [0.0, 0.0, -2.0, -3.0]
     """
-    from pyglm import glm
-
+    glm = _glm()
     return glm_rows(glm.perspective(fovy, aspect, near, far))
 
 
@@ -153,8 +153,7 @@ def orthographic_by_glm(
 
 def _ortho_of_unit_box(bounds: Any) -> Any:
     """The box moved to the origin, scaled, z turned around: three steps of PyGLM's own."""
-    from pyglm import glm
-
+    glm = _glm()
     low, high = (
         np.array([bounds[0], bounds[2], -bounds[5]]),
         np.array([bounds[1], bounds[3], -bounds[4]]),
@@ -169,8 +168,7 @@ def clip_by_glm(aPos: Any, model: Any, view: Any, projection: Any) -> Any:
     >>> clip_by_glm(np.array([[1.0, 2, 3]]), np.eye(4), np.eye(4), np.diag([2.0, 1, 1, 1])).tolist()
     [[2.0, 2.0, 3.0, 1.0]]
     """
-    from pyglm import glm
-
+    glm = _glm()
     m, v, p = (glm.dmat4(*np.asarray(a, float).T.ravel()) for a in (model, view, projection))
     chain = p * v * m
     return np.array([list(chain * glm.dvec4(*(*point, 1.0))) for point in np.asarray(aPos, float)])

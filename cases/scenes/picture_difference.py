@@ -13,6 +13,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from shaderlab.errors import extra
+
 Array = npt.NDArray[Any]
 
 
@@ -36,7 +38,8 @@ def flip(reference: Array, test: Array) -> float:
     >>> flip(np.zeros((4, 4, 3)), np.zeros((4, 4, 3)))
     0.0
     """
-    from flip_evaluator import evaluate
+    with extra("course", "FLIP"):
+        from flip_evaluator import evaluate
 
     pictures = (np.ascontiguousarray(_colors(p), np.float32) for p in (reference, test))
     _, mean, _ = evaluate(*pictures, "LDR", applyMagma=False)

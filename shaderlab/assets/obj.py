@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from shaderlab.assets.meshes import Geometry
-from shaderlab.errors import AssetError, nearest
+from shaderlab.errors import AssetError, extra, nearest
 
 MAX_BYTES = 64 << 20
 """The largest file that is read."""
@@ -59,7 +59,8 @@ def load_obj(path: str | Path) -> tuple[Part, ...]:
     """
     source = Path(path)
     text, names = _checked(source)
-    import trimesh
+    with extra("models", "an OBJ file"):
+        import trimesh
 
     resolver = trimesh.resolvers.FilePathResolver(str(source.resolve()))
     try:

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from shaderlab.errors import AssetError
+from shaderlab.errors import AssetError, extra
 
 Array = npt.NDArray[Any]
 
@@ -81,7 +81,8 @@ def load_pcd(path: str | Path, *, drop_invalid: bool = False) -> Cloud:
     data = _bytes(source)
     header = _header(data, source)
     _check_size(header, data, source)
-    from pypcd4.pypcd4 import PointCloud
+    with extra("models", "a PCD file"):
+        from pypcd4.pypcd4 import PointCloud
 
     try:
         loaded = PointCloud.from_fileobj(io.BufferedReader(io.BytesIO(data)))

@@ -5,10 +5,13 @@ from __future__ import annotations
 import ast
 import importlib.metadata
 import sys
+import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
 
 PACKAGE = "shaderlab"
 
@@ -87,7 +90,14 @@ OWNERS: dict[str, set[str]] = {
 }
 
 # What only comes with an extra, by the name of that extra.
-OPTIONAL = {"distributed": "cluster", "dask": "cluster", "pyarrow": "sweep"}
+OPTIONAL = {
+    "distributed": "cluster",
+    "dask": "cluster",
+    "pypcd4": "models",
+    "trimesh": "models",
+    "pytest": "pytest",
+    "pyarrow": "sweep",
+}
 
 CASES_MAY_IMPORT = {
     PACKAGE,
@@ -97,12 +107,9 @@ CASES_MAY_IMPORT = {
     f"{PACKAGE}.assets",
     "cases.scenes",
 }
-CASES_MAY_IMPORT_FOREIGN = {"numpy"}
 # What cases share is a step behind the scenes: types of the model, errors, the extra "course".
 SCENES_MAY_IMPORT = {*CASES_MAY_IMPORT, f"{PACKAGE}.errors", f"{PACKAGE}.model"}
-SCENES_MAY_IMPORT_FOREIGN = {
-    "numpy", "colour", "etcpak", "flip_evaluator", "pyglm", "texture2ddecoder",
-}  # fmt: skip
+COURSE = {"colour", "etcpak", "flip_evaluator", "pyglm", "texture2ddecoder"}
 
 
 def imports(tree: ast.AST, package: tuple[str, ...]) -> Iterator[tuple[int, str, str]]:
@@ -182,32 +189,33 @@ def test_foreign_libraries_stay_with_their_owners(repository: Path) -> None:
     assert wrong == []
 
 
-def test_every_foreign_library_is_a_declared_dependency(repository: Path) -> None:
-    from packaging.requirements import Requirement
-    from packaging.utils import canonicalize_name
+def declared(repository: Path, extra: str = "") -> set[str]:
+    """The distributions that pyproject.toml asks for itself, or with an extra."""
+    data = tomllib.loads((repository / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    lines = data["optional-dependencies"][extra] if extra else data["dependencies"]
+    return {canonicalize_name(Requirement(line).name) for line in lines}
 
-    declared = {
-        canonicalize_name(requirement.name)
-        for requirement in map(Requirement, importlib.metadata.requires(PACKAGE) or [])
-        if requirement.marker is None or "extra" not in str(requirement.marker)
-    }
+
+def test_every_foreign_library_is_a_declared_dependency(repository: Path) -> None:
     providers = importlib.metadata.packages_distributions()
+    known = declared(repository)
     for _, file, lines in sources(repository):
         for line, module, _ in lines:
             top = module.split(".")[0]
             if top == PACKAGE or top in sys.stdlib_module_names or top in OPTIONAL:
                 continue
             from_ = {canonicalize_name(name) for name in providers.get(top, [])}
-            assert from_ & declared, f"{file}:{line}: {top} is no dependency in pyproject.toml"
+            assert from_ & known, f"{file}:{line}: {top} is no dependency in pyproject.toml"
 
 
-def test_every_optional_library_belongs_to_an_extra(repository: Path) -> None:
-    import tomllib
-
-    data = tomllib.loads((repository / "pyproject.toml").read_text(encoding="utf-8"))
-    for module, extra in OPTIONAL.items():
-        named = data["project"]["optional-dependencies"][extra]
-        assert any(line.startswith(f"{module}>=") for line in named), module
+def test_every_optional_library_belongs_to_an_extra_and_to_no_other_need(
+    repository: Path,
+) -> None:
+    providers = importlib.metadata.packages_distributions()
+    for module, extra in {**OPTIONAL, **dict.fromkeys(COURSE, "course")}.items():
+        from_ = {canonicalize_name(name) for name in providers[module]}
+        assert from_ & declared(repository, extra), module
+        assert not from_ & declared(repository), module
 
 
 def test_cases_use_only_what_any_reader_may(repository: Path) -> None:
@@ -215,7 +223,7 @@ def test_cases_use_only_what_any_reader_may(repository: Path) -> None:
         package = file.parent.relative_to(repository).parts
         scene = package == ("cases", "scenes")
         known_rooms = SCENES_MAY_IMPORT if scene else CASES_MAY_IMPORT
-        foreign = SCENES_MAY_IMPORT_FOREIGN if scene else CASES_MAY_IMPORT_FOREIGN
+        foreign = {"numpy", *COURSE} if scene else {"numpy"}
         tree = ast.parse(file.read_text(encoding="utf-8"))
         for line, module, name in imports(tree, package):
             top = module.split(".")[0]

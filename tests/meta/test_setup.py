@@ -9,6 +9,7 @@ import os
 import shutil
 import subprocess
 import sys
+from collections.abc import Iterable
 from pathlib import Path
 
 import pytest
@@ -171,22 +172,29 @@ def test_no_registry_is_named(repository: Path) -> None:
 
 def test_every_dependency_is_pinned_exactly(repository: Path) -> None:
     import importlib.metadata
+    import tomllib
 
     from packaging.requirements import Requirement
     from packaging.utils import canonicalize_name
+
+    def needed(lines: Iterable[str]) -> set[str]:
+        found = map(Requirement, lines)
+        return {
+            canonicalize_name(r.name)
+            for r in found
+            if r.marker is None or r.marker.evaluate({"extra": ""})
+        }
 
     lines = (repository / "constraints.txt").read_text().splitlines()
     pins = [Requirement(line) for line in lines if line and not line.startswith("#")]
     assert all(str(pin.specifier).startswith("==") for pin in pins)
     pinned = {canonicalize_name(pin.name) for pin in pins}
-    wanted = {"shaderlab"}
-    seen: set[str] = set()
-    while wanted:
+    project = tomllib.loads((repository / "pyproject.toml").read_text())["project"]
+    extras = project["optional-dependencies"].values()
+    wanted = needed([*project["dependencies"], *(line for extra in extras for line in extra)])
+    seen = {"shaderlab"}
+    while wanted := wanted - seen:
         name = wanted.pop()
         seen.add(name)
-        extra = "dev" if name == "shaderlab" else ""
-        for line in importlib.metadata.requires(name) or []:
-            requirement = Requirement(line)
-            if requirement.marker is None or requirement.marker.evaluate({"extra": extra}):
-                wanted |= {canonicalize_name(requirement.name)} - seen
+        wanted |= needed(importlib.metadata.requires(name) or [])
     assert seen - pinned == {"shaderlab"}
