@@ -50,6 +50,11 @@ class PreparedDraw:
         assert alone.interface is not None
         return alone.interface
 
+    @property
+    def texts(self) -> dict[str, str]:
+        """The text of each stage after includes, by stage."""
+        return {source.stage: source.text for source in self.sources}
+
     def text(self, stage: str) -> str | None:
         """One stage's text after includes, or None where the program has no such stage."""
         return next((s.text for s in self.sources if s.stage == stage), None)

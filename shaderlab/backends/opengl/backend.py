@@ -49,7 +49,7 @@ class OpenGLBackend:
         self, scene: Scene, programs: Programs, size: Size, *, temporary_programs: bool = False
     ) -> Iterator[OpenGLSession]:
         """A scene to draw and to ask about, as in `Backend.session`."""
-        linker = self._linker.borrowed() if temporary_programs else self._linker
+        linker = Linker(self.device, self._linker) if temporary_programs else self._linker
         with self.device.unchecked(), ExitStack() as stack:
             drawing = Drawing(self.device, linker, scene, programs, size, stack)
             yield OpenGLSession(drawing, self.captures)

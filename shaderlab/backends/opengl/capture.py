@@ -21,7 +21,7 @@ from shaderlab.backends.opengl.target import RenderTarget
 from shaderlab.backends.opengl.vertices import vertex_array
 from shaderlab.errors import ShaderError, UnsupportedError
 from shaderlab.frame import Array, Bindings, Fragments, PassDraw, Samples
-from shaderlab.model import Draw, Mesh, State, Target
+from shaderlab.model import Mesh, State, Target
 from shaderlab.programs import formats, stages
 from shaderlab.programs.inputs import complete_inputs, piece_of
 from shaderlab.programs.prepare import PreparedDraw
@@ -66,21 +66,20 @@ def _capture_group(
     colors[stages.COORD] = "rgba32f"
     colors.update({c.output: c.format for c in captured})
     plain = replace(description.target, colors=colors, clear=(0.0,) * 4, samples=0)
-    target = RenderTarget(drawing.device, plain, colors, drawing.extent(description))
-    try:
-        target.clear()
+    with RenderTarget(drawing.device, plain, colors, drawing.extent(description)) as target:
         for index, draw in enumerate(prepared):
-            ending = text if index == key[1] else _blank(draw)
-            state = replace(draw.draw.state, blend=None, srgb=False, color_mask=(True,) * 4)
-            bindings = drawing.bindings[key[0], index]
-            _draw_instead(drawing, draw, ending, bindings, target, state)
+            program, vao = drawing.ready(
+                draw, drawing.bindings[key[0], index], target,
+                fragment=text if index == key[1] else _blank(draw),
+                fixed=replace(draw.draw.state, blend=None, srgb=False, color_mask=(True,) * 4),
+            )  # fmt: skip
+            submit(vao, program, draw)
+            drain_errors()
         coord = target.read(stages.COORD).values
         got = {
             c.piece: target.read(c.output).values[..., : formats.components_of(c.piece.type)]
             for c in captured
         }
-    finally:
-        target.release()
     return coord, got
 
 
@@ -90,24 +89,6 @@ def _blank(draw: PreparedDraw) -> str:
     unwanted = draw.interface.outputs if crowded else None
     text, _ = stages.capture_fragment(draw.text("fragment") or "", (), unwanted)
     return text.replace(f"{stages.COORD} = gl_FragCoord;", f"{stages.COORD} = vec4(0.0);")
-
-
-def _draw_instead(
-    drawing: Drawing,
-    draw: PreparedDraw,
-    fragment: str,
-    bindings: Bindings,
-    target: RenderTarget,
-    state: State,
-) -> None:
-    texts = {s.stage: s.text for s in draw.sources} | {"fragment": fragment}
-    program = drawing.linker.link(texts)
-    drawing.use(program, draw, bindings)
-    vao = vertex_array(drawing.device, program, draw.draw.mesh)
-    target.bind(output_locations(program, target.colors))
-    fixed.apply(state, target.size)
-    submit(vao, program, draw)
-    drain_errors()
 
 
 def probe_fragments(
@@ -129,14 +110,14 @@ def probe_fragments(
     size = (width, -(-count // width))
     program, columns = _fed(drawing, draw)
     colors = {n: formats.for_output(v.type) for n, v in draw.interface.outputs.items()}
-    target = RenderTarget(drawing.device, Target(), colors, size)
-    try:
-        target.clear()
+    attributes = {name: piece_of(complete, piece) for piece, name in columns.items()}
+    attributes = attributes or {stages.PREFIX + "nothing": np.zeros((count, 1), np.float32)}
+    # There are no ramps to upload: the vertex stage is the probe's.
+    own = draw if draw.draw.domain is None else replace(draw, draw=replace(draw.draw, domain={}))
+    with RenderTarget(drawing.device, Target(), colors, size) as target:
         fixed.apply(State(), size)
-        drawing.use(program, replace(draw, draw=_without_domain(draw.draw)), bindings)
+        drawing.use(program, own, bindings)
         set_uniforms(program, {stages.PREFIX + "size": np.array(size, np.int32)})
-        attributes = {name: piece_of(complete, piece) for piece, name in columns.items()}
-        attributes = attributes or {stages.PREFIX + "nothing": np.zeros((count, 1), np.float32)}
         mesh = Mesh(attributes=attributes, primitive="points")
         vao = vertex_array(drawing.device, program, mesh)
         target.bind(output_locations(program, target.colors))
@@ -146,8 +127,6 @@ def probe_fragments(
             name: target.read(name).values.reshape(-1, formats.COLOR[word].components)
             for name, word in colors.items()
         }
-    finally:
-        target.release()
     kinds = draw.interface.outputs
     outputs = {n: v[:count, : formats.components_of(kinds[n].type)] for n, v in outputs.items()}
     return Samples(inputs=complete, outputs=outputs)
@@ -172,8 +151,3 @@ def _fed(drawing: Drawing, draw: PreparedDraw) -> tuple[Any, dict[Piece, str]]:
             f"declares them as it does ({error.message})",
             remedy=remedy,
         ) from error
-
-
-def _without_domain(draw: Draw) -> Draw:
-    """The draw with no ramps to upload: its vertex stage is the probe's."""
-    return replace(draw, domain={}) if draw.domain is not None else draw

@@ -17,7 +17,7 @@ from shaderlab.backends.opengl.uniform_buffers import UniformBuffers
 from shaderlab.backends.opengl.vertices import VertexArray, vertex_array
 from shaderlab.errors import ShaderError, UnsupportedError
 from shaderlab.frame import Array, Bindings, Image, PassDraw
-from shaderlab.model import Mesh, Pass, Scene, names_asked_for
+from shaderlab.model import Mesh, Pass, Scene, State, names_asked_for
 from shaderlab.programs import bind, blocks
 from shaderlab.programs.formats import components_of
 from shaderlab.programs.passes import check_continues, check_reads
@@ -145,7 +145,7 @@ class Drawing:
                 self._inactive.add(name)
 
     def _draw(self, key: PassDraw, draw: PreparedDraw, target: RenderTarget) -> None:
-        program, vao = self.ready(key, draw, target)
+        program, vao = self.ready(draw, self.bindings[key], target)
         drain_errors()
         submit(vao, program, draw)
         errors = drain_errors()
@@ -153,22 +153,38 @@ class Drawing:
             self._gl_errors[key] = errors
 
     def ready(
-        self, key: PassDraw, draw: PreparedDraw, target: RenderTarget
+        self,
+        draw: PreparedDraw,
+        bindings: Bindings,
+        target: RenderTarget,
+        *,
+        fragment: str | None = None,
+        fixed: State | None = None,
     ) -> tuple[Any, VertexArray]:
         """Bind and set everything for a draw, which `submit` then issues: its program and vertex
-        array. Raises ShaderError if the driver refuses the program."""
+        array.
+
+        Args:
+            draw: what to draw.
+            bindings: its uniforms and textures.
+            target: what to draw into.
+            fragment: the text of another fragment shader in place of its own.
+            fixed: another state in place of its own.
+
+        Raises:
+            ShaderError: the driver refuses the program.
+        """
         require_glsl(self.device, draw)
-        stages = {s.stage: s.text for s in draw.sources}
         try:
-            program = self.linker.link(stages)
+            program = self.linker.link(draw.texts | ({"fragment": fragment} if fragment else {}))
         except ShaderError as error:
             raise ShaderError(
                 error.message, file=draw.authored[-1].path, remedy=error.remedy
             ) from error
-        self.use(program, draw, self.bindings[key])
+        self.use(program, draw, bindings)
         vao = self._vertex_array(program, draw.draw.mesh)
         target.bind(output_locations(program, target.colors))
-        state.apply(draw.draw.state, target.size)
+        state.apply(fixed or draw.draw.state, target.size)
         return program, vao
 
     def _vertex_array(self, program: Any, mesh: Mesh | None) -> VertexArray:

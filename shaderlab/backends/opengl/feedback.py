@@ -1,23 +1,35 @@
 """What vertices come out of the last stage before rasterisation, by transform feedback.
 
 Without a geometry shader each stored vertex is run once an instance, whatever the primitive; with
-one the mesh is drawn as it is, and every vertex that is emitted is written down.
+one the mesh is drawn as it is, and every vertex that is emitted is captured.
 """
 
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
-from shaderlab.backends.opengl.drawing import Drawing
-from shaderlab.backends.opengl.recording import recorded
+import numpy as np
+
+from shaderlab.backends.opengl import state as fixed
+from shaderlab.backends.opengl.drawing import Drawing, drain_errors, submit
+from shaderlab.backends.opengl.pyopengl import GL
+from shaderlab.backends.opengl.target import RenderTarget
+from shaderlab.backends.opengl.vertices import vertex_array
+from shaderlab.errors import DriverError
 from shaderlab.frame import Array, Bindings, PassDraw, Samples
 from shaderlab.glsl.interface import Interface
-from shaderlab.model import Mesh
+from shaderlab.model import Mesh, State, Target
 from shaderlab.programs import stages
+from shaderlab.programs.formats import components_of, numpy_type
 from shaderlab.programs.prepare import PreparedDraw
 from shaderlab.programs.varyings import Piece, assembled
 from shaderlab.programs.vertices import corners, vertex_inputs, vertex_pieces
+
+# What every OpenGL 3.3 driver can write of one vertex at once.
+MAX_COMPONENTS = 64
 
 
 def vertices(
@@ -58,7 +70,7 @@ def _stored(
     points = replace(draw, draw=replace(
         draw.draw, mesh=replace(mesh.made(), indices=None, primitive="points"), instances=instances
     ))  # fmt: skip
-    got = recorded(drawing, points, text, parts, bindings, mesh.vertices * instances)
+    got = _captured(drawing, points, text, parts, bindings, mesh.vertices * instances)
     return Samples(
         inputs=vertex_inputs(mesh, instances), outputs={p.name + p.path: v for p, v in got.items()}
     )
@@ -73,7 +85,7 @@ def _emitted(drawing: Drawing, draw: PreparedDraw, bindings: Bindings, mesh: Mes
     }
     counters = [Piece(name, "", "int") for name in stages.EMITTED.values()]
     parts = vertex_pieces(texts["geometry"], draw.interface)
-    got = recorded(drawing, draw, texts, [*parts, *counters], bindings, None)
+    got = _captured(drawing, draw, texts, [*parts, *counters], bindings, None)
     source = {
         name: got.pop(counter) for name, counter in zip(stages.EMITTED, counters, strict=True)
     }
@@ -93,3 +105,93 @@ def _of_corner(name: str, corner: int) -> str:
     if name.startswith("gl_"):
         return f"gl_in[{corner}].{name}"
     return re.sub(r"^\w+", rf"\g<0>[{corner}]", name)
+
+
+def _captured(
+    drawing: Drawing,
+    draw: PreparedDraw,
+    texts: Mapping[str, str],
+    parts: Sequence[Piece],
+    bindings: Bindings,
+    count: int | None,
+) -> dict[Piece, Array]:
+    """The pieces of each vertex that comes out, (vertices, components).
+
+    `count` is how many vertices come out; None asks the driver first.
+    """
+    found: dict[Piece, Array] = {}
+    for group in _groups(parts):
+        sizes = [components_of(piece.type) for piece in group]
+        names = tuple(dict.fromkeys(piece.name for piece in group))
+        program = drawing.linker.link(texts, feedback=names)
+        if count is None:
+            count, _ = _draw(drawing, draw, program, bindings, 1, 4 * sum(sizes))
+        _, data = _draw(drawing, draw, program, bindings, count, 4 * sum(sizes))
+        raw = np.frombuffer(data, np.float32).reshape(count, sum(sizes))
+        columns = np.split(raw, np.cumsum(sizes)[:-1], axis=1)
+        for piece, part in zip(group, columns, strict=True):
+            found[piece] = np.ascontiguousarray(part).view(numpy_type(piece.type))
+    return found
+
+
+def _groups(parts: Sequence[Piece]) -> list[list[Piece]]:
+    """The pieces in groups that are captured at once; a matrix stays together."""
+    groups: list[list[Piece]] = [[]]
+    room = MAX_COMPONENTS
+    for name in dict.fromkeys(piece.name for piece in parts):
+        own = [piece for piece in parts if piece.name == name]
+        size = sum(components_of(piece.type) for piece in own)
+        if size > room:
+            groups.append([])
+            room = MAX_COMPONENTS
+        groups[-1].extend(own)
+        room -= size
+    return groups
+
+
+def _draw(
+    drawing: Drawing, draw: PreparedDraw, program: Any, bindings: Bindings, room: int, stride: int
+) -> tuple[int, bytes]:
+    """Draw into a buffer with room for so many vertices of `stride` bytes: how many there would
+    have been, and what was written.
+
+    Raises:
+        DriverError: the buffer is large enough, but less was written.
+    """
+    # What a geometry shader emits: moderngl has strips as the single primitives they are made of.
+    mode = program.geometry_output or GL.GL_POINTS
+    corner_count = {GL.GL_LINES: 2, GL.GL_TRIANGLES: 3}.get(mode, 1)
+    device = drawing.device
+    # Transform feedback without a complete framebuffer returns zeros without an error.
+    target = RenderTarget(device, Target(), {"unused": "r8"}, (1, 1))
+    buffer = device.context.buffer(reserve=max(room * stride, 4))
+    queries = np.atleast_1d(GL.glGenQueries(2))
+    try:
+        target.clear()
+        fixed.apply(State(), (1, 1))
+        drawing.use(program, draw, bindings)
+        vao = vertex_array(device, program, draw.draw.mesh)
+        GL.glUseProgram(program.glo)
+        GL.glBindBufferBase(GL.GL_TRANSFORM_FEEDBACK_BUFFER, 0, buffer.glo)
+        GL.glEnable(GL.GL_RASTERIZER_DISCARD)
+        GL.glBeginQuery(GL.GL_PRIMITIVES_GENERATED, queries[0])
+        GL.glBeginQuery(GL.GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN, queries[1])
+        GL.glBeginTransformFeedback(mode)
+        submit(vao, program, replace(draw, draw=replace(draw.draw, vertex_array=True)))
+        GL.glEndTransformFeedback()
+        GL.glEndQuery(GL.GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN)
+        GL.glEndQuery(GL.GL_PRIMITIVES_GENERATED)
+        generated, written = (
+            int(GL.glGetQueryObjectuiv(query, GL.GL_QUERY_RESULT)) for query in queries
+        )
+        drain_errors()
+        data = buffer.read(room * stride) if room else b""
+    finally:
+        GL.glDisable(GL.GL_RASTERIZER_DISCARD)
+        GL.glBindBufferBase(GL.GL_TRANSFORM_FEEDBACK_BUFFER, 0, 0)
+        GL.glDeleteQueries(2, queries)
+        buffer.release()
+        target.release()
+    if written < generated and generated * corner_count <= room:
+        raise DriverError(f"transform feedback wrote {written} of {generated} primitives")
+    return generated * corner_count, data

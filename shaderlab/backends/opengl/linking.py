@@ -23,8 +23,11 @@ class Linker:
     Those used last are kept, `KEPT` of them: a software driver's machine code takes a megabyte.
     """
 
-    def __init__(self, device: Device) -> None:
+    def __init__(self, device: Device, first: Linker | None = None) -> None:
+        """`first` is another linker, whose programs are used where it has them, and which is left
+        as it is."""
         self._device = device
+        self._first = first
         self._linked: dict[tuple[Any, ...], Any] = {}
 
     def link(self, stages: Mapping[str, str], *, feedback: Sequence[str] = ()) -> Any:
@@ -37,6 +40,8 @@ class Linker:
         """
         key = (tuple(sorted(stages.items())), tuple(feedback))
         program = self._linked.pop(key, None)
+        if program is None and self._first is not None:
+            program = self._first._linked.get(key)
         if program is None:
             with doing("link"):
                 program = self._link(stages, feedback)
@@ -44,14 +49,6 @@ class Linker:
         if len(self._linked) > KEPT:
             del self._linked[next(iter(self._linked))]
         return program
-
-    def borrowed(self) -> Linker:
-        """A linker that uses the programs of this one, and adds none to them."""
-        return _Borrowed(self)
-
-    def linked(self, stages: Mapping[str, str], feedback: Sequence[str] = ()) -> Any:
-        """The program of these stages if there is one, or else None."""
-        return self._linked.get((tuple(sorted(stages.items())), tuple(feedback)))
 
     def _link(self, stages: Mapping[str, str], feedback: Sequence[str]) -> Any:
         try:
@@ -63,18 +60,6 @@ class Linker:
             )
         except moderngl.Error as error:
             raise ShaderError(f"the driver refuses the program: {str(error).strip()}") from error
-
-
-class _Borrowed(Linker):
-    """Looks for a program in another linker first, and leaves that as it is."""
-
-    def __init__(self, first: Linker) -> None:
-        super().__init__(first._device)
-        self._first = first
-
-    def _link(self, stages: Mapping[str, str], feedback: Sequence[str]) -> Any:
-        known = self._first.linked(stages, feedback)
-        return known if known is not None else super()._link(stages, feedback)
 
 
 def output_locations(program: Any, names: Iterable[str]) -> dict[str, int]:

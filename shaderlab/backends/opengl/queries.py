@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
@@ -53,7 +52,7 @@ def counted(drawing: Drawing, key: PassDraw, counter: str) -> int:
     try:
         with _again(drawing, key[0]) as target:
             for index, draw in enumerate(drawing.programs[key[0]]):
-                program, vao = drawing.ready((key[0], index), draw, target)
+                program, vao = drawing.ready(draw, drawing.bindings[key[0], index], target)
                 if index == key[1]:
                     GL.glBeginQuery(NUMBERS[counter], made[0])
                 submit(vao, program, draw)
@@ -82,7 +81,7 @@ def timed(drawing: Drawing, pass_name: str, repeats: int) -> Timing:
         before: PreparedDraw | None = None
         for index, draw in enumerate(prepared):
             key = (pass_name, index)
-            program, vao = drawing.ready(key, draw, target)
+            program, vao = drawing.ready(draw, drawing.bindings[key], target)
             vertices += vao.count * draw.draw.instances
             calls += _settings(drawing, key, draw, before, program, target)
             calls.append(partial(submit, vao, program, draw))
@@ -106,14 +105,14 @@ def attributes(drawing: Drawing, key: PassDraw) -> Mapping[str, AttributeReading
     if draw.draw.mesh is None:
         return {}
     with _again(drawing, key[0]) as target:
-        program, vao = drawing.ready(key, draw, target)
+        program, vao = drawing.ready(draw, drawing.bindings[key], target)
         return read_layout(program, vao, draw.draw.mesh)
 
 
 def block_readings(drawing: Drawing, key: PassDraw) -> dict[str, BlockReading]:
     """Where the driver has the members of each uniform block of a draw's program."""
     draw = drawing.programs[key[0]][key[1]]
-    program = drawing.linker.link({s.stage: s.text for s in draw.sources})
+    program = drawing.linker.link(draw.texts)
     return {
         name: read_block(program, block) for name, block in uniform_blocks(draw.interface).items()
     }
@@ -123,7 +122,7 @@ def locations(drawing: Drawing, key: PassDraw) -> dict[str, int]:
     """Where the driver put each uniform that a draw's program declares, samplers too; −1 for one
     that it left out."""
     draw = drawing.programs[key[0]][key[1]]
-    program = drawing.linker.link({s.stage: s.text for s in draw.sources})
+    program = drawing.linker.link(draw.texts)
     return {
         name: int(GL.glGetUniformLocation(program.glo, name.encode()))
         for name in draw.interface.uniforms
@@ -131,18 +130,12 @@ def locations(drawing: Drawing, key: PassDraw) -> dict[str, int]:
     }
 
 
-@contextmanager
-def _again(drawing: Drawing, pass_name: str) -> Iterator[RenderTarget]:
-    """A fresh target like that of a pass, cleared."""
+def _again(drawing: Drawing, pass_name: str) -> RenderTarget:
+    """A fresh target like that of a pass."""
     description = drawing.scene.find_pass(pass_name)
     colors = pass_colors(description, drawing.programs[pass_name])
-    device, extent = drawing.device, drawing.extent(description)
-    target = RenderTarget(device, description.target, colors, extent)
-    try:
-        target.clear()
-        yield target
-    finally:
-        target.release()
+    extent = drawing.extent(description)
+    return RenderTarget(drawing.device, description.target, colors, extent)
 
 
 def _settings(

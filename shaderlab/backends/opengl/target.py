@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Self
 
 import moderngl
 import numpy as np
@@ -21,7 +21,8 @@ from shaderlab.programs.formats import COLOR, DEPTH
 
 
 class RenderTarget:
-    """The attachments of one pass at one size, on the device.
+    """The attachments of one pass at one size, on the device. As a context manager it is cleared
+    first and released in the end.
 
     Args:
         device: where to make them.
@@ -59,8 +60,15 @@ class RenderTarget:
         if target.depth is not None:
             self._depth = attach_depth(self._drawn, target.depth, size, target.samples)
 
+    def __enter__(self) -> Self:
+        self.clear()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.release()
+
     def release(self) -> None:
-        """Give all of its memory on the device back; the target is of no use afterwards."""
+        """Release all of its memory on the device; the target is of no use afterwards."""
         for framebuffer in {self._drawn, self._resolved}:
             framebuffer.release()
         for texture in (*self.textures.values(), *self._sampled):
@@ -134,7 +142,6 @@ class RenderTarget:
         """Average the samples into the textures, if there are several a pixel."""
         if self._drawn is self._resolved:
             return
-
         width, height = self.size
         GL.glDisable(GL.GL_SCISSOR_TEST)
         for index in range(len(self.colors)):
@@ -192,7 +199,6 @@ class RenderTarget:
     def _framebuffer(self, textures: list[Any]) -> Any:
         if not textures:
             return self._device.context.framebuffer(self._device.context.renderbuffer(self.size))
-
         try:
             return self._device.context.framebuffer(textures)
         except moderngl.Error as error:

@@ -3,6 +3,7 @@ where the driver itself has the members of a block."""
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack
 from typing import Any
@@ -122,8 +123,6 @@ def check_against_driver(program: Any, block: Block) -> bool:
 
 
 def _offset(program: Any, name: str) -> int | None:
-    import ctypes
-
     names = (ctypes.c_char_p * 1)(name.encode())
     pointer = ctypes.cast(names, ctypes.POINTER(ctypes.POINTER(ctypes.c_char)))
     index = (ctypes.c_uint * 1)(_NONE)
