@@ -25,8 +25,8 @@ import pytest
 
 from shaderlab.discovery import is_case_file
 from shaderlab.errors import ShaderlabError
+from shaderlab.report.plain_text import failed, failure, label
 from shaderlab.running.sizing import WORDS
-from shaderlab.terminal import failed, failure, label
 
 if TYPE_CHECKING:
     from shaderlab.records import Record

@@ -9,7 +9,7 @@ from rich.table import Table
 from rich.text import Text
 
 from shaderlab.records import Record
-from shaderlab.terminal import MARKS, label, printable
+from shaderlab.report.plain_text import MARKS, label, printable
 
 STYLES = {"pass": "green", "unsupported": "yellow"}
 _HEADINGS = ("", "case", "section", "variants", "checks", "of band", "seconds", "compiled")

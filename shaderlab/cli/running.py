@@ -134,7 +134,7 @@ def command(open_report: bool, **asked: Any) -> None:
     team = request.team()  # its workers get ready while what follows is imported
     try:
         from shaderlab.cli.performing import finish
-        from shaderlab.terminal import failed
+        from shaderlab.report.plain_text import failed
 
         performed, show = finish(request, team)
         show.outcomes(performed.run)

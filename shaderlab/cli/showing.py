@@ -17,8 +17,8 @@ from rich.table import Table
 from shaderlab.cli.rows import STYLES, case_table
 from shaderlab.files import display_path
 from shaderlab.records import Record, Run
+from shaderlab.report.plain_text import MARKS, failed, failure, label, summary
 from shaderlab.running.tabulating import Row
-from shaderlab.terminal import MARKS, failed, failure, label, summary
 
 HEARTBEAT = 10.0
 MOST_ROWS = 40

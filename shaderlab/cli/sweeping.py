@@ -94,7 +94,7 @@ def command(target: str | None, params: tuple[str, ...], table: str | None, **as
     if not performed.complete:
         click.echo(f"go on with: shaderlab sweep --resume {performed.folder}")
         raise KeyboardInterrupt
-    from shaderlab.terminal import failed
+    from shaderlab.report.plain_text import failed
 
     if any(failed(record) for record in performed.run.records):
         raise SystemExit(1)

@@ -10,7 +10,7 @@ from typing import Any
 
 from ..glsl.driver_verdict import DRIVER
 from ..glsl.jobs import FileResult
-from ..terminal import diagnostic_line
+from ..report.plain_text import diagnostic_line
 
 _WIDTH = 30
 _FEW = 50

@@ -56,14 +56,13 @@ ROOMS: dict[str, set[str]] = {
         "errors", "files", "options", "packages", "records", "frame", "model", "backends",
         "discovery", "catalogue", "pipeline", "workers", "report",
     },
-    "terminal": {"files", "records"},
     "doctor": {"errors", "glsl", "backends", "discovery"},
     "pytest_plugin": {
-        "errors", "records", "discovery", "running", "terminal",
+        "errors", "records", "discovery", "running", "report",
     },
     "cli": {
         "errors", "files", "records", "model", "glsl", "discovery", "catalogue", "pipeline",
-        "workers", "mutation", "report", "running", "terminal", "doctor",
+        "workers", "mutation", "report", "running", "doctor",
     },
     "__main__": {"cli"},
     "__init__": {"errors", "bands", "model"},

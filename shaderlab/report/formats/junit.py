@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from xml.etree import ElementTree as ET
 
-from shaderlab.records import Outcome, Record, Run
+from shaderlab.records import Record, Run
 from shaderlab.report.grouping import group_cases
-from shaderlab.report.text import clean, figure
+from shaderlab.report.plain_text import outcome_details
+from shaderlab.report.text import clean
 
 # What a status is called in the schema: nothing (passed), failure, error, or skipped.
 _TAGS = {
@@ -54,7 +55,7 @@ def _add_record(suite: ET.Element, record: Record) -> None:
     for outcome in record.expectations:
         test = _test(suite, record, outcome.name, seconds)
         message = outcome.message or outcome.status
-        _verdict(test, _TAGS[outcome.status], message, _details(outcome))
+        _verdict(test, _TAGS[outcome.status], message, "\n".join(outcome_details(outcome)))
 
 
 def _test(suite: ET.Element, record: Record, name: str, seconds: float) -> ET.Element:
@@ -74,27 +75,6 @@ def _verdict(test: ET.Element, tag: str | None, message: str, details: str) -> N
     lines = clean(message).strip().splitlines()
     verdict = ET.SubElement(test, tag, message=lines[0] if lines else "")
     verdict.text = clean(details)
-
-
-def _details(outcome: Outcome) -> str:
-    lines = [outcome.message]
-    if outcome.judged:
-        lines.append(f"{outcome.outside} of {outcome.judged} values outside their band")
-    worst = outcome.worst
-    if worst is not None:
-        place = "" if worst.pixel is None else f" at pixel ({worst.pixel[0]}, {worst.pixel[1]})"
-        lines.append(f"worst value{place}, component {worst.component}:")
-        for label in ("measured", "reference", "low", "high"):
-            values = ", ".join(figure(v) for v in getattr(worst, label))
-            lines.append(f"  {label:<9} {values}")
-        lines.append(f"  {figure(worst.ulp)} ULP, {figure(worst.widths)} half band widths")
-        for name, inputs in worst.inputs.items():
-            lines.append(f"  {name} = {', '.join(figure(v) for v in inputs)}")
-    for row in outcome.rows:
-        if not row.ok:
-            lines.append(f"{row.label}: expected {row.expected}, measured {row.measured}")
-    lines.extend(f"{s.file}:{s.line}" for s in outcome.sources)
-    return "\n".join(line for line in lines if line)
 
 
 def _count(suite: ET.Element) -> list[int]:

@@ -6,7 +6,7 @@ import dataclasses
 import math
 
 from shaderlab.records import Record
-from shaderlab.terminal import failure, label, numbers, summary
+from shaderlab.report.plain_text import failure, label, numbers, summary
 
 
 def test_labels() -> None:

@@ -1,4 +1,4 @@
-"""Records as lines of plain text: what a failure looks like, in a shell and in pytest alike."""
+"""Records as lines of plain text: failures look alike in a shell, in pytest and in JUnit XML."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ MOST_DIAGNOSTICS = 10
 
 
 def label(case_id: str, variant: str) -> str:
-    """How one variant is called everywhere: `attenuation[50]`, or `gamma` without variants."""
+    """The name of a variant: `attenuation[50]`, or `gamma` for a case without variants."""
     return case_id if variant == DEFAULT_VARIANT else f"{case_id}[{variant}]"
 
 
@@ -44,7 +44,7 @@ def printable(text: str) -> str:
 
 
 def failure(record: Record) -> list[str]:
-    """Everything to know about a record that did not pass, most telling first."""
+    """Everything about a record that did not pass, the most important first."""
     lines = [f"{MARKS[record.status]} {label(record.id, record.variant)} · {record.title}"]
     lines += [f"  {display_path(record.file)}"] if record.file else []
     if record.status not in ("fail", "pass"):
@@ -54,7 +54,8 @@ def failure(record: Record) -> list[str]:
     lines += _refusals(record)
     for outcome in record.expectations:
         if outcome.status != "pass":
-            lines += ["", *_outcome(outcome)]
+            lines += ["", f"  {MARKS[outcome.status]} {outcome.name} ({outcome.kind})"]
+            lines += [f"    {line}" for line in outcome_details(outcome)]
     return [printable(line) for line in lines]
 
 
@@ -64,7 +65,7 @@ def _said_below(record: Record) -> bool:
 
 
 def _refusals(record: Record) -> Iterator[str]:
-    """The compilers' messages, once each: several targets tend to say the same."""
+    """The compilers' messages, each once: several targets often give the same one."""
     seen: set[str] = set()
     for program in record.programs:
         for verdict in program.verdicts:
@@ -78,23 +79,23 @@ def _refusals(record: Record) -> Iterator[str]:
                 yield from (f"    {line}" for line in new[:MOST_DIAGNOSTICS])
 
 
-def _outcome(outcome: Outcome) -> Iterator[str]:
-    yield f"  {MARKS[outcome.status]} {outcome.name} ({outcome.kind})"
+def outcome_details(outcome: Outcome) -> Iterator[str]:
+    """Why an expectation does not hold: message, worst value, wrong rows, sources."""
     if outcome.message:
-        yield from _indented(outcome.message, 4)
+        yield from outcome.message.splitlines()
     elif outcome.judged:
-        yield f"    {outcome.outside} of {outcome.judged} values outside"
+        yield f"{outcome.outside} of {outcome.judged} values outside"
     if outcome.worst is not None:
-        yield from (f"    {line}" for line in _worst(outcome.worst))
+        yield from _worst(outcome.worst)
     wrong = [row for row in outcome.rows if not row.ok]
     for row in wrong[:MOST_ROWS]:
         note = f" ({row.note})" if row.note else ""
-        yield f"    {row.label}: expected {row.expected}, measured {row.measured}{note}"
+        yield f"{row.label}: expected {row.expected}, measured {row.measured}{note}"
     if len(wrong) > MOST_ROWS:
-        yield f"    … and {len(wrong) - MOST_ROWS} more"
+        yield f"… and {len(wrong) - MOST_ROWS} more"
     for source in outcome.sources:
         what = "formula" if source.language == "python" else "shader"
-        yield f"    {what:<10} {display_path(source.file, source.line)}"
+        yield f"{what:<10} {display_path(source.file, source.line)}"
 
 
 def _worst(worst: Worst) -> Iterator[str]:
