@@ -10,42 +10,20 @@ thing stands before another of the same colour they melt into one. Shape begins 
 part.
 """
 
-from math import radians
-
-from shaderlab import (
-    Case,
-    Cell,
-    Depth,
-    Draw,
-    Mesh,
-    Output,
-    Pass,
-    State,
-    Target,
-    assets,
-    formula,
-    fullscreen,
-    value,
-)
-from shaderlab.assets.order import any_order, both_ways
-from shaderlab.glslmath import vec4
+from shaderlab import Case, assets, formula
 from shaderlab.reference.lighting import ambient_color
-from shaderlab.reference.transforms import (
-    clip_position,
-    look_at,
-    normal_matrix,
-    perspective,
-    rotate,
-    translate,
-)
-from shaderlab.sampling import texture
+from shaderlab.reference.transforms import translate
 
-from ..scenes.studio import finished
+from ..scenes import lit
+from ..scenes.figures import each_draw, figures
+from ..scenes.laws import opaque
+from ..scenes.panels import cell
 
-CORAL, TEAL, STONE = (1.0, 0.5, 0.31), (0.16, 0.55, 0.6), (0.55, 0.57, 0.62)
-UPRIGHT = translate((-0.55, 0.66, -0.5)) @ rotate(radians(76.0), (1.0, 0.0, 0.25))
+CORAL, TEAL, STONE, WHITE = lit.CORAL, (0.16, 0.55, 0.6), (0.55, 0.57, 0.62), lit.WHITE
+CAMERA = lit.camera((0.0, 1.9, 5.2), (0.0, 0.62, 0.0), 25.0, 3.0)
+UPRIGHT = translate((-0.55, 0.66, -0.5)) @ lit.turned(76.0, (1.0, 0.0, 0.25))
 # A hair above the floor, so that nowhere both are equally near.
-TURNED = translate((0.75, 0.451, -0.1)) @ rotate(radians(33.0), (0.0, 1.0, 0.0))
+TURNED = translate((0.75, 0.451, -0.1)) @ lit.turned(33.0)
 
 THINGS = [
     (assets.plane(60.0), translate((0.0, 0.0, 0.0)), STONE),
@@ -54,89 +32,43 @@ THINGS = [
     (assets.sphere(0.42), translate((-0.35, 0.42, 0.55)), CORAL),
 ]
 
-
-def thing(geometry, model, color, strength, row):
-    """One thing in one row, in ambient light alone."""
-    return Draw(
-        vertex="ch05_lighting/lit.vert",
-        fragment="ch05_lighting/ambient.frag",
-        mesh=Mesh(**geometry).only("aPos", "aNormal"),
-        uniforms={
-            "model": model,
-            "normalMatrix": normal_matrix(model),
-            "view": look_at((0.0, 1.9, 5.2), (0.0, 0.62, 0.0)),
-            "projection": perspective(radians(25.0), 3.0, 0.1, 20.0),
-            "objectColor": color,
-            "lightColor": (1.0, 1.0, 1.0),
-            "ambientStrength": strength,
-        },
-        state=State(depth=Depth(), cell=Cell(column=0, row=row, columns=1, rows=3)),
+# The still life at three strengths, one above the other.
+ROWS = [
+    lit.thing(
+        "ch05_lighting/ambient.frag",
+        geometry,
+        model,
+        CAMERA,
+        {"objectColor": color, "lightColor": WHITE, "ambientStrength": strength},
+        cell=cell(row, 1, 3),
     )
-
-
-def rows(name, **target):
-    """The still life at three strengths, one above the other."""
-    draws = [
-        thing(geometry, model, color, strength, row)
-        for row, strength in enumerate((0.1, 0.4, 1.0))
-        for geometry, model, color in THINGS
-    ]
-    return Pass(
-        name=name, target=Target(depth="depth24", clear=(0.0, 0.0, 0.0, 1.0), **target), draws=draws
-    )
-
-
-def color(lightColor, objectColor, ambientStrength):
-    """The ambient part with an alpha of 1."""
-    return vec4(ambient_color(lightColor, objectColor, ambientStrength), 1.0)
-
+    for row, strength in enumerate((0.1, 0.4, 1.0))
+    for geometry, model, color in THINGS
+]
+COLOR = opaque(ambient_color)
 
 case = Case(
     title="Ambient light",
     section="5.2.1",
     math=r"C = k_a \, L \odot O",
-    passes=(
-        *both_ways(rows("scene", size=(1024, 1024), colors={"FragColor": "rgba16f"})),
-        *fullscreen(
-            "ch05_lighting/finish.frag",
-            name="picture",
-            textures={"scene": Output("scene", "FragColor")},
-        ),
-        *both_ways(rows("judged")),
-    ),
+    passes=lit.photographed(ROWS, clear=(0.0, 0.0, 0.0, 1.0)),
     picture="picture.FragColor",
     expect=[
-        formula("gl_Position", clip_position),
-        formula("FragColor", color, draw=1, name="ring at 0.1"),
-        formula("FragColor", color, draw=6, name="box at 0.4"),
-        formula("FragColor", color, draw=8, name="floor at 1"),
-        formula("FragColor", color, name="ball at 1"),
-        formula("picture.FragColor", finished(texture), name="the picture"),
-        any_order("scene.FragColor"),
-        any_order("judged.FragColor"),
-        value(
+        *lit.vertex_stage_checks("gl_Position"),
+        *each_draw("FragColor", COLOR, {1: "ring at 0.1", 6: "box at 0.4", 8: "floor at 1"}),
+        formula("FragColor", COLOR, name="ball at 1"),
+        *lit.picture_checks(),
+        *figures(
             "FragColor",
-            at={
-                "objectColor": CORAL,
-                "lightColor": (1.0, 1.0, 1.0),
-                "ambientStrength": 0.1,
+            {
+                "coral under white at 0.1": ({"lightColor": WHITE}, (0.1, 0.05, 0.031, 1.0)),
+                "coral under a blue lamp at 0.1": (
+                    {"lightColor": (0.25, 0.5, 1.0)},
+                    (0.025, 0.025, 0.031, 1.0),
+                ),
             },
-            equals=(0.1, 0.05, 0.031, 1.0),
-            digits=6,
-            reference=color,
-            name="coral under white at 0.1",
-        ),
-        value(
-            "FragColor",
-            at={
-                "objectColor": CORAL,
-                "lightColor": (0.25, 0.5, 1.0),
-                "ambientStrength": 0.1,
-            },
-            equals=(0.025, 0.025, 0.031, 1.0),
-            digits=6,
-            reference=color,
-            name="coral under a blue lamp at 0.1",
+            at={"objectColor": CORAL, "ambientStrength": 0.1},
+            reference=COLOR,
         ),
     ],
 )

@@ -10,83 +10,40 @@ green in the green room and nearly black in the blue one, and the sky blue one t
 only red is left. Nothing about the balls has changed.
 """
 
-from math import radians
-
-from shaderlab import (
-    Case,
-    Depth,
-    Draw,
-    Mesh,
-    Output,
-    Pass,
-    State,
-    Target,
-    assets,
-    formula,
-    fullscreen,
-    value,
-)
-from shaderlab.assets.order import any_order, both_ways
+from shaderlab import Case, Mesh, assets
 from shaderlab.glslmath import dot, normalize, vec3, vec4
 from shaderlab.reference.lighting import reflected_color
-from shaderlab.reference.transforms import (
-    clip_position,
-    look_at,
-    normal_matrix,
-    perspective,
-    scale,
-    translate,
-    world_normal,
-    world_position,
-)
-from shaderlab.sampling import texture
+from shaderlab.reference.transforms import scale, translate
 
-from ..scenes.studio import finished
+from ..scenes import lit
+from ..scenes.figures import each_draw, figure, figures
+from ..scenes.laws import opaque
 
-WHITE, GREEN = (1.0, 1.0, 1.0), (0.0, 1.0, 0.0)
-ROOMS = (WHITE, (1.0, 0.06, 0.03), (0.03, 0.9, 0.08), (0.04, 0.09, 1.0))
-CORAL, LEMON, LEAF, SKY = (1.0, 0.5, 0.31), (0.95, 0.8, 0.1), (0.15, 0.55, 0.2), (0.1, 0.45, 0.9)
+WHITE, GREEN = lit.WHITE, (0.0, 1.0, 0.0)
+LAMPS = (WHITE, (1.0, 0.06, 0.03), (0.03, 0.9, 0.08), (0.04, 0.09, 1.0))
+CORAL, LEMON, LEAF, SKY = lit.CORAL, (0.95, 0.8, 0.1), (0.15, 0.55, 0.2), (0.1, 0.45, 0.9)
 
-BALL = Mesh(**assets.sphere(0.4, segments=64, rings=32)).only("aPos", "aNormal")
-WALL = Mesh(**assets.quad()).only("aPos", "aNormal")
+CAMERA = lit.camera((0.0, 0.0, 30.0), (0.0, 0.0, 0.0), 7.7, near=20.0, far=40.0)
+BALL = Mesh(**assets.sphere(0.4, segments=64, rings=32))
+WALL = Mesh(**assets.quad())
 
 
-def thing(mesh, place, size, lamp, color):
+def thing(mesh, model, lamp, color):
     """One thing in one room's light."""
-    model = translate(place) @ scale(size)
-    return Draw(
-        vertex="ch05_lighting/lit.vert",
-        fragment="ch05_lighting/colour_product.frag",
-        mesh=mesh,
-        uniforms={
-            "model": model,
-            "normalMatrix": normal_matrix(model),
-            "view": look_at((0.0, 0.0, 30.0), (0.0, 0.0, 0.0)),
-            "projection": perspective(radians(7.7), 1.0, 20.0, 40.0),
-            "lightColor": lamp,
-            "objectColor": color,
-        },
-        state=State(depth=Depth()),
-    )
+    uniforms = {"lightColor": lamp, "objectColor": color}
+    return lit.thing("ch05_lighting/colour_product.frag", mesh, model, CAMERA, uniforms)
 
 
 def room(row, lamp):
     """A white wall and four balls under one lamp."""
     y = 1.5 - row
-    yield thing(WALL, (0.0, y, -0.45), (4.4, 0.97, 1.0), lamp, (0.7, 0.7, 0.7))
+    wall = translate((0.0, y, -0.45)) @ scale((4.4, 0.97, 1.0))
+    yield thing(WALL, wall, lamp, (0.7, 0.7, 0.7))
     for column, color in enumerate((CORAL, LEMON, LEAF, SKY)):
-        yield thing(BALL, (column - 1.5, y, 0.0), (1.0, 1.0, 1.0), lamp, color)
+        yield thing(BALL, translate((column - 1.5, y, 0.0)), lamp, color)
 
 
-def rooms(name, **target):
-    """All four rooms, one above the other."""
-    draws = [draw for row, lamp in enumerate(ROOMS) for draw in room(row, lamp)]
-    return Pass(name=name, target=Target(depth="depth24", **target), draws=draws)
-
-
-def product(lightColor, objectColor):
-    """The colour with an alpha of 1."""
-    return vec4(reflected_color(lightColor, objectColor), 1.0)
+PRODUCT = opaque(reflected_color)
 
 
 def rounded(Normal, lightColor, objectColor):
@@ -100,49 +57,37 @@ case = Case(
     title="Colour of light times colour of object",
     section="5.1",
     math=r"C = L \odot O = (L_r O_r,\ L_g O_g,\ L_b O_b)",
-    passes=(
-        *both_ways(rooms("scene", size=(1024, 1024), colors={"shaded": "rgba16f"})),
-        *fullscreen(
-            "ch05_lighting/finish.frag",
-            name="picture",
-            textures={"scene": Output("scene", "shaded")},
-        ),
-        *both_ways(rooms("rooms")),
+    passes=lit.photographed(
+        [draw for row, lamp in enumerate(LAMPS) for draw in room(row, lamp)],
+        output="shaded",
+        name="rooms",
     ),
     picture="picture.FragColor",
     expect=[
-        formula("gl_Position", clip_position),
-        formula("FragPos", world_position),
-        formula("Normal", world_normal),
-        value(
+        *lit.vertex_stage_checks(),
+        figure(
             "Normal",
-            at={"aNormal": (1.0, 2.0, 3.0), "normalMatrix": [[1, 2, 2], [0, 1, 2], [2, 0, 1]]},
-            equals=(11.0, 8.0, 5.0),
-            digits=6,
-            name="a normal by the matrix given",
+            "a normal by the matrix given",
+            {"aNormal": (1.0, 2.0, 3.0), "normalMatrix": [[1, 2, 2], [0, 1, 2], [2, 0, 1]]},
+            (11.0, 8.0, 5.0),
         ),
-        formula("FragColor", product, draw=1, name="coral in white light"),
-        formula("FragColor", product, draw=14, name="sky blue in green light"),
-        formula("shaded", rounded, draw=1, name="rounded, coral in white light"),
-        formula("shaded", rounded, draw=13, name="rounded, green in green light"),
-        formula("picture.FragColor", finished(texture), name="the picture"),
-        any_order("scene.shaded"),
-        any_order("rooms.shaded"),
-        value(
-            "FragColor",
-            at={"Normal": (0.0, 0.0, 1.0), "lightColor": WHITE, "objectColor": CORAL},
-            equals=(1.0, 0.5, 0.31, 1.0),
-            digits=6,
-            reference=product,
-            name="coral in white light, by the notes",
+        *each_draw(
+            "FragColor", PRODUCT, {1: "coral in white light", 14: "sky blue in green light"}
         ),
-        value(
+        *each_draw(
+            "shaded",
+            rounded,
+            {1: "rounded, coral in white light", 13: "rounded, green in green light"},
+        ),
+        *lit.picture_checks("shaded", judged="rooms"),
+        *figures(
             "FragColor",
-            at={"Normal": (0.0, 0.0, 1.0), "lightColor": GREEN, "objectColor": CORAL},
-            equals=(0.0, 0.5, 0.0, 1.0),
-            digits=6,
-            reference=product,
-            name="coral in green light, by the notes",
+            {
+                "coral in white light, by the notes": ({"lightColor": WHITE}, (1.0, 0.5, 0.31, 1)),
+                "coral in green light, by the notes": ({"lightColor": GREEN}, (0.0, 0.5, 0.0, 1)),
+            },
+            at={"Normal": (0.0, 0.0, 1.0), "objectColor": CORAL},
+            reference=PRODUCT,
         ),
     ],
 )

@@ -10,148 +10,54 @@ shade lies at the same place on each of them, and the tiles are equally bright f
 corner. (There are no shadows on the ground yet: each point is lit as if it were alone.)
 """
 
-from math import radians
-
-from shaderlab import (
-    Case,
-    Depth,
-    Mesh,
-    Output,
-    State,
-    Target,
-    formula,
-    fullscreen,
-    mesh_pass,
-    value,
-)
-from shaderlab.assets.order import any_order, both_ways
-from shaderlab.glslmath import vec4
+from shaderlab import Case, formula
 from shaderlab.reference import light_sources
-from shaderlab.reference.transforms import (
-    clip_position,
-    look_at,
-    normal_matrix,
-    perspective,
-    rotate,
-    scale,
-    world_normal,
-    world_position,
-)
-from shaderlab.sampling import texture
 
-from ..scenes.plaza import plaza
-from ..scenes.studio import finished, handed_on
+from ..scenes import lit, plaza
+from ..scenes.figures import figure, figures
+from ..scenes.laws import opaque
 
-EYE = (4.4, 5.2, 8.6)
-# Not quite evenly scaled, so that the normals have something to get wrong.
-MODEL = rotate(radians(8.0), (0.0, 1.0, 0.0)) @ scale((1.0, 1.1, 1.0))
-
-
-def evening(name, mesh, **target):
-    """The plaza in a low sun."""
-    return mesh_pass(
-        "ch05_lighting/lit_painted.vert",
-        "ch05_lighting/directional_light.frag",
-        Mesh(**mesh),
-        name=name,
-        uniforms={
-            "model": MODEL,
-            "normalMatrix": normal_matrix(MODEL),
-            "view": look_at(EYE, (0.1, 0.45, 0.0)),
-            "projection": perspective(radians(36.0), 1.0, 0.1, 60.0),
-            "viewPos": EYE,
-            "specular": (0.35, 0.33, 0.30),
-            "shininess": 32.0,
-            "light.direction": (0.9, -0.62, -0.38),
-            "light.ambient": (0.10, 0.13, 0.20),
-            "light.diffuse": (1.25, 0.95, 0.62),
-            "light.specular": (1.2, 1.0, 0.75),
-        },
-        target=Target(depth="depth24", clear=(0.30, 0.38, 0.50, 1.0), **target),
-        state=State(depth=Depth()),
-    )
-
-
-def back_to_the_light(light_direction):
-    """From a surface to the light, of unit length."""
-    return light_sources.direction_to_light(light_direction)
-
-
-def color(
-    FragPos, Normal, Color, viewPos, specular, shininess,
-    light_direction, light_ambient, light_diffuse, light_specular,
-):  # fmt: skip
-    """The lit colour with an alpha of 1."""
-    lit = light_sources.directional(
-        FragPos, Normal, Color, viewPos, specular, shininess,
-        light_direction, light_ambient, light_diffuse, light_specular,
-    )  # fmt: skip
-    return vec4(lit, 1.0)
-
-
+EVENING = {
+    "light.direction": (0.9, -0.62, -0.38),
+    "light.ambient": (0.10, 0.13, 0.20),
+    "light.diffuse": (1.25, 0.95, 0.62),
+    "light.specular": (1.2, 1.0, 0.75),
+}
 POINT = {
-    "FragPos": (0.0, 0.0, 0.0),
-    "Normal": (0.0, 0.0, 1.0),
-    "Color": (1.0, 0.5, 0.31),
-    "viewPos": (0.0, 0.0, 3.0),
-    "specular": (0.5, 0.5, 0.5),
+    **lit.CORAL_POINT,
+    **lit.POINT_LIGHT,
     "light.direction": (-0.2, -1.0, -0.3),
-    "light.ambient": (0.2, 0.2, 0.2),
-    "light.diffuse": (0.5, 0.5, 0.5),
-    "light.specular": (1.0, 1.0, 1.0),
     "shininess": 4.0,
 }
+ASIDE = {"viewPos": lit.ASIDE, "light.direction": (-1.2, -1.0, -2.0), "shininess": 0.5}
 
 case = Case(
     title="Directional light",
     section="5.5.1",
     math=r"L = -\frac{D}{\lVert D \rVert}, \qquad "
     r"C = (L_a + d\,L_d) \odot M_d + s\,L_s \odot M_s",
-    passes=(
-        *both_ways(*evening("scene", plaza(), size=(1024, 1024), colors={"FragColor": "rgba16f"})),
-        *fullscreen(
-            "ch05_lighting/finish.frag",
-            name="picture",
-            textures={"scene": Output("scene", "FragColor")},
-        ),
-        *both_ways(*evening("judged", plaza(tiles=6, segments=16))),
+    passes=plaza.photographed(
+        "ch05_lighting/directional_light.frag", EVENING, clear=(0.30, 0.38, 0.50, 1.0)
     ),
     picture="picture.FragColor",
     expect=[
-        formula("gl_Position", clip_position),
-        formula("FragPos", world_position),
-        formula("Normal", world_normal),
-        formula("Color", handed_on),
-        formula("lightDir", back_to_the_light),
-        formula("FragColor", color),
-        formula("picture.FragColor", finished(texture), name="the picture"),
-        any_order("scene.FragColor"),
-        any_order("judged.FragColor"),
-        value(
+        *lit.vertex_stage_checks("gl_Position", "FragPos", "Normal", "Color"),
+        formula("lightDir", light_sources.direction_to_light),
+        formula("FragColor", opaque(light_sources.directional)),
+        *lit.picture_checks(),
+        figure(
             "lightDir",
-            at=POINT,
-            equals=(0.188144, 0.940721, 0.282216),
-            digits=6,
-            name="the notes' direction, turned around",
+            "the notes' direction, turned around",
+            POINT,
+            (0.188144, 0.940721, 0.282216),
         ),
-        value(
+        *figures(
             "FragColor",
-            at=POINT,
-            equals=(0.344280, 0.173726, 0.108915, 1.0),
-            digits=6,
-            name="colour at the point",
-        ),
-        value(
-            "FragColor",
-            at={
-                **POINT,
-                "viewPos": (2.0, 0.0, 1.215),
-                "light.direction": (-1.2, -1.0, -2.0),
-                "shininess": 0.5,
+            {
+                "colour at the point": ({}, (0.344280, 0.173726, 0.108915, 1.0)),
+                "nearly 90° from the mirrored ray": (ASIDE, (0.629593, 0.332565, 0.219695, 1.0)),
             },
-            equals=(0.629593, 0.332565, 0.219695, 1.0),
-            digits=6,
-            name="nearly 90° from the mirrored ray",
+            at=POINT,
         ),
     ],
 )

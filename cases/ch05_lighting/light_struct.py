@@ -10,43 +10,18 @@ and overexposed. Upper right is the notes' 0.2, 0.5, 1. Lower left is a candle, 
 deep and warm; lower right a bright blue sky with a weak lamp. The material has not changed.
 """
 
-from math import radians
-
-from shaderlab import (
-    Case,
-    Cell,
-    Depth,
-    Draw,
-    Mesh,
-    Output,
-    Pass,
-    State,
-    Target,
-    assets,
-    formula,
-    fullscreen,
-    value,
-)
-from shaderlab.assets.order import any_order, both_ways
+from shaderlab import Case, assets, formula
 from shaderlab.reference.lighting import lit_material
-from shaderlab.reference.transforms import (
-    clip_position,
-    look_at,
-    normal_matrix,
-    perspective,
-    rotate,
-    scale,
-    translate,
-    world_normal,
-    world_position,
-)
-from shaderlab.sampling import texture
+from shaderlab.reference.transforms import scale, translate
 
+from ..scenes import lit
+from ..scenes.figures import each_draw, figures
+from ..scenes.lit import CORAL, HALF, WHITE
+from ..scenes.panels import cell
 from ..scenes.pottery import vase
-from ..scenes.studio import finished
 
 EYE = (0.0, 2.1, 6.0)
-CORAL, HALF, WHITE = (1.0, 0.5, 0.31), (0.5, 0.5, 0.5), (1.0, 1.0, 1.0)
+CAMERA = lit.camera(EYE, (0.0, 0.85, 0.0), 27.0, far=60.0)
 
 # From the lower left to the upper right: place, ambient, diffuse, specular.
 LIGHTS = [
@@ -55,103 +30,79 @@ LIGHTS = [
     ((-2.0, 3.2, 3.0), WHITE, WHITE, WHITE),
     ((-2.0, 3.2, 3.0), (0.2, 0.2, 0.2), (0.5, 0.5, 0.5), WHITE),
 ]
+# A wall, a floor and the vase: shape, place, colour.
+THINGS = [
+    (
+        assets.plane(30.0),
+        translate((0.0, 0.0, -1.6)) @ lit.turned(90.0, (1.0, 0.0, 0.0)),
+        (0.42, 0.44, 0.46),
+    ),
+    (assets.plane(30.0), translate((0.0, 0.0, 0.0)), (0.5, 0.46, 0.4)),
+    (vase(), lit.turned(20.0) @ scale((0.92, 1.0, 0.92)), CORAL),
+]
 
 
-def thing(geometry, model, color, cell):
+def thing(geometry, model, color, quarter):
     """One thing in one of the lights."""
-    position, ambient, diffuse, specular = LIGHTS[cell]
-    return Draw(
-        vertex="ch05_lighting/lit.vert",
-        fragment="ch05_lighting/material.frag",
-        mesh=Mesh(**geometry).only("aPos", "aNormal"),
-        uniforms={
-            "model": model,
-            "normalMatrix": normal_matrix(model),
-            "view": look_at(EYE, (0.0, 0.85, 0.0)),
-            "projection": perspective(radians(27.0), 1.0, 0.1, 60.0),
-            "viewPos": EYE,
-            "material.ambient": tuple(0.95 * channel for channel in color),
-            "material.diffuse": color,
-            "material.specular": HALF,
-            "material.shininess": 32.0,
-            "light.position": position,
-            "light.ambient": ambient,
-            "light.diffuse": diffuse,
-            "light.specular": specular,
-        },
-        state=State(depth=Depth(), cell=Cell(column=cell % 2, row=cell // 2, columns=2, rows=2)),
-    )
-
-
-def quarters(name, **target):
-    """A vase on a floor before a wall, four times."""
-    upright = translate((0.0, 0.0, -1.6)) @ rotate(radians(90.0), (1.0, 0.0, 0.0))
-    slender = rotate(radians(20.0), (0.0, 1.0, 0.0)) @ scale((0.92, 1.0, 0.92))
-    draws = []
-    for cell in range(4):
-        draws.append(thing(assets.plane(30.0), upright, (0.42, 0.44, 0.46), cell))
-        draws.append(thing(assets.plane(30.0), translate((0.0, 0.0, 0.0)), (0.5, 0.46, 0.4), cell))
-        draws.append(thing(vase(), slender, CORAL, cell))
-    return Pass(name=name, target=Target(depth="depth24", **target), draws=draws)
+    position, ambient, diffuse, specular = LIGHTS[quarter]
+    uniforms = {
+        "viewPos": EYE,
+        "material.ambient": tuple(0.95 * channel for channel in color),
+        "material.diffuse": color,
+        "material.specular": HALF,
+        "material.shininess": 32.0,
+        "light.position": position,
+        "light.ambient": ambient,
+        "light.diffuse": diffuse,
+        "light.specular": specular,
+    }
+    shader = "ch05_lighting/material.frag"
+    return lit.thing(shader, geometry, model, CAMERA, uniforms, cell=cell(quarter, 2, 2))
 
 
 POINT = {
-    "FragPos": (0.0, 0.0, 0.0),
-    "Normal": (0.0, 0.0, 1.0),
-    "viewPos": (0.0, 0.0, 3.0),
+    **lit.POINT,
     "material.ambient": CORAL,
     "material.diffuse": CORAL,
     "material.specular": HALF,
-    "light.position": (1.2, 1.0, 2.0),
+    "light.position": lit.POINT_LAMP,
 }
 
 case = Case(
     title="Light properties",
     section="5.3.3",
     math=r"C = L_a \odot M_a + d\, L_d \odot M_d + s\, L_s \odot M_s",
-    passes=(
-        *both_ways(quarters("scene", size=(1024, 1024), colors={"FragColor": "rgba16f"})),
-        *fullscreen(
-            "ch05_lighting/finish.frag",
-            name="picture",
-            textures={"scene": Output("scene", "FragColor")},
-        ),
-        *both_ways(quarters("judged")),
-    ),
+    passes=lit.photographed([thing(*one, quarter) for quarter in range(4) for one in THINGS]),
     picture="picture.FragColor",
     expect=[
-        formula("gl_Position", clip_position),
-        formula("FragPos", world_position),
-        formula("Normal", world_normal),
-        formula("FragColor", lit_material, draw=2, name="vase by candlelight"),
-        formula("FragColor", lit_material, draw=5, name="vase under the sky"),
-        formula("FragColor", lit_material, draw=8, name="vase, all white"),
-        formula("FragColor", lit_material, draw=9, name="wall in the notes' light"),
-        formula("FragColor", lit_material, draw=10, name="floor in the notes' light"),
+        *lit.vertex_stage_checks(),
+        *each_draw(
+            "FragColor",
+            lit_material,
+            {
+                2: "vase by candlelight",
+                5: "vase under the sky",
+                8: "vase, all white",
+                9: "wall in the notes' light",
+                10: "floor in the notes' light",
+            },
+        ),
         formula("FragColor", lit_material, name="vase in the notes' light"),
-        formula("picture.FragColor", finished(texture), name="the picture"),
-        any_order("scene.FragColor"),
-        any_order("judged.FragColor"),
-        value(
+        *lit.picture_checks(),
+        *figures(
             "FragColor",
+            {
+                "0.2, 0.5, 1 at the point": ({}, (0.594301, 0.297273, 0.184402, 1.0)),
+                "all white at the point": (
+                    {"light.ambient": WHITE, "light.diffuse": WHITE},
+                    (1.788356, 0.894301, 0.554560, 1.0),
+                ),
+                "nearly 90° from the mirrored ray": (
+                    {"viewPos": lit.ASIDE, "material.shininess": 0.5},
+                    (0.629593, 0.332565, 0.219695, 1.0),
+                ),
+            },
             at=POINT,
-            equals=(0.594301, 0.297273, 0.184402, 1.0),
-            digits=6,
-            name="0.2, 0.5, 1 at the point",
-        ),
-        value(
-            "FragColor",
-            at={**POINT, "light.ambient": WHITE, "light.diffuse": WHITE},
-            equals=(1.788356, 0.894301, 0.554560, 1.0),
-            digits=6,
-            name="all white at the point",
-        ),
-        value(
-            "FragColor",
-            at={**POINT, "viewPos": (2.0, 0.0, 1.215), "material.shininess": 0.5},
-            equals=(0.629593, 0.332565, 0.219695, 1.0),
-            digits=6,
-            name="nearly 90° from the mirrored ray",
         ),
     ],
 )

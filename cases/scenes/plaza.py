@@ -2,13 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from typing import Any
+
 import numpy as np
 
+from shaderlab import Draw, Pass
 from shaderlab.assets.meshes import Geometry, plane, sphere
 from shaderlab.assets.solids import gathered, lathe, painted, placed
+from shaderlab.reference.transforms import scale
 
+from . import lit
 from .remembered import remembered
 
+EYE = (4.4, 5.2, 8.6)
+CAMERA = lit.camera(EYE, (0.1, 0.45, 0.0), 36.0, far=60.0)
+# Not quite evenly scaled, so that the normals have something to get wrong.
+MODEL = lit.turned(8.0) @ scale((1.0, 1.1, 1.0))
 STEP = 2.2
 _TILES = ((0.42, 0.41, 0.40), (0.30, 0.30, 0.31))
 _POST = (0.36, 0.34, 0.33)
@@ -45,3 +55,23 @@ def plaza(tiles: int = 12, segments: int = 40) -> Geometry:
             ball = sphere(0.40, segments, segments // 2)
             parts.append(placed(painted(ball, _BALLS[(i + j) % 3]), above))
     return gathered(*parts)
+
+
+def in_light(fragment: str, light: Mapping[str, Any], *, small: bool = False, **state: Any) -> Draw:
+    """The plaza under the lamps that these uniforms describe, for the checks as a coarser mesh."""
+    geometry = plaza(tiles=6, segments=16) if small else plaza()
+    surface = {"viewPos": EYE, "specular": (0.35, 0.33, 0.30), "shininess": 32.0}
+    uniforms = {**surface, **light}
+    return lit.thing(fragment, geometry, MODEL, CAMERA, uniforms, vertex=lit.PAINTED, **state)
+
+
+def photographed(
+    fragment: str,
+    light: Mapping[str, Any],
+    *,
+    clear: Sequence[float],
+    bulbs: Sequence[Draw] = (),
+) -> tuple[Pass, ...]:
+    """The passes of `lit.photographed` for the plaza under these lamps, after the bulbs."""
+    large, small = ((*bulbs, in_light(fragment, light, small=small)) for small in (False, True))
+    return lit.photographed(large, small, clear=clear)

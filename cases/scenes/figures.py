@@ -1,0 +1,99 @@
+"""Tables of figures: one line for each value that a shader or a formula must give."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+from shaderlab import Pixel, computed, formula, value
+
+
+def figure(
+    output: str,
+    name: str,
+    at: Any,
+    equals: Any,
+    *,
+    digits: int = 6,
+    reference: Callable[..., Any] | None = None,
+    draw: int = -1,
+    note: str = "",
+) -> Any:
+    """One `value`: what it is called, its inputs (or a `Pixel`), and the figure.
+
+    >>> figure("f", "half", {"x": 0.5}, 0.25).name
+    'half'
+    """
+    return value(
+        output,
+        at=at,
+        equals=equals,
+        digits=digits,
+        reference=reference,
+        draw=draw,
+        name=name,
+        note=note,
+    )
+
+
+def figures(
+    output: str,
+    rows: Mapping[str, tuple[Any, ...]],
+    *,
+    at: Mapping[str, Any] | None = None,
+    digits: int = 6,
+    reference: Callable[..., Any] | None = None,
+    draw: int = -1,
+) -> list[Any]:
+    """A `value` of one output for each row.
+
+    Args:
+        output: as in `value`.
+        rows: what the figure is → (inputs or a `Pixel`, the figure, and if wanted a note).
+        at: inputs that all rows share; a row's own go before them.
+        digits, reference, draw: as in `value`.
+
+    >>> one, two = figures("f", {"a": ({"x": 1.0}, 2.0), "b": ({}, 3.0, "odd")}, at={"y": 0.0})
+    >>> one.at, one.equals, two.note
+    ({'y': 0.0, 'x': 1.0}, 2.0, 'odd')
+    """
+    return [
+        figure(
+            output,
+            name,
+            inputs if isinstance(inputs, Pixel) else {**(at or {}), **inputs},
+            equals,
+            digits=digits,
+            reference=reference,
+            draw=draw,
+            note="".join(note),
+        )
+        for name, (inputs, equals, *note) in rows.items()
+    ]
+
+
+def results(rows: Mapping[str, tuple[Any, ...]], *, digits: int = 6) -> list[Any]:
+    """A `computed` figure for each row: label → (function, the figure, and if wanted a note).
+
+    >>> [found.equals for found in results({"one": (lambda: 1.0, 1.0)})]
+    [1.0]
+    """
+    return [
+        computed(label, function, equals=equals, digits=digits, note="".join(note))
+        for label, (function, equals, *note) in rows.items()
+    ]
+
+
+def each_draw(
+    output: str,
+    reference: Callable[..., Any],
+    draws: Mapping[int, str] | Iterable[tuple[int, str]],
+    **more: Any,
+) -> list[Any]:
+    """The formula of one output for several draws: draw → how its outcome is called.
+
+    >>> [(e.draw, e.name) for e in each_draw("FragColor", abs, {0: "ball", 3: "ring"})]
+    [(0, 'ball'), (3, 'ring')]
+    """
+    pairs = draws.items() if isinstance(draws, Mapping) else draws
+    return [formula(output, reference, draw=draw, name=name, **more) for draw, name in pairs]

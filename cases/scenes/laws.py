@@ -1,0 +1,91 @@
+"""Formulas made of formulas; their inputs are found by name like any reference's."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from functools import wraps
+from typing import Any
+
+from shaderlab.glslmath import vec4
+
+Law = Callable[..., Any]
+
+
+def unchanged(name: str) -> Law:
+    """An input as it is: what a vertex shader hands on, or a fragment shader writes down.
+
+    >>> unchanged("aColor")(aColor=0.25)
+    0.25
+    """
+
+    def same(**inputs: Any) -> Any:
+        return inputs[name]
+
+    return _with_inputs(same, (name,))
+
+
+def device_place(aPos: Any) -> Any:
+    """Clip coordinates of a vertex that is given in device coordinates: w is 1."""
+    return vec4(aPos, 1.0)
+
+
+def opaque(law: Law) -> Law:
+    """A colour's law with an alpha of 1.
+
+    >>> opaque(lambda Color: Color)(Color=[0.25, 0.5, 1.0]).tolist()
+    [0.25, 0.5, 1.0, 1.0]
+    """
+
+    @wraps(law)
+    def color(*args: Any, **inputs: Any) -> Any:
+        return vec4(law(*args, **inputs), 1.0)
+
+    return color
+
+
+def renamed(law: Law, **words: str) -> Law:
+    """The law with the first words of its inputs exchanged, for a struct of another name.
+
+    >>> list(inspect.signature(renamed(lambda light_color, x: x, light="lamp")).parameters)
+    ['lamp_color', 'x']
+    """
+
+    def other(name: str) -> str:
+        first, dot, rest = name.partition("_")
+        return words.get(first, first) + dot + rest
+
+    names = {other(name): name for name in inspect.signature(law).parameters}
+
+    @wraps(law)
+    def same(**inputs: Any) -> Any:
+        return law(**{names[name]: given for name, given in inputs.items()})
+
+    return _with_inputs(same, tuple(names))
+
+
+def summed(*laws: Law) -> Law:
+    """The sum of several laws, each of its own inputs.
+
+    >>> summed(lambda a: a, lambda a, b: a * b)(a=2.0, b=3.0)
+    8.0
+    """
+    wanted = [tuple(inspect.signature(law).parameters) for law in laws]
+
+    def total(**inputs: Any) -> Any:
+        first, *others = (
+            law(**{name: inputs[name] for name in names})
+            for law, names in zip(laws, wanted, strict=True)
+        )
+        for other in others:
+            first = first + other
+        return first
+
+    return _with_inputs(total, tuple(dict.fromkeys(name for names in wanted for name in names)))
+
+
+def _with_inputs(law: Law, names: tuple[str, ...]) -> Law:
+    keyword = inspect.Parameter.KEYWORD_ONLY
+    parameters = [inspect.Parameter(name, keyword) for name in names]
+    vars(law)["__signature__"] = inspect.Signature(parameters)
+    return law

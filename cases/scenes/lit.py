@@ -1,0 +1,216 @@
+"""Lit scenes: things before a camera, drawn large for people and small for the checks.
+
+All of them share the vertex shaders `lit`, `lit_painted` and `lit_textured` of chapter 5. The large
+picture is drawn in light (half floats); `finish.frag` halves it and encodes it for a display.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from math import radians
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from shaderlab import Cell, Depth, Draw, Mesh, Output, Pass, State, Target, assets, formula
+from shaderlab import fullscreen as over_all
+from shaderlab.assets.order import any_order, both_ways
+from shaderlab.glslmath import vec4
+from shaderlab.reference.transforms import (
+    clip_position,
+    look_at,
+    normal_matrix,
+    perspective,
+    rotate,
+    translate,
+    world_normal,
+    world_position,
+)
+from shaderlab.sampling import texture
+
+from .laws import Law, unchanged
+from .studio import finished, handed_on
+
+Matrix = npt.NDArray[Any]
+Uniforms = Mapping[str, Any]
+Vector = Sequence[float]
+
+LIT = "ch05_lighting/lit.vert"
+PAINTED = "ch05_lighting/lit_painted.vert"
+TEXTURED = "ch05_lighting/lit_textured.vert"
+BLACK = (0.0, 0.0, 0.0, 0.0)
+
+# The notes' test point: a surface in the origin that faces +z, the viewer before it, a lamp aside.
+POINT = {"FragPos": (0.0, 0.0, 0.0), "Normal": (0.0, 0.0, 1.0), "viewPos": (0.0, 0.0, 3.0)}
+POINT_LAMP = (1.2, 1.0, 2.0)
+# From here the viewer is nearly 90° from the mirrored ray, where a lobe without its clamp shows.
+ASIDE = (2.0, 0.0, 1.215)
+CORAL, HALF, WHITE = (1.0, 0.5, 0.31), (0.5, 0.5, 0.5), (1.0, 1.0, 1.0)
+# Light at that point as the notes have it, and a coral surface.
+POINT_LIGHT = {"light.ambient": (0.2, 0.2, 0.2), "light.diffuse": HALF, "light.specular": WHITE}
+CORAL_POINT = {**POINT, "Color": CORAL, "specular": HALF, "shininess": 32.0}
+
+_VERTEX_STAGE: Mapping[str, Law] = {
+    "gl_Position": clip_position,
+    "FragPos": world_position,
+    "Normal": world_normal,
+    "Color": handed_on,
+    "TexCoords": unchanged("aTexCoords"),
+}
+
+
+def camera(
+    eye: Vector,
+    target: Vector,
+    fovy: float,
+    aspect: float = 1.0,
+    *,
+    near: float = 0.1,
+    far: float = 20.0,
+) -> dict[str, Matrix]:
+    """The uniforms `view` and `projection` of a camera; `fovy` is in degrees.
+
+    >>> sorted(camera((0.0, 0.0, 5.0), (0.0, 0.0, 0.0), 30.0))
+    ['projection', 'view']
+    """
+    projection = perspective(radians(fovy), aspect, near, far)
+    return {"view": look_at(eye, target), "projection": projection}
+
+
+def turned(degrees: float, axis: Vector = (0.0, 1.0, 0.0)) -> Matrix:
+    """A rotation by so many degrees, around y unless told otherwise.
+
+    >>> (turned(90.0) @ (1, 0, 0, 1)).round(12).tolist()
+    [0.0, 0.0, -1.0, 1.0]
+    """
+    return np.asarray(rotate(radians(degrees), axis))
+
+
+def thing(
+    fragment: str,
+    solid: Any,
+    model: Matrix,
+    camera: Uniforms,
+    uniforms: Uniforms,
+    *,
+    vertex: str = LIT,
+    textures: Mapping[str, Any] | None = None,
+    cell: Cell | None = None,
+    **state: Any,
+) -> Draw:
+    """One thing of the scene, depth tested.
+
+    Args:
+        fragment: the shader that lights it.
+        solid: a mesh, or a geometry of `shaderlab.assets`.
+        model: where it stands; its normals go through the inverse transpose.
+        camera: what `camera` gave.
+        uniforms: what else the shaders want.
+        vertex: LIT, PAINTED (vertices have a colour) or TEXTURED.
+        textures: by sampler.
+        cell: the part of the target to draw into.
+        state: what else `State` takes.
+    """
+    mesh = solid if isinstance(solid, Mesh) else Mesh(**solid)
+    return Draw(
+        vertex=vertex,
+        fragment=fragment,
+        mesh=mesh.only("aPos", "aNormal") if vertex == LIT else mesh,
+        uniforms={"model": model, "normalMatrix": normal_matrix(model), **camera, **uniforms},
+        textures=textures or {},
+        state=State(**{"depth": Depth(), "cell": cell, **state}),
+    )
+
+
+def bulb(place: Vector, glow: Vector, radius: float, camera: Uniforms) -> Draw:
+    """A lamp itself: a small ball that is not lit, but shines."""
+    return Draw(
+        vertex="ch05_lighting/lamp.vert",
+        fragment="ch05_lighting/lamp.frag",
+        mesh=Mesh(**assets.sphere(radius)).only("aPos"),
+        uniforms={"model": translate(place), **camera, "glow": glow},
+        state=State(depth=Depth()),
+    )
+
+
+def glowing(glow: Any) -> Any:
+    """A lamp's own light, as a bulb shows it."""
+    return vec4(glow, 1.0)
+
+
+def photographed(
+    draws: Sequence[Draw],
+    judged: Sequence[Draw] | None = None,
+    *,
+    clear: Sequence[float] = BLACK,
+    output: str = "FragColor",
+    name: str = "judged",
+    size: tuple[int, int] | None = None,
+) -> tuple[Pass, ...]:
+    """Passes "scene" and "picture" for people, and one for the checks; both scenes `both_ways`.
+
+    Args:
+        draws: of the large scene, 1024 × 1024.
+        judged: of the small one, if they are others.
+        clear: the background of both.
+        output: what the picture shows.
+        name: of the pass that is judged.
+        size: of that pass; a case's own by default.
+    """
+    background = tuple(clear)
+    large = Target(size=(1024, 1024), colors={output: "rgba16f"}, depth="depth24", clear=background)  # type: ignore[arg-type]
+    small = Target(size=size, depth="depth24", clear=background)  # type: ignore[arg-type]
+    return (
+        *both_ways(Pass(name="scene", target=large, draws=tuple(draws))),
+        *picture(output=output),
+        *both_ways(Pass(name=name, target=small, draws=tuple(judged or draws))),
+    )
+
+
+def picture(
+    of: str = "scene",
+    *,
+    output: str = "FragColor",
+    name: str = "picture",
+    target: Target | None = None,
+) -> tuple[Pass, ...]:
+    """A scene's light, each pixel the mean of four texels, encoded for a display."""
+    return over_all(
+        "ch05_lighting/finish.frag",
+        name=name,
+        textures={"scene": Output(of, output)},
+        target=target,
+    )
+
+
+def picture_checks(output: str = "FragColor", *, judged: str = "judged") -> tuple[Any, ...]:
+    """The picture is the scene's light, encoded; and neither scene depends on the order of draws.
+
+    >>> [check.name for check in picture_checks()][0]
+    'the picture'
+    """
+    return (
+        formula("picture.FragColor", finished(texture), name="the picture"),
+        any_order(f"scene.{output}"),
+        any_order(f"{judged}.{output}"),
+    )
+
+
+def vertex_stage_checks(*outputs: str, pass_name: str = "", draw: int = -1) -> tuple[Any, ...]:
+    """What the vertex shaders of lit scenes give: places in clip space and in the world, normals,
+    and what is handed on.
+
+    Args:
+        outputs: of gl_Position, FragPos, Normal, Color and TexCoords; the first three by default.
+        pass_name: the pass that is judged, if it is not the last.
+        draw: which of its draws.
+
+    >>> [check.output for check in vertex_stage_checks(pass_name="judged")]
+    ['judged.gl_Position', 'judged.FragPos', 'judged.Normal']
+    """
+    prefix = f"{pass_name}." if pass_name else ""
+    return tuple(
+        formula(prefix + output, _VERTEX_STAGE[output], draw=draw)
+        for output in outputs or ("gl_Position", "FragPos", "Normal")
+    )
