@@ -12,57 +12,33 @@ went where points go, and in both the rods lean over and the light falls as on s
 Only lower right do they stand upright, and the flat top, which faces the lamp, is the bright part.
 """
 
-from math import acos, degrees, radians
+from math import acos, degrees
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Cell,
-    Depth,
-    Draw,
-    Erratum,
-    Mesh,
-    Output,
-    Pass,
-    State,
-    Target,
-    assets,
-    computed,
-    formula,
-    fullscreen,
-    value,
-)
-from shaderlab.assets.order import any_order, both_ways
+from shaderlab import Case, Depth, Draw, Erratum, Mesh, State, assets, formula
 from shaderlab.glslmath import inverse, mat3, mul, transpose
 from shaderlab.reference.lighting import diffuse_color, diffuse_factor
-from shaderlab.reference.transforms import (
-    clip_position,
-    look_at,
-    normal_matrix,
-    perspective,
-    rotate,
-    scale,
-    translate,
-    world_position,
-)
-from shaderlab.sampling import texture
+from shaderlab.reference.transforms import normal_matrix, scale, translate
 
-from ..scenes import normal_rods as normals
-from ..scenes.studio import finished
+from ..scenes import lit, normal_rods
+from ..scenes.figures import figure, results
+from ..scenes.laws import unchanged
+from ..scenes.panels import cell
 
 AS_IT_IS, LIKE_A_POINT, INVERSE_TRANSPOSE = PATHS = (0, 1, 2)
-CORAL, BRASS = (1.0, 0.5, 0.31), (1.0, 0.83, 0.35)
-TILT = translate((0.05, 0.04, -0.1)) @ rotate(radians(-14.0), (0.0, 0.0, 1.0))
+BRASS = (1.0, 0.83, 0.35)
+CAMERA = lit.camera((0.0, 1.3, 6.0), (0.0, 0.0, 0.0), 28.5)
+TILT = translate((0.05, 0.04, -0.1)) @ lit.turned(-14.0, (0.0, 0.0, 1.0))
 SQUEEZED = TILT @ scale((1.0, 0.4, 1.0))
-
 RADIUS = 0.97
 BALL = assets.sphere(RADIUS)
-LAMP = (-2.4, 3.0, 2.6)
 SLANTED = (0.5**0.5, 0.5**0.5, 0.0)
+# The round ball, and the squeezed one with its normals on three paths.
+QUARTERS = [(TILT, LIKE_A_POINT), *((SQUEEZED, path) for path in PATHS)]
 
 
-def thing(mesh, model, path, cell, color=CORAL, ambient=0.1):
+def thing(mesh, model, path, quarter, color=lit.CORAL, ambient=0.1):
     """One thing in a quarter of the picture, its normals on one of the three paths."""
     return Draw(
         vertex="ch05_lighting/diffuse.vert",
@@ -70,17 +46,14 @@ def thing(mesh, model, path, cell, color=CORAL, ambient=0.1):
         mesh=Mesh(**mesh).only("aPos", "aNormal"),
         uniforms={
             "model": model,
-            "view": look_at((0.0, 1.3, 6.0), (0.0, 0.0, 0.0)),
-            "projection": perspective(radians(28.5), 1.0, 0.1, 20.0),
+            **CAMERA,
             "path": path,
             "objectColor": color,
             "lightColor": (1.0, 0.97, 0.92),
-            "lightPos": LAMP,
+            "lightPos": (-2.4, 3.0, 2.6),
             "ambientStrength": ambient,
         },
-        state=State(
-            depth=Depth(), cell=Cell(column=cell % 2, row=1 - cell // 2, columns=2, rows=2)
-        ),
+        state=State(depth=Depth(), cell=cell(quarter, 2, 2, from_above=True)),
     )
 
 
@@ -97,25 +70,14 @@ def rods(model, path):
     def direction(normal):
         return on_path(normal, model, path)
 
-    return normals.rods(model @ scale(RADIUS), direction, length=0.36, rows=8, columns=14)
+    return normal_rods.rods(model @ scale(RADIUS), direction, length=0.36, rows=8, columns=14)
 
 
-def quarters(name, with_rods, **target):
-    """The round ball, and the squeezed one with its normals on three paths."""
-    draws = []
-    for cell, (model, path) in enumerate(
-        [(TILT, LIKE_A_POINT), *((SQUEEZED, path) for path in PATHS)]
-    ):
-        if with_rods:
-            draws.append(thing(rods(model, path), np.eye(4), AS_IT_IS, cell, BRASS, 0.5))
-        draws.append(thing(BALL, model, path, cell))
-    target = Target(depth="depth24", clear=(0.018, 0.022, 0.03, 1.0), **target)
-    return Pass(name=name, target=target, draws=draws)
-
-
-def as_it_is(aNormal):
-    """The notes' way: the ball's own normal."""
-    return aNormal
+BALLS = [thing(BALL, *row, quarter) for quarter, row in enumerate(QUARTERS)]
+RODS = [
+    thing(rods(*row), np.eye(4), AS_IT_IS, quarter, BRASS, 0.5)
+    for quarter, row in enumerate(QUARTERS)
+]
 
 
 def like_a_point(aNormal, model):
@@ -137,63 +99,42 @@ def angle_to_surface(path):
 
 
 POINT = {
-    "lightColor": (1.0, 1.0, 1.0),
+    "lightColor": lit.WHITE,
     "FragPos": (0.0, 0.0, 0.0),
     "Normal": (0.0, 0.0, 1.0),
-    "lightPos": (1.2, 1.0, 2.0),
+    "lightPos": lit.POINT_LAMP,
 }
 
 case = Case(
     title="Diffuse light",
     section="5.2.2",
     math=r"d = \max(N \cdot L,\ 0), \qquad N = (M^{-1})^{\mathsf T} N_{\text{mesh}}",
-    passes=(
-        *both_ways(quarters("scene", True, size=(1024, 1024), colors={"FragColor": "rgba16f"})),
-        *fullscreen(
-            "ch05_lighting/finish.frag",
-            name="picture",
-            textures={"scene": Output("scene", "FragColor")},
-        ),
-        *both_ways(quarters("judged", False)),
+    passes=lit.photographed(
+        [draw for pair in zip(RODS, BALLS, strict=True) for draw in pair],
+        BALLS,
+        clear=(0.018, 0.022, 0.03, 1.0),
     ),
     picture="picture.FragColor",
     expect=[
-        formula("gl_Position", clip_position),
-        formula("FragPos", world_position),
-        formula("Normal", as_it_is, draw=1, name="normals as they are"),
+        *lit.vertex_stage_checks("gl_Position", "FragPos"),
+        formula("Normal", unchanged("aNormal"), draw=1, name="normals as they are"),
         formula("Normal", like_a_point, draw=2, name="normals like points"),
         formula("Normal", inverse_transposed, draw=3, name="normals by the inverse transpose"),
         formula("diff", diffuse_factor),
         formula("FragColor", diffuse_color, draw=1, name="colour, normals as they are"),
         formula("FragColor", diffuse_color, name="colour, normals by the inverse transpose"),
-        formula("picture.FragColor", finished(texture), name="the picture"),
-        any_order("scene.FragColor"),
-        any_order("judged.FragColor"),
-        value("diff", at=POINT, equals=0.788110, digits=6, name="diffuse factor at the point"),
-        value(
-            "FragColor",
-            at=POINT,
-            equals=(0.888110, 0.444055, 0.275314, 1.0),
-            digits=6,
-            name="colour at the point",
-        ),
-        computed(
-            "as it is: angle to the surface",
-            lambda: angle_to_surface(AS_IT_IS),
-            equals=99.198591,
-            digits=6,
-        ),
-        computed(
-            "like a point: angle to the surface",
-            lambda: angle_to_surface(LIKE_A_POINT),
-            equals=136.397181,
-            digits=6,
-        ),
-        computed(
-            "inverse transpose: angle to the surface",
-            lambda: angle_to_surface(INVERSE_TRANSPOSE),
-            equals=90.0,
-            digits=6,
+        *lit.picture_checks(),
+        figure("diff", "diffuse factor at the point", POINT, 0.788110),
+        figure("FragColor", "colour at the point", POINT, (0.888110, 0.444055, 0.275314, 1.0)),
+        *results(
+            {
+                f"{label}: angle to the surface": (lambda path=path: angle_to_surface(path), angle)
+                for label, path, angle in (
+                    ("as it is", AS_IT_IS, 99.198591),
+                    ("like a point", LIKE_A_POINT, 136.397181),
+                    ("inverse transpose", INVERSE_TRANSPOSE, 90.0),
+                )
+            }
         ),
     ],
     errata=[

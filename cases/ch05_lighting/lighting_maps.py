@@ -11,51 +11,27 @@ specular map: its highlight lies on wood and iron alike, as if everything were u
 """
 
 from dataclasses import replace
-from math import radians
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Depth,
-    Draw,
-    Mesh,
-    Output,
-    Pass,
-    State,
-    Target,
-    Texture,
-    assets,
-    formula,
-    fullscreen,
-    value,
-)
-from shaderlab.assets.order import any_order, both_ways
+from shaderlab import Case, Mesh, Pass, State, Target, Texture, assets, formula
 from shaderlab.glslmath import swizzle, vec4
 from shaderlab.reference.lighting import diffuse_factor, specular_factor
-from shaderlab.reference.transforms import (
-    clip_position,
-    look_at,
-    normal_matrix,
-    perspective,
-    rotate,
-    translate,
-    world_normal,
-    world_position,
-)
+from shaderlab.reference.transforms import clip_position, translate
 from shaderlab.sampling import texture
 
+from ..scenes import lit
 from ..scenes.chest import chest_diffuse, chest_specular
-from ..scenes.studio import finished
+from ..scenes.figures import each_draw, figure, figures
 
 EYE = (0.1, 1.7, 5.8)
 LAMP = (0.1, 0.5, 1.55)
+CAMERA = lit.camera(EYE, (0.05, 0.55, 0.0), 31.0, far=60.0)
 CHEST = Mesh(**assets.cube(1.25))
-LANTERN = Mesh(**assets.sphere(0.07)).only("aPos")
 FLOOR = Mesh(**assets.plane(30.0, repeat=12.0))
 # A hair above the floor, so that nowhere both are equally near.
-WITH_MAP = translate((-0.86, 0.626, 0.2)) @ rotate(radians(24.0), (0.0, 1.0, 0.0))
-WITHOUT = translate((1.05, 0.626, 0.0)) @ rotate(radians(-28.0), (0.0, 1.0, 0.0))
+WITH_MAP = translate((-0.86, 0.626, 0.2)) @ lit.turned(24.0)
+WITHOUT = translate((1.05, 0.626, 0.0)) @ lit.turned(-28.0)
 
 CHEST_DIFFUSE = Texture(image=lambda: chest_diffuse(512))
 CHEST_SPECULAR = Texture(image=lambda: chest_specular(512))
@@ -69,16 +45,13 @@ FOUR = np.array(
 
 
 def thing(mesh, model, diffuse, specular, shininess):
-    """One thing with its two maps."""
-    return Draw(
-        vertex="ch05_lighting/lit_textured.vert",
-        fragment="ch05_lighting/lighting_maps.frag",
-        mesh=mesh,
-        uniforms={
-            "model": model,
-            "normalMatrix": normal_matrix(model),
-            "view": look_at(EYE, (0.05, 0.55, 0.0)),
-            "projection": perspective(radians(31.0), 1.0, 0.1, 60.0),
+    """One thing with its two maps, in the lantern's light."""
+    return lit.thing(
+        "ch05_lighting/lighting_maps.frag",
+        mesh,
+        model,
+        CAMERA,
+        {
             "viewPos": EYE,
             "material.shininess": shininess,
             "light.position": LAMP,
@@ -86,8 +59,8 @@ def thing(mesh, model, diffuse, specular, shininess):
             "light.diffuse": (0.75, 0.66, 0.5),
             "light.specular": (1.2, 1.08, 0.85),
         },
+        vertex=lit.TEXTURED,
         textures={"material.diffuse": diffuse, "material.specular": specular},
-        state=State(depth=Depth()),
     )
 
 
@@ -95,34 +68,6 @@ def thing(mesh, model, diffuse, specular, shininess):
 FOUR_TEXELS = replace(
     thing(CHEST, WITH_MAP, Texture(image=FOUR), Texture(image=FOUR[::-1]), 4.0), state=State()
 )
-
-
-def lantern():
-    """Where the light is: a small ball that shines by itself."""
-    return Draw(
-        vertex="ch05_lighting/lamp.vert",
-        fragment="ch05_lighting/lamp.frag",
-        mesh=LANTERN,
-        uniforms={
-            "model": translate(LAMP),
-            "view": look_at(EYE, (0.05, 0.55, 0.0)),
-            "projection": perspective(radians(31.0), 1.0, 0.1, 60.0),
-            "glow": (1.0, 0.92, 0.72),
-        },
-        state=State(depth=Depth()),
-    )
-
-
-def pair(name, **target):
-    """A lantern and two chests on a floor, the left one with a specular map."""
-    draws = (
-        lantern(),
-        thing(FLOOR, translate((0.0, 0.0, 0.0)), TILES, DULL, 8.0),
-        thing(CHEST, WITHOUT, CHEST_DIFFUSE, SHINY, 16.0),
-        thing(CHEST, WITH_MAP, CHEST_DIFFUSE, CHEST_SPECULAR, 16.0),
-    )
-    sky = (0.004, 0.005, 0.008, 1.0)
-    return Pass(name=name, target=Target(depth="depth24", clear=sky, **target), draws=draws)
 
 
 def highlight(
@@ -148,15 +93,15 @@ def color(
     return vec4((light_ambient + light_diffuse * diff) * painted + shine, 1.0)
 
 
-def glowing(glow):
-    """The lantern's own light."""
-    return vec4(glow, 1.0)
-
-
-def texture_coordinates(aTexCoords):
-    """What the vertex shader does with them: nothing."""
-    return aTexCoords
-
+POINT = {**lit.POINT, "light.position": lit.POINT_LAMP}
+# A normal of no unit length, as scaling leaves it.
+LONG = {**POINT, **lit.POINT_LIGHT, "Normal": (0.0, 0.0, 3.0)}
+ASIDE = {
+    "TexCoords": (0.25, 0.25),
+    "viewPos": lit.ASIDE,
+    "light.specular": (1.0, 1.0, 1.0),
+    "material.shininess": 0.5,
+}
 
 case = Case(
     title="Lighting maps",
@@ -164,74 +109,51 @@ case = Case(
     math=r"C = (L_a + d\,L_d) \odot T_{\text{diffuse}}(u, v) + "
     r"s\,L_s \odot T_{\text{specular}}(u, v)",
     passes=(
-        *both_ways(pair("scene", size=(1024, 1024), colors={"FragColor": "rgba16f"})),
-        *fullscreen(
-            "ch05_lighting/finish.frag",
-            name="picture",
-            textures={"scene": Output("scene", "FragColor")},
+        *lit.photographed(
+            (
+                lit.bulb(LAMP, (1.0, 0.92, 0.72), 0.07, CAMERA),
+                thing(FLOOR, translate((0.0, 0.0, 0.0)), TILES, DULL, 8.0),
+                thing(CHEST, WITHOUT, CHEST_DIFFUSE, SHINY, 16.0),
+                thing(CHEST, WITH_MAP, CHEST_DIFFUSE, CHEST_SPECULAR, 16.0),
+            ),
+            clear=(0.004, 0.005, 0.008, 1.0),
         ),
-        *both_ways(pair("judged")),
-        Pass(
-            name="four",
-            target=Target(size=(16, 16)),
-            draws=(FOUR_TEXELS,),
-        ),
+        Pass(name="four", target=Target(size=(16, 16)), draws=(FOUR_TEXELS,)),
     ),
     picture="picture.FragColor",
     expect=[
-        formula("judged.gl_Position", clip_position),
+        *lit.vertex_stage_checks("gl_Position", pass_name="judged"),
         formula("judged.gl_Position", clip_position, draw=0, name="where the lantern is"),
-        formula("judged.FragColor", glowing, draw=0, name="colour of the lantern"),
-        formula("judged.FragPos", world_position),
-        formula("judged.Normal", world_normal),
-        formula("judged.TexCoords", texture_coordinates),
+        formula("judged.FragColor", lit.glowing, draw=0, name="colour of the lantern"),
+        *lit.vertex_stage_checks("FragPos", "Normal", "TexCoords", pass_name="judged"),
         formula("judged.highlight", highlight, name="highlight with a map"),
         formula("judged.highlight", highlight, draw=2, name="highlight without"),
-        formula("judged.FragColor", color, draw=1, name="colour of the floor"),
-        formula("judged.FragColor", color, draw=2, name="colour without a specular map"),
-        formula("judged.FragColor", color, name="colour with both maps"),
-        formula("picture.FragColor", finished(texture), name="the picture"),
-        any_order("scene.FragColor"),
-        any_order("judged.FragColor"),
-        *(
-            value(
-                "four.FragColor",
-                at={
-                    "FragPos": (0.0, 0.0, 0.0),
-                    "Normal": (0.0, 0.0, 3.0),  # of no unit length, as scaling leaves it
-                    "TexCoords": at,
-                    "viewPos": (0.0, 0.0, 3.0),
-                    "light.position": (1.2, 1.0, 2.0),
-                    "light.ambient": (0.2, 0.2, 0.2),
-                    "light.diffuse": (0.5, 0.5, 0.5),
-                    "light.specular": (1.0, 1.0, 1.0),
-                },
-                equals=equals,
-                digits=6,
-                reference=color,
-                name=f"the point at {at}",
-            )
-            for at, equals in (
-                ((0.25, 0.25), (0.629559, 0.314780, 0.427441, 1.0)),
-                ((0.75, 0.25), (0.350284, 0.706717, 0.276201, 1.0)),
-                ((0.25, 0.75), (0.546252, 0.273126, 0.552402, 1.0)),
-            )
+        *each_draw(
+            "judged.FragColor",
+            color,
+            {1: "colour of the floor", 2: "colour without a specular map"},
         ),
-        value(
-            "four.highlight",
-            at={
-                "FragPos": (0.0, 0.0, 0.0),
-                "Normal": (0.0, 0.0, 1.0),
-                "TexCoords": (0.25, 0.25),
-                "viewPos": (2.0, 0.0, 1.215),
-                "light.position": (1.2, 1.0, 2.0),
-                "light.specular": (1.0, 1.0, 1.0),
-                "material.shininess": 0.5,
+        formula("judged.FragColor", color, name="colour with both maps"),
+        *lit.picture_checks(),
+        *figures(
+            "four.FragColor",
+            {
+                f"the point at {at}": ({"TexCoords": at}, equals)
+                for at, equals in (
+                    ((0.25, 0.25), (0.629559, 0.314780, 0.427441, 1.0)),
+                    ((0.75, 0.25), (0.350284, 0.706717, 0.276201, 1.0)),
+                    ((0.25, 0.75), (0.546252, 0.273126, 0.552402, 1.0)),
+                )
             },
-            equals=(0.028430, 0.014215, 0.056860),
-            digits=6,
+            at=LONG,
+            reference=color,
+        ),
+        figure(
+            "four.highlight",
+            "nearly 90° from the mirrored ray",
+            {**POINT, **ASIDE},
+            (0.028430, 0.014215, 0.056860),
             reference=highlight,
-            name="nearly 90° from the mirrored ray",
         ),
     ],
 )

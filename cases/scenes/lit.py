@@ -35,6 +35,7 @@ from .studio import finished, handed_on
 Matrix = npt.NDArray[Any]
 Uniforms = Mapping[str, Any]
 Vector = Sequence[float]
+Color = tuple[float, float, float, float]
 
 LIT = "ch05_lighting/lit.vert"
 PAINTED = "ch05_lighting/lit_painted.vert"
@@ -143,7 +144,7 @@ def photographed(
     draws: Sequence[Draw],
     judged: Sequence[Draw] | None = None,
     *,
-    clear: Sequence[float] = BLACK,
+    clear: Color = BLACK,
     output: str = "FragColor",
     name: str = "judged",
     size: tuple[int, int] | None = None,
@@ -158,14 +159,19 @@ def photographed(
         name: of the pass that is judged.
         size: of that pass; a case's own by default.
     """
-    background = tuple(clear)
-    large = Target(size=(1024, 1024), colors={output: "rgba16f"}, depth="depth24", clear=background)  # type: ignore[arg-type]
-    small = Target(size=size, depth="depth24", clear=background)  # type: ignore[arg-type]
+    large = large_scene(draws, clear=clear, output=output)
+    target = Target(size=size, depth="depth24", clear=large.target.clear)
     return (
-        *both_ways(Pass(name="scene", target=large, draws=tuple(draws))),
+        *both_ways(large),
         *picture(output=output),
-        *both_ways(Pass(name=name, target=small, draws=tuple(judged or draws))),
+        *both_ways(Pass(name=name, target=target, draws=tuple(judged or draws))),
     )
+
+
+def large_scene(draws: Sequence[Draw], *, clear: Color = BLACK, output: str = "FragColor") -> Pass:
+    """The pass "scene" for people, in light."""
+    target = Target(size=(1024, 1024), colors={output: "rgba16f"}, depth="depth24", clear=clear)
+    return Pass(name="scene", target=target, draws=tuple(draws))
 
 
 def picture(

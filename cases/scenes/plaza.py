@@ -69,7 +69,7 @@ def photographed(
     fragment: str,
     light: Mapping[str, Any],
     *,
-    clear: Sequence[float],
+    clear: lit.Color,
     bulbs: Sequence[Draw] = (),
 ) -> tuple[Pass, ...]:
     """The passes of `lit.photographed` for the plaza under these lamps, after the bulbs."""
