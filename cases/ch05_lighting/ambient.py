@@ -61,13 +61,13 @@ case = Case(
         *figures(
             "FragColor",
             {
-                "coral under white at 0.1": ({"lightColor": WHITE}, (0.1, 0.05, 0.031, 1.0)),
+                "coral under white at 0.1": ({}, (0.1, 0.05, 0.031, 1.0)),
                 "coral under a blue lamp at 0.1": (
                     {"lightColor": (0.25, 0.5, 1.0)},
                     (0.025, 0.025, 0.031, 1.0),
                 ),
             },
-            at={"objectColor": CORAL, "ambientStrength": 0.1},
+            at={"objectColor": CORAL, "lightColor": WHITE, "ambientStrength": 0.1},
             reference=COLOR,
         ),
     ],

@@ -25,8 +25,8 @@ EVENING = {
 }
 POINT = {
     **lit.CORAL_POINT,
-    **lit.POINT_LIGHT,
     "light.direction": (-0.2, -1.0, -0.3),
+    **lit.POINT_LIGHT,
     "shininess": 4.0,
 }
 ASIDE = {"viewPos": lit.ASIDE, "light.direction": (-1.2, -1.0, -2.0), "shininess": 0.5}

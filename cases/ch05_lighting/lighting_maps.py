@@ -93,12 +93,20 @@ def color(
     return vec4((light_ambient + light_diffuse * diff) * painted + shine, 1.0)
 
 
-POINT = {**lit.POINT, "light.position": lit.POINT_LAMP}
-# A normal of no unit length, as scaling leaves it.
-LONG = {**POINT, **lit.POINT_LIGHT, "Normal": (0.0, 0.0, 3.0)}
+POINT = {
+    "FragPos": (0.0, 0.0, 0.0),
+    "Normal": (0.0, 0.0, 3.0),  # of no unit length, as scaling leaves it
+    "TexCoords": (0.25, 0.25),
+    "viewPos": (0.0, 0.0, 3.0),
+    "light.position": lit.POINT_LAMP,
+    **lit.POINT_LIGHT,
+}
 ASIDE = {
+    "FragPos": (0.0, 0.0, 0.0),
+    "Normal": (0.0, 0.0, 1.0),
     "TexCoords": (0.25, 0.25),
     "viewPos": lit.ASIDE,
+    "light.position": lit.POINT_LAMP,
     "light.specular": (1.0, 1.0, 1.0),
     "material.shininess": 0.5,
 }
@@ -145,13 +153,13 @@ case = Case(
                     ((0.25, 0.75), (0.546252, 0.273126, 0.552402, 1.0)),
                 )
             },
-            at=LONG,
+            at=POINT,
             reference=color,
         ),
         figure(
             "four.highlight",
             "nearly 90° from the mirrored ray",
-            {**POINT, **ASIDE},
+            ASIDE,
             (0.028430, 0.014215, 0.056860),
             reference=highlight,
         ),

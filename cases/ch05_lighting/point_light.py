@@ -30,10 +30,11 @@ BULB = {
 COLOR = opaque(light_sources.point)
 POINT = {
     **lit.CORAL_POINT,
-    **lit.POINT_LIGHT,
+    "shininess": 32.0,
     "light.position": lit.POINT_LAMP,
     "light.linear": 0.09,
     "light.quadratic": 0.032,
+    **lit.POINT_LIGHT,
 }
 NO_RAYS = {"light.diffuse": (0.0, 0.0, 0.0), "light.specular": (0.0, 0.0, 0.0)}
 

@@ -45,9 +45,11 @@ def thing(geometry, model, row):
 
 
 POINT = {
-    **lit.POINT,
     "lightColor": lit.WHITE,
+    "FragPos": (0.0, 0.0, 0.0),
+    "Normal": (0.0, 0.0, 1.0),
     "lightPos": lit.POINT_LAMP,
+    "viewPos": (0.0, 0.0, 3.0),
     "ambientStrength": 0.1,
     "diffuseStrength": 1.0,
     "specularStrength": 0.5,

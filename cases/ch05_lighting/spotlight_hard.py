@@ -30,9 +30,10 @@ SPOT = {
 # The test point's lamp; its direction turns it towards the point or away.
 POINT = {
     **lit.CORAL_POINT,
-    **lit.POINT_LIGHT,
+    "shininess": 32.0,
     "light.position": lit.POINT_LAMP,
     "light.cutOff": cos(radians(12.5)),
+    **lit.POINT_LIGHT,
 }
 AT_IT = {"light.direction": (-1.2, -1.0, -2.0)}
 PAST_IT = {"light.direction": (0.0, 0.0, -1.0)}

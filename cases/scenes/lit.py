@@ -50,7 +50,13 @@ ASIDE = (2.0, 0.0, 1.215)
 CORAL, HALF, WHITE = (1.0, 0.5, 0.31), (0.5, 0.5, 0.5), (1.0, 1.0, 1.0)
 # Light at that point as the notes have it, and a coral surface.
 POINT_LIGHT = {"light.ambient": (0.2, 0.2, 0.2), "light.diffuse": HALF, "light.specular": WHITE}
-CORAL_POINT = {**POINT, "Color": CORAL, "specular": HALF, "shininess": 32.0}
+CORAL_POINT = {
+    "FragPos": POINT["FragPos"],
+    "Normal": POINT["Normal"],
+    "Color": CORAL,
+    "viewPos": POINT["viewPos"],
+    "specular": HALF,
+}
 
 _VERTEX_STAGE: Mapping[str, Law] = {
     "gl_Position": clip_position,
