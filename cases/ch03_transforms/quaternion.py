@@ -15,44 +15,23 @@ from math import acos, degrees, pi, radians, sqrt
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Depth,
-    Draw,
-    Mesh,
-    Pass,
-    State,
-    Target,
-    assets,
-    computed,
-    formula,
-    sweep,
-    value,
-)
+from shaderlab import Case, Draw, Mesh, Pass, Target, assets, computed, formula, sweep
 from shaderlab.assets import solids
-from shaderlab.assets.order import any_order
 from shaderlab.glslmath import vec4
 from shaderlab.reference.euler import euler_matrix
 from shaderlab.reference.quaternions import axis_angle, conjugate, matrix_of, product, slerp, turned
-from shaderlab.reference.transforms import (
-    clip_position,
-    in_view,
-    look_at,
-    perspective,
-    scale,
-    world_normal,
-)
-from shaderlab.sampling import texture
+from shaderlab.reference.transforms import in_view, scale
 
 from ..scenes import stage
+from ..scenes.cameras import camera
+from ..scenes.figures import figure, figures
 from ..scenes.glm import slerp_by_glm, turned_by_glm
 from ..scenes.props import aircraft, letter_f
-from ..scenes.studio import handed_on, softened, studio_color
+from ..scenes.studio import handed_on, studio_color
 
-VIEW = look_at((0.3, 1.5, 6.0), (0.0, 0.72, 0.0))
-PROJECTION = perspective(radians(38.0), 3.0 / 2.0, 0.1, 20.0)
+CAMERA = camera((0.3, 1.5, 6.0), (0.0, 0.72, 0.0), 38.0, 3.0 / 2.0)
 FRAMES = 7
-AIRCRAFT = Mesh(**solids.placed(aircraft(), scale(0.36)))
+AIRCRAFT = solids.placed(aircraft(), scale(0.36))
 # An aircraft stands a radius from the middle, ahead along its own nose.
 AWAY = (0.0, 0.0, -1.72)
 UPRIGHT = axis_angle((1, 0, 0), radians(90.0))
@@ -70,20 +49,8 @@ def globe():
 
 def frame(step):
     """One aircraft of the formation."""
-    return Draw(
-        vertex="ch03_transforms/quaternion.vert",
-        fragment="ch03_transforms/studio.frag",
-        mesh=AIRCRAFT,
-        uniforms={
-            "from": START,
-            "to": END,
-            "t": step / (FRAMES - 1),
-            "away": AWAY,
-            "view": VIEW,
-            "projection": PROJECTION,
-        },
-        state=State(depth=Depth()),
-    )
+    uniforms = {"from": START, "to": END, "t": step / (FRAMES - 1), "away": AWAY, **CAMERA}
+    return stage.subject("ch03_transforms/quaternion.vert", AIRCRAFT, uniforms)
 
 
 def through(name, q):
@@ -133,6 +100,7 @@ def one_color():
 
 
 TILTED = axis_angle((1, 2, 2), radians(110.0))
+QUARTER, NONE = axis_angle((0, 0, 1), pi / 2), np.array([0.0, 0.0, 0.0, 1.0])
 # Nose straight up, then banked: the pose where yaw and roll are one.
 LOCKED = product(axis_angle((0, 1, 0), radians(40.0)), axis_angle((1, 0, 0), radians(90.0)))
 
@@ -158,6 +126,14 @@ def smallest_response():
     return np.linalg.svd(np.array(columns).T, compute_uv=False).min()
 
 
+def sandwich_less_matrix():
+    """q v q* less the product of q's matrix and v, for v = (1, 2, 3)."""
+    return turned(np.array([1.0, 2.0, 3.0]), TILTED) - matrix_of(TILTED)[:3, :3] @ (1, 2, 3)
+
+
+AT_HALF = {"aPos": (0.0, 0.0, 0.0), "t": 0.5}
+BY_GLM = {"PyGLM": turned_by_glm}
+
 case = Case(
     title="Quaternions",
     section="3.7",
@@ -166,26 +142,17 @@ case = Case(
     r"{\sin\theta},\quad \cos\theta = a \cdot b",
     passes=(
         *stage.photographed(
-            (stage.prop(globe(), VIEW, PROJECTION), *(frame(step) for step in range(FRAMES))),
-            (900, 600),
+            (stage.prop(globe(), CAMERA), *(frame(step) for step in range(FRAMES))), (900, 600)
         ),
         through("locked", LOCKED),
         through("tilted", TILTED),
     ),
     picture="picture.FragColor",
     expect=[
-        formula("soft.FragColor", softened(texture), name="four texels a pixel"),
-        any_order("judged.FragColor"),
-        *stage.prop_checks(clip_position, world_normal, handed_on, studio_color),
-        formula(
-            "tilted.Turned",
-            by_quaternion,
-            also={"PyGLM": turned_by_glm},
-            name="110° around (1,2,2)",
-        ),
-        formula(
-            "locked.Turned", by_quaternion, also={"PyGLM": turned_by_glm}, name="the locked pose"
-        ),
+        *stage.picture_checks(),
+        *stage.prop_checks(),
+        formula("tilted.Turned", by_quaternion, also=BY_GLM, name="110° around (1,2,2)"),
+        formula("locked.Turned", by_quaternion, also=BY_GLM, name="the locked pose"),
         formula("tilted.FragColor", one_color),
         formula("tilted.gl_Position", half_size),
         *(
@@ -206,29 +173,23 @@ case = Case(
             at={"aPos": (0.0, 0.0, 0.0)},
             values=np.linspace(0.0, 1.0, 33),
         ),
-        value(
+        figure(
             "judged.Orientation",
-            at={"aPos": (0.0, 0.0, 0.0), "t": 0.5},
-            equals=tuple(UPRIGHT.round(6)),
-            digits=6,
+            "halfway from +75° to −75° is 0°",
+            AT_HALF,
+            tuple(UPRIGHT.round(6)),
             reference=orientation,
-            name="halfway from +75° to −75° is 0°",
         ),
-        value(
+        *figures(
             "tilted.Turned",
-            at={"aPos": (1.0, 0.0, 0.0), "q": axis_angle((0, 0, 1), pi / 2)},
-            equals=(0.0, 1.0, 0.0),
-            digits=6,
+            {
+                "90° around z": ({"aPos": (1.0, 0.0, 0.0), "q": QUARTER}, (0.0, 1.0, 0.0)),
+                "120° around (1, 1, 1)": (
+                    {"aPos": (1.0, 2.0, 3.0), "q": (0.5, 0.5, 0.5, 0.5)},
+                    (3.0, 1.0, 2.0),
+                ),
+            },
             reference=by_quaternion,
-            name="90° around z",
-        ),
-        value(
-            "tilted.Turned",
-            at={"aPos": (1.0, 2.0, 3.0), "q": (0.5, 0.5, 0.5, 0.5)},
-            equals=(3.0, 1.0, 2.0),
-            digits=6,
-            reference=by_quaternion,
-            name="120° around (1, 1, 1)",
         ),
         computed(
             "q v q* against the matrix, nose up and yawed by 40°",
@@ -238,18 +199,11 @@ case = Case(
         ),
         computed(
             "q v q* of (1, 2, 3) less its matrix times (1, 2, 3)",
-            lambda: (
-                turned(np.array([1.0, 2.0, 3.0]), TILTED) - matrix_of(TILTED)[:3, :3] @ (1, 2, 3)
-            ),
+            sandwich_less_matrix,
             equals=(0.0, 0.0, 0.0),
             digits=14,
         ),
-        computed(
-            "q q*",
-            lambda: product(TILTED, conjugate(TILTED)),
-            equals=(0.0, 0.0, 0.0, 1.0),
-            digits=15,
-        ),
+        computed("q q*", lambda: product(TILTED, conjugate(TILTED)), equals=NONE, digits=15),
         computed("slerp halfway, degrees from either end", half_way, equals=(75.0, 75.0), digits=9),
         computed(
             "least response to a turn in the locked pose",
@@ -260,17 +214,13 @@ case = Case(
         ),
         computed(
             "length of slerp's quarter, of (0, 0, 0, 1) and 90° around z",
-            lambda: np.linalg.norm(
-                slerp(np.array([0, 0, 0, 1.0]), axis_angle((0, 0, 1), pi / 2), 0.25)
-            ),
+            lambda: np.linalg.norm(slerp(NONE, QUARTER, 0.25)),
             equals=1.0,
             digits=15,
         ),
         computed(
             "length of a plain mixture, halfway",
-            lambda: np.linalg.norm(
-                (np.array([0, 0, 0, 1.0]) + axis_angle((0, 0, 1), pi / 2)) / 2.0
-            ),
+            lambda: np.linalg.norm((NONE + QUARTER) / 2.0),
             equals=sqrt((1.0 + sqrt(0.5)) / 2.0),
             digits=12,
             note="shorter than 1: mixed quaternions must be normalised",

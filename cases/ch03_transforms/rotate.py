@@ -13,64 +13,44 @@ z to x.
 
 from math import radians
 
-from shaderlab import Case, Cell, Depth, Draw, Erratum, Mesh, State, computed, formula, value
+from shaderlab import Case, Erratum, formula
 from shaderlab.assets import solids
-from shaderlab.assets.order import any_order
 from shaderlab.glslmath import normalize
-from shaderlab.reference.transforms import (
-    clip_position,
-    in_view,
-    look_at,
-    perspective,
-    rotate,
-    rotated,
-    translate,
-    world_normal,
-)
-from shaderlab.sampling import texture
+from shaderlab.reference.transforms import in_view, rotate, rotated, translate
 
 from ..scenes import stage
+from ..scenes.cameras import camera
+from ..scenes.figures import each_draw, figures, results
 from ..scenes.glm import rotated_by_glm
+from ..scenes.panels import cell
 from ..scenes.props import letter_f, tile
-from ..scenes.studio import handed_on, softened, studio_color
+from ..scenes.studio import handed_on, studio_color
 
-PROJECTION = perspective(radians(38.0), 4.0 / 3.0, 0.1, 20.0)
 AXES = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1), "any": (1, 1, 1)}
-PLACES = {"x": (0, 1), "y": (1, 1), "z": (0, 0), "any": (1, 0)}
-EYES = {"x": (3.6, 1.9, 2.8), "y": (1.4, 4.1, 2.3), "z": (1.2, 1.7, 4.5), "any": (2.2, 2.3, 3.9)}
-STEPS = (0.0, 1.0, 2.0, 3.0)
 FULL = {"x": 90.0, "y": 90.0, "z": 90.0, "any": 120.0}
+EYES = {"x": (3.6, 1.9, 2.8), "y": (1.4, 4.1, 2.3), "z": (1.2, 1.7, 4.5), "any": (2.2, 2.3, 3.9)}
 
 
-def shade(step):
-    """The letter, the paler the less it has turned."""
-    return solids.repainted(letter_f(), (0.66, 0.69, 0.72), 0.85 * (1.0 - step / 3.0))
-
-
-def quarter(name):
-    """One axis: a floor, the axis as an arrow, and the letter in four positions."""
-    column, row = PLACES[name]
-    cell = Cell(column=column, row=row, columns=2, rows=2)
-    view = look_at(EYES[name], (0.1, 0.35, 0.1))
+def quarter(k, name):
+    """One axis: a floor, the axis as an arrow, and the letter in four positions, first pale."""
+    place = cell(k, 2, 2, from_above=True)
+    view = camera(EYES[name], (0.1, 0.35, 0.1), 38.0, 4.0 / 3.0)
     unit = normalize([float(a) for a in AXES[name]])
-    props = (tile(1.5, 0.5), solids.arrow(1.6 * unit, color=solids.INK, thickness=0.026))
-    letters = (
-        Draw(
-            vertex="ch03_transforms/rotate.vert",
-            fragment="ch03_transforms/studio.frag",
-            mesh=Mesh(**shade(step)),
-            uniforms={
+    still = (tile(1.5, 0.5), solids.arrow(1.6 * unit, color=solids.INK, thickness=0.026))
+    for solid in still:
+        yield stage.prop(solid, view, cell=place)
+    for step in (0.0, 1.0, 2.0, 3.0):
+        yield stage.subject(
+            "ch03_transforms/rotate.vert",
+            solids.repainted(letter_f(), (0.66, 0.69, 0.72), 0.85 * (1.0 - step / 3.0)),
+            {
                 "axis": AXES[name],
                 "angle": radians(FULL[name] * step / 3.0),
                 "offset": 0.012 * (step + 1.0) * unit,  # so that no two lie in one plane
-                "view": view,
-                "projection": PROJECTION,
+                **view,
             },
-            state=State(depth=Depth(), cell=cell),
+            cell=place,
         )
-        for step in STEPS
-    )
-    return *(stage.prop(solid, view, PROJECTION, cell=cell) for solid in props), *letters
 
 
 def turned(aPos, axis, angle, offset):
@@ -88,8 +68,9 @@ def position(aPos, axis, angle, offset, view, projection):
     return in_view(turned(aPos, axis, angle, offset), view, projection)
 
 
-DRAWS = tuple(draw for name in AXES for draw in quarter(name))
-LAST = {name: 6 * k + 5 for k, name in enumerate(AXES)}
+LAST = {6 * k + 5: name for k, name in enumerate(AXES)}
+THIRD = {"aPos": (1, 0, 0), "axis": (5, 5, 5), "angle": radians(120), "offset": (0, 0, 0)}
+RIGHT = {**THIRD, "axis": (0, 0, 1), "angle": radians(90)}
 NOTES = {"aPos": (1.0, 2.0, 3.0), "axis": (0.0, 0.0, 1.0), "angle": radians(30.0)}
 
 case = Case(
@@ -98,67 +79,51 @@ case = Case(
     math=r"R\,v = v\cos\varphi + (u \times v)\sin\varphi + u\,(u \cdot v)(1 - \cos\varphi), \qquad "
     r"R_z = \begin{pmatrix} \cos\varphi & -\sin\varphi & 0 & V_1 \\ \sin\varphi & \cos\varphi & 0 "
     r"& V_2 \\ 0 & 0 & 1 & V_3 \\ 0 & 0 & 0 & 1 \end{pmatrix}",
-    passes=stage.photographed(DRAWS, (800, 600)),
+    passes=stage.photographed(
+        [draw for k, name in enumerate(AXES) for draw in quarter(k, name)], (800, 600)
+    ),
     picture="picture.FragColor",
     expect=[
-        formula("soft.FragColor", softened(texture), name="four texels a pixel"),
-        any_order("judged.FragColor"),
-        *stage.prop_checks(clip_position, world_normal, handed_on, studio_color),
-        *(
-            formula(
-                "judged.Turned",
-                turned,
-                draw=draw,
-                also={"PyGLM": rotated_by_glm},
-                name=f"{FULL[axis]:g}° around {axis}",
-            )
-            for axis, draw in LAST.items()
+        *stage.picture_checks(),
+        *stage.prop_checks(),
+        *each_draw(
+            "judged.Turned",
+            turned,
+            {draw: f"{FULL[axis]:g}° around {axis}" for draw, axis in LAST.items()},
+            also={"PyGLM": rotated_by_glm},
         ),
         formula("judged.Normal", turned_normal, name="normals turn"),
         formula("judged.Color", handed_on),
         formula("judged.gl_Position", position, name="clip coordinates"),
-        *(
-            formula("judged.FragColor", studio_color, draw=draw, name=f"colour, around {axis}")
-            for axis, draw in LAST.items()
+        *each_draw(
+            "judged.FragColor",
+            studio_color,
+            {draw: f"colour, around {axis}" for draw, axis in LAST.items()},
         ),
-        value(
+        *figures(
             "judged.Turned",
-            at={"aPos": (1, 0, 0), "axis": (0, 0, 1), "angle": radians(90), "offset": (0, 0, 0)},
-            equals=(0.0, 1.0, 0.0),
-            digits=6,
+            {
+                "x becomes y": (RIGHT, (0.0, 1.0, 0.0)),
+                "a third of a turn around (5, 5, 5)": (THIRD, (0.0, 1.0, 0.0)),
+                "equation 3.4, mended": (
+                    {**NOTES, "offset": (5.0, 6.0, 7.0)},
+                    (4.866025, 8.232051, 10.0),
+                ),
+                "equation 3.4, as printed": (
+                    {**NOTES, "offset": (0.0, 0.0, 7.0)},
+                    (-0.133975, 2.232051, 10.0),
+                    "V₁ and V₂ are missing",
+                ),
+            },
             reference=turned,
-            name="x becomes y",
         ),
-        value(
-            "judged.Turned",
-            at={"aPos": (1, 0, 0), "axis": (5, 5, 5), "angle": radians(120), "offset": (0, 0, 0)},
-            equals=(0.0, 1.0, 0.0),
-            digits=6,
-            reference=turned,
-            name="a third of a turn around (5, 5, 5)",
-        ),
-        value(
-            "judged.Turned",
-            at={**NOTES, "offset": (5.0, 6.0, 7.0)},
-            equals=(4.866025, 8.232051, 10.0),
-            digits=6,
-            reference=turned,
-            name="equation 3.4, mended",
-        ),
-        value(
-            "judged.Turned",
-            at={**NOTES, "offset": (0.0, 0.0, 7.0)},
-            equals=(-0.133975, 2.232051, 10.0),
-            digits=6,
-            reference=turned,
-            name="equation 3.4, as printed",
-            note="V₁ and V₂ are missing",
-        ),
-        computed(
-            "(5, 6, 7) after 30° around z, of (1, 2, 3)",
-            lambda: translate((5, 6, 7)) @ rotate(radians(30), (0, 0, 1)) @ (1, 2, 3, 1),
-            equals=(4.866025, 8.232051, 10.0, 1.0),
-            digits=6,
+        *results(
+            {
+                "(5, 6, 7) after 30° around z, of (1, 2, 3)": (
+                    lambda: translate((5, 6, 7)) @ rotate(radians(30), (0, 0, 1)) @ (1, 2, 3, 1),
+                    (4.866025, 8.232051, 10.0, 1.0),
+                )
+            }
         ),
     ],
     errata=[

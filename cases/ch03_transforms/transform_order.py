@@ -12,33 +12,23 @@ for the scaling, gold for the rotation, blue for the translation. On top T·R·S
 middle S·T·R and T·S·R, below R·S·T and S·R·T.
 """
 
-from math import radians
-
 import numpy as np
 
-from shaderlab import Case, Cell, Depth, Draw, Mesh, State, computed, formula, value
+from shaderlab import Case, computed, formula
 from shaderlab.assets import solids
-from shaderlab.assets.order import any_order
 from shaderlab.glslmath import mul, vec4
-from shaderlab.reference.transforms import (
-    clip_position,
-    look_at,
-    normal_matrix,
-    perspective,
-    rotate,
-    scale,
-    translate,
-    world_normal,
-)
-from shaderlab.sampling import texture
+from shaderlab.reference.transforms import normal_matrix, scale, translate, world_normal
 
 from ..scenes import stage
+from ..scenes.cameras import camera, turned
+from ..scenes.figures import figure
+from ..scenes.panels import cell
 from ..scenes.props import letter_f, tile
-from ..scenes.studio import handed_on, softened, studio_color
+from ..scenes.studio import handed_on, studio_color
 
 STEPS = {
     "S": (scale((2.0, 1.0, 1.0)), solids.GREEN),
-    "R": (rotate(radians(90.0), (0.0, 0.0, 1.0)), solids.GOLD),
+    "R": (turned(90.0, (0.0, 0.0, 1.0)), solids.GOLD),
     "T": (translate((1.0, 2.0, 3.0)), solids.BLUE),
 }
 # As mathematics writes them: the last letter acts first. Where (1, 0, 0) ends up.
@@ -51,20 +41,13 @@ ORDERS = {
     "S·R·T": (-4.0, 2.0, 3.0),
 }
 POINT = np.array([1.0, 0.0, 0.0, 1.0])
-VIEW = look_at((1.2, 6.0, 16.0), (-0.7, 1.9, 0.8))
-PROJECTION = perspective(radians(24.0), 16.0 / 9.0, 1.0, 40.0)
+CAMERA = camera((1.2, 6.0, 16.0), (-0.7, 1.9, 0.8), 24.0, 16.0 / 9.0, near=1.0, far=40.0)
 LETTER = solids.gathered(
     letter_f(),
     solids.rod((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), solids.INK, 0.04),
     solids.painted(solids.box((0.88, -0.12, -0.12), (1.12, 0.12, 0.12)), solids.INK),
 )
 GHOST = solids.repainted(LETTER, (0.62, 0.66, 0.70), 0.85)
-FLOOR = tile(4.5, 1.0)
-
-
-def matrices(order):
-    """The three matrices of an order, the first to act first."""
-    return [STEPS[name][0] for name in reversed(order.split("·"))]
 
 
 def path(order):
@@ -80,26 +63,15 @@ def path(order):
     return solids.gathered(*rods)
 
 
-def cell_of(index, order):
+def panel(k, order):
     """One order: floor, the letter at the origin, the way, and the letter at its end."""
-    cell = Cell(column=index % 2, row=2 - index // 2, columns=2, rows=3)
-    first, second, third = matrices(order)
-    letter = Draw(
-        vertex="ch03_transforms/transform_order.vert",
-        fragment="ch03_transforms/studio.frag",
-        mesh=Mesh(**LETTER),
-        uniforms={
-            "first": first,
-            "second": second,
-            "third": third,
-            "normalMatrix": normal_matrix(third @ second @ first),
-            "view": VIEW,
-            "projection": PROJECTION,
-        },
-        state=State(depth=Depth(), cell=cell),
-    )
-    props = (FLOOR, GHOST, path(order))
-    return *(stage.prop(solid, VIEW, PROJECTION, cell=cell) for solid in props), letter
+    place = cell(k, 2, 3, from_above=True)
+    for solid in (tile(4.5, 1.0), GHOST, path(order)):
+        yield stage.prop(solid, CAMERA, cell=place)
+    first, second, third = (STEPS[name][0] for name in reversed(order.split("·")))
+    normals = {"normalMatrix": normal_matrix(third @ second @ first)}
+    uniforms = {"first": first, "second": second, "third": third, **normals, **CAMERA}
+    yield stage.subject("ch03_transforms/transform_order.vert", LETTER, uniforms, cell=place)
 
 
 def placed(aPos, first, second, third):
@@ -119,31 +91,18 @@ def position(aPos, first, second, third, view, projection):
 
 def product(order):
     """Where (1, 0, 0, 1) ends up under one matrix that is the product of three."""
-    first, second, third = matrices(order)
-    return (third @ second @ first @ POINT)[:3]
+    left, middle, right = (STEPS[name][0] for name in order.split("·"))
+    return (left @ middle @ right @ POINT)[:3]
 
 
-def figures(index, order, place):
+def checks(k, order, place):
     """One order: all its vertices, its pixels, and where (1, 0, 0) is sent."""
-    draw = 4 * index + 3
+    draw, output, point = 4 * k + 3, "judged.Placed", {"aPos": (1.0, 0.0, 0.0)}
+    also = {"one product of matrices": placed_at_once}
     return (
-        formula(
-            "judged.Placed",
-            placed,
-            draw=draw,
-            also={"one product of matrices": placed_at_once},
-            name=f"{order} of every vertex",
-        ),
+        formula(output, placed, draw=draw, also=also, name=f"{order} of every vertex"),
         formula("judged.FragColor", studio_color, draw=draw, name=f"colour, {order}"),
-        value(
-            "judged.Placed",
-            at={"aPos": (1.0, 0.0, 0.0)},
-            equals=(*place, 1.0),
-            digits=6,
-            reference=placed,
-            draw=draw,
-            name=order,
-        ),
+        figure(output, order, point, (*place, 1.0), reference=placed, draw=draw),
         computed(f"{order} as one matrix", lambda: product(order), equals=place, digits=12),
     )
 
@@ -154,14 +113,13 @@ case = Case(
     math=r"T\,R\,S\,p = T\,(R\,(S\,p)) \ne S\,R\,T\,p, \qquad p = (1, 0, 0),\ S = (2, 1, 1),\ "
     r"R = 90^\circ_z,\ T = (1, 2, 3)",
     passes=stage.photographed(
-        [draw for k, order in enumerate(ORDERS) for draw in cell_of(k, order)], (960, 810)
+        [draw for k, order in enumerate(ORDERS) for draw in panel(k, order)], (960, 810)
     ),
     picture="picture.FragColor",
     expect=[
-        formula("soft.FragColor", softened(texture), name="four texels a pixel"),
-        any_order("judged.FragColor"),
-        *stage.prop_checks(clip_position, world_normal, handed_on, studio_color),
-        *(e for k, row in enumerate(ORDERS.items()) for e in figures(k, *row)),
+        *stage.picture_checks(),
+        *stage.prop_checks(),
+        *(check for k, row in enumerate(ORDERS.items()) for check in checks(k, *row)),
         formula("judged.gl_Position", position, name="clip coordinates"),
         formula("judged.Normal", world_normal, name="normals"),
         formula("judged.Color", handed_on),

@@ -14,69 +14,36 @@ from math import radians
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Cell,
-    Depth,
-    Draw,
-    Mesh,
-    State,
-    Target,
-    across,
-    computed,
-    formula,
-    fullscreen,
-    sweep,
-    value,
-)
+from shaderlab import Case, Target, across, formula, fullscreen, sweep
 from shaderlab.assets import solids
-from shaderlab.assets.order import any_order
 from shaderlab.glslmath import cross, vec3, where
 from shaderlab.reference.spaces import depth_of
-from shaderlab.reference.transforms import (
-    clip_position,
-    in_view,
-    look_at,
-    perspective,
-    world_normal,
-)
-from shaderlab.sampling import texture
+from shaderlab.reference.transforms import in_view, perspective
 
 from ..scenes import stage
+from ..scenes.cameras import camera
+from ..scenes.figures import each_draw, figure, figures, results
+from ..scenes.panels import cell
 from ..scenes.props import tripod
-from ..scenes.studio import handed_on, softened, studio_color
+from ..scenes.studio import handed_on, studio_color
 
-VIEW = look_at((2.9, 2.5, 3.6), (0.2, 0.32, -0.1))
-PROJECTION = perspective(radians(33.0), 4.0 / 3.0, 0.1, 20.0)
+CAMERA = camera((2.9, 2.5, 3.6), (0.2, 0.32, -0.1), 33.0, 4.0 / 3.0)
 NEAR, FAR = 0.1, 100.0
-SHADES = (solids.GOLD, solids.ORANGE, solids.TEAL, solids.INK)
-
-
-def dice():
-    """Four dice in a row along −z."""
-    blocks = []
-    for k, color in enumerate(SHADES):
-        z = -0.42 * (k + 1)
-        blocks.append(
-            solids.painted(solids.box((0.46, 0.0, z - 0.13), (0.72, 0.26, z + 0.13)), color)
-        )
-    return solids.gathered(*blocks)
-
-
-AXES = Mesh(**tripod(1.35, 0.045))
+# Four dice in a row along −z.
+DICE = solids.gathered(
+    *(
+        solids.painted(solids.box((0.46, 0.0, z - 0.13), (0.72, 0.26, z + 0.13)), color)
+        for k, color in enumerate((solids.GOLD, solids.ORANGE, solids.TEAL, solids.INK))
+        for z in [-0.42 * (k + 1)]
+    )
+)
 
 
 def half(column, left_handed):
     """One hand's axes, and the dice."""
-    cell = Cell(column=column, row=0, columns=2, rows=1)
-    axes = Draw(
-        vertex="ch04_spaces/handedness.vert",
-        fragment="ch03_transforms/studio.frag",
-        mesh=AXES,
-        uniforms={"leftHanded": left_handed, "view": VIEW, "projection": PROJECTION},
-        state=State(depth=Depth(), cell=cell),
-    )
-    return stage.prop(dice(), VIEW, PROJECTION, cell=cell), axes
+    side, uniforms = cell(column, 2), {"leftHanded": left_handed, **CAMERA}
+    axes = stage.subject("ch04_spaces/handedness.vert", tripod(1.35, 0.045), uniforms, cell=side)
+    return stage.prop(DICE, CAMERA, cell=side), axes
 
 
 def in_hand(aPos, leftHanded):
@@ -110,6 +77,11 @@ def slope(z, h=1e-5):
     return (by_matrix(z + h) - by_matrix(z - h)) / (2.0 * h)
 
 
+def triple_product():
+    """(x × y) · z in device coordinates."""
+    return np.linalg.det(np.diag([1.0, 1.0, np.sign(slope(-1.0))]))
+
+
 case = Case(
     title="Handedness",
     section="2.1.2",
@@ -127,50 +99,54 @@ case = Case(
     ),
     picture="picture.FragColor",
     expect=[
-        formula("soft.FragColor", softened(texture), name="four texels a pixel"),
-        any_order("judged.FragColor"),
-        *stage.prop_checks(clip_position, world_normal, handed_on, studio_color),
-        formula("judged.Seen", in_hand, draw=1, name="right-handed"),
-        formula("judged.Seen", in_hand, draw=3, name="left-handed"),
+        *stage.picture_checks(),
+        *stage.prop_checks(),
+        *each_draw("judged.Seen", in_hand, {1: "right-handed", 3: "left-handed"}),
         formula("judged.Normal", normal_in_hand, draw=3),
         formula("judged.Color", handed_on),
-        formula("judged.gl_Position", position, draw=1, name="clip coordinates, right-handed"),
-        formula("judged.gl_Position", position, draw=3, name="clip coordinates, left-handed"),
-        formula("judged.FragColor", studio_color, draw=1, name="colour, right-handed"),
-        formula("judged.FragColor", studio_color, draw=3, name="colour, left-handed"),
+        *each_draw(
+            "judged.gl_Position",
+            position,
+            {1: "clip coordinates, right-handed", 3: "clip coordinates, left-handed"},
+        ),
+        *each_draw(
+            "judged.FragColor", studio_color, {1: "colour, right-handed", 3: "colour, left-handed"}
+        ),
         formula("depth.depth", both, name="depth and its slope"),
         sweep("depth.depth", both, over="viewZ", values=-np.geomspace(0.1, 100.0, 65)),
-        value(
+        *figures(
             "depth.depth",
-            at={"viewZ": -1.0},
-            equals=(0.801802, -0.200200),
-            digits=6,
-            name="at z = −1",
-            note="the slope is negative: nearer is less",
+            {
+                "at z = −1": (
+                    {"viewZ": -1.0},
+                    (0.801802, -0.200200),
+                    "the slope is negative: nearer is less",
+                ),
+                "near": ({"viewZ": -0.1}, (-1.0, -20.02002)),
+                "far": ({"viewZ": -100.0}, (1.0, -0.00002)),
+            },
         ),
-        value("depth.depth", at={"viewZ": -0.1}, equals=(-1.0, -20.02002), digits=6, name="near"),
-        value("depth.depth", at={"viewZ": -100.0}, equals=(1.0, -0.00002), digits=6, name="far"),
-        value(
+        figure(
             "judged.Seen",
-            at={"aPos": (1.0, 2.0, 3.0), "leftHanded": True},
-            equals=(1.0, 2.0, -3.0),
-            digits=6,
+            "(1, 2, 3) in a left-handed frame",
+            {"aPos": (1.0, 2.0, 3.0), "leftHanded": True},
+            (1.0, 2.0, -3.0),
             reference=in_hand,
-            name="(1, 2, 3) in a left-handed frame",
         ),
-        computed(
-            "x × y in the world",
-            lambda: cross(vec3(1, 0, 0), vec3(0, 1, 0)),
-            equals=(0.0, 0.0, 1.0),
+        *results(
+            {
+                "x × y in the world": (
+                    lambda: cross(vec3(1, 0, 0), vec3(0, 1, 0)),
+                    (0.0, 0.0, 1.0),
+                ),
+                "(x × y) · z in device coordinates": (
+                    triple_product,
+                    -1.0,
+                    "the projection has turned z around",
+                ),
+            },
             digits=12,
         ),
-        computed(
-            "(x × y) · z in device coordinates",
-            lambda: np.linalg.det(np.diag([1.0, 1.0, np.sign(slope(-1.0))])),
-            equals=-1.0,
-            digits=12,
-            note="the projection has turned z around",
-        ),
-        computed("slope at z = −1 by the matrix", lambda: slope(-1.0), equals=-0.200200, digits=6),
+        *results({"slope at z = −1 by the matrix": (lambda: slope(-1.0), -0.200200)}),
     ],
 )

@@ -14,28 +14,22 @@ from math import radians
 
 import numpy as np
 
-from shaderlab import Case, Depth, Draw, Mesh, State, computed, formula, sweep, value
-from shaderlab.assets.order import any_order
+from shaderlab import Case, computed, formula, sweep
 from shaderlab.glslmath import mul, swizzle, vec4
 from shaderlab.reference.spaces import device, perspective_clip
 from shaderlab.reference.transforms import look_at, perspective
-from shaderlab.sampling import texture
 
 from ..scenes import stage
+from ..scenes.figures import figure, figures, results
 from ..scenes.glm import perspective_by_glm
+from ..scenes.laws import unchanged
 from ..scenes.props import railway
-from ..scenes.studio import handed_on, softened, studio_color
+from ..scenes.studio import handed_on, studio_color
 
 VIEW = look_at((0.9, 1.9, 3.6), (0.15, 0.9, -7.0))
 LENS = {"fovy": radians(45.0), "aspect": 4.0 / 3.0, "near": 0.1, "far": 100.0}
-
-track = Draw(
-    vertex="ch04_spaces/perspective.vert",
-    fragment="ch03_transforms/studio.frag",
-    mesh=Mesh(**railway(60.0)),
-    uniforms={"view": VIEW, **LENS},
-    state=State(depth=Depth()),
-)
+MATRIX = perspective(*LENS.values())
+TRACK = stage.subject("ch04_spaces/perspective.vert", railway(60.0), {"view": VIEW, **LENS})
 
 
 def clip(aPos, view, fovy, aspect, near, far):
@@ -55,36 +49,9 @@ def by_glm(aPos, view, fovy, aspect, near, far):
     return points @ view.T @ perspective_by_glm(*numbers).T
 
 
-def same_normal(aNormal):
-    """The light is the world's, and so are the normals."""
-    return aNormal
-
-
-def entry(row, column, equals):
-    """One entry of the matrix: what a unit vector gives."""
-    return computed(
-        f"row {row + 1}, column {column + 1}",
-        lambda: perspective(*LENS.values())[row, column],
-        equals=equals,
-        digits=6,
-    )
-
-
-def lands(place, ndc, name):
-    """Where one place lands, seen without a view matrix."""
-    return value(
-        "judged.Ndc",
-        at={"aPos": place, "view": np.eye(4), **LENS},
-        equals=ndc,
-        digits=6,
-        reference=in_device,
-        name=name,
-    )
-
-
 def screen(place):
     """A place on the screen, in device coordinates of the case's own camera."""
-    x, y, _, w = perspective(*LENS.values()) @ VIEW @ (*place, 1.0)
+    x, y, _, w = MATRIX @ VIEW @ (*place, 1.0)
     return np.array([x, y]) / w
 
 
@@ -93,45 +60,62 @@ def apart(distance):
     return float(np.linalg.norm(screen((0.7, 0.0, -distance)) - screen((-0.7, 0.0, -distance))))
 
 
+POINT = {"aPos": (1.0, 1.0, -1.0), "view": np.eye(4)}
+
 case = Case(
     title="Perspective projection",
     section="4.4",
     math=r"\begin{pmatrix} \frac{1}{a \tan(\theta/2)} & 0 & 0 & 0 \\ 0 & \frac{1}{\tan(\theta/2)} "
     r"& 0 & 0 \\ 0 & 0 & \frac{f+n}{n-f} & \frac{2fn}{n-f} \\ 0 & 0 & -1 & 0 \end{pmatrix}",
-    passes=stage.photographed((track,), (800, 600)),
+    passes=stage.photographed((TRACK,), (800, 600)),
     picture="picture.FragColor",
     expect=[
-        formula("soft.FragColor", softened(texture), name="four texels a pixel"),
-        any_order("judged.FragColor"),
-        *stage.light_checks(studio_color),
+        *stage.picture_checks(),
+        *stage.light_checks(),
         formula("judged.gl_Position", clip, also={"PyGLM": by_glm}),
         formula("judged.Ndc", in_device),
-        formula("judged.Normal", same_normal),
+        formula("judged.Normal", unchanged("aNormal")),
         formula("judged.Color", handed_on),
         formula("judged.FragColor", studio_color),
-        entry(0, 0, 1.810660),
-        entry(1, 1, 2.414214),
-        entry(2, 2, -1.002002),
-        entry(2, 3, -0.200200),
-        entry(3, 2, -1.0),
-        value(
+        *results(
+            {
+                f"row {row + 1}, column {column + 1}": (
+                    lambda place=(row, column): MATRIX[place],
+                    entry,
+                )
+                for row, column, entry in (
+                    (0, 0, 1.810660),
+                    (1, 1, 2.414214),
+                    (2, 2, -1.002002),
+                    (2, 3, -0.200200),
+                    (3, 2, -1.0),
+                )
+            }
+        ),
+        figure(
             "judged.gl_Position",
-            at={"aPos": (1.0, 1.0, -1.0), "view": np.eye(4), **LENS},
-            equals=(1.810660, 2.414214, 0.801802, 1.0),
-            digits=6,
+            "(1, 1, −1) in clip space",
+            {**POINT, **LENS},
+            (1.810660, 2.414214, 0.801802, 1.0),
             reference=clip,
-            name="(1, 1, −1) in clip space",
             note="−1.002002 · (−1) − 0.200200",
         ),
-        lands((0.0, 0.0, -0.1), (0.0, 0.0, -1.0), "the near plane"),
-        lands((0.0, 0.0, -100.0), (0.0, 0.0, 1.0), "the far plane"),
-        lands((0.0, 0.0, -1.0), (0.0, 0.0, 0.801802), "at a distance of 1"),
-        lands((0.0, 1.0, -2.414214), (0.0, 1.0, 0.919076), "the edge of 45°"),
+        *figures(
+            "judged.Ndc",
+            {
+                "the near plane": ({"aPos": (0.0, 0.0, -0.1)}, (0.0, 0.0, -1.0)),
+                "the far plane": ({"aPos": (0.0, 0.0, -100.0)}, (0.0, 0.0, 1.0)),
+                "at a distance of 1": ({"aPos": (0.0, 0.0, -1.0)}, (0.0, 0.0, 0.801802)),
+                "the edge of 45°": ({"aPos": (0.0, 1.0, -2.414214)}, (0.0, 1.0, 0.919076)),
+            },
+            at={**POINT, **LENS},
+            reference=in_device,
+        ),
         sweep(
             "judged.gl_Position",
             clip,
             over="fovy",
-            at={"aPos": (1.0, 1.0, -1.0), "view": np.eye(4)},
+            at=POINT,
             values=np.radians(np.linspace(20.0, 120.0, 41)),
             name="wider openings, smaller pictures",
         ),

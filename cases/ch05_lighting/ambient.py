@@ -15,15 +15,16 @@ from shaderlab.reference.lighting import ambient_color
 from shaderlab.reference.transforms import translate
 
 from ..scenes import lit
+from ..scenes.cameras import camera, turned
 from ..scenes.figures import each_draw, figures
 from ..scenes.laws import opaque
 from ..scenes.panels import cell
 
 CORAL, TEAL, STONE, WHITE = lit.CORAL, (0.16, 0.55, 0.6), (0.55, 0.57, 0.62), lit.WHITE
-CAMERA = lit.camera((0.0, 1.9, 5.2), (0.0, 0.62, 0.0), 25.0, 3.0)
-UPRIGHT = translate((-0.55, 0.66, -0.5)) @ lit.turned(76.0, (1.0, 0.0, 0.25))
+CAMERA = camera((0.0, 1.9, 5.2), (0.0, 0.62, 0.0), 25.0, 3.0)
+UPRIGHT = translate((-0.55, 0.66, -0.5)) @ turned(76.0, (1.0, 0.0, 0.25))
 # A hair above the floor, so that nowhere both are equally near.
-TURNED = translate((0.75, 0.451, -0.1)) @ lit.turned(33.0)
+TURNED = translate((0.75, 0.451, -0.1)) @ turned(33.0)
 
 THINGS = [
     (assets.plane(60.0), translate((0.0, 0.0, 0.0)), STONE),

@@ -16,6 +16,7 @@ from shaderlab.reference.lighting import reflected_color
 from shaderlab.reference.transforms import scale, translate
 
 from ..scenes import lit
+from ..scenes.cameras import camera
 from ..scenes.figures import each_draw, figure, figures
 from ..scenes.laws import opaque
 
@@ -23,7 +24,7 @@ WHITE, GREEN = lit.WHITE, (0.0, 1.0, 0.0)
 LAMPS = (WHITE, (1.0, 0.06, 0.03), (0.03, 0.9, 0.08), (0.04, 0.09, 1.0))
 CORAL, LEMON, LEAF, SKY = lit.CORAL, (0.95, 0.8, 0.1), (0.15, 0.55, 0.2), (0.1, 0.45, 0.9)
 
-CAMERA = lit.camera((0.0, 0.0, 30.0), (0.0, 0.0, 0.0), 7.7, near=20.0, far=40.0)
+CAMERA = camera((0.0, 0.0, 30.0), (0.0, 0.0, 0.0), 7.7, near=20.0, far=40.0)
 BALL = Mesh(**assets.sphere(0.4, segments=64, rings=32))
 WALL = Mesh(**assets.quad())
 

@@ -22,14 +22,15 @@ from shaderlab.reference.lighting import diffuse_color, diffuse_factor
 from shaderlab.reference.transforms import normal_matrix, scale, translate
 
 from ..scenes import lit, normal_rods
+from ..scenes.cameras import camera, turned
 from ..scenes.figures import figure, results
 from ..scenes.laws import unchanged
 from ..scenes.panels import cell
 
 AS_IT_IS, LIKE_A_POINT, INVERSE_TRANSPOSE = PATHS = (0, 1, 2)
 BRASS = (1.0, 0.83, 0.35)
-CAMERA = lit.camera((0.0, 1.3, 6.0), (0.0, 0.0, 0.0), 28.5)
-TILT = translate((0.05, 0.04, -0.1)) @ lit.turned(-14.0, (0.0, 0.0, 1.0))
+CAMERA = camera((0.0, 1.3, 6.0), (0.0, 0.0, 0.0), 28.5)
+TILT = translate((0.05, 0.04, -0.1)) @ turned(-14.0, (0.0, 0.0, 1.0))
 SQUEEZED = TILT @ scale((1.0, 0.4, 1.0))
 RADIUS = 0.97
 BALL = assets.sphere(RADIUS)

@@ -15,13 +15,14 @@ from shaderlab.reference.lighting import lit_material
 from shaderlab.reference.transforms import scale, translate
 
 from ..scenes import lit
+from ..scenes.cameras import camera, turned
 from ..scenes.figures import each_draw, figures
 from ..scenes.lit import CORAL, HALF, WHITE
 from ..scenes.panels import cell
 from ..scenes.pottery import vase
 
 EYE = (0.0, 2.1, 6.0)
-CAMERA = lit.camera(EYE, (0.0, 0.85, 0.0), 27.0, far=60.0)
+CAMERA = camera(EYE, (0.0, 0.85, 0.0), 27.0, far=60.0)
 
 # From the lower left to the upper right: place, ambient, diffuse, specular.
 LIGHTS = [
@@ -34,11 +35,11 @@ LIGHTS = [
 THINGS = [
     (
         assets.plane(30.0),
-        translate((0.0, 0.0, -1.6)) @ lit.turned(90.0, (1.0, 0.0, 0.0)),
+        translate((0.0, 0.0, -1.6)) @ turned(90.0, (1.0, 0.0, 0.0)),
         (0.42, 0.44, 0.46),
     ),
     (assets.plane(30.0), translate((0.0, 0.0, 0.0)), (0.5, 0.46, 0.4)),
-    (vase(), lit.turned(20.0) @ scale((0.92, 1.0, 0.92)), CORAL),
+    (vase(), turned(20.0) @ scale((0.92, 1.0, 0.92)), CORAL),
 ]
 
 

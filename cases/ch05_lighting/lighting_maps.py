@@ -21,17 +21,18 @@ from shaderlab.reference.transforms import clip_position, translate
 from shaderlab.sampling import texture
 
 from ..scenes import lit
+from ..scenes.cameras import camera, turned
 from ..scenes.chest import chest_diffuse, chest_specular
 from ..scenes.figures import each_draw, figure, figures
 
 EYE = (0.1, 1.7, 5.8)
 LAMP = (0.1, 0.5, 1.55)
-CAMERA = lit.camera(EYE, (0.05, 0.55, 0.0), 31.0, far=60.0)
+CAMERA = camera(EYE, (0.05, 0.55, 0.0), 31.0, far=60.0)
 CHEST = Mesh(**assets.cube(1.25))
 FLOOR = Mesh(**assets.plane(30.0, repeat=12.0))
 # A hair above the floor, so that nowhere both are equally near.
-WITH_MAP = translate((-0.86, 0.626, 0.2)) @ lit.turned(24.0)
-WITHOUT = translate((1.05, 0.626, 0.0)) @ lit.turned(-28.0)
+WITH_MAP = translate((-0.86, 0.626, 0.2)) @ turned(24.0)
+WITHOUT = translate((1.05, 0.626, 0.0)) @ turned(-28.0)
 
 CHEST_DIFFUSE = Texture(image=lambda: chest_diffuse(512))
 CHEST_SPECULAR = Texture(image=lambda: chest_specular(512))

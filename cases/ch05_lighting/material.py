@@ -15,11 +15,12 @@ from shaderlab.reference.lighting import lit_material
 from shaderlab.reference.transforms import scale, translate
 
 from ..scenes import lit
+from ..scenes.cameras import camera, turned
 from ..scenes.figures import each_draw, figures
 from ..scenes.lit import CORAL, HALF, WHITE
 
 EYE = (0.0, 1.6, 9.0)
-CAMERA = lit.camera(EYE, (0.0, 0.0, 0.0), 31.0, far=60.0)
+CAMERA = camera(EYE, (0.0, 0.0, 0.0), 31.0, far=60.0)
 # ambient, diffuse, specular, shininess; linear light.
 MATERIALS = {
     "copper": ((0.10, 0.035, 0.018), (0.38, 0.12, 0.055), (1.0, 0.50, 0.32), 24.0),
@@ -31,8 +32,8 @@ MATERIALS = {
 }
 GROUND = ((0.02, 0.022, 0.028), (0.09, 0.10, 0.125), (0.06, 0.06, 0.06), 12.0)
 BALL = Mesh(**assets.sphere(segments=96, rings=48))
-WALL = translate((0.0, 0.0, -1.1)) @ lit.turned(90.0, (1.0, 0.0, 0.0))
-TURNED = lit.turned(25.0, (1.0, 0.0, 1.0)) @ scale((0.74, 0.74, 0.74))
+WALL = translate((0.0, 0.0, -1.1)) @ turned(90.0, (1.0, 0.0, 0.0))
+TURNED = turned(25.0, (1.0, 0.0, 1.0)) @ scale((0.74, 0.74, 0.74))
 
 
 def thing(geometry, model, material):

@@ -15,12 +15,13 @@ from shaderlab.reference.lighting import phong_color, specular_factor
 from shaderlab.reference.transforms import translate
 
 from ..scenes import lit
+from ..scenes.cameras import camera, turned
 from ..scenes.figures import each_draw, figure
 from ..scenes.panels import cell
 
 EYE, LAMP = (0.0, 1.9, 5.6), (-1.8, 3.4, 2.4)
-CAMERA = lit.camera(EYE, (0.0, 0.68, 0.0), 21.5, 3.0)
-LEANING = translate((0.85, 0.72, -0.3)) @ lit.turned(58.0, (1.0, -0.25, 0.3))
+CAMERA = camera(EYE, (0.0, 0.68, 0.0), 21.5, 3.0)
+LEANING = translate((0.85, 0.72, -0.3)) @ turned(58.0, (1.0, -0.25, 0.3))
 RING, BALL = assets.torus(0.74, 0.27), assets.sphere(0.62, segments=64, rings=32)
 
 # From below: the sum, the specular part alone, ambient and diffuse part.

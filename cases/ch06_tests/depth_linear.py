@@ -10,13 +10,11 @@ white from the first sleeper on, because with n = 0.1 all that is farther away t
 """
 
 from dataclasses import replace
-from math import radians
 
 import numpy as np
 
 from shaderlab import (
     Case,
-    Cell,
     Depth,
     Draw,
     Mesh,
@@ -31,39 +29,41 @@ from shaderlab import (
 )
 from shaderlab.glslmath import mix, mul, swizzle, vec3, vec4, where
 from shaderlab.reference.depth import distance_of, window_depth
-from shaderlab.reference.transforms import clip_position, look_at, perspective
-from shaderlab.sampling import texture
+from shaderlab.reference.transforms import clip_position
 
 from ..scenes import stage
+from ..scenes.cameras import camera
+from ..scenes.laws import unchanged
+from ..scenes.panels import cell
 from ..scenes.props import railway
-from ..scenes.studio import handed_on, softened
+from ..scenes.studio import handed_on
 
 NEAR, FAR = 0.1, 30.0
-VIEW = look_at((0.5, 1.1, 2.6), (0.1, 0.55, -3.0))
-PROJECTION = perspective(radians(48.0), 1.0, NEAR, FAR)
-RAILWAY = railway()
+CAMERA = camera((0.5, 1.1, 2.6), (0.1, 0.55, -3.0), 48.0, near=NEAR, far=FAR)
+RAILWAY = Mesh(**railway())
+# The same triangles, the last one first.
+BACKWARDS = replace(RAILWAY, indices=RAILWAY.indices.reshape(-1, 3)[::-1].ravel())
 WHITE = (1.0, 1.0, 1.0, 0.0)
 
 
-def half(column, linearly, backwards=False):
-    """The railway in one half of the picture; `backwards` from its last triangle to its first."""
-    mesh = Mesh(**RAILWAY)
-    if backwards:
-        mesh = replace(mesh, indices=mesh.indices.reshape(-1, 3)[::-1].ravel())
-    return Draw(
-        vertex="ch06_tests/depth_linear.vert",
-        fragment="ch06_tests/depth_linear.frag",
-        mesh=mesh.only("aPos", "aColor"),
-        uniforms={
-            "model": np.eye(4),
-            "view": VIEW,
-            "projection": PROJECTION,
-            "near": NEAR,
-            "far": FAR,
-            "linearly": linearly,
-        },
-        state=State(depth=Depth(), cell=Cell(column=column, row=0, columns=2, rows=1)),
-    )
+def halves(mesh):
+    """The railway's depth on the left, its distance on the right."""
+    return [
+        Draw(
+            vertex="ch06_tests/depth_linear.vert",
+            fragment="ch06_tests/depth_linear.frag",
+            mesh=mesh.only("aPos", "aColor"),
+            uniforms={
+                "model": np.eye(4),
+                **CAMERA,
+                "near": NEAR,
+                "far": FAR,
+                "linearly": linearly,
+            },
+            state=State(depth=Depth(), cell=cell(column, 2)),
+        )
+        for column, linearly in enumerate((0.0, 1.0))
+    ]
 
 
 def linear(frag_coord, near, far):
@@ -78,11 +78,6 @@ def grey(frag_coord, Color, near, far, linearly):
     return vec4(mix(vec3(shown, shown, shown), Color, 0.12), 1.0)
 
 
-def travelled(Distance):
-    """The distance that was interpolated."""
-    return Distance
-
-
 def seen_distance(aPos, model, view):
     """Minus the third coordinate in the camera's space."""
     return -swizzle(mul(view, mul(model, vec4(aPos, 1.0))), "z")
@@ -94,32 +89,30 @@ def error(linear, travelled):
     return (np.abs(linear - travelled)[seen] / travelled[seen]).max()
 
 
-SIDES = ("as it is", "as a distance")
-
 case = Case(
     title="Distance out of depth",
     section="6.2.2",
     math=r"z = \frac{2\,n f}{f + n - d\,(f - n)}, \qquad d = 2F - 1",
     passes=(
-        *stage.photographed([half(0, 0.0), half(1, 1.0)], (1000, 500), clear=WHITE),
+        *stage.photographed(halves(RAILWAY), (1000, 500), clear=WHITE),
         Pass(
             name="backwards",
             target=Target(size=(96, 48), depth="depth24", clear=WHITE),
-            draws=(half(0, 0.0, backwards=True), half(1, 1.0, backwards=True)),
+            draws=halves(BACKWARDS),
         ),
     ),
     picture="picture.FragColor",
     expect=[
-        formula("soft.FragColor", softened(texture), name="four texels a pixel"),
+        stage.soft_check(),
         *(
             check
-            for draw, side in enumerate(SIDES)
+            for draw, side in enumerate(("as it is", "as a distance"))
             for check in (
                 formula("judged.linear", linear, draw=draw, name=f"distance out of depth, {side}"),
                 formula("judged.FragColor", grey, draw=draw, name=f"depth, {side}"),
             )
         ),
-        formula("judged.travelled", travelled),
+        formula("judged.travelled", unchanged("Distance")),
         formula("judged.Distance", seen_distance, name="distance of a vertex"),
         formula("judged.Color", handed_on),
         formula("judged.gl_Position", clip_position),
@@ -142,7 +135,12 @@ case = Case(
             equals=12.5,
             digits=9,
         ),
-        computed("distance at F = ½", lambda: distance_of(0.5, NEAR, FAR), equals=0.199336,
-                 digits=6, note="half of all codes lie before it"),
+        computed(
+            "distance at F = ½",
+            lambda: distance_of(0.5, NEAR, FAR),
+            equals=0.199336,
+            digits=6,
+            note="half of all codes lie before it",
+        ),
     ],
-)  # fmt: skip
+)

@@ -10,15 +10,12 @@ other, no line parts them, and an outline runs over the floor alone. It is not e
 around, because a box is scaled about its middle: near corners move further on the screen.
 """
 
-from math import radians
+from dataclasses import replace
 
 import numpy as np
 
 from shaderlab import (
     Case,
-    Depth,
-    Draw,
-    Mesh,
     Output,
     Pass,
     State,
@@ -29,82 +26,58 @@ from shaderlab import (
     measure,
 )
 from shaderlab.assets import solids
-from shaderlab.glslmath import vec4
-from shaderlab.reference.transforms import (
-    clip_position,
-    look_at,
-    perspective,
-    rotate,
-    scale,
-    translate,
-    world_normal,
-)
-from shaderlab.sampling import texture
+from shaderlab.reference.transforms import clip_position, scale, translate
 
 from ..scenes import stage
+from ..scenes.cameras import camera, turned
+from ..scenes.figures import each_draw
+from ..scenes.laws import opaque, unchanged
 from ..scenes.props import tile
-from ..scenes.studio import handed_on, softened, studio_color
+from ..scenes.studio import studio_color
 
-VIEW = look_at((1.6, 2.1, 4.6), (0.05, 0.25, 0.0))
-PROJECTION = perspective(radians(38.0), 16.0 / 9.0, 0.1, 20.0)
-COLOR = (0.98, 0.62, 0.12)
+CAMERA = camera((1.6, 2.1, 4.6), (0.05, 0.25, 0.0), 38.0, 16.0 / 9.0)
 GROWN = scale((1.1, 1.1, 1.1))
 MODELS = (
-    translate((-0.75, 0.55, -0.55)) @ rotate(radians(24.0), (0.0, 1.0, 0.0)),
-    translate((0.55, 0.55, 0.35)) @ rotate(radians(-18.0), (0.0, 1.0, 0.0)),
+    translate((-0.75, 0.55, -0.55)) @ turned(24.0),
+    translate((0.55, 0.55, 0.35)) @ turned(-18.0),
 )
 BOXES = tuple(
     solids.painted(solids.box((-0.5, -0.5, -0.5), (0.5, 0.5, 0.5)), color)
     for color in ((0.10, 0.36, 0.42), (0.36, 0.16, 0.30))
 )
-FLOOR = tile(2.2, 0.5)
+FLOOR = stage.prop(tile(2.2, 0.5), CAMERA)
 JUDGED = (96, 54)
+COLOR = opaque(unchanged("color"))
 
 
 def single(k, model, state):
     """A box in the outline's colour."""
-    return Draw(
-        vertex="ch03_transforms/studio.vert",
+    plain = stage.prop(BOXES[k], CAMERA, model=model)
+    return replace(
+        plain,
         fragment="ch06_tests/single_color.frag",
-        mesh=Mesh(**BOXES[k]),
-        uniforms={
-            "model": model,
-            "normalMatrix": np.linalg.inv(model[:3, :3]).T,
-            "view": VIEW,
-            "projection": PROJECTION,
-            "color": COLOR,
-        },
+        uniforms={**plain.uniforms, "color": (0.98, 0.62, 0.12)},
         state=state,
     )
 
 
-def marked(k):
-    """A box as it is, marked with a 1 where it is seen."""
-    drawn = stage.prop(BOXES[k], VIEW, PROJECTION, model=MODELS[k])
-    stencil = Stencil(func="always", reference=1, depth_pass="replace")
-    return Draw(
-        vertex=drawn.vertex,
-        fragment=drawn.fragment,
-        mesh=drawn.mesh,
-        uniforms=drawn.uniforms,
-        state=State(depth=Depth(), stencil=stencil),
+# A box as it is, marked with a 1 where it is seen; then the larger one around the marks.
+MARKED = [
+    stage.prop(
+        box, CAMERA, model=model, stencil=Stencil(func="always", reference=1, depth_pass="replace")
     )
+    for box, model in zip(BOXES, MODELS, strict=True)
+]
+OUTLINED = [
+    single(k, model @ GROWN, State(stencil=Stencil(func="notequal", reference=1)))
+    for k, model in enumerate(MODELS)
+]
 
 
-def outlined(k):
-    """The larger box around the marks."""
-    return single(k, MODELS[k] @ GROWN, State(stencil=Stencil(func="notequal", reference=1)))
-
-
-def silhouette(name, model):
+def silhouette(name, models):
     """A pass of nothing but the boxes' silhouettes, by no test at all."""
-    draws = tuple(single(k, model(k), State()) for k in range(2))
+    draws = tuple(single(k, model, State()) for k, model in enumerate(models))
     return Pass(name=name, target=Target(size=JUDGED), draws=draws)
-
-
-def color_of_outline(color):
-    """One colour, opaque."""
-    return vec4(color, 1.0)
 
 
 def reached():
@@ -117,51 +90,29 @@ def wrong(outline, objects, larger):
     return np.count_nonzero((outline == 1.0) != ((larger == 1.0) & (objects == 0.0)))
 
 
-SETS = {
-    "outline": "judged.outline",
-    "objects": "objects.outline",
-    "larger": "larger.outline",
-}
+SETS = {"outline": "judged.outline", "objects": "objects.outline", "larger": "larger.outline"}
 
 case = Case(
     title="Outlines by the stencil buffer",
     section="6.1.2",
     math=r"\text{outline} = \bigcup_k M_k\,S(1.1)\,B \;\setminus\; \bigcup_k M_k\,B",
     passes=(
-        *stage.photographed(
-            [
-                stage.prop(FLOOR, VIEW, PROJECTION),
-                *(marked(k) for k in range(2)),
-                *(outlined(k) for k in range(2)),
-            ],
-            (960, 540),
-            depth="depth24_stencil8",
-        ),
+        *stage.photographed([FLOOR, *MARKED, *OUTLINED], (960, 540), depth="depth24_stencil8"),
         Pass(
             name="reordered",
             target=Target(size=JUDGED, depth="depth24_stencil8", clear=stage.SKY),
-            draws=(
-                marked(1),
-                marked(0),
-                stage.prop(FLOOR, VIEW, PROJECTION),
-                outlined(1),
-                outlined(0),
-            ),
+            draws=(*MARKED[::-1], FLOOR, *OUTLINED[::-1]),
         ),
-        silhouette("objects", lambda k: MODELS[k]),
-        silhouette("larger", lambda k: MODELS[k] @ GROWN),
+        silhouette("objects", MODELS),
+        silhouette("larger", [model @ GROWN for model in MODELS]),
     ),
     picture="picture.FragColor",
     expect=[
-        formula("soft.FragColor", softened(texture), name="four texels a pixel"),
-        *stage.prop_checks(clip_position, world_normal, handed_on, studio_color),
-        *(
-            formula("judged.FragColor", studio_color, draw=k + 1, name=f"box {k + 1}")
-            for k in range(2)
-        ),
-        *(
-            formula("judged.FragColor", color_of_outline, draw=k + 3, name=f"outline {k + 1}")
-            for k in range(2)
+        stage.soft_check(),
+        *stage.prop_checks(),
+        *each_draw("judged.FragColor", studio_color, {1: "box 1", 2: "box 2"}),
+        *each_draw(
+            "judged.FragColor", opaque(unchanged("color")), {3: "outline 1", 4: "outline 2"}
         ),
         formula("judged.outline", reached, name="where an outline is"),
         formula("judged.gl_Position", clip_position, name="the larger box in clip space"),

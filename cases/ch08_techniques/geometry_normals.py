@@ -11,46 +11,34 @@ and the ring, which has one. Lines go from yellow at the surface to red.
 """
 
 from dataclasses import replace
-from math import radians
 
 import numpy as np
 
-from shaderlab import Case, Depth, Draw, Mesh, Pass, State, Target, formula, query, value
+from shaderlab import Case, Depth, Draw, Mesh, Pass, State, Target, formula, query
 from shaderlab.assets import meshes, solids
 from shaderlab.glslmath import mix, mod, mul, normalize, vec3, vec4, where
 from shaderlab.reference.rasterisation import samples_passed
-from shaderlab.reference.transforms import (
-    clip_position,
-    look_at,
-    normal_matrix,
-    perspective,
-    rotate,
-    translate,
-    world_normal,
-)
+from shaderlab.reference.transforms import normal_matrix, translate
 
 from ..scenes import stage
-from ..scenes.studio import handed_on, studio_color
+from ..scenes.cameras import camera, turned
+from ..scenes.figures import figure
 
-VIEW = look_at((0.5, 1.7, 4.2), (0.0, 0.0, 0.0))
-PROJECTION = perspective(radians(38.0), 1.0, 0.1, 20.0)
-TURN = rotate(radians(25.0), (0.2, 1.0, 0.1))
+CAMERA = camera((0.5, 1.7, 4.2), (0.0, 0.0, 0.0), 38.0)
+VIEW, PROJECTION = CAMERA["view"], CAMERA["projection"]
+TURN = turned(25.0, (0.2, 1.0, 0.1))
 SOLIDS = {
     "box": (meshes.cube(0.8), (0.16, 0.52, 0.20), translate((-0.8, 0.1, 0.0)) @ TURN),
     "ring": (meshes.torus(0.5, 0.2, 20, 10), (0.30, 0.45, 0.75), translate((0.8, 0.0, 0.0)) @ TURN),
 }
-
-
 SIDE = 64  # at which targets without a size are judged
 # Bounds on regressions: as many as llvmpipe and softpipe draw, and a few more. How a line becomes
 # samples is the driver's choice within a pixel, and each of these has its foot in the surface.
 LINES_IN_FRONT = {"normals of the box": (85, 98), "normals of the ring": (450, 477)}
-
-
-def surface(name):
-    """A solid as it is."""
-    geometry, color, model = SOLIDS[name]
-    return stage.prop(solids.painted(geometry, color), VIEW, PROJECTION, model=model)
+SURFACES = [
+    stage.prop(solids.painted(geometry, color), CAMERA, model=model)
+    for geometry, color, model in SOLIDS.values()
+]
 
 
 def in_front():
@@ -65,7 +53,7 @@ def in_front():
 
 
 def normals(name):
-    """Its normals as lines."""
+    """A solid's normals as lines."""
     geometry, _, model = SOLIDS[name]
     return Draw(
         vertex="ch08_techniques/geometry_normals.vert",
@@ -74,8 +62,7 @@ def normals(name):
         mesh=Mesh(**geometry).only("aPos", "aNormal"),
         uniforms={
             "model": model,
-            "view": VIEW,
-            "projection": PROJECTION,
+            **CAMERA,
             "normalMatrix": normal_matrix(VIEW @ model),
             "magnitude": 0.3,
         },
@@ -83,15 +70,13 @@ def normals(name):
     )
 
 
-def without_geometry(name):
+def without_geometry(lines):
     """The same vertices without the geometry shader, so that the vertex shader is judged too."""
-    lines = normals(name)
-    uniforms = {k: v for k, v in lines.uniforms.items() if k not in ("projection", "magnitude")}
     return replace(
         lines,
         geometry=None,
         fragment="ch08_techniques/geometry_normals_plain.frag",
-        uniforms=uniforms,
+        uniforms={name: lines.uniforms[name] for name in ("model", "view", "normalMatrix")},
     )
 
 
@@ -100,7 +85,7 @@ def in_view(aPos, model, view):
     return mul(view, mul(model, vec4(aPos, 1.0)))
 
 
-def turned(aNormal, normalMatrix):
+def turned_normal(aNormal, normalMatrix):
     """Its normal there, of length 1."""
     return normalize(mul(normalMatrix, aNormal))
 
@@ -126,6 +111,11 @@ def faded(along):
     return vec4(mix(vec3(0.95, 0.75, 0.15), vec3(0.85, 0.15, 0.1), along), 1.0)
 
 
+def counted(counter, draw, name, **bounds):
+    """How many of something the driver counts in one draw."""
+    return query(counter, pass_name="judged", draw=draw, name=name, **bounds)
+
+
 case = Case(
     title="Normals as lines",
     section="8.6",
@@ -135,60 +125,44 @@ case = Case(
         Pass(
             name="judged",
             target=Target(depth="depth24", clear=stage.SKY),
-            draws=(surface("box"), surface("ring"), normals("box"), normals("ring")),
+            draws=(*SURFACES, normals("box"), normals("ring")),
         ),
-        Pass(name="plain", draws=(without_geometry("ring"),)),
+        Pass(name="plain", draws=(without_geometry(normals("ring")),)),
     ),
     picture="judged.FragColor",
     expect=[
-        *stage.prop_checks(clip_position, world_normal, handed_on, studio_color),
+        *stage.prop_checks(),
         *(
-            expectation
-            for draw, name in ((2, "box"), (3, "ring"))
-            for expectation in (
-                formula("judged.gl_Position", grown, draw=draw, name=f"{name}: feet and tips"),
-                formula("judged.along", at_tip, draw=draw, name=f"{name}: which end"),
-                formula("judged.FragColor", faded, draw=draw, name=f"{name}: colour"),
+            formula(f"judged.{output}", reference, draw=draw, name=f"{solid}: {what}")
+            for draw, solid in ((2, "box"), (3, "ring"))
+            for output, reference, what in (
+                ("gl_Position", grown, "feet and tips"),
+                ("along", at_tip, "which end"),
+                ("FragColor", faded, "colour"),
             )
         ),
+        counted("geometry_primitives_emitted", 2, "12 · 3 lines", equals=36),
+        counted("geometry_primitives_emitted", 3, "400 · 3 lines", equals=1200),
         *(
-            query(
-                "geometry_primitives_emitted",
-                equals=lines,
-                pass_name="judged",
-                draw=draw,
-                name=f"{name} lines",
-            )
-            for lines, draw, name in ((36, 2, "12 · 3"), (1200, 3, "400 · 3"))
-        ),
-        *(
-            query(
-                "samples_passed",
-                at_least=low,
-                at_most=high,
-                pass_name="judged",
-                draw=draw,
-                name=f"samples in front, {name}",
-            )
+            counted("samples_passed", draw, f"samples in front, {name}", at_least=low, at_most=high)
             for draw, (name, (low, high)) in enumerate(
                 {**dict(zip(SOLIDS, in_front(), strict=True)), **LINES_IN_FRONT}.items()
             )
         ),
         formula("plain.gl_Position", in_view, name="vertices in view space"),
-        formula("plain.VS_OUT.normal", turned, name="normals in view space"),
-        value(
+        formula("plain.VS_OUT.normal", turned_normal, name="normals in view space"),
+        figure(
             "plain.VS_OUT.normal",
-            at={"aNormal": (1.0, 2.0, 3.0), "normalMatrix": stage.SHEAR[:3, :3]},
-            equals=(0.759072, 0.552052, 0.345033),
-            digits=6,
-            reference=turned,
-            name="a normal of any length has length 1 in view space",
+            "a normal of any length has length 1 in view space",
+            {"aNormal": (1.0, 2.0, 3.0), "normalMatrix": stage.SHEAR[:3, :3]},
+            (0.759072, 0.552052, 0.345033),
+            reference=turned_normal,
         ),
-        value(
+        figure(
             "judged.FragColor",
-            at={"along": 0.25},
-            equals=(0.925, 0.6, 0.1375, 1.0),
-            digits=6,
+            "judged.FragColor",
+            {"along": 0.25},
+            (0.925, 0.6, 0.1375, 1.0),
             reference=faded,
             draw=2,
         ),

@@ -9,8 +9,6 @@ Look at: the four pictures of one draw: above the light and the bright parts alo
 colours (x in red, y in green, z in blue) and luminance.
 """
 
-from math import radians
-
 from shaderlab import (
     Case,
     Depth,
@@ -26,24 +24,18 @@ from shaderlab import (
     exact,
     formula,
     fullscreen,
-    value,
 )
 from shaderlab.glslmath import dot, fract, max, normalize, sqrt, swizzle, vec3, vec4, where
 from shaderlab.reference import post_processing
-from shaderlab.reference.transforms import (
-    clip_position,
-    look_at,
-    normal_matrix,
-    perspective,
-    rotate,
-    world_normal,
-)
+from shaderlab.reference.transforms import clip_position, normal_matrix, world_normal
 from shaderlab.sampling import texture
 
-from ..scenes.still_life import still_life
+from ..scenes.cameras import turned
+from ..scenes.figures import figure
+from ..scenes.still_life import CAMERA, still_life
 from ..scenes.studio import handed_on
 
-MODEL = rotate(radians(12.0), (0.0, 1.0, 0.0))
+MODEL = turned(12.0)
 SCENE = Mesh(**still_life())
 OUTPUTS = {
     "FragColor": "rgba32f", "BrightColor": "rgba16f", "NormalColor": "rgba8", "Luminance": "r32f",
@@ -59,8 +51,7 @@ def drawn(name, **outputs):
         uniforms={
             "model": MODEL,
             "normalMatrix": normal_matrix(MODEL),
-            "view": look_at((0.0, 2.4, 4.4), (0.0, 0.35, 0.1)),
-            "projection": perspective(radians(38.0), 1.0, 0.1, 20.0),
+            **CAMERA,
         },
         state=State(depth=Depth()),
     )
@@ -105,6 +96,7 @@ def tiles(TexCoords, lit, bright, normals, luminance):
     return vec4(swizzle(both, "xyz"), 1.0)
 
 
+TILES = {"lit": (0.25, 0.25), "bright": (1, 0.5), "normals": (0.5, 1), "luminance": (0.75, 0)}
 # Around the middle of the window, a pixel every 1/4096: the tiles' edges, with four plain textures.
 MIDDLE = 0.5 - 32.5 / 4096.0
 EDGES = fullscreen(
@@ -112,14 +104,12 @@ EDGES = fullscreen(
     name="edges",
     domain={"TexCoords": Ramp((MIDDLE, MIDDLE), (1.0 / 64.0, 0.0), (0.0, 1.0 / 64.0))},
     textures={
-        name: Texture(image=assets.solid((red, green, 0.5, 1.0)))
-        for name, red, green in (
-            ("lit", 0.25, 0.25), ("bright", 1, 0.5), ("normals", 0.5, 1), ("luminance", 0.75, 0),
-        )
+        name: Texture(image=assets.solid((*red_green, 0.5, 1.0)))
+        for name, red_green in TILES.items()
     },
     target=Target(size=(64, 64)),
-)  # fmt: skip
-AT = {"Normal": (0.0, 2.0, 0.0), "Color": (1.0, 0.5, 0.31)}
+)
+CORAL = {"Normal": (0.0, 2.0, 0.0), "Color": (1.0, 0.5, 0.31)}
 
 case = Case(
     title="Multiple render targets",
@@ -134,10 +124,7 @@ case = Case(
             "ch08_techniques/multiple_render_targets_tiles.frag",
             name="picture",
             textures={
-                "lit": Output("all", "FragColor"),
-                "bright": Output("all", "BrightColor"),
-                "normals": Output("all", "NormalColor"),
-                "luminance": Output("all", "Luminance"),
+                name: Output("all", output) for name, output in zip(TILES, OUTPUTS, strict=True)
             },
         ),
     ),
@@ -156,13 +143,12 @@ case = Case(
         ),
         formula("picture.FragColor", tiles, name="four tiles"),
         formula("edges.FragColor", tiles, name="edges of the tiles"),
-        value(
+        figure(
             "all.BrightColor",
-            at={"Normal": (0.0, 2.0, 0.0), "Color": (0.402 / 0.85,) * 3},
-            equals=(0.402, 0.402, 0.402, 1.0),
-            digits=6,
-            name="just bright enough to glow",
+            "just bright enough to glow",
+            {"Normal": (0.0, 2.0, 0.0), "Color": (0.402 / 0.85,) * 3},
+            (0.402, 0.402, 0.402, 1.0),
         ),
-        value("all.Luminance", at=AT, equals=0.503695, digits=6, name="luminance of coral, lit"),
+        figure("all.Luminance", "luminance of coral, lit", CORAL, 0.503695),
     ],
 )

@@ -12,24 +12,13 @@ LINEAR; at a quarter with both. And at the table of times: whether smaller is fa
 the vertices cost, which resolution does not change.
 """
 
-from math import radians
-
 from shaderlab import Case, Output, Target, cost, formula, fullscreen, measure, reading
 from shaderlab.glslmath import fract, swizzle, vec2, vec4, where
-from shaderlab.reference.transforms import (
-    clip_position,
-    look_at,
-    perspective,
-    world_normal,
-)
 from shaderlab.sampling import texture
 
 from ..scenes.picture_difference import flip, psnr
 from ..scenes.still_life import photograph_checks, photographed
-from ..scenes.studio import handed_on, studio_color
 
-VIEW = look_at((0.0, 2.4, 4.4), (0.0, 0.35, 0.1))
-PROJECTION = perspective(radians(38.0), 1.0, 0.1, 20.0)
 SIDE = 256
 SMALL = {"half": 2, "quarter": 4}
 FILTERS = ("nearest", "linear")
@@ -129,11 +118,8 @@ case = Case(
     section="8.7",
     math=r"\mathrm{PSNR} = 10 \log_{10} \frac{1}{\overline{(a - b)^2}}",
     passes=(
-        photographed(VIEW, PROJECTION, "full", (SIDE, SIDE)),
-        *(
-            photographed(VIEW, PROJECTION, name, (SIDE // by, SIDE // by))
-            for name, by in SMALL.items()
-        ),
+        photographed("full", (SIDE, SIDE)),
+        *(photographed(name, (SIDE // by, SIDE // by)) for name, by in SMALL.items()),
         *(each for name in SMALL for filter_ in FILTERS for each in enlarged(name, filter_)),
         # Wide enough that pixels lie within a hundredth of where one strip ends.
         five_strips("edges", Target(size=(640, 6))),
@@ -212,10 +198,6 @@ case = Case(
             )
         ),
         *photograph_checks(
-            clip_position,
-            world_normal,
-            handed_on,
-            studio_color,
             shares=(4.445, 10.962, 5.865),
             pass_name="full",
         ),

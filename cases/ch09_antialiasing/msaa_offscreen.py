@@ -10,64 +10,47 @@ Look at: two boxes that stand in each other, enlarged. On the left of the orange
 first of each pixel's four samples, on the right the mean of all four.
 """
 
-from math import radians
-
-from shaderlab import Case, Output, Pass, Ramp, Target, exact, formula, fullscreen, value
+from shaderlab import Case, Output, Pass, Target, exact, formula, fullscreen
 from shaderlab.assets import solids
 from shaderlab.glslmath import floor
-from shaderlab.reference.transforms import (
-    clip_position,
-    look_at,
-    perspective,
-    rotate,
-    translate,
-    world_normal,
-)
+from shaderlab.reference.transforms import clip_position, translate, world_normal
 from shaderlab.sampling import texelFetch
 
 from ..scenes import stage
+from ..scenes.cameras import camera, turned
+from ..scenes.figures import each_draw, figures
+from ..scenes.panels import rectangle
 from ..scenes.props import tile
 from ..scenes.studio import handed_on, studio_color
 
 SIZE = (96, 64)
-VIEW = look_at((1.3, 1.5, 3.4), (0.0, 0.35, 0.0))
-PROJECTION = perspective(radians(36.0), 1.5, 0.1, 20.0)
-MODELS = (
-    translate((-0.12, 0.5, 0.0)) @ rotate(radians(20.0), (0.0, 1.0, 0.0)),
-    translate((0.30, 0.42, 0.22)) @ rotate(radians(52.0), (0.3, 1.0, 0.1)),
+CAMERA = camera((1.3, 1.5, 3.4), (0.0, 0.35, 0.0), 36.0, 1.5)
+CUBE = solids.box((-0.5, -0.5, -0.5), (0.5, 0.5, 0.5))
+TEAL, RUST = (solids.painted(CUBE, c) for c in ((0.12, 0.42, 0.48), (0.72, 0.30, 0.16)))
+DRAWS = (
+    stage.prop(tile(1.5, 0.5), CAMERA),
+    stage.prop(TEAL, CAMERA, model=translate((-0.12, 0.5, 0.0)) @ turned(20.0)),
+    stage.prop(RUST, CAMERA, model=translate((0.30, 0.42, 0.22)) @ turned(52.0, (0.3, 1.0, 0.1))),
 )
-COLORS = ((0.12, 0.42, 0.48), (0.72, 0.30, 0.16))
 
 
-def box(k):
-    """One of the two boxes."""
-    solid = solids.painted(solids.box((-0.5, -0.5, -0.5), (0.5, 0.5, 0.5)), COLORS[k])
-    return stage.prop(solid, VIEW, PROJECTION, model=MODELS[k])
-
-
-def scene(order):
-    """The boxes and the floor, in an order, with four samples a pixel."""
-    draws = (stage.prop(tile(1.5, 0.5), VIEW, PROJECTION), box(0), box(1))
-    return tuple(draws[k] for k in order)
-
-
-def target(samples=4):
-    """So many samples a pixel, for colour and depth."""
+def scene(name, draws, samples=4):
+    """The boxes and the floor, with so many samples a pixel for colour and depth."""
     colors = {"FragColor": "rgba32f"}
-    return Target(size=SIZE, samples=samples, depth="depth24", colors=colors, clear=stage.SKY)
+    target = Target(size=SIZE, samples=samples, depth="depth24", colors=colors, clear=stage.SKY)
+    return Pass(name=name, target=target, draws=draws)
 
 
 def read(name, of, size):
     """The samples, their mean, and what the resolve made of them."""
-    (drawn,) = fullscreen(
+    return fullscreen(
         "ch09_antialiasing/mean_of_samples.frag",
         name=name,
-        domain={"at": Ramp((0.0, 0.0), (float(SIZE[0]), 0.0), (0.0, float(SIZE[1])))},
+        domain={"at": rectangle((0.0, 0.0), (float(SIZE[0]), float(SIZE[1])))},
         uniforms={"half_": SIZE[0] / 2.0},
         textures={"resolved": Output(of, "FragColor"), "samples": Output(of, "FragColor")},
         target=Target(size=size),
     )
-    return drawn
 
 
 def mean_of_samples(at, samples):
@@ -82,13 +65,13 @@ case = Case(
     section="9.3",
     math=r"C = \frac 1n \sum_{i=1}^{n} C_i",
     passes=(
-        Pass(name="scene", target=target(), draws=scene((0, 1, 2))),
-        Pass(name="reordered", target=target(), draws=scene((2, 1, 0))),
-        Pass(name="single", target=target(0), draws=scene((0, 1, 2))),
-        Pass(name="turned", target=target(0), draws=scene((2, 1, 0))),
-        read("judged", "scene", SIZE),
-        read("again", "reordered", SIZE),
-        read("picture", "scene", (960, 640)),
+        scene("scene", DRAWS),
+        scene("reordered", DRAWS[::-1]),
+        scene("single", DRAWS, samples=0),
+        scene("turned", DRAWS[::-1], samples=0),
+        *read("judged", "scene", SIZE),
+        *read("again", "reordered", SIZE),
+        *read("picture", "scene", (960, 640)),
     ),
     picture="picture.FragColor",
     expect=[
@@ -99,24 +82,18 @@ case = Case(
             Output("again", "mean"),
             name="every sample shows the nearest, in whichever order it is drawn",
         ),
-        *(
-            formula("single.FragColor", studio_color, draw=k, name=f"colour of draw {k}")
-            for k in range(3)
-        ),
-        *(
-            value(
-                "single.FragColor",
-                at={"Color": (light, light, light), "Normal": (0.0, 2.0, 0.0)},
-                equals=(shown, shown, shown, 1.0),
-                digits=6,
-                reference=studio_color,
-                name=name,
-            )
-            for name, light, shown in (
-                ("grey, facing up", 0.5, 0.742866),
-                ("black", 0.0, 0.001874),
-                ("too bright", 4.0, 1.0),
-            )
+        *each_draw("single.FragColor", studio_color, {k: f"colour of draw {k}" for k in range(3)}),
+        *figures(
+            "single.FragColor",
+            {
+                name: ({"Color": (light,) * 3, "Normal": (0.0, 2.0, 0.0)}, (*(shown,) * 3, 1.0))
+                for name, light, shown in (
+                    ("grey, facing up", 0.5, 0.742866),
+                    ("black", 0.0, 0.001874),
+                    ("too bright", 4.0, 1.0),
+                )
+            },
+            reference=studio_color,
         ),
         exact("single.FragColor", Output("turned", "FragColor"), name="one sample, in any order"),
         formula("scene.gl_Position", clip_position),

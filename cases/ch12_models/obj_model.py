@@ -13,7 +13,6 @@ bands meet, the edge is sharp although the corners coincide: they differ in thei
 """
 
 from functools import cache
-from math import radians
 from pathlib import Path
 
 import numpy as np
@@ -32,31 +31,19 @@ from shaderlab import (
     exact,
     formula,
     refused,
-    value,
 )
 from shaderlab.glslmath import clamp, dot, fract, max, normalize, pow, swizzle, vec4, where
-from shaderlab.reference.transforms import (
-    clip_position,
-    look_at,
-    normal_matrix,
-    perspective,
-    rotate,
-    world_normal,
-    world_position,
-)
-from shaderlab.sampling import texture
+from shaderlab.reference.transforms import clip_position, normal_matrix
 
-from ..scenes import stage
+from ..scenes import lit, stage
+from ..scenes.cameras import camera, turned
+from ..scenes.figures import each_draw, figure, results
 from ..scenes.props import tile
-from ..scenes.studio import handed_on as same_color
-from ..scenes.studio import softened, studio_color
 
 FOLDER = Path(__file__).parent / "obj_model"
 EYE = (2.6, 2.1, 4.6)
-LIGHT = (-0.36, 0.80, 0.48)
-VIEW = look_at(EYE, (0.0, 1.25, 0.0))
-PROJECTION = perspective(radians(36.0), 4.0 / 3.0, 0.1, 20.0)
-MODEL = rotate(radians(20.0), (0.0, 1.0, 0.0))
+CAMERA = camera(EYE, (0.0, 1.25, 0.0), 36.0, 4.0 / 3.0)
+MODEL = turned(20.0)
 
 
 @cache
@@ -74,18 +61,24 @@ def draw(material, diffuse, shininess):
         uniforms={
             "model": MODEL,
             "normalMatrix": normal_matrix(MODEL),
-            "view": VIEW,
-            "projection": PROJECTION,
+            **CAMERA,
             "diffuse": diffuse,
             "shininess": shininess,
-            "lightDir": LIGHT,
+            "lightDir": (-0.36, 0.80, 0.48),
             "viewPos": EYE,
         },
         state=State(depth=Depth()),
     )
 
 
-def lit(FragPos, Normal, TexCoords, diffuse, shininess, lightDir, viewPos):
+DRAWS = [
+    stage.prop(tile(1.5, 0.5), CAMERA),
+    draw("plaster", (0.86, 0.83, 0.76), 8.0),
+    draw("paint", (0.62, 0.07, 0.05), 48.0),
+]
+
+
+def lit_by_lamp(FragPos, Normal, TexCoords, diffuse, shininess, lightDir, viewPos):
     """Lambert's and Blinn's terms of the material, with a gamma of 2.2."""
     normal = normalize(Normal)
     halfway = normalize(lightDir + normalize(viewPos - FragPos))
@@ -96,13 +89,8 @@ def lit(FragPos, Normal, TexCoords, diffuse, shininess, lightDir, viewPos):
     return vec4(pow(clamp(color, 1.0e-6, 1.0), 1.0 / 2.2), 1.0)
 
 
-def handed_on(aTexCoords):
-    """Texture coordinates stay as they are."""
-    return aTexCoords
-
-
 def arrays(material):
-    """Positions and normals of a part, in float64."""
+    """Positions and normals of a part, in float64, and its indices."""
     geometry = parts()[material].geometry
     found = geometry["attributes"]
     return np.float64(found["aPos"]), np.float64(found["aNormal"]), geometry["indices"]
@@ -136,18 +124,15 @@ def bad(name, message, **place):
     )
 
 
-FIGURES = [
-    ("vertices of the plaster", lambda: len(arrays("plaster")[0]), 400),
-    ("triangles of the plaster", lambda: len(arrays("plaster")[2]) // 3, 384),
-    ("vertices of the paint", lambda: len(arrays("paint")[0]), 199),
-    ("triangles of the paint", lambda: len(arrays("paint")[2]) // 3, 168),
-]
-
-DRAWS = [
-    stage.prop(tile(1.5, 0.5), VIEW, PROJECTION),
-    draw("plaster", (0.86, 0.83, 0.76), 8.0),
-    draw("paint", (0.62, 0.07, 0.05), 48.0),
-]
+STONE = {
+    "FragPos": (0.0, 0.0, 0.0),
+    "Normal": (0.0, 2.0, 0.0),
+    "TexCoords": (0.5, 0.05),
+    "diffuse": (0.5, 0.25, 0.125),
+    "shininess": 4.0,
+    "lightDir": (0.0, 0.6, 0.8),
+    "viewPos": (0.0, 3.0, 4.0),
+}
 
 case = Case(
     title="A model from an OBJ file",
@@ -158,60 +143,58 @@ case = Case(
         Pass(
             name="reversed",
             target=Target(size=(96, 72), depth="depth24", clear=stage.SKY),
-            draws=tuple(reversed(DRAWS)),
+            draws=DRAWS[::-1],
         ),
     ),
     picture="picture.FragColor",
     expect=[
-        *(computed(label, count, equals=n, digits=0) for label, count, n in FIGURES),
-        computed(
-            "lowest corner of the bounds",
-            lambda: positions().min(axis=0),
-            equals=(-0.62, 0.0, -0.62),
-            digits=6,
+        *results(
+            {
+                "vertices of the plaster": (lambda: len(arrays("plaster")[0]), 400),
+                "triangles of the plaster": (lambda: len(arrays("plaster")[2]) // 3, 384),
+                "vertices of the paint": (lambda: len(arrays("paint")[0]), 199),
+                "triangles of the paint": (lambda: len(arrays("paint")[2]) // 3, 168),
+            },
+            digits=0,
         ),
-        computed(
-            "highest corner of the bounds",
-            lambda: positions().max(axis=0),
-            equals=(0.62, 2.8, 0.62),
-            digits=6,
+        *results(
+            {
+                "lowest corner of the bounds": (
+                    lambda: positions().min(axis=0),
+                    (-0.62, 0.0, -0.62),
+                ),
+                "highest corner of the bounds": (
+                    lambda: positions().max(axis=0),
+                    (0.62, 2.8, 0.62),
+                ),
+                "Kd of the paint": (lambda: parts()["paint"].color, (0.62, 0.07, 0.05)),
+                "Ns of the paint": (lambda: parts()["paint"].shininess, 48.0),
+            }
         ),
-        computed(
-            "Kd of the paint", lambda: parts()["paint"].color, equals=(0.62, 0.07, 0.05), digits=6
-        ),
-        computed("Ns of the paint", lambda: parts()["paint"].shininess, equals=48.0, digits=6),
         computed(
             "triangle normals agree with vertex normals",
-            lambda: outward() > np.cos(radians(360.0 / 24.0)),
+            lambda: outward() > np.cos(np.radians(360.0 / 24.0)),
             equals=1.0,
             digits=0,
             note="within one of 24 segments, so all faces wind counter-clockwise",
         ),
         formula("judged.gl_Position", clip_position, name="the paint in clip space"),
         formula("judged.gl_Position", clip_position, draw=1, name="the plaster in clip space"),
-        formula("judged.FragPos", world_position),
-        formula("judged.Normal", world_normal),
-        formula("judged.TexCoords", handed_on),
-        formula("judged.FragColor", lit, draw=1, name="the plaster in the light"),
-        formula("judged.FragColor", lit, draw=2, name="the paint in the light"),
-        value(
+        *lit.vertex_stage_checks("FragPos", "Normal", "TexCoords", pass_name="judged"),
+        *each_draw(
             "judged.FragColor",
-            at={
-                "FragPos": (0.0, 0.0, 0.0),
-                "Normal": (0.0, 2.0, 0.0),
-                "TexCoords": (0.5, 0.05),
-                "diffuse": (0.5, 0.25, 0.125),
-                "shininess": 4.0,
-                "lightDir": (0.0, 0.6, 0.8),
-                "viewPos": (0.0, 3.0, 4.0),
-            },
-            equals=(0.646373, 0.492882, 0.388432, 1.0),
-            digits=6,
-            name="a stone's middle, seen aslant",
+            lit_by_lamp,
+            {1: "the plaster in the light", 2: "the paint in the light"},
         ),
-        *stage.prop_checks(clip_position, world_normal, same_color, studio_color),
+        figure(
+            "judged.FragColor",
+            "a stone's middle, seen aslant",
+            STONE,
+            (0.646373, 0.492882, 0.388432, 1.0),
+        ),
+        *stage.prop_checks(),
         exact("judged.FragColor", Output("reversed", "FragColor"), name="the order of drawing"),
-        formula("soft.FragColor", softened(texture), name="four texels a pixel"),
+        stage.soft_check(),
         bad("truncated.obj", "a face has 2 corners; it needs three", line=8),
         bad("out_of_range.obj", "a face names v 5, but there are 4", line=8),
         bad("not_a_number.obj", "a position holds nan", line=5),

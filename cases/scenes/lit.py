@@ -7,10 +7,8 @@ picture is drawn in light (half floats); `finish.frag` halves it and encodes it 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from math import radians
 from typing import Any
 
-import numpy as np
 import numpy.typing as npt
 
 from shaderlab import Cell, Depth, Draw, Mesh, Output, Pass, State, Target, assets, formula
@@ -19,10 +17,7 @@ from shaderlab.assets.order import any_order, both_ways
 from shaderlab.glslmath import vec4
 from shaderlab.reference.transforms import (
     clip_position,
-    look_at,
     normal_matrix,
-    perspective,
-    rotate,
     translate,
     world_normal,
     world_position,
@@ -65,33 +60,6 @@ _VERTEX_STAGE: Mapping[str, Law] = {
     "Color": handed_on,
     "TexCoords": unchanged("aTexCoords"),
 }
-
-
-def camera(
-    eye: Vector,
-    target: Vector,
-    fovy: float,
-    aspect: float = 1.0,
-    *,
-    near: float = 0.1,
-    far: float = 20.0,
-) -> dict[str, Matrix]:
-    """The uniforms `view` and `projection` of a camera; `fovy` is in degrees.
-
-    >>> sorted(camera((0.0, 0.0, 5.0), (0.0, 0.0, 0.0), 30.0))
-    ['projection', 'view']
-    """
-    projection = perspective(radians(fovy), aspect, near, far)
-    return {"view": look_at(eye, target), "projection": projection}
-
-
-def turned(degrees: float, axis: Vector = (0.0, 1.0, 0.0)) -> Matrix:
-    """A rotation by so many degrees, around y unless told otherwise.
-
-    >>> (turned(90.0) @ (1, 0, 0, 1)).round(12).tolist()
-    [0.0, 0.0, -1.0, 1.0]
-    """
-    return np.asarray(rotate(radians(degrees), axis))
 
 
 def thing(

@@ -13,12 +13,13 @@ from shaderlab.assets.solids import gathered, lathe, painted, placed
 from shaderlab.reference.transforms import scale
 
 from . import lit
+from .cameras import camera, turned
 from .remembered import remembered
 
 EYE = (4.4, 5.2, 8.6)
-CAMERA = lit.camera(EYE, (0.1, 0.45, 0.0), 36.0, far=60.0)
+CAMERA = camera(EYE, (0.1, 0.45, 0.0), 36.0, far=60.0)
 # Not quite evenly scaled, so that the normals have something to get wrong.
-MODEL = lit.turned(8.0) @ scale((1.0, 1.1, 1.0))
+MODEL = turned(8.0) @ scale((1.0, 1.1, 1.0))
 STEP = 2.2
 _TILES = ((0.42, 0.41, 0.40), (0.30, 0.30, 0.31))
 _POST = (0.36, 0.34, 0.33)

@@ -5,7 +5,10 @@ Vertices have a colour, `aColor`, as all solids of `shaderlab.assets.solids` hav
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+import numpy.typing as npt
 
 from shaderlab.assets.meshes import Geometry, joined, moved
 from shaderlab.assets.solids import (
@@ -23,6 +26,7 @@ from shaderlab.assets.solids import (
     gathered,
     lathe,
     painted,
+    wire,
 )
 
 from .remembered import remembered
@@ -117,3 +121,14 @@ def railway(length: float = 30.0) -> Geometry:
             )
             parts.append(painted(box((x - 0.17, 1.8, z - 0.17), (x + 0.17, 2.05, z + 0.17)), color))
     return gathered(*parts)
+
+
+def frustum(clip: npt.NDArray[Any], color: Color, thickness: float = 0.012) -> Geometry:
+    """The edges of what a camera sees: the box from −1 to 1, before the matrix `clip`.
+
+    >>> frustum(np.eye(4), INK)["attributes"]["aPos"].max().round(1).item()
+    1.0
+    """
+    corners = [(x, y, z, 1.0) for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)]
+    seen = (np.linalg.inv(clip) @ np.array(corners).T).T
+    return wire(seen[:, :3] / seen[:, 3:], color, thickness)

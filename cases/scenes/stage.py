@@ -6,7 +6,7 @@ multisampling, which not every driver has. The same draws go, small, into the pa
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -17,19 +17,22 @@ from shaderlab import (
     Depth,
     Draw,
     Mesh,
-    Output,
     Pass,
     State,
     Target,
     formula,
-    fullscreen,
-    value,
 )
 from shaderlab.assets.meshes import Geometry
-from shaderlab.assets.order import both_ways
-from shaderlab.model import Expectation, UniformValue
+from shaderlab.assets.order import any_order, both_ways
+from shaderlab.reference.transforms import clip_position, normal_matrix, world_normal
+from shaderlab.sampling import texture
+
+from .figures import figure, figures
+from .panels import softened_pass
+from .studio import handed_on, softened, studio_color
 
 Matrix = npt.NDArray[Any]
+Camera = Mapping[str, Any]
 SKY = (0.80, 0.83, 0.86, 1.0)
 # No symmetry, so that a product the wrong way round shows.
 SHEAR = np.array([[1.0, 2.0, 2.0, 1.0], [0.0, 1.0, 2.0, 3.0], [2.0, 0.0, 1.0, 1.0], [1, 0, 0, 1]])
@@ -37,102 +40,117 @@ SHEAR = np.array([[1.0, 2.0, 2.0, 1.0], [0.0, 1.0, 2.0, 3.0], [2.0, 0.0, 1.0, 1.
 
 def prop(
     solid: Geometry,
-    view: Matrix,
-    projection: Matrix,
+    camera: Camera,
     *,
     model: Matrix | None = None,
     cell: Cell | None = None,
-    depth: str = "less",
+    **state: Any,
 ) -> Draw:
     """A painted solid that a plain model–view–projection chain puts on the stage.
 
+    Args:
+        solid: with colours, `aColor`.
+        camera: the uniforms `view` and `projection`.
+        model: where it stands; the identity by default.
+        cell: the part of the target to draw into.
+        state: what else `State` takes.
+
     >>> prop({"attributes": {"aPos": np.zeros((3, 3))}, "indices": np.arange(3)},
-    ...      np.eye(4), np.eye(4)).uniforms["normalMatrix"].diagonal().tolist()
+    ...      {}).uniforms["normalMatrix"].diagonal().tolist()
     [1.0, 1.0, 1.0]
     """
     model = np.eye(4) if model is None else np.asarray(model, float)
-    uniforms: dict[str, UniformValue] = {
-        "model": model,
-        "normalMatrix": np.linalg.inv(model[:3, :3]).T,
-        "view": view,
-        "projection": projection,
-    }
+    uniforms = {"model": model, "normalMatrix": normal_matrix(model), **camera}
+    return subject("ch03_transforms/studio.vert", solid, uniforms, cell=cell, **state)
+
+
+def subject(
+    vertex: str,
+    solid: Geometry,
+    uniforms: Mapping[str, Any],
+    *,
+    cell: Cell | None = None,
+    **state: Any,
+) -> Draw:
+    """What a lesson is about: a painted solid under a vertex shader of its own, lit like a prop."""
     return Draw(
-        vertex="ch03_transforms/studio.vert",
+        vertex=vertex,
         fragment="ch03_transforms/studio.frag",
         mesh=Mesh(**solid),
         uniforms=uniforms,
-        state=State(depth=Depth(func=depth), cell=cell),
+        state=State(**{"depth": Depth(), "cell": cell, **state}),
     )
 
 
-def prop_checks(
-    position: Callable[..., Any],
-    normal: Callable[..., Any],
-    color: Callable[..., Any],
-    light: Callable[..., Any],
-    *,
-    draw: int = 0,
-    pass_name: str = "judged",
-) -> tuple[Expectation, ...]:
+def picture_checks() -> tuple[Any, ...]:
+    """What must hold of `photographed`: its smooth edges, and the same surfaces in any order.
+
+    >>> [check.name for check in picture_checks()][0]
+    'four texels a pixel'
+    """
+    return (soft_check(), any_order("judged.FragColor"))
+
+
+def soft_check() -> Any:
+    """The picture is the mean of four texels a pixel."""
+    return formula("soft.FragColor", softened(texture), name="four texels a pixel")
+
+
+def prop_checks(*, draw: int = 0, pass_name: str = "judged") -> list[Any]:
     """What must hold of a prop: its vertices and pixels, and one colour under a long normal.
 
-    >>> [check.name for check in prop_checks(abs, abs, abs, abs)][0]
+    >>> [check.name for check in prop_checks()][0]
     'a prop in clip space'
     """
-    return (
-        formula(f"{pass_name}.gl_Position", position, draw=draw, name="a prop in clip space"),
-        value(
-            f"{pass_name}.gl_Position",
-            at={"aPos": (1.0, 2.0, 3.0), "model": SHEAR, "view": np.eye(4), "projection": SHEAR},
-            equals=(48.0, 29.0, 32.0, 14.0),
-            digits=6,
-            reference=position,
+    place, normal = f"{pass_name}.gl_Position", f"{pass_name}.Normal"
+    through = {"aPos": (1.0, 2.0, 3.0), "model": SHEAR, "view": np.eye(4), "projection": SHEAR}
+    return [
+        formula(place, clip_position, draw=draw, name="a prop in clip space"),
+        figure(
+            place,
+            "matrices before columns",
+            through,
+            (48.0, 29.0, 32.0, 14.0),
+            reference=clip_position,
             draw=draw,
-            name="matrices before columns",
         ),
-        formula(f"{pass_name}.Normal", normal, draw=draw, name="a prop's normals"),
-        value(
-            f"{pass_name}.Normal",
-            at={"aNormal": (1.0, 2.0, 3.0), "normalMatrix": SHEAR[:3, :3]},
-            equals=(11.0, 8.0, 5.0),
-            digits=6,
-            reference=normal,
+        formula(normal, world_normal, draw=draw, name="a prop's normals"),
+        figure(
+            normal,
+            "a normal by the matrix given",
+            {"aNormal": (1.0, 2.0, 3.0), "normalMatrix": SHEAR[:3, :3]},
+            (11.0, 8.0, 5.0),
+            reference=world_normal,
             draw=draw,
-            name="a normal by the matrix given",
         ),
-        formula(f"{pass_name}.Color", color, draw=draw, name="a prop's colours"),
-        formula(f"{pass_name}.FragColor", light, draw=draw, name="a prop in the light"),
-        *light_checks(light, draw=draw, pass_name=pass_name),
-    )
+        formula(f"{pass_name}.Color", handed_on, draw=draw, name="a prop's colours"),
+        formula(f"{pass_name}.FragColor", studio_color, draw=draw, name="a prop in the light"),
+        *light_checks(draw=draw, pass_name=pass_name),
+    ]
 
 
-def light_checks(
-    light: Callable[..., Any], *, draw: int = -1, pass_name: str = "judged"
-) -> tuple[Expectation, ...]:
+def light_checks(*, draw: int = -1, pass_name: str = "judged") -> list[Any]:
     """The studio's light on surfaces that a scene may lack: turned away, black, too bright.
 
-    >>> [check.name for check in light_checks(abs)][0]
+    >>> [check.name for check in light_checks()][0]
     'grey, facing up'
     """
     grey, green, up = (0.5, 0.5, 0.5), (0.2, 0.4, 0.6), (0.0, 2.0, 0.0)
-    return tuple(
-        value(
-            f"{pass_name}.FragColor",
-            at={"Color": color, "Normal": normal},
-            equals=(*equals, 1.0),
-            digits=6,
-            reference=light,
-            draw=draw,
-            name=name,
-        )
-        for name, color, normal, equals in (
-            ("grey, facing up", grey, up, (0.742866, 0.742866, 0.742866)),
-            ("towards the lamp", green, (-2.0, 1.0, 2.0), (0.471116, 0.645595, 0.776250)),
-            ("away from the lamp", green, (2.0, -1.0, -2.0), (0.317252, 0.434747, 0.522730)),
-            ("black, as dark as it gets", (0.0, 0.0, 0.0), up, (0.001874, 0.001874, 0.001874)),
-            ("brighter than white", (4.0, 4.0, 4.0), up, (1.0, 1.0, 1.0)),
-        )
+    rows = (
+        ("grey, facing up", grey, up, (0.742866, 0.742866, 0.742866)),
+        ("towards the lamp", green, (-2.0, 1.0, 2.0), (0.471116, 0.645595, 0.776250)),
+        ("away from the lamp", green, (2.0, -1.0, -2.0), (0.317252, 0.434747, 0.522730)),
+        ("black, as dark as it gets", (0.0, 0.0, 0.0), up, (0.001874, 0.001874, 0.001874)),
+        ("brighter than white", (4.0, 4.0, 4.0), up, (1.0, 1.0, 1.0)),
+    )
+    return figures(
+        f"{pass_name}.FragColor",
+        {
+            name: ({"Color": color, "Normal": normal}, (*equals, 1.0))
+            for name, color, normal, equals in rows
+        },
+        reference=studio_color,
+        draw=draw,
     )
 
 
@@ -158,18 +176,9 @@ def photographed(
             name=name, target=Target(size=size, depth=depth, clear=clear), draws=tuple(draws)
         )
 
-    def half(name: str, of: str, size: tuple[int, int]) -> tuple[Pass, ...]:
-        return fullscreen(
-            "ch03_transforms/soften.frag",
-            name=name,
-            domain={},
-            textures={"scene": Output(of, "FragColor")},
-            target=Target(size=size),
-        )
-
     return (
         drawn("scene", (2 * width, 2 * height)),
-        *half("picture", "scene", size),
+        *softened_pass("scene", size, domain={}),
         *both_ways(drawn("judged", small)),
-        *half("soft", "judged", (small[0] // 2, small[1] // 2)),
+        *softened_pass("judged", (small[0] // 2, small[1] // 2), "soft", domain={}),
     )
