@@ -22,6 +22,7 @@ from shaderlab import (
     State,
     Texture,
     assets,
+    computed,
     formula,
     value,
 )
