@@ -8,7 +8,7 @@ from __future__ import annotations
 import ctypes as c
 from collections.abc import Sequence
 
-from shaderlab.glsl.library import Input, SpirvDiagnostic, SpirvOptions, glslang, spirv_tools
+from shaderlab.glsl.library import Input, SpirvDiagnostic, glslang, spirv_tools
 
 _STAGES = {"vert": 0, "tesc": 1, "tese": 2, "geom": 3, "frag": 4, "comp": 5}
 # client, its version, messages, options, SPIRV-Tools' environment
@@ -20,7 +20,6 @@ def compile_all(shaders: Sequence[tuple[str, bytes]]) -> int:
     lib, tools = glslang(), spirv_tools()
     front, back = lib.front, lib.back
     contexts = {target[4]: tools.spvContextCreate(target[4]) for target in _TARGETS}
-    options = SpirvOptions(validate=False)
     good = 0
     for extension, text in shaders:
         stage = _STAGES[extension]
@@ -44,7 +43,7 @@ def compile_all(shaders: Sequence[tuple[str, bytes]]) -> int:
                 and front.glslang_program_link(program, messages)
                 and front.glslang_program_map_io(program)
             ):
-                back.glslang_program_SPIRV_generate_with_options(program, stage, c.byref(options))
+                back.glslang_program_SPIRV_generate_with_options(program, stage, None)
                 size = 4 * back.glslang_program_SPIRV_get_size(program)
                 module = c.string_at(back.glslang_program_SPIRV_get_ptr(program), size)
                 said = c.POINTER(SpirvDiagnostic)()

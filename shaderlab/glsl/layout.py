@@ -1,4 +1,4 @@
-"""Where the members of a uniform or storage block lie, by the std140 and std430 rules.
+"""The layout of a uniform or storage block by the std140 and std430 rules.
 
 Source: The OpenGL Graphics System: A Specification (version 4.5 core profile), M. Segal and
 K. Akeley, 2017, §7.6.2.2, "Standard uniform block layout", rules 1 to 10.
@@ -6,6 +6,7 @@ K. Akeley, 2017, §7.6.2.2, "Standard uniform block layout", rules 1 to 10.
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -20,8 +21,8 @@ _PATH = re.compile(r"\w+|\[\d+\]")
 
 @dataclass(frozen=True, kw_only=True)
 class Field:
-    """A member as it is declared: `type` is GLSL's name of it, or a struct's own fields; `array`
-    are its lengths, the outermost first."""
+    """A declared member: `type` is GLSL's name, or a struct's fields; `array` has its lengths, the
+    outermost first."""
 
     name: str
     type: str | tuple[Field, ...]
@@ -31,7 +32,7 @@ class Field:
 
 @dataclass(frozen=True)
 class Slot:
-    """Where a member lies, all in bytes; strides are 0 where none apply."""
+    """A member's place in bytes; strides are 0 if they don't apply."""
 
     offset: int
     size: int
@@ -41,7 +42,7 @@ class Slot:
 
 @dataclass(frozen=True)
 class Layout:
-    """Slots by a member's name less the block's own, and the whole size in bytes."""
+    """Slots by the member's name without the block's, and the size of the block in bytes."""
 
     slots: Mapping[str, Slot]
     size: int
@@ -49,7 +50,7 @@ class Layout:
 
 @dataclass(frozen=True)
 class _Extent:
-    """What one element takes: its alignment, its size, and the stride of a matrix's vectors."""
+    """One element's alignment and size, and the stride of a matrix's vectors."""
 
     align: int
     size: int
@@ -57,7 +58,7 @@ class _Extent:
 
 
 def layout(fields: Sequence[Field], rules: Rules = "std140") -> Layout:
-    """The members' places: each begins at the next multiple of its own alignment.
+    """The members' places. Each begins at the next multiple of its own alignment.
 
     A scalar of N bytes is aligned to N, a vec2 to 2N, a vec3 or vec4 to 4N. A matrix is an array
     of its columns (of its rows, if it is row-major). Elements of an array stand at a stride of
@@ -82,7 +83,7 @@ def layout(fields: Sequence[Field], rules: Rules = "std140") -> Layout:
 
 
 def declared(members: Iterable[Member]) -> tuple[Field, ...]:
-    """A block's fields out of its reflected members, whose names are paths ("lights[0].color").
+    """A block's fields from its reflected members, whose names are paths ("lights[0].color").
 
     >>> path = [Member(name=f"l[{i}].p", type="vec3", offset=0, size=12) for i in (0, 1)]
     >>> declared(path)[0].array, declared(path)[0].type[0].name
@@ -100,7 +101,7 @@ def _grouped(paths: Sequence[tuple[Sequence[str], Member]]) -> tuple[Field, ...]
 
 def _field(name: str, group: Sequence[tuple[Sequence[str], Member]]) -> Field:
     lengths: list[int] = []
-    # The elements of an array of structs, or of arrays, are alike: its first one tells all.
+    # The elements of an array of structs, or of arrays, are alike: the first stands for all.
     while group[0][0] and group[0][0][0].startswith("["):
         lengths.append(len({path[0] for path, _ in group}))
         group = [(path[1:], member) for path, member in group if path[0] == "[0]"]
@@ -127,18 +128,17 @@ def _leaves(
     field: Field, name: str, offset: int, lengths: tuple[int, ...], rules: Rules
 ) -> Iterator[tuple[str, Slot]]:
     one = _extent(field.type, field.row_major, rules)
-    of_struct = not isinstance(field.type, str)
-    if len(lengths) > 1 or (lengths and of_struct):
-        step = _stride(one, lengths, rules)[0]
+    stride = _stride(one, lengths, rules) if lengths else 0
+    if len(lengths) > 1 or (lengths and not isinstance(field.type, str)):
         for index in range(lengths[0]):
-            yield from _leaves(field, f"{name}[{index}]", offset + index * step, lengths[1:], rules)
+            yield from _leaves(
+                field, f"{name}[{index}]", offset + index * stride, lengths[1:], rules
+            )
     elif not isinstance(field.type, str):
         yield from _placed(field.type, f"{name}.", offset, rules)
-    elif lengths:
-        step = _stride(one, lengths, rules)[0]
-        yield name, Slot(offset, step * lengths[0], step, one.matrix_stride)
     else:
-        yield name, Slot(offset, one.size, 0, one.matrix_stride)
+        size = stride * lengths[0] if lengths else one.size
+        yield name, Slot(offset, size, stride, one.matrix_stride)
 
 
 def _whole(field: Field, rules: Rules) -> tuple[int, int]:
@@ -146,36 +146,30 @@ def _whole(field: Field, rules: Rules) -> tuple[int, int]:
     one = _extent(field.type, field.row_major, rules)
     if not field.array:
         return one.align, one.size
-    strides = _stride(one, field.array, rules)
-    align = _up(one.align, _VEC4) if rules == "std140" else one.align
-    return align, strides[0] * field.array[0]
+    return _rounded(one.align, rules), _stride(one, field.array, rules) * field.array[0]
 
 
-def _stride(one: _Extent, lengths: tuple[int, ...], rules: Rules) -> list[int]:
-    """The stride of each of an array's dimensions, the outermost first."""
-    align = _up(one.align, _VEC4) if rules == "std140" else one.align
-    strides = [_up(one.size, align)]
-    for length in reversed(lengths[1:]):
-        strides.insert(0, strides[0] * length)
-    return strides
+def _stride(one: _Extent, lengths: Sequence[int], rules: Rules) -> int:
+    """The stride of an array's outermost dimension."""
+    return _up(one.size, _rounded(one.align, rules)) * math.prod(lengths[1:])
 
 
 def _extent(type_: str | tuple[Field, ...], row_major: bool, rules: Rules) -> _Extent:
     if not isinstance(type_, str):
         return _struct(type_, rules)
     unit = 8 if type_.startswith("d") else 4
-    if "mat" in type_:
-        sizes = type_.split("mat")[1]
-        columns, rows = (int(n) for n in (sizes.split("x") if "x" in sizes else (sizes, sizes)))
-        count, length = (rows, columns) if row_major else (columns, rows)
-        vector = _vector(length, unit)
-        align = _up(vector.align, _VEC4) if rules == "std140" else vector.align
-        return _Extent(align, count * _up(vector.size, align), _up(vector.size, align))
-    return _vector(int(type_[-1]) if "vec" in type_ else 1, unit)
+    if "mat" not in type_:
+        return _vector(int(type_[-1]) if "vec" in type_ else 1, unit)
+    columns, _, rows = type_.partition("mat")[2].partition("x")
+    shape = int(columns), int(rows or columns)
+    count, length = reversed(shape) if row_major else shape
+    vector = _vector(length, unit)
+    align = _rounded(vector.align, rules)
+    return _Extent(align, count * _up(vector.size, align), _up(vector.size, align))
 
 
 def _vector(length: int, unit: int) -> _Extent:
-    return _Extent({1: 1, 2: 2, 3: 4, 4: 4}[length] * unit, length * unit)
+    return _Extent((1, 2, 4, 4)[length - 1] * unit, length * unit)
 
 
 def _struct(fields: Sequence[Field], rules: Rules) -> _Extent:
@@ -184,8 +178,13 @@ def _struct(fields: Sequence[Field], rules: Rules) -> _Extent:
         own, size = _whole(field, rules)
         end = _up(end, own) + size
         align = max(align, own)
-    align = _up(align, _VEC4) if rules == "std140" else align
+    align = _rounded(align, rules)
     return _Extent(align, _up(end, align))
+
+
+def _rounded(align: int, rules: Rules) -> int:
+    """The alignment of an array's elements, or of a struct, by that of its parts."""
+    return _up(align, _VEC4) if rules == "std140" else align
 
 
 def _up(number: int, unit: int) -> int:

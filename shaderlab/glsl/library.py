@@ -50,39 +50,17 @@ class Input(c.Structure):
     ]
 
 
-class SpirvOptions(c.Structure):
-    """`glslang_spv_options_t` of glslang 13."""
-
-    _fields_ = [
-        ("generate_debug_info", c.c_bool),
-        ("strip_debug_info", c.c_bool),
-        ("disable_optimizer", c.c_bool),
-        ("optimize_size", c.c_bool),
-        ("disassemble", c.c_bool),
-        ("validate", c.c_bool),
-        ("emit_nonsemantic_shader_debug_info", c.c_bool),
-        ("emit_nonsemantic_shader_debug_source", c.c_bool),
-        ("compile_only", c.c_bool),
-    ]
-
-
 class SpirvText(c.Structure):
     """`spv_text_t`: a piece of assembly that SPIRV-Tools owns."""
 
     _fields_ = [("text", c.c_char_p), ("length", c.c_size_t)]
 
 
-class SpirvPosition(c.Structure):
-    """`spv_position_t`: where in a module, `index` in words."""
-
-    _fields_ = [("line", c.c_size_t), ("column", c.c_size_t), ("index", c.c_size_t)]
-
-
 class SpirvDiagnostic(c.Structure):
-    """`spv_diagnostic_t`: the validator's message."""
+    """`spv_diagnostic_t`: the validator's message; `position` is its line, column and word."""
 
     _fields_ = [
-        ("position", SpirvPosition),
+        ("position", c.c_size_t * 3),
         ("error", c.c_char_p),
         ("is_text_source", c.c_bool),
     ]
@@ -126,7 +104,7 @@ _GLSLANG: _Signatures = {
     "glslang_program_get_info_log": (_TEXT, _P),
 }
 _SPIRV: _Signatures = {
-    "glslang_program_SPIRV_generate_with_options": (None, _P, _INT, c.POINTER(SpirvOptions)),
+    "glslang_program_SPIRV_generate_with_options": (None, _P, _INT, _P),
     "glslang_program_SPIRV_get_size": (c.c_size_t, _P),
     "glslang_program_SPIRV_get_ptr": (_P, _P),
     "glslang_program_SPIRV_get_messages": (_TEXT, _P),

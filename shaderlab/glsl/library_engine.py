@@ -12,7 +12,7 @@ import sys
 from collections.abc import Mapping, Sequence
 
 from shaderlab.glsl.engines import Checked, Linked
-from shaderlab.glsl.library import Glslang, Input, SpirvOptions, glslang, spirv_tools, versions
+from shaderlab.glsl.library import Glslang, Input, glslang, spirv_tools, versions
 from shaderlab.glsl.sources import Source
 from shaderlab.glsl.spirv_tools import validate
 from shaderlab.glsl.targets import SETTINGS, TargetSettings
@@ -132,12 +132,9 @@ def _linked(
     log = _text(lib.front.glslang_program_get_info_log(program))
     if not (ok and makes_spirv):
         return Linked(ok, logs, log, {})
-    options = SpirvOptions(validate=False)
     modules, before = {}, 0
     for stage in sorted(logs, key=STAGES.index):
-        lib.back.glslang_program_SPIRV_generate_with_options(
-            program, _STAGE[stage], c.byref(options)
-        )
+        lib.back.glslang_program_SPIRV_generate_with_options(program, _STAGE[stage], None)
         size = 4 * lib.back.glslang_program_SPIRV_get_size(program)
         data = c.string_at(lib.back.glslang_program_SPIRV_get_ptr(program), size)
         # glslang 13 appends each stage's module to those made before from the same program.

@@ -8,8 +8,10 @@ from dataclasses import replace
 
 from shaderlab.glsl.interface import Block, Interface, Member, SpecConstant, Variable
 from shaderlab.glsl.module import Decoration, Module, Op, Storage, parse
-from shaderlab.glsl.types import component_count, is_struct, type_name, unwrap
+from shaderlab.glsl.types import component_count, type_name, unwrap
 from shaderlab.glsl.variables import (
+    Leaf,
+    leaves,
     own_variables,
     stage_variables,
     uniform_variables,
@@ -64,7 +66,8 @@ def _blocks(module: Module) -> Iterator[Block]:
             lengths, element = unwrap(module, pointee)
             buffer = module.decorated(element, Decoration.BUFFER_BLOCK) is not None
             stored = buffer or storage == Storage.STORAGE_BUFFER
-            members = {m.name: m for m in _members(module, element, "", 0)}
+            found = (_member(module, element, leaf) for leaf in leaves(module, element, ""))
+            members = {member.name: member for member in found}
             end = max((m.offset + m.size for m in members.values()), default=0)
             yield Block(
                 name=module.names.get(element, ""),
@@ -78,33 +81,24 @@ def _blocks(module: Module) -> Iterator[Block]:
             )
 
 
-def _members(module: Module, id_: int, name: str, base: int) -> Iterator[Member]:
-    for index, type_ in enumerate(module.types[id_].words):
-        own = module.member(id_, index)
-        word = module.member_names.get((id_, index), f"_{index}")
-        offset = base + (own.get(Decoration.OFFSET) or (0,))[0]
-        full = f"{name}.{word}" if name else word
-        yield from _member(module, type_, full, offset, own)
-
-
-def _member(
-    module: Module, type_: int, name: str, offset: int, own: Mapping[int, tuple[int, ...]]
-) -> Iterator[Member]:
+def _member(module: Module, struct: int, leaf: Leaf) -> Member:
+    offset, type_, own = 0, struct, module.member(struct, 0)
+    for index in leaf.path:
+        instruction = module.types[type_]
+        if instruction.op == Op.TYPE_STRUCT:
+            own = module.member(type_, index)
+            offset += own.get(Decoration.OFFSET, (0,))[0]
+            type_ = instruction.words[index]
+        else:
+            offset += index * (module.number(type_, Decoration.ARRAY_STRIDE) or 0)
+            type_ = instruction.words[0]
     lengths, element = unwrap(module, type_)
     stride = module.number(type_, Decoration.ARRAY_STRIDE) or 0
-    if lengths and (is_struct(module, type_) or len(lengths) > 1):
-        inner = module.types[type_].words[0]
-        for index in range(max(lengths[0], 1)):
-            yield from _member(module, inner, f"{name}[{index}]", offset + index * stride, own)
-        return
-    if is_struct(module, type_):
-        yield from _members(module, element, name, offset)
-        return
-    matrix_stride = (own.get(Decoration.MATRIX_STRIDE) or (0,))[0]
+    matrix_stride = own.get(Decoration.MATRIX_STRIDE, (0,))[0]
     row_major = Decoration.ROW_MAJOR in own
     size = _bytes(module, element, matrix_stride, row_major)
-    yield Member(
-        name=name,
+    return Member(
+        name=leaf.name,
         type=type_name(module, element),
         offset=offset,
         size=stride * lengths[0] if lengths else size,
