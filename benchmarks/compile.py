@@ -17,7 +17,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from shaderlab.glsl import WORK, compile_glsl
-from shaderlab.glsl.executables import locate
+from shaderlab.glsl.commands import locate
 from shaderlab.glsl.targets import SETTINGS
 from shaderlab.workers import Pool
 

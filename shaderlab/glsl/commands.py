@@ -7,19 +7,28 @@ that it gets.
 
 from __future__ import annotations
 
+import os
 import re
+import shutil
+import signal
+import subprocess
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 
-from shaderlab.glsl.engines import Checked, Linked
-from shaderlab.glsl.executables import CompilerDiedError, Executables, run
+from shaderlab.errors import ShaderError
+from shaderlab.glsl.engines import Checked, CompilerDiedError, Linked
+from shaderlab.glsl.library import GLSLANG_WHEEL, INSTALL, SPIRV_TOOLS_WHEEL, find
 from shaderlab.glsl.sources import Source
 from shaderlab.glsl.targets import SETTINGS
 from shaderlab.glsl.text import EXTENSIONS
 
 # The first extension of each stage is the one that the command knows.
 _SUFFIX = {stage: extension for extension, stage in reversed(list(EXTENSIONS.items()))}
+_GLSLANG_NAMES = ("glslangValidator", "glslang")
+_VALIDATOR_NAME = "spirv-val"
 _NOT_PARSED = re.compile(r"^ERROR: \d+ compilation errors", re.M)
 _LINKING = re.compile(r"^(?:ERROR|WARNING): Linking .*\n(?:[ \t]+.*\n)*", re.M)
 _STEM = "shaderlab-"
@@ -29,6 +38,44 @@ _ENTRY = re.compile(r"^(?:INTERNAL ERROR|ERROR|WARNING|NOTE): ", re.M)
 _PLACED = re.compile(r"(?:INTERNAL ERROR|ERROR|WARNING|NOTE): (?:-?\d+:\d+: |\d+ compilation err)")
 _NO_MODULE = "SPIR-V is not generated for failed compile or link"
 _POSITION = re.compile(r"\Aerror: (?:line \d+: |\d+: )?")
+
+
+@dataclass(frozen=True)
+class Executables:
+    """The two commands' files."""
+
+    glslang: Path
+    validator: Path
+
+
+def locate(command: str | None) -> Executables:
+    """Finds the commands.
+
+    Args:
+        command: a glslangValidator by its path or name. By default the wheels, the PATH and the
+            Vulkan SDK are searched.
+
+    Raises:
+        ShaderError: a command is missing; the remedy says what to install.
+    """
+    if command is None:
+        glslang = next(_candidates(_GLSLANG_NAMES, GLSLANG_WHEEL), None)
+        if glslang is None:
+            raise ShaderError("there is no glslangValidator command", remedy=INSTALL)
+    else:
+        named = shutil.which(command)
+        if named is None:
+            raise ShaderError(
+                f"SHADERLAB_GLSLANG names no program: {command}",
+                remedy="set it to the path of glslangValidator, or unset it",
+            )
+        glslang = Path(named)
+    neighbour = shutil.which(_VALIDATOR_NAME, path=str(glslang.parent))
+    validator = Path(neighbour) if neighbour else None
+    validator = validator or next(_candidates((_VALIDATOR_NAME,), SPIRV_TOOLS_WHEEL), None)
+    if validator is None:
+        raise ShaderError(f"there is no {_VALIDATOR_NAME} command", remedy=INSTALL)
+    return Executables(glslang, validator)
 
 
 class Commands:
@@ -62,22 +109,13 @@ class Commands:
         return known if known is not None else self._check([source])[0]
 
     def preprocess(self, source: Source) -> str | None:
-        with tempfile.TemporaryDirectory(prefix=_STEM) as folder:
-            names = _write([source], folder)
-            code, output = self._run(["-d", "-E", *names], folder)
+        code, output, _ = self._glslang(["-d", "-E"], [source])
         return None if code else output
 
     def link(self, sources: Sequence[Source], target: str) -> Linked:
-        with tempfile.TemporaryDirectory(prefix=_STEM) as folder:
-            names = _write(sources, folder)
-            code, printed = self._run([*SETTINGS[target].flags, *names], folder)
-            modules = {
-                source.stage: file.read_bytes()
-                for source in sources
-                if (file := Path(folder) / f"{_SUFFIX[source.stage][1:]}.spv").is_file()
-            }
+        code, printed, modules = self._glslang(SETTINGS[target].flags, sources)
         output = _FILE.sub(r"\1: 0:\2:", printed.replace(_NO_MODULE, ""))
-        sections = _sections(output, names)
+        sections = _sections(output, _names(sources))
         log = ""
         if not _NOT_PARSED.search(output):
             # A message without a line is the link's, which is printed after all else.
@@ -90,13 +128,13 @@ class Commands:
     def validate(self, module: bytes, environment: str) -> str | None:
         arguments = ["--target-env", environment, "-"]
         validator = self.executables.validator
-        code, output = run(validator, arguments, given=module, seconds=self._seconds)
+        code, output = _run(validator, arguments, given=module, seconds=self._seconds)
         return _POSITION.sub("", output.strip()) if code else None
 
     def versions(self) -> Mapping[str, str]:
-        said = self._run(["--version"], None)[1]
+        said = _run(self.executables.glslang, ["--version"])[1]
         version = re.search(r"Glslang Version: (?:\d+:)?(\S+)", said)
-        tools = run(self.executables.validator, ["--version"])[1].split("\n")[0]
+        tools = _run(self.executables.validator, ["--version"])[1].split("\n")[0]
         return {
             "glslang": version[1] if version else said.split("\n")[0],
             "glslang command": str(self.executables.glslang),
@@ -105,25 +143,34 @@ class Commands:
         }
 
     def _check(self, sources: Sequence[Source]) -> list[Checked]:
-        with tempfile.TemporaryDirectory(prefix=_STEM) as folder:
-            names = _write(sources, folder)
-            _, output = self._run(["-d", *names], folder)
+        _, output, _ = self._glslang(["-d"], sources)
         return [
             Checked(not re.search(r"^(INTERNAL )?ERROR: ", log, re.M), log)
-            for log in _sections(output, names)
+            for log in _sections(output, _names(sources))
         ]
 
-    def _run(self, arguments: Sequence[str], folder: str | None) -> tuple[int, str]:
-        return run(self.executables.glslang, arguments, folder=folder, seconds=self._seconds)
+    def _glslang(
+        self, flags: Sequence[str], sources: Sequence[Source]
+    ) -> tuple[int, str, Mapping[str, bytes]]:
+        """Runs glslangValidator on the sources: its exit status, output, and modules by stage."""
+        names = _names(sources)
+        with tempfile.TemporaryDirectory(prefix=_STEM) as name:
+            folder = Path(name)
+            for file, source in zip(names, sources, strict=True):
+                (folder / file).write_text(source.text, encoding="utf-8", newline="")
+            arguments = [*flags, *names]
+            glslang = self.executables.glslang
+            code, output = _run(glslang, arguments, folder=folder, seconds=self._seconds)
+            modules = {
+                source.stage: module.read_bytes()
+                for source in sources
+                if (module := folder / f"{_SUFFIX[source.stage][1:]}.spv").is_file()
+            }
+        return code, output, modules
 
 
-def _write(sources: Sequence[Source], folder: str) -> list[str]:
-    names = []
-    for number, source in enumerate(sources):
-        name = f"{_STEM}{number}{_SUFFIX[source.stage]}"
-        (Path(folder) / name).write_text(source.text, encoding="utf-8", newline="")
-        names.append(name)
-    return names
+def _names(sources: Sequence[Source]) -> list[str]:
+    return [f"{_STEM}{number}{_SUFFIX[s.stage]}" for number, s in enumerate(sources)]
 
 
 def _sections(output: str, names: Sequence[str]) -> list[str]:
@@ -146,3 +193,63 @@ def _split(section: str) -> tuple[str, str]:
     entries = [section[start:end] for start, end in zip(starts, ends, strict=False)]
     placed = [entry for entry in entries if _PLACED.match(entry)]
     return "".join(placed), "".join(entry for entry in entries if entry not in placed)
+
+
+def _run(
+    program: Path,
+    arguments: Sequence[str],
+    *,
+    folder: Path | None = None,
+    given: bytes = b"",
+    seconds: float | None = None,
+) -> tuple[int, str]:
+    """Runs a command; returns its exit status, and standard output and error together.
+
+    Raises:
+        CompilerDiedError: it crashed or took longer than `seconds`.
+        ShaderError: it can't be run.
+    """
+    try:
+        done = subprocess.run(
+            [str(program), *arguments],
+            cwd=folder,
+            input=given,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            env=_environment(program),
+            timeout=seconds,
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        message = f"{program.name} took longer than {seconds:g} s"
+        raise CompilerDiedError("timeout", message) from None
+    except OSError as error:
+        message = f"can't run this command: {error.strerror or error}"
+        raise ShaderError(message, file=program) from None
+    output = done.stdout.decode("utf-8", "replace")
+    if done.returncode < 0:
+        name = signal.Signals(-done.returncode).name
+        raise CompilerDiedError("crash", f"{program.name} died: {name}")
+    if done.returncode in (126, 127):
+        last = output.strip().rpartition("\n")[2]
+        raise ShaderError(f"this command does not start: {last}", file=program, remedy=INSTALL)
+    return done.returncode, output
+
+
+def _candidates(names: Sequence[str], wheel: str) -> Iterator[Path]:
+    for name in names:
+        with suppress(ShaderError):
+            yield find(wheel, name, "bin")
+    sdk = os.environ.get("VULKAN_SDK")
+    folders = [os.environ.get("PATH", os.defpath), *([str(Path(sdk) / "bin")] if sdk else [])]
+    found = (shutil.which(name, path=folder) for folder in folders for name in names)
+    yield from map(Path, filter(None, found))
+
+
+def _environment(program: Path) -> Mapping[str, str]:
+    """Variables for a command; the wheels' commands must be told where their libraries are."""
+    lib = program.parent.parent / "lib"
+    if lib.parent.name != "cmeel.prefix":
+        return os.environ
+    paths = [str(lib), *filter(None, [os.environ.get("LD_LIBRARY_PATH")])]
+    return {**os.environ, "LD_LIBRARY_PATH": os.pathsep.join(paths)}

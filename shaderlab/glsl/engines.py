@@ -11,7 +11,7 @@ import threading
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Literal, Protocol
 
 from shaderlab.errors import ShaderError, nearest
 from shaderlab.glsl.sources import Shaders, Source
@@ -39,6 +39,14 @@ class Linked:
     stage_logs: Mapping[str, str]
     log: str
     modules: Mapping[str, bytes]
+
+
+class CompilerDiedError(ShaderError):
+    """A compiler's command crashed or timed out, as `status` says."""
+
+    def __init__(self, status: Literal["crash", "timeout"], message: str) -> None:
+        self.status: Literal["crash", "timeout"] = status
+        super().__init__(message)
 
 
 class Engine(Protocol):
@@ -83,8 +91,7 @@ def choose(name: str | None = None) -> Engine:
 @functools.cache
 def _chosen(name: str | None, command: str | None) -> Engine:
     # Imported late: commands need subprocess and tempfile, which the library does without.
-    from shaderlab.glsl.commands import Commands
-    from shaderlab.glsl.executables import locate
+    from shaderlab.glsl.commands import Commands, locate
     from shaderlab.glsl.library_engine import Library
 
     if name == "library":

@@ -12,8 +12,7 @@ from typing import Literal
 from shaderlab.errors import DriverError, ShaderError
 from shaderlab.glsl.compile import compile_program
 from shaderlab.glsl.driver_verdict import mark_disagreement
-from shaderlab.glsl.engines import Engine, choose, limited
-from shaderlab.glsl.executables import CompilerDiedError
+from shaderlab.glsl.engines import CompilerDiedError, Engine, choose, limited
 from shaderlab.glsl.sources import Shaders, Source
 from shaderlab.glsl.targets import TARGETS
 from shaderlab.glsl.text import stage_of

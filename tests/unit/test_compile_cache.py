@@ -16,7 +16,7 @@ from shaderlab.glsl import Shaders, Source, compile_cache, compile_program
 from shaderlab.glsl.cache_store import Store
 from shaderlab.glsl.compile import Compiled
 from shaderlab.glsl.compile_cache import CompileCache, Entry, decode, encode, program_key
-from shaderlab.glsl.executables import CompilerDiedError
+from shaderlab.glsl.engines import CompilerDiedError
 from shaderlab.glsl.include import LineMap
 from shaderlab.glsl.targets import ALL_TARGETS, TARGETS
 
