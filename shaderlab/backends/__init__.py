@@ -1,6 +1,6 @@
-"""What the lab asks of a graphics API: a small protocol, and the drivers that answer it.
+"""What the lab asks of a graphics API, and the drivers that answer.
 
-A backend is one module that this one names by driver and imports when it is asked for.
+A backend is a module that this one names by driver and imports when it is asked for.
 """
 
 from __future__ import annotations
@@ -8,12 +8,12 @@ from __future__ import annotations
 import functools
 import importlib
 import os
+from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
-from typing import Protocol
 
-from shaderlab.errors import UsageError, nearest
+from shaderlab.errors import UnsupportedError, UsageError, nearest
 from shaderlab.frame import (
     Array,
     AttributeReading,
@@ -33,13 +33,14 @@ from shaderlab.records import Verdict
 
 Size = tuple[int, int]
 
-# The module that opens each driver, by the driver's name.
-_MODULES = {
+MODULES: Mapping[str, str] = {
     "llvmpipe": "shaderlab.backends.opengl",
     "softpipe": "shaderlab.backends.opengl",
     "default": "shaderlab.backends.opengl",
 }
-DRIVERS = tuple(_MODULES)
+"""Each driver's name, and the module that opens it: with `open_backend` and `prepare_process`,
+both of which take the driver's name."""
+DRIVERS = tuple(MODULES)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,22 +55,22 @@ class Drawn:
     sample_positions: Mapping[str, Array] = field(default_factory=dict)
 
 
-class Session(Protocol):
+class Session(ABC):
     """One scene on a device. `draw` comes first; the rest answers questions about that draw.
 
-    Every method raises UnsupportedError for what the backend or its driver can't do.
+    A backend overrides what it can answer. All else raises UnsupportedError, as does what its
+    driver can't.
+
+    Attributes:
+        scene: what is drawn.
+        programs: each pass's draws, compiled.
     """
 
-    @property
-    def scene(self) -> Scene:
-        """What is drawn."""
-        ...
+    def __init__(self, scene: Scene, programs: Programs) -> None:
+        self.scene = scene
+        self.programs = programs
 
-    @property
-    def programs(self) -> Programs:
-        """Each pass's draws, compiled."""
-        ...
-
+    @abstractmethod
     def draw(self) -> Drawn:
         """Draw all passes in order and read their attachments.
 
@@ -77,47 +78,46 @@ class Session(Protocol):
             CaseError: the scene's data do not fit its programs or each other.
             ShaderError: the driver refuses a program.
         """
-        ...
 
     def fragments(self, key: PassDraw) -> Fragments:
         """What the fragment shader of a draw got, at each pixel that it was the last to write."""
-        ...
+        raise UnsupportedError("capturing fragments: this backend can't")
 
     def vertices(self, key: PassDraw) -> Samples:
         """Every vertex that a draw hands to rasterisation: what its last stage got and gave."""
-        ...
+        raise UnsupportedError("capturing vertices: this backend can't")
 
     def probe_fragments(
         self, key: PassDraw, bindings: Bindings, inputs: Mapping[str, Array]
     ) -> Samples:
         """Run a draw's fragment stage once for each row of `inputs`, (count, components)."""
-        ...
+        raise UnsupportedError("running a fragment stage on given inputs: this backend can't")
 
     def probe_vertices(
         self, key: PassDraw, bindings: Bindings, inputs: Mapping[str, Array]
     ) -> Samples:
         """Run a draw's vertex stage once for each row of `inputs`, (count, components)."""
-        ...
+        raise UnsupportedError("running a vertex stage on given inputs: this backend can't")
 
     def count(self, key: PassDraw, counter: str) -> int:
         """What a draw makes the driver count; `counter` as in `shaderlab.query`."""
-        ...
+        raise UnsupportedError(f"counting {counter}: this backend can't")
 
     def time(self, pass_name: str, repeats: int) -> Timing:
         """How long a pass takes to draw, each of so many times."""
-        ...
+        raise UnsupportedError("timing a pass: this backend can't")
 
     def attributes(self, key: PassDraw) -> Mapping[str, AttributeReading]:
         """Where the API reads each attribute of a draw."""
-        ...
+        raise UnsupportedError("reading where attributes lie: this backend can't")
 
     def blocks(self, key: PassDraw) -> Mapping[str, BlockReading]:
         """Where the driver has the members of each uniform block of a draw's program."""
-        ...
+        raise UnsupportedError("reading where the members of blocks lie: this backend can't")
 
     def locations(self, key: PassDraw) -> Mapping[str, int]:
         """Where the driver put each declared uniform; −1 for one without any effect."""
-        ...
+        raise UnsupportedError("reading where uniforms are: this backend can't")
 
     def call(self, expectation: GlCall) -> Reply:
         """What the API itself answers to a call. OpenGL alone has an answer.
@@ -125,17 +125,20 @@ class Session(Protocol):
         Raises:
             CaseError: a function, a constant, an argument or a pass does not exist.
         """
-        ...
+        raise UnsupportedError("calls of OpenGL: this backend can't")
 
 
-class Backend(Protocol):
-    """An open device."""
+class Backend(ABC):
+    """An open device.
 
-    @property
-    def info(self) -> Mapping[str, str]:
-        """What the driver says of itself: renderer, vendor, version, glsl, and its limits."""
-        ...
+    Attributes:
+        info: what the driver says of itself: "renderer", "vendor", "version" and "glsl", and its
+            limits.
+    """
 
+    info: Mapping[str, str]
+
+    @abstractmethod
     def session(
         self, scene: Scene, programs: Programs, size: Size, *, temporary_programs: bool = False
     ) -> AbstractContextManager[Session]:
@@ -148,19 +151,18 @@ class Backend(Protocol):
             temporary_programs: release what is linked for this session at its end too, as of
                 shaders that are drawn only once.
         """
-        ...
 
+    @abstractmethod
     def driver_verdict(self, sources: Sequence[Source]) -> Verdict:
         """The driver's own verdict on a program, as a target named "driver".
 
         Raises:
             DriverError: the driver has no such stage.
         """
-        ...
 
+    @abstractmethod
     def close(self) -> None:
-        """Give the device back."""
-        ...
+        """Release the device."""
 
 
 def known_driver(name: str | None = None) -> str:
@@ -170,8 +172,8 @@ def known_driver(name: str | None = None) -> str:
         UsageError: it is not one of DRIVERS.
     """
     chosen = name or os.environ.get("SHADERLAB_DRIVER") or DRIVERS[0]
-    if chosen not in DRIVERS:
-        raise UsageError(f"unknown driver {chosen!r}", remedy=nearest(chosen, DRIVERS))
+    if chosen not in MODULES:
+        raise UsageError(f"unknown driver {chosen!r}", remedy=nearest(chosen, MODULES))
     return chosen
 
 
@@ -187,7 +189,7 @@ def open_backend(driver: str | None = None) -> Backend:
         UsageError: `driver` is not one of DRIVERS.
     """
     chosen = known_driver(driver)
-    backend: Backend = importlib.import_module(_MODULES[chosen]).open_backend(chosen)
+    backend: Backend = importlib.import_module(MODULES[chosen]).open_backend(chosen)
     return backend
 
 
@@ -195,7 +197,7 @@ def prepare_process(driver: str | None = None) -> None:
     """Give this process to a driver for good, as only a process of the lab's own may: its
     environment and the checks of its packages are set for the driver. To be called first."""
     chosen = known_driver(driver)
-    importlib.import_module(_MODULES[chosen]).prepare_process(chosen)
+    importlib.import_module(MODULES[chosen]).prepare_process(chosen)
 
 
 def probe() -> Mapping[str, str]:

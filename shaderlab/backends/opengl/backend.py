@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 
-from shaderlab.backends import Drawn, Size
+from shaderlab.backends import Backend, Drawn, Session, Size
 from shaderlab.backends.opengl import calls, capture, feedback, queries, verdict
 from shaderlab.backends.opengl.device import Device
 from shaderlab.backends.opengl.drawing import Drawing
@@ -30,51 +30,42 @@ from shaderlab.programs.vertices import probed_mesh
 from shaderlab.records import Verdict
 
 
-class OpenGLBackend:
+class OpenGLBackend(Backend):
     """Draws scenes on one device; programs, and what was captured, are kept from one scene to the
     next."""
 
     def __init__(self, device: Device) -> None:
+        self.info = device.info
         self.device = device
         self.captures = captures.CaptureCache()
         self._linker = Linker(device)
-
-    @property
-    def info(self) -> Mapping[str, str]:
-        """What the driver says of itself."""
-        return self.device.info
 
     @contextmanager
     def session(
         self, scene: Scene, programs: Programs, size: Size, *, temporary_programs: bool = False
     ) -> Iterator[OpenGLSession]:
-        """A scene to draw and to ask about, as in `Backend.session`."""
         linker = Linker(self.device, self._linker) if temporary_programs else self._linker
         with self.device.unchecked(), ExitStack() as stack:
             drawing = Drawing(self.device, linker, scene, programs, size, stack)
             yield OpenGLSession(drawing, self.captures)
 
     def driver_verdict(self, sources: Sequence[Source]) -> Verdict:
-        """The driver's own verdict on a program. Raises DriverError for a stage it has not."""
         with self.device.unchecked():
             return verdict.driver_verdict(self.device, sources)
 
     def close(self) -> None:
-        """Give the device back."""
         self.device.context.release()
 
 
-class OpenGLSession:
+class OpenGLSession(Session):
     """One scene on the device, as `shaderlab.backends.Session` says."""
 
     def __init__(self, drawing: Drawing, cache: captures.CaptureCache) -> None:
-        self.scene = drawing.scene
-        self.programs = drawing.programs
+        super().__init__(drawing.scene, drawing.programs)
         self._drawing = drawing
         self._cache = cache
 
     def draw(self) -> Drawn:
-        """Draw all passes in order."""
         return self._drawing.run()
 
     def fragments(self, key: PassDraw) -> Fragments:
@@ -84,44 +75,35 @@ class OpenGLSession:
         return self._cache.get(same, lambda: capture.fragments(self._drawing, key))
 
     def vertices(self, key: PassDraw) -> Samples:
-        """The vertices of a draw, captured."""
         return feedback.vertices(self._drawing, key)
 
     def probe_fragments(
         self, key: PassDraw, bindings: Bindings, inputs: Mapping[str, Array]
     ) -> Samples:
-        """Run the fragment stage on given inputs."""
         return capture.probe_fragments(self._drawing, key, bindings, inputs)
 
     def probe_vertices(
         self, key: PassDraw, bindings: Bindings, inputs: Mapping[str, Array]
     ) -> Samples:
-        """Run the vertex stage on given attributes."""
         mesh = probed_mesh(self.programs[key[0]][key[1]].draw, inputs)
         return feedback.vertices(self._drawing, key, bindings, mesh)
 
     def count(self, key: PassDraw, counter: str) -> int:
-        """What one draw makes the driver count, its pass drawn once more."""
         return queries.counted(self._drawing, key, counter)
 
     def time(self, pass_name: str, repeats: int) -> Timing:
-        """How long a pass takes to draw."""
         return queries.timed(self._drawing, pass_name, repeats)
 
     def attributes(self, key: PassDraw) -> Mapping[str, AttributeReading]:
-        """Where OpenGL reads each attribute of a draw of a mesh."""
         return queries.attributes(self._drawing, key)
 
     def blocks(self, key: PassDraw) -> Mapping[str, BlockReading]:
-        """Where the driver has the members of each uniform block."""
         return queries.block_readings(self._drawing, key)
 
     def locations(self, key: PassDraw) -> Mapping[str, int]:
-        """Where the driver put each uniform that a program declares, samplers too."""
         return queries.locations(self._drawing, key)
 
     def call(self, expectation: GlCall) -> Reply:
-        """Make the calls of a `gl_call`, with the scene's programs that they name."""
         return calls.answer(self._drawing.device, expectation, self._texts)
 
     def _texts(self, program: Program) -> dict[str, str]:

@@ -1,0 +1,127 @@
+"""A backend that is not OpenGL: the lab runs cases on it, and asks it for no more than it has."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from shaderlab import Case, backends, exact, formula, fullscreen, gl_call, query
+from shaderlab.backends import Backend, Drawn, Session, Size
+from shaderlab.errors import UnsupportedError, UsageError
+from shaderlab.frame import Image
+from shaderlab.glsl import Source
+from shaderlab.model import Expectation, Scene
+from shaderlab.options import RunOptions
+from shaderlab.pipeline import Lab
+from shaderlab.programs import bind
+from shaderlab.programs.formats import COLOR
+from shaderlab.programs.prepare import Programs, pass_colors
+from shaderlab.records import Record, Verdict
+
+GRAY = 0.25
+
+
+class ConstantSession(Session):
+    """Draws every output in one gray."""
+
+    def __init__(self, scene: Scene, programs: Programs, size: Size) -> None:
+        super().__init__(scene, programs)
+        self.size = size
+
+    def draw(self) -> Drawn:
+        images, bindings = {}, {}
+        for description in self.scene.passes:
+            draws = self.programs[description.name]
+            for index, draw in enumerate(draws):
+                bindings[description.name, index] = bind.bind(draw.draw, draw.interface, no_texels)
+            width, height = description.target.size or self.size
+            for name, word in pass_colors(description, draws).items():
+                kind = COLOR[word]
+                values = np.full((height, width, kind.components), GRAY, kind.numpy)
+                images[description.name, name] = Image(values, word)
+        return Drawn(images=images, bindings=bindings)
+
+
+class ConstantBackend(Backend):
+    def __init__(self) -> None:
+        self.info = {"renderer": "constant", "vendor": "tests", "version": "1", "glsl": "3.30"}
+
+    @contextmanager
+    def session(
+        self, scene: Scene, programs: Programs, size: Size, *, temporary_programs: bool = False
+    ) -> Iterator[ConstantSession]:
+        yield ConstantSession(scene, programs, size)
+
+    def driver_verdict(self, sources: Sequence[Source]) -> Verdict:
+        return Verdict(target="driver", ok=True)
+
+    def close(self) -> None:
+        pass
+
+
+def no_texels(*_: object) -> None:
+    raise UnsupportedError("textures: this backend has none")
+
+
+def open_backend(driver: str) -> Backend:
+    """What the registry calls."""
+    assert driver == "constant"
+    return ConstantBackend()
+
+
+@pytest.fixture(autouse=True)
+def registered(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(backends, "MODULES", {**backends.MODULES, "constant": __name__})
+
+
+def run(folder: Path, *expect: Expectation) -> Record:
+    (folder / "gray.frag").write_text(
+        "#version 330 core\nuniform float gray;\nin vec2 p;\nout vec4 color;\n"
+        "void main() { color = vec4(gray + 0.0 * p.x); }\n"
+    )
+    case = Case(
+        title="gray", file=str(folder / "gray.py"),
+        passes=fullscreen("gray.frag", uniforms={"gray": GRAY}, domain={"p": (0.0, 0.0)}),
+        expect=expect,
+    )  # fmt: skip
+    with Lab(RunOptions(size=8, driver="constant")) as lab:
+        return lab.run(case.scene("default"))
+
+
+def test_a_case_is_judged_on_another_backend(tmp_path: Path) -> None:
+    record = run(tmp_path, exact("color", GRAY))
+    assert (record.status, record.message) == ("pass", "")
+    assert record.driver.startswith("constant")
+    assert run(tmp_path, exact("color", 0.5)).status == "fail"
+
+
+@pytest.mark.parametrize(
+    ("expected", "what"),
+    [
+        (formula("color", lambda gray: gray), "capturing fragments"),
+        (query("samples_passed", equals=64), "counting samples_passed"),
+        (gl_call("glFinish"), "calls of OpenGL"),
+    ],
+)
+def test_what_a_backend_lacks_is_unsupported_by_name(
+    tmp_path: Path, expected: Expectation, what: str
+) -> None:
+    record = run(tmp_path, expected)
+    assert record.status == "unsupported"
+    assert record.message == f"{what}: this backend can't"
+
+
+def test_an_unknown_driver_is_an_error_that_names_the_known() -> None:
+    with pytest.raises(UsageError, match="unknown driver 'lavapipe'"):
+        backends.open_backend("lavapipe")
+
+
+def test_names_come_from_the_environment_where_none_is_given(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv("SHADERLAB_DRIVER", "constant")
+    assert backends.probe()["renderer"] == "constant"
