@@ -1,4 +1,4 @@
-"""Finding, importing and checking case files."""
+"""Imports case files and checks them."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Catalogue:
         """The cases in these files.
 
         Raises:
-            CaseError: a file is no case file, or two cases have one id.
+            CaseError: a file is no case file, or two cases have the same id.
         """
         cases: dict[str, Case] = {}
         for file in files:
@@ -74,13 +74,13 @@ class Catalogue:
 
 
 def load_case(path: Path) -> Case:
-    """Import one case file and check what can be checked without compiling.
+    """Import a case file and check all that needs no compiler.
 
     The id is the file's name with "_" as "-", the lesson its docstring.
 
     Raises:
-        CaseError: the file can't be read, fails when imported, defines no `case`, or its data is
-            wrong; with the file, the line and, for a misspelt word, the nearest right one.
+        CaseError: the file can't be read or imported, defines no `case`, or its data is wrong;
+            names the file, the line and, for a misspelt word, the nearest correct one.
     """
     if not path.is_file():
         what = "is a folder, not a case file" if path.is_dir() else "there is no such case file"
@@ -193,7 +193,7 @@ def _line_in(path: Path, error: BaseException) -> int | None:
 
 
 def _right_spelling(error: BaseException) -> str | None:
-    """For a misspelt keyword or import, the names there are."""
+    """For a misspelt keyword or import, the nearest names."""
     if isinstance(error, ImportError) and (error.name or "").startswith("shaderlab"):
         word = re.search(r"cannot import name '(\w+)'", str(error))
         return nearest(word.group(1), model.__all__) if word else None

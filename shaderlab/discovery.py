@@ -1,7 +1,7 @@
-"""Telling case files from other Python files, without importing any of them.
+"""Finds case files without importing them, and the trees that they belong to.
 
-A folder of cases may lie inside someone's larger project, so files are read, not run: a case
-file is one that takes `Case` from shaderlab and assigns `case = Case(...)` at its top level.
+A folder of cases may be part of a larger project, so files are read, not run: a case file imports
+`Case` from shaderlab and assigns `case = Case(...)` at its top level.
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ _SKIPPED_FOLDERS = frozenset({"__pycache__", "node_modules", "site-packages", "b
 
 
 def data_folder(kind: str) -> Path:
-    """Where the shipped "shaders" or "cases" are: in the installed package, or the checkout.
+    """The folder of the shipped "shaders" or "cases", in the installed package or the checkout.
 
     Raises:
-        UsageError: neither is there, so the installation is incomplete.
+        UsageError: there is none: the installation is incomplete.
     """
     package = Path(__file__).resolve().parent
     for candidate in (package / "_data" / kind, package.parent / kind):
@@ -76,19 +76,19 @@ def _chapters(file: Path) -> Mapping[str, str]:
 
 
 def is_case_file(path: Path) -> bool:
-    """Whether `path` is a case file; never raises, whatever the file holds."""
+    """Whether `path` is a case file; never raises."""
     source = _source_like_a_case(path)
     if source is None:
         return False
     try:
         tree = ast.parse(source)
     except (SyntaxError, ValueError):
-        return True  # meant as one: loading it reports the mistake, passing it over would not
+        return True  # probably meant as one: loading it reports the mistake
     return _imports_case(tree) and any(_assigns_case(node) for node in tree.body)
 
 
 def case_files(folder: Path) -> Iterator[Path]:
-    """All case files below `folder`, sorted; hidden folders and build products are passed over.
+    """All case files below `folder`, sorted, except in hidden folders and build products.
 
     Raises:
         UsageError: `folder` is not a folder that can be read.
@@ -97,8 +97,8 @@ def case_files(folder: Path) -> Iterator[Path]:
 
 
 def shipped_cases() -> Iterator[Path]:
-    """The case files that come with the lab, sorted. What looks like one there is one, so none of
-    them is parsed: that would take longer than to load it."""
+    """The case files that come with the lab, sorted. Their text is matched, not parsed: parsing
+    would take longer than loading them."""
     return (file for file in _files(data_folder("cases")) if _source_like_a_case(file) is not None)
 
 
@@ -115,8 +115,7 @@ def _files(folder: Path) -> Iterator[Path]:
 
 
 def _source_like_a_case(path: Path) -> bytes | None:
-    """A file's text, if its name and words are those of a case file, wherever in it the words
-    are."""
+    """A file's text, if its name and its text look like a case file's."""
     if path.suffix != ".py" or not _may_be_case(path.name):
         return None
     try:
@@ -161,6 +160,6 @@ def _assigns_case(node: ast.stmt) -> bool:
 
 
 def place(section: str, case_id: str) -> tuple[list[int], str]:
-    """What cases are sorted by: chapter, section, id; those without a section come last."""
+    """The sort key of cases: section by section, then id; those without a section come last."""
     numbers = [int(part) if part.isdigit() else 0 for part in section.split(".")]
     return ([*numbers] if section else [999], case_id)

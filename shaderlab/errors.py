@@ -1,7 +1,7 @@
 """The one tree of errors: each says what is wrong, where, and what to do about it.
 
-Errors of other libraries are translated into these at the border where they are met, so that
-whoever catches `ShaderlabError` has caught everything the lab itself can raise.
+Errors of other libraries are translated into these where they occur, so `except ShaderlabError`
+catches everything that the lab raises.
 """
 
 from __future__ import annotations

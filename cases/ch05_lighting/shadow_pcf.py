@@ -33,12 +33,17 @@ from shaderlab import (
     reading,
     value,
 )
-from shaderlab.reference.shadows import compared_shadow
 from shaderlab.reference.transforms import look_at, orthographic, perspective, rotate
 from shaderlab.sampling import texture
 
 from ..scenes.courtyard import boxes
-from ..scenes.courtyard_light import courtyard_references, light_position, seen_place, stored_depth
+from ..scenes.courtyard_light import (
+    compared_shadow,
+    courtyard_references,
+    light_position,
+    seen_place,
+    stored_depth,
+)
 from ..scenes.shadow_stage import PICTURED, SUN, cast, lit, single_points
 from ..scenes.shadow_truth import blocked, hidden_share
 from ..scenes.studio import finished

@@ -9,9 +9,11 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from shaderlab.glslmath import Value, dot, max, mul, normalize, swizzle, vec4
+import numpy as np
+
+from shaderlab.glslmath import Value, dot, max, mul, normalize, swizzle, vec2, vec3, vec4, where
 from shaderlab.reference.blinn_phong import lobe
-from shaderlab.reference.shadows import shadow_of_fragment
+from shaderlab.reference.shadows import filtered_shadow, shadow_coordinates, slope_bias
 from shaderlab.reference.transforms import clip_position, world_normal, world_position
 
 from .studio import handed_on
@@ -75,6 +77,90 @@ def sunlit(
     halfway = normalize(to_sun + normalize(viewPos - FragPos))
     glint = 0.2 * lobe(dot(normal, halfway), 32.0)
     return vec4((0.15 + (1.0 - shadow) * (lambert + glint)) * Color, 1.0)
+
+
+def shadow_of_fragment(texture: Callable[[Any, Value], Value]) -> Callable[..., Value]:
+    """How dark the map says that a fragment is, from the inputs of shadow_map.frag.
+
+    Args:
+        texture: how the map is read; `shaderlab.sampling.texture`.
+
+    Returns:
+        a function of the fragment's normal, its place in the light's clip space, the map, the
+        direction to the light, the two biases and the radius of the texels to be asked.
+
+    >>> class Map:
+    ...     texels = type("Texels", (), {"values": np.zeros((4, 4, 1))})
+    >>> dark = shadow_of_fragment(lambda map, uv: np.array([[0.3, 0.0, 0.0, 1.0]]))
+    >>> up, middle = np.array([[0.0, 1.0, 0.0]]), np.array([[0.0, 0.0, 0.0, 1.0]])
+    >>> float(dark(up, middle, Map, np.array([0.0, 1.0, 0.0]), 0.0, 0.0, 0).item())
+    1.0
+    """
+
+    def shadow(
+        Normal: Value,
+        FragPosLightSpace: Value,
+        shadowMap: Any,
+        lightPos: Value,
+        leastBias: Value,
+        mostBias: Value,
+        radius: Value,
+    ) -> Value:
+        place = shadow_coordinates(FragPosLightSpace)
+        bias = slope_bias(Normal, lightPos, leastBias, mostBias)
+        height, width = shadowMap.texels.values.shape[:2]
+        reach = range(-whole(radius), whole(radius) + 1)
+        closest = [
+            swizzle(texture(shadowMap, swizzle(place, "xy") + vec2(x / width, y / height)), "x")
+            for y in reach
+            for x in reach
+        ]
+        return filtered_shadow(swizzle(place, "z"), closest, bias)
+
+    return shadow
+
+
+def compared_shadow(texture: Callable[[Any, Value], Value]) -> Callable[..., Value]:
+    """How dark a fragment is for a sampler that compares by itself, by GL_LEQUAL: 1 − the share
+    of the texels around whose depth is at least the fragment's.
+
+    Args:
+        texture: how the map is read; `shaderlab.sampling.texture`.
+
+    Returns:
+        a function of the fragment's normal, its place in the light's clip space, the map, the
+        direction to the light and the two biases.
+
+    >>> dark = compared_shadow(lambda map, p: np.where(p[..., 2:] <= map, 1.0, 0.0))
+    >>> up, middle = np.array([[0.0, 1.0, 0.0]]), np.array([[0.0, 0.0, 0.0, 1.0]])
+    >>> [dark(up, middle, depth, up, 0.01, 0.0).item() for depth in (0.3, 0.495)]
+    [1.0, 0.0]
+    """
+
+    def shadow(
+        Normal: Value,
+        FragPosLightSpace: Value,
+        shadowMap: Any,
+        lightPos: Value,
+        leastBias: Value,
+        mostBias: Value,
+    ) -> Value:
+        place = shadow_coordinates(FragPosLightSpace)
+        depth = swizzle(place, "z")
+        bias = slope_bias(Normal, lightPos, leastBias, mostBias)
+        bright = texture(shadowMap, vec3(swizzle(place, "xy"), depth - bias))
+        return where(depth > 1.0, 0.0, 1.0 - bright)
+
+    return shadow
+
+
+def whole(number: Any) -> int:
+    """An integer uniform, given as a number, an array or a band of one value.
+
+    >>> whole(2.0)
+    2
+    """
+    return int(np.ravel(getattr(number, "lo", number))[0])
 
 
 def courtyard_references(texture: Callable[[Any, Value], Value]) -> Mapping[str, Reference]:

@@ -1,4 +1,4 @@
-"""Meshes that many cases draw, made once a process however often they are asked for."""
+"""Meshes that many cases draw, made once a process."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ MOST = 32
 
 
 def remembered(make: Callable[P, Geometry]) -> Callable[P, Geometry]:
-    """`make`, which is called once for the same arguments. Whoever asks gets arrays of their own.
+    """Caches `make` by its arguments; each call returns arrays of its own.
 
     >>> calls = []
     >>> @remembered

@@ -1,8 +1,8 @@
-"""Meshes and textures as NumPy arrays, for cases that need something to look at.
+"""Meshes and textures as NumPy arrays, made by arithmetic or read from files.
 
 A mesh is a mapping that `Mesh` takes as it is: `Mesh(**assets.sphere())`. A texture is an array
 (height, width, channels) in 0…1 whose row 0 is the bottom one: `Texture(image=assets.crate)`.
-Models and point clouds of one's own are read by `load_obj` and `load_pcd`.
+`load_obj` and `load_pcd` read models and point clouds from files.
 """
 
 from shaderlab.assets.meshes import (

@@ -38,8 +38,7 @@ def quad(size: float = 1.0) -> Geometry:
 def plane(size: float = 2.0, repeat: float = 1.0) -> Geometry:
     """A square floor in the xz plane around the origin that faces +y.
 
-    Texture coordinates run from 0 to `repeat`, s along +x and t along −z (away from a viewer
-    who looks down −z).
+    Texture coordinates run from 0 to `repeat`, s along +x and t along −z.
     """
     flat = quad(size)["attributes"]
     x, y, _ = flat["aPos"].T
@@ -139,9 +138,9 @@ def torus(radius: float = 0.7, tube: float = 0.3, segments: int = 64, sides: int
 
 
 def moved(geometry: Geometry, matrix: Array) -> Geometry:
-    """The mesh through a 4 × 4 matrix (rows first, float64) that does not mirror.
+    """The mesh transformed by a 4 × 4 matrix (rows first, float64) that does not mirror.
 
-    Normals go through the inverse transpose and are made unit length again.
+    Normals are transformed by the inverse transpose and normalised.
 
     Raises:
         ValueError: the matrix mirrors or flattens, so the winding would no longer hold.
@@ -156,7 +155,7 @@ def moved(geometry: Geometry, matrix: Array) -> Geometry:
 
 
 def joined(*geometries: Geometry) -> Geometry:
-    """Several meshes as one, drawn in the order they are given."""
+    """Several meshes as one, drawn in this order."""
     starts = np.cumsum([0, *(len(g["attributes"]["aPos"]) for g in geometries)])
     indices = [g["indices"] + start for g, start in zip(geometries, starts[:-1], strict=True)]
 

@@ -1,8 +1,8 @@
 """Wavefront OBJ files, through trimesh.
 
 trimesh builds the meshes: it merges corners that agree in position, texture coordinate and normal,
-splits polygons into triangles and reads the materials. It knows no relative indices and reads over
-what is wrong, so every line is checked, and its indices are made absolute, before it gets the text.
+splits polygons into triangles and reads the materials. It supports no relative indices and ignores
+errors, so every line is checked first, and its indices are made absolute.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ def load_obj(path: str | Path) -> tuple[Part, ...]:
     resolver = trimesh.resolvers.FilePathResolver(str(source.resolve()))
     try:
         made = trimesh.exchange.obj.load_obj(io.StringIO(text), resolver=resolver)
-    except Exception as error:  # whatever its parser stumbles over
+    except Exception as error:  # its parser raises many kinds
         raise AssetError(
             f"trimesh can't read it ({type(error).__name__}: {error})", file=source, remedy=_REPAIR
         ) from error

@@ -1,7 +1,7 @@
-"""The order of drawing: a depth test makes it immaterial, and so it can be checked.
+"""Checks that a depth test makes the order of drawing irrelevant.
 
-A scene is drawn twice, the second time with its last draw first; of a single draw, its last
-triangle. Which surface is seen at a pixel is then decided by depth alone, or the images differ.
+A scene is drawn twice, the second time in reverse: its last draw first or, with a single draw, its
+last triangle first. Unless depth alone decides which surface a pixel shows, the images differ.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ _SUFFIX = "-backwards"
 
 
 def both_ways(description: Pass) -> tuple[Pass, Pass]:
-    """The pass with its draws in the opposite order, named `…-backwards`, and the pass itself.
+    """The pass with its draws in reverse order, named `…-backwards`, and the pass itself.
 
     >>> from shaderlab.model import Mesh, Target
     >>> triangle = Mesh(attributes={"aPos": np.zeros((3, 3))})
@@ -32,7 +32,7 @@ def both_ways(description: Pass) -> tuple[Pass, Pass]:
 
 
 def any_order(output: str) -> Expectation:
-    """An output, named with its pass, is the same whatever is drawn first.
+    """An output, named with its pass, does not depend on the order of drawing.
 
     >>> same = any_order("scene.FragColor")
     >>> same.output, same.equals.pass_name, same.equals.name

@@ -1,8 +1,8 @@
 """Point clouds from PCD files (Point Cloud Library, version 0.7), through pypcd4.
 
-pypcd4 decodes the three encodings: ascii, binary, and binary_compressed (LZF). It believes a header
-whatever it says, so the header is compared with the file's own size first: nothing is allocated for
-points that can't be there.
+pypcd4 decodes the three encodings: ascii, binary, and binary_compressed (LZF). It trusts the
+header, so the header is checked against the file's size first: nothing is allocated for points that
+can't be there.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ _REPAIR = "save the cloud again"
 
 @dataclass(frozen=True, kw_only=True)
 class Cloud:
-    """Points with whatever else was measured at each.
+    """Points, with their other fields.
 
     Attributes:
         positions: (n, 3) float32, from the fields x, y and z.
@@ -70,12 +70,12 @@ def load_pcd(path: str | Path, *, drop_invalid: bool = False) -> Cloud:
 
     Args:
         path: the file.
-        drop_invalid: leave out points with a NaN or an infinite coordinate, which is how sensors
-            write that they measured nothing. Without it such a point is an error.
+        drop_invalid: leave out points with a NaN or infinite coordinate, which sensors write where
+            they measured nothing. Otherwise such a point is an error.
 
     Raises:
-        AssetError: the file is missing, no PCD file, cut off, or its header promises what is not
-            there; a coordinate is not finite. The message names the file.
+        AssetError: the file is missing, is no PCD file, is cut off or shorter than its header says;
+            a coordinate is not finite. The message names the file.
     """
     source = Path(path)
     data = _bytes(source)
@@ -87,7 +87,7 @@ def load_pcd(path: str | Path, *, drop_invalid: bool = False) -> Cloud:
     try:
         loaded = PointCloud.from_fileobj(io.BufferedReader(io.BytesIO(data)))
         columns = {name: np.asarray(loaded.pc_data[name]) for name in header.fields}
-    except Exception as error:  # pypcd4 raises whatever its own libraries do
+    except Exception as error:  # pypcd4 passes on its own libraries' errors
         raise AssetError(
             f"can't be decoded ({type(error).__name__}: {error})".splitlines()[0],
             file=source,

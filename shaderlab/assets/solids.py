@@ -1,8 +1,8 @@
-"""Painted solids for scenes that show a transform: every vertex has a colour instead of a texture.
+"""Painted solids: every vertex has a colour instead of texture coordinates.
 
 All are right-handed with y up and wind counter-clockwise seen from outside, as in `meshes`.
 Attributes are `aPos` (n, 3), `aNormal` (n, 3) of length 1 and `aColor` (n, 3), linear light in
-0…1; all float32. `Mesh(**assets.letter_f())` draws one.
+0…1; all float32. `Mesh(**painted(cube(), RED))` draws one.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ INK, PAPER, STONE = (0.05, 0.06, 0.08), (0.86, 0.84, 0.79), (0.50, 0.50, 0.50)
 
 
 def painted(geometry: Geometry, color: Color) -> Geometry:
-    """A mesh in one colour, which takes the place of its texture coordinates.
+    """A mesh in one colour, which replaces its texture coordinates.
 
     >>> painted(cube(), RED)["attributes"]["aColor"].shape
     (24, 3)
@@ -54,7 +54,7 @@ def gathered(*solids: Geometry) -> Geometry:
 
 
 def repainted(solid: Geometry, color: Color, amount: float = 1.0) -> Geometry:
-    """A painted solid with its colours moved towards one colour, 1 all the way."""
+    """A painted solid with its colours blended towards one colour; 1 replaces them."""
     colors = solid["attributes"]["aColor"].astype(float)
     mixed = (1.0 - amount) * colors + amount * np.asarray(color, float)
     return {
@@ -64,7 +64,7 @@ def repainted(solid: Geometry, color: Color, amount: float = 1.0) -> Geometry:
 
 
 def placed(solid: Geometry, matrix: Array) -> Geometry:
-    """A painted solid through a 4 × 4 matrix (rows first) that does not mirror."""
+    """A painted solid transformed by a 4 × 4 matrix (rows first) that does not mirror."""
     there = moved(_untextured(solid), matrix)["attributes"]
     attributes = {k: there[k] for k in ("aPos", "aNormal")}
     return {
@@ -74,7 +74,7 @@ def placed(solid: Geometry, matrix: Array) -> Geometry:
 
 
 def box(low: Vector, high: Vector) -> Geometry:
-    """An upright box between two corners; still with texture coordinates.
+    """An axis-aligned box between two corners, with texture coordinates.
 
     >>> box((0, 0, 0), (1, 2, 3))["attributes"]["aPos"].max(axis=0).tolist()
     [1.0, 2.0, 3.0]
@@ -88,7 +88,7 @@ def box(low: Vector, high: Vector) -> Geometry:
 def lathe(profile: Sequence[tuple[float, float]], segments: int = 32) -> Geometry:
     """A solid of revolution around y from (radius, height) pairs, from its lowest to its highest.
 
-    Each pair of neighbours makes a band with a sharp edge to the next one.
+    Each pair of consecutive points makes a band with a sharp edge to the next one.
 
     >>> len(lathe([(1.0, 0.0), (1.0, 2.0)], segments=8)["indices"])
     48
@@ -136,7 +136,7 @@ def arrow(
 
 
 def wire(corners: Any, color: Color, thickness: float = 0.012) -> Geometry:
-    """The twelve edges of a box bent to eight corners (x fastest, then y, then z), as bars.
+    """The twelve edges between a box's eight corners (x fastest, then y, then z), as bars.
 
     >>> corners = [(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)]
     >>> len(wire(corners, INK)["indices"]) // len(rod((0, 0, 0), (1, 0, 0), INK)["indices"])

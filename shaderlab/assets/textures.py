@@ -1,4 +1,4 @@
-"""Textures made by arithmetic: the same on every machine, with no file to read.
+"""Textures made by arithmetic: the same on every machine, without files.
 
 Each is a float32 array (height, width, channels) of values in 0…1. Row 0 is the bottom row and
 column 0 the left one, as OpenGL uploads them, so texture coordinate (0, 0) is the lower left.
@@ -50,7 +50,7 @@ def checker(
 
 
 def uv_grid(size: int = 256, cells: int = 8) -> Array:
-    """A grid whose fields say their column and row: red grows with s, green with t. RGBA.
+    """A grid whose fields show their column and row; red grows with s, green with t. RGBA.
 
     Field "27" is column 2, row 7; "00" holds the first texel. At most ten fields a side; each
     needs 16 texels for its figures to be legible.
@@ -109,9 +109,9 @@ def crate(size: int = 256, seed: int = 7) -> Array:
 
 
 def brick_wall(size: int = 256, rows: int = 8, seed: int = 3) -> Array:
-    """A wall of bricks in running bond, four to a course, each fired a little differently. RGBA.
+    """A brick wall in running bond, four bricks to a course, each of a slightly different tone.
 
-    It tiles without a seam in both directions when `rows` is even.
+    RGBA. It tiles seamlessly in both directions if `rows` is even.
     """
     course, brick, joint = _courses(size, rows)
     random = np.random.default_rng(seed)
@@ -215,9 +215,9 @@ def _rgba(image: Array) -> Array:
 
 
 def plaster(size: int = 256, seed: int = 9) -> Array:
-    """Old plaster: chalky and stained; alpha is 1 where it still holds and 0 where it came off.
+    """Old plaster, chalky and stained; alpha is 1 where it still holds and 0 where it has come off.
 
-    RGBA, without a seam in both directions.
+    RGBA; it tiles seamlessly in both directions.
     """
     stains = (
         _noise(size, 5, seed) + 0.5 * _noise(size, 13, seed + 1) + 0.25 * _noise(size, 41, seed)

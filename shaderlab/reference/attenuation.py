@@ -1,4 +1,4 @@
-"""How the light of a point source fades with distance.
+"""Attenuation: how a point source's light decreases with distance.
 
 Source: "The OpenGL Graphics System: A Specification", version 1.0 (M. Segal, K. Akeley, 1992),
 section 2.13.1, the distance attenuation factor of a positional light: 1 / (k0 + k1·d + k2·d²).
@@ -15,7 +15,7 @@ def attenuation(
     light_linear: Value,
     light_quadratic: Value,
 ) -> Value:
-    """The share of the light that is left: F(d) = 1 / (Kc + Kl·d + Kq·d²).
+    """The fraction of the light that remains: F(d) = 1 / (Kc + Kl·d + Kq·d²).
 
     Args:
         distance: d ≥ 0, from the light to the lit point, in units of the scene.
@@ -40,10 +40,11 @@ def reach(
     light_linear: Value,
     light_quadratic: Value,
 ) -> Value:
-    """The distance at which `fraction` of the light is left: the inverse of `attenuation`.
+    """The distance at which `fraction` of the light remains: the inverse of `attenuation`.
 
-    It is the positive root of Kq·d² + Kl·d − c = 0 with c = 1/f − Kc, written so that nothing
-    cancels: d = 2c / (Kl + √(Kl² + 4·Kq·c)). Deferred shading calls it the light volume's radius.
+    It is the positive root of Kq·d² + Kl·d − c = 0 with c = 1/f − Kc, in a form without
+    cancellation: d = 2c / (Kl + √(Kl² + 4·Kq·c)). It is the radius of a light volume in deferred
+    shading.
 
     Args:
         fraction: f in 0…1/Kc, above 0.
@@ -61,7 +62,7 @@ def reach(
 
 
 def crossover(light_linear: Value, light_quadratic: Value) -> Value:
-    """The distance from which on the quadratic term outweighs the linear one: Kl / Kq.
+    """The distance beyond which the quadratic term exceeds the linear one: Kl / Kq.
 
     >>> crossover(0.09, 0.032)
     2.8125

@@ -1,4 +1,4 @@
-"""Blending: how a fragment is mixed with what the framebuffer holds already.
+"""Blending: combining a fragment with the framebuffer's colour.
 
 Source: T. Porter, T. Duff, "Compositing Digital Images", SIGGRAPH 1984 (the operator *over*); as
 a blend function in "The OpenGL Graphics System: A Specification", version 3.3 core, section 4.1.7
@@ -60,7 +60,7 @@ EQUATIONS: Mapping[str, Callable[[Color, Color, Color, Color], Color]] = {
     "min": lambda s, f, d, g: np.minimum(s, d),
     "max": lambda s, f, d, g: np.maximum(s, d),
 }
-"""Table 4.1: how weighted source and destination become one; MIN and MAX leave the weights out."""
+"""Table 4.1: how weighted source and destination are combined; MIN and MAX ignore the weights."""
 
 
 def blended(
@@ -70,7 +70,7 @@ def blended(
     destination: Sequence[float],
     constant: Sequence[float],
 ) -> Color:
-    """What a fragment leaves in a floating-point framebuffer, under one equation for all channels.
+    """A floating-point framebuffer's colour after a fragment, with one equation for all channels.
 
     Args:
         equation: a name of `EQUATIONS`.

@@ -22,7 +22,7 @@ def lobe(cosine: Value, shininess: Value) -> Value:
 
 
 def phong(normal: Value, light_direction: Value, view_direction: Value, shininess: Value) -> Value:
-    """(R·V)ˢ with R the light mirrored at the normal: 0 as soon as R and V are 90° apart.
+    """(R·V)ˢ with R the reflected light: 0 where R and V are 90° or more apart.
 
     Args:
         normal, light_direction, view_direction: (…, 3).

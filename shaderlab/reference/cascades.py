@@ -1,4 +1,4 @@
-"""Cascaded shadow maps: near things get a map of their own, far things share one.
+"""Cascaded shadow maps: each slice of the view's depth has a map of its own.
 
 Sources: F. Zhang, H. Sun, L. Xu, L. K. Lun, "Parallel-Split Shadow Maps for Large-scale Virtual
 Environments", VRCIA 2006, equations 2 (logarithmic), 4 (uniform) and 6 (practical); R. Dimitrov,
@@ -22,8 +22,7 @@ def split_distances(near: float, far: float, count: int, blend: float) -> list[f
     Args:
         near, far: n and f, of the view, 0 < n < f.
         count: N, how many slices.
-        blend: λ, 0 for slices of equal depth, 1 for such that each is as many times as deep as the
-            one before.
+        blend: λ: 0 for slices of equal depth, 1 for slices whose depths grow by a constant ratio.
 
     >>> [[round(d, 4) for d in split_distances(0.5, 60.0, 3, b)] for b in (0.0, 1.0)]
     [[20.3333, 40.1667, 60.0], [2.4662, 12.1644, 60.0]]
@@ -36,7 +35,7 @@ def split_distances(near: float, far: float, count: int, blend: float) -> list[f
 
 
 def cascade_index(depth: Value, splits: Sequence[Value]) -> Value:
-    """In which slice a depth lies: how many of the splits but the last it has reached.
+    """The slice that a depth lies in: how many splits, without the last, it has reached.
 
     >>> [float(cascade_index(d, [2.0, 5.0, 9.0])) for d in (1.0, 2.0, 7.0, 12.0)]
     [0.0, 1.0, 2.0, 2.0]
@@ -68,13 +67,13 @@ def slice_corners(view: Matrix, projection: Matrix, near: float, far: float) -> 
 
 
 def fitted(light_view: Matrix, corners: Any, depths: tuple[float, float]) -> Matrix:
-    """A light-space matrix whose map just holds some corners.
+    """A light-space matrix whose map fits tightly around some corners.
 
     Args:
         light_view: the view matrix of the light.
         corners: (n, 3), in the world.
-        depths: where the map begins and ends along the light, so that what throws shadows into
-            the slice from outside is in it as well.
+        depths: where the map begins and ends along the light, so that it includes casters outside
+            the slice.
 
     >>> box = [(-1.0, -2.0, 0.0), (3.0, 2.0, 0.0)]
     >>> (fitted(np.eye(4), box, (-5.0, 5.0)) @ (3.0, 2.0, 0.0, 1.0)).tolist()

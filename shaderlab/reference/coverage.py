@@ -1,4 +1,4 @@
-"""How much of a pixel a shape covers: its area, or as many of its samples as lie inside.
+"""Coverage of a pixel by a shape: the area inside, or the samples inside.
 
 Source: "The OpenGL Graphics System: A Specification", version 3.3 core, section 3.3.1 (a sample is
 covered if its position lies in the primitive) and 3.6.1 (a point on an edge belongs to one side);
@@ -62,7 +62,7 @@ def area_in_pixel(corners: Sequence[Corner], x: int, y: int) -> float:
 def area_coverage(
     shapes: Sequence[Sequence[Corner]], size: tuple[int, int]
 ) -> npt.NDArray[np.float64]:
-    """The area of each pixel that shapes without overlap cover: (height, width).
+    """The covered area of each pixel, for shapes that do not overlap: (height, width).
 
     >>> area_coverage([[(0.0, 0.0), (1.5, 0.0), (1.5, 1.0), (0.0, 1.0)]], (2, 1)).tolist()
     [[1.0, 0.5]]

@@ -1,4 +1,4 @@
-"""Cube maps and what is seen in them: the face a direction meets, and mirrored and bent rays.
+"""Cube maps: the face that a direction selects, and reflected and refracted rays.
 
 Source: "The OpenGL Graphics System: A Specification", version 4.5 core (M. Segal, K. Akeley,
 2017), section 8.13, table 8.19 (selection of cube map images). Reflection and refraction: N.
@@ -12,8 +12,8 @@ from ..glslmath import Value, abs, dot, max, normalize, reflect, refract, swizzl
 
 
 def face_coordinates(direction: Value) -> Value:
-    """The face that a direction meets, and s and t on it: (…, 3), the face as 0…5 for +X, −X, +Y,
-    −Y, +Z, −Z. Where two components are equal, x goes before y, and y before z.
+    """The face that a direction selects, with s and t on it: (…, 3), the face as 0…5 for +X, −X,
+    +Y, −Y, +Z, −Z. Where two components are equal, x goes before y, and y before z.
 
     Args:
         direction: (…, 3), of any length but 0.
@@ -39,7 +39,7 @@ def face_coordinates(direction: Value) -> Value:
 
 
 def mirrored(FragPos: Value, Normal: Value, cameraPos: Value) -> Value:
-    """Where a mirror shows the viewer's ray to go: reflect(normalize(P − C), N), (…, 3).
+    """The viewer's ray off a mirror: reflect(normalize(P − C), N), (…, 3).
 
     >>> mirrored(np.zeros(3), np.array([0.0, 1, 0]), np.array([3.0, 4, 0])).round(9).tolist()
     [-0.6, 0.8, 0.0]
@@ -48,7 +48,7 @@ def mirrored(FragPos: Value, Normal: Value, cameraPos: Value) -> Value:
 
 
 def bent(FragPos: Value, Normal: Value, cameraPos: Value, ratio: Value) -> Value:
-    """Where glass lets it go: refract(normalize(P − C), N, n₁/n₂), (…, 3).
+    """The viewer's ray into glass: refract(normalize(P − C), N, n₁/n₂), (…, 3).
 
     Args:
         ratio: of the indices, outside over inside; 1.00/1.52 for air and glass.
@@ -61,7 +61,7 @@ def bent(FragPos: Value, Normal: Value, cameraPos: Value, ratio: Value) -> Value
 
 
 def fresnel(FragPos: Value, Normal: Value, cameraPos: Value, base: Value) -> Value:
-    """How much a surface mirrors, by Schlick: F₀ + (1 − F₀)(1 − cos θ)⁵, (…, 1).
+    """Reflectance by Schlick's approximation: F₀ + (1 − F₀)(1 − cos θ)⁵, (…, 1).
 
     Source: C. Schlick, "An Inexpensive BRDF Model for Physically-based Rendering", Computer
     Graphics Forum 13 (3), 1994, equation 15.

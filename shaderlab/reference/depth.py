@@ -1,4 +1,4 @@
-"""Window depth and what is left of the distance in it.
+"""Window depth, the distance it encodes, and its resolution.
 
 Source: "The OpenGL Graphics System: A Specification", version 3.3 core (M. Segal, K. Akeley,
 2010), section 2.13.1 (window z from clip coordinates), with the projection matrix of version 1.0,
@@ -50,7 +50,7 @@ def distance_of(depth: Value, near: Value, far: Value) -> Value:
 
 
 def linear_depth(distance: Value, near: Value, far: Value) -> Value:
-    """Depth as it would be if it were even in z: (z − n) / (f − n).
+    """Depth as a linear function of z: (z − n) / (f − n).
 
     >>> print(f"{linear_depth(50.5, 1.0, 100.0):.6f}")
     0.500000
@@ -59,7 +59,7 @@ def linear_depth(distance: Value, near: Value, far: Value) -> Value:
 
 
 def depth_step(distance: Value, near: Value, far: Value, bits: int = 24) -> Value:
-    """How far apart two surfaces at z must be for a fixed-point depth buffer to tell them apart:
+    """The least distance at z between surfaces that a fixed-point depth buffer tells apart:
     z²·(1/n − 1/f) / 2^bits, one code over the slope of `window_depth`.
 
     Args:
@@ -79,7 +79,7 @@ def depth_step(distance: Value, near: Value, far: Value, bits: int = 24) -> Valu
 def same_code_share(
     gap: float, middle: float, slant: float, near: float, far: float, bits: int
 ) -> float:
-    """The share of a slanted wall's pixels that fall on one code with another wall `gap` behind.
+    """The share of a slanted wall's pixels with the same depth code as a wall `gap` behind it.
 
     Two depths ΔF apart have the same code with the probability 1 − ΔF·2^bits, or never; the wall
     runs from middle − slant to middle + slant, evenly over the screen in 1/z.

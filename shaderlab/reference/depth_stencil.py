@@ -23,7 +23,7 @@ FUNCTIONS: Mapping[str, Callable[[float, float], bool]] = {
 
 
 def depth_passes(func: str, incoming: float, stored: float) -> bool:
-    """Whether a fragment at window depth `incoming` (0…1) passes against the `stored` one.
+    """Whether a fragment at window depth `incoming` (0…1) passes the test against `stored`.
 
     >>> depth_passes("less", 0.4, 0.5), depth_passes("less", 0.5, 0.5)
     (True, False)
@@ -52,7 +52,7 @@ OPERATIONS: Mapping[str, Callable[[int, int], int]] = {
     "decr_wrap": lambda stored, reference: (stored - 1) & 0xFF,
     "invert": lambda stored, reference: ~stored & 0xFF,
 }
-"""What becomes of a stored value of 8 bits: section 4.1.4; INCR and DECR stop at the ends."""
+"""The new 8-bit value by the stored one: section 4.1.4; INCR and DECR saturate."""
 
 
 def stencil_after(operation: str, stored: int, reference: int, write_mask: int = 0xFF) -> int:
@@ -68,8 +68,8 @@ def stencil_after(operation: str, stored: int, reference: int, write_mask: int =
 
 
 def depth_after(func: str | None, write: bool, incoming: float, stored: float) -> float:
-    """The value in the depth buffer after a fragment: its own, where the test passes and the mask
-    (glDepthMask) is open. With the test off (None) nothing is ever written.
+    """The value in the depth buffer after a fragment: its own if the test passes and the mask
+    (glDepthMask) allows writes. With the test off (None) nothing is written.
 
     >>> depth_after("less", True, 0.25, 0.5), depth_after("less", False, 0.25, 0.5)
     (0.25, 0.5)

@@ -1,4 +1,4 @@
-"""Orientation by three angles, and where that fails: yaw around y, pitch around x, roll around z.
+"""Euler angles and gimbal lock: yaw around y, pitch around x, roll around z.
 
 R = R_y(yaw) · R_x(pitch) · R_z(roll): the roll acts first, in the thing's own frame, the yaw last,
 in the world's. With −z forward and y up these are an aircraft's heading, climb and bank.
@@ -45,9 +45,9 @@ def euler_matrix(yaw: float, pitch: float, roll: float) -> Matrix:
 
 
 def gimbal_axes(yaw: float, pitch: float) -> Any:
-    """The axes that the three angles turn around in that pose, as rows: yaw's, pitch's, roll's.
+    """The axes of the three rotations in a pose, as rows: yaw's, pitch's, roll's.
 
-    Yaw's is fixed, pitch's is carried around by the yaw, roll's by both.
+    Yaw's is fixed; yaw rotates pitch's, and both rotate roll's.
 
     >>> gimbal_axes(0.0, 0.0).tolist()
     [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]

@@ -1,4 +1,4 @@
-"""Texture filtering: which texels are mixed, and how.
+"""Texture filtering: which texels are interpolated, with which weights.
 
 Source: "The OpenGL Graphics System: A Specification", version 4.5 core (M. Segal, K. Akeley,
 2017), section 8.14.2, equations 8.13 to 8.17 (nearest and linear filtering) and 8.14.4 (mipmaps).
@@ -31,7 +31,7 @@ def nearest_texel(coordinate: Value, size: Value) -> Value:
 
 
 def first_texel(coordinate: Value, size: Value) -> Value:
-    """The lower of the two texels that linear filtering mixes: ⌊u·size − ½⌋ (equation 8.15).
+    """The lower of the two texels that linear filtering interpolates: ⌊u·size − ½⌋ (equation 8.15).
 
     Args:
         coordinate: u, 1 across the texture.
@@ -44,7 +44,7 @@ def first_texel(coordinate: Value, size: Value) -> Value:
 
 
 def weight(coordinate: Value, size: Value, bits: int = 8) -> Value:
-    """How much of the upper texel linear filtering takes: fract(u·size − ½), 0…1.
+    """The upper texel's weight in linear filtering: fract(u·size − ½), 0…1.
 
     Args:
         coordinate, size: as in `first_texel`.
@@ -65,7 +65,7 @@ def bilinear(
     lower_left: Value, lower_right: Value, upper_left: Value, upper_right: Value,
     across: Value, up: Value,
 ) -> Value:  # fmt: skip
-    """Four texels, mixed along u and then along v (equation 8.17).
+    """Four texels, interpolated along u and then along v (equation 8.17).
 
     Args:
         lower_left, lower_right, upper_left, upper_right: texels, (…, channels).
@@ -92,7 +92,7 @@ def box(lower_left: Value, lower_right: Value, upper_left: Value, upper_right: V
 
 
 def wrapped_texel(index: Array, size: int, mode: str) -> Array:
-    """The texel that a number outside 0…size − 1 stands for (table 8.20); −1 is the border.
+    """The texel that an index outside 0…size − 1 wraps to (table 8.20); −1 is the border.
 
     >>> wrapped_texel(np.array([-2, -1, 0, 3, 4, 5]), 4, "mirrored_repeat").tolist()
     [1, 0, 0, 3, 3, 2]
@@ -143,7 +143,7 @@ def linear_sample(image: Any, TexCoords: Array) -> Array:
 
 
 def level_count(width: int, height: int) -> int:
-    """How many mipmap levels a texture has: ⌊log₂ max(width, height)⌋ + 1 (§8.14.3).
+    """The number of a texture's mipmap levels: ⌊log₂ max(width, height)⌋ + 1 (§8.14.3).
 
     >>> level_count(256, 256), level_count(5, 3)
     (9, 3)
@@ -152,7 +152,7 @@ def level_count(width: int, height: int) -> int:
 
 
 def texel_count(width: int, height: int) -> int:
-    """How many texels all levels have together; each is half as wide and high, rounded down.
+    """The number of texels in all levels; each level halves width and height, rounding down.
 
     >>> texel_count(256, 256)
     87381

@@ -1,7 +1,7 @@
-"""Transfer curves between light (linear) and the numbers a display expects (encoded).
+"""Gamma: transfer curves between linear light and encoded display values.
 
-Source of the sRGB curve: IEC 61966-2-1:1999, "Default RGB colour space – sRGB", section 5.2,
-with the constants as OpenGL 3.3 core prints them (sections 3.8.16 and 4.1.8).
+Source: IEC 61966-2-1:1999, "Default RGB colour space – sRGB", section 5.2, with the constants as
+OpenGL 3.3 core prints them (sections 3.8.16 and 4.1.8).
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from shaderlab.glslmath import Value, pow, where
 
 
 def gamma_encode(linear: Value, gamma: Value) -> Value:
-    """c^(1/γ): the plain power curve.
+    """c^(1/γ): a pure power curve.
 
     Args:
         linear: light, above 0 (GLSL leaves pow(0, y) open) up to 1.

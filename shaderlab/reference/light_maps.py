@@ -1,4 +1,4 @@
-"""Light worked out beforehand: what a lamp sends to each place of a flat wall.
+"""Light maps: the precomputed irradiance of a lamp on a flat wall.
 
 Source: J. H. Lambert, "Photometria", 1760 (the cosine and the inverse square). M. Abrash,
 "Graphics Programming Black Book", 1997, chapter 68, describes light maps as Quake has them.

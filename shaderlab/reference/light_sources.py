@@ -1,4 +1,4 @@
-"""Lamps by where their light comes from: far away, one place, one place and a cone.
+"""Light sources: directional, point and spot lights with ambient, diffuse and specular parts.
 
 Each gives what the lamp adds to a surface's colour: an ambient, a diffuse and a specular part. The
 surface has a colour of its own (for ambient and diffuse), a specular colour and a shininess.
@@ -48,7 +48,7 @@ def directed(
 
 
 def direction_to_light(light_direction: Value) -> Value:
-    """The unit vector against the way the light travels.
+    """The unit vector opposite to the light's direction of travel.
 
     >>> direction_to_light(np.array([-0.2, -1.0, -0.3])).round(6).tolist()
     [0.188144, 0.940721, 0.282216]
@@ -68,7 +68,7 @@ def directional(
     light_diffuse: Value,
     light_specular: Value,
 ) -> Value:
-    """Parallel light that does not fade.
+    """Directional light: parallel, without attenuation.
 
     >>> down, white, eye = np.array([0.0, 0.0, -1.0]), np.ones(3), np.array([0.0, 0.0, 3.0])
     >>> dark = np.zeros(3)
@@ -89,7 +89,7 @@ def fading(
     light_linear: Value,
     light_quadratic: Value,
 ) -> Value:
-    """What is left of a lamp's light at a fragment, (…, 1).
+    """The attenuation of a lamp's light at a fragment, (…, 1).
 
     >>> print(f"{fading(np.zeros(3), np.array([0.0, 0.0, 50.0]), 1.0, 0.09, 0.032).item():.9f}")
     0.011695906
@@ -113,7 +113,7 @@ def point(
     light_diffuse: Value,
     light_specular: Value,
 ) -> Value:
-    """Light from one place; all three parts fade.
+    """A point light; attenuation applies to all three parts.
 
     >>> up, white, dark = np.eye(3)[2], np.ones(3), np.zeros(3)
     >>> lit = point(dark, up, white, 3 * up, dark, 8.0, 2 * up, 1.0, 0.0, 0.25, dark, white, white)
@@ -142,7 +142,7 @@ def hard_spot(
     light_diffuse: Value,
     light_specular: Value,
 ) -> Value:
-    """A cone with a hard edge: all of the light where cos θ > cos φ, else the ambient part alone.
+    """A spot light with a hard edge: all parts where cos θ > cos φ, else the ambient part alone.
 
     >>> up, white, dark = np.eye(3)[2], np.ones(3), np.zeros(3)
     >>> hard_spot(dark, up, white, up, dark, 8.0, up, -up, 0.9, 0.1 * white, white, dark)
@@ -177,7 +177,7 @@ def soft_spot(
     light_diffuse: Value,
     light_specular: Value,
 ) -> Value:
-    """A point light that shines into a cone with a soft edge; the ambient part has no cone.
+    """A spot light with a soft edge; the ambient part is not limited to the cone.
 
     >>> up, white, dark, full = np.eye(3)[2], np.ones(3), np.zeros(3), (1.0, 0.0, 0.0)
     >>> soft_spot(dark, up, white, up, dark, 8.0, up, -up, 0.9, 0.8, *full, dark, white, dark)
@@ -207,7 +207,7 @@ def points(
     pointLights_diffuse: Sequence[Value],
     pointLights_specular: Sequence[Value],
 ) -> Value:
-    """The sum of several point lights; each member of the lights is a list.
+    """The sum of several point lights; each argument of theirs is a list.
 
     >>> up, white, dark = np.eye(3)[2], np.ones(3), np.zeros(3)
     >>> lamps = [[2 * up, up], [1.0, 1.0], [0.0, 0.0], [0.25, 0.0], [dark] * 2, [white] * 2]

@@ -1,4 +1,4 @@
-"""Phong's lighting term by term: one lamp, one surface, and what reaches the viewer.
+"""Phong's lighting model, term by term, for one lamp and one surface.
 
 Sources: J. H. Lambert, "Photometria", 1760 (the cosine law); B. T. Phong, "Illumination for
 Computer Generated Pictures", Communications of the ACM 18(6), 1975 (ambient, diffuse and specular
@@ -18,7 +18,7 @@ from shaderlab.reference.blinn_phong import phong
 
 
 def reflected_color(lightColor: Value, objectColor: Value) -> Value:
-    """What a surface throws back, channel by channel: light · colour.
+    """What a surface reflects, channel by channel: light · colour.
 
     >>> reflected_color(np.array([0.0, 1.0, 0.0]), np.array([1.0, 0.5, 0.31])).tolist()
     [0.0, 0.5, 0.0]
@@ -27,7 +27,7 @@ def reflected_color(lightColor: Value, objectColor: Value) -> Value:
 
 
 def ambient_color(lightColor: Value, objectColor: Value, ambientStrength: Value) -> Value:
-    """Light from everywhere at once: the same on every side of a surface.
+    """Ambient light: the same from every direction.
 
     >>> ambient_color(np.ones(3), np.array([1.0, 0.5, 0.31]), 0.1).round(6).tolist()
     [0.1, 0.05, 0.031]
@@ -91,7 +91,7 @@ def phong_color(
     specularStrength: Value,
     shininess: Value,
 ) -> Value:
-    """All three parts, each with a strength of its own, times the object's colour, (…, 4).
+    """All three parts, each with its own strength, times the object's colour, (…, 4).
 
     >>> up, lamp, coral = np.eye(3)[2], np.array([1.2, 1.0, 2.0]), np.array([1.0, 0.5, 0.31])
     >>> eye, white = np.array([0.0, 0.0, 3.0]), np.ones(3)
@@ -108,7 +108,7 @@ def phong_color(
 
 
 def half_power_angle(shininess: float) -> float:
-    """The angle from the middle of a lobe at which half of it is left, in degrees.
+    """The angle from a lobe's axis, in degrees, at which it has fallen to one half.
 
     arccos(0.5^(1/s)): cosˢ is one half there.
 
@@ -131,7 +131,7 @@ def lit_material(
     light_diffuse: Value,
     light_specular: Value,
 ) -> Value:
-    """A material under a lamp, each with a colour for each part: (…, 4).
+    """A material under a lamp; both have one colour for each part: (…, 4).
 
     >>> coral, half, up = np.array([1.0, 0.5, 0.31]), np.full(3, 0.5), np.eye(3)[2]
     >>> lamp, eye, one = np.array([1.2, 1.0, 2.0]), np.array([0.0, 0.0, 3.0]), np.ones(3)

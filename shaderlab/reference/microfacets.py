@@ -1,4 +1,4 @@
-"""A rough surface as a landscape of tiny mirrors: the Cook–Torrance reflectance D·F·G.
+"""Microfacets: a rough surface as many small mirrors, with the Cook–Torrance reflectance D·F·G.
 
 Sources: R. L. Cook, K. E. Torrance, "A Reflectance Model for Computer Graphics", ACM Transactions
 on Graphics 1(1), 1982 (the product); B. Walter, S. R. Marschner, H. Li, K. E. Torrance, "Microfacet
@@ -21,10 +21,10 @@ PI = 3.14159265359
 
 
 def distribution(normal_half: Value, roughness: Value) -> Value:
-    """D: how many of the tiny mirrors face the halfway vector.
+    """D: the density of microfacets that face the halfway vector.
 
     α² / (π ((n·h)² (α² − 1) + 1)²) with α = roughness². Over the hemisphere D·(n·h) has the
-    integral 1: seen from above the mirrors cover the surface once.
+    integral 1: seen from above, the microfacets cover the surface once.
 
     Args:
         normal_half: n·h, 0…1.
@@ -40,7 +40,7 @@ def distribution(normal_half: Value, roughness: Value) -> Value:
 
 
 def distribution_of(normal: Value, half: Value, roughness: Value) -> Value:
-    """`distribution` from the vectors, in a form in which nothing cancels where n and h are close.
+    """`distribution` from the vectors, in a form without cancellation where n and h are close.
 
     (n·h)² (α² − 1) + 1 = α² (n·h)² + |n × h|² for unit vectors; exactly the same number.
 
@@ -56,8 +56,8 @@ def distribution_of(normal: Value, half: Value, roughness: Value) -> Value:
 
 
 def distribution_either(normal: Value, half: Value, roughness: Value) -> Value:
-    """`distribution_of`, or `distribution` as it is printed, of max(n·h, 0): a shader may have
-    either. They are one number but where h lies below the surface, which reflects nothing there.
+    """`distribution_of`, or `distribution` of max(n·h, 0) as printed: a shader may use either.
+    They differ only where h lies below the surface, which reflects nothing there.
 
     >>> up, half = np.eye(3)[2], np.array([0.6, 0.0, 0.8])
     >>> print(f"{distribution_either(up, half, 0.5).item():.6f}")
@@ -68,7 +68,7 @@ def distribution_either(normal: Value, half: Value, roughness: Value) -> Value:
 
 
 def shadowing(cosine: Value, roughness: Value) -> Value:
-    """One half of G: the share of mirrors that are not hidden behind others, seen at an angle.
+    """One factor of G: the share of microfacets that others do not hide at an angle.
 
     >>> print(f"{shadowing(1.0, 0.5):.6f} {shadowing(0.5, 0.5):.6f}")
     1.000000 0.780488
@@ -79,7 +79,7 @@ def shadowing(cosine: Value, roughness: Value) -> Value:
 
 
 def shadowing_under_sky(cosine: Value, roughness: Value) -> Value:
-    """The rational half of G with k = α/2, for light from everywhere.
+    """The rational factor of G with k = α/2, for light from everywhere.
 
     >>> print(f"{shadowing_under_sky(0.5, 0.5):.6f}")
     0.888889
@@ -89,7 +89,7 @@ def shadowing_under_sky(cosine: Value, roughness: Value) -> Value:
 
 
 def masking(cosine: Value, roughness: Value) -> Value:
-    """The half of G that belongs to GGX's own mirrors: 2c / (c + √(α² + (1 − α²) c²)).
+    """The factor of G that follows from GGX's distribution: 2c / (c + √(α² + (1 − α²) c²)).
 
     >>> print(f"{masking(0.5, 0.5):.6f}")
     0.957064
@@ -100,7 +100,7 @@ def masking(cosine: Value, roughness: Value) -> Value:
 
 
 def geometry(normal_view: Value, normal_light: Value, roughness: Value) -> Value:
-    """G: neither hidden from the viewer nor from the light (B. Smith, 1967).
+    """G: the share visible to both viewer and light (B. Smith, 1967).
 
     >>> print(f"{geometry(0.5, 0.5, 0.5):.6f}")
     0.609161
@@ -109,7 +109,7 @@ def geometry(normal_view: Value, normal_light: Value, roughness: Value) -> Value
 
 
 def fresnel(cosine: Value, f0: Value) -> Value:
-    """F: a mirror reflects f0 straight on, and everything at a grazing angle.
+    """F: a mirror reflects f0 at normal incidence, and everything at a grazing angle.
 
     f0 + (1 − f0)(1 − cos θ)⁵, θ between the viewer and the halfway vector.
 
@@ -122,7 +122,7 @@ def fresnel(cosine: Value, f0: Value) -> Value:
 
 
 def base_reflectance(albedo: Value, metallic: Value) -> Value:
-    """f0: 0.04 for everything that is not a metal, the metal's own colour for what is.
+    """f0: 0.04 for dielectrics, the albedo for metals.
 
     >>> float(base_reflectance(0.9, 0.0)), float(base_reflectance(0.9, 1.0))
     (0.04, 0.9)
@@ -138,14 +138,14 @@ def radiance(
     metallic: Value,
     roughness: Value,
 ) -> Value:
-    """What comes out of a surface in a light of strength 1: (k_d·albedo/π + D·F·G/(4 n·v n·l)) n·l.
+    """The radiance reflected of light of strength 1: (k_d·albedo/π + D·F·G/(4 n·v n·l)) n·l.
 
     Args:
         normal, view, light: unit vectors away from the surface.
         albedo: (…, 3), linear.
         metallic, roughness: 0…1; roughness above 0.
 
-    The denominator has 0.0001 added, as the shader has, against a division by zero.
+    The denominator has 0.0001 added against a division by zero.
 
     >>> up, grey = np.array([0.0, 0.0, 1.0]), np.full(3, 0.5)
     >>> radiance(up, up, up, grey, 0.0, 0.5).round(6).tolist()

@@ -1,4 +1,4 @@
-"""Effects on a finished picture: grey values, the inverse, and kernels of three by three.
+"""Post-processing: grey values, the inverse, and 3 × 3 kernels.
 
 Sources: ITU-R Recommendation BT.709-6, "Parameter values for the HDTV standards", 2015, item 3.2
 (luminance coefficients .2126, .7152, .0722); R. C. Gonzalez and R. E. Woods, "Digital Image
@@ -34,7 +34,7 @@ def average(color: Value) -> Value:
 
 
 def luminance(color: Value) -> Value:
-    """The light that the eye sees in a colour with Rec. 709's primaries, linear, (…, 1).
+    """The relative luminance of a linear colour with Rec. 709 primaries, (…, 1).
 
     >>> luminance(np.array([1.0, 0.5, 0.31])).round(6).tolist()
     [0.592582]
@@ -43,7 +43,7 @@ def luminance(color: Value) -> Value:
 
 
 def inverse(color: Value) -> Value:
-    """What is missing to white.
+    """The inverse: 1 − colour.
 
     >>> inverse(0.25)
     0.75
@@ -52,7 +52,7 @@ def inverse(color: Value) -> Value:
 
 
 def filtered(neighbours: Sequence[Value], kernel: Sequence[Value]) -> Value:
-    """The sum of nine neighbours, each by its weight, row by row, the uppermost first.
+    """The weighted sum of nine neighbours, row by row, the uppermost first.
 
     >>> filtered([1.0] * 9, EDGES)
     0.0
@@ -64,10 +64,10 @@ def filtered(neighbours: Sequence[Value], kernel: Sequence[Value]) -> Value:
 
 
 def convolved(image: Array, kernel: Sequence[float]) -> Array:
-    """A whole image through a kernel, its edge repeated outward, by NumPy's own convolution.
+    """A whole image filtered by a kernel, its edges replicated, by NumPy's convolution.
 
-    Convolution turns a kernel round; to lay it over the image as it is printed, it is turned
-    beforehand, row by row, and rows are convolved one at a time.
+    Convolution flips a kernel; flipped beforehand, it lies over the image as it is printed. Rows
+    are convolved one at a time.
 
     Args:
         image: (height, width, channels), row 0 the lowest.

@@ -1,7 +1,7 @@
-"""Quaternions as rotations: product, the turning of a vector, and the way between two of them.
+"""Quaternions as rotations: product, rotation of a vector, interpolation.
 
-A quaternion is an array (…, 4) of x, y, z, w, the scalar last, as a vec4 holds it. A unit one turns
-by φ around the unit axis u if it is (u sin φ/2, cos φ/2); q and −q are the same turn.
+A quaternion is an array (…, 4) of x, y, z, w, the scalar last, as a vec4 holds it. A unit one
+rotates by φ around the unit axis u if it is (u sin φ/2, cos φ/2); q and −q are the same rotation.
 
 Sources: W. R. Hamilton, "On quaternions", 1844 (product); K. Shoemake, "Animating rotation with
 quaternion curves", SIGGRAPH 1985 (q v q*, slerp, and the matrix).
@@ -18,7 +18,7 @@ from shaderlab.reference.transforms import Matrix, Vector
 
 
 def axis_angle(axis: Vector, angle: float) -> Matrix:
-    """The unit quaternion that turns by `angle` radians around `axis`, of any length but 0.
+    """The unit quaternion that rotates by `angle` radians around `axis`, of any length but 0.
 
     >>> axis_angle((0, 0, 5), math.pi).round(12).tolist()
     [0.0, 0.0, 1.0, 0.0]
@@ -28,7 +28,7 @@ def axis_angle(axis: Vector, angle: float) -> Matrix:
 
 
 def product(p: Value, q: Value) -> Value:
-    """Hamilton's product p q: the turn q, then the turn p.
+    """Hamilton's product p q: the rotation q, then the rotation p.
 
     >>> i, j = np.array([1.0, 0, 0, 0]), np.array([0, 1.0, 0, 0])
     >>> product(i, j).tolist(), product(j, i).tolist()
@@ -40,7 +40,7 @@ def product(p: Value, q: Value) -> Value:
 
 
 def conjugate(q: Value) -> Value:
-    """q*, the turn the other way; for a unit quaternion also its inverse.
+    """q*, the opposite rotation; for a unit quaternion also its inverse.
 
     >>> conjugate(np.array([0.6, 0.0, 0.0, 0.8])).tolist()
     [-0.6, -0.0, -0.0, 0.8]
@@ -49,7 +49,7 @@ def conjugate(q: Value) -> Value:
 
 
 def turned(v: Value, q: Value) -> Value:
-    """A vector through a unit quaternion: the first three of q (v, 0) q*, (…, 3).
+    """A vector rotated by a unit quaternion: the first three of q (v, 0) q*, (…, 3).
 
     >>> turned(np.array([1.0, 0.0, 0.0]), axis_angle((0, 0, 1), math.pi / 2)).round(12).tolist()
     [0.0, 1.0, 0.0]
@@ -58,7 +58,7 @@ def turned(v: Value, q: Value) -> Value:
 
 
 def slerp(a: Value, b: Value, t: Value) -> Value:
-    """From a (t = 0) to b (t = 1) on the great arc between them, at even speed.
+    """Spherical interpolation from a (t = 0) to b (t = 1), at constant angular speed.
 
     Args:
         a, b: unit quaternions with a·b ≥ 0 (else take −b) and not nearly the same.

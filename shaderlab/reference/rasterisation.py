@@ -1,4 +1,4 @@
-"""Where pixels lie in a triangle: the shares of its corners; and how many pass the depth test.
+"""Rasterisation: barycentric coordinates, and the number of samples that pass the depth test.
 
 Source: The OpenGL Graphics System: A Specification (version 4.5 core profile), M. Segal and
 K. Akeley, 2017, §14.6.1, "Basic polygon rasterization" (barycentric coordinates as ratios of
@@ -18,8 +18,8 @@ Array = npt.NDArray[Any]
 
 
 def barycentric(points: Array, corners: Array) -> Array:
-    """Each corner's share in points of the plane: the area of the triangle opposite to it, divided
-    by the whole. Inside all are between 0 and 1; their sum is 1.
+    """Barycentric coordinates of points in the plane: for each corner the area of the triangle
+    opposite to it, divided by the whole. Inside all lie between 0 and 1; their sum is 1.
 
     Args:
         points: (…, 2).
@@ -50,11 +50,11 @@ _NUDGES = np.array([(2.0, 1.0), (-1.0, 2.0), (-2.0, -1.0), (1.0, -2.0)]) / 32.0
 
 
 def samples_passed(draws: Sequence[Array], size: tuple[int, int]) -> tuple[tuple[int, int], ...]:
-    """How many samples of each draw pass the depth test LESS, one draw after the other.
+    """The number of samples of each draw that pass the depth test LESS, in drawing order.
 
-    Triangles are taken one by one, as they are drawn: a pixel that two of a draw's triangles pass
-    in turn counts twice. How often a pixel passes is not certain where an edge goes through its
-    middle, for drivers round the corners; so there is a least and a greatest number.
+    Triangles are rasterised one by one: a pixel where two of a draw's triangles pass in turn counts
+    twice. Drivers round the corners, so a pixel whose centre lies on an edge may pass or not; hence
+    a least and a greatest number.
 
     Args:
         draws: (triangles, 3 corners, 4), clip coordinates, all before the eye.

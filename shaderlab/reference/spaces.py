@@ -1,4 +1,4 @@
-"""The way of a vertex from the camera to the window: view, clip, device and window coordinates.
+"""Coordinate spaces after the world: view, clip, normalised device and window coordinates.
 
 Sources: "The OpenGL Graphics System: A Specification", version 4.5 core (M. Segal, K. Akeley,
 2017), section 13.6 "Coordinate Transformations" (viewport and depth range); version 1.0 (1992),
@@ -25,7 +25,7 @@ from shaderlab.glslmath import (
 
 
 def in_camera(world: Value, eye: Value, target: Value, up: Value) -> Value:
-    """A place (…, 3) as a camera sees it: x to its right, y up, z towards it.
+    """World coordinates (…, 3) in view space: x to the camera's right, y up, z towards it.
 
     >>> in_camera(np.zeros(3), np.array([0, 0, 3.0]), np.zeros(3), np.array([0, 1.0, 0])).tolist()
     [0.0, 0.0, -3.0]
@@ -41,7 +41,7 @@ def in_camera(world: Value, eye: Value, target: Value, up: Value) -> Value:
 
 
 def orbit_eye(angle: Value, radius: Value, height: Value) -> Value:
-    """A camera on a level circle around the y axis, at `angle` radians from +z towards +x: (…, 3).
+    """A camera's place on a horizontal circle around y, `angle` radians from +z towards +x: (…, 3).
 
     >>> import math
     >>> orbit_eye(math.pi / 2, 5.0, 1.0).round(9).tolist()
@@ -68,7 +68,7 @@ def orthographic_clip(
 
 
 def perspective_clip(seen: Value, fovy: Value, aspect: Value, near: Value, far: Value) -> Value:
-    """View space to clip space, with a vertical opening of `fovy` radians; w is the distance −z.
+    """View space to clip space, with a vertical field of view of `fovy` radians; w is −z.
 
     >>> import math
     >>> clip = perspective_clip(np.array([0.0, 0, -0.1]), math.radians(45), 1.0, 0.1, 100.0)
@@ -95,7 +95,7 @@ def device(clip: Value) -> Value:
 
 
 def window(ndc: Value, viewport: Value, depth_range: Value) -> Value:
-    """Device coordinates to the window's: x, y in pixels from the lower left, depth.
+    """Device to window coordinates: x, y in pixels from the lower left, and depth.
 
     Args:
         ndc: (…, 3).
@@ -113,7 +113,7 @@ def window(ndc: Value, viewport: Value, depth_range: Value) -> Value:
 
 
 def depth_of(view_z: Value, near: Value, far: Value) -> Value:
-    """Device depth of a place at z in view space (negative in front), and how fast it changes.
+    """Device depth at z in view space (negative in front of the camera), and its derivative.
 
     z_ndc = (f + n)/(f − n) + 2fn/((f − n) z), so ∂z_ndc/∂z = −2fn/((f − n) z²): (…, 2).
 
@@ -125,8 +125,8 @@ def depth_of(view_z: Value, near: Value, far: Value) -> Value:
 
 
 def sky_clip(aPos: Value, view: Value, projection: Value) -> Value:
-    """A sky's vertex in clip space: turned with the camera, but not moved, and as far away as
-    anything can be, z = w: (…, 4).
+    """A sky box's vertex in clip space, rotated but not moved with the camera, on the far plane
+    (z = w): (…, 4).
 
     Args:
         aPos: (…, 3), a point of a box around the camera.

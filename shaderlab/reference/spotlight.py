@@ -1,4 +1,4 @@
-"""The soft edge of a spotlight, as a linear ramp between two cosines.
+"""A spotlight's soft edge: a linear ramp between two cosines.
 
 Source: J. de Vries, "Learn OpenGL" (2020), chapter "Light casters", soft edges; the ratio is the
 inverse of a linear interpolation over the cosine, not over the angle.

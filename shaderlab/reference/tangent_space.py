@@ -1,4 +1,4 @@
-"""Tangent space: the frame in which a normal map tells its normals.
+"""Tangent space: the frame of a normal map's normals.
 
 Sources: J. F. Blinn, "Simulation of Wrinkled Surfaces", SIGGRAPH 1978 (normals that are not the
 surface's own); E. Lengyel, "Mathematics for 3D Game Programming and Computer Graphics", third
@@ -24,8 +24,8 @@ def decoded_normal(texel: Value) -> Value:
 
 
 def tilt_of_flat_bytes() -> float:
-    """How far a "flat" texel (128, 128, 255) leans from the surface's normal, in degrees: no byte
-    stands for 0.
+    """The angle in degrees between a "flat" texel (128, 128, 255) and the surface's normal: no byte
+    encodes 0.
 
     >>> print(f"{tilt_of_flat_bytes():.6f}")
     0.317755
@@ -35,7 +35,7 @@ def tilt_of_flat_bytes() -> float:
 
 
 def uv_area(uv1: Value, uv2: Value) -> Value:
-    """Twice a triangle's signed area in the texture; negative where the picture is mirrored.
+    """Twice a triangle's signed area in the texture; negative where the texture is mirrored.
 
     >>> uv_area(np.array([1.0, 0.0]), np.array([0.0, 1.0])).tolist()
     [1.0]
@@ -44,7 +44,7 @@ def uv_area(uv1: Value, uv2: Value) -> Value:
 
 
 def tangent(edge1: Value, edge2: Value, uv1: Value, uv2: Value, normal: Value) -> Value:
-    """T, the direction in which u grows: (Δv₂ E₁ − Δv₁ E₂) / det, made upright on the normal.
+    """T, the direction in which u grows: (Δv₂ E₁ − Δv₁ E₂) / det, made perpendicular to the normal.
 
     Args:
         edge1, edge2: from a triangle's first corner to the others, (…, 3).
@@ -64,7 +64,7 @@ def tangent(edge1: Value, edge2: Value, uv1: Value, uv2: Value, normal: Value) -
 
 
 def bitangent(normal: Value, tangent: Value, uv1: Value, uv2: Value) -> Value:
-    """B, the direction in which v grows: N × T, turned round where the picture is mirrored.
+    """B, the direction in which v grows: N × T, flipped where the texture is mirrored.
 
     >>> east, north, up = np.eye(3)
     >>> bitangent(up, east, np.array([1.0, 0.0]), np.array([0.0, 1.0])).tolist()

@@ -1,4 +1,4 @@
-"""Tone mapping: from light without an upper end to the range 0…1 of a display.
+"""Tone mapping: from unbounded light to a display's range 0…1.
 
 Sources: E. Reinhard, M. Stark, P. Shirley, J. Ferwerda, "Photographic Tone Reproduction for
 Digital Images", ACM Transactions on Graphics 21(3), 2002, equation 3; J. de Vries, "Learn OpenGL"
@@ -11,7 +11,7 @@ from shaderlab.glslmath import Value, exp, min
 
 
 def clipped(light: Value) -> Value:
-    """What a framebuffer of eight bits does by itself: everything above 1 becomes 1.
+    """Clipping, as an 8-bit framebuffer does: everything above 1 becomes 1.
 
     >>> clipped(12.5).item()
     1.0
@@ -20,7 +20,7 @@ def clipped(light: Value) -> Value:
 
 
 def reinhard(light: Value) -> Value:
-    """x / (1 + x): dark tones stay, bright ones never quite reach 1.
+    """x / (1 + x): dark tones hardly change, bright ones stay below 1.
 
     Args:
         light: x ≥ 0, of any size.
@@ -35,7 +35,7 @@ def reinhard(light: Value) -> Value:
 
 
 def exposed(light: Value, exposure: Value) -> Value:
-    """1 − exp(−x·e): a film that is exposed for longer or for shorter.
+    """1 − exp(−x·e): film exposed for longer or shorter.
 
     Args:
         light: x ≥ 0.

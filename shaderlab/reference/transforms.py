@@ -25,7 +25,7 @@ Vector = Sequence[float] | npt.NDArray[Any]
 
 
 def translate(offset: Vector) -> Matrix:
-    """Moves points (w = 1) by `offset`; directions (w = 0) stay.
+    """Moves points (w = 1) by `offset`; directions (w = 0) are unchanged.
 
     >>> (translate((1, 2, 3)) @ (0, 0, 0, 1)).tolist()
     [1.0, 2.0, 3.0, 1.0]
@@ -36,7 +36,7 @@ def translate(offset: Vector) -> Matrix:
 
 
 def scale(factors: Vector | float) -> Matrix:
-    """Stretches along x, y, z; one number does it evenly.
+    """Scales along x, y and z; a single number scales uniformly.
 
     >>> (scale((1, 2, 3)) @ (1, 1, 1, 1)).tolist()
     [1.0, 2.0, 3.0, 1.0]
@@ -47,7 +47,7 @@ def scale(factors: Vector | float) -> Matrix:
 
 
 def rotate(angle: float, axis: Vector) -> Matrix:
-    """Turns by `angle` radians around `axis`, counter-clockwise for whom the axis points at.
+    """Rotates by `angle` radians, counter-clockwise where `axis` points at the viewer.
 
     R = cos φ·I + (1 − cos φ)·u uᵀ + sin φ·[u]ₓ, u the unit axis (O. Rodrigues, 1840).
 
@@ -79,7 +79,7 @@ def look_at(eye: Vector, target: Vector, up: Vector = (0.0, 1.0, 0.0)) -> Matrix
 
 
 def perspective(fovy: float, aspect: float, near: float, far: float) -> Matrix:
-    """Perspective projection with a vertical opening of `fovy` radians, 0 < near < far.
+    """Perspective projection with a vertical field of view of `fovy` radians, 0 < near < far.
 
     z = −near lands on depth −1, z = −far on +1 (after the division by w).
 
@@ -115,7 +115,7 @@ def orthographic(
 
 
 def normal_matrix(model: Matrix) -> Matrix:
-    """What normals go through where points go through `model`: the inverse transpose, 3 × 3.
+    """The matrix for normals where `model` transforms points: its inverse transpose, 3 × 3.
 
     >>> normal_matrix(scale((1, 2, 4))).diagonal().tolist()
     [1.0, 0.5, 0.25]
@@ -150,7 +150,7 @@ def world_position(aPos: Value, model: Value) -> Value:
 
 
 def world_normal(aNormal: Value, normalMatrix: Value) -> Value:
-    """Normals through the matrix that `normal_matrix` makes; of any length afterwards.
+    """Normals through a `normal_matrix`; not of unit length afterwards.
 
     >>> world_normal(np.array([1.0, 1.0, 0.0]), normal_matrix(scale((1, 2, 1)))).tolist()
     [1.0, 0.5, 0.0]
@@ -170,7 +170,7 @@ def device_position(aPos: Value, model: Value, view: Value, projection: Value) -
 
 
 def translated(aPos: Value, offset: Value, w: Value) -> Value:
-    """Translation of (x, y, z, w): `offset` counts w times, so a direction (w = 0) stays.
+    """Translation of (x, y, z, w): `offset` is scaled by w, so a direction (w = 0) is unchanged.
 
     >>> translated(np.array([1.0, 2.0, 3.0]), np.array([4.0, 5.0, 6.0]), 1.0).tolist()
     [5.0, 7.0, 9.0, 1.0]
@@ -218,7 +218,7 @@ def in_view(world: Value, view: Value, projection: Value) -> Value:
 
 
 def signed_area(points: Vector) -> float:
-    """A polygon's area in the plane, positive where its corners run counter-clockwise.
+    """A polygon's area in the plane, positive for counter-clockwise corners.
 
     Source: the shoelace formula, C. F. Gauss, 1795.
 
