@@ -5,6 +5,7 @@ Files have the top row first, OpenGL the lowest; the flip happens here and nowhe
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,12 @@ from shaderlab.pictures.display import as_pixels, enlarge, to_display
 Floats = NDArray[np.float32]
 
 LARGEST_SIDE = 16384
-_PNG_FILTER_SUB = 16  # libpng's number for "each byte less the one to the left"
+_PNG = {
+    "oiio:UnassociatedAlpha": 1,
+    # A third of the default's time, for files a tenth larger.
+    "png:compressionLevel": 3,
+    "png:filter": 16,  # libpng's number for "each byte less the one to the left"
+}
 
 
 def load_library() -> None:
@@ -46,34 +52,41 @@ def save_png(
     Raises:
         AssetError: the file can't be written.
     """
-    import OpenImageIO as oiio
-
-    target = Path(path)
     pixels = as_pixels(array)
     if pixels.dtype != np.uint8 or pixels.shape[2] == 2:
         pixels = to_display(pixels).image
-    pixels = enlarge(pixels, max(1, -(-min_side // min(pixels.shape[:2]))))[::-1]
-    top_first = np.ascontiguousarray(pixels if palette is None else palette[pixels[:, :, 0]])
-    height, width, channels = top_first.shape
+    pixels = enlarge(pixels, max(1, -(-min_side // min(pixels.shape[:2]))))
+    if palette is not None:
+        pixels = palette[pixels[:, :, 0]]
+    write_image(Path(path), "png", pixels, _PNG)
 
+
+def write_image(
+    path: Path, kind: str, pixels: NDArray[np.uint8], attributes: Mapping[str, int | str]
+) -> None:
+    """Encode uint8 pixels (height, width, channels), row 0 at the bottom; whole or not at all.
+
+    `kind` and `attributes` are those of OpenImageIO. Raises AssetError.
+    """
+    import OpenImageIO as oiio
+
+    height, width, channels = pixels.shape
     spec = oiio.ImageSpec(width, height, channels, "uint8")
-    spec.attribute("oiio:UnassociatedAlpha", 1)
-    # A third of the default's time, for files a tenth larger.
-    spec.attribute("png:compressionLevel", 3)
-    spec.attribute("png:filter", _PNG_FILTER_SUB)
-    output = oiio.ImageOutput.create("png")
+    for name, value in attributes.items():
+        spec.attribute(name, value)
+    output = oiio.ImageOutput.create(kind)
     if output is None:
-        raise _unwritten(target, oiio.geterror() or "no PNG writer")
+        raise _unwritten(path, oiio.geterror() or f"no {kind} writer")
     try:
-        with replacing(target) as draft:
+        with replacing(path) as draft:
             if not output.open(str(draft), spec):
-                raise _unwritten(target, output.geterror())
-            written = output.write_image(top_first)
+                raise _unwritten(path, output.geterror())
+            written = output.write_image(np.ascontiguousarray(pixels[::-1]))
             closed = output.close()
             if not (written and closed):
-                raise _unwritten(target, output.geterror() or "the file could not be finished")
+                raise _unwritten(path, output.geterror() or "the file could not be finished")
     except OSError as error:
-        raise _unwritten(target, error.strerror or str(error)) from error
+        raise _unwritten(path, error.strerror or str(error)) from error
 
 
 def copy_png(path: str | Path, source: Path) -> None:

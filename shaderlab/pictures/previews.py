@@ -8,18 +8,18 @@ what eyes don't see; the PNG keeps every value.
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from shaderlab.errors import AssetError
-from shaderlab.pictures.files import reduced, save_png
+from shaderlab.pictures.files import reduced, save_png, write_image
 
-_QUALITY = "webp:70"  # a photograph's usual one
-# How hard the encoder looks for a shorter file, 0 to 6: the default, 6, takes three times as long
-# for files a twelfth smaller, and no nearer to the picture.
-_EFFORT = 2
+_WEBP: dict[str, int | str] = {
+    "compression": "webp:70",  # a photograph's usual quality
+    # How hard the encoder looks for a shorter file, 0 to 6: the default, 6, takes three times as
+    # long for files a twelfth smaller, and no nearer to the picture.
+    "webp:method": 2,
+}
 
 
 def save_previews(path: str | Path, pixels: NDArray[np.uint8], sides: tuple[int, ...]) -> None:
@@ -35,11 +35,11 @@ def save_previews(path: str | Path, pixels: NDArray[np.uint8], sides: tuple[int,
     """
     for side in sides:
         small = reduced(pixels, side) if side else pixels
-        webp = _beside(Path(path), side, "webp")
-        _save_webp(webp, small)
+        webp = _copy_path(Path(path), side, "webp")
+        write_image(webp, "webp", small, _WEBP)
         rival = Path(path)
         if side:
-            rival = _beside(Path(path), side, "png")
+            rival = _copy_path(Path(path), side, "png")
             save_png(rival, small)
         loser = webp if rival.stat().st_size <= 1.25 * webp.stat().st_size else rival
         if loser == webp or side:
@@ -53,30 +53,11 @@ def preview(path: str | Path, side: int) -> bytes:
         OSError: it can't be read.
     """
     for suffix in ("webp", "png"):
-        file = _beside(Path(path), side, suffix)
+        file = _copy_path(Path(path), side, suffix)
         if file.is_file():
             return file.read_bytes()
     return Path(path).read_bytes()
 
 
-def _beside(path: Path, side: int, suffix: str) -> Path:
+def _copy_path(path: Path, side: int, suffix: str) -> Path:
     return path.with_name(f"{path.stem}@{side}.{suffix}")
-
-
-def _save_webp(path: Path, pixels: NDArray[Any]) -> None:
-    import OpenImageIO as oiio
-
-    height, width, channels = pixels.shape
-    spec = oiio.ImageSpec(width, height, channels, "uint8")
-    spec.attribute("compression", _QUALITY)
-    spec.attribute("webp:method", _EFFORT)
-    output = oiio.ImageOutput.create("webp")
-    written = (
-        output is not None
-        and output.open(str(path), spec)
-        and output.write_image(np.ascontiguousarray(pixels[::-1]))
-        and output.close()
-    )
-    if not written:
-        why = output.geterror() if output is not None else oiio.geterror()
-        raise AssetError(f"can't write the picture ({why})", file=path)

@@ -33,7 +33,7 @@ _STYLES = (
 )  # fmt: skip
 _SCRIPTS = (
     "numbers", "values", "paint", "view", "marks", "histogram", "readout", "pointer", "inspector",
-    "inspect", "assembly", "curves", "copies", "blink", "filter", "open",
+    "curves", "blink", "filter", "folds",
 )  # fmt: skip
 
 

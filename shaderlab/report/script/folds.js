@@ -1,0 +1,60 @@
+// What is folded away: filled when it is opened, and opened around a link's goal and for paper.
+
+/** Calls fill(details) when one is opened whose code is not there yet. */
+function fillOnOpening(selector, fill) {
+  for (const details of document.querySelectorAll(selector)) {
+    details.addEventListener("toggle", () => {
+      if (details.open && !details.querySelector("pre")) fill(details);
+    });
+  }
+}
+
+// A program's SPIR-V lies in the page deflated.
+fillOnOpening("details[data-assembly]", async (details) => {
+  const packed = document.getElementById(details.dataset.assembly);
+  if (!packed) return;
+  const code = document.createElement("pre");
+  code.className = "code";
+  code.tabIndex = 0;
+  code.setAttribute("aria-label", details.querySelector("summary").textContent.trim());
+  details.append(code);
+  try {
+    code.textContent = new TextDecoder().decode(await inflated(packed.content.textContent));
+  } catch (error) {
+    code.remove();
+    console.warn("no assembly here:", error);
+  }
+});
+
+// A source that an earlier case shows too stands in the page once.
+fillOnOpening("details[data-copy]", (details) => {
+  const shown = document.getElementById(details.dataset.copy);
+  if (!shown) return;
+  const copy = shown.querySelector("pre").cloneNode(true);
+  // Its lines' anchors are the first one's.
+  for (const row of copy.querySelectorAll("[id]")) row.removeAttribute("id");
+  details.querySelector("p").replaceWith(copy);
+});
+
+function reveal() {
+  // Anchors of this page are plain letters, digits and hyphens.
+  const goal = document.getElementById(location.hash.slice(1));
+  if (!goal) return;
+  for (let node = goal; node; node = node.parentElement) {
+    if (node.tagName === "DETAILS") node.open = true;
+    if (node.matches("[data-case], [data-shelf]")) node.hidden = false;
+  }
+  goal.scrollIntoView();
+  if (goal.matches(".check")) inspectWorst(goal);
+}
+addEventListener("hashchange", reveal);
+if (location.hash) reveal();
+
+let folded = [];
+addEventListener("beforeprint", () => {
+  folded = [...document.querySelectorAll("details:not([open])")];
+  for (const item of folded) item.open = true;
+});
+addEventListener("afterprint", () => {
+  for (const item of folded) item.open = false;
+});
