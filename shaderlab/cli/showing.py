@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Protocol
@@ -13,6 +13,7 @@ from typing import Protocol
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
+from rich.text import Text
 
 from shaderlab.cli.rows import STYLES, case_table
 from shaderlab.files import display_path
@@ -27,13 +28,13 @@ SLOWEST = 5
 
 
 class Reporter(Protocol):
-    """What is told of a run while it goes on."""
+    """Receives the progress of a run."""
 
     def starts(self, case_id: str, variant: str) -> None:
-        """A scene is about to run."""
+        """A scene starts."""
 
     def ends(self, record: Record) -> None:
-        """A scene has run."""
+        """A scene is done."""
 
 
 class Show:
@@ -41,33 +42,37 @@ class Show:
 
     def __init__(self, to_stderr: bool = False) -> None:
         self.console = Console(
-            file=sys.stderr if to_stderr else sys.stdout, highlight=False, soft_wrap=True
+            file=sys.stderr if to_stderr else sys.stdout,
+            highlight=False,
+            markup=False,
+            emoji=False,
+            soft_wrap=True,
         )
 
     @contextmanager
     def progress(self, total: int) -> Iterator[Reporter]:
-        """A live line on a terminal; elsewhere a plain line for a failure and now and then."""
+        """A bar on a terminal; elsewhere a line for each failure, and one now and then."""
         if not self.console.is_terminal:
-            yield _Plain(self.console, total)
+            yield _Lines(self.console, total)
             return
         columns = (
-            TextColumn("{task.description}"),
+            TextColumn("{task.description}", markup=False),
             BarColumn(bar_width=30),
             MofNCompleteColumn(),
             TimeElapsedColumn(),
         )
         with Progress(*columns, console=self.console, transient=True) as progress:
-            yield _Live(progress, total)
+            yield _Bar(progress, total)
 
     def outcomes(self, run: Run) -> None:
-        """A table of all cases, each failure in full, one line that sums up."""
+        """A table of all cases, each failure in full, and a line that sums up."""
         self.console.print(case_table(run.records))
         for record in run.records:
             if failed(record):
                 self.console.print()
                 for line in failure(record):
                     style = "red" if line.lstrip().startswith(MARKS["fail"]) else None
-                    self.console.print(line, style=style, markup=False)
+                    self.console.print(line, style=style)
         self.console.print()
         bad = any(failed(record) for record in run.records)
         self.console.print(
@@ -75,28 +80,24 @@ class Show:
         )
         renderer = run.driver.get("renderer")
         if renderer:
-            self.console.print(f"on {renderer}", style="dim", markup=False)
+            self.console.print(f"on {renderer}", style="dim")
 
     def sweep(self, rows: Sequence[Row], run: Run) -> None:
-        """A sweep's table; of a long one the points that are worst, and how many there are."""
+        """A sweep's table; of a long one the worst points, and how many there are."""
         shown = list(rows)
         if len(rows) > MOST_ROWS:
             worst = sorted(shown, key=lambda row: (row["status"] == "pass", -_width(row)))
             kept = {id(row) for row in worst[:MOST_ROWS]}
             shown = [row for row in rows if id(row) in kept]
         swept = list(rows[0])[: list(rows[0]).index("status")] if rows else []
-        table = Table(box=None, pad_edge=False, header_style="dim")
-        for name in swept:
-            table.add_column(name.replace("[", r"\["), justify="right")
-        table.add_column("status")
-        for heading in ("half widths", "ulp", "outside", "vacuous", "seconds"):
-            table.add_column(heading, justify="right")
+        numbers = ("half widths", "ulp", "outside", "vacuous", "seconds")
+        table = _table(*swept, "status", *numbers, right=(*swept, *numbers))
         for row in shown:
             style = STYLES.get(str(row["status"]), "red")
             outside = f"{row['outside']} of {row['judged']}"
             table.add_row(
                 *(f"{row[name]:.6g}" for name in swept),
-                f"[{style}]{row['status']}[/]",
+                Text(str(row["status"]), style),
                 *("" if row[n] is None else f"{row[n]:.3g}" for n in ("widths", "ulp")),
                 outside,
                 "" if row["vacuous"] is None else f"{row['vacuous']:.0%}",
@@ -105,35 +106,32 @@ class Show:
         self.console.print(table)
         if len(shown) < len(rows):
             self.console.print(f"the {len(shown)} worst of {len(rows)} points", style="dim")
-        said = {str(row["message"]) for row in rows if row["message"]}
-        for message in sorted(said)[:MOST_MESSAGES]:
-            self.console.print(message, markup=False, style="red")
+        messages = {str(row["message"]) for row in rows if row["message"]}
+        for message in sorted(messages)[:MOST_MESSAGES]:
+            self.console.print(message, style="red")
         bad = any(failed(record) for record in run.records)
         words = summary(run.records, run.seconds).partition(": ")[2]
         self.console.print(
             f"\n{len(rows)} points: {words}", style="bold red" if bad else "bold green"
         )
-        self.console.print(f"on {run.driver.get('renderer')}", style="dim", markup=False)
+        self.console.print(f"on {run.driver.get('renderer')}", style="dim")
 
     def where(self, page: Path) -> None:
-        """Where the report is."""
-        self.console.print(f"report: {display_path(page)}", markup=False)
+        """The path of the page."""
+        self.console.print(f"report: {display_path(page)}")
 
     def disagreements(self, run: Run) -> None:
-        """Where drivers disagree: a row for each output that is not the same on all of them."""
+        """Where drivers disagree: a row for each output that differs between two of them."""
         if not run.drivers:
             return
-        table = Table(box=None, pad_edge=False, header_style="dim")
-        for heading in ("output", "drivers"):
-            table.add_column(heading, no_wrap=True)
-        for heading in ("pixels that differ", "most ulp"):
-            table.add_column(heading, justify="right")
-        for found in run.disagreements:
-            if found.differing:
-                name = f"{label(found.id, found.variant)}: {found.output}".replace("[", r"\[")
-                differing = f"{found.differing} of {found.pixels}"
-                table.add_row(name, " | ".join(found.drivers), differing, f"{found.ulp:.4g}")
-        same = sum(not found.differing for found in run.disagreements)
+        numbers = ("pixels that differ", "most ulp")
+        table = _table("output", "drivers", *numbers, right=numbers)
+        for each in run.disagreements:
+            if each.differing:
+                name = f"{label(each.id, each.variant)}: {each.output}"
+                differing = f"{each.differing} of {each.pixels}"
+                table.add_row(name, " | ".join(each.drivers), differing, f"{each.ulp:.4g}")
+        same = sum(not each.differing for each in run.disagreements)
         self.console.print()
         if table.row_count:
             self.console.print(table)
@@ -141,26 +139,21 @@ class Show:
         for result in run.drivers:
             if result.status not in ("pass", "unsupported"):
                 name = label(result.id, result.variant)
-                self.console.print(f"{result.status} on {result.driver}: {name}", markup=False)
+                self.console.print(f"{result.status} on {result.driver}: {name}")
 
     def go_on(self, folder: Path) -> None:
-        """How to run what an interrupt left out."""
-        self.console.print(
-            f"go on with: shaderlab run --resume {display_path(folder)}", markup=False
-        )
+        """How to run what an interrupted run left out."""
+        self.console.print(f"go on with: shaderlab run --resume {display_path(folder)}")
 
     def profile(self, run: Run) -> None:
-        """Where the time of all records went, by phase."""
+        """The time of all records by phase, and the slowest of them."""
         spent: dict[str, float] = {}
         for record in run.records:
             for phase, seconds in record.timings.items():
                 spent[phase] = spent.get(phase, 0.0) + seconds
         inside = sum(record.seconds for record in run.records)
         spent["other"] = max(inside - sum(spent.values()), 0.0)
-        table = Table(box=None, pad_edge=False, header_style="dim")
-        for heading in ("phase", "seconds", "share"):
-            table.add_column(heading, justify="left" if heading == "phase" else "right")
-        table.add_column("")
+        table = _table("phase", "seconds", "share", "", right=("seconds", "share"))
         for phase, seconds in spent.items():
             share = seconds / inside if inside else 0.0
             table.add_row(phase, f"{seconds:.3f}", f"{share:.0%}", "█" * round(40 * share))
@@ -169,7 +162,16 @@ class Show:
         slowest = sorted(run.records, key=lambda record: -record.seconds)[:SLOWEST]
         for record in slowest:
             line = f"{record.seconds:8.3f} s  {label(record.id, record.variant)}"
-            self.console.print(line, markup=False)
+            self.console.print(line)
+
+
+def _table(*headings: str, right: Collection[str]) -> Table:
+    """An empty table; the columns in `right` are aligned to the right."""
+    table = Table(box=None, pad_edge=False, header_style="dim")
+    for heading in headings:
+        aligned = heading in right
+        table.add_column(heading, justify="right" if aligned else "left", no_wrap=not aligned)
+    return table
 
 
 def _width(row: Row) -> float:
@@ -177,20 +179,19 @@ def _width(row: Row) -> float:
     return math.inf if widths is None else float(widths)
 
 
-class _Live:
+class _Bar:
     def __init__(self, progress: Progress, total: int) -> None:
         self._progress = progress
         self._task = progress.add_task("", total=total)
 
     def starts(self, case_id: str, variant: str) -> None:
-        name = label(case_id, variant).replace("[", r"\[")
-        self._progress.update(self._task, description=f"{name:<32}")
+        self._progress.update(self._task, description=f"{label(case_id, variant):<32}")
 
     def ends(self, record: Record) -> None:
         self._progress.advance(self._task)
 
 
-class _Plain:
+class _Lines:
     def __init__(self, console: Console, total: int) -> None:
         self._console = console
         self._total = total
@@ -208,4 +209,4 @@ class _Plain:
             self._say(f"{record.status}: {label(record.id, record.variant)}")
 
     def _say(self, line: str) -> None:
-        self._console.print(line, markup=False)
+        self._console.print(line)
