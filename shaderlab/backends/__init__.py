@@ -212,7 +212,7 @@ def probe() -> Mapping[str, str]:
 def driver_verdict(sources: Sequence[Source]) -> Verdict:
     """`Backend.driver_verdict` on a device of this process's own, opened at the first call.
 
-    For workers, which are told by name what to call: "shaderlab.backends:driver_verdict".
+    Workers call it by its name: "shaderlab.backends:driver_verdict".
     """
     return _own_backend().driver_verdict(sources)
 

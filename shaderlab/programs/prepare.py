@@ -14,7 +14,7 @@ from shaderlab.glsl.interface import Interface
 from shaderlab.glsl.sources import Shaders, Source
 from shaderlab.glsl.targets import TARGETS
 from shaderlab.model import Draw, Pass
-from shaderlab.programs import bind, formats, stages
+from shaderlab.programs import bind, formats, vertex_stages
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -148,7 +148,7 @@ class Preparer:
         return self._loaded[name]
 
     def _domain_stage(self, fragment: Source, interface: Interface) -> Source:
-        text = stages.domain_vertex(fragment.text, interface.varyings.values())
+        text = vertex_stages.domain_vertex(fragment.text, interface.varyings.values())
         return self._shaders.from_text(text, "vertex", "<domain>")
 
 

@@ -22,7 +22,7 @@ from shaderlab.backends.opengl.vertices import vertex_array
 from shaderlab.errors import ShaderError, UnsupportedError
 from shaderlab.frame import Array, Bindings, Fragments, PassDraw, Samples
 from shaderlab.model import Mesh, State, Target
-from shaderlab.programs import formats, stages
+from shaderlab.programs import formats, stages, vertex_stages
 from shaderlab.programs.inputs import complete_inputs, piece_of
 from shaderlab.programs.prepare import PreparedDraw
 from shaderlab.programs.varyings import Piece, assembled
@@ -84,7 +84,7 @@ def _capture_group(
 
 
 def _blank(draw: PreparedDraw) -> str:
-    """The draw's fragment shader, its coordinate written as zero: covered by somebody else."""
+    """The draw's fragment shader, its coordinate written as zero: another draw covers it."""
     crowded = len(draw.interface.outputs) + 1 > stages.MOST_OUTPUTS
     unwanted = draw.interface.outputs if crowded else None
     text, _ = stages.capture_fragment(draw.text("fragment") or "", (), unwanted)
@@ -135,7 +135,7 @@ def probe_fragments(
 def _fed(drawing: Drawing, draw: PreparedDraw) -> tuple[Any, dict[Piece, str]]:
     """The draw's fragment shader behind a vertex stage that feeds it from attributes."""
     text = draw.text("fragment") or ""
-    vertex, columns = stages.probe_vertex(text, draw.interface.varyings.values())
+    vertex, columns = vertex_stages.probe_vertex(text, draw.interface.varyings.values())
     remedy = "judge it over the frame (formula, or value at a Pixel)"
     if len(columns) > _MAX_ATTRIBUTES:
         raise UnsupportedError(

@@ -28,7 +28,7 @@ class UniformBuffers:
 
     Args:
         device: where to make them.
-        stack: gives them back in the end.
+        stack: releases them in the end.
     """
 
     def __init__(self, device: Device, stack: ExitStack) -> None:
