@@ -11,7 +11,7 @@ from pathlib import Path
 
 from shaderlab.errors import ShaderlabError
 
-# Most pieces are a word, some are a picture.
+# Most pieces of a page are a word, some a picture.
 _PIECES_PER_WRITE = 32
 
 

@@ -1,4 +1,4 @@
-"""What running a case gave, as plain data: the only thing that reports are made from.
+"""The results of running cases, as plain data: all that reports are made from.
 
 Everything here is built of strings, numbers, lists and mappings, and converts to JSON and back
 without loss. The public JSON of `shaderlab run --json` is a view of it (docs/json.md).
@@ -27,7 +27,7 @@ class Diagnostic:
 
 @dataclass(frozen=True, kw_only=True)
 class Verdict:
-    """What one compile target, or a driver, said of one program.
+    """The verdict of one compile target, or of a driver, on one program.
 
     `ok` covers the compiler and, for SPIR-V targets, SPIRV-Tools' validator as well; the
     validator alone is in `valid`, None where there was no module to look at.
@@ -50,7 +50,7 @@ class Verdict:
 
 @dataclass(frozen=True, kw_only=True)
 class SourceText:
-    """A piece of source as a person wrote it, for showing: GLSL, or a Python formula."""
+    """A piece of source as its author wrote it: GLSL, or a Python formula."""
 
     file: str
     line: int
@@ -236,7 +236,7 @@ class Record:
     `driver` (renderer and version), `size` and `picture_size` (sides in pixels of the judged frame
     and of the picture, where a pass has no size of its own) are what the values depend on besides
     the case's files and `Run.versions`: no law and no formula draws random numbers. They are "" and
-    0 where the scene did not come to be drawn, `picture_size` also where no picture was asked for.
+    0 where the scene was not drawn, `picture_size` also in a run without pictures.
     """
 
     id: str
@@ -298,8 +298,8 @@ class ProgramRecord:
 
 @dataclass(frozen=True, kw_only=True)
 class DriverResult:
-    """What became of one scene on one of several drivers; `driver` is its name as it was asked
-    for. `ulp` and `widths` are the largest of its outcomes' worst values."""
+    """One scene's result on one of several drivers; `driver` is the name given to `--drivers`.
+    `ulp` and `widths` are the largest of its outcomes' worst values."""
 
     driver: str
     renderer: str
@@ -330,7 +330,7 @@ class Run:
     "renderer", "vendor", "version" and "glsl"; `versions` maps package names to versions.
 
     `plots` show figures over all records, where these are the points of one case's sweep.
-    Where several drivers were asked for, `records` and `driver` are the first one's, `drivers`
+    With several drivers, `records` and `driver` are those of the first, `drivers`
     has every scene on every driver, and `disagreements` compares each two of them.
     """
 

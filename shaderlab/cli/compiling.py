@@ -115,15 +115,19 @@ def command(
     # A worker takes as long to start as two hundred files take to compile.
     most = 1 + len(programs) // _FILES_PER_WORKER
     with Pool(WORK, limits=limits, jobs=jobs or min(os.cpu_count() or 1, 4, most)) as pool:
-        tally = _told(compile_found(programs, options, pool), len(programs), json_file, quiet)
-    if driver and not tally.asked_driver:
-        click.echo("no OpenGL driver gave an opinion: see `shaderlab doctor`", err=True)
+        tally = _print_results(
+            compile_found(programs, options, pool), len(programs), json_file, quiet
+        )
+    if driver and not tally.has_driver:
+        click.echo("no OpenGL driver gave a verdict: see `shaderlab doctor`", err=True)
     if tally.refused:
         raise SystemExit(1)
 
 
-def _told(results: Iterator[FileResult], count: int, json_file: str | None, quiet: bool) -> Tally:
-    """Each result printed as it comes, then the summary; all of them as JSON if asked for."""
+def _print_results(
+    results: Iterator[FileResult], count: int, json_file: str | None, quiet: bool
+) -> Tally:
+    """Print each result as it comes, then the summary; write all as JSON to `json_file`."""
     tally = Tally()
     entries: list[dict[str, Any]] = []
     to_stderr = json_file == "-"

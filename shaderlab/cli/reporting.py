@@ -1,4 +1,4 @@
-"""`shaderlab report`: make a run's page once more, alone or against an earlier run."""
+"""`shaderlab report`: makes a run's page again, alone or against an earlier run."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from shaderlab.errors import UsageError
 from shaderlab.files import display_path
 
 
-@click.command("report", short_help="Make a run's page once more, or show where it is.")
+@click.command("report", short_help="Make a run's page again.")
 @click.argument("run_folder", required=False, metavar="[RUN_FOLDER]")
 @click.option(
     "--against",
@@ -25,7 +25,7 @@ from shaderlab.files import display_path
 def command(
     run_folder: str | None, earlier: str | None, outputs: Mapping[str, str], open_report: bool
 ) -> None:
-    """Make the page of a run once more, from the run.json in its folder.
+    """Make the page of a run again, from the run.json in its folder.
 
     \b
     Examples:

@@ -25,8 +25,8 @@ class Tally:
         self.refused = 0
 
     @property
-    def asked_driver(self) -> bool:
-        """Whether a driver said anything."""
+    def has_driver(self) -> bool:
+        """Whether a driver gave verdicts."""
         return DRIVER in self._counts
 
     def add(self, result: FileResult) -> None:
@@ -52,12 +52,12 @@ class Tally:
 
 
 def messages(result: FileResult) -> Iterator[str]:
-    """Each message once, with the targets that say it where not all do."""
-    said: dict[str, list[str]] = {}
+    """Each message once, with its targets unless all of them have it."""
+    targets_of: dict[str, list[str]] = {}
     for verdict in result.verdicts:
         for diagnostic in dict.fromkeys(verdict.diagnostics):
-            said.setdefault(diagnostic_line(diagnostic), []).append(verdict.target)
-    for line, targets in said.items():
+            targets_of.setdefault(diagnostic_line(diagnostic), []).append(verdict.target)
+    for line, targets in targets_of.items():
         few = len(targets) < len(result.verdicts)
         yield f"{line} [{', '.join(targets)}]" if few else line
 

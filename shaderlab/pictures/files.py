@@ -28,7 +28,7 @@ _PNG = {
 
 
 def load_library() -> None:
-    """Load what reads and writes image files; the first picture does it otherwise."""
+    """Import the library for image files, which the first picture does otherwise."""
     import OpenImageIO  # noqa: F401
 
 

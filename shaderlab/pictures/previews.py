@@ -1,8 +1,8 @@
-"""Small copies beside a picture file, for pages that show many: made once, when it is drawn.
+"""Small copies of picture files, for the page: made once, when the picture is drawn.
 
 `picture.png` has `picture@320.webp` beside it (at most 320 pixels in each direction), or
 `picture@320.png` where that is hardly larger, and `picture@0.webp` in its own size. WebP loses
-what eyes don't see; the PNG keeps every value.
+what eyes don't see; the PNG has every value.
 """
 
 from __future__ import annotations

@@ -9,7 +9,7 @@ from shaderlab.report.grouping import CaseGroup
 from shaderlab.report.inline import Pictures, in_base64
 from shaderlab.report.text import Anchors
 
-# The anchor of each file that is in the page already.
+# Anchors of the texts in the page so far, by file.
 Packed = dict[str, str]
 
 
@@ -31,18 +31,18 @@ class Assembly:
 def assemblies(
     group: CaseGroup, anchors: Anchors, pictures: Pictures, packed: Packed
 ) -> tuple[Assembly, ...]:
-    """Each program's modules once, for all variants; what is `packed` already is not again."""
-    found: dict[str, Assembly] = {}
+    """Each program's modules once for all variants; a text in `packed` is not repeated."""
+    by_file: dict[str, Assembly] = {}
     for record in group.records:
         for program in record.programs:
             for verdict in program.verdicts:
-                if not verdict.assembly or verdict.assembly in found:
+                if not verdict.assembly or verdict.assembly in by_file:
                     continue
                 text = ""
                 if verdict.assembly not in packed:
                     text = _deflated(pictures.text(verdict.assembly))
                     packed[verdict.assembly] = anchors.short() if text else ""
-                found[verdict.assembly] = Assembly(
+                by_file[verdict.assembly] = Assembly(
                     target=verdict.target,
                     files=program.files,
                     bytes=verdict.spirv_bytes,
@@ -51,7 +51,7 @@ def assemblies(
                     anchor=packed[verdict.assembly],
                     packed=text,
                 )
-    return tuple(found.values())
+    return tuple(by_file.values())
 
 
 def _deflated(data: bytes) -> str:

@@ -14,7 +14,7 @@ from shaderlab.report.chart import Chart, chart
 from shaderlab.report.grouping import CaseGroup, group_cases, total
 from shaderlab.report.inline import Picture, Pictures
 from shaderlab.report.listing import Listing
-from shaderlab.report.mutants import Mutants, together
+from shaderlab.report.mutants import Mutants, combined
 from shaderlab.report.page import CaseView, ChapterView, Check, Page, Plate, VariantView
 from shaderlab.report.passes import steps
 from shaderlab.report.plot import PlotView, plot_view
@@ -24,13 +24,13 @@ from shaderlab.report.worst import worst_panel
 
 # The overview's pictures, and those of several variants side by side.
 SMALL = 320
-# Up to so many figures are shown in one table for the whole case, more in each variant's.
+# A case shows so many figures in one table; if there are more, each variant shows its own.
 _FIGURES_TOGETHER = 200
 _KINDS = {"glsl": "shader", "python": "formula"}
 
 
 def build(run: Run, pictures: Pictures, mutants: Mapping[str, Mutants] | None = None) -> Page:
-    """Lay a run out as a page, with what mutation testing found of its cases, if anything."""
+    """Lay out a run as a page, with the results of mutation testing if there are any."""
     anchors = Anchors()
     groups = group_cases(run.records)
     shown: Shown = {}
@@ -47,7 +47,7 @@ def build(run: Run, pictures: Pictures, mutants: Mapping[str, Mutants] | None = 
     for (number, name), members in groupby(cases, lambda case: case.group.chapter):
         anchor = anchors.new(f"chapter-{number}")
         chapters.append(ChapterView(number, name, anchor, tuple(members)))
-    noticed = together(known[group.id] for group in groups if group.id in known)
+    noticed = combined(known[group.id] for group in groups if group.id in known)
     return Page(run, total(run, groups), tuple(chapters), cases, noticed)
 
 
@@ -121,7 +121,7 @@ Drawn = TypeVar("Drawn", Curve, Plot)
 
 
 def _shared(group: CaseGroup, drawn: Iterable[tuple[str, Drawn]]) -> Iterator[tuple[str, Drawn]]:
-    """Each curve or plot with the variants it is of; one that all of them share is of none."""
+    """Each curve or plot with the names of its variants, "" if all of them share it."""
     users: dict[Drawn, list[str]] = {}
     for variant, one in drawn:
         names = users.setdefault(one, [])
@@ -150,14 +150,14 @@ def _variant(
 def _check(
     record: Record, outcome: Outcome, anchor: str, texts: Sequence[Listing], pictures: Pictures
 ) -> Check:
-    # Within its band, a value seldom has another colour than its reference.
+    # Inside its band, a value rarely has another colour than its reference.
     same = pictures.same(outcome.images.get("measured"), outcome.images.get("reference"))
     plates = tuple(
         Plate(
             name=name,
             alt=f"{name}: {outcome.name} of {record.title}, {record.variant}",
             caption=outcome.captions.get(name, ""),
-            # Of what is wrong each value is to be seen.
+            # A failing check shows every pixel.
             picture=pictures.small(file, 0 if outcome.status != "pass" else SMALL),
             twin="measured" if name == "reference" and same else "",
             file=file,

@@ -1,4 +1,4 @@
-"""What changed from one run to another: verdicts, largest distances, times, pictures, drivers."""
+"""Changes from one run to another: verdicts, largest distances, times, pictures, drivers."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Change:
 
     @property
     def verdict_changed(self) -> bool:
-        """Whether its status is another, or it is in one run only."""
+        """Whether its status differs, or it is in one run only."""
         return self.before is None or self.after is None or self.before.status != self.after.status
 
 
@@ -58,7 +58,7 @@ class Comparison:
 
     @property
     def differs(self) -> bool:
-        """Whether driver or versions are others."""
+        """Whether driver or versions differ."""
         return any(earlier != later for what, earlier, later in self.facts if what != "duration")
 
 
@@ -117,17 +117,17 @@ def _pictures(
     pair: tuple[Record | None, Record | None], folders: tuple[Pictures, Pictures]
 ) -> tuple[Picture, Picture] | None:
     """The two runs' pictures of a variant, where both are there and their files differ."""
-    found = []
+    both = []
     for record, folder in zip(pair, folders, strict=True):
         picture = None if record is None else folder.full(record.images.get("picture", ""))
         if picture is None or picture.missing:
             return None
-        found.append(picture)
+        both.append(picture)
     try:
-        same = found[0].path.read_bytes() == found[1].path.read_bytes()
+        same = both[0].path.read_bytes() == both[1].path.read_bytes()
     except OSError:
         return None
-    return None if same else (found[0], found[1])
+    return None if same else (both[0], both[1])
 
 
 def _urgency(change: Change) -> tuple[bool, int, float]:

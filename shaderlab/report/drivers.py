@@ -36,7 +36,7 @@ class DriverTable:
 
 
 def driver_table(run: Run, anchors: dict[tuple[str, str], str]) -> DriverTable | None:
-    """The table, or None where only one driver was asked."""
+    """The table, or None for a single driver."""
     names = {result.driver: result.renderer for result in run.drivers}
     if len(names) < 2:
         return None
@@ -44,7 +44,7 @@ def driver_table(run: Run, anchors: dict[tuple[str, str], str]) -> DriverTable |
     for result in run.drivers:
         by_scene.setdefault((result.id, result.variant), {})[result.driver] = result
     rows = [
-        DriverRow(*scene, anchors.get(scene), tuple(found.get(name) for name in names))
-        for scene, found in by_scene.items()
+        DriverRow(*scene, anchors.get(scene), tuple(results.get(name) for name in names))
+        for scene, results in by_scene.items()
     ]
     return DriverTable(tuple(names.items()), tuple(sorted(rows, key=lambda row: row.agrees)))

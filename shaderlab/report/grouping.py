@@ -64,12 +64,12 @@ class Totals:
 
     @property
     def good(self) -> bool:
-        """Something was checked, and all that ran has passed."""
+        """Whether something was checked, and all that ran passed."""
         return self.expectations > 0 and not self.bad and self.cases["pass"] > 0
 
     @property
     def bad(self) -> int:
-        """Cases that failed, in whichever way; an unsupported one has not."""
+        """Cases that failed in any way; unsupported ones did not."""
         return sum(self.cases[status] for status in STATUSES if status not in PASSABLE)
 
 

@@ -46,11 +46,11 @@ def write(run: Run, folder: str | Path, against: tuple[Run, Path] | None = None)
     The page is one file: pictures, styles and scripts are in it, and its own security policy
     forbids everything else. A report that was there stays unless the new one was all written.
 
-    What `shaderlab mutate --report` left in the folder is shown too.
+    The results of `shaderlab mutate --report` in that folder are shown too.
 
     Raises:
-        ShaderlabError: the file can't be written, or that is damaged. A picture that is missing
-            is only noted.
+        ShaderlabError: the file can't be written, or `mutation.json` is damaged. Missing pictures
+            are only noted.
     """
     target = Path(folder)
     page = build(run, Pictures(target), mutants.load(target))
@@ -74,12 +74,12 @@ def write(run: Run, folder: str | Path, against: tuple[Run, Path] | None = None)
 
 
 def load_libraries() -> None:
-    """Begin to import what pages are made with, and to read the templates: a third of a second's
-    work that can be done while workers draw; `write` does it otherwise.
+    """Import the page's libraries and read its templates in a background thread.
 
-    Nobody waits for it: a run that is interrupted ends at once.
+    This takes a third of a second, during which workers can draw; `write` does it otherwise. A
+    run that is interrupted does not wait for the thread.
     """
-    # Here, since modules that import one another are better not imported by two threads.
+    # Not in the thread: two threads should not import modules that import each other.
     from shaderlab.report.environment import environment
 
     threading.Thread(target=_load, args=(environment,), daemon=True).start()

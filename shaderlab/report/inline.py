@@ -26,7 +26,7 @@ _SMALL = 200
 class Picture:
     """A PNG file with the size to show it at, or the reason why there is none.
 
-    What goes into the page may be a copy that was made beside it (`shaderlab.pictures.preview`).
+    The page may show its small copy instead (`shaderlab.pictures.preview`).
 
     `side` is the most pixels that the page may have of it in each direction; 0 for all.
     """
@@ -65,7 +65,7 @@ class Numbers:
 
 
 def in_base64(data: bytes) -> Markup:
-    """Bytes for a page, which need not look through them: there is nothing to be escaped."""
+    """Bytes in base64, marked as safe: there is nothing to escape."""
     return Markup(base64.b64encode(data).decode("ascii"))
 
 
@@ -95,7 +95,7 @@ class Pictures:
         return first == second
 
     def text(self, name: str) -> bytes:
-        """What is in the file `name`; nothing if there is none."""
+        """The bytes of the file `name`; none if there is no such file."""
         try:
             return self._inside(name).read_bytes()
         except (OSError, ValueError):
@@ -128,7 +128,7 @@ class Pictures:
         return Picture(path, *shown, pixelated=scale >= 1 and width <= 600, side=side)
 
     def _inside(self, name: str) -> Path:
-        # A record may come from a file that somebody else wrote; it shows its folder only.
+        # Records may come from an untrusted file: they can show files of their own folder only.
         folder, file = os.path.split(os.path.join(self._root, name))
         path = os.path.join(self._resolved(folder), file)
         if file in ("", ".", "..") or os.path.islink(path):

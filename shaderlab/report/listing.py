@@ -26,7 +26,7 @@ class Listing:
     """A source ready to print: `count` lines, counted from `first`. `variants` says which variants
     use it, empty for all of them.
 
-    `repeated` says that an earlier case shows the very same, under the same anchors.
+    `repeated`: an earlier case shows the same listing, under the same anchors.
     """
 
     file: str
@@ -45,7 +45,7 @@ class Listing:
 
     @property
     def has_messages(self) -> bool:
-        """Whether a compiler said anything about it."""
+        """Whether compilers have messages about it."""
         return any(part.messages for part in self.parts)
 
     def anchor_of(self, file: str, line: int) -> str | None:
@@ -61,7 +61,7 @@ def listing(
     diagnostics: Iterable[Diagnostic] = (),
     variants: tuple[str, ...] = (),
 ) -> Listing:
-    """`source` with those of `diagnostics` that speak of its file, each said once."""
+    """`source` with the `diagnostics` about its file, each once."""
     from shaderlab.report.colouring import coloured_lines
 
     by_line: dict[int, list[Diagnostic]] = {}
@@ -84,10 +84,10 @@ def listing(
 def _parts(
     lines: Iterable[str], first: int, anchor: str, messages: Mapping[int, Sequence[Diagnostic]]
 ) -> Iterator[Part]:
-    """Numbered lines, cut where there is something to be said.
+    """Numbered lines, cut after those with messages.
 
     A page has more lines of code than of anything else, so a template gets many at once. `lines`
-    are HTML, and there is nothing in an anchor or a number to be escaped.
+    are HTML, and anchors and numbers need no escaping.
     """
     from markupsafe import Markup
 

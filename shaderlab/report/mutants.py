@@ -1,4 +1,4 @@
-"""What `shaderlab mutate` found of a run's cases, for the page: read from beside the run."""
+"""The results of `shaderlab mutate` for the page, read from the run's folder."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Survivor:
 
 @dataclass(frozen=True)
 class Mutants:
-    """How many mistakes a case, or several, noticed, and those that it did not."""
+    """How many mutants the checks of one or several cases killed, and those that survived."""
 
     killed: int
     survivors: tuple[Survivor, ...]
@@ -39,7 +39,7 @@ class Mutants:
 
     @property
     def judged(self) -> int:
-        """How many changed an output that an expectation reads."""
+        """How many mutants changed an output that an expectation reads."""
         return self.killed + len(self.survivors)
 
     @property
@@ -68,17 +68,17 @@ def load(folder: Path) -> dict[str, Mutants]:
         ) from error
 
 
-def together(results: Iterable[Mutants]) -> Mutants | None:
-    """All of them as one; None of none."""
-    found = [each for each in results if each.judged]
-    if not found:
+def combined(results: Iterable[Mutants]) -> Mutants | None:
+    """All results as one; None if there are none."""
+    judged = [each for each in results if each.judged]
+    if not judged:
         return None
-    survivors = tuple(survivor for each in found for survivor in each.survivors)
-    return Mutants(sum(each.killed for each in found), survivors, len(found))
+    survivors = tuple(survivor for each in judged for survivor in each.survivors)
+    return Mutants(sum(each.killed for each in judged), survivors, len(judged))
 
 
 def merged(old: Mapping[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
-    """Two files' contents as one; of a case in both, the `new` result stands."""
+    """The contents of two files as one; `new` results replace those of the same case."""
     cases = {case["id"]: case for each in (old, new) for case in each["cases"]}
     return {"cases": list(cases.values())}
 

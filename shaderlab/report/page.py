@@ -1,4 +1,4 @@
-"""The page as the templates want it: records with their anchors, pictures, charts and links."""
+"""What the templates show: records with their anchors, pictures, charts and links."""
 
 from __future__ import annotations
 
@@ -103,7 +103,7 @@ class CaseView:
 
     @property
     def search(self) -> str:
-        """What the filter box looks at."""
+        """The text that the filter box searches."""
         record = self.group.first
         names = " ".join(variant.record.variant for variant in self.variants)
         return f"{record.id} {record.title} {record.section} {record.file} {names}".lower()
@@ -112,8 +112,8 @@ class CaseView:
         """The anchor of a source line, if one of the listings shows it."""
         if line is None:
             return None
-        found = (text.anchor_of(file, line) for text in (*self.glsl, *self.python))
-        return next((anchor for anchor in found if anchor), None)
+        anchors = (text.anchor_of(file, line) for text in (*self.glsl, *self.python))
+        return next(filter(None, anchors), None)
 
 
 @dataclass(frozen=True)

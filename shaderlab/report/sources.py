@@ -1,4 +1,4 @@
-"""A case's sources and what the compilers said of them, each thing once for all variants."""
+"""A case's sources with the compilers' messages, each once for all variants."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from shaderlab.report.listing import Listing, listing
 from shaderlab.report.page import Compiled
 from shaderlab.report.text import Anchors
 
-# What the page has already, by text and by what the compilers said of it.
+# Listings in the page so far, by text and messages.
 Shown = dict[tuple[SourceText, frozenset[Diagnostic]], Listing]
 
 
@@ -20,7 +20,7 @@ def listings(
 ) -> tuple[tuple[Listing, ...], tuple[Listing, ...]]:
     """Each source text once, GLSL and Python apart, with the messages of all compilers.
 
-    What an earlier case has `shown` is not laid out again.
+    A listing that an earlier case has `shown` is used again.
     """
     users: dict[SourceText, list[str]] = {}
     messages: list[Diagnostic] = []
@@ -39,16 +39,16 @@ def listings(
         for outcome in record.expectations
         for source in outcome.sources
     }
-    # What the checks speak of comes first, what only helps (pictures, included files) after it.
+    # Sources of checks come first, others (pictures, included files) after them.
     ordered = sorted(_without_parts(users).items(), key=lambda item: item[0].file not in cited)
     texts = []
     for source, names in ordered:
-        said = frozenset(m for m in messages if m.file == source.file)
-        earlier = shown.get((source, said))
+        own_messages = frozenset(m for m in messages if m.file == source.file)
+        earlier = shown.get((source, own_messages))
         users_of_it = _if_some(names, group)
         if earlier is None:
             texts.append(listing(source, anchors.short(), messages, users_of_it))
-            shown[source, said] = texts[-1]
+            shown[source, own_messages] = texts[-1]
         else:
             texts.append(replace(earlier, variants=users_of_it, repeated=True))
     return (
@@ -69,14 +69,14 @@ def _without_parts(users: dict[SourceText, list[str]]) -> dict[SourceText, list[
 def _holds(whole: SourceText, part: SourceText) -> bool:
     if whole.file != part.file or whole.line > part.line or len(whole.text) <= len(part.text):
         return False
-    # Without indentation: a line that is quoted alone has often lost its own.
+    # Without indentation, which a line quoted alone has often lost.
     lines = [line.strip() for line in part.text.rstrip().split("\n")]
     start = part.line - whole.line
     return lines == [line.strip() for line in whole.text.split("\n")[start : start + len(lines)]]
 
 
 def compiled(group: CaseGroup) -> tuple[Compiled, ...]:
-    """Each program with the verdicts it got; several variants that agree are one entry."""
+    """Each program with its verdicts; variants that agree share an entry."""
     users: dict[tuple[tuple[str, ...], tuple[Verdict, ...], tuple[Declared, ...]], list[str]] = {}
     for record in group.records:
         for program in record.programs:
@@ -95,5 +95,4 @@ def _if_some(variants: Sequence[str], group: CaseGroup) -> tuple[str, ...]:
 
 def anchor_of(texts: Sequence[Listing], file: str, line: int) -> str | None:
     """The anchor of a source line, if one of the listings shows it."""
-    found = (text.anchor_of(file, line) for text in texts)
-    return next((anchor for anchor in found if anchor), None)
+    return next(filter(None, (text.anchor_of(file, line) for text in texts)), None)

@@ -1,4 +1,4 @@
-"""A run as JSON, whole: `run.json` in its folder, from which the page can be made again."""
+"""A whole run as JSON: `run.json` in its folder, from which the page can be made again."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def load(folder: str | Path) -> Run:
         raise _damaged(path, error) from error
     try:
         run: Run = _converter().structure(json.loads(text), Run)
-    except Exception as error:  # cattrs raises groups of whatever its hooks raise
+    except Exception as error:  # cattrs raises groups of its hooks' errors
         raise _damaged(path, error) from error
     return run
 
@@ -62,14 +62,14 @@ def plain(value: Any) -> Any:
 
 
 def parse(data: Any, kind: type[Kind]) -> Kind:
-    """What `plain` was given, from what it gave.
+    """The inverse of `plain`.
 
     Raises:
         ShaderlabError: it was written by another version.
     """
     try:
         return _converter().structure(data, kind)
-    except Exception as error:  # cattrs raises groups of whatever its hooks raise
+    except Exception as error:  # cattrs raises groups of its hooks' errors
         raise _damaged(Path(kind.__name__), error) from error
 
 

@@ -1,4 +1,4 @@
-"""Rows of figures as files that other programs read: CSV, or Parquet where pyarrow is there."""
+"""Rows of figures as files that other programs read: CSV, or Parquet if pyarrow is installed."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Row = Mapping[str, str | float | int | None]
 
 
 def check(path: Path) -> None:
-    """See that a table can be written in the format that the file's name says.
+    """Check that a table can be written in the format of the file's suffix.
 
     Raises:
         UsageError: it is none of FORMATS, or its library is not installed.

@@ -20,7 +20,7 @@ def clean(text: object) -> str:
     'a\ufffdb[U+202E]c'
     """
     if type(text) is str and text.isprintable():
-        return text  # most are, and whatever there is to be replaced is not
+        return text  # as most texts are; what has to be replaced is not printable
     shown = _UNPRINTABLE.sub("\ufffd", str(text).replace("\r\n", "\n").replace("\r", "\n"))
     return _HIDING.sub(lambda match: f"[U+{ord(match.group()):04X}]", shown)
 
@@ -125,7 +125,7 @@ class Anchors:
         self._numbers = itertools.count(1)
 
     def short(self) -> str:
-        """A short anchor, for what has many lines that each repeat it."""
+        """A short anchor, for listings that repeat it in each line."""
         return self.new(f"s{next(self._numbers)}")
 
     def new(self, *parts: str) -> str:

@@ -156,5 +156,5 @@ def test_no_driver_is_no_verdict(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     monkeypatch.setenv("__EGL_VENDOR_LIBRARY_FILENAMES", "/dev/null")
     result = CliRunner().invoke(cli, ["compile", str(tmp_path), "--driver"])
     assert result.exit_code == 0
-    assert "no OpenGL driver gave an opinion" in result.output
+    assert "no OpenGL driver gave a verdict" in result.output
     assert "driver " not in result.output.replace("OpenGL driver gave", "")

@@ -27,7 +27,7 @@ def put(folder: Path, *cases: dict[str, object]) -> None:
 
 def test_a_run_without_results_has_none(tmp_path: Path) -> None:
     assert mutants.load(tmp_path) == {}
-    assert mutants.together([]) is None
+    assert mutants.combined([]) is None
     page = write(run(record("lamp", "default")), tmp_path).read_text(encoding="utf-8")
     assert "Mistakes noticed" not in page
 
