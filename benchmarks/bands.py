@@ -23,19 +23,16 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.backends import Backend, open_backend
 from shaderlab.bands import Rules
 from shaderlab.bands.allowed import contains
 from shaderlab.catalogue import Catalogue
-from shaderlab.checks import judge
-from shaderlab.checks.inputs import Inputs, evaluate
-from shaderlab.checks.naming import subject_of
-from shaderlab.discovery import data_folder
+from shaderlab.evaluation import Lab
+from shaderlab.expectations import Formula
+from shaderlab.expectations.subject import subject_of
 from shaderlab.frame import Frame
-from shaderlab.glsl.sources import Shaders
-from shaderlab.model import Formula, Scene
-from shaderlab.pipeline.plan import plan
-from shaderlab.programs.prepare import Preparer
+from shaderlab.judging.inputs import Inputs, evaluate
+from shaderlab.model import Scene
+from shaderlab.options import RunOptions
 
 SIDE = 64
 LARGE = 512
@@ -49,7 +46,6 @@ class Job:
     variant: str
     check: Formula
     inputs: Inputs
-    index: int
     scene: Scene
     frame: Frame
 
@@ -143,7 +139,7 @@ def memory(slowest: Job) -> None:
             continue
         tracemalloc.start()
         started = time.process_time()
-        outcome = judge(job.index, job.scene, job.frame, {}).outcome
+        outcome = job.check.judge(job.scene, job.frame).outcome
         took = time.process_time() - started
         _, peak = tracemalloc.get_traced_memory()
         tracemalloc.stop()
@@ -153,35 +149,18 @@ def memory(slowest: Job) -> None:
 
 def jobs(side: int, only: Collection[str] = ()) -> Iterator[Job]:
     """Every formula of the shipped cases, with what the driver gives its shader at this size."""
-    preparer = Preparer(Shaders([data_folder("shaders")]))
-    backend = open_backend()
-    for case in Catalogue.shipped():
-        if only and case.id not in only:
-            continue
-        for scene in case.scenes():
-            checks = [(i, c) for i, c in enumerate(scene.expect) if isinstance(c, Formula)]
-            frame = drawn(backend, preparer, scene, tuple(c for _, c in checks), side)
-            for index, check in checks:
-                inputs = subject_of(check, scene, frame).inputs
-                yield Job(case.id, scene.variant, check, inputs, index, scene, frame)
-
-
-def drawn(
-    backend: Backend, preparer: Preparer, scene: Scene, checks: tuple[Formula, ...], side: int
-) -> Frame:
-    """The scene's frame, with what these formulas need."""
-    prepared = {p.name: tuple(preparer.prepare(d) for d in p.draws) for p in scene.passes}
-    wants = plan(replace(scene, expect=checks), prepared)
-    with backend.session(scene, prepared, (side, side)) as session:
-        done = session.draw()
-        return Frame(
-            images=done.images,
-            order=tuple(p.name for p in scene.passes),
-            bindings=done.bindings,
-            sample_positions=done.sample_positions,
-            fragments={key: session.fragments(key) for key in wants.fragments},
-            vertices={key: session.vertices(key) for key in wants.vertices},
-        )
+    with Lab(RunOptions(size=side)) as lab:
+        for case in Catalogue.shipped():
+            if only and case.id not in only:
+                continue
+            for scene in case.scenes():
+                checks = [c for c in scene.expect if isinstance(c, Formula)]
+                with lab.evaluation(scene, lab.prepare_for_opengl(scene)) as evaluation:
+                    for check in checks:
+                        evaluation.gather(check)
+                for check in checks:
+                    inputs = subject_of(check, check.given, scene, evaluation.frame).inputs
+                    yield Job(case.id, scene.variant, check, inputs, scene, evaluation.frame)
 
 
 def band_of(job: Job) -> Any:

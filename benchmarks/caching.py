@@ -72,7 +72,7 @@ def measured(programs: Path, count: int, cache: str) -> list[float]:
 
 def prepared(folder: Path, count: int) -> list[float]:
     """The same in this process."""
-    import shaderlab.pipeline  # noqa: F401  a run has imported it before it compiles
+    import shaderlab.evaluation  # noqa: F401  a run has imported it before it compiles
     from shaderlab import fullscreen
     from shaderlab.glsl import Shaders
     from shaderlab.glsl.compile_cache import cached_compiler

@@ -21,20 +21,20 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
+from importlib import import_module
 from unittest.mock import patch
 
 import numpy as np
 
 from shaderlab.catalogue import load_case
-from shaderlab.checks import judge
-from shaderlab.checks.banded import Banded
 from shaderlab.discovery import case_files, data_folder
+from shaderlab.evaluation import Lab
+from shaderlab.judging.banded import Banded
 from shaderlab.model import Case
 from shaderlab.mutation.judging import Judge
 from shaderlab.mutation.mutants import Mutant
 from shaderlab.mutation.subjects import glsl_mutants
-from shaderlab.pipeline.trial import Bench
 
 DRIVERS = ("llvmpipe", "softpipe")
 Rule = Callable[[Banded], bool]
@@ -75,28 +75,30 @@ RULES: Mapping[str, Rule] = {
 @contextmanager
 def recorded() -> Iterator[list[Banded]]:
     """Everything that is judged by a band meanwhile."""
-    module = sys.modules[judge.__module__]
-    original = module.judge_band
+    modules = [import_module(f"shaderlab.expectations.{n}") for n in ("formula", "sweep", "value")]
+    original = modules[0].judge_band
     seen: list[Banded] = []
 
     def keep(*arguments: object, **named: object) -> Banded:
         seen.append(original(*arguments, **named))
         return seen[-1]
 
-    with patch.object(module, "judge_band", keep):
+    with ExitStack() as stack:
+        for module in modules:
+            stack.enter_context(patch.object(module, "judge_band", keep))
         yield seen
 
 
-def noticed(bench: Judge, mutant: Mutant) -> set[str]:
+def noticed(own: Judge, mutant: Mutant) -> set[str]:
     """The rules by which some expectation fails."""
     found: set[str] = set()
-    for task in bench.tasks(mutant):
+    for task in own.tasks(mutant):
         if not task.about or len(found) == len(RULES):
             continue
-        with bench.trial(task) as (trial, _):
-            for index in range(len(trial.scene.expect)):
+        with own.evaluation(task) as (mutated, _):
+            for expectation in mutated.scene.expect:
                 with recorded() as seen:
-                    status = trial.judge(index).status
+                    status = mutated.judge(expectation).outcome.status
                 for one in seen:
                     found |= {name for name, passes in RULES.items() if not passes(one)}
                 if status != "pass" and (not seen or all(in_band(one) for one in seen)):
@@ -107,9 +109,9 @@ def noticed(bench: Judge, mutant: Mutant) -> set[str]:
 def mutation(cases: Sequence[Case]) -> dict[str, dict[str, int]]:
     """For each case, how many mutants there are and how many each rule notices."""
     rows = {}
-    with Bench() as bench:
+    with Lab() as lab:
         for case in cases:
-            own = Judge(bench, case)
+            own = Judge(lab, case)
             counts = dict.fromkeys(("mutants", *RULES), 0)
             for mutant in glsl_mutants(case):
                 fate = own.fate(mutant)
@@ -130,10 +132,10 @@ def mutation(cases: Sequence[Case]) -> dict[str, dict[str, int]]:
 def rejected(cases: Sequence[Case]) -> dict[str, list[str]]:
     """For each rule, the cases whose own shaders it rejects on this driver."""
     found: dict[str, list[str]] = {name: [] for name in RULES}
-    with Bench() as bench:
+    with Lab() as lab:
         for case in cases:
             with recorded() as seen:
-                Judge(bench, case)
+                Judge(lab, case)
             for name, passes in RULES.items():
                 if not all(passes(one) for one in seen):
                     found[name].append(case.id)

@@ -15,7 +15,7 @@ from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from types import ModuleType
 
-from shaderlab import model
+from shaderlab import expectations, model
 from shaderlab.discovery import TREE_FILE, chapter_title, place, shipped_cases, tree_of
 from shaderlab.errors import CaseError, ShaderlabError, UsageError, nearest
 from shaderlab.model import Case
@@ -196,11 +196,12 @@ def _right_spelling(error: BaseException) -> str | None:
     """For a misspelt keyword or import, the nearest names."""
     if isinstance(error, ImportError) and (error.name or "").startswith("shaderlab"):
         word = re.search(r"cannot import name '(\w+)'", str(error))
-        return nearest(word.group(1), model.__all__) if word else None
+        return nearest(word.group(1), [*model.__all__, *vars(expectations)]) if word else None
     found = _UNKNOWN_KEYWORD.search(str(error))
     if not isinstance(error, TypeError) or found is None:
         return None
-    owner = getattr(model, found.group(1), None)
+    name = found.group(1)
+    owner = getattr(model, name, None) or getattr(expectations, name, None)
     if owner is None:
         return None
     if dataclasses.is_dataclass(owner):

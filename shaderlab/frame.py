@@ -149,32 +149,16 @@ class Frame:
         images: attachments by (pass, output).
         order: the passes' names in the order they ran.
         bindings: uniforms and textures by (pass, draw).
-        fragments: captured fragment inputs by (pass, draw), where they were asked for.
-        vertices: captured vertices by (pass, draw), where they were asked for.
-        probes: by the expectation's index, the program run on the inputs it gave.
         gl_errors: GL errors by (pass, draw); only draws that raised any have an entry.
-        replies: by the expectation's index, what the API said to the call it makes.
         sample_positions: where the driver takes a pixel's samples, by pass, for passes that have
             several: (samples, 2), from the pixel's lower left corner, 0…1.
-        attributes: where each attribute lies, by (pass, draw), where it was asked for.
-        blocks: where each uniform block's members lie, likewise, by block.
-        queries: what the driver counted, by (pass, draw, query), where it was asked for.
-        timings: what passes took, by name, where it was asked for.
-        locations: where the driver put each declared uniform, by (pass, draw), where that was
-            asked for; −1 for one that changes no output.
+        answers: what else expectations asked for, by their requests
+            (`shaderlab.model.Request`): captured inputs, probes, counts, layouts, verdicts.
     """
 
     images: Mapping[tuple[str, str], Image]
     order: tuple[str, ...]
     bindings: Mapping[PassDraw, Bindings]
-    fragments: Mapping[PassDraw, Fragments] = field(default_factory=dict)
-    vertices: Mapping[PassDraw, Samples] = field(default_factory=dict)
-    probes: Mapping[int, Samples] = field(default_factory=dict)
     gl_errors: Mapping[PassDraw, tuple[int, ...]] = field(default_factory=dict)
-    replies: Mapping[int, Reply] = field(default_factory=dict)
     sample_positions: Mapping[str, Array] = field(default_factory=dict)
-    attributes: Mapping[PassDraw, Mapping[str, AttributeReading]] = field(default_factory=dict)
-    blocks: Mapping[PassDraw, Mapping[str, BlockReading]] = field(default_factory=dict)
-    queries: Mapping[tuple[str, int, str], int] = field(default_factory=dict)
-    timings: Mapping[str, Timing] = field(default_factory=dict)
-    locations: Mapping[PassDraw, Mapping[str, int]] = field(default_factory=dict)
+    answers: Mapping[Any, Any] = field(default_factory=dict)

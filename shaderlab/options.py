@@ -32,7 +32,7 @@ class RunOptions:
         pictures: whether pictures are drawn into it.
         shaders: replacements by shader name: text, or the path of another file.
         driver: as in `shaderlab.backends.open_backend`; a process keeps the first it is given.
-        frames: the folder in which `shaderlab.pipeline.stored_images` stores what each scene
+        frames: the folder in which `shaderlab.evaluation.stored_images` stores what each scene
             draws; None stores nothing.
         limits: of each scene.
     """

@@ -91,7 +91,7 @@ def refused(passing: Record) -> Record:
 
 
 class FakeLab:
-    """Stands in for `shaderlab.pipeline.Lab`: every scene passes but those named in `answers`."""
+    """Stands in for `shaderlab.evaluation.Lab`: every scene passes but those named in `answers`."""
 
     def __init__(self, answers: Mapping[str, Record], template: Record, log: list[Any]) -> None:
         self._answers = answers
@@ -140,7 +140,7 @@ def fake_lab(
             made.options = options
             return made
 
-        monkeypatch.setattr("shaderlab.pipeline.Lab", lab)
+        monkeypatch.setattr("shaderlab.evaluation.Lab", lab)
         monkeypatch.setenv("SHADERLAB_JOBS", "0")  # worker processes would have the real one
         return log
 

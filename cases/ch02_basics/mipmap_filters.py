@@ -12,21 +12,8 @@ level below, LINEAR above. Steps against a smooth change, and sharp chessboards 
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Cell,
-    Draw,
-    Object,
-    Pass,
-    Ramp,
-    State,
-    Target,
-    Texture,
-    call,
-    formula,
-    gl_call,
-    value,
-)
+from shaderlab import Case, Cell, Draw, Pass, Ramp, State, Target, Texture, formula, gl_call, value
+from shaderlab.expectations.gl_call import Object, call
 from shaderlab.sampling import textureLod
 
 SIDE = 32

@@ -16,20 +16,18 @@ import numpy as np
 
 from shaderlab import (
     Case,
-    Location,
     Output,
-    Program,
     Ramp,
     Target,
     Texture,
     assets,
-    call,
     exact,
     formula,
     fullscreen,
     gl_call,
     sweep,
 )
+from shaderlab.expectations.gl_call import Location, Program, call
 from shaderlab.glslmath import mix, swizzle, vec4
 from shaderlab.sampling import texture
 

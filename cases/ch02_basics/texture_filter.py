@@ -17,18 +17,17 @@ from shaderlab import (
     Cell,
     Draw,
     Erratum,
-    Object,
     Pass,
     Ramp,
     State,
     Target,
     Texture,
-    call,
     formula,
     fullscreen,
     gl_call,
     value,
 )
+from shaderlab.expectations.gl_call import Object, call
 from shaderlab.glslmath import swizzle, vec2
 from shaderlab.reference.filtering import linear_sample
 from shaderlab.sampling import texture

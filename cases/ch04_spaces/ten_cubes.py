@@ -21,12 +21,12 @@ from shaderlab import (
     Pixel,
     State,
     Texture,
+    any_order,
     assets,
     computed,
     formula,
     value,
 )
-from shaderlab.assets.order import any_order
 from shaderlab.glslmath import mul, swizzle
 from shaderlab.reference.transforms import clip_position, translate
 from shaderlab.sampling import texture

@@ -25,13 +25,14 @@ from shaderlab import (
     Target,
     Variant,
     across,
+    any_order,
     assets,
+    both_ways,
     formula,
     fullscreen,
     sweep,
     value,
 )
-from shaderlab.assets.order import any_order, both_ways
 from shaderlab.glslmath import clamp, dot, max, normalize, pow, swizzle, vec3, vec4, where
 from shaderlab.reference import blinn_phong as lobes
 from shaderlab.reference.transforms import (

@@ -27,6 +27,8 @@ from shaderlab import (
     State,
     Target,
     TextureArray,
+    any_order,
+    both_ways,
     computed,
     formula,
     fullscreen,
@@ -34,7 +36,6 @@ from shaderlab import (
     reading,
     value,
 )
-from shaderlab.assets.order import any_order, both_ways
 from shaderlab.glslmath import dot, max, mix, mul, normalize, swizzle, vec3, vec4, where
 from shaderlab.reference.cascades import cascade_index, fitted, slice_corners, split_distances
 from shaderlab.reference.shadows import shadow, shadow_coordinates, slope_bias

@@ -27,7 +27,9 @@ from shaderlab import (
     Target,
     Texture,
     across,
+    any_order,
     assets,
+    both_ways,
     exact,
     formula,
     fullscreen,
@@ -36,7 +38,6 @@ from shaderlab import (
     sweep,
     value,
 )
-from shaderlab.assets.order import any_order, both_ways
 from shaderlab.glslmath import clamp, dot, normalize, pow, swizzle, vec4
 from shaderlab.glslmath import max as larger
 from shaderlab.reference import tone_mapping

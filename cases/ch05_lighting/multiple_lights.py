@@ -12,8 +12,18 @@ colours mix, and the spot's white circle washes them out. In the corners only th
 
 from math import cos, radians
 
-from shaderlab import Blend, Case, Depth, Erratum, Pass, Target, compile_fails, formula
-from shaderlab.assets.order import any_order, both_ways
+from shaderlab import (
+    Blend,
+    Case,
+    Depth,
+    Erratum,
+    Pass,
+    Target,
+    any_order,
+    both_ways,
+    compile_fails,
+    formula,
+)
 from shaderlab.reference import light_sources
 from shaderlab.reference.transforms import clip_position
 from shaderlab.sampling import texture

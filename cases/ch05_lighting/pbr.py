@@ -26,14 +26,15 @@ from shaderlab import (
     Pass,
     State,
     Target,
+    any_order,
     assets,
+    both_ways,
     computed,
     formula,
     fullscreen,
     sweep,
     value,
 )
-from shaderlab.assets.order import any_order, both_ways
 from shaderlab.glslmath import dot, max, normalize, vec4
 from shaderlab.reference import microfacets
 from shaderlab.reference.transforms import (

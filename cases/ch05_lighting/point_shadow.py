@@ -25,14 +25,15 @@ from shaderlab import (
     Pass,
     State,
     Target,
+    any_order,
     assets,
+    both_ways,
     formula,
     fullscreen,
     measure,
     reading,
     value,
 )
-from shaderlab.assets.order import any_order, both_ways
 from shaderlab.glslmath import dot, length, max, normalize, swizzle, vec3, vec4
 from shaderlab.reference.shadows import shadow, slope_bias
 from shaderlab.reference.transforms import (

@@ -26,7 +26,9 @@ from shaderlab import (
     State,
     Target,
     across,
+    any_order,
     assets,
+    both_ways,
     computed,
     formula,
     fullscreen,
@@ -34,7 +36,6 @@ from shaderlab import (
     up,
     value,
 )
-from shaderlab.assets.order import any_order, both_ways
 from shaderlab.glslmath import vec3, vec4, where
 from shaderlab.reference.blinn_phong import phong
 from shaderlab.reference.lighting import half_power_angle, phong_color, specular_factor

@@ -19,16 +19,15 @@ from shaderlab import (
     Draw,
     Erratum,
     Mesh,
-    Object,
     Pass,
     State,
     Target,
     assets,
-    call,
     exact,
     formula,
     gl_call,
 )
+from shaderlab.expectations.gl_call import Object, call
 from shaderlab.glslmath import swizzle, vec4
 
 SQUARE = Mesh(**assets.quad(2.0)).only("aPos")

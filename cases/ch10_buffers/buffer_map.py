@@ -12,17 +12,16 @@ that was filled by glBufferData.
 
 from shaderlab import (
     Case,
-    Object,
     Output,
     Target,
     attribute_layout,
-    call,
     exact,
     formula,
     gl_call,
     mesh_pass,
     value,
 )
+from shaderlab.expectations.gl_call import Object, call
 
 from ..scenes.rosette import as_it_is, color_of, encoded, rosette
 

@@ -11,9 +11,21 @@ from typing import Any
 
 import numpy.typing as npt
 
-from shaderlab import Cell, Depth, Draw, Mesh, Output, Pass, State, Target, assets, formula
+from shaderlab import (
+    Cell,
+    Depth,
+    Draw,
+    Mesh,
+    Output,
+    Pass,
+    State,
+    Target,
+    any_order,
+    assets,
+    both_ways,
+    formula,
+)
 from shaderlab import fullscreen as over_all
-from shaderlab.assets.order import any_order, both_ways
 from shaderlab.glslmath import vec4
 from shaderlab.reference.transforms import (
     clip_position,

@@ -20,10 +20,11 @@ from shaderlab import (
     Pass,
     State,
     Target,
+    any_order,
+    both_ways,
     formula,
 )
 from shaderlab.assets.meshes import Geometry
-from shaderlab.assets.order import any_order, both_ways
 from shaderlab.reference.transforms import clip_position, normal_matrix, world_normal
 from shaderlab.sampling import texture
 

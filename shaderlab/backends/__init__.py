@@ -27,7 +27,7 @@ from shaderlab.frame import (
     Timing,
 )
 from shaderlab.glsl.sources import Source
-from shaderlab.model import GlCall, Scene
+from shaderlab.model import Call, Scene
 from shaderlab.programs.prepare import Programs
 from shaderlab.records import Verdict
 
@@ -119,8 +119,13 @@ class Session(ABC):
         """Where the driver put each declared uniform; −1 for one without any effect."""
         raise UnsupportedError("reading where uniforms are: this backend can't")
 
-    def call(self, expectation: GlCall) -> Reply:
-        """What the API itself answers to a call. OpenGL alone has an answer.
+    def call(self, calls: Sequence[Call], returns: Sequence[int | float | str]) -> Reply:
+        """What the API itself answers to the last of some calls. OpenGL alone has an answer.
+
+        Args:
+            calls: made one after the other in a context of their own, up to the first that raises
+                an error.
+            returns: the values that the last one should return or write.
 
         Raises:
             CaseError: a function, a constant, an argument or a pass does not exist.

@@ -39,10 +39,10 @@ def named(replacements: Replacements, jobs: Iterable[Job]) -> Replacements:
     """
     if not replacements:
         return ()
-    from shaderlab.pipeline.roots import shaders_beside
+    from shaderlab.evaluation.search_path import shaders_of
 
     folders = dict.fromkeys(Path(job.file).parent for job in jobs)
-    known = sorted({name for folder in folders for name in shaders_beside(folder, {}).names()})
+    known = sorted({name for folder in folders for name in shaders_of(folder, {}).names()})
     return tuple((_whole(name, known), file) for name, file in replacements)
 
 

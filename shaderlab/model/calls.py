@@ -1,4 +1,4 @@
-"""Calls of the OpenGL API as data: what the API itself answers, or which error it raises.
+"""Calls of the OpenGL API as data, for what the API itself answers, or which error it raises.
 
 A call is made in a context of its own, in the state in which OpenGL starts, after the passes are
 drawn. Words are resolved when it is made: "GL_TEXTURE_2D" to its number, an `Object` to the name
@@ -26,6 +26,19 @@ GL_ERRORS = {
     "out_of_memory": 0x0505,
     "invalid_framebuffer_operation": 0x0506,
 }
+
+COUNTERS = (
+    "samples_passed",
+    "primitives_generated",
+    "vertices_submitted",
+    "primitives_submitted",
+    "vertex_shader_invocations",
+    "geometry_shader_invocations",
+    "geometry_primitives_emitted",
+    "clipping_input_primitives",
+    "clipping_output_primitives",
+    "fragment_shader_invocations",
+)
 
 
 @dataclass(frozen=True)
@@ -90,20 +103,11 @@ class Call:
                 f"call: {self.function!r} is no function of OpenGL",
                 remedy="the C name, as glTexParameteri",
             )
+        arguments = (tuple(a) if isinstance(a, list) else a for a in self.arguments)
+        object.__setattr__(self, "arguments", tuple(arguments))
 
     def __str__(self) -> str:
         return f"{self.function}({', '.join(_spelt(a) for a in self.arguments)})"
-
-
-@dataclass(frozen=True, kw_only=True)
-class GlCall:
-    """A call of the API raises this error and no other, and answers this, if that is asked."""
-
-    call: Call
-    raises: str
-    returns: tuple[int | float | str, ...] | None = None
-    before: tuple[Call, ...] = ()
-    name: str = ""
 
 
 def call(function: str, *arguments: Argument) -> Call:
@@ -111,43 +115,9 @@ def call(function: str, *arguments: Argument) -> Call:
     return Call(function, arguments)
 
 
-def gl_call(
-    function: str,
-    *arguments: Argument,
-    raises: str = "no_error",
-    returns: int | float | str | Sequence[int | float | str] | None = None,
-    before: Sequence[Call] = (),
-    name: str = "",
-) -> GlCall:
-    """What the API itself says to a call, judged by exact code.
-
-    Args:
-        function: its C name.
-        arguments: as in `Call`.
-        raises: the one error it must raise; none by default.
-        returns: what it must return, or, for a glGet… function, what it must write: a number, a
-            "GL_" word, or several.
-        before: calls that come first, in order, each of which must raise no error.
-        name: how outcomes call it; the call itself by default.
-
-    Raises:
-        CaseError: `raises` is no error of OpenGL; or an error and a value are asked for at once.
-    """
-    one_of("gl_call", "raises", raises, tuple(GL_ERRORS))
-    if raises != "no_error" and returns is not None:
-        raise CaseError(f"gl_call {function}: a call that raises an error returns nothing")
-    made = Call(function, arguments)
-    several = None
-    if returns is not None:
-        several = (returns,) if isinstance(returns, int | float | str) else tuple(returns)
-    return GlCall(
-        call=made, raises=raises, returns=several, before=tuple(before), name=name or str(made)
-    )
-
-
-def programs_of(expectation: GlCall) -> list[Program]:
-    """The case's programs that a call and those before it name."""
-    arguments = [a for c in (*expectation.before, expectation.call) for a in c.arguments]
+def programs_of(calls: Sequence[Call]) -> list[Program]:
+    """The case's programs that some calls name."""
+    arguments = [a for c in calls for a in c.arguments]
     named = [a.program if isinstance(a, Location) else a for a in arguments]
     return list(dict.fromkeys(a for a in named if isinstance(a, Program)))
 
@@ -159,4 +129,18 @@ def _spelt(argument: Argument) -> str:
         return argument if argument.startswith("GL_") else f'"{argument}"'
     if isinstance(argument, bytes):
         return f"{len(argument)} bytes"
+    if isinstance(argument, tuple):
+        return str(list(argument))
     return str(argument)
+
+
+def error_name(code: int) -> str:
+    """A GL error's name with its number.
+
+    >>> error_name(0x0502)
+    'GL_INVALID_OPERATION (0x0502)'
+    """
+    for name, number in GL_ERRORS.items():
+        if number == code:
+            return f"GL_{name.upper()} (0x{code:04X})"
+    return f"GL error 0x{code:04X}"

@@ -7,8 +7,10 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from shaderlab.errors import CaseError, nearest
-from shaderlab.model.expect import Computed, Expectation
+from shaderlab.frame import PassDraw
+from shaderlab.model.expectation import Expectation
 from shaderlab.model.scene import Draw, Pass, Ramp, UniformBuffer
+from shaderlab.model.textures import Output, outputs_read
 
 DEFAULT_VARIANT = "default"
 
@@ -81,6 +83,12 @@ class Case:
         checked = bool(self.variants) and all(v.expect for v in self.variants)
         if not self.expect and not checked:
             raise CaseError("Case: expect is empty, so nothing could fail")
+        for expectation in (*self.expect, *(e for v in self.variants for e in v.expect)):
+            if not isinstance(expectation, Expectation):
+                raise CaseError(
+                    f"Case: {expectation!r} is no expectation",
+                    remedy="expect=[formula(…), value(…), …]: see shaderlab.expectations",
+                )
 
     @property
     def chapter(self) -> int:
@@ -97,7 +105,7 @@ class Case:
         for index, variant in enumerate(self.variants or (Variant(DEFAULT_VARIANT),)):
             passes = self.passes if variant.passes is None else tuple(variant.passes)
             # Figures that no input changes are judged once, with the first variant.
-            again = [e for e in self.expect if index == 0 or not isinstance(e, Computed)]
+            again = [e for e in self.expect if index == 0 or not e.once]
             yield Scene(
                 case=self,
                 variant=variant.name,
@@ -168,6 +176,60 @@ class Scene:
             file=self.case.file or None,
             remedy=nearest(name, [p.name for p in self.passes]),
         )
+
+    def split_output(self, name: str) -> tuple[str | None, str]:
+        """An output's pass (None for the last one) and its own name.
+
+        "VS_OUT.FragPos" is a block's member, unless a pass is called VS_OUT.
+        """
+        head, dot, rest = name.partition(".")
+        if dot and any(head == description.name for description in self.passes):
+            return head, rest
+        return None, name
+
+    def draw_key(self, pass_name: str | None, draw: int) -> PassDraw:
+        """The (pass, draw) that an expectation means; negative draws count from the last one.
+
+        Raises:
+            CaseError: there is no such pass or draw.
+        """
+        description = self.find_pass(pass_name)
+        count = len(description.draws)
+        if not -count <= draw < count:
+            raise CaseError(f"pass {description.name!r} has {count} draws, there is no draw {draw}")
+        return description.name, draw % count
+
+    def formulas(self) -> tuple[Expectation, ...]:
+        """What holds outputs against a formula, whatever the inputs are: at every pixel, or else
+        along curves."""
+        of_pixels = tuple(e for e in self.expect if e.judges == "pixels")
+        return of_pixels or tuple(e for e in self.expect if e.judges == "curve")
+
+    @property
+    def picture(self) -> Output | None:
+        """The output that the case names as its picture; None for the last pass's first one."""
+        if not self.case.picture:
+            return None
+        pass_name, _, name = self.case.picture.rpartition(".")
+        return Output(pass_name or self.passes[-1].name, name)
+
+    def outputs_named(self) -> dict[str, set[str]]:
+        """The outputs that textures, expectations and the picture name, by pass. Colours are read
+        back always, depth and stencil only where they are named here."""
+        found: dict[str, set[str]] = {}
+        for output in (self.picture, *self._sampled()):
+            if output is not None:
+                found.setdefault(output.pass_name, set()).add(output.name)
+        for expectation in self.expect:
+            for read in expectation.reads(self):
+                found.setdefault(read.pass_name, set()).add(read.output)
+        return found
+
+    def _sampled(self) -> Iterator[Output]:
+        for description in self.passes:
+            for draw in description.draws:
+                for source in draw.textures.values():
+                    yield from outputs_read(source)
 
 
 def _changed(passes: tuple[Pass, ...], variant: Variant) -> tuple[Pass, ...]:

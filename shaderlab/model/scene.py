@@ -20,6 +20,14 @@ UniformValue = Number | Sequence[Any] | Array
 
 
 @dataclass(frozen=True)
+class Pixel:
+    """A place in a frame: x to the right, y up, from (0, 0) at the lower left."""
+
+    x: int
+    y: int
+
+
+@dataclass(frozen=True)
 class Ramp:
     """A fragment input that varies linearly over the screen: `origin + s·dx + t·dy`.
 

@@ -1,4 +1,4 @@
-"""Whether two trials gave the same: bit for bit, and which outputs an expectation reads."""
+"""Whether two evaluations gave the same, bit for bit, and which outputs expectations read."""
 
 from __future__ import annotations
 
@@ -6,11 +6,10 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
-from shaderlab.checks import draw_key, outputs_read, split_output
-from shaderlab.frame import Array, PassDraw
-from shaderlab.model import Coverage, Exact, Measure, Output, Pixel, Scene
-from shaderlab.model import outputs_read as outputs_of
-from shaderlab.pipeline.trial import Trial
+from shaderlab.evaluation import Evaluation
+from shaderlab.expectations.requests import CapturedFragments, CapturedVertices
+from shaderlab.frame import Array
+from shaderlab.model import Pixel, Scene, outputs_read
 
 Named = tuple[str, str]
 """A pass and an output of one of its stages."""
@@ -30,47 +29,47 @@ def judged_outputs(scenes: Iterable[Scene]) -> dict[Named, frozenset[Pixel] | No
 
     for scene in scenes:
         for expectation in scene.expect:
-            if isinstance(expectation, Coverage):
-                add((draw_key(scene, expectation.pass_name, expectation.draw)[0], "coverage"))
-            if isinstance(expectation, Measure):
-                for named in outputs_read(expectation, scene):
-                    add(named)
-            output = getattr(expectation, "output", None)
-            if output is not None:
-                at = getattr(expectation, "at", None)
-                add(_named(output, scene), at if isinstance(at, Pixel) else None)
-            if isinstance(expectation, Exact) and isinstance(expectation.equals, Output):
-                add((expectation.equals.pass_name, expectation.equals.name))
+            for read in expectation.reads(scene):
+                add((read.pass_name, read.output), read.pixel)
         for description in reversed(scene.passes):
             if any(name == description.name for name, _ in found):
                 for draw in description.draws:
                     for texture in draw.textures.values():
-                        for source in outputs_of(texture):
+                        for source in outputs_read(texture):
                             add((source.pass_name, source.name))
     return found
 
 
-def is_read(output: Named, mutant: Trial, original: Trial, judged: Judged) -> bool:
+def is_read(output: Named, mutant: Evaluation, original: Evaluation, judged: Judged) -> bool:
     """Whether a change of this output lies where an expectation looks."""
     pixels = judged.get(output, frozenset())
-    if pixels is None or output not in mutant.images:
+    images = mutant.drawn.images
+    if pixels is None or output not in images:
         return pixels is None
-    one, other = mutant.images[output].values, original.images[output].values
+    one, other = images[output].values, original.drawn.images[output].values
     return any(differ(one[p.y, p.x], other[p.y, p.x]) for p in pixels)
 
 
-def changed(mutant: Trial, original: Trial) -> set[Named]:
+def changed(mutant: Evaluation, original: Evaluation) -> set[Named]:
     """Outputs that differ in any bit: of the passes drawn, and of what was captured of both."""
+    before = original.drawn.images
     found = {
         key
-        for key, image in mutant.images.items()
-        if differ(image.values, original.images[key].values)
+        for key, image in mutant.drawn.images.items()
+        if differ(image.values, before[key].values)
     }
-    for key, samples in mutant.captured_vertices.items():
-        found |= _changed_samples(key, samples.outputs, original.vertices(key).outputs)
-    for key, fragments in mutant.captured_fragments.items():
-        if differ(fragments.covered, original.fragments(key).covered):
-            found.add((key[0], "coverage"))
+    for request, answer in mutant.answers.items():
+        other = original.answers.get(request)
+        if other is None:
+            continue
+        if isinstance(request, CapturedVertices):
+            found |= {
+                (request.key[0], name)
+                for name, values in answer.outputs.items()
+                if differ(values, other.outputs[name])
+            }
+        elif isinstance(request, CapturedFragments) and differ(answer.covered, other.covered):
+            found.add((request.key[0], "coverage"))
     return found
 
 
@@ -82,14 +81,3 @@ def differ(one: Array, other: Array) -> bool:
         return not np.array_equal(one, other)
     same = (one == other) & (np.signbit(one) == np.signbit(other))
     return not bool((same | (np.isnan(one) & np.isnan(other))).all())
-
-
-def _changed_samples(
-    key: PassDraw, one: Mapping[str, Array], other: Mapping[str, Array]
-) -> set[Named]:
-    return {(key[0], name) for name in one if differ(one[name], other[name])}
-
-
-def _named(output: str, scene: Scene) -> Named:
-    pass_name, name = split_output(output, scene)
-    return scene.find_pass(pass_name).name, name

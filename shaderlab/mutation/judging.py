@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 
-from shaderlab.checks import split_output
 from shaderlab.errors import CaseError, ShaderError, UnsupportedError
+from shaderlab.evaluation import Evaluation, Lab
 from shaderlab.frame import Array, PassDraw
 from shaderlab.model import Case, Scene
 from shaderlab.mutation import compare, wider
@@ -22,7 +22,6 @@ from shaderlab.mutation.subjects import (
     with_what_they_read,
 )
 from shaderlab.mutation.tasks import Seen, Task, part_of
-from shaderlab.pipeline.trial import Bench, Trial, judged_passes
 from shaderlab.programs.prepare import Programs
 
 
@@ -30,15 +29,18 @@ class PartError(CaseError):
     """A part of a case that mutants are judged by does not run unmutated."""
 
 
+Pair = tuple[Evaluation, Evaluation]
+"""The evaluation of a mutant's scene, and that of the same scene unmutated."""
+
 Wide = tuple[list[wider.Round], dict[tuple[str, int], Array]]
 """Wider inputs of a draw, and what the case's own shaders make of them."""
 
 
 class Judge:
-    """One case on a bench, run once as it is; then as many mutants of it as one likes.
+    """One case, run once as it is; then as many mutants of it as one likes.
 
     Args:
-        bench: the open device.
+        lab: the open device.
         case: the case.
         variants: names of the only variants to judge by; all of them if empty.
 
@@ -46,8 +48,8 @@ class Judge:
         CaseError: an expectation fails with the case's own shaders: there is nothing to measure.
     """
 
-    def __init__(self, bench: Bench, case: Case, variants: tuple[str, ...] = ()) -> None:
-        self._bench = bench
+    def __init__(self, lab: Lab, case: Case, variants: tuple[str, ...] = ()) -> None:
+        self._lab = lab
         self._case = case
         scenes = list(case.scenes())
         self._scenes = [s for s in scenes if not variants or s.variant in variants]
@@ -93,16 +95,17 @@ class Judge:
         return tasks
 
     @contextmanager
-    def trial(self, task: Task, *, everything: bool = False) -> Iterator[tuple[Trial, Trial]]:
-        """Draw a task's scene; gives the trial and the original one of the same scene.
+    def evaluation(self, task: Task, *, everything: bool = False) -> Iterator[Pair]:
+        """Draw a task's scene; gives its evaluation and that of the same scene unmutated.
 
         Raises:
             ShaderError: the mutant does not compile.
         """
         part = task.part(everything)
         original = self._originals[part.variant]
-        with self._bench.trial(part, self._prepared(task, part), like=original) as trial:
-            yield trial, original
+        programs = self._prepared(task, part)
+        with self._lab.evaluation(part, programs, like=original) as mutant:
+            yield mutant, original
 
     def _fate_of(self, tasks: list[Task]) -> Fate:
         if not any(task.about for task in tasks):
@@ -126,62 +129,59 @@ class Judge:
     def _concerned(self, scene: Scene, touched: set[str], vertex: set[str]) -> list[int]:
         """The expectations that may notice a change of what the `touched` passes draw; those of
         vertex outputs only where the change is in one of the passes `vertex`."""
-        images = self._originals[scene.variant].images
-        found = []
-        for index, names in judged_passes(scene).items():
-            output = getattr(scene.expect[index], "output", None)
-            of_vertex = output is not None and not any(
-                (name, split_output(output, scene)[1]) in images for name in names
-            )
-            if names & (vertex if of_vertex else touched):
-                found.append(index)
-        return found
+        programs = self._originals[scene.variant].programs
+        return [
+            index
+            for index, expectation in enumerate(scene.expect)
+            if expectation.passes(scene)
+            & (vertex if expectation.judges_vertices(scene, programs) else touched)
+        ]
 
     def _noticed(self, task: Task, seen: Seen) -> str:
         """The first expectation that fails, or ""; then `seen` has what changed all the same."""
-        with self.trial(task) as (trial, original):
-            part = trial.scene
+        with self.evaluation(task) as (mutant, original):
+            part = mutant.scene
             drawn = {p.name for p in part.passes}
-            errors = {k: v for k, v in original.gl_errors.items() if k[0] in drawn}
-            if trial.gl_errors != errors:
+            errors = {k: v for k, v in original.drawn.gl_errors.items() if k[0] in drawn}
+            if mutant.drawn.gl_errors != errors:
                 return f"{part.variant} · another GL error"
-            for index, expectation in enumerate(part.expect):
-                if trial.judge(index).status != "pass":
+            for expectation in part.expect:
+                if mutant.judge(expectation).outcome.status != "pass":
                     return f"{part.variant} · {expectation.name}"
-            self._look(trial, original, seen)
+            self._look(mutant, original, seen)
         return ""
 
-    def _look(self, trial: Trial, original: Trial, seen: Seen) -> None:
-        """Compare everything a trial drew and captured with the original, bit for bit."""
-        for output in sorted(compare.changed(trial, original)):
-            read = compare.is_read(output, trial, original, self._judged)
-            seen.note(f"seen in {trial.scene.variant}: {'.'.join(output)}", read)
+    def _look(self, mutant: Evaluation, original: Evaluation, seen: Seen) -> None:
+        """Compare everything that a mutant drew and captured with the original, bit for bit."""
+        for output in sorted(compare.changed(mutant, original)):
+            read = compare.is_read(output, mutant, original, self._judged)
+            seen.note(f"seen in {mutant.scene.variant}: {'.'.join(output)}", read)
 
     def _look_wider(self, task: Task, seen: Seen) -> None:
         """Look at the passes that no expectation needs as well; and, if shaders were changed, run
         them on inputs that the case does not have."""
-        with self.trial(task, everything=True) as (trial, original):
-            self._look(trial, original, seen)
+        with self.evaluation(task, everything=True) as (mutant, original):
+            self._look(mutant, original, seen)
             if task.texts:
-                for output in self._changed_wide(trial, task.touched):
+                for output in self._changed_wide(mutant, task.touched):
                     read = self._judged.get(output, frozenset()) is None
                     seen.note(f"only on wider inputs: {'.'.join(output)}", read)
 
-    def _changed_wide(self, trial: Trial, touched: set[str]) -> Iterator[compare.Named]:
+    def _changed_wide(self, mutant: Evaluation, touched: set[str]) -> Iterator[compare.Named]:
         """Outputs that differ somewhere on inputs that the case does not have."""
         done: set[tuple[str | None, ...]] = set()
         for name in touched:
-            for index in range(len(trial.scene.find_pass(name).draws)):
+            for index, draw in enumerate(mutant.programs[name]):
                 key = (name, index)
-                program = tuple(trial.draw(key).text(s) for s in ("vertex", "fragment"))
+                program = tuple(draw.text(stage) for stage in ("vertex", "fragment"))
                 if program in done:
                     continue
                 done.add(program)
                 try:
-                    some, expected = self._wide_of(trial.scene.variant, key)
+                    some, expected = self._wide_of(mutant.scene.variant, key)
                 except UnsupportedError:
                     continue  # stages that can't be run on given inputs
-                for (output, number), got in wider.outputs(trial, key, some):
+                for (output, number), got in wider.outputs(mutant, key, some):
                     if compare.differ(got, expected[output, number]):
                         yield name, output
 
@@ -190,10 +190,10 @@ class Judge:
         if (variant, key) not in self._wide:
             original = self._originals[variant]
             part = part_of(original.scene, with_what_they_read(original.scene, {key[0]}), [])
-            prepared = {p.name: original.session.programs[p.name] for p in part.passes}
+            programs = {p.name: original.programs[p.name] for p in part.passes}
             some = wider.rounds(original, key, seed=key[1])
-            with _sound_part(part), self._bench.trial(part, prepared) as trial:
-                self._wide[variant, key] = (some, dict(wider.outputs(trial, key, some)))
+            with _sound_part(part), self._lab.evaluation(part, programs) as unmutated:
+                self._wide[variant, key] = (some, dict(wider.outputs(unmutated, key, some)))
         return self._wide[variant, key]
 
     def _require_sound(self, task: Task) -> None:
@@ -204,16 +204,19 @@ class Judge:
             key = (part.variant, tuple(p.name for p in part.passes), tuple(task.about))
             if key in self._sound:
                 continue
-            with _sound_part(part), self.trial(unmutated, everything=everything) as (trial, _):
-                for index in range(len(part.expect)):
-                    trial.judge(index)
+            run = self.evaluation(unmutated, everything=everything)
+            with _sound_part(part), run as (evaluation, _):
+                for expectation in part.expect:
+                    evaluation.judge(expectation)
             self._sound.add(key)
 
-    def _original(self, scene: Scene) -> Trial:
-        prepared = self._bench.prepare(scene, {})
-        with self._bench.trial(scene, prepared) as trial:
-            for index, expectation in enumerate(scene.expect):
-                outcome = trial.judge(index)
+    def _original(self, scene: Scene) -> Evaluation:
+        programs = self._lab.prepare_for_opengl(scene)
+        with self._lab.evaluation(scene, programs) as evaluation:
+            for expectation in scene.expect:
+                if not expectation.passes(scene):
+                    continue  # no shader has a part in it
+                outcome = evaluation.judge(expectation).outcome
                 if outcome.status != "pass":
                     raise CaseError(
                         f"{scene.case.id}[{scene.variant}]: {expectation.name!r} fails with the "
@@ -221,13 +224,13 @@ class Judge:
                         file=scene.case.file or None,
                         remedy="mend the case first; then its power can be measured",
                     )
-        return trial
+        return evaluation
 
     def _prepared(self, task: Task, part: Scene) -> Programs:
         """Programs of the touched passes made anew, the others' as they are."""
         mine = replace(part, passes=tuple(p for p in part.passes if p.name in task.touched))
-        original = self._originals[part.variant].session.programs
-        anew = self._bench.prepare(mine, task.texts)
+        original = self._originals[part.variant].programs
+        anew = self._lab.prepare_for_opengl(mine, task.texts)
         return {p.name: anew.get(p.name) or original[p.name] for p in part.passes}
 
 

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from shaderlab.errors import ShaderError
+from shaderlab.evaluation.search_path import shaders_of
 from shaderlab.glsl.sources import Source
 from shaderlab.glsl.text import STAGES
 from shaderlab.model import Case, Pass, Scene, outputs_read
 from shaderlab.mutation.mutants import Mutant, mutants_of
 from shaderlab.mutation.syntax import Syntax, reachable
-from shaderlab.pipeline.roots import shaders_beside
 
 
 @dataclass(frozen=True)
@@ -121,7 +121,7 @@ def sources_of(case: Case) -> dict[str, Source]:
 
 
 def _sources(case: Case) -> Iterator[tuple[str, Source]]:
-    shaders = shaders_beside(Path(case.file).parent, {})
+    shaders = shaders_of(Path(case.file).parent, {})
     seen: set[str] = set()
     for scene in case.scenes():
         for description in scene.passes:

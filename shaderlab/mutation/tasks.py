@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 
 from shaderlab.model import Scene
 from shaderlab.mutation.subjects import with_what_they_read
-from shaderlab.pipeline.trial import judged_passes
 
 
 @dataclass(frozen=True)
@@ -29,8 +28,7 @@ class Task:
 
     def part(self, everything: bool = False) -> Scene:
         """As much of the changed scene as these expectations need, or `everything` touched."""
-        passes = judged_passes(self.scene)
-        names = {name for i in self.about for name in passes[i]}
+        names = {name for i in self.about for name in self.scene.expect[i].passes(self.scene)}
         names |= self.touched if everything else set()
         return part_of(self.changed, with_what_they_read(self.scene, names), self.about)
 

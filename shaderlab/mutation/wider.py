@@ -9,12 +9,15 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from shaderlab.evaluation import Evaluation
 from shaderlab.frame import Array, PassDraw
-from shaderlab.pipeline.trial import Trial
+from shaderlab.programs.bind import declared
+from shaderlab.programs.formats import shape_of
+from shaderlab.programs.varyings import elements
 
 SAMPLES = 1024
 ROUNDS = 6
@@ -30,16 +33,19 @@ class Round:
     uniforms: Mapping[str, Array]
 
 
-def rounds(original: Trial, key: PassDraw, seed: int) -> list[Round]:
+def rounds(original: Evaluation, key: PassDraw, seed: int) -> list[Round]:
     """Random inputs for a draw; the first round keeps the case's own uniforms.
 
     They follow from the unmutated shader, so that every mutant gets the same ones.
     """
-    draw = original.draw(key)
+    draw = original.programs[key[0]][key[1]]
     random = np.random.default_rng(seed)
     turns = _turning_points((draw.text("vertex") or "") + (draw.text("fragment") or ""))
-    own = original.bindings[key].uniforms
-    kinds = original.uniform_types(key)
+    own = original.drawn.bindings[key].uniforms
+    kinds = {n: v.type for n, v in declared(draw.interface).items()}
+    varyings = {
+        v.name: (shape_of(v.type), v.type) for v in elements(draw.interface.varyings.values())
+    }
     mesh = draw.draw.mesh
     attributes: dict[str, tuple[tuple[int, ...], str]] = {}
     if mesh is not None and draw.draw.geometry is None:
@@ -47,7 +53,7 @@ def rounds(original: Trial, key: PassDraw, seed: int) -> list[Round]:
         attributes = {n: (a.shape[1:], kinds_of[n]) for n, a in mesh.inputs.items()}
     return [
         Round(
-            fragments=_inputs(random, original.inputs_of(key), turns),
+            fragments=_inputs(random, varyings, turns),
             vertices=_inputs(random, attributes, turns),
             uniforms={n: _like(random, v, turns, kinds.get(n, "float")) for n, v in own.items()}
             if number
@@ -58,15 +64,18 @@ def rounds(original: Trial, key: PassDraw, seed: int) -> list[Round]:
 
 
 def outputs(
-    trial: Trial, key: PassDraw, some: Iterable[Round]
+    evaluation: Evaluation, key: PassDraw, some: Iterable[Round]
 ) -> Iterator[tuple[tuple[str, int], Array]]:
     """Each output of a draw's stages by name and round, as the pass's target stores it."""
+    session, bindings = evaluation.session, evaluation.drawn.bindings[key]
     for number, given in enumerate(some):
-        for name, values in trial.sample(key, given.fragments, given.uniforms).outputs.items():
-            image = trial.images.get((key[0], name))
+        changed = replace(bindings, uniforms={**bindings.uniforms, **given.uniforms})
+        fragments = session.probe_fragments(key, changed, given.fragments)
+        for name, values in fragments.outputs.items():
+            image = evaluation.drawn.images.get((key[0], name))
             yield (name, number), values if image is None else stored(values, image.format)
         if given.vertices:
-            vertices = trial.sample_vertices(key, given.vertices, given.uniforms)
+            vertices = session.probe_vertices(key, changed, given.vertices)
             yield from (((name, number), values) for name, values in vertices.outputs.items())
 
 

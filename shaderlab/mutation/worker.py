@@ -15,11 +15,11 @@ from typing import BinaryIO
 
 from shaderlab.catalogue import load_case
 from shaderlab.errors import ShaderlabError
+from shaderlab.evaluation import Lab
 from shaderlab.mutation.judging import Judge
 from shaderlab.mutation.mutants import Mutant
 from shaderlab.mutation.results import Fate
 from shaderlab.mutation.states import StateMutant
-from shaderlab.pipeline.trial import Bench
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,7 +38,7 @@ Answer = Fate | str
 def answers(questions: BinaryIO, replies: BinaryIO) -> None:
     """Answer one question after the other until there are no more."""
     with contextlib.ExitStack() as stack:
-        bench: Bench | None = None
+        lab: Lab | None = None
         judge: Judge | None = None
         while True:
             try:
@@ -48,8 +48,8 @@ def answers(questions: BinaryIO, replies: BinaryIO) -> None:
             answer: Answer
             try:
                 if isinstance(question, Opening):
-                    bench = bench or stack.enter_context(Bench())
-                    judge = Judge(bench, load_case(Path(question.case_file)), question.variants)
+                    lab = lab or stack.enter_context(Lab())
+                    judge = Judge(lab, load_case(Path(question.case_file)), question.variants)
                     answer = ""
                 else:
                     assert judge is not None

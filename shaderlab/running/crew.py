@@ -36,7 +36,7 @@ from shaderlab.workers import Outcome, Pool
 
 # Workers are started before anything that they do not need is imported here.
 if TYPE_CHECKING:
-    from shaderlab.pipeline import Lab
+    from shaderlab.evaluation import Lab
     from shaderlab.records import Record
 
     Heard = Callable[[Job, Record], None]
@@ -220,11 +220,11 @@ class Solo:
             self._open.close()
 
     def _lab(self) -> Lab:
-        from shaderlab import pipeline
+        from shaderlab import evaluation
         from shaderlab.running.working import options_of
 
         if self._open is None:
-            self._open = pipeline.Lab(options_of(self._setup))
+            self._open = evaluation.Lab(options_of(self._setup))
         return self._open
 
 

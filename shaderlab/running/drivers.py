@@ -38,7 +38,7 @@ def disagreements(jobs: Sequence[Job], frames: Mapping[str, Path]) -> Iterator[D
         jobs: the scenes.
         frames: by driver, the folder in which its frames were kept.
     """
-    from shaderlab.pipeline.stored_images import load
+    from shaderlab.evaluation.stored_images import load
 
     for job in jobs:
         drawn = {name: load(folder, job.id, job.variant) for name, folder in frames.items()}

@@ -14,7 +14,7 @@ DEFAULT_GIGABYTES = 4.0
 
 @dataclass(frozen=True, kw_only=True)
 class Setup:
-    """How all scenes of a run are run; see `shaderlab.pipeline.Options`.
+    """How all scenes of a run are run; see `shaderlab.options.RunOptions`.
 
     Attributes:
         size: side in pixels of the square frame that is judged, where a case does not say.

@@ -17,9 +17,9 @@ import numpy as np
 
 from shaderlab.catalogue import load_case
 from shaderlab.errors import CaseError
-from shaderlab.model import Expectation, Formula, Ramp, Scene, Sweep
+from shaderlab.evaluation import Lab
+from shaderlab.model import Ramp, Scene
 from shaderlab.options import RunOptions
-from shaderlab.pipeline import Lab
 from shaderlab.records import Record
 from shaderlab.running.jobs import About, CaseFacts, Describe, Job, Load, Perform, Question, Setup
 from shaderlab.running.steps import Steps
@@ -48,7 +48,7 @@ def facts(file: Path) -> CaseFacts:
         title=case.title,
         section=case.section,
         variants=tuple(scene.variant for scene in scenes),
-        formulas=tuple(len(_formulas(scene)) for scene in scenes),
+        formulas=tuple(len(scene.formulas()) for scene in scenes),
         parameters={name: _components(value) for name, value in inputs.items()},
         sized=any(p.target.size is None for scene in scenes for p in scene.passes),
     )
@@ -84,14 +84,7 @@ def _scene_of(job: Job) -> Scene:
         scene = scene.changed(job.variant, job.point.changes)
     except CaseError as error:
         raise CaseError(error.message, file=job.file, remedy=error.remedy) from error
-    return replace(scene, expect=_formulas(scene))
-
-
-def _formulas(scene: Scene) -> tuple[Expectation, ...]:
-    """What holds a scene's outputs against a formula, whatever its inputs are: of every pixel, or
-    else along curves."""
-    of_pixels = tuple(e for e in scene.expect if isinstance(e, Formula))
-    return of_pixels or tuple(e for e in scene.expect if type(e) is Sweep)
+    return replace(scene, expect=scene.formulas())
 
 
 def _components(value: Any) -> int:

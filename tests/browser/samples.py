@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
+from shaderlab.evaluation.picture_writer import PictureWriter
 from shaderlab.frame import Array, Image
-from shaderlab.pipeline.picture_writer import PictureWriter
 from shaderlab.records import (
     Declared,
     ErratumNote,

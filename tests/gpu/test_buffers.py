@@ -30,10 +30,10 @@ from shaderlab import (
     value,
 )
 from shaderlab.errors import CaseError
+from shaderlab.evaluation import Lab
 from shaderlab.glslmath import mul, vec4
 from shaderlab.model.mesh import LAYOUTS, UPLOADS, USAGES
 from shaderlab.options import RunOptions
-from shaderlab.pipeline import Lab
 from shaderlab.records import Record
 
 SQUARE = {
@@ -132,11 +132,10 @@ def output(folder: Path, **mesh: Any) -> bytes:
         title="a case", id="a-case", file=str(folder / "case.py"), passes=square(**mesh),
         expect=[exact("FragColor", 0.0)],
     )  # fmt: skip
-    from shaderlab.pipeline.trial import Bench
 
     (scene,) = case.scenes()
-    with Bench() as bench, bench.trial(scene, bench.prepare(scene, {})) as trial:
-        return trial.images["main", "FragColor"].values.tobytes()
+    with Lab() as lab, lab.evaluation(scene, lab.prepare_for_opengl(scene)) as evaluation:
+        return evaluation.frame.images["main", "FragColor"].values.tobytes()
 
 
 def test_every_layout_upload_and_usage_draws_the_same_pixels(folder: Path) -> None:

@@ -9,25 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from shaderlab import (
-    Case,
-    Draw,
-    Location,
-    Object,
-    Pass,
-    Program,
-    State,
-    Target,
-    Texture,
-    call,
-    exact,
-    gl_call,
-)
+from shaderlab import Case, Draw, Pass, State, Target, Texture, exact, gl_call
 from shaderlab.errors import CaseError
+from shaderlab.evaluation import Lab
+from shaderlab.expectations.gl_call import Location, Object, Program, call
 from shaderlab.model.scene import UNIT_SQUARE
 from shaderlab.options import RunOptions
-from shaderlab.pipeline import Lab
-from shaderlab.pipeline.trial import Bench, judged_passes
 from shaderlab.records import Record
 
 TEXTURED = """#version 330 core
@@ -184,10 +171,10 @@ def test_mutation_judges_only_calls_that_name_a_program(folder: Path) -> None:
     of_program = gl_call("glGetUniformLocation", Program(), "unused", returns=-1)
     of_nothing = gl_call("glIsEnabled", "GL_BLEND", returns=1)
     scene = case(folder, of_program, of_nothing).scene("default")
-    assert judged_passes(scene) == {0: frozenset({"main"}), 1: frozenset()}
-    with Bench(size=4) as bench:
+    assert [e.passes(scene) for e in scene.expect] == [{"main"}, set()]
+    with Lab(RunOptions(size=4)) as lab:
         for use, status in (("", "pass"), (" + unused", "fail")):
             text = TEXTURED.replace("TexCoords);", f"TexCoords){use};")
-            with bench.trial(scene, bench.prepare(scene, {"textured.frag": text})) as trial:
-                assert trial.judge(0).status == status
-                assert trial.judge(1).status == "pass"
+            programs = lab.prepare_for_opengl(scene, {"textured.frag": text})
+            with lab.evaluation(scene, programs) as evaluation:
+                assert evaluation.judge(scene.expect[0]).outcome.status == status

@@ -25,9 +25,9 @@ from shaderlab import (
     sweep,
     value,
 )
+from shaderlab.evaluation import Lab
 from shaderlab.glslmath import dot, mul, vec4
 from shaderlab.options import RunOptions
-from shaderlab.pipeline import Lab
 from shaderlab.records import Record
 
 QUAD = Mesh(

@@ -13,10 +13,11 @@ import pytest
 from shaderlab import Case, Draw, Mesh, Pass, Ramp, State, Target, across, formula, mesh_pass
 from shaderlab.backends.opengl.backend import OpenGLBackend
 from shaderlab.catalogue import Catalogue
-from shaderlab.frame import Fragments, Frame, PassDraw
+from shaderlab.evaluation import Evaluation, Lab
+from shaderlab.expectations.requests import CapturedFragments
+from shaderlab.frame import Fragments, PassDraw
 from shaderlab.model import Blend, Cell, Depth, Scene
 from shaderlab.options import RunOptions
-from shaderlab.pipeline import Lab
 from shaderlab.programs.captures import CaptureCache
 
 SHADER = """#version 330 core
@@ -53,8 +54,13 @@ class Watched(Lab):
         self.captures = self.backend.captures = Counting(room)
         self.seen: dict[tuple[str, str], Mapping[PassDraw, Fragments]] = {}
 
-    def _judge(self, scene: Scene, frame: Frame, *_: Any) -> None:
-        self.seen[scene.case.id, scene.variant] = frame.fragments
+    def judge_all(self, evaluation: Evaluation, *_: Any) -> None:
+        scene = evaluation.scene
+        self.seen[scene.case.id, scene.variant] = {
+            request.key: answer
+            for request, answer in evaluation.answers.items()
+            if isinstance(request, CapturedFragments)
+        }
 
 
 @pytest.fixture

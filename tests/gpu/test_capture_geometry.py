@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from shaderlab import Case, Draw, Mesh, Pass, coverage, formula, mesh_pass, value
+from shaderlab.evaluation import Lab
 from shaderlab.glslmath import cross, normalize, vec4, where
 from shaderlab.options import RunOptions
-from shaderlab.pipeline import Lab
 from shaderlab.programs.vertices import corners
 from shaderlab.records import Record
 

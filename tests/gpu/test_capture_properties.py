@@ -19,9 +19,9 @@ from shaderlab import (
     monotone,
     symmetric,
 )
-from shaderlab.model import Property
+from shaderlab.evaluation import Lab
+from shaderlab.expectations.law import Law
 from shaderlab.options import RunOptions
-from shaderlab.pipeline import Lab
 from shaderlab.records import Outcome
 
 SHADER = """#version 330 core
@@ -43,7 +43,7 @@ def lab() -> Iterator[Lab]:
         yield made
 
 
-def judged(lab: Lab, folder: Path, check: Property, **uniforms: float) -> Outcome:
+def judged(lab: Lab, folder: Path, check: Law, **uniforms: float) -> Outcome:
     (folder / "laws.frag").write_text(SHADER)
     passes = fullscreen(
         "laws.frag",
@@ -59,7 +59,7 @@ def judged(lab: Lab, folder: Path, check: Property, **uniforms: float) -> Outcom
 
 DISTANCES = np.linspace(0.0, 50.0, 501).tolist()
 PAIRS = [((x, 1.0), (0.5, -x)) for x in np.linspace(-3.0, 3.0, 25)]
-CHECKS: list[tuple[Property, dict[str, float]]] = [
+CHECKS: list[tuple[Law, dict[str, float]]] = [
     (monotone("attenuation", over="x", values=DISTANCES, direction="decreasing"), {"slip": 0.001}),
     (bounded("attenuation", 0.0, 1.0, over="x", values=DISTANCES), {"slip": 0.1}),
     (symmetric("product", over=("a", "b"), values=PAIRS), {"slip": 0.001}),
@@ -70,7 +70,7 @@ CHECKS: list[tuple[Property, dict[str, float]]] = [
 
 
 @pytest.mark.parametrize("check", [check for check, _ in CHECKS], ids=lambda c: c.name)
-def test_laws_hold(lab: Lab, tmp_path: Path, check: Property) -> None:
+def test_laws_hold(lab: Lab, tmp_path: Path, check: Law) -> None:
     outcome = judged(lab, tmp_path, check)
     assert outcome.status == "pass", outcome
 
@@ -79,7 +79,7 @@ def test_laws_hold(lab: Lab, tmp_path: Path, check: Property) -> None:
     ("check", "wrong"), [pair for pair in CHECKS if pair[1]], ids=lambda c: getattr(c, "name", "")
 )
 def test_laws_are_broken_by_a_slip(
-    lab: Lab, tmp_path: Path, check: Property, wrong: dict[str, float]
+    lab: Lab, tmp_path: Path, check: Law, wrong: dict[str, float]
 ) -> None:
     outcome = judged(lab, tmp_path, check, **wrong)
     assert outcome.status == "fail", outcome

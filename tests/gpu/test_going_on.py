@@ -8,8 +8,9 @@ from typing import Any
 import pytest
 
 from shaderlab.errors import CaseError
-from shaderlab.model import Blend, Case, Output, Pass, State, Target, exact, fullscreen
-from shaderlab.pipeline import Lab
+from shaderlab.evaluation import Lab
+from shaderlab.expectations import exact
+from shaderlab.model import Blend, Case, Output, Pass, State, Target, fullscreen
 from shaderlab.records import Record
 
 PLAIN = """\

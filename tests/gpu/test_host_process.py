@@ -17,7 +17,7 @@ from shaderlab import Case, Target, exact, formula, fullscreen, gl_call, gl_erro
 from shaderlab import Draw, Mesh, Pass
 from shaderlab.backends import open_backend
 from shaderlab.glsl import Shaders
-from shaderlab.pipeline import Lab
+from shaderlab.evaluation import Lab
 
 def judged(**given):
     case = Case(title="t", file=str(FOLDER / "t.py"), **given)

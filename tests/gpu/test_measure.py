@@ -11,12 +11,11 @@ import pytest
 
 from shaderlab import Case, Output, across, formula, fullscreen, measure, reading, value
 from shaderlab.catalogue import load_case
+from shaderlab.evaluation import Lab
 from shaderlab.mutation import Options as MutationOptions
 from shaderlab.mutation.campaign import mutants_of_case
 from shaderlab.mutation.judging import Judge
 from shaderlab.options import RunOptions
-from shaderlab.pipeline import Lab
-from shaderlab.pipeline.trial import Bench
 
 STEP = """\
 #version 330 core
@@ -126,8 +125,8 @@ def test_a_wrong_name_is_an_error_of_its_expectation(lab: Lab, folder: Path) -> 
 
 def test_a_mutant_that_breaks_a_bound_is_killed(folder: Path) -> None:
     case = load_case(folder / "step.py")
-    with Bench(16) as bench:
-        judge = Judge(bench, case)
+    with Lab(RunOptions(size=16)) as lab:
+        judge = Judge(lab, case)
         fates = {m.text: judge.fate(m) for m in mutants_of_case(case, MutationOptions(state=False))}
     turned = [fate for text, fate in fates.items() if "x > edge" in text or "x >= edge" in text]
     assert turned and all(fate.status == "killed" and "lit" in fate.by for fate in turned)

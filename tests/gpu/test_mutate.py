@@ -12,10 +12,10 @@ from click.testing import CliRunner
 
 from shaderlab.catalogue import load_case
 from shaderlab.cli import cli
+from shaderlab.evaluation import Lab
 from shaderlab.mutation import Mutant, Options, run, state_mutants
 from shaderlab.mutation.campaign import mutants_of_case
 from shaderlab.mutation.judging import Judge, PartError
-from shaderlab.pipeline.trial import Bench
 
 SHADER = """\
 #version 330 core
@@ -76,7 +76,7 @@ case = Case(
 COMPARED = '''\
 """Two overlapping quads, in either order."""
 from shaderlab import Depth, Draw, Mesh, Pass, State, Target, Case
-from shaderlab.assets.order import any_order, both_ways
+from shaderlab.expectations.any_order import any_order, both_ways
 
 
 def quad(z):
@@ -121,8 +121,8 @@ def folder(tmp_path: Path) -> Path:
 def fates(file: Path, kind: str = "") -> dict[tuple[str, str, str], str]:
     """Each mutant's fate (of one kind only), judged in this process."""
     case = load_case(file)
-    with Bench() as bench:
-        judge = Judge(bench, case)
+    with Lab() as lab:
+        judge = Judge(lab, case)
         return {
             (m.operator, m.before, m.after): judge.fate(m).status
             for m in mutants_of_case(case, Options(state=False))
@@ -151,8 +151,8 @@ def trial(folder: Path, right: str, wrong: str) -> str:
         shader="law.glsl", file=str(folder / "law.glsl"), line=1, operator="by hand",
         before=right, after=wrong, text=text,
     )  # fmt: skip
-    with Bench() as bench:
-        return Judge(bench, load_case(folder / "law.py")).fate(mutant).status
+    with Lab() as lab:
+        return Judge(lab, load_case(folder / "law.py")).fate(mutant).status
 
 
 @pytest.mark.parametrize(
@@ -174,8 +174,8 @@ def test_a_mutant_of_every_fate(folder: Path, right: str, wrong: str, status: st
 
 def test_state_is_mutated_too(folder: Path) -> None:
     case = load_case(folder / "quad.py")
-    with Bench() as bench:
-        judge = Judge(bench, case)
+    with Lab() as lab:
+        judge = Judge(lab, case)
         found = {(m.path, m.after): judge.fate(m).status for m in state_mutants(case)}
     assert found == {
         ("depth", None): "equivalent",  # nothing is there to be hidden by
@@ -187,8 +187,8 @@ def test_state_is_mutated_too(folder: Path) -> None:
 
 def test_what_is_compared_with_another_pass_is_drawn_with_it(folder: Path) -> None:
     case = load_case(folder / "compared.py")
-    with Bench() as bench:
-        judge = Judge(bench, case)
+    with Lab() as lab:
+        judge = Judge(lab, case)
         shaders = [judge.fate(m) for m in mutants_of_case(case, Options(state=False))]
         # The far quad, drawn first, and the near one, drawn last.
         hidden = [judge.fate(m) for m in state_mutants(case) if m.path == "depth.func"]
@@ -204,8 +204,8 @@ def test_a_part_that_does_not_run_unmutated_kills_nobody(
 ) -> None:
     """Were a pass left out that another one is compared with, every mutant would seem noticed."""
     case = load_case(folder / "compared.py")
-    with Bench() as bench:
-        judge = Judge(bench, case)
+    with Lab() as lab:
+        judge = Judge(lab, case)
         mutant = next(m for m in mutants_of_case(case, Options(state=False)))
         assert judge.fate(mutant).status != "invalid"
         monkeypatch.setattr("shaderlab.mutation.tasks.with_what_they_read", lambda *_: {"quads"})
@@ -218,8 +218,8 @@ def test_an_error_of_the_mutant_alone_kills_it(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     case = load_case(folder / "quad.py")
-    with Bench() as bench:
-        judge = Judge(bench, case)
+    with Lab() as lab:
+        judge = Judge(lab, case)
         mutant = next(m for m in state_mutants(case))
         wrong = replace(next(case.scenes()), passes=())
         monkeypatch.setattr(type(mutant), "applied", lambda *_: wrong)

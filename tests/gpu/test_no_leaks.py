@@ -20,13 +20,14 @@ import pytest
 
 from shaderlab.backends.opengl import state as fixed
 from shaderlab.catalogue import Catalogue
-from shaderlab.checks.refusals import Answer, Complaint
-from shaderlab.frame import Frame
-from shaderlab.model import Case, Mesh, Scene, State, Target, exact, mesh_pass
+from shaderlab.errors import ShaderlabError
+from shaderlab.evaluation import Evaluation, Lab
+from shaderlab.evaluation.picture_writer import PictureWriter
+from shaderlab.evaluation.record_builder import RecordBuilder
+from shaderlab.expectations import exact
+from shaderlab.frame import Timing
+from shaderlab.model import Case, Mesh, Scene, State, Target, mesh_pass
 from shaderlab.options import RunOptions
-from shaderlab.pipeline import Lab
-from shaderlab.pipeline.picture_writer import PictureWriter
-from shaderlab.pipeline.record_builder import RecordBuilder
 from shaderlab.records import Record
 
 SEEDS = (1, 20)
@@ -42,21 +43,22 @@ class Watched(Lab):
         self.hashes: dict[tuple[str, str], dict[str, str]] = {}
         self._judged = judged
 
-    def _judge(
-        self,
-        scene: Scene,
-        frame: Frame,
-        said: Mapping[int, Answer | Complaint],
-        builder: RecordBuilder,
-        writer: PictureWriter,
+    def judge_all(
+        self, evaluation: Evaluation, builder: RecordBuilder, writer: PictureWriter
     ) -> None:
+        scene, frame = evaluation.scene, evaluation.frame
+        found = {each.name: getattr(frame, each.name) for each in fields(frame)}
+        found["answers"] = [
+            (type(request).__name__, answer)
+            for request, answer in frame.answers.items()
+            if not isinstance(answer, Timing)  # seconds differ
+        ]
         self.hashes[scene.case.id, scene.variant] = {
-            name: hashlib.blake2s(b"".join(parts(getattr(frame, name)))).hexdigest()
-            for name in (each.name for each in fields(frame))
-            if name != "timings"  # seconds differ
+            name: hashlib.blake2s(b"".join(parts(value))).hexdigest()
+            for name, value in found.items()
         }
         if scene.case.id in self._judged:
-            super()._judge(scene, frame, said, builder, writer)
+            super().judge_all(evaluation, builder, writer)
 
 
 def parts(value: Any) -> Iterator[bytes]:
@@ -80,6 +82,8 @@ def parts(value: Any) -> Iterator[bytes]:
             yield from parts(one)
     elif isinstance(value, int) and value > 0xFFFFFFFF:
         yield b"an address"  # a mapping's, another one each time
+    elif isinstance(value, ShaderlabError):
+        yield str(value).encode()
     else:
         assert value is None or isinstance(value, str | bytes | bool | int | float), type(value)
         yield repr(value).encode()

@@ -12,7 +12,7 @@ import pytest
 
 STAND_IN = """
 import dataclasses, os
-import shaderlab.pipeline
+import shaderlab.evaluation
 os.environ["SHADERLAB_JOBS"] = "0"
 from shaderlab.records import Outcome, Record, Worst
 
@@ -33,7 +33,7 @@ class Lab:
     def close(self):
         print("lab closed")
 
-shaderlab.pipeline.Lab = Lab
+shaderlab.evaluation.Lab = Lab
 """
 
 

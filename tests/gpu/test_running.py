@@ -37,9 +37,9 @@ from shaderlab import (
     value,
 )
 from shaderlab.backends.opengl.backend import OpenGLBackend
+from shaderlab.evaluation import Lab
 from shaderlab.glslmath import normalize, vec4
 from shaderlab.options import RunOptions
-from shaderlab.pipeline import Lab
 from shaderlab.records import Record
 from shaderlab.sampling import texture
 
@@ -448,7 +448,7 @@ def test_the_same_scene_gives_the_same_bytes(lab: Lab, folder: Path) -> None:
 def test_a_defect_of_the_lab_costs_one_scene_only(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from shaderlab.pipeline.picture_writer import PictureWriter
+    from shaderlab.evaluation.picture_writer import PictureWriter
 
     def broken(self: Any, image: Any) -> Any:
         raise IndexError("no such luck")

@@ -31,9 +31,9 @@ from shaderlab import (
     fullscreen,
     value,
 )
+from shaderlab.evaluation import Lab
 from shaderlab.glslmath import swizzle
 from shaderlab.options import RunOptions
-from shaderlab.pipeline import Lab
 from shaderlab.records import Record
 from shaderlab.sampling import Sampler, texelFetch, texture, textureLod
 

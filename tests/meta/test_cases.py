@@ -10,8 +10,9 @@ import pytest
 
 from shaderlab.catalogue import Catalogue
 from shaderlab.discovery import data_folder
+from shaderlab.expectations import CompileFails, Computed, Coverage, Refused
 from shaderlab.glsl.sources import Shaders
-from shaderlab.model import Case, CompileFails, Computed, Coverage, Refused
+from shaderlab.model import Case
 from shaderlab.programs.prepare import Preparer
 
 FIRST = {

@@ -6,8 +6,7 @@
 from __future__ import annotations
 
 from shaderlab.catalogue import Catalogue
-from shaderlab.model import (
-    Case,
+from shaderlab.expectations import (
     CompileFails,
     Computed,
     Coverage,
@@ -15,6 +14,7 @@ from shaderlab.model import (
     InactiveUniforms,
     Refused,
 )
+from shaderlab.model import Case
 
 ROWS = {
     1: "orange-triangle",

@@ -43,7 +43,7 @@ def modules_after(statement: str) -> set[str]:
         "import shaderlab",
         "import shaderlab.glslmath, shaderlab.assets, shaderlab.reference",
         "import shaderlab.glsl, shaderlab.records",
-        "import shaderlab.pipeline",
+        "import shaderlab.evaluation",
     ],
 )
 def test_importing_loads_nothing_heavy(statement: str) -> None:

@@ -13,60 +13,16 @@ import pytest
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
-PACKAGE = "shaderlab"
-
-# Bottom to top. A room may import those it lists, each of which must stand above it here.
-ROOMS: dict[str, set[str]] = {
-    "errors": set(),
-    "files": {"errors"},
-    "activity": set(),
-    "packages": set(),
-    "options": set(),
-    "records": set(),
-    "frame": {"errors"},
-    "bands": {"errors"},
-    "sampling": {"errors", "bands", "frame"},
-    "glslmath": {"errors", "bands", "frame", "sampling"},
-    "pictures": {"errors", "files"},
-    "model": {"errors", "bands"},
-    "assets": {"errors", "model", "pictures"},
-    "reference": {"errors", "bands", "glslmath", "assets"},
-    "glsl": {"errors", "files", "records"},
-    "checks": {
-        "errors", "activity", "records", "frame", "bands", "sampling", "glslmath", "model",
-        "reference",
-    },
-    "programs": {"errors", "frame", "model", "glsl", "pictures"},
-    "backends": {"errors", "activity", "records", "frame", "model", "glsl", "programs"},
-    "discovery": {"errors"},
-    "catalogue": {"errors", "model", "discovery"},
-    "pipeline": {
-        "errors", "files", "activity", "packages", "records", "frame", "bands", "sampling",
-        "glslmath", "pictures", "model",
-        "assets", "reference", "glsl", "checks", "programs", "backends", "discovery",
-        "options",
-    },
-    "workers": {"errors", "records", "model", "catalogue", "pipeline"},
-    "mutation": {
-        "errors", "frame", "model", "glsl", "checks", "programs", "discovery", "catalogue",
-        "pipeline",
-    },
-    "report": {"errors", "files", "records", "pictures"},
-    "running": {
-        "errors", "files", "options", "packages", "records", "frame", "model", "backends",
-        "discovery", "catalogue", "pipeline", "workers", "report",
-    },
-    "doctor": {"errors", "glsl", "backends", "discovery"},
-    "pytest_plugin": {
-        "errors", "records", "discovery", "running", "report",
-    },
-    "cli": {
-        "errors", "files", "records", "model", "glsl", "discovery", "catalogue", "pipeline",
-        "workers", "mutation", "report", "running", "doctor",
-    },
-    "__main__": {"cli"},
-    "__init__": {"errors", "bands", "model"},
-}  # fmt: skip
+from tests.meta.rooms import (
+    ORDER,
+    PACKAGE,
+    documented,
+    edges,
+    imported_room,
+    imports,
+    sources,
+    table,
+)
 
 # Who may import a foreign module that has an owner.
 OWNERS: dict[str, set[str]] = {
@@ -99,6 +55,7 @@ OPTIONAL = {
 }
 
 CASES_MAY_IMPORT = {
+    f"{PACKAGE}.expectations",
     PACKAGE,
     f"{PACKAGE}.reference",
     f"{PACKAGE}.glslmath",
@@ -111,71 +68,39 @@ SCENES_MAY_IMPORT = {*CASES_MAY_IMPORT, f"{PACKAGE}.errors", f"{PACKAGE}.model"}
 COURSE = {"colour", "etcpak", "flip_evaluator", "pyglm", "texture2ddecoder"}
 
 
-def imports(tree: ast.AST, package: tuple[str, ...]) -> Iterator[tuple[int, str, str]]:
-    """All imports below `tree`, those inside functions too, as (line, module, name).
-
-    `package` is what relative imports start from; `name` is "" for `import module`.
-    """
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Import):
-            for alias in node.names:
-                yield node.lineno, alias.name, ""
-        elif isinstance(node, ast.ImportFrom):
-            base = package[: len(package) - node.level + 1] if node.level else ()
-            module = ".".join([*base, *([node.module] if node.module else [])])
-            for alias in node.names:
-                yield node.lineno, module, alias.name
-
-
-def room_of(parts: tuple[str, ...]) -> str:
-    return parts[1] if len(parts) > 1 else "__init__"
-
-
-def sources(repository: Path) -> Iterator[tuple[str, Path, list[tuple[int, str, str]]]]:
-    """Each module of the package: its room, its file, its imports."""
-    for file in sorted((repository / PACKAGE).rglob("*.py")):
-        inside = file.relative_to(repository).with_suffix("").parts
-        if "_data" in inside:
-            continue
-        package = inside[:-1]
-        tree = ast.parse(file.read_text(encoding="utf-8"))
-        room = room_of(package if inside[-1] == "__init__" else inside)
-        yield room, file, list(imports(tree, package))
-
-
-def imported_room(module: str, name: str) -> str | None:
-    """The room that an import leads into, or None for a foreign one."""
-    parts = tuple(module.split("."))
-    if parts[0] != PACKAGE:
-        return None
-    if len(parts) == 1 and name in ROOMS:
-        return name
-    return room_of(parts)
-
-
-def wrong_edges(found: Iterator[tuple[str, Path, list[tuple[int, str, str]]]]) -> list[str]:
-    wrong = []
-    for room, file, lines in found:
-        for line, module, name in lines:
-            other = imported_room(module, name)
-            if other is not None and other != room and other not in ROOMS.get(room, set()):
-                wrong.append(f"{file}:{line}: {room} imports {other}")
-    return wrong
-
-
-def test_the_map_itself_only_points_down() -> None:
-    order = list(ROOMS)
-    for room, below in ROOMS.items():
-        for other in below:
-            assert order.index(other) < order.index(room), f"{room} → {other}"
+def upward(found: Iterator[tuple[str, str, str]]) -> list[str]:
+    """Of (room, imported room, place), those that lead up or to a room that is not on the map."""
+    known = {room: place for place, room in enumerate(ORDER)}
+    return [
+        f"{place}: {room} imports {other}"
+        for room, other, place in found
+        if known.get(other, len(ORDER)) >= known.get(room, -1)
+    ]
 
 
 def test_every_room_is_on_the_map(repository: Path) -> None:
-    assert {room for room, _, _ in sources(repository)} <= set(ROOMS)
+    assert {room for room, _, _ in sources(repository)} == set(ORDER)
 
 
 def test_rooms_import_only_rooms_below(repository: Path) -> None:
-    assert wrong_edges(sources(repository)) == []
+    found = edges(repository)
+    assert upward((r, o, place) for r in found for o, place in found[r].items()) == []
+
+
+def test_the_document_shows_the_real_imports(repository: Path) -> None:
+    """`python -m tests.meta.rooms` writes the map anew."""
+    assert documented(repository) == table(repository)
+
+
+def test_only_a_backend_s_own_folder_is_imported_by_name(repository: Path) -> None:
+    """What speaks to a backend speaks to the protocol."""
+    wrong = [
+        f"{file}:{line}: {room} imports {module}"
+        for room, file, lines in sources(repository)
+        for line, module, _ in lines
+        if module.startswith(f"{PACKAGE}.backends.") and room != "backends"
+    ]
+    assert wrong == []
 
 
 def test_foreign_libraries_stay_with_their_owners(repository: Path) -> None:
@@ -240,15 +165,17 @@ def test_cases_use_only_what_any_reader_may(repository: Path) -> None:
     ("room", "text", "wrong"),
     [
         ("glsl", "from ..backends import opengl", True),
-        ("glsl", "def f():\n    from shaderlab.checks.judge import judge", True),
-        ("model", "from shaderlab import pipeline", True),
+        ("glsl", "def f():\n    from shaderlab.expectations.formula import formula", True),
+        ("model", "from shaderlab import evaluation", True),
         ("model", "from shaderlab import Case", True),
-        ("report", "import shaderlab.backends.opengl.device", True),
+        ("report", "import shaderlab.cli", True),
+        ("errors", "import shaderlab.attic", True),
         ("backends", "from ..glsl.compile import TARGETS", False),
-        ("backends", "from .opengl.state import apply", False),
-        ("backends", "import numpy", False),
+        ("evaluation", "from ..expectations.base import Context", False),
     ],
 )
 def test_a_wrong_edge_would_be_noticed(room: str, text: str, wrong: bool) -> None:
-    lines = list(imports(ast.parse(text), (PACKAGE, room)))
-    assert bool(wrong_edges(iter([(room, Path("x.py"), lines)]))) is wrong
+    lines = imports(ast.parse(text), (PACKAGE, room))
+    rooms = ((imported_room(module, name), line) for line, module, name in lines)
+    found = ((room, other, str(line)) for other, line in rooms if other is not None)
+    assert bool(upward(found)) is wrong

@@ -13,9 +13,9 @@ import pytest
 from shaderlab import UniformBuffer
 from shaderlab.catalogue import Catalogue
 from shaderlab.discovery import data_folder
+from shaderlab.evaluation import Lab
 from shaderlab.model import Case, Draw, Mesh, Pass
 from shaderlab.options import RunOptions
-from shaderlab.pipeline import Lab
 from shaderlab.records import Record
 
 CH2, CH8, CH10 = "ch02_basics", "ch08_techniques", "ch10_buffers"

@@ -9,8 +9,8 @@ import pytest
 
 from shaderlab.catalogue import Catalogue
 from shaderlab.discovery import data_folder
+from shaderlab.evaluation import Lab
 from shaderlab.options import RunOptions
-from shaderlab.pipeline import Lab
 from shaderlab.records import Record
 
 # case, shader, what stands there, the mistake

@@ -10,9 +10,10 @@ import pytest
 
 from shaderlab.catalogue import Catalogue
 from shaderlab.discovery import data_folder
-from shaderlab.model import Case, CompileFails, Computed, InactiveUniforms, Output, Refused
+from shaderlab.evaluation import Lab
+from shaderlab.expectations import CompileFails, Computed, InactiveUniforms, Refused
+from shaderlab.model import Case, Output
 from shaderlab.options import RunOptions
-from shaderlab.pipeline import Lab
 from shaderlab.records import Record
 
 CH2, CH11 = "ch02_basics", "ch11_window"

@@ -9,9 +9,9 @@ import pytest
 
 from shaderlab.catalogue import Catalogue
 from shaderlab.discovery import data_folder
+from shaderlab.evaluation import Lab
 from shaderlab.model import Case
 from shaderlab.options import RunOptions
-from shaderlab.pipeline import Lab
 from shaderlab.records import Record
 
 FOLDER = "ch05_lighting"

@@ -9,9 +9,10 @@ import pytest
 
 from shaderlab.catalogue import Catalogue
 from shaderlab.discovery import data_folder
-from shaderlab.model import Case, Measure
+from shaderlab.evaluation import Lab
+from shaderlab.expectations import Measure
+from shaderlab.model import Case
 from shaderlab.options import RunOptions
-from shaderlab.pipeline import Lab
 from shaderlab.records import Outcome
 
 FOLDER = "ch05_lighting"

@@ -10,9 +10,9 @@ import pytest
 
 from shaderlab.catalogue import Catalogue
 from shaderlab.discovery import data_folder
+from shaderlab.evaluation import Lab
 from shaderlab.model import Scene
 from shaderlab.options import RunOptions
-from shaderlab.pipeline import Lab
 from shaderlab.records import Record
 
 CH6, CH9 = "ch06_tests", "ch09_antialiasing"

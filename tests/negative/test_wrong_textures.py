@@ -12,9 +12,9 @@ import pytest
 from shaderlab import Case, CubeTexture, Texture
 from shaderlab.catalogue import Catalogue
 from shaderlab.discovery import data_folder
+from shaderlab.evaluation import Lab
 from shaderlab.model import Expectation
 from shaderlab.options import RunOptions
-from shaderlab.pipeline import Lab
 from shaderlab.records import Record
 
 CH2, CH7, CH13 = "ch02_basics", "ch07_maps", "ch13_skybox"

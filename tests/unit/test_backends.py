@@ -12,11 +12,11 @@ import pytest
 from shaderlab import Case, backends, exact, formula, fullscreen, gl_call, query
 from shaderlab.backends import Backend, Drawn, Session, Size
 from shaderlab.errors import UnsupportedError, UsageError
+from shaderlab.evaluation import Lab
 from shaderlab.frame import Image
 from shaderlab.glsl import Source
 from shaderlab.model import Expectation, Scene
 from shaderlab.options import RunOptions
-from shaderlab.pipeline import Lab
 from shaderlab.programs import bind
 from shaderlab.programs.formats import COLOR
 from shaderlab.programs.prepare import Programs, pass_colors

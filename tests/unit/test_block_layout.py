@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from shaderlab.evaluation.search_path import shaders_of
 from shaderlab.glsl.compile import compile_program
 from shaderlab.glsl.layout import Field, declared, layout
-from shaderlab.pipeline.roots import shaders_beside
 
 
 def offsets(*fields: Field, rules: str = "std140") -> list[int]:
@@ -112,7 +112,7 @@ def test_glslang_lays_out_every_block_the_same(bodies: tuple[str, str]) -> None:
     text = f"#version 330 core\nstruct Inner {{\n{struct}\n}};\n"
     text += f"layout (std140) uniform Block {{\n{block}\n}} one;\nout vec4 color;\n"
     text += "void main() { color = vec4(1.0); }\n"
-    source = shaders_beside(Path(), {}).from_text(text, "fragment", "<block>")
+    source = shaders_of(Path(), {}).from_text(text, "fragment", "<block>")
     interface = compile_program((source,), ("glsl", "opengl")).interface
     assert interface is not None
     theirs = interface.blocks["Block"]

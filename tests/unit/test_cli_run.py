@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 from click.testing import CliRunner, Result
 
-from shaderlab import pipeline
+from shaderlab import evaluation
 from shaderlab.cli import cli
 from shaderlab.records import Record
 
@@ -118,7 +118,7 @@ def test_an_interrupted_run_reports_what_it_did(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     fake_lab({})
-    lab = pipeline.Lab()
+    lab = evaluation.Lab()
     run = type(lab).run
 
     def interrupt(self: Any, scene: Any) -> Record:

@@ -6,6 +6,7 @@ import json
 
 import pytest
 
+from shaderlab.expectations import exact
 from shaderlab.model import (
     Blend,
     Case,
@@ -19,7 +20,6 @@ from shaderlab.model import (
     Stencil,
     Target,
     TextureArray,
-    exact,
     mesh_pass,
 )
 from shaderlab.mutation import CaseResult, Fate, Tried, as_json, score, state_mutants, summary_rows

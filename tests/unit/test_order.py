@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from shaderlab.assets.order import any_order, both_ways
-from shaderlab.model import Draw, Exact, Mesh, Output, Pass, Target
+from shaderlab.expectations import Exact
+from shaderlab.expectations.any_order import any_order, both_ways
+from shaderlab.model import Draw, Mesh, Output, Pass, Target
 
 
 def draw(name: str, indices: list[int] | None = None, primitive: str = "triangles") -> Draw:

@@ -6,11 +6,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 
 from shaderlab.backends import Backend, Drawn, Session, Size
-from shaderlab.backends.opengl import calls, capture, feedback, queries, verdict
+from shaderlab.backends.opengl import calls as api
+from shaderlab.backends.opengl import capture, feedback, queries, verdict
 from shaderlab.backends.opengl.device import Device
 from shaderlab.backends.opengl.drawing import Drawing
 from shaderlab.backends.opengl.linking import Linker
-from shaderlab.errors import CaseError
 from shaderlab.frame import (
     Array,
     AttributeReading,
@@ -23,7 +23,7 @@ from shaderlab.frame import (
     Timing,
 )
 from shaderlab.glsl.sources import Source
-from shaderlab.model import GlCall, Program, Scene
+from shaderlab.model import Call, Program, Scene
 from shaderlab.programs import captures
 from shaderlab.programs.prepare import Programs
 from shaderlab.programs.vertices import probed_mesh
@@ -103,14 +103,9 @@ class OpenGLSession(Session):
     def locations(self, key: PassDraw) -> Mapping[str, int]:
         return queries.locations(self._drawing, key)
 
-    def call(self, expectation: GlCall) -> Reply:
-        return calls.answer(self._drawing.device, expectation, self._texts)
+    def call(self, calls: Sequence[Call], returns: Sequence[int | float | str]) -> Reply:
+        return api.answer(self._drawing.device, calls, returns, self._texts)
 
     def _texts(self, program: Program) -> dict[str, str]:
-        description = self.scene.find_pass(program.pass_name)
-        draws, index = self.programs[description.name], program.draw
-        if not -len(draws) <= index < len(draws):
-            raise CaseError(
-                f"pass {description.name!r} has {len(draws)} draws, there is no draw {index}"
-            )
-        return {source.stage: source.text for source in draws[index].sources}
+        name, index = self.scene.draw_key(program.pass_name, program.draw)
+        return {source.stage: source.text for source in self.programs[name][index].sources}

@@ -22,7 +22,7 @@ from shaderlab.backends.opengl.drawing import drain_errors
 from shaderlab.backends.opengl.pyopengl import GL, GLError, NullFunctionError
 from shaderlab.errors import CaseError, DriverError, ShaderError, UnsupportedError, nearest
 from shaderlab.frame import Reply
-from shaderlab.model import Call, GlCall, Location, Object, Program
+from shaderlab.model import Call, Location, Object, Program
 
 Texts = Callable[[Program], Mapping[str, str]]
 """The stages' text of one of a case's programs, by stage."""
@@ -38,33 +38,37 @@ _ARRAYS: Mapping[str, type[np.generic]] = {
 _ROOM = 4096  # numbers that a call may write
 
 
-def answer(device: Device, expectation: GlCall, texts: Texts) -> Reply:
-    """Make the calls in a context of their own, and say what came of the last one.
+def answer(
+    device: Device, calls: Sequence[Call], returns: Sequence[int | float | str], texts: Texts
+) -> Reply:
+    """Make some calls in a context of their own, up to the first that raises an error.
+
+    Returns:
+        what the API answered to that one, or to the last; `returns` are the values expected of it.
 
     Raises:
         CaseError: a function, a constant or an argument is none of OpenGL's.
         UnsupportedError: the driver has no such function.
     """
-    wanted = tuple(constant(w) if _is_constant(w) else w for w in expectation.returns or ())
+    wanted = tuple(constant(w) if _is_constant(w) else w for w in returns)
+    *before, last = calls
     with _fresh_context(device):
         maker = _Maker(texts)
-        for step in expectation.before:
+        for step in before:
             maker.make(step, 0)
             errors = drain_errors()
             if errors:
                 return Reply(errors=errors, at=str(step), wanted=wanted)
-        returned = maker.make(expectation.call, len(wanted))
+        returned = maker.make(last, len(wanted))
         errors = drain_errors()
-    words = [w if isinstance(w, str) else "" for w in expectation.returns or ()]
+    words = [w if isinstance(w, str) else "" for w in returns]
     names = {
         int(n): _name_of(int(n), word)
         for word, want, got in zip(words, wanted, returned, strict=False)
         if _is_constant(word)
         for n in (want, got)
     }
-    return Reply(
-        errors=errors, at=str(expectation.call), wanted=wanted, returned=returned, names=names
-    )
+    return Reply(errors=errors, at=str(last), wanted=wanted, returned=returned, names=names)
 
 
 def constant(words: str) -> int:

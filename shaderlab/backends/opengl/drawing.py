@@ -17,7 +17,7 @@ from shaderlab.backends.opengl.uniform_buffers import UniformBuffers
 from shaderlab.backends.opengl.vertices import VertexArray, vertex_array
 from shaderlab.errors import ShaderError, UnsupportedError
 from shaderlab.frame import Array, Bindings, Image, PassDraw
-from shaderlab.model import Mesh, Pass, Scene, State, names_asked_for
+from shaderlab.model import Mesh, Pass, Scene, State
 from shaderlab.programs import bind, blocks
 from shaderlab.programs.formats import components_of
 from shaderlab.programs.passes import check_continues, check_reads
@@ -60,7 +60,7 @@ class Drawing:
         self._arrays: dict[tuple[int, int], tuple[Any, Mesh | None, VertexArray]] = {}
         self._gl_errors: dict[PassDraw, tuple[int, ...]] = {}
         self._inactive: set[str] = set()
-        self._asked = names_asked_for(scene)
+        self._named = scene.outputs_named()
 
     def run(self) -> Drawn:
         """Draw all passes in order.
@@ -121,7 +121,7 @@ class Drawing:
                 count = components_of(kinds[name])
                 image = Image(image.values[..., :count], image.format)
             self._images[description.name, name] = image
-        for name in self._asked.get(description.name, ()):
+        for name in self._named.get(description.name, ()):
             if name in target.attached and name not in target.colors:
                 self._images[description.name, name] = target.read(name)
 

@@ -1,0 +1,91 @@
+"""One scene evaluated: drawn once, then asked for what expectations need, each thing once."""
+
+from __future__ import annotations
+
+import functools
+from typing import Any
+
+from shaderlab.activity import doing
+from shaderlab.backends import Backend, Session
+from shaderlab.errors import DriverError
+from shaderlab.expectations.base import Context
+from shaderlab.frame import Frame
+from shaderlab.model import Expectation, Judgement, Request, error_name
+from shaderlab.programs.prepare import Preparer
+
+
+class Evaluation:
+    """A scene on a device: its frame, and the judgement of its expectations, all or some.
+
+    Nothing is captured or probed before an expectation asks for it. What was drawn and answered
+    stays readable when the session is closed.
+
+    Args:
+        session: the scene on the device; it is drawn now.
+        backend: the device.
+        preparer: what compiled the scene's programs.
+        like: an evaluation of the same scene with the shaders' own texts: its answers are taken
+            where they must be the same.
+
+    Raises:
+        ShaderError, UnsupportedError, CaseError: the scene can't be drawn.
+    """
+
+    def __init__(
+        self, session: Session, backend: Backend, preparer: Preparer, like: Evaluation | None = None
+    ) -> None:
+        self.session = session
+        self.scene = session.scene
+        self.programs = session.programs
+        self.answers: dict[Request, Any] = {}
+        self._like = like
+        with doing("draw"):
+            self.drawn = session.draw()
+        self._context = Context(session, self.drawn.bindings, preparer, backend.driver_verdict)
+
+    @functools.cached_property
+    def frame(self) -> Frame:
+        """What was drawn, and what was answered so far."""
+        return Frame(
+            images=self.drawn.images,
+            order=tuple(p.name for p in self.scene.passes),
+            bindings=self.drawn.bindings,
+            gl_errors=self.drawn.gl_errors,
+            sample_positions=self.drawn.sample_positions,
+            answers=self.answers,
+        )
+
+    def gather(self, expectation: Expectation) -> None:
+        """Ask for all that an expectation needs.
+
+        Raises:
+            ShaderlabError: it names what is not there, or there is no answer.
+        """
+        with doing("draw"):
+            for request in expectation.requests(self.scene, self.programs):
+                if request not in self.answers:
+                    self.answers[request] = self._answer(request)
+
+    def judge(self, expectation: Expectation) -> Judgement:
+        """Judge one of the scene's expectations; see `Expectation.judge` for what it raises."""
+        self.gather(expectation)
+        with doing("judge", f"judging {expectation.name!r}"):
+            return expectation.judge(self.scene, self.frame)
+
+    def require_no_other_errors(self) -> None:
+        """Raise DriverError for a GL error that no expectation is about."""
+        expected = {key for e in self.scene.expect for key in e.raises_gl_errors(self.scene)}
+        for key, errors in self.drawn.gl_errors.items():
+            if key not in expected:
+                names = ", ".join(error_name(code) for code in errors)
+                raise DriverError(f"draw {key[1]} of pass {key[0]!r} raises {names}")
+
+    def _answer(self, request: Request) -> Any:
+        like = self._like
+        if (
+            like is not None
+            and request in like.answers
+            and request.has_same_answer(self.programs, like.programs)
+        ):
+            return like.answers[request]
+        return request.answer(self._context)

@@ -1,0 +1,265 @@
+"""Collects a record while its scene runs, so that a failure half way loses nothing."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from shaderlab.discovery import chapter_title
+from shaderlab.errors import ShaderlabError
+from shaderlab.evaluation.buffer_layouts import buffer_records
+from shaderlab.evaluation.picture_writer import PictureFiles
+from shaderlab.files import display_path
+from shaderlab.frame import PassDraw
+from shaderlab.glsl.driver_verdict import mark_disagreement
+from shaderlab.glsl.interface import Interface
+from shaderlab.glsl.sources import Source
+from shaderlab.judging.figures import shown
+from shaderlab.model import Judgement, Ramp, Scene
+from shaderlab.programs.prepare import PreparedDraw
+from shaderlab.records import (
+    BufferRecord,
+    Curve,
+    Declared,
+    ErratumNote,
+    Outcome,
+    PassRecord,
+    Plot,
+    ProgramRecord,
+    Record,
+    SourceText,
+    Status,
+    Verdict,
+)
+
+Assembly = Callable[[Mapping[str, bytes]], str]
+
+
+class RecordBuilder:
+    """Collects what a record is made of, in the order in which a scene runs."""
+
+    def __init__(self, scene: Scene) -> None:
+        self._scene = scene
+        self._status: Status = "pass"
+        self._message = ""
+        self._programs: dict[tuple[Source, ...], ProgramRecord] = {}
+        self._drawn_by: dict[PassDraw, tuple[Source, ...]] = {}
+        self._outcomes: list[Outcome] = []
+        self._curves: list[Curve] = []
+        self._plots: list[Plot] = []
+        self._notices: list[str] = []
+        self._picture = PictureFiles()
+        self._passes: tuple[PassRecord, ...] = ()
+        self._buffers: tuple[BufferRecord, ...] = ()
+        self._driver, self._size, self._picture_size = "", 0, 0
+
+    def set_failure(self, status: Status, error: ShaderlabError) -> None:
+        """Give the reason why the scene could not be run to its end."""
+        self._status = status
+        place = "" if error.file is None else f"{display_path(error.file, error.line or None)}: "
+        remedy = f"\n→ {error.remedy}" if error.remedy else ""
+        self._message = f"{place}{error.message}{remedy}"
+
+    def set_device(self, driver: Mapping[str, str], size: int, picture_size: int) -> None:
+        """Set what the drawn values depend on besides the case."""
+        self._driver = f"{driver['renderer']}; {driver['version']}"
+        self._size, self._picture_size = size, picture_size
+
+    def add_programs(
+        self, prepared: Mapping[str, tuple[PreparedDraw, ...]], assembly: Assembly
+    ) -> None:
+        """Add each different program's sources and verdicts, and the layout of the buffers.
+
+        `assembly` writes a program's modules to a file and returns its name.
+        """
+        for name, draws in prepared.items():
+            for index, draw in enumerate(draws):
+                self._drawn_by[name, index] = draw.sources
+                if draw.sources not in self._programs:
+                    self._programs[draw.sources] = _program(draw, assembly)
+        self._buffers = buffer_records(prepared)
+
+    def add_driver_verdicts(self, verdict_of: Callable[[tuple[Source, ...]], Verdict]) -> None:
+        """Add the driver's own verdict on each program so far to those of the compilers."""
+        for sources, program in self._programs.items():
+            verdicts = mark_disagreement((*program.verdicts, _for_display(verdict_of(sources))))
+            self._programs[sources] = replace(program, verdicts=verdicts)
+
+    def add_notice(self, text: str) -> None:
+        """Add a message that changes no verdict."""
+        if text not in self._notices:
+            self._notices.append(text)
+
+    def add_inactive_uniforms(self, names: frozenset[str]) -> None:
+        """Add a notice for each declared uniform that the driver found to have no effect."""
+        for name in sorted(names):
+            self._notices.append(f"uniform {name} is declared but inactive: it changes no output")
+
+    def add_outcome(self, outcome: Outcome, judgement: Judgement) -> None:
+        """Add one expectation's outcome, with its curve and plot if it has any."""
+        where = [replace(s, file=display_path(s.file)) for s in outcome.sources]
+        if judgement.output is not None:
+            where += self._assignments(*judgement.output)
+        self._outcomes.append(replace(outcome, sources=tuple(where)))
+        if judgement.curve is not None:
+            self._curves.append(judgement.curve)
+        if judgement.plot is not None:
+            self._plots.append(judgement.plot)
+
+    def set_pictures(self, picture: PictureFiles, passes: tuple[PassRecord, ...] = ()) -> None:
+        """Set the case's picture, and those of its passes."""
+        self._picture = picture
+        self._passes = passes
+
+    def build(self, seconds: float, timings: Mapping[str, float]) -> Record:
+        """Build the record; `timings` are seconds by phase."""
+        case = self._scene.case
+        verdicts = _by_target(self._programs.values())
+        return Record(
+            id=case.id,
+            variant=self._scene.variant,
+            title=case.title,
+            section=case.section,
+            chapter=chapter_title(case.file, case.section),
+            lesson=case.lesson,
+            formula=case.math,
+            file=display_path(case.file),
+            status=self._final_status(verdicts),
+            message=self._message or _refused(verdicts),
+            seconds=seconds,
+            timings=timings,
+            compile=verdicts,
+            programs=tuple(self._programs.values()),
+            expectations=tuple(self._outcomes),
+            curves=tuple(self._curves),
+            plots=tuple(self._plots),
+            errata=tuple(
+                ErratumNote(
+                    section=e.section or case.section, says=e.says, truth=e.truth, proof=e.proof
+                )
+                for e in case.errata
+            ),
+            inputs=_inputs(self._scene),
+            notices=tuple(self._notices),
+            images=self._picture.files,
+            captions=self._picture.captions,
+            passes=self._passes,
+            buffers=self._buffers,
+            driver=self._driver,
+            size=self._size,
+            picture_size=self._picture_size,
+        )
+
+    def _final_status(self, verdicts: Mapping[str, str]) -> Status:
+        if self._status != "pass":
+            return self._status
+        statuses = {outcome.status for outcome in self._outcomes}
+        if "error" in statuses:
+            return "error"
+        if "fail" in statuses or "fail" in verdicts.values():
+            return "fail"
+        return "pass"
+
+    def _assignments(self, key: PassDraw, output: str) -> list[SourceText]:
+        """The last line of a draw's program that assigns to an output."""
+        sources = self._drawn_by[key]
+        name = output.rpartition(".")[2].partition("[")[0]  # blocks go by another name in a shader
+        assigns = re.compile(rf"\b{re.escape(name)}(\.\w+|\[[^]]*\])*\s*[-+*/]?=(?!=)")
+        for source in reversed(self._programs[sources].sources):
+            lines = [line.split("//")[0] for line in source.text.splitlines()]
+            hits = [n for n, line in enumerate(lines, 1) if assigns.search(line)]
+            if hits:
+                return [replace(source, line=hits[-1], text=lines[hits[-1] - 1].strip())]
+        return []
+
+
+def _program(draw: PreparedDraw, assembly: Assembly) -> ProgramRecord:
+    modules = draw.compiled.spirv
+    parts: dict[str, str] = {}
+    for source in draw.authored:
+        parts.update(dict(source.parts))
+    return ProgramRecord(
+        files=tuple(display_path(path) for path in parts),
+        sources=tuple(
+            SourceText(file=display_path(path), line=1, language="glsl", text=text)
+            for path, text in parts.items()
+        ),
+        verdicts=tuple(
+            replace(_for_display(verdict), assembly=assembly(modules.get(verdict.target, {})))
+            for verdict in draw.compiled.verdicts
+        ),
+        declared=tuple(_declared(draw.compiled.interface)),
+    )
+
+
+def _declared(interface: Interface | None) -> Iterator[Declared]:
+    """What a program declares, stage inputs first."""
+    if interface is None:
+        return
+    groups = {
+        "attribute": interface.attributes,
+        "varying": interface.varyings,
+        "output": interface.outputs,
+        "uniform": interface.uniforms,
+    }
+    for kind, variables in groups.items():
+        for name, v in variables.items():
+            if name.startswith("shaderlab_"):  # of the vertex stage that the lab writes
+                continue
+            size = "" if v.array is None else f"[{v.array or ''}]"
+            yield Declared(
+                kind=kind, name=name, type=v.type + size, location=v.location, used=v.used
+            )
+    for name, block in interface.blocks.items():
+        yield Declared(
+            kind="block",
+            name=name,
+            type=f"{block.kind} block of {block.size} bytes",
+            location=block.binding,
+            used=block.used,
+        )
+
+
+def _for_display(verdict: Verdict) -> Verdict:
+    diagnostics = (replace(d, file=display_path(d.file)) for d in verdict.diagnostics)
+    return replace(verdict, diagnostics=tuple(diagnostics))
+
+
+def _by_target(programs: Iterable[ProgramRecord]) -> dict[str, str]:
+    verdicts: dict[str, str] = {}
+    for program in programs:
+        for verdict in program.verdicts:
+            if not verdict.ok or verdict.target not in verdicts:
+                verdicts[verdict.target] = "pass" if verdict.ok else "fail"
+    return verdicts
+
+
+def _refused(verdicts: Mapping[str, str]) -> str:
+    refused = [target for target, verdict in verdicts.items() if verdict == "fail"]
+    return f"a program does not compile for {', '.join(refused)}" if refused else ""
+
+
+def _inputs(scene: Scene) -> dict[str, str]:
+    """All uniforms and ramps as text; those that the variant changes come first."""
+    texts = {name: _input_text(value) for name, value in scene.inputs.items()}
+    return {name: texts[name] for name in sorted(texts, key=lambda n: n not in scene.changes)}
+
+
+def _input_text(value: object) -> str:
+    if isinstance(value, Ramp):
+        ends = [shown(value.origin)]
+        for label, step in (("across", value.dx), ("up", value.dy)):
+            if any(v != 0.0 for v in _numbers(step)):
+                ends.append(f"{label} {shown(step)}")
+        return " + ".join(ends)
+    try:
+        return shown(value)
+    except (TypeError, ValueError):  # not numbers: another part of the record says so
+        return repr(value)
+
+
+def _numbers(value: object) -> list[float]:
+    return [float(v) for v in np.ravel(np.asarray(value, np.float64))]

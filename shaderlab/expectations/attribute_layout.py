@@ -1,0 +1,90 @@
+"""attribute_layout: where OpenGL reads each attribute of a mesh."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+from shaderlab.errors import CaseError
+from shaderlab.expectations.base import Context, OfDraw, table
+from shaderlab.frame import AttributeReading, Frame, PassDraw
+from shaderlab.model import Judgement, Programs, Request, Scene
+from shaderlab.records import Row
+
+
+@dataclass(frozen=True)
+class ReadAttributes(Request):
+    """Where OpenGL says that the attributes of a draw lie."""
+
+    key: PassDraw
+
+    def answer(self, context: Context) -> Mapping[str, AttributeReading]:
+        return context.session.attributes(self.key)
+
+
+@dataclass(frozen=True, kw_only=True)
+class AttributeLayout(OfDraw):
+    """Each attribute lies at (offset, stride, divisor) in its buffer, as OpenGL itself says."""
+
+    kind = "memory"
+
+    attributes: Mapping[str, tuple[int, int, int]]
+
+    def requests(self, scene: Scene, programs: Programs) -> Iterable[Request]:
+        yield ReadAttributes(self.key(scene))
+
+    def judge(self, scene: Scene, frame: Frame) -> Judgement:
+        readings = frame.answers[ReadAttributes(self.key(scene))]
+        rows = []
+        for name, place in self.attributes.items():
+            found = readings.get(name)
+            got = None if found is None else (found.offset, found.stride, found.divisor)
+            rows.append(
+                Row(
+                    label=name,
+                    expected=_spelt(*place),
+                    measured="not read" if got is None else _spelt(*got),
+                    ok=got == place,
+                    note="" if found is None else f"buffer {found.buffer}",
+                )
+            )
+        return memory_table(self.name, rows)
+
+
+def attribute_layout(
+    attributes: Mapping[str, Sequence[int]],
+    *,
+    pass_name: str | None = None,
+    draw: int = -1,
+    name: str = "memory layout",
+) -> AttributeLayout:
+    """OpenGL reads each attribute at (offset, stride) or (offset, stride, divisor), in bytes.
+
+    It is asked for GL_VERTEX_ATTRIB_ARRAY_POINTER, _STRIDE and _DIVISOR; a matrix is read where
+    its first column is.
+
+    Raises:
+        CaseError: an entry has neither two nor three numbers.
+    """
+    placed = {}
+    for attribute, entry in attributes.items():
+        if len(entry) not in (2, 3):
+            raise CaseError(
+                f"attribute_layout: {attribute!r} takes (offset, stride) or "
+                f"(offset, stride, divisor), not {entry!r}"
+            )
+        offset, stride, divisor = (*entry, 0)[:3]
+        placed[attribute] = (offset, stride, divisor)
+    return AttributeLayout(attributes=placed, pass_name=pass_name, draw=draw, name=name)
+
+
+def memory_table(name: str, rows: Sequence[Row]) -> Judgement:
+    """A judgement of where things lie; it fails where one lies elsewhere."""
+    wrong = [row.label for row in rows if not row.ok]
+    message = f"elsewhere than expected: {', '.join(wrong)}" if wrong else ""
+    return table(name, "memory", rows, message, judged=len(rows))
+
+
+def _spelt(offset: int, stride: int, divisor: int) -> str:
+    each = f", a value every {divisor} instances" if divisor > 1 else ", one an instance"
+    return f"offset {offset}, stride {stride}{each if divisor else ''}"

@@ -1,0 +1,95 @@
+"""block_layout: where the members of a uniform block lie, for the lab and for the driver."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from shaderlab.errors import CaseError, nearest
+from shaderlab.expectations.attribute_layout import memory_table
+from shaderlab.expectations.base import Context, OfDraw
+from shaderlab.frame import BlockReading, Frame, PassDraw
+from shaderlab.model import Judgement, Programs, Request, Scene
+from shaderlab.records import Row
+
+
+@dataclass(frozen=True)
+class ReadBlocks(Request):
+    """Where the driver has the members of a draw's uniform blocks, by block."""
+
+    key: PassDraw
+
+    def answer(self, context: Context) -> Mapping[str, BlockReading]:
+        return context.session.blocks(self.key)
+
+
+@dataclass(frozen=True, kw_only=True)
+class BlockLayout(OfDraw):
+    """A uniform block's members lie at these offsets, and it takes `size` bytes."""
+
+    kind = "memory"
+
+    block: str
+    offsets: Mapping[str, int]
+    size: int | None
+
+    def requests(self, scene: Scene, programs: Programs) -> Iterable[Request]:
+        yield ReadBlocks(self.key(scene))
+
+    def judge(self, scene: Scene, frame: Frame) -> Judgement:
+        readings = frame.answers[ReadBlocks(self.key(scene))]
+        if self.block not in readings:
+            raise CaseError(
+                f"there is no uniform block {self.block!r}", remedy=nearest(self.block, readings)
+            )
+        reading: BlockReading = readings[self.block]
+        rows = []
+        for member, offset in self.offsets.items():
+            if member not in reading.placed:
+                raise CaseError(
+                    f"the block {self.block} has no member {member!r}",
+                    remedy=nearest(member, reading.placed),
+                )
+            ours, driver = reading.placed[member], reading.offsets.get(member)
+            rows.append(
+                Row(
+                    label=f"{self.block}.{member}",
+                    expected=f"byte {offset}",
+                    measured=f"byte {ours}; driver: {'none' if driver is None else driver}",
+                    ok=offset == ours == driver,
+                )
+            )
+        if self.size is not None:
+            rows.append(
+                Row(
+                    label=f"{self.block}, whole",
+                    expected=f"{self.size} bytes",
+                    measured=f"{reading.placed_size} bytes; driver: {reading.size}",
+                    ok=self.size == reading.placed_size <= reading.size,
+                )
+            )
+        return memory_table(self.name, rows)
+
+
+def block_layout(
+    block: str,
+    offsets: Mapping[str, int],
+    *,
+    size: int | None = None,
+    pass_name: str | None = None,
+    draw: int = -1,
+    name: str = "",
+) -> BlockLayout:
+    """The members of a uniform block lie at these offsets, and it takes `size` bytes.
+
+    Members are named as in `UniformBuffer`. Both the lab's layout and the driver's are judged;
+    drivers may say that a block is larger than it need be, but not that it is smaller.
+    """
+    return BlockLayout(
+        block=block,
+        offsets=dict(offsets),
+        size=size,
+        pass_name=pass_name,
+        draw=draw,
+        name=name or f"layout of {block}",
+    )

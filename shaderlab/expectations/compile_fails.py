@@ -1,0 +1,157 @@
+"""compile_fails: a shader, or a program of several, is refused with exactly these messages."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from shaderlab.activity import doing
+from shaderlab.errors import CaseError, DriverError
+from shaderlab.expectations.base import Context, table
+from shaderlab.frame import Frame
+from shaderlab.model import Expectation, Judgement, Programs, Request, Scene
+from shaderlab.records import Row, Verdict
+
+Place = tuple[str, int | None, str]
+"""A shader's name, a line from 1 (None where a message has none), and the whole message."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Verdicts:
+    """What the compilers said of a program that must be refused.
+
+    `errors` are those of the plain GLSL compiler, `stages` each file's stage by its name;
+    `driver` is the driver's own verdict, None where the driver lacks such a stage.
+    """
+
+    errors: tuple[Place, ...]
+    accepted: bool
+    stages: Mapping[str, str] = field(default_factory=dict)
+    driver: Verdict | None = None
+
+
+@dataclass(frozen=True)
+class CompilerVerdicts(Request):
+    """What the compilers say of some files as one program."""
+
+    shaders: tuple[str, ...]
+
+    def answer(self, context: Context) -> Verdicts:
+        """Ask them. Raises ShaderError where a file can't even be read."""
+        with doing("compile"):
+            sources, compiled = context.preparer.refusal(self.shaders)
+        names = {source.path: source.name for source in sources}
+        verdict = compiled.verdicts[0]
+        try:
+            with doing("link"):
+                driver = context.driver_verdict(sources)
+        except DriverError:  # it has no such stage: glslang's verdict is the only one
+            driver = None
+        return Verdicts(
+            errors=tuple(
+                (names.get(d.file) or context.shortened(d.file), d.line, d.message)
+                for d in verdict.diagnostics
+                if d.severity == "error"
+            ),
+            accepted=verdict.ok,
+            stages={source.name: source.stage for source in sources},
+            driver=driver,
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class CompileFails(Expectation):
+    """The plain GLSL compiler refuses the shaders with exactly these messages. `driver` says
+    whether the driver must refuse them too; in which words is up to the driver."""
+
+    kind = "compile fails"
+
+    shaders: tuple[str, ...]
+    messages: tuple[Place, ...]
+    driver: bool = True
+
+    def requests(self, scene: Scene, programs: Programs) -> Iterable[Request]:
+        yield CompilerVerdicts(self.shaders)
+
+    def judge(self, scene: Scene, frame: Frame) -> Judgement:
+        verdicts: Verdicts = frame.answers[CompilerVerdicts(self.shaders)]
+        rows = []
+        for index in range(max(len(verdicts.errors), len(self.messages))):
+            want = self.messages[index] if index < len(self.messages) else None
+            got = verdicts.errors[index] if index < len(verdicts.errors) else None
+            named = want or got
+            assert named is not None
+            stage = verdicts.stages.get(named[0], "")
+            rows.append(
+                Row(
+                    label=f"{stage} {_spot(named)}".strip(),
+                    expected="no further message" if want is None else want[2],
+                    measured="nothing" if got is None else f"{_spot(got)}: {got[2]}",
+                    ok=want == got,
+                )
+            )
+        what = " + ".join(self.shaders)
+        message = ""
+        if verdicts.accepted:
+            message = f"{what} compiles, but must be refused"
+        elif not all(row.ok for row in rows):
+            message = f"{what} is refused with other messages"
+        if verdicts.driver is not None:
+            rows.append(self._driver_row(verdicts.driver))
+            if not rows[-1].ok:
+                message = message or f"the driver accepts {what}"
+        return table(self.name, self.kind, rows, message, judged=len(rows) or 1)
+
+    def _driver_row(self, verdict: Verdict) -> Row:
+        said = [
+            f"line {d.line}: {d.message}" if d.line is not None else d.message
+            for d in verdict.diagnostics
+            if d.severity == "error"
+        ]
+        return Row(
+            label="the driver",
+            expected="refused, in its own words" if self.driver else "either",
+            measured="accepted" if verdict.ok else "; ".join(said),
+            ok=not verdict.ok or not self.driver,
+        )
+
+
+def compile_fails(
+    shader: str | Sequence[str],
+    *messages: tuple[int | None, str] | Place,
+    driver: bool = True,
+    name: str = "",
+) -> CompileFails:
+    """`shader` is refused with these whole messages, each (line, text), in this order.
+
+    Args:
+        shader: one file, which is compiled by itself; or several, which are linked as well.
+        messages: all errors of the plain GLSL compiler, in its words. For several files each is
+            (file, line, text). A message of the linker that no declaration can be found for has
+            the line None.
+        driver: whether the driver must refuse it, too. Its words differ from those of another
+            driver: they are shown, and not compared.
+        name: how outcomes call it.
+
+    Raises:
+        CaseError: a message does not say which of several files it is about.
+    """
+    shaders = (shader,) if isinstance(shader, str) else tuple(shader)
+    places: list[Place] = []
+    for message in messages:
+        place = (shaders[0], *message) if len(message) == 2 else message
+        if (len(message) == 2 and len(shaders) > 1) or place[0] not in shaders:
+            raise CaseError(
+                f"compile_fails: {message!r} is about none of {', '.join(shaders)}",
+                remedy="write (file, line, text)",
+            )
+        places.append(place)
+    label = " + ".join(shaders)
+    return CompileFails(
+        shaders=shaders, messages=tuple(places), driver=driver, name=name or f"{label} is refused"
+    )
+
+
+def _spot(place: Place) -> str:
+    file, line, _ = place
+    return file if line is None else f"{file}:{line}"

@@ -1,0 +1,51 @@
+"""computed: a printed figure that no shader draws follows from a Python reference."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from shaderlab.errors import FormulaError
+from shaderlab.expectations.base import table
+from shaderlab.expectations.formula import require_callable
+from shaderlab.expectations.value import Figure
+from shaderlab.frame import Frame
+from shaderlab.judging.figures import figure_row, rounds_to, shown
+from shaderlab.judging.inputs import source_of
+from shaderlab.model import Expectation, Judgement, Scene
+
+
+@dataclass(frozen=True, kw_only=True)
+class Computed(Expectation):
+    """What `compute` gives, rounded to `digits` decimals, is `equals`."""
+
+    kind = "computed"
+    once = True
+
+    compute: Callable[[], Any]
+    equals: Figure
+    digits: int
+    note: str = ""
+
+    def judge(self, scene: Scene, frame: Frame) -> Judgement:
+        try:
+            got = self.compute()
+        except Exception as error:
+            place = source_of(self.compute)
+            raise FormulaError(
+                f"{self.name}: {type(error).__name__}: {error}", file=place.file, line=place.line
+            ) from error
+        ok = rounds_to(got, self.equals, self.digits)
+        note = self.note or "float64, no shader"
+        row = figure_row(self.name, self.equals, self.digits, got, None, ok, note)
+        message = "" if ok else f"the reference gives {shown(got, self.digits + 3)}"
+        return table(self.name, self.kind, [row], message, judged=1, rows_per_variant=False)
+
+
+def computed(
+    label: str, compute: Callable[[], Any], *, equals: Figure, digits: int, note: str = ""
+) -> Computed:
+    """A figure that follows from a reference alone, in float64, rounded to `digits` decimals."""
+    compute = require_callable("computed", compute)
+    return Computed(compute=compute, equals=equals, digits=digits, name=label, note=note)

@@ -1,0 +1,131 @@
+"""energy_conserving: the light that leaves a surface is no more than what falls on it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from shaderlab.errors import CaseError
+from shaderlab.expectations.law import At, Finding, Law
+from shaderlab.frame import Array
+from shaderlab.judging.figures import shown
+from shaderlab.records import Row
+
+MAX_QUADRATURE_ERROR = 0.01
+
+
+@dataclass(frozen=True, kw_only=True)
+class EnergyConserving(Law):
+    """Σ weight · output ≤ limit; the first `fine` runs are one quadrature, the others a coarser
+    one that tells how far it can be trusted."""
+
+    kind = "energy"
+
+    weights: tuple[float, ...]
+    fine: int
+    limit: float
+
+    def find(self, measured: Array) -> Finding:
+        weighted = np.asarray(self.weights)[:, None] * measured
+        total = weighted[: self.fine].sum(axis=0)
+        error = np.abs(total - weighted[self.fine :].sum(axis=0))
+        above = total > self.limit + error
+        rough = error > MAX_QUADRATURE_ERROR * self.limit
+        c = int(np.argmax(total))
+        known_to = f"{float(error.max()):.2g}"
+        row = Row(
+            label="∫ over the hemisphere",
+            expected=f"at most {shown(self.limit)}",
+            measured=shown(total, 6),
+            ok=not (above.any() or rough.any()),
+            note=f"{self.fine} directions; quadrature known to {known_to}",
+        )
+        message = ""
+        if above.any():
+            message = f"it reflects {total[c]:.6f} of the light, more than {shown(self.limit)}"
+        elif rough.any():
+            message = (
+                f"the quadrature is known to {known_to} only, which is too rough to "
+                f"judge: give it more points (polar, around)"
+            )
+        return Finding(
+            (int(np.argmax(weighted[: self.fine, c])), c),
+            total,
+            0.0,
+            self.limit,
+            int((above | rough).sum()),
+            message,
+            (row,),
+            measured=total,
+            widths=np.inf if above.any() else 0.0,
+        )
+
+
+def energy_conserving(
+    output: str,
+    *,
+    over: str,
+    normal: Sequence[float] = (0.0, 0.0, 1.0),
+    limit: float = 1.0,
+    cosine: bool = True,
+    polar: int = 32,
+    around: int = 64,
+    at: At = None,
+    draw: int = -1,
+    name: str = "",
+) -> EnergyConserving:
+    """∫ output · cos θ dω ≤ limit over the hemisphere of directions around `normal`.
+
+    The quadrature is Gauss–Legendre in cos θ (`polar` points) by the trapezoidal rule in the
+    azimuth (`around` points); one of half as many points each way estimates its error, which is
+    allowed for and must stay below one hundredth of the limit.
+
+    Args:
+        output: a BRDF's value for light from direction `over`, each component by itself.
+        over: the input that takes unit vectors, (3,).
+        normal: the surface normal, of any length but 0.
+        limit: 1 for energy.
+        cosine: whether cos θ is still to be multiplied in.
+        polar, around: numbers of points, even.
+        at: other inputs, such as the direction of view and the roughness.
+        draw: which draw's program.
+        name: how outcomes call it.
+    """
+    if polar < 4 or around < 4 or polar % 2 or around % 2:
+        raise CaseError("energy_conserving: polar and around must be even, 4 or more")
+    fine, weights = _hemisphere(normal, polar, around, cosine)
+    coarse, coarse_weights = _hemisphere(normal, polar // 2, around // 2, cosine)
+    return EnergyConserving(
+        output=output,
+        over=over,
+        steps=tuple({over: direction.tolist()} for direction in (*fine, *coarse)),
+        weights=(*weights, *coarse_weights),
+        fine=len(fine),
+        limit=limit,
+        at=at or {},
+        draw=draw,
+        name=name or f"{output} conserves energy",
+    )
+
+
+def _hemisphere(normal: Sequence[float], polar: int, around: int, cosine: bool) -> tuple[Any, Any]:
+    """Unit vectors (count, 3) and their solid angles (count,), times cos θ if asked for."""
+    z = np.asarray(normal, float)
+    length = float(np.linalg.norm(z))
+    if z.shape != (3,) or length == 0.0:
+        raise CaseError(f"energy_conserving: {normal} is no normal")
+    z = z / length
+    x = np.cross(z, np.eye(3)[int(np.argmin(np.abs(z)))])
+    x /= np.linalg.norm(x)
+    y = np.cross(z, x)
+    nodes, weights = np.polynomial.legendre.leggauss(polar)
+    cos_theta = np.repeat(0.5 * (nodes + 1.0), around)
+    sin_theta = np.sqrt(1.0 - cos_theta**2)
+    phi = np.tile((np.arange(around) + 0.5) * (2.0 * np.pi / around), polar)
+    parts = (sin_theta * np.cos(phi), sin_theta * np.sin(phi), cos_theta)
+    directions = sum(part[:, None] * axis for part, axis in zip(parts, (x, y, z), strict=True))
+    solid = np.repeat(0.5 * weights, around) * (2.0 * np.pi / around)
+    return directions, (solid * cos_theta if cosine else solid).tolist()

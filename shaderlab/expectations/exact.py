@@ -1,0 +1,125 @@
+"""exact: an output equals an array, or another pass's output, bit for bit, at every pixel."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from shaderlab.errors import CaseError
+from shaderlab.expectations.base import OfOutput
+from shaderlab.expectations.subject import find_image
+from shaderlab.frame import Array, Frame
+from shaderlab.judging.figures import plain
+from shaderlab.model import Judgement, Output, Read, Scene
+from shaderlab.records import Outcome, Worst
+
+
+@dataclass(frozen=True, kw_only=True)
+class Exact(OfOutput):
+    """Every pixel equals `equals`. `pictured` says whether it is shown where that holds; where it
+    does not, it always is."""
+
+    kind = "exact"
+
+    equals: Any
+    pictured: bool = True
+
+    def reads(self, scene: Scene) -> Iterable[Read]:
+        yield from super().reads(scene)
+        if isinstance(self.equals, Output):
+            yield Read(self.equals.pass_name, self.equals.name)
+
+    def passes(self, scene: Scene) -> frozenset[str]:
+        return frozenset(read.pass_name for read in self.reads(scene))
+
+    def judge(self, scene: Scene, frame: Frame) -> Judgement:
+        values = find_image(self.output, scene, frame).values
+        expected = self.equals
+        if isinstance(expected, Output):
+            name = f"{expected.pass_name}.{expected.name}"
+            expected = find_image(name, scene, frame).values
+        wanted = laid_over(expected, values, self.name)
+        same = (_bits(values) == _bits(wanted)).all(axis=2)
+        outside = int((~same).sum())
+        outcome = Outcome(
+            name=self.name,
+            kind=self.kind,
+            status="fail" if outside else "pass",
+            message=f"{outside} of {same.size} pixels differ" if outside else "",
+            judged=same.size,
+            outside=outside,
+            worst=_first_difference(same, values, wanted) if outside else None,
+        )
+        if not outside and not self.pictured:
+            return Judgement(outcome=outcome)
+        distance = np.where(same, 0.0, np.inf)
+        pictures = {"measured": values, "reference": wanted, "distance": distance}
+        return Judgement(outcome=outcome, pictures=pictures)
+
+
+def exact(output: str, equals: Any, *, name: str = "", pictured: bool = True) -> Exact:
+    """Every pixel of `output` equals `equals` bit for bit.
+
+    `equals` is a number or vector, an array (height, width, components) with row 0 at the
+    bottom (a smaller one is repeated in equal blocks, as a table's cells are), or an
+    `Output(pass, name)` to be compared with. Without `pictured` it is shown only if it fails: for
+    what each pass's own picture shows already.
+    """
+    return Exact(output=output, equals=equals, name=name or output, pictured=pictured)
+
+
+def laid_over(expected: Any, values: Array, name: str) -> Array:
+    """An expected colour or table, as an array of the image's own shape and type.
+
+    A table of cells is laid over the image as `Cell` lays draws: cell k of n begins at pixel
+    ⌊size·k/n⌋.
+
+    Raises:
+        CaseError: its shape does not fit, or it holds numbers that the attachment can't.
+    """
+    height, width, components = values.shape
+    table = np.asarray(expected)
+    table = table[..., None] if table.ndim in (0, 2) else table
+    table = table[None, None] if table.ndim == 1 else table
+    if table.ndim != 3 or table.shape[2] not in (1, components) or table.size == 0:
+        raise CaseError(
+            f"exact {name!r}: an image of shape {values.shape} can't be compared with an array "
+            f"of shape {np.shape(expected)}"
+        )
+    with np.errstate(over="ignore", invalid="ignore"):
+        typed = table.astype(values.dtype)
+    if values.dtype.kind in "iu" and (typed != table).any():
+        raise CaseError(f"exact {name!r}: the attachment holds {values.dtype}, not {expected!r}")
+    rows, columns = _cell_of(height, table.shape[0]), _cell_of(width, table.shape[1])
+    return np.broadcast_to(typed[rows][:, columns], values.shape)
+
+
+def _first_difference(same: Array, values: Array, wanted: Array) -> Worst:
+    y, x = (int(k) for k in np.argwhere(~same)[0])
+    measured, reference = plain(values[y, x]), plain(wanted[y, x])
+    differs = [m != r for m, r in zip(measured, reference, strict=True)]
+    return Worst(
+        pixel=(x, y),
+        component=differs.index(True) if any(differs) else 0,
+        measured=measured,
+        reference=reference,
+        low=reference,
+        high=reference,
+        ulp=float("nan"),
+        widths=float("inf"),
+    )
+
+
+def _cell_of(pixels: int, cells: int) -> Any:
+    """For each pixel along an axis, the cell it lies in."""
+    starts = np.array([pixels * k // cells for k in range(cells)])
+    return np.searchsorted(starts, np.arange(pixels), side="right") - 1
+
+
+def _bits(values: Array) -> Array:
+    if values.dtype.kind != "f":
+        return values
+    return np.ascontiguousarray(values).view({2: np.uint16, 4: np.uint32}[values.dtype.itemsize])

@@ -1,0 +1,172 @@
+"""formula: every covered pixel, or every vertex, lies in the band derived from a reference."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from shaderlab.bands import Rules
+from shaderlab.errors import CaseError
+from shaderlab.expectations.base import OfOutput
+from shaderlab.expectations.requests import CapturedFragments, CapturedVertices
+from shaderlab.expectations.subject import subject_of
+from shaderlab.frame import Array, Frame, Image
+from shaderlab.judging.banded import Banded, independent_references, judge_band
+from shaderlab.model import Judgement, LazyArrays, Programs, Request, Scene, UniformValue
+from shaderlab.records import Outcome, Row
+
+Reference = Callable[..., Any]
+
+
+@dataclass(frozen=True, kw_only=True)
+class OfReference(OfOutput):
+    """An expectation that holds an output against a reference's band.
+
+    Attributes:
+        reference: a formula over float64 arrays and bands alike.
+        given: further inputs of it by name, as exact float32 values.
+        rules: precision rules; None for the default ones.
+    """
+
+    reference: Any
+    given: Mapping[str, UniformValue] = field(default_factory=dict)
+    rules: Rules | None = None
+
+    def judgement(
+        self,
+        scene: Scene,
+        banded: Banded,
+        verdict: tuple[str, str],
+        rows: Sequence[Row] = (),
+        *,
+        covered: Array | None = None,
+        rows_show_worst: bool = False,
+        **shown: Any,
+    ) -> Judgement:
+        """The judgement of banded values; `shown` is what else `Judgement` has to show."""
+        status, message = verdict
+        outcome = Outcome(
+            name=self.name,
+            kind=self.kind,
+            status=status,  # type: ignore[arg-type]
+            message=message,
+            judged=int(banded.measured.size),
+            outside=banded.outside,
+            worst=banded.worst(covered),
+            vacuous=banded.vacuous_share,
+            undecided=banded.undecided_share,
+            rows=tuple(rows),
+            rows_show_worst=rows_show_worst,
+            sources=(banded.source,),
+        )
+        return Judgement(outcome=outcome, output=(self.key(scene), self.own_name(scene)), **shown)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Formula(OfReference):
+    """Every covered pixel (or every vertex) lies in the reference's derived band. `also` are
+    independent implementations by name."""
+
+    kind = "formula"
+    judges = "pixels"
+
+    also: Mapping[str, Reference] = field(default_factory=dict)
+
+    def requests(self, scene: Scene, programs: Programs) -> Iterable[Request]:
+        key = self.key(scene)
+        of_pixels = self.is_of_depth(scene, programs) or not self.is_of_vertex(scene, programs)
+        yield CapturedFragments(key) if of_pixels else CapturedVertices(key)
+
+    def judge(self, scene: Scene, frame: Frame) -> Judgement:
+        subject = subject_of(self, self.given, scene, frame)
+        banded = judge_band(
+            subject.measured,
+            self.reference,
+            subject.inputs,
+            rules=self.rules,
+            format=subject.format,
+        )
+        rows = independent_references(banded, self.also)
+        status, message = banded.verdict()
+        if status == "pass" and not all(row.ok for row in rows):
+            status, message = "fail", "an independent implementation leaves the band"
+        covered, image = subject.covered, subject.image
+        pictures: Mapping[str, Array] = {}
+        if image is not None and covered is not None:
+            pictures = LazyArrays(lambda: _pictures(image, covered, banded))
+        return self.judgement(
+            scene, banded, (status, message), rows, covered=covered, pictures=pictures
+        )
+
+
+def formula(
+    output: str,
+    reference: Reference,
+    *,
+    draw: int = -1,
+    given: Mapping[str, UniformValue] | None = None,
+    also: Mapping[str, Reference] | None = None,
+    rules: Rules | None = None,
+    name: str = "",
+) -> Formula:
+    """Every covered pixel (or vertex) of `output` lies in the band derived from `reference`.
+
+    The reference's parameters are found by name: captured varyings (or attributes), uniforms
+    (`light.constant` as `light_constant`), textures, `frag_coord`, and what `given` adds.
+
+    Args:
+        output: see `OfOutput`.
+        reference: a formula over float64 arrays and bands alike, built with `shaderlab.glslmath`.
+        draw: which draw of the pass the inputs come from; the last by default.
+        given: further inputs by name, as exact float32 values.
+        also: independent implementations by name; in float64 each must lie in the band too.
+        rules: other precision rules than the default ones.
+        name: how outcomes call it; the output's name by default.
+    """
+    return Formula(
+        output=output,
+        reference=require_callable("formula", reference),
+        draw=draw,
+        given=given or {},
+        also={k: require_callable("formula: also", v) for k, v in (also or {}).items()},
+        rules=rules,
+        name=name or output,
+    )
+
+
+def require_callable(owner: str, reference: Any) -> Any:
+    """The reference itself. Raises CaseError where it is no function."""
+    if not callable(reference):
+        raise CaseError(f"{owner}: needs a Python function, not {type(reference).__name__}")
+    return reference
+
+
+def _pictures(image: Image, covered: Array, banded: Banded) -> dict[str, Array]:
+    whole = bool(covered.all())
+
+    def laid_out(values: Array, nothing: float) -> Array:
+        """Judged values at their pixels; `nothing` elsewhere."""
+        if whole:  # as most draws are: then nothing need be copied
+            return values.reshape(*covered.shape, *values.shape[1:])
+        full = np.full((*covered.shape, *values.shape[1:]), nothing, values.dtype)
+        full[covered] = values
+        return full
+
+    exact = laid_out(banded.reference, np.nan)
+    reference, kind = exact, image.values.dtype
+    if kind.kind in "iu":
+        reference = np.nan_to_num(np.rint(exact)).astype(kind)
+    return {
+        "measured": laid_out(banded.measured, 0),
+        "reference": reference,
+        "distance": laid_out(banded.signed(), np.nan),
+        "covered": covered,
+        "exact": exact,
+        "low": laid_out(banded.low, np.nan),
+        "high": laid_out(banded.high, np.nan),
+        "outside": laid_out(~banded.inside, False),
+        "unit": np.asarray(banded.unit or 0.0),
+    }

@@ -1,0 +1,420 @@
+"""measure: statistics of what was drawn, held against bounds; one figure, a table, or a curve.
+
+A measure is for what no single pixel shows: the share of pixels in the wrong shadow, a picture's
+distance from another one, the energy that a model of reflection loses.
+"""
+
+from __future__ import annotations
+
+import inspect
+import math
+import re
+import warnings
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from shaderlab.activity import doing
+from shaderlab.errors import CaseError, FormulaError, ShaderlabError, nearest
+from shaderlab.expectations.base import OfDraw
+from shaderlab.expectations.subject import find_image
+from shaderlab.frame import Array, Bindings, Frame
+from shaderlab.judging.inputs import located, parameter_name, source_of
+from shaderlab.model import Judgement, Read, Scene, UniformValue
+from shaderlab.records import Outcome, Plot, PlotPoint, Row
+
+_INDEXED = re.compile(r"\[\d+\]")
+
+Statistic = Callable[..., Any]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Bound:
+    """Where a figure must lie: low ≤ figure ≤ high. `digits` is for a printed figure, which is in
+    the middle; None for other bounds."""
+
+    low: float = -math.inf
+    high: float = math.inf
+    digits: int | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Reading:
+    """One row of a measure. `x` is its place along the curve, None where its label is a word."""
+
+    label: str
+    x: float | None = None
+    bound: Bound | None = None
+    reads: Mapping[str, str] = field(default_factory=dict)
+    given: Mapping[str, UniformValue] = field(default_factory=dict)
+    series: str = ""
+    note: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Measure(OfDraw):
+    """A statistic computed from the frame, each of its readings within its bound."""
+
+    kind = "measure"
+
+    statistic: Statistic
+    readings: tuple[Reading, ...]
+    x_label: str = ""
+    y_label: str = ""
+    log_x: bool = False
+    log_y: bool = False
+
+    def reads(self, scene: Scene) -> Iterable[Read]:
+        """The outputs that its parameters may mean.
+
+        Where a parameter could also mean a uniform, or an output of either of two passes, all of
+        them are there: nothing that it reads is missing.
+        """
+        for row in self.readings:
+            for parameter in inspect.signature(self.statistic).parameters:
+                if parameter in row.given:
+                    continue
+                if parameter in row.reads:
+                    pass_name, name = scene.split_output(row.reads[parameter])
+                    yield Read(scene.find_pass(pass_name).name, name)
+                    continue
+                yield Read(scene.find_pass(None).name, parameter)
+                for description in scene.passes:
+                    head = parameter_name(description.name) + "_"
+                    if parameter.startswith(head):
+                        yield Read(description.name, parameter.removeprefix(head))
+
+    def passes(self, scene: Scene) -> frozenset[str]:
+        return super().passes(scene) | {read.pass_name for read in self.reads(scene)}
+
+    def judge(self, scene: Scene, frame: Frame) -> Judgement:
+        known = self._known(scene, frame)
+        figures = [self._figure(row, known, scene, frame) for row in self.readings]
+        rows = tuple(_row(r, v) for r, v in zip(self.readings, figures, strict=True))
+        wrong = [row for row in rows if not row.ok]
+        message = ""
+        if wrong:
+            first = wrong[0]
+            what = "" if len(rows) == 1 else f"{first.label}: "
+            others = f" (and {len(wrong) - 1} more of {len(rows)})" if len(wrong) > 1 else ""
+            message = f"{what}measured {first.measured}, expected {first.expected}{others}"
+        outcome = Outcome(
+            name=self.name,
+            kind=self.kind,
+            status="fail" if wrong else "pass",
+            message=message,
+            judged=sum(row.bound is not None for row in self.readings),
+            outside=len(wrong),
+            rows=rows,
+            rows_heading=self.name if len(rows) > 1 else "",
+            sources=(source_of(self.statistic),),
+        )
+        return Judgement(outcome=outcome, plot=self._plot(figures, rows))
+
+    def _known(self, scene: Scene, frame: Frame) -> dict[str, Array]:
+        """Everything that parameters may mean, by their names; of two, the output is meant."""
+        known = _of_draw(frame.bindings[self.key(scene)])
+        last = frame.order[-1]
+        for (pass_name, name), image in frame.images.items():
+            known[parameter_name(f"{pass_name}.{name}")] = image.values
+        for (pass_name, name), image in frame.images.items():
+            if pass_name == last:
+                known[parameter_name(name)] = image.values
+        return known
+
+    def _figure(
+        self, row: Reading, known: Mapping[str, Array], scene: Scene, frame: Frame
+    ) -> float:
+        arguments = self._arguments(row, known, scene, frame)
+        try:
+            with doing("reference"), np.errstate(all="ignore"), warnings.catch_warnings():
+                # The mean of nothing is NaN, which fails; NumPy need not say so as well.
+                warnings.simplefilter("ignore", RuntimeWarning)
+                got = self.statistic(**arguments)
+        except ShaderlabError:
+            raise
+        except Exception as error:
+            raise located(
+                self.statistic,
+                error,
+                "a statistic gets arrays (height, width, components) and returns one number",
+            ) from error
+        try:
+            array = np.asarray(got, np.float64)
+        except (TypeError, ValueError):
+            array = np.empty(0)
+        if array.size != 1:
+            place = source_of(self.statistic)
+            raise FormulaError(
+                f"{self.name}: the statistic gives {type(got).__name__} of shape "
+                f"{np.shape(array)}, not one number",
+                file=place.file,
+                line=place.line,
+            )
+        return float(array.reshape(()))
+
+    def _arguments(
+        self, row: Reading, known: Mapping[str, Array], scene: Scene, frame: Frame
+    ) -> dict[str, Any]:
+        arguments: dict[str, Any] = {}
+        parameters = inspect.signature(self.statistic).parameters
+        images = {id(image.values) for image in frame.images.values()}
+        drawn = False
+        for name in (*row.reads, *row.given):
+            if name not in parameters:
+                raise CaseError(
+                    f"measure {self.name!r}: its function has no parameter {name!r}",
+                    remedy=nearest(name, parameters),
+                )
+        for parameter in parameters.values():
+            name = parameter.name
+            if name in row.given:
+                value = row.given[name]
+                arguments[name] = value if np.isscalar(value) else np.asarray(value, np.float64)
+            elif name in row.reads:
+                arguments[name] = find_image(row.reads[name], scene, frame).values.astype(
+                    np.float64
+                )
+                drawn = True
+            elif name in known:
+                arguments[name] = np.asarray(known[name], np.float64)
+                drawn = drawn or id(known[name]) in images
+            elif parameter.default is parameter.empty:
+                choices = [*known, *row.given]
+                raise CaseError(
+                    f"measure {self.name!r}: its function asks for {name!r}, which is no "
+                    "output, no uniform and not given",
+                    remedy=nearest(name, choices),
+                )
+        if not drawn:
+            raise CaseError(
+                f"measure {self.name!r} reads no output, so no shader could fail it",
+                remedy="computed(…) is for figures of formulas alone",
+            )
+        return arguments
+
+    def _plot(self, figures: list[float], rows: tuple[Row, ...]) -> Plot | None:
+        """The curve of the readings that have an x; None unless there are two."""
+        points = tuple(
+            PlotPoint(
+                series=reading.series,
+                x=reading.x,
+                y=figure,
+                low=-math.inf if reading.bound is None else reading.bound.low,
+                high=math.inf if reading.bound is None else reading.bound.high,
+                ok=row.ok,
+            )
+            for reading, figure, row in zip(self.readings, figures, rows, strict=True)
+            if reading.x is not None
+        )
+        if len(points) < 2:
+            return None
+        return Plot(
+            title=self.name,
+            x_label=self.x_label,
+            y_label=self.y_label,
+            points=points,
+            log_x=self.log_x,
+            log_y=self.log_y,
+        )
+
+
+def reading(
+    label: str | float,
+    *,
+    reads: Mapping[str, str] | None = None,
+    given: Mapping[str, UniformValue] | None = None,
+    equals: float | None = None,
+    digits: int | None = None,
+    at_most: float | None = None,
+    at_least: float | None = None,
+    between: tuple[float, float] | None = None,
+    series: str = "",
+    note: str = "",
+) -> Reading:
+    """One row of a `measure`: what it reads and is given, and where the figure must lie.
+
+    Args:
+        label: a word, or a number: then the row is a point of a curve at this x.
+        reads: outputs by parameter: {"lit": "near.FragColor"}.
+        given: constants by parameter.
+        equals, digits: the figure rounds to `equals` at `digits` decimals.
+        at_most, at_least, between: other bounds; without any the row is only shown.
+        series: the curve that the point belongs to, where there are several.
+        note: a remark in the table.
+
+    Raises:
+        CaseError: bounds that say two things, or hold no number.
+    """
+    numeric = isinstance(label, int | float)
+    return Reading(
+        label=f"{label:g}" if numeric else str(label),
+        x=float(label) if numeric else None,
+        bound=_bound(str(label), equals, digits, at_most, at_least, between),
+        reads=reads or {},
+        given=given or {},
+        series=series,
+        note=note,
+    )
+
+
+def measure(
+    label: str,
+    statistic: Statistic,
+    *,
+    readings: Sequence[Reading] = (),
+    reads: Mapping[str, str] | None = None,
+    given: Mapping[str, UniformValue] | None = None,
+    equals: float | None = None,
+    digits: int | None = None,
+    at_most: float | None = None,
+    at_least: float | None = None,
+    between: tuple[float, float] | None = None,
+    pass_name: str | None = None,
+    draw: int = -1,
+    x_label: str = "",
+    y_label: str = "",
+    log_x: bool = False,
+    log_y: bool = False,
+    note: str = "",
+) -> Measure:
+    """A figure that `statistic` computes from the frame lies within its bound.
+
+    The parameters of `statistic` are found by name: outputs of any pass as float64 arrays
+    (height, width, components), `FragColor` of the last pass or `shadow_depth` for
+    "shadow.depth"; uniforms and textures of a draw; and what `reads` and `given` say.
+
+    Args:
+        label: how tables and outcomes call it.
+        statistic: a Python function that returns one number; NumPy may be used.
+        readings: rows, from `reading`; without them there is one, with `label` for its name.
+        reads: outputs by parameter, in every row that does not say otherwise.
+        given: constants by parameter, likewise.
+        equals, digits, at_most, at_least, between: the bound of the rows that have none.
+        pass_name, draw: whose uniforms and textures are meant; the last draw of the last pass.
+        x_label, y_label: what the axes of the curve say, where labels of rows are numbers.
+        log_x, log_y: logarithmic axes.
+        note: a remark in the table, where there is one row.
+
+    Raises:
+        CaseError: there is no bound at all, or two rows are alike.
+    """
+    if not callable(statistic):
+        raise CaseError(f"measure {label!r}: needs a function, not {type(statistic).__name__}")
+    common = _bound(label, equals, digits, at_most, at_least, between)
+    rows = tuple(
+        Reading(
+            label=row.label,
+            x=row.x,
+            bound=row.bound or common,
+            reads={**(reads or {}), **row.reads},
+            given={**(given or {}), **row.given},
+            series=row.series,
+            note=row.note,
+        )
+        for row in readings or (reading(label, note=note),)
+    )
+    _check(label, rows)
+    return Measure(
+        name=label,
+        statistic=statistic,
+        readings=rows,
+        pass_name=pass_name,
+        draw=draw,
+        x_label=x_label,
+        y_label=y_label or label,
+        log_x=log_x,
+        log_y=log_y,
+    )
+
+
+def _check(label: str, rows: Sequence[Reading]) -> None:
+    if all(row.bound is None for row in rows):
+        raise CaseError(
+            f"measure {label!r} has no bound, so it could not fail",
+            remedy="give equals with digits, at_most, at_least or between",
+        )
+    names = [(row.series, row.label) for row in rows]
+    for series, name in names:
+        if names.count((series, name)) > 1:
+            where = f" of series {series!r}" if series else ""
+            raise CaseError(f"measure {label!r}: two readings{where} are called {name!r}")
+    for row in rows:
+        for parameter in row.reads.keys() & row.given.keys():
+            raise CaseError(f"measure {label!r}: {parameter!r} is both read and given")
+
+
+def _bound(
+    label: str,
+    equals: float | None,
+    digits: int | None,
+    at_most: float | None,
+    at_least: float | None,
+    between: tuple[float, float] | None,
+) -> Bound | None:
+    kinds = [equals is not None, at_most is not None or at_least is not None, between is not None]
+    if sum(kinds) > 1:
+        raise CaseError(f"measure {label!r}: give equals, or between, or at_most and at_least")
+    if (equals is None) != (digits is None):
+        raise CaseError(f"measure {label!r}: equals and digits go together")
+    if equals is not None and digits is not None:
+        half = 0.5 * 10.0**-digits * (1.0 + 1e-6)
+        return Bound(low=equals - half, high=equals + half, digits=digits)
+    if not any(kinds):
+        return None
+    low, high = between or (
+        -math.inf if at_least is None else at_least,
+        math.inf if at_most is None else at_most,
+    )
+    if not low <= high or (math.isinf(low) and math.isinf(high)):
+        raise CaseError(f"measure {label!r}: {low} … {high} bounds no figure")
+    return Bound(low=float(low), high=float(high))
+
+
+def _of_draw(bindings: Bindings) -> dict[str, Array]:
+    """Uniforms and textures, members of arrays of structs together as one array; where they are
+    single numbers, without an axis for components."""
+    known: dict[str, Array] = {}
+    lists: dict[str, list[Array]] = {}
+    for name, values in bindings.uniforms.items():
+        known[parameter_name(name)] = values[..., 0] if values.shape[-1] == 1 else values
+        if _INDEXED.search(name):
+            lists.setdefault(parameter_name(_INDEXED.sub("", name)), []).append(
+                known[parameter_name(name)]
+            )
+    known |= {name: np.stack(values) for name, values in lists.items()}
+    known |= {parameter_name(n): texels.values for n, texels in bindings.textures.items()}
+    return known
+
+
+def _row(row: Reading, figure: float) -> Row:
+    label = f"{row.series}, {row.label}" if row.series else row.label
+    more = 6 if row.bound is None or row.bound.digits is None else row.bound.digits + 3
+    exact = row.bound is not None and row.bound.digits is not None
+    return Row(
+        label=label,
+        expected=_expected(row.bound),
+        measured=f"{figure:.{min(more, 9)}f}" if exact else f"{figure:.{more}g}",
+        ok=_within(row.bound, figure),
+        note=row.note,
+    )
+
+
+def _within(bound: Bound | None, figure: float) -> bool:
+    if not math.isfinite(figure):
+        return False
+    return bound is None or bound.low <= figure <= bound.high
+
+
+def _expected(bound: Bound | None) -> str:
+    if bound is None:
+        return "–"
+    if bound.digits is not None:
+        return f"{(bound.low + bound.high) / 2:.{bound.digits}f}"
+    if math.isinf(bound.low):
+        return f"≤ {bound.high:g}"
+    if math.isinf(bound.high):
+        return f"≥ {bound.low:g}"
+    return f"{bound.low:g} … {bound.high:g}"

@@ -1,0 +1,113 @@
+"""refused: the lab itself refuses something, with exactly this message, place and remedy."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Any
+
+from shaderlab.errors import CaseError, ShaderlabError
+from shaderlab.expectations.base import Context, table
+from shaderlab.frame import Frame
+from shaderlab.model import Expectation, Judgement, Programs, Request, Scene
+from shaderlab.records import Row
+
+
+@dataclass(frozen=True)
+class RaisedError(Request):
+    """The error that the lab raises over a shader's name or in a function, or None; folders are
+    left out of its paths."""
+
+    what: str | Callable[[], Any]
+
+    def answer(self, context: Context) -> ShaderlabError | None:
+        try:
+            if isinstance(self.what, str):
+                context.preparer.source(self.what)
+            else:
+                self.what()
+        except ShaderlabError as error:
+            return ShaderlabError(
+                context.shortened(error.message),
+                file=None if error.file is None else context.shortened(error.file),
+                line=error.line,
+                remedy=None if error.remedy is None else context.shortened(error.remedy),
+            )
+        return None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Refused(Expectation):
+    """`what` is a shader's name, to be read with its includes, or a function to be called."""
+
+    kind = "refused"
+
+    what: str | Callable[[], Any]
+    message: str
+    file: str = ""
+    line: int | None = None
+    remedy: str = ""
+
+    def requests(self, scene: Scene, programs: Programs) -> Iterable[Request]:
+        yield RaisedError(self.what)
+
+    def judge(self, scene: Scene, frame: Frame) -> Judgement:
+        error: ShaderlabError | None = frame.answers[RaisedError(self.what)]
+        want = _parts(self.message, self.file, self.line, self.remedy)
+        got = _parts("nothing", None, None, None)
+        if error is not None:
+            got = _parts(error.message, error.file, error.line, error.remedy)
+        rows = [
+            Row(label=part, expected=want[part], measured=got[part], ok=want[part] == got[part])
+            for part in want
+            if want[part] or got[part]
+        ]
+        message = ""
+        if error is None:
+            message = "the lab takes it, but must refuse it"
+        elif not all(row.ok for row in rows):
+            message = "the lab refuses it in other words: " + str(error).replace("\n", " ")
+        return table(self.name, self.kind, rows, message, judged=len(rows))
+
+
+def refused(
+    what: str | Callable[[], Any],
+    *,
+    message: str,
+    file: str | None = None,
+    line: int | None = None,
+    remedy: str = "",
+    name: str = "",
+) -> Refused:
+    """The lab refuses `what` with this whole error: message, file, line and remedy.
+
+    Args:
+        what: a shader's name, which the lab is asked to read with its includes; or a function
+            that must raise one of the lab's errors, such as one that reads a mesh.
+        message: the error's message. Folders of the case and of the shaders are left out of
+            paths, here and in `file`, so that they are the same on every machine.
+        file: the file that the error names, "" for none; the shader itself by default.
+        line: the line that it names, if it names one.
+        remedy: what it advises, "" for nothing.
+        name: how outcomes call it.
+    """
+    if not isinstance(what, str) and not callable(what):
+        raise CaseError(f"refused: needs a shader's name or a function, not {what!r}")
+    own = what if isinstance(what, str) else ""
+    return Refused(
+        what=what,
+        message=message,
+        file=own if file is None else file,
+        line=line,
+        remedy=remedy,
+        name=name or f"{own or file or 'it'} is refused",
+    )
+
+
+def _parts(message: str, file: str | None, line: int | None, remedy: str | None) -> dict[str, str]:
+    return {
+        "message": message,
+        "file": file or "",
+        "line": "" if line is None else str(line),
+        "remedy": remedy or "",
+    }

@@ -1,0 +1,143 @@
+"""What a stage got and gave, in a draw or on given inputs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from shaderlab.activity import doing
+from shaderlab.errors import CaseError, nearest
+from shaderlab.expectations.base import Context, OfOutput
+from shaderlab.frame import Array, Bindings, Fragments, PassDraw, Samples
+from shaderlab.model import Programs, Request
+from shaderlab.programs.bind import declared, uniform_arrays
+from shaderlab.programs.inputs import exact_inputs
+from shaderlab.programs.prepare import PreparedDraw
+from shaderlab.programs.stages import may_keep_out
+from shaderlab.programs.varyings import elements
+
+
+@dataclass(frozen=True)
+class CapturedFragments(Request):
+    """What the fragment shader of a draw got, at each pixel."""
+
+    key: PassDraw
+
+    def answer(self, context: Context) -> Fragments:
+        with doing("draw", f"capturing the inputs of {context.draw_in_words(self.key)}"):
+            return context.session.fragments(self.key)
+
+    def has_same_answer(self, programs: Programs, others: Programs) -> bool:
+        for own, other in zip(programs[self.key[0]], others[self.key[0]], strict=True):
+            if own.draw is not other.draw:
+                return False  # other state may let other fragments through
+            if not _same_stages(own, other):
+                return False
+            text, other_text = own.text("fragment") or "", other.text("fragment") or ""
+            if text != other_text and may_keep_out(text + other_text):
+                return False
+        return True
+
+
+@dataclass(frozen=True)
+class CapturedVertices(Request):
+    """What the last stage before rasterisation got and gave, at each vertex of a draw."""
+
+    key: PassDraw
+
+    def answer(self, context: Context) -> Samples:
+        with doing("draw", f"capturing the inputs of {context.draw_in_words(self.key)}"):
+            return context.session.vertices(self.key)
+
+    def has_same_answer(self, programs: Programs, others: Programs) -> bool:
+        name, index = self.key
+        return _same_stages(programs[name][index], others[name][index])
+
+
+class Probe(Request):
+    """A draw's program run on inputs that an expectation gives.
+
+    Inputs of the stage are gathered into one draw; a uniform takes one draw for each value.
+
+    Args:
+        expectation: whose output is probed. Two probes of one expectation are the same one.
+        steps: inputs and uniforms of each run, by name; all have the same names.
+    """
+
+    def __init__(self, expectation: OfOutput, steps: Sequence[Mapping[str, Any]] = ()) -> None:
+        self._expectation = expectation
+        self._steps = steps
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Probe) and other._expectation is self._expectation
+
+    def __hash__(self) -> int:
+        return id(self._expectation)
+
+    def answer(self, context: Context) -> Samples:
+        """Run the program. Raises CaseError for a name that is no input and no uniform."""
+        with doing("draw", f"sampling for {self._expectation.name!r}"):
+            return self._answer(context)
+
+    def _answer(self, context: Context) -> Samples:
+        expectation, session, steps = self._expectation, context.session, self._steps
+        key = expectation.key(session.scene)
+        draw, bindings = session.programs[key[0]][key[1]], context.bindings[key]
+        of_vertex = expectation.is_of_vertex(session.scene, session.programs)
+        variables = draw.interface.attributes if of_vertex else draw.interface.varyings
+        inputs = {variable.name: variable for variable in elements(variables.values())}
+        for word in steps[0]:
+            if word not in inputs and word not in bindings.uniforms:
+                raise CaseError(
+                    f"{expectation.output}: {word!r} is no input of "
+                    f"{' + '.join(draw.draw.shaders)}",
+                    remedy=nearest(word, [*inputs, *bindings.uniforms]),
+                )
+        uniforms = [name for name in steps[0] if name not in inputs]
+        run = session.probe_vertices if of_vertex else session.probe_fragments
+
+        def samples(some: Sequence[Mapping[str, Any]]) -> Samples:
+            changed = _with_uniforms(bindings, draw, {n: some[0][n] for n in uniforms})
+            given = [exact_inputs(inputs, step) for step in some]
+            joined = {n: np.concatenate([g[n] for g in given]) for n in given[0]}
+            result = run(key, changed, joined)
+            exact = {n: _repeated(changed.uniforms[n], len(some)) for n in uniforms}
+            decimal = {n: _repeated(changed.decimal[n], len(some)) for n in uniforms}
+            for n in joined:
+                decimal[n] = np.array([np.atleast_1d(np.asarray(s[n], np.float64)) for s in some])
+            return replace(result, inputs={**result.inputs, **exact}, decimal=decimal)
+
+        if not uniforms:
+            return samples(steps)
+        return _joined([samples([step]) for step in steps])
+
+
+def _same_stages(one: PreparedDraw, other: PreparedDraw) -> bool:
+    """Whether all stages before rasterisation are the same."""
+    return all(one.text(stage) == other.text(stage) for stage in ("vertex", "geometry"))
+
+
+def _with_uniforms(bindings: Bindings, draw: PreparedDraw, values: Mapping[str, Any]) -> Bindings:
+    exact, decimal = dict(bindings.uniforms), dict(bindings.decimal)
+    known = declared(draw.interface)
+    for name, value in values.items():
+        exact[name], decimal[name] = uniform_arrays(known[name], value)
+    return replace(bindings, uniforms=exact, decimal=decimal)
+
+
+def _repeated(value: Array, count: int) -> Array:
+    return np.repeat(value[None], count, axis=0)
+
+
+def _joined(parts: Sequence[Samples]) -> Samples:
+    def join(group: Sequence[Mapping[str, Array]]) -> dict[str, Array]:
+        return {name: np.concatenate([part[name] for part in group]) for name in group[0]}
+
+    return Samples(
+        inputs=join([p.inputs for p in parts]),
+        outputs=join([p.outputs for p in parts]),
+        decimal=join([p.decimal for p in parts]),
+    )

@@ -1,0 +1,88 @@
+"""sweep: the band holds along one input, all others fixed; the report draws the curve."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from shaderlab.bands import Rules
+from shaderlab.expectations.formula import OfReference, Reference, require_callable
+from shaderlab.expectations.requests import Probe
+from shaderlab.expectations.subject import inputs_of
+from shaderlab.frame import Frame
+from shaderlab.judging.banded import judge_band
+from shaderlab.model import Judgement, Programs, Request, Scene, UniformValue
+from shaderlab.records import Curve
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sweep(OfReference):
+    """The band holds while the input `over` takes each of `values`, with the inputs `at` fixed."""
+
+    kind = "sweep"
+    judges = "curve"
+
+    over: str
+    values: tuple[float, ...]
+    at: Mapping[str, UniformValue] = field(default_factory=dict)
+    log_x: bool = False
+
+    def requests(self, scene: Scene, programs: Programs) -> Iterable[Request]:
+        self.is_of_vertex(scene, programs)  # raises where there is no such output
+        yield Probe(self, [{**self.at, self.over: value} for value in self.values])
+
+    def judge(self, scene: Scene, frame: Frame) -> Judgement:
+        key, samples = self.key(scene), frame.answers[Probe(self)]
+        inputs = inputs_of(
+            frame, key, each=dict(samples.inputs), given=self.given, decimal=samples.decimal
+        )
+        banded = judge_band(
+            samples.outputs[self.own_name(scene)], self.reference, inputs, rules=self.rules
+        )
+        component = int(np.argmax(np.ptp(banded.reference, axis=0)))
+        several = banded.measured.shape[1] > 1
+        curve = Curve(
+            title=self.name,
+            x_label=self.over,
+            y_label=f"{self.output}.{'xyzw'[component]}" if several else self.output,
+            x=self.values,
+            measured=tuple(banded.measured[:, component].tolist()),
+            reference=tuple(banded.reference[:, component].tolist()),
+            low=tuple(banded.low[:, component].tolist()),
+            high=tuple(banded.high[:, component].tolist()),
+            log_x=self.log_x,
+        )
+        return self.judgement(scene, banded, banded.verdict(), curve=curve)
+
+
+def sweep(
+    output: str,
+    reference: Reference,
+    *,
+    over: str,
+    values: Sequence[float],
+    at: Mapping[str, UniformValue] | None = None,
+    draw: int = -1,
+    given: Mapping[str, UniformValue] | None = None,
+    rules: Rules | None = None,
+    log_x: bool = False,
+    name: str = "",
+) -> Sweep:
+    """The band holds while the input `over` takes each of `values`; the report draws the curve.
+
+    `at` gives other inputs by name; those that it leaves out stay as the case has them.
+    """
+    return Sweep(
+        output=output,
+        reference=require_callable("sweep", reference),
+        over=over,
+        values=tuple(float(v) for v in values),
+        at=at or {},
+        draw=draw,
+        given=given or {},
+        rules=rules,
+        log_x=log_x,
+        name=name or f"{output} over {over}",
+    )

@@ -1,0 +1,1 @@
+"""Holding measured values against a reference formula's band. NumPy only, no device."""

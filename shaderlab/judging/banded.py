@@ -1,0 +1,252 @@
+"""Judging numbers by the band that a reference formula gives them: formula, sweep and value."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from shaderlab.bands import Band, Rules
+from shaderlab.bands.allowed import contains
+from shaderlab.errors import FormulaError
+from shaderlab.frame import Array
+from shaderlab.judging.distance import Placed
+from shaderlab.judging.figures import plain, ulp_distance
+from shaderlab.judging.formats import FLOAT_FORMATS, in_format, stored
+from shaderlab.judging.inputs import Inputs, Reference, evaluate, source_of, wanted
+from shaderlab.records import Row, SourceText, Worst
+
+MAX_VACUOUS = 0.01
+# How many values a band is evaluated for at a time: a formula of fifty operations keeps a few
+# dozen arrays of them, 16 MB or so a component, instead of gigabytes for a large frame.
+CHUNK = 16384
+
+
+@dataclass(frozen=True, kw_only=True)
+class Exact:
+    """What a reference gives in float64, evaluated piece by piece as it is looked at: of most
+    checks only the worst value's is.
+
+    `shape` is that of the measured values, `format` their attachment's; `rows` are a piece;
+    `asked` is what `wanted` says of the reference.
+    """
+
+    reference: Reference
+    inputs: Inputs
+    shape: tuple[int, int]
+    format: str
+    rows: int
+    asked: Mapping[str, list[str]]
+    _pieces: dict[int, Array] = field(default_factory=dict, init=False, repr=False, compare=False)
+
+    def piece(self, number: int) -> Array:
+        """Rows number · rows and on, (rows, components). Raises FormulaError."""
+        if number not in self._pieces:
+            start = number * self.rows
+            stop = min(start + self.rows, self.shape[0])
+            self._pieces[number] = self._evaluated(slice(start, stop))
+        return self._pieces[number]
+
+    def _evaluated(self, rows: slice) -> Array:
+        part = self.inputs.part(rows)
+        found = np.asarray(
+            evaluate(self.reference, part, rules=None, decimal=False, asked=self.asked)
+        )
+        shape = (rows.stop - rows.start, self.shape[1])
+        return in_format(np.broadcast_to(found.astype(np.float64, copy=False), shape), self.format)
+
+    def at(self, row: int) -> Array:
+        """One row, (components,), evaluated by itself. Raises FormulaError."""
+        (values,) = self._evaluated(slice(row, row + 1))
+        return np.asarray(values)
+
+    def whole(self) -> Array:
+        """All of it, (count, components). Raises FormulaError."""
+        pieces = [self.piece(number) for number in range(-(-self.shape[0] // self.rows))]
+        return np.concatenate(pieces) if pieces else np.empty(self.shape)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Banded(Placed):
+    """Measured values beside their reference and band; all arrays are (count, components).
+
+    `low` and `high` are float32 where the attachment's format is: a band's bounds are. They are
+    in the measured values' own units. `vacuous_share` is the share of values whose band allows
+    anything, `undecided_share` that of values that went both ways of a branch.
+    """
+
+    exact: Exact
+    vacuous_share: float
+    undecided_share: float
+    source: SourceText
+    names: tuple[str, ...]
+
+    @property
+    def inputs(self) -> Inputs:
+        """What the reference was given."""
+        return self.exact.inputs
+
+    @cached_property
+    def reference(self) -> Array:
+        """What the formula gives in float64, as the attachment would hold it, unrounded."""
+        return self.exact.whole()
+
+    @cached_property
+    def outside(self) -> int:
+        """How many values lie outside their band."""
+        return self.inside.size - int(np.count_nonzero(self.inside))
+
+    def worst(self, covered: Array | None = None) -> Worst | None:
+        """The value furthest from its band's middle, as seen from the band; None of nothing.
+
+        `covered` (height, width) says which pixels the values are those of.
+        """
+        if not self.measured.size:
+            return None
+        i, c = self.furthest()
+        reference = self.exact.at(i)
+        return Worst(
+            pixel=None if covered is None else _pixel(covered, i),
+            component=c,
+            measured=plain(self.measured[i]),
+            reference=plain(reference),
+            low=plain(self.low[i]),
+            high=plain(self.high[i]),
+            ulp=ulp_distance(self.measured[i, c], reference[c], self.unit),
+            widths=self.widths_at(i, c),
+            inputs=self.inputs.at(i, self.names),
+        )
+
+    def verdict(self) -> tuple[str, str]:
+        """("pass" or "fail", what to say about it)."""
+        if not self.measured.size:
+            return "fail", "nothing was judged: no pixel is covered"
+        if self.outside:
+            return "fail", f"{self.outside} of {self.measured.size} values lie outside their band"
+        if self.vacuous_share > MAX_VACUOUS:
+            return "fail", (
+                f"{self.vacuous_share:.1%} of the values may be anything under the precision "
+                f"rules (at most {MAX_VACUOUS:.0%} may): this check could hardly fail"
+            )
+        return "pass", ""
+
+
+def judge_band(
+    measured: Array,
+    reference: Reference,
+    inputs: Inputs,
+    *,
+    rules: Rules | None,
+    format: str = "rgba32f",
+) -> Banded:
+    """Evaluate `reference` as a band, and hold the measured values against it.
+
+    Args:
+        measured: (count, components) as read back from an attachment of `format`.
+        reference: the formula.
+        inputs: what the shader got.
+        rules: precision rules; None for the default ones.
+        format: the attachment's format; the band is rounded as storing to it rounds.
+
+    Raises:
+        FormulaError: the formula fails or gives another number of components.
+    """
+    shape = measured.shape
+    chosen = rules or Rules()
+    asked = wanted(reference, inputs)
+    exact = Exact(
+        reference=reference, inputs=inputs, shape=shape, format=format, rows=CHUNK, asked=asked
+    )
+    bounds = np.float32 if format in FLOAT_FORMATS else np.float64
+    low, high, inside = np.empty(shape, bounds), np.empty(shape, bounds), np.empty(shape, np.bool_)
+    unit, vacuous, undecided = None, 0, 0
+    for start in range(0, max(len(measured), 1), CHUNK):
+        rows = slice(start, start + CHUNK)
+        some = measured[rows]
+        try:
+            band = evaluate(reference, inputs.part(rows), rules=chosen, decimal=False, asked=asked)
+        except FormulaError:
+            exact.piece(0)  # what plain numbers already show is told of them
+            raise
+        if not isinstance(band, Band):
+            band = Band.literal(np.asarray(band, np.float64), chosen)
+        _check_shape(reference, band, some)
+        allowed = stored(band, format, shape[1])
+        unit = None if isinstance(allowed, Band) else float(allowed.unit) or None
+        low[rows], high[rows] = allowed.lo, allowed.hi
+        inside[rows] = contains(low[rows], high[rows], allowed.nan, some)
+        vacuous += _count(band.vacuous, some)
+        undecided += _count(band.undecided, some)
+    return Banded(
+        measured=measured,
+        low=low,
+        high=high,
+        inside=inside,
+        unit=unit,
+        exact=exact,
+        vacuous_share=vacuous / max(measured.size, 1),
+        undecided_share=undecided / max(measured.size, 1),
+        source=source_of(reference),
+        names=tuple(n for names in asked.values() for n in names),
+    )
+
+
+def independent_references(banded: Banded, also: Mapping[str, Reference]) -> list[Row]:
+    """Each independent implementation, in float64 on the same inputs, against the band."""
+    rows = []
+    for name, implementation in also.items():
+        values = np.asarray(evaluate(implementation, banded.inputs, rules=None, decimal=False))
+        try:
+            values = np.broadcast_to(values, banded.low.shape)
+        except ValueError:
+            place = source_of(implementation)
+            raise FormulaError(
+                f"{name} gives an array of shape {values.shape}, "
+                f"the reference one of shape {banded.low.shape}",
+                file=place.file,
+                line=place.line,
+            ) from None
+        outside = int((~((values >= banded.low) & (values <= banded.high))).sum())
+        off = float(np.nanmax(np.abs(values - banded.reference))) if values.size else 0.0
+        rows.append(
+            Row(
+                label=name,
+                expected="in the band everywhere",
+                measured=f"{outside} of {values.size} values outside",
+                ok=outside == 0,
+                note=f"at most {off:.3g} from the reference",
+            )
+        )
+    return rows
+
+
+def _check_shape(reference: Reference, band: Band, measured: Array) -> None:
+    got = band.shape[-1] if band.shape else 1
+    if got not in (1, measured.shape[1]):
+        place = source_of(reference)
+        raise FormulaError(
+            f"{reference.__name__}() gives {got} components, the shader's output has "
+            f"{measured.shape[1]}",
+            file=place.file,
+            line=place.line,
+        )
+    if len(band.shape) > 2 or (len(band.shape) == 2 and band.shape[0] not in (1, len(measured))):
+        raise FormulaError(
+            f"{reference.__name__}() gives shape {band.shape} for {len(measured)} values",
+            file=source_of(reference).file,
+            line=source_of(reference).line,
+        )
+
+
+def _count(flags: npt.NDArray[np.bool_], values: Array) -> int:
+    """How many of the values are marked; flags of fewer components are those of all."""
+    return int(np.count_nonzero(flags)) * (values.size // max(flags.size, 1))
+
+
+def _pixel(covered: Array, index: int) -> tuple[int, int]:
+    """x and y of covered pixel number `index`, counted along rows."""
+    y, x = divmod(int(np.flatnonzero(covered)[index]), covered.shape[1])
+    return x, y

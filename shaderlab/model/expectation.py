@@ -1,0 +1,148 @@
+"""What every kind of expectation is: data, what it reads and needs of a run, and its judgement.
+
+The kinds themselves are in `shaderlab.expectations`, one a file. A kind is a frozen dataclass that
+derives from `Expectation`. It names the outputs that it reads and the passes that draw them, asks
+for what it needs beyond the pictures (`requests`), and judges the frame that holds the answers.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
+
+from shaderlab.frame import Array, Frame, PassDraw
+from shaderlab.model.scene import Pixel
+from shaderlab.records import Curve, Outcome, Plot
+
+if TYPE_CHECKING:
+    from shaderlab.model.case import Scene
+
+Programs = Mapping[str, tuple[Any, ...]]
+"""The compiled draws of each pass: `shaderlab.programs.PreparedDraw`."""
+
+
+@dataclass(frozen=True)
+class Read:
+    """An output that an expectation reads: all of it, or one pixel."""
+
+    pass_name: str
+    output: str
+    pixel: Pixel | None = None
+
+
+class Request(ABC):
+    """What an expectation needs beyond the pictures. Equal requests are answered once a scene."""
+
+    @abstractmethod
+    def answer(self, context: Any) -> Any:
+        """Ask the device or the compilers, given a `shaderlab.expectations.base.Context`.
+
+        Raises:
+            ShaderlabError: there is no answer.
+        """
+
+    def has_same_answer(self, programs: Programs, others: Programs) -> bool:
+        """Whether the answer must be the same for the same scene with `others` for its programs.
+        False where that can't be told."""
+        return False
+
+
+@dataclass(frozen=True, kw_only=True)
+class Judgement:
+    """One expectation judged.
+
+    `pictures` has "measured" and "reference" (height, width, components) and "distance"
+    (height, width: the distance in half band widths, NaN where nothing was judged), or is empty
+    where the judged values are no picture. The numbers behind them are there too: "exact" (the
+    reference, unrounded), "low", "high" and "outside" in the shape of "measured", "covered"
+    (height, width), and "unit", the size of one code of a fixed-point format or 0.
+
+    `output` is the output that a shader assigns, by its draw and its own name; the report shows
+    the line where it does.
+    """
+
+    outcome: Outcome
+    pictures: Mapping[str, Array] = field(default_factory=dict)
+    curve: Curve | None = None
+    plot: Plot | None = None
+    output: tuple[PassDraw, str] | None = None
+
+
+class LazyArrays(Mapping[str, Array]):
+    """Arrays that are made when the first of them is looked at: most runs look at none."""
+
+    def __init__(self, make: Callable[[], Mapping[str, Array]]) -> None:
+        self._make = make
+        self._made: Mapping[str, Array] | None = None
+
+    def _arrays(self) -> Mapping[str, Array]:
+        if self._made is None:
+            self._made = self._make()
+        return self._made
+
+    def __getitem__(self, name: str) -> Array:
+        return self._arrays()[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._arrays())
+
+    def __len__(self) -> int:
+        return len(self._arrays())
+
+
+@dataclass(frozen=True, kw_only=True)
+class Expectation(ABC):
+    """What must hold of a scene.
+
+    Attributes:
+        kind: how records call this kind.
+        once: whether it is judged with a case's first variant alone, since no input changes it.
+        judges: "pixels" or "curve" where it holds an output against a reference whatever the
+            inputs are; "" where what it says belongs to the case's own inputs.
+        name: how outcomes call this one.
+    """
+
+    kind: ClassVar[str]
+    once: ClassVar[bool] = False
+    judges: ClassVar[Literal["pixels", "curve", ""]] = ""
+
+    name: str = ""
+
+    def reads(self, scene: Scene) -> Iterable[Read]:
+        """The outputs that it judges, told from names alone; one that does not exist is no error
+        here."""
+        return ()
+
+    def passes(self, scene: Scene) -> frozenset[str]:
+        """The passes whose shaders it judges; none where no shader has a part in it.
+
+        Raises:
+            CaseError: it names a pass or a draw that does not exist.
+        """
+        return frozenset()
+
+    def judges_vertices(self, scene: Scene, programs: Programs) -> bool:
+        """Whether it judges what a vertex or geometry stage gives, and not what is drawn."""
+        return False
+
+    def requests(self, scene: Scene, programs: Programs) -> Iterable[Request]:
+        """What it needs beyond the pictures.
+
+        Raises:
+            CaseError: it names a pass, a draw or an output that does not exist.
+        """
+        return ()
+
+    def raises_gl_errors(self, scene: Scene) -> frozenset[PassDraw]:
+        """The draws whose GL errors it judges; those of all others fail the scene."""
+        return frozenset()
+
+    @abstractmethod
+    def judge(self, scene: Scene, frame: Frame) -> Judgement:
+        """Judge what was drawn and answered.
+
+        Raises:
+            CaseError, FormulaError: it asks for what is not there.
+        """

@@ -1,0 +1,198 @@
+"""Laws judged on made-up runs: what keeps a law passes, and each kind of breach is caught."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from shaderlab import (
+    Case,
+    across,
+    bounded,
+    energy_conserving,
+    fullscreen,
+    mean_of,
+    monotone,
+    symmetric,
+)
+from shaderlab.errors import CaseError
+from shaderlab.expectations.law import Law
+from shaderlab.expectations.requests import Probe
+from shaderlab.frame import Bindings, Frame, Samples
+from shaderlab.records import Outcome
+
+XS = tuple(np.linspace(-2.0, 2.0, 41).tolist())
+
+
+def judged(check: Law, shader: Callable[..., Any]) -> Outcome:
+    """The property's outcome for a shader that is this function of its inputs."""
+    names = list(dict.fromkeys(name for step in check.steps for name in step))
+    inputs = {
+        name: np.array([np.atleast_1d(step[name]) for step in check.steps], np.float32)
+        for name in names
+    }
+    y = np.asarray(shader(**inputs), np.float32)
+    frame = Frame(
+        images={},
+        order=("main",),
+        bindings={("main", 0): Bindings()},
+        answers={Probe(check): Samples(inputs=inputs, outputs={"y": y})},
+    )
+    passes = fullscreen("y.frag", domain={"x": across(0.0, 1.0)})
+    case = Case(title="t", id="t", passes=passes, expect=[check])
+    return check.judge(case.scene("default"), frame).outcome
+
+
+def test_monotone() -> None:
+    check = monotone("y", over="x", values=XS)
+    assert judged(check, lambda x: x * x * x).status == "pass"
+    assert judged(check, lambda x: np.floor(x)).status == "pass"
+    fell = judged(check, lambda x: np.where(x > 1.0, x - 0.5, x))
+    assert (fell.status, fell.outside, fell.kind) == ("fail", 1, "monotone")
+    assert fell.worst is not None and "falls in 1 of 40 steps" in fell.message
+    assert fell.worst.inputs["x"][0] == pytest.approx(1.1)
+    falling = monotone("y", over="x", values=XS, direction="decreasing")
+    assert judged(falling, lambda x: -x).status == "pass"
+    assert judged(falling, lambda x: x).status == "fail"
+
+
+def test_strictly_monotone_refuses_a_plateau() -> None:
+    check = monotone("y", over="x", values=XS, strict=True)
+    assert judged(check, lambda x: x).status == "pass"
+    flat = judged(check, lambda x: np.minimum(x, 1.0))
+    assert flat.status == "fail" and flat.outside == 10
+
+
+def test_each_component_is_monotone_by_itself() -> None:
+    check = monotone("y", over="x", values=XS)
+    outcome = judged(check, lambda x: np.concatenate([x, -x], axis=1))
+    assert outcome.status == "fail" and outcome.outside == 40
+    assert outcome.worst is not None and outcome.worst.component == 1
+
+
+def test_bounded() -> None:
+    check = bounded("y", 0.0, 1.0, over="x", values=XS)
+    assert judged(check, lambda x: np.clip(x, 0.0, 1.0)).status == "pass"
+    outcome = judged(check, lambda x: np.clip(x, 0.0, 1.0 + 2.0**-23))
+    assert outcome.status == "fail" and outcome.worst is not None
+    assert outcome.worst.inputs["x"][0] > 1.0 and outcome.worst.ulp == 1.0
+    each = bounded("y", (0.0, -2.0), (2.0, 0.0), over="x", values=(1.0, 2.0))
+    assert judged(each, lambda x: np.concatenate([x, -x], axis=1)).status == "pass"
+    assert judged(each, lambda x: np.concatenate([-x, x], axis=1)).status == "fail"
+
+
+def test_symmetric_in_sign() -> None:
+    even = symmetric("y", over="x", values=XS)
+    assert judged(even, lambda x: x * x).status == "pass"
+    skewed = judged(even, lambda x: x * x + np.where(x == 2.0, 1.0, 0.0))
+    # ±2 are among the values, so that pair is there twice.
+    assert (skewed.status, skewed.outside) == ("fail", 2)
+    odd = symmetric("y", over="x", values=XS, odd=True)
+    assert judged(odd, lambda x: x * x * x).status == "pass"
+    assert judged(odd, lambda x: x * x).status == "fail"
+
+
+def test_symmetric_under_exchange() -> None:
+    pairs = [(a, b) for a in XS[::5] for b in XS[::7]]
+    check = symmetric("y", over=("a", "b"), values=pairs)
+    assert judged(check, lambda a, b: a * b).status == "pass"
+    outcome = judged(check, lambda a, b: a * b + 0.25 * (a - b))
+    assert outcome.status == "fail" and outcome.worst is not None
+    assert set(outcome.worst.inputs) == {"a", "b"}
+
+
+def test_ulps_are_what_two_runs_may_differ_by() -> None:
+    def nearly(x: Any) -> Any:
+        return np.where(x > 0.0, 1.0 + 2.0**-22, 1.0)  # two steps above 1
+
+    for ulps, status in ((1, "fail"), (2, "pass")):
+        check = symmetric("y", over="x", values=(1.0,), ulps=ulps)
+        assert judged(check, nearly).status == status
+
+
+def test_energy() -> None:
+    """A white diffuse surface reflects all: 1/π, cosine weighted, integrates to 1."""
+    check = energy_conserving("y", over="light", normal=(0.0, 3.0, 4.0))
+    white = judged(check, lambda light: np.full((len(light), 3), 1.0 / np.pi))
+    assert white.status == "pass" and "1.000000" in white.rows[0].measured
+    bright = judged(check, lambda light: np.full((len(light), 3), 1.01 / np.pi))
+    assert bright.status == "fail" and "1.0100" in bright.message
+    one_channel = judged(
+        check, lambda light: np.full((len(light), 3), 1.0 / np.pi) * [1.0, 1.02, 0.5]
+    )
+    assert (one_channel.status, one_channel.outside) == ("fail", 1)
+    assert one_channel.worst is not None and one_channel.worst.component == 1
+
+
+def test_a_lobe_that_reflects_too_much() -> None:
+    """Blinn's lobe needs (n + 8)/8π at least; without any normalisation it only darkens."""
+
+    def lobe(factor: float) -> Callable[..., Any]:
+        def shader(light: Any) -> Any:
+            return factor * np.maximum(light[:, 2:3], 0.0) ** 8.0
+
+        return shader
+
+    # ∫ cos⁹ θ dω = 2π / 10, exactly.
+    check = energy_conserving("y", over="light")
+    assert judged(check, lobe(10.0 / (2.0 * np.pi) * 0.999)).status == "pass"
+    assert judged(check, lobe(10.0 / (2.0 * np.pi) * 1.001)).status == "fail"
+
+
+def test_a_quadrature_too_rough_to_judge_fails() -> None:
+    check = energy_conserving("y", over="light", polar=4, around=4)
+    outcome = judged(check, lambda light: 30.0 * np.maximum(light[:, 0:1], 0.0) ** 200.0)
+    assert outcome.status == "fail" and "too rough" in outcome.message
+
+
+def test_the_mean_of_many_samples() -> None:
+    rng = np.random.default_rng(3)
+    noise = {float(k): v for k, v in enumerate(rng.random(4096))}
+
+    def shader(offset: float) -> Callable[..., Any]:
+        return lambda x: np.array([[noise[float(k)] + offset] for k in x[:, 0]])
+
+    check = mean_of("y", 0.5, over="x", values=range(4096), significance=1e-4)
+    fair = judged(check, shader(0.0))
+    assert fair.status == "pass" and "n = 4096" in fair.rows[0].measured
+    biased = judged(check, shader(0.03))
+    assert biased.status == "fail" and "p = " in biased.rows[0].note
+    constant = judged(check, lambda x: np.full_like(x, 0.5))
+    assert constant.status == "pass", "no spread, and exactly the mean"
+    assert judged(check, lambda x: np.full_like(x, 0.5001)).status == "fail"
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+def test_what_is_not_finite_keeps_no_law(bad: float) -> None:
+    for check in (
+        monotone("y", over="x", values=XS),
+        bounded("y", -9.0, 9.0, over="x", values=XS),
+        symmetric("y", over="x", values=XS),
+        mean_of("y", 0.0, over="x", values=XS),
+    ):
+        outcome = judged(check, lambda x: np.where(x == XS[7], bad, x))
+        assert outcome.status == "fail" and "not finite" in outcome.message
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        lambda: monotone("y", over="x", values=(1.0,)),
+        lambda: monotone("y", over="x", values=(1.0, 1.0)),
+        lambda: monotone("y", over="x", values=(0.0, 1.0), direction="upward"),
+        lambda: bounded("y", 1.0, 0.0, over="x", values=(0.0,)),
+        lambda: bounded("y", 0.0, 1.0, over="x", values=()),
+        lambda: symmetric("y", over="x", values=()),
+        lambda: symmetric("y", over="x", values=(1.0,), ulps=-1),
+        lambda: energy_conserving("y", over="light", polar=3),
+        lambda: energy_conserving("y", over="light", normal=(0.0, 0.0, 0.0)),
+        lambda: mean_of("y", 0.0, over="x", values=range(29)),
+        lambda: mean_of("y", 0.0, over="x", values=range(30), significance=0.0),
+    ],
+)
+def test_a_law_that_could_not_be_judged_is_refused(wrong: Callable[[], Law]) -> None:
+    with pytest.raises(CaseError):
+        wrong()

@@ -1,0 +1,111 @@
+"""What must be refused: every word is compared, for compilers and for the lab itself."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from shaderlab import Case, compile_fails, fullscreen, inactive_uniforms, refused
+from shaderlab.errors import CaseError, ShaderError
+from shaderlab.expectations.base import Context
+from shaderlab.expectations.compile_fails import Verdicts
+from shaderlab.frame import Frame
+from shaderlab.model import Expectation
+from shaderlab.records import Diagnostic, Outcome, Verdict
+
+UNDECLARED = "'x' : undeclared identifier"
+DRIVER = Verdict(
+    target="driver",
+    ok=False,
+    diagnostics=(Diagnostic(file="a.frag", line=3, severity="error", message="no x"),),
+)
+LENIENT = Verdict(target="driver", ok=True)
+
+
+def outcome(check: Expectation, answer: Any) -> Outcome:
+    """The outcome of an expectation that asks one thing, and gets this answer."""
+    case = Case(title="T", passes=fullscreen("a.frag"), expect=[check])
+    scene = next(case.scenes())
+    (request,) = check.requests(scene, {})
+    frame = Frame(images={}, order=("main",), bindings={}, answers={request: answer})
+    return check.judge(scene, frame).outcome
+
+
+def answer(*errors: tuple[str, int | None, str], **more: Any) -> Verdicts:
+    return Verdicts(errors=errors, accepted=not errors, stages={"a.frag": "fragment"}, **more)
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        answer(),
+        answer(("a.frag", 4, UNDECLARED)),
+        answer(("b.frag", 3, UNDECLARED)),
+        answer(("a.frag", 3, UNDECLARED + "s")),
+        answer(("a.frag", 3, UNDECLARED), ("a.frag", 5, UNDECLARED)),
+        answer(("a.frag", 3, UNDECLARED), driver=LENIENT),
+    ],
+)
+def test_another_answer_of_the_compiler_fails(said: Verdicts) -> None:
+    check = compile_fails("a.frag", (3, UNDECLARED))
+    right = outcome(check, answer(("a.frag", 3, UNDECLARED), driver=DRIVER))
+    assert right.status == "pass"
+    assert right.rows[0].label == "fragment a.frag:3"
+    assert right.rows[1].measured == "line 3: no x"
+    assert outcome(check, said).status == "fail"
+
+
+def test_a_driver_may_be_let_off() -> None:
+    said = answer(("a.frag", 3, UNDECLARED), driver=LENIENT)
+    lenient = compile_fails("a.frag", (3, UNDECLARED), driver=False)
+    assert outcome(lenient, said).status == "pass"
+
+
+def test_messages_of_a_program_say_which_file() -> None:
+    program = compile_fails(("a.vert", "a.frag"), ("a.frag", None, "no main"))
+    assert program.shaders == ("a.vert", "a.frag")
+    for wrong in ((3, "no main"), ("c.frag", 3, "no main")):
+        with pytest.raises(CaseError, match=r"write \(file, line, text\)"):
+            compile_fails(("a.vert", "a.frag"), wrong)
+
+
+ERROR = ShaderError("the shader is empty", file="a.frag", line=2, remedy="fill it")
+
+
+@pytest.mark.parametrize(
+    "change", [{"message": "is empty"}, {"file": "b.frag"}, {"line": 3}, {"remedy": "delete it"}]
+)
+def test_every_part_of_the_lab_s_own_error_counts(change: dict[str, Any]) -> None:
+    whole: dict[str, Any] = {"message": "the shader is empty", "line": 2, "remedy": "fill it"}
+    assert outcome(refused("a.frag", **whole), ERROR).status == "pass"
+    assert outcome(refused("a.frag", **(whole | change)), ERROR).status == "fail"
+    taken = outcome(refused("a.frag", **whole), None)
+    assert (taken.status, taken.message) == ("fail", "the lab takes it, but must refuse it")
+
+
+def test_only_a_name_or_a_function_can_be_refused() -> None:
+    with pytest.raises(CaseError, match="needs a shader's name or a function"):
+        refused(3, message="no")  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("locations", [{"used": 0, "idle": 1}, {"used": -1, "idle": -1}])
+def test_exactly_these_uniforms_must_be_inactive(locations: dict[str, int]) -> None:
+    check = inactive_uniforms("idle")
+    assert outcome(check, {"used": 0, "idle": -1}).status == "pass"
+    assert outcome(check, locations).status == "fail"
+    with pytest.raises(CaseError, match="did you mean idle"):
+        outcome(inactive_uniforms("idel"), locations)
+
+
+def test_folders_are_left_out_of_paths() -> None:
+    case = Case(title="T", passes=fullscreen("a.frag"), expect=[refused("a.frag", message="no")])
+    scene = next(replace(case, file="/lab/case.py").scenes())
+    session: Any = SimpleNamespace(scene=scene)
+    preparer: Any = SimpleNamespace(folders=(Path("/lab/shaders"),))
+    context = Context(session, {}, preparer, lambda sources: DRIVER)
+    said = "/lab/shaders/a.frag:3 includes /lab/b.glsl, not in /lab/shaders"
+    assert context.shortened(said) == "a.frag:3 includes b.glsl, not in shaders"

@@ -1,0 +1,103 @@
+"""Large frames are judged piece by piece, with the same result and in little memory."""
+
+from __future__ import annotations
+
+import tracemalloc
+from typing import Any
+
+import numpy as np
+import pytest
+
+from shaderlab.errors import FormulaError
+from shaderlab.glslmath import dot, max, normalize, pow, vec3, where
+from shaderlab.judging import banded
+from shaderlab.judging.banded import judge_band
+from shaderlab.judging.inputs import Inputs
+
+
+def shaded(normal: Any, light: Any, gain: Any) -> Any:
+    cosine = max(dot(normalize(normal), normalize(light)), 0.0)
+    return where(cosine > 0.5, vec3(pow(cosine, 8.0)), gain * cosine * vec3(1.0, 0.5, 0.25))
+
+
+def inputs(count: int) -> Inputs:
+    rng = np.random.default_rng(5)
+    return Inputs(
+        shared={"gain": np.array([0.7], np.float32)},
+        each={name: rng.normal(size=(count, 3)).astype(np.float32) for name in ("normal", "light")},
+    )
+
+
+def measured(given: Inputs) -> np.ndarray:
+    exact = {name: values.astype(float) for name, values in given.exact.items()}
+    values = np.array(shaded(**exact), np.float32)
+    values[11, 1] += np.float32(0.01)
+    values[57, 2] = np.nan
+    return values
+
+
+@pytest.mark.parametrize("chunk", [1, 7, 99, 100])
+def test_pieces_are_judged_as_the_whole(monkeypatch: pytest.MonkeyPatch, chunk: int) -> None:
+    given = inputs(100)
+    values = measured(given)
+    whole = judge_band(values, shaded, given, rules=None)
+    assert np.argwhere(~whole.inside).tolist() == [[11, 1], [57, 2]]
+    monkeypatch.setattr(banded, "CHUNK", chunk)
+    pieces = judge_band(values, shaded, given, rules=None)
+    for name in ("reference", "low", "high", "inside", "vacuous_share", "undecided_share"):
+        np.testing.assert_array_equal(getattr(pieces, name), getattr(whole, name))
+    np.testing.assert_array_equal(pieces.signed(), whole.signed())
+    assert pieces.worst() == whole.worst() or repr(pieces.worst()) == repr(whole.worst())
+
+
+def test_float64_is_asked_only_for_what_is_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a check without pictures, the row of the worst value."""
+    asked: list[int] = []
+
+    def counted(normal: Any, light: Any, gain: Any) -> Any:
+        if isinstance(normal, np.ndarray):
+            asked.append(len(normal))
+        return shaded(normal, light, gain)
+
+    given = inputs(95)
+    values = measured(given)
+    monkeypatch.setattr(banded, "CHUNK", 10)
+    judged = judge_band(values, counted, given, rules=None)
+    assert asked == []
+    found = judged.worst()
+    assert found is not None and asked == [1]
+    np.testing.assert_array_equal(judged.exact.at(57), judged.reference[57])
+    assert asked[:2] == [1, 1] and sum(asked[2:]) == 95
+
+
+def test_a_formula_that_fails_in_float64_only_is_no_pass() -> None:
+    def fails(normal: Any, light: Any, gain: Any) -> Any:
+        if isinstance(normal, np.ndarray):
+            raise ValueError("not for arrays")
+        return shaded(normal, light, gain)
+
+    given = inputs(100)
+    judged = judge_band(measured(given), fails, given, rules=None)
+    with pytest.raises(FormulaError, match="not for arrays"):
+        judged.worst()
+
+
+def test_what_fails_on_plain_numbers_is_told_of_them() -> None:
+    def fails(normal: Any, light: Any, gain: Any) -> Any:
+        return shaded(normal, light, gain) if (normal > 0.0).all() else missing  # type: ignore[name-defined]  # noqa: F821
+
+    given = inputs(100)
+    with pytest.raises(FormulaError, match="NameError"):
+        judge_band(measured(given), fails, given, rules=None)
+
+
+def test_a_large_frame_takes_megabytes() -> None:
+    count = 512 * 512
+    given = inputs(count)
+    values = measured(given)
+    tracemalloc.start()
+    judge_band(values, shaded, given, rules=None)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    result = 5 * values.size * 8  # what the judgement itself holds: five arrays of numbers
+    assert peak < result + 150 * 2**20
