@@ -70,7 +70,7 @@ def _chapters(file: Path) -> Mapping[str, str]:
     for number, title in chapters.items():
         if not (number.isdigit() and isinstance(title, str)):
             raise CaseError(
-                f"{number} = {title!r} is no chapter", file=file, remedy='write 5 = "Lighting"'
+                f"{number} = {title!r} is no chapter", file=file, remedy='write 5 = "Lamps"'
             )
     return chapters
 

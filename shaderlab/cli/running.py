@@ -123,7 +123,7 @@ def command(open_report: bool, **asked: Any) -> None:
 
     With --scheduler (pip install 'shaderlab[cluster]') the processes are on the workers of a Dask
     cluster, which need the same versions and nothing else: a case of your own is sent with
-    everything below its folder, records and pictures come back into the run's folder here.
+    everything in its tree, records and pictures come back into the run's folder here.
 
     Exit code: 0 all passed, 1 something failed, 2 wrong usage. A case that needs a feature which
     this driver lacks is "unsupported", which is no failure.

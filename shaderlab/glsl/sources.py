@@ -1,7 +1,7 @@
 """Loads shaders by name and makes the text that a compiler gets.
 
 A name is a path inside one of the shader roots, with forward slashes, such as
-"ch05_lighting/attenuation.frag". Nothing outside the roots is ever read.
+"lamps/attenuation.frag". Nothing outside the roots is ever read.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ class Source:
     """One shader after `#include`.
 
     Attributes:
-        name: as it was loaded, e.g. "ch05_lighting/attenuation.frag".
+        name: as it was loaded, e.g. "lamps/attenuation.frag".
         path: the file on disk, or the name if the text is not a file's.
         stage: one of `STAGES`.
         text: what the compiler gets, with line ends "\\n".

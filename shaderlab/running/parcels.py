@@ -1,8 +1,8 @@
 """Files on their way to other machines: a case's folder as one parcel, and where it lies there.
 
 What comes with shaderlab is on every machine that has the same version, and is named by its place
-in the package. A case of one's own travels with everything below its folder: shaders, textures,
-meshes, and the modules that it imports from beside it.
+in the package. A case of one's own travels with its whole tree: shaders, textures, meshes, and the
+modules that it imports.
 """
 
 from __future__ import annotations

@@ -25,6 +25,7 @@ def light(reach):
 
 case = Case(
     title="A lamp",
+    section="5.1",
     passes=fullscreen("lamp.frag", uniforms={"reach": 0.5, "colour": COLOUR}),
     expect=[formula("light", light)],
 )
@@ -41,7 +42,7 @@ void main()
 }
 """
 FILES = {
-    "cases.toml": "",
+    "cases.toml": '[chapters]\n5 = "Lamps"\n',
     "scenes/factors.py": "from .halves import HALF\n\n\ndef half(x):\n    return x * HALF\n",
     "scenes/halves.py": "HALF = 0.5\n",
     "red/helper.py": "COLOUR = 0.75\n",
@@ -75,6 +76,20 @@ def statuses(*words: str) -> dict[str, str]:
 def test_run(tree: Path, monkeypatch: pytest.MonkeyPatch, jobs: str) -> None:
     monkeypatch.setenv("SHADERLAB_JOBS", jobs)
     assert statuses("./tree", "--no-pictures") == dict.fromkeys(LAMPS, "pass")
+
+
+def test_every_record_has_its_chapter_also_that_of_a_case_whose_process_died(tree: Path) -> None:
+    deadly = CASE.replace("return half(reach)", "os._exit(3)").replace(
+        "from shaderlab", "import os\nfrom shaderlab", 1
+    )
+    (tree / "red" / "deadly.py").write_text(deadly)
+    CliRunner().invoke(cli, ["run", "./tree", "--no-pictures", "--report", "out"])
+    records = json.loads(Path("out", "run.json").read_text())["records"]
+    assert {(record["id"], record["status"], record["chapter"]) for record in records} == {
+        ("blue-lamp", "pass", "Lamps"),
+        ("deadly", "crash", "Lamps"),
+        ("red-lamp", "pass", "Lamps"),
+    }
 
 
 def test_one_case_alone_from_within_its_folder(tree: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import importlib.metadata
+import re
 import sys
 import tomllib
 from collections.abc import Iterator
@@ -159,6 +160,19 @@ def test_cases_use_only_what_any_reader_may(repository: Path) -> None:
                 for known in known_rooms
             )
             assert allowed, f"{file}:{line}: a case imports {whole}"
+
+
+def test_the_engine_names_nothing_of_the_course(repository: Path) -> None:
+    """Neither its folders of shaders nor its shared scenes nor its chapters."""
+    chapters = tomllib.loads((repository / "cases" / "cases.toml").read_text())["chapters"]
+    words = [r"\bch\d\d_", r"\bcases[./]scenes\b", *(f'"{title}"' for title in chapters.values())]
+    found = [
+        f"{file}: {match.group()}"
+        for file in sorted((repository / PACKAGE).rglob("*"))
+        if file.suffix in (".py", ".j2", ".js", ".css") and "_data" not in file.parts
+        for match in re.finditer("|".join(words), file.read_text(encoding="utf-8"))
+    ]
+    assert found == []
 
 
 @pytest.mark.parametrize(
