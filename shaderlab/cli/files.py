@@ -8,14 +8,16 @@ import itertools
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.files import replacing, write_bytes
-from shaderlab.records import Run
 from shaderlab.report.formats import FORMATS
+
+if TYPE_CHECKING:
+    from shaderlab.records import Run
 
 REPORTS = Path("reports")
 LATEST = "latest"

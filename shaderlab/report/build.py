@@ -158,7 +158,7 @@ def _check(
             alt=f"{name}: {outcome.name} of {record.title}, {record.variant}",
             caption=outcome.captions.get(name, ""),
             # A failing check shows every pixel.
-            picture=pictures.small(file, 0 if outcome.status != "pass" else SMALL),
+            picture=pictures.picture(file, 0 if outcome.status != "pass" else SMALL),
             twin="measured" if name == "reference" and same else "",
             file=file,
         )
@@ -185,7 +185,7 @@ def _plate(pictures: Pictures, record: Record, name: str, file: str, many: int) 
         title = f"{record.variant}: {name}"
     alt = f"{record.title}, {record.variant}: {name}" if several else f"{record.title}: {name}"
     # Side by side each is shown small.
-    picture = pictures.small(file, SMALL) if many > 2 else pictures.full(file)
+    picture = pictures.picture(file, SMALL) if many > 2 else pictures.picture(file)
     return Plate(title, alt, caption, picture)
 
 
@@ -196,7 +196,7 @@ def _thumbnail(group: CaseGroup, pictures: Pictures) -> Picture | None:
     files += [_main_image(outcome.images) for record in records for outcome in record.expectations]
     for file in files:
         if file:
-            small = pictures.small(file, SMALL)
+            small = pictures.picture(file, SMALL)
             if not small.missing:
                 return small
     return None

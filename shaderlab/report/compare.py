@@ -119,7 +119,7 @@ def _pictures(
     """The two runs' pictures of a variant, where both are there and their files differ."""
     both = []
     for record, folder in zip(pair, folders, strict=True):
-        picture = None if record is None else folder.full(record.images.get("picture", ""))
+        picture = None if record is None else folder.picture(record.images.get("picture", ""))
         if picture is None or picture.missing:
             return None
         both.append(picture)

@@ -77,13 +77,27 @@ class Pictures:
         # A page's files lie in few folders.
         self._resolved = lru_cache(maxsize=64)(os.path.realpath)
 
-    def full(self, name: str) -> Picture:
-        """The picture file `name` (relative to the folder), small ones enlarged."""
-        return self._picture(name, 0)
+    def picture(self, name: str, side: int = 0) -> Picture:
+        """The picture file `name` (relative to the folder), small ones enlarged.
 
-    def small(self, name: str, side: int) -> Picture:
-        """The same with at most `side` pixels in each direction."""
-        return self._picture(name, side)
+        With a `side` it has at most so many pixels in each direction.
+        """
+        try:
+            path = self._inside(name)
+            with path.open("rb") as file:
+                head = file.read(24)
+        except (OSError, ValueError) as error:
+            return Picture(missing=f"{name}: {_reason(error)}")
+        if head[:8] != _SIGNATURE or len(head) < 24:
+            return Picture(missing=f"{name}: is no PNG file")
+        width, height = struct.unpack(">II", head[16:24])
+        longest = max(width, height, 1)
+        scale = float(max(1, -(-_SMALL // longest)) if longest < _SMALL else 1)
+        side = side if longest > side else 0
+        if side:
+            scale = side / longest
+        shown = max(1, round(width * scale)), max(1, round(height * scale))
+        return Picture(path, *shown, pixelated=scale >= 1 and width <= 600, side=side)
 
     def same(self, one: str | None, other: str | None) -> bool:
         """Whether two picture files are there and equal in every byte."""
@@ -108,24 +122,6 @@ class Pictures:
         except ValueError:
             return None
         return Numbers(path) if name and path.is_file() else None
-
-    def _picture(self, name: str, side: int) -> Picture:
-        try:
-            path = self._inside(name)
-            with path.open("rb") as file:
-                head = file.read(24)
-        except (OSError, ValueError) as error:
-            return Picture(missing=f"{name}: {_reason(error)}")
-        if head[:8] != _SIGNATURE or len(head) < 24:
-            return Picture(missing=f"{name}: is no PNG file")
-        width, height = struct.unpack(">II", head[16:24])
-        longest = max(width, height, 1)
-        scale = float(max(1, -(-_SMALL // longest)) if longest < _SMALL else 1)
-        side = side if longest > side else 0
-        if side:
-            scale = side / longest
-        shown = max(1, round(width * scale)), max(1, round(height * scale))
-        return Picture(path, *shown, pixelated=scale >= 1 and width <= 600, side=side)
 
     def _inside(self, name: str) -> Path:
         # Records may come from an untrusted file: they can show files of their own folder only.

@@ -40,7 +40,7 @@ def _step(step: PassRecord, title: str, pictures: Pictures, before: str) -> Step
             name=attachment.name,
             alt=f"{title}: {attachment.name} of pass {step.name}",
             caption=attachment.format,
-            picture=pictures.full(attachment.image),
+            picture=pictures.picture(attachment.image),
         )
         for attachment in step.attachments
     )

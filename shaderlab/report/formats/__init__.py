@@ -8,9 +8,10 @@ when it is used.
 from __future__ import annotations
 
 import importlib
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-from shaderlab.records import Run
+if TYPE_CHECKING:
+    from shaderlab.records import Run
 
 
 class Format(NamedTuple):
