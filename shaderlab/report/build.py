@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import groupby
 from typing import TypeVar
@@ -10,14 +10,14 @@ from typing import TypeVar
 from shaderlab.records import Curve, Outcome, Plot, Record, Row, Run
 from shaderlab.report import markup
 from shaderlab.report.assembly import Packed, assemblies
-from shaderlab.report.chart import Chart, chart
+from shaderlab.report.chart import chart
 from shaderlab.report.grouping import CaseGroup, group_cases, total
 from shaderlab.report.inline import Picture, Pictures
 from shaderlab.report.listing import Listing
 from shaderlab.report.mutants import Mutants, combined
 from shaderlab.report.page import CaseView, ChapterView, Check, Page, Plate, VariantView
 from shaderlab.report.passes import steps
-from shaderlab.report.plot import PlotView, plot_view
+from shaderlab.report.plot import plot_view
 from shaderlab.report.sources import Shown, anchor_of, compiled, listings
 from shaderlab.report.text import Anchors
 from shaderlab.report.worst import worst_panel
@@ -65,6 +65,14 @@ def _case(
         for row in _rows(outcome)
     )
     together = len(figures) <= _FIGURES_TOGETHER
+    variants = []
+    for record in group.records:
+        own = anchors.new(anchor, record.variant)
+        checks = tuple(
+            _check(record, outcome, anchors.new(own, outcome.name), (*glsl, *python), pictures)
+            for outcome in record.expectations
+        )
+        variants.append(VariantView(record, own, checks, own_figures=not together))
     return CaseView(
         group=group,
         anchor=anchor,
@@ -77,25 +85,15 @@ def _case(
             for record in group.records
             for name, file in record.images.items()
         ),
-        charts=_charts(group),
-        plots=_plots(group),
+        charts=tuple((n, chart(curve)) for n, curve in _with_variants(group, lambda r: r.curves)),
+        plots=tuple((n, plot_view(plot)) for n, plot in _with_variants(group, lambda r: r.plots)),
         figures=figures if together else (),
         errata=tuple(dict.fromkeys(note for record in group.records for note in record.errata)),
         compiled=compiled(group),
         glsl=glsl,
         python=python,
         assemblies=assemblies(group, anchors, pictures, packed),
-        variants=tuple(
-            _variant(
-                record,
-                anchors.new(anchor, record.variant),
-                (*glsl, *python),
-                pictures,
-                anchors,
-                own_figures=not together,
-            )
-            for record in group.records
-        ),
+        variants=tuple(variants),
         passes=steps(group, pictures),
     )
 
@@ -107,44 +105,19 @@ def _rows(outcome: Outcome) -> tuple[Row, ...]:
     return tuple(replace(r, label=f"{outcome.rows_heading}: {r.label}") for r in outcome.rows)
 
 
-def _charts(group: CaseGroup) -> tuple[tuple[str, Chart], ...]:
-    curves = ((record.variant, curve) for record in group.records for curve in record.curves)
-    return tuple((names, chart(curve)) for names, curve in _shared(group, curves))
-
-
-def _plots(group: CaseGroup) -> tuple[tuple[str, PlotView], ...]:
-    plots = ((record.variant, plot) for record in group.records for plot in record.plots)
-    return tuple((names, plot_view(plot)) for names, plot in _shared(group, plots))
-
-
 Drawn = TypeVar("Drawn", Curve, Plot)
 
 
-def _shared(group: CaseGroup, drawn: Iterable[tuple[str, Drawn]]) -> Iterator[tuple[str, Drawn]]:
+def _with_variants(
+    group: CaseGroup, drawings_of: Callable[[Record], Iterable[Drawn]]
+) -> Iterator[tuple[str, Drawn]]:
     """Each curve or plot with the names of its variants, "" if all of them share it."""
-    users: dict[Drawn, list[str]] = {}
-    for variant, one in drawn:
-        names = users.setdefault(one, [])
-        if variant not in names:
-            names.append(variant)
-    for one, names in users.items():
-        yield "" if len(names) == len(group.records) else ", ".join(names), one
-
-
-def _variant(
-    record: Record,
-    anchor: str,
-    texts: Sequence[Listing],
-    pictures: Pictures,
-    anchors: Anchors,
-    *,
-    own_figures: bool,
-) -> VariantView:
-    checks = tuple(
-        _check(record, outcome, anchors.new(anchor, outcome.name), texts, pictures)
-        for outcome in record.expectations
-    )
-    return VariantView(record, anchor, checks, own_figures)
+    users: dict[Drawn, dict[str, None]] = {}
+    for record in group.records:
+        for drawing in drawings_of(record):
+            users.setdefault(drawing, {})[record.variant] = None
+    for drawing, names in users.items():
+        yield "" if len(names) == len(group.records) else ", ".join(names), drawing
 
 
 def _check(
