@@ -1,6 +1,6 @@
-"""Texts that would take the compiler down, found before it sees them.
+"""Finds texts that would crash the compilers, before they see them.
 
-glslang and SPIRV-Tools recurse over expressions and blocks, so a text deep enough overflows the
+glslang and SPIRV-Tools recurse over expressions and blocks, so a deep enough text overflows the
 C stack or keeps the validator busy for minutes. The limits are far above what people write and
 well below what an 8 MiB stack holds.
 """
@@ -25,16 +25,16 @@ _BLOCK = re.compile(r"\b(?:uniform|buffer|in|out)\s+(\w+)\s*\Z")
 _LONGEST_NAME = 1024  # GLSL's own limit
 _BUILT_IN_MEMBER = re.compile(r"\b(gl_\w+)\s*[;,\[]")
 _DEFINE = re.compile(r"#[ \t]*define\b[ \t]*(.*)")
-# A macro that stands for one number or name, or for nothing, makes no text deeper.
+# A macro for one number or name, or for nothing, does not nest.
 _HARMLESS = re.compile(r"\w+(?:[ \t]+(?!(?:if|else|for|while|do|switch)\b)[\w.]+)?[ \t]*$")
 _BRANCHES = frozenset(["if", "else", "for", "while", "do", "switch", "?"])
 
 
 def fatal(source: Source, engine: Engine) -> Diagnostic | None:
-    """An error for a text that takes the compiler's process down, or None."""
+    """An error if the text would crash the compiler, or None."""
     code = source.code
     if "define" in code and not all(map(_HARMLESS.match, _DEFINE.findall(code))):
-        code = engine.preprocess(source) or code  # few macros can stand for many operators
+        code = engine.preprocess(source) or code  # a few macros can expand to many operators
     found = _crashing_block(code) or (None if _is_small(code) else _too_deep(code))
     if found is None:
         return None
@@ -61,8 +61,8 @@ def too_old(source: Source, target: str) -> Diagnostic | None:
 
 
 def _crashing_block(code: str) -> tuple[str, str, int] | None:
-    """A block that crashes glslang 13: its name is used again for an array with an initialiser,
-    or a member has a built-in's name."""
+    """A block that crashes glslang 13: its name is reused for an array with an initialiser, or a
+    member has a built-in's name. The token, the message and the line."""
     for name, start in _blocks(code):
         again = re.compile(rf"\b{name}\s*(\[[^\]]*\]\s*)+=").search(code, start)
         if again:
@@ -77,8 +77,8 @@ def _crashing_block(code: str) -> tuple[str, str, int] | None:
 
 
 def _blocks(code: str) -> Iterator[tuple[str, int]]:
-    """The interface blocks: each one's name, and where its members start."""
-    # Looking back from each brace is eight times as fast as a regular expression over it all.
+    """The interface blocks' names, and where their members start."""
+    # Searching back from each brace is eight times as fast as one regular expression.
     brace = code.find("{")
     while brace >= 0:
         before = code[max(brace - _LONGEST_NAME - 64, 0) : brace].rstrip()
@@ -102,7 +102,7 @@ def _too_deep(code: str) -> tuple[str, str, int] | None:
 
 
 def _is_small(code: str) -> bool:
-    """Whether the whole text has fewer signs and words than one statement may have."""
+    """Whether the whole text has no more operators and brackets than one statement may have."""
     branches = sum(map(code.count, ("{", "(", "[", "?", "if", "else", "for", "while", "do")))
     if branches > MAX_NESTING:
         return False
@@ -110,7 +110,7 @@ def _is_small(code: str) -> bool:
 
 
 def _depths(code: str) -> Iterator[tuple[int, int, int]]:
-    """For each step into the text: its line, how deep it nests, operators in the expression."""
+    """For each token: its line, its nesting depth, and the operators so far in its expression."""
     line, branches, before = 1, 0, ";"
     inside = [_Bracket(is_list=False)]
     for match in _TOKEN.finditer(code):
@@ -139,8 +139,8 @@ def _depths(code: str) -> Iterator[tuple[int, int, int]]:
 
 @dataclass
 class _Bracket:
-    """An open bracket: whether its commas separate a list, how many `else`s the chain of
-    branches in it has so far, and how many operators the expression in it."""
+    """An open bracket: whether its commas separate a list, and so far the `else`s in the chain of
+    branches, and the operators in the expression."""
 
     is_list: bool
     chain: int = 0

@@ -1,4 +1,4 @@
-"""What a program declares, as plain data, under the names that a driver reports.
+"""A program's interface as plain data, with the names that a driver reports.
 
 "light.constant", "lights[0].position", "weights" for a whole array, "Block.member" for members
 of a varying block with an instance name.
@@ -18,15 +18,14 @@ class Variable:
     """One input, output or uniform.
 
     Attributes:
-        name: GLSL's name of it.
+        name: in GLSL.
         type: "float", "vec3", "mat4", "int", "uint", "bool", "sampler2D", "image2D", …
-        location: as in the module. Where the author gives none, the compiler chooses one, and
-            a driver that is given GLSL may choose another.
-        array: how many elements, 0 for a run-time length, None where it is not an array.
+        location: in the module. Without the author's own, the compiler chooses one, and a driver
+            that compiles GLSL may choose another.
+        array: the number of elements, 0 if known at run time only, None if it is not an array.
         interpolation: of varyings.
-        components: numbers in one element, 3 for vec3, 16 for mat4, 0 for samplers.
-        used: whether a function that the program calls refers to it; a driver may still find
-            that it changes nothing and remove it.
+        components: numbers in one element: 3 for vec3, 16 for mat4, 0 for samplers.
+        used: whether the program's functions refer to it; a driver may still optimise it away.
     """
 
     name: str
@@ -40,9 +39,8 @@ class Variable:
 
 @dataclass(frozen=True, kw_only=True)
 class Member:
-    """One member of a block; sizes, strides and `offset` in bytes, strides 0 where none apply.
-
-    `size` covers all elements of an array; it is 0 for an array of run-time length.
+    """One member of a block. Sizes, strides and `offset` are in bytes; strides that don't apply
+    are 0. `size` covers all elements of an array, and is 0 for an array of run-time length.
     """
 
     name: str
@@ -57,7 +55,7 @@ class Member:
 
 @dataclass(frozen=True, kw_only=True)
 class Block:
-    """A uniform or storage block: members by GLSL name less the block's own.
+    """A uniform or storage block: members by their names without the block's.
 
     `size` is in bytes, rounded up to 16 for uniform blocks as std140 has it; for a storage
     block that ends in an array of run-time length it is the size without that array.
@@ -85,7 +83,7 @@ class SpecConstant:
 
 @dataclass(frozen=True, kw_only=True)
 class Interface:
-    """Everything a program declares, built-ins (`gl_…`) left out. All mappings are by name.
+    """Everything that a program declares, by name, without built-ins (`gl_…`).
 
     Attributes:
         attributes: inputs of the vertex stage.
@@ -95,7 +93,7 @@ class Interface:
         uniforms: uniforms outside blocks, samplers and images among them.
         blocks: uniform and storage blocks.
         constants: specialisation constants.
-        local_size: of a compute stage, else None.
+        local_size: of a compute stage, or None.
     """
 
     attributes: Mapping[str, Variable] = field(default_factory=dict)

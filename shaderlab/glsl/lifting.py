@@ -1,9 +1,9 @@
-"""Samplers inside uniform structs, moved out of them for Vulkan, which allows none there.
+"""Lifts samplers out of uniform structs for Vulkan, which allows none there.
 
 `uniform Material material;` with a member `sampler2D diffuse` becomes a struct without it, a
 `uniform sampler2D material_diffuse;` beside it, and `material_diffuse` for `material.diffuse`.
-No line moves. Where the struct's value travels, as an argument that is then sampled, this can't
-be done; the program stays as it is, and SPIRV-Tools' verdict on it stands.
+No line moves. If the struct is passed as an argument and then sampled, this can't be done: the
+program stays as it is, with SPIRV-Tools' verdict.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def lift_samplers(
 ) -> tuple[Sequence[Source], tuple[Diagnostic, ...]]:
     """The stages with samplers lifted out of uniform structs, and a note on each struct.
 
-    The stages are returned as they are where there is nothing to lift or it can't be done.
+    If there is nothing to lift, or it can't be done, the stages are unchanged.
     """
     lifted, notes = [], []
     for source in sources:
@@ -80,7 +80,7 @@ def _lift(source: Source) -> tuple[Source, list[Diagnostic]]:
 
 
 def _opaque_members(struct: re.Match[str]) -> tuple[list[_Opaque], list[_Edit]]:
-    """The struct's samplers and images, and the edits that take them out."""
+    """The struct's samplers and images, and the edits that remove them."""
     found: list[_Opaque] = []
     edits = []
     start = struct.start("body")
@@ -97,7 +97,7 @@ def _opaque_members(struct: re.Match[str]) -> tuple[list[_Opaque], list[_Edit]]:
 
 
 def _uniforms(code: str, struct: str) -> Iterator[tuple[int, list[tuple[str, str]]]]:
-    """Where uniforms of the struct are declared: the place, and each one's name and array."""
+    """Declarations of the struct's uniforms: the place, and each one's name and array suffix."""
     for match in re.finditer(rf"\buniform\s+{struct}\s+([^;=]+);", code):
         declared = [
             (declarator["name"], declarator["array"] or "")

@@ -34,7 +34,7 @@ def type_name(module: Module, id_: int) -> str:
 
 
 def unwrap(module: Module, id_: int) -> tuple[tuple[int, ...], int]:
-    """An array type's lengths, the outermost first (0 for a run-time length), and its element."""
+    """An array type's lengths, outermost first (0 if known at run time only), and its element."""
     lengths = []
     while module.types[id_].op in (Op.TYPE_ARRAY, Op.TYPE_RUNTIME_ARRAY):
         instruction = module.types[id_]
@@ -45,7 +45,7 @@ def unwrap(module: Module, id_: int) -> tuple[tuple[int, ...], int]:
 
 
 def component_count(module: Module, id_: int) -> int:
-    """How many numbers one element of the type holds; 0 for structs and opaque types."""
+    """The numbers in one element of the type; 0 for structs and opaque types."""
     _, element = unwrap(module, id_)
     op, words = module.types[element].op, module.types[element].words
     if op in (Op.TYPE_BOOL, Op.TYPE_INT, Op.TYPE_FLOAT):
@@ -58,18 +58,18 @@ def component_count(module: Module, id_: int) -> int:
 
 
 def is_struct(module: Module, id_: int) -> bool:
-    """Whether the type, less its arrays, is a struct or a block."""
+    """Whether the type's element is a struct or a block."""
     return module.types[unwrap(module, id_)[1]].op == Op.TYPE_STRUCT
 
 
 def is_opaque(module: Module, id_: int) -> bool:
-    """Whether the type, less its arrays, is a sampler or an image."""
+    """Whether the type's element is a sampler or an image."""
     op = module.types[unwrap(module, id_)[1]].op
     return op in (Op.TYPE_IMAGE, Op.TYPE_SAMPLER, Op.TYPE_SAMPLED_IMAGE)
 
 
 def slots(module: Module, id_: int) -> int:
-    """How many locations a varying or uniform of the type takes between shader stages."""
+    """The locations that a varying of the type takes between shader stages."""
     lengths, element = unwrap(module, id_)
     op, words = module.types[element].op, module.types[element].words
     if op == Op.TYPE_STRUCT:
@@ -86,7 +86,7 @@ def slots(module: Module, id_: int) -> int:
 
 
 def leaves_count(module: Module, id_: int) -> int:
-    """How many locations a uniform of the type takes: one for each number, vector or matrix."""
+    """The locations that a uniform of the type takes: one for each number, vector or matrix."""
     lengths, element = unwrap(module, id_)
     count = 1
     if module.types[element].op == Op.TYPE_STRUCT:
