@@ -1,4 +1,4 @@
-"""How fast shaders compile, side by side: `python benchmarks/compile.py [FILES]`.
+"""How fast shaders compile, side by side: `python -m benchmarks.compile [FILES]`.
 
 `--growth` shows instead how time and memory grow from 100 to 10,000 files.
 """

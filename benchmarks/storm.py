@@ -1,4 +1,4 @@
-"""Mutated and random sources by the thousand: `python benchmarks/storm.py [COUNT] [--seed N]`.
+"""Mutated and random sources by the thousand: `python -m benchmarks.storm [COUNT] [--seed N]`.
 
 Every one must come back with a verdict. Those on which a compiler crashed or hung are named and
 kept in a folder; the exit status is 1 where a result is missing or the lab itself failed.

@@ -128,15 +128,15 @@ class Commands:
     def validate(self, module: bytes, environment: str) -> str | None:
         arguments = ["--target-env", environment, "-"]
         validator = self.executables.validator
-        code, output = _run(validator, arguments, given=module, seconds=self._seconds)
+        code, output = _run(validator, arguments, stdin=module, seconds=self._seconds)
         return _POSITION.sub("", output.strip()) if code else None
 
     def versions(self) -> Mapping[str, str]:
-        said = _run(self.executables.glslang, ["--version"])[1]
-        version = re.search(r"Glslang Version: (?:\d+:)?(\S+)", said)
+        output = _run(self.executables.glslang, ["--version"])[1]
+        version = re.search(r"Glslang Version: (?:\d+:)?(\S+)", output)
         tools = _run(self.executables.validator, ["--version"])[1].split("\n")[0]
         return {
-            "glslang": version[1] if version else said.split("\n")[0],
+            "glslang": version[1] if version else output.split("\n")[0],
             "glslang command": str(self.executables.glslang),
             "SPIRV-Tools": tools.removeprefix("SPIRV-Tools "),
             "SPIRV-Tools command": str(self.executables.validator),
@@ -200,7 +200,7 @@ def _run(
     arguments: Sequence[str],
     *,
     folder: Path | None = None,
-    given: bytes = b"",
+    stdin: bytes = b"",
     seconds: float | None = None,
 ) -> tuple[int, str]:
     """Runs a command; returns its exit status, and standard output and error together.
@@ -213,7 +213,7 @@ def _run(
         done = subprocess.run(
             [str(program), *arguments],
             cwd=folder,
-            input=given,
+            input=stdin,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             env=_environment(program),
@@ -247,7 +247,7 @@ def _candidates(names: Sequence[str], wheel: str) -> Iterator[Path]:
 
 
 def _environment(program: Path) -> Mapping[str, str]:
-    """Variables for a command; the wheels' commands must be told where their libraries are."""
+    """Variables for a command; those of the wheels need the path of their libraries."""
     lib = program.parent.parent / "lib"
     if lib.parent.name != "cmeel.prefix":
         return os.environ

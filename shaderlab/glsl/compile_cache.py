@@ -1,4 +1,4 @@
-"""The compile cache: what compiling a program gave, kept on disk and found again.
+"""The compile cache: results of compiling programs, stored on disk.
 
 An entry holds a program's verdicts with all their messages, its SPIR-V modules and its interface,
 under a digest of everything they depend on. Crashes and time-outs are no results and are not
@@ -197,7 +197,7 @@ def encode(entry: Entry) -> bytes:
 
 
 def decode(data: bytes) -> Entry:
-    """The entry again. Only builds plain data; never runs anything that `data` says.
+    """The entry again. Builds plain data only; nothing in `data` is executed.
 
     Raises:
         ValueError: the bytes are not an entry.
@@ -249,5 +249,5 @@ def _interface(fields: Mapping[str, Any] | None) -> Interface | None:
     )
 
 
-def _by_name(kind: Callable[..., Any], told: Mapping[str, Any]) -> dict[str, Any]:
-    return {name: kind(**fields) for name, fields in told.items()}
+def _by_name(kind: Callable[..., Any], entries: Mapping[str, Any]) -> dict[str, Any]:
+    return {name: kind(**fields) for name, fields in entries.items()}

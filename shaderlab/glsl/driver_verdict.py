@@ -53,13 +53,13 @@ def mark_disagreement(verdicts: Iterable[Verdict]) -> tuple[Verdict, ...]:
     The first diagnostic says so. It is a warning, since the side that refuses the program has
     reported its errors already.
     """
-    given = tuple(verdicts)
-    plain = next((v for v in given if v.target == "glsl" and not v.status), None)
+    every = tuple(verdicts)
+    plain = next((v for v in every if v.target == "glsl" and not v.status), None)
     return tuple(
         _disagreeing(v, plain)
         if plain and v.target == DRIVER and not v.status and v.ok != plain.ok
         else v
-        for v in given
+        for v in every
     )
 
 

@@ -140,22 +140,22 @@ class _Expansion:
     def _append_rows(
         self, file: File, rows: Sequence[str], codes: Sequence[str], trail: _Trail
     ) -> None:
-        said_file, shift = file.path, 0  # file and line according to the author's own #line
+        origin, shift = file.path, 0  # file and line according to the author's own #line
         for number, (row, code) in enumerate(zip(rows, codes, strict=False), start=1):
-            place = (said_file, number + shift)
+            place = (origin, number + shift)
             directive = _DIRECTIVE.fullmatch(code) if "#" in code else None
             kind, rest = directive.groups() if directive else ("", "")
-            said = _LINE.fullmatch(rest.strip()) if kind == "line" else None
+            line = _LINE.fullmatch(rest.strip()) if kind == "line" else None
             if kind == "include":
                 inner = self._included(rest.strip(), (*trail, (file, number)))
                 self.append(inner, without_comments(inner.text), (*trail, (file, number)))
             elif kind == "extension" and rest.split(":")[0].strip() in _INCLUDE_EXTENSIONS:
                 self._add(place, "")  # drivers without the extension would refuse it
-            elif said:
+            elif line:
                 self._add(place, "")
                 # Up to GLSL 1.50 the line after `#line n` is n + 1, from 3.30 on it is n.
-                shift = int(said[1]) - number - (1 if self._version >= 330 else 0)
-                said_file = said[2] or said_file
+                shift = int(line[1]) - number - (1 if self._version >= 330 else 0)
+                origin = line[2] or origin
             else:
                 self.rows.append(row)
                 self.codes.append(code)
@@ -180,15 +180,15 @@ class _Expansion:
         if match is None:
             remedy = 'write #include "file.glsl"'
             raise _error(f"malformed #include {rest}".rstrip(), trail, remedy)
-        asked = match[2] if match[1] is None else match[1]
+        path = match[2] if match[1] is None else match[1]
         folder = "" if match[1] is None else posixpath.dirname(trail[-1][0].name)
         outside = None
         for start in dict.fromkeys([folder, ""]):
             try:
-                name = inside(asked, start)
+                name = inside(path, start)
                 open_files = [file for file, _ in trail if file.name == name]
                 if open_files and not _ONCE.search(without_comments(open_files[0].text)):
-                    raise _error(f"{asked!r} includes itself", trail, "break the cycle of includes")
+                    raise _error(f"{path!r} includes itself", trail, "break the cycle of includes")
                 file = self._roots.find(name)
             except OutsideError as error:
                 outside = outside or error
@@ -201,8 +201,8 @@ class _Expansion:
                 return File(file.name, file.path, "\n") if open_files else file
         if outside is not None:
             remedy = "move the file into a shader folder"
-            raise _error(f"#include {asked!r} {outside}", trail, remedy)
-        raise _error(f"no file to #include: {asked!r}", trail, nearest(asked, self._roots.names()))
+            raise _error(f"#include {path!r} {outside}", trail, remedy)
+        raise _error(f"no file to #include: {path!r}", trail, nearest(path, self._roots.names()))
 
 
 def _guard(file: File, code: str) -> str | None:

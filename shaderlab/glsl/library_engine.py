@@ -47,9 +47,9 @@ class Library:
 
     def preprocess(self, source: Source) -> str | None:
         front = self._glslang.front
-        handle, given = self._create(source, SETTINGS["glsl"])
+        handle, input_ = self._create(source, SETTINGS["glsl"])
         try:
-            if not front.glslang_shader_preprocess(handle, c.byref(given)):
+            if not front.glslang_shader_preprocess(handle, c.byref(input_)):
                 return None
             return _text(front.glslang_shader_get_preprocessed_code(handle))
         finally:
@@ -65,11 +65,11 @@ class Library:
         try:
             parsed = True
             for source in sources:
-                handle, given = self._create(source, settings)
+                handle, input_ = self._create(source, settings)
                 handles.append(handle)
-                inputs.append(given)
-                ok = front.glslang_shader_preprocess(handle, c.byref(given))
-                ok = ok and front.glslang_shader_parse(handle, c.byref(given))
+                inputs.append(input_)
+                ok = front.glslang_shader_preprocess(handle, c.byref(input_))
+                ok = ok and front.glslang_shader_parse(handle, c.byref(input_))
                 logs[source.stage] = _text(front.glslang_shader_get_info_log(handle))
                 parsed = parsed and bool(ok)
             if not parsed:
@@ -104,7 +104,7 @@ class Library:
 
     def _create(self, source: Source, settings: TargetSettings) -> tuple[int, Input]:
         front, makes_spirv = self._glslang.front, bool(settings.environment)
-        given = Input(
+        input_ = Input(
             language=_GLSL,
             stage=_STAGE[source.stage],
             client=settings.client,
@@ -117,9 +117,9 @@ class Library:
             messages=settings.messages,
             resource=self._glslang.limits,
         )
-        handle: int = front.glslang_shader_create(c.byref(given))
+        handle: int = front.glslang_shader_create(c.byref(input_))
         front.glslang_shader_set_options(handle, settings.options)
-        return handle, given
+        return handle, input_
 
 
 def _linked(

@@ -1,4 +1,4 @@
-"""The compile targets, and what glslang and SPIRV-Tools are told about each."""
+"""The compile targets in the terms of glslang and SPIRV-Tools."""
 
 from __future__ import annotations
 

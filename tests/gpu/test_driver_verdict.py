@@ -66,7 +66,7 @@ def test_stages_that_do_not_fit_are_refused_by_the_link(device: Backend) -> None
     assert "n" in verdict.diagnostics[0].message
 
 
-def test_nothing_stays_behind_in_the_context(device: Backend) -> None:
+def test_nothing_is_left_in_the_context(device: Backend) -> None:
     from OpenGL import GL
 
     def alive() -> int:
@@ -88,7 +88,7 @@ def test_a_stage_that_the_driver_lacks_is_no_verdict() -> None:
         OpenGLBackend(Device(Old(), {})).driver_verdict(program(compute=COMPUTE))
 
 
-def test_a_disagreement_is_said_in_both_directions() -> None:
+def test_a_disagreement_is_reported_in_both_directions() -> None:
     right = compile_program(program(fragment=FRAGMENT), ["glsl"]).verdicts[0]
     wrong = compile_program(program(fragment=BROKEN), ["glsl"]).verdicts[0]
     source = program(fragment=FRAGMENT)[0]
@@ -120,7 +120,7 @@ def test_a_disagreement_is_said_in_both_directions() -> None:
         ("", None, "error", "the driver refuses it and does not say why"),
     ],
 )
-def test_logs_of_several_drivers_are_understood(
+def test_logs_of_several_drivers_are_parsed(
     log: str, line: int | None, severity: str, message: str
 ) -> None:
     first = parse_driver_log(log, program(fragment=FRAGMENT)[0], ok=severity == "warning")[0]
@@ -128,7 +128,7 @@ def test_logs_of_several_drivers_are_understood(
 
 
 @pytest.mark.usefixtures("device")
-def test_the_command_asks_the_driver(tmp_path: Path) -> None:
+def test_the_command_reports_the_drivers_verdict(tmp_path: Path) -> None:
     (tmp_path / "a.frag").write_text(FRAGMENT)
     (tmp_path / "b.frag").write_text(BROKEN)
     result = CliRunner().invoke(cli, ["compile", str(tmp_path), "--driver"])
@@ -138,7 +138,7 @@ def test_the_command_asks_the_driver(tmp_path: Path) -> None:
 
 
 @pytest.mark.usefixtures("device")
-def test_workers_ask_a_driver_of_their_own(tmp_path: Path) -> None:
+def test_workers_open_a_driver_of_their_own(tmp_path: Path) -> None:
     (tmp_path / "a.frag").write_text(FRAGMENT)
     with Pool(WORK) as pool:
         (result,) = compile_glsl(

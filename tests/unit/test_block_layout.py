@@ -28,7 +28,7 @@ def test_two_matrices_lie_at_0_and_64() -> None:
     assert layout(two).size == 128
 
 
-def test_a_vec3_is_aligned_like_a_vec4_but_a_float_fits_behind_it() -> None:
+def test_a_vec3_is_aligned_like_a_vec4_and_a_float_fits_behind_it() -> None:
     assert offsets(field("a", "float"), field("b", "vec3"), field("c", "float")) == [0, 16, 28]
 
 
@@ -60,7 +60,7 @@ def test_structs_are_rounded_up_to_a_vec4_in_std140() -> None:
     assert [slot.offset for slot in found.values()] == [0, 16, 28, 32, 48, 60, 64, 80]
 
 
-def test_doubles_take_twice_the_room() -> None:
+def test_doubles_take_twice_the_space() -> None:
     assert offsets(field("a", "float"), field("b", "dvec3"), field("c", "double")) == [0, 32, 56]
 
 

@@ -76,7 +76,7 @@ def fragment(body: str, head: str = "") -> Source:
     return Shaders([]).from_text(text, "fragment", "f.frag")
 
 
-def test_a_right_program_is_accepted_by_every_target() -> None:
+def test_every_target_accepts_a_right_program() -> None:
     compiled = compile_program(sources(CROSSED))
     compiled.require()
     assert [v.target for v in compiled.verdicts] == ["glsl", "opengl", "vulkan"]
@@ -126,7 +126,7 @@ def test_stages_agree_on_uniforms_and_blocks_and_keep_the_authors_numbers() -> N
     assert owners[3] == "fixed_unit"
 
 
-def test_varyings_may_meet_by_number_instead_of_name() -> None:
+def test_varyings_can_match_by_location_instead_of_name() -> None:
     text = "#version 430 core\nlayout (location = 5) in vec3 other;\nout vec4 c;\n"
     text += "void main() { c = other.xyzz; }\n"
     compiled = compile_program(sources({"vertex": NUMBERED, "fragment": text}))
@@ -144,7 +144,7 @@ def test_one_stage_is_a_program_and_order_does_not_matter() -> None:
     assert compile_program(forwards) == compile_program(backwards)
 
 
-def test_warnings_are_told_once_and_do_not_fail() -> None:
+def test_warnings_are_reported_once_and_are_no_failure() -> None:
     head = "#extension GL_nobody_has : enable\n"
     compiled = compile_program([fragment("c = vec4(x);", head)])
     assert compiled.ok
@@ -252,7 +252,7 @@ void main() {
 """
 
 
-def test_samplers_in_structs_are_lifted_out_for_vulkan_and_said_to_be() -> None:
+def test_samplers_are_lifted_out_of_structs_for_vulkan_with_a_note() -> None:
     compiled = compile_program(sources({"fragment": MATERIAL}))
     compiled.require()
     notes = compiled.verdicts[2].diagnostics
@@ -270,7 +270,7 @@ def test_samplers_in_structs_are_lifted_out_for_vulkan_and_said_to_be() -> None:
     assert "both[1].sky" in compiled.interface.uniforms
 
 
-def test_specialisation_constants_are_told_with_their_defaults() -> None:
+def test_specialisation_constants_have_their_defaults() -> None:
     text = """#version 450 core
 layout (constant_id = 3) const int LIGHTS = 4;
 layout (constant_id = 4) const float gain = 0.5;
@@ -336,7 +336,7 @@ def test_every_version_of_glsl_is_known(version: str) -> None:
             assert "require version" in verdict.diagnostics[0].message
 
 
-def test_only_the_targets_asked_for_are_told() -> None:
+def test_only_the_given_targets_have_verdicts() -> None:
     compiled = compile_program([fragment("c = vec4(x);")], ["glsl"])
     assert [verdict.target for verdict in compiled.verdicts] == ["glsl"]
     assert compiled.spirv == {}

@@ -203,7 +203,7 @@ def test_active_uniforms_are_declared_with_the_drivers_types(
     }
 
 
-def test_unused_uniforms_are_declared_and_said_to_be_unused(context: Any) -> None:
+def test_unused_uniforms_are_declared_and_marked_unused(context: Any) -> None:
     ours = interface(LIT)
     assert not ours.uniforms["inactive"].used
     assert "inactive" not in linked(context, LIT)

@@ -105,7 +105,7 @@ def test_doctor_says_which_engine_and_version(monkeypatch: pytest.MonkeyPatch, e
     assert ("glslang command" in found) is (engine == "process")
 
 
-def test_a_command_that_is_not_there_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_missing_command_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("SHADERLAB_GLSLANG", "/nowhere/glslangValidator")
     with pytest.raises(ShaderError, match="names no program: /nowhere/glslangValidator"):
         choose()
@@ -145,7 +145,7 @@ def scripted(tmp_path: Path) -> Iterator[Commands]:
     yield Commands(Executables(tmp_path / "glslangValidator", real.validator), seconds=1.0)
 
 
-def test_a_command_that_dies_or_hangs_costs_only_its_file(scripted: Commands) -> None:
+def test_a_command_that_crashes_or_hangs_costs_only_its_file(scripted: Commands) -> None:
     shaders = Shaders([])
     names = {"a": GOOD, "b": GOOD + "// crash\n", "c": GOOD + "// hang\n", "d": GOOD + "//\n"}
     sources = {n: shaders.from_text(text, "fragment", n) for n, text in names.items()}

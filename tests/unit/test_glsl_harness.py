@@ -59,7 +59,7 @@ def test_a_folder_is_searched_and_the_results_are_sorted(tree: Path) -> None:
     assert "must occur first" in by_name["c.glsl"].verdicts[0].diagnostics[0].message
 
 
-def test_workers_give_what_this_process_gives(tree: Path) -> None:
+def test_a_pool_gives_the_same_results_as_this_process(tree: Path) -> None:
     here = list(compile_glsl([tree], keep=True))
     with Pool(WORK, jobs=2, batch=2) as pool:
         there = list(compile_glsl([tree], keep=True, workers=pool))
@@ -77,7 +77,7 @@ def test_counts_and_the_validators_verdict_are_in_the_result(tree: Path) -> None
     assert compile_(tree / "b.frag", keep=False)["b.frag"].spirv == {}
 
 
-def test_files_can_be_one_programs_stages(tree: Path) -> None:
+def test_files_can_be_the_stages_of_one_program(tree: Path) -> None:
     (tree / "p.vert").write_text(VERTEX)
     (tree / "p.frag").write_text(FRAGMENT)
     (both,) = compile_glsl([tree / "p.vert", tree / "p.frag"], link=True, keep=True)
@@ -88,7 +88,7 @@ def test_files_can_be_one_programs_stages(tree: Path) -> None:
     assert "Types must match" in wrong.verdicts[0].diagnostics[0].message
 
 
-def test_stage_defines_includes_and_targets_are_heeded(tree: Path, tmp_path: Path) -> None:
+def test_stage_defines_includes_and_targets_take_effect(tree: Path, tmp_path: Path) -> None:
     (tree / "lamp.txt").write_text('#version 330 core\n#include "k.glsl"\nvoid main() { f(N); }\n')
     (tmp_path / "common").mkdir()
     (tmp_path / "common" / "k.glsl").write_text("void f(float x) {}\n")
@@ -116,7 +116,7 @@ def test_a_file_named_twice_is_compiled_once(tree: Path, monkeypatch: pytest.Mon
     assert [shader.path for shader in found] == ["b.frag"]
 
 
-def test_glsl_for_vulkan_is_given_to_its_compiler(tmp_path: Path) -> None:
+def test_glsl_for_vulkan_reaches_the_vulkan_compiler(tmp_path: Path) -> None:
     text = GOOD.replace("out vec4 c;", "layout (constant_id = 0) const int n = 4;\nout vec4 c;")
     (tmp_path / "a.frag").write_text(text)
     (tmp_path / "b.vert").write_text(
@@ -135,14 +135,14 @@ def test_glsl_for_vulkan_is_given_to_its_compiler(tmp_path: Path) -> None:
         ({"engine": "steam"}, "no such engine: 'steam'"),
     ],
 )
-def test_an_option_that_is_not_is_said_at_once(
+def test_an_unknown_option_is_an_error_at_once(
     tree: Path, options: dict[str, Any], words: str
 ) -> None:
     with pytest.raises(ShaderError, match=words):
         compile_glsl([tree], **options)
 
 
-def test_a_path_that_is_not_there_is_wrong_usage(tmp_path: Path) -> None:
+def test_a_missing_path_is_a_usage_error(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="no such file or folder"):
         compile_glsl([tmp_path / "gone"])
     with pytest.raises(UsageError, match="no shader in this folder"):

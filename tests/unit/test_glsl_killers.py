@@ -67,7 +67,7 @@ def test_the_lab_refuses_each_killer_with_a_message(tmp_path: Path) -> None:
     assert "redefinition" in twice.verdicts[2].diagnostics[0].message
 
 
-def test_a_file_that_kills_or_hangs_is_named_and_the_others_stand(
+def test_a_file_that_crashes_or_hangs_is_named_and_costs_no_other(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "deadly.py").write_text(DEADLY)

@@ -37,12 +37,12 @@ def write(root: Path, **files: str | bytes) -> Path:
         ("a.frag.glsl", "fragment"),
     ],
 )
-def test_the_extension_tells_the_stage(tmp_path: Path, name: str, stage: str) -> None:
+def test_the_extension_names_the_stage(tmp_path: Path, name: str, stage: str) -> None:
     (tmp_path / name).write_text(FRAGMENT)
     assert Shaders([tmp_path]).load(name).stage == stage
 
 
-def test_a_pragma_tells_the_stage_unless_it_is_a_comment(tmp_path: Path) -> None:
+def test_a_pragma_names_the_stage_unless_it_is_a_comment(tmp_path: Path) -> None:
     write(
         tmp_path,
         a_glsl="// #pragma shader_stage(vertex)\n#pragma shader_stage(tesscontrol)\n",
@@ -55,7 +55,7 @@ def test_a_pragma_tells_the_stage_unless_it_is_a_comment(tmp_path: Path) -> None
         shaders.load("b.glsl")
 
 
-def test_an_include_is_expanded_and_every_line_keeps_its_author(tmp_path: Path) -> None:
+def test_an_include_is_expanded_and_every_line_keeps_its_origin(tmp_path: Path) -> None:
     write(
         tmp_path,
         ch__main_frag='#version 330 core\n#include "lib/a.glsl"\nout vec4 c;\n',
@@ -122,7 +122,7 @@ def test_a_path_with_slashes_is_no_comment(tmp_path: Path) -> None:
     assert Shaders([tmp_path]).load("a.frag").text == "yes\n"
 
 
-def test_a_file_is_included_twice_unless_it_says_once(tmp_path: Path) -> None:
+def test_a_file_is_included_twice_without_pragma_once(tmp_path: Path) -> None:
     body = "float f() { return 1.0; }\n"
     main = '#version 330 core\n#include "x.glsl"\n#include "lib/../x.glsl"\n' + FRAGMENT[18:]
     write(tmp_path, main_frag=main, x_glsl=body, lib__y_glsl="\n")
@@ -133,7 +133,7 @@ def test_a_file_is_included_twice_unless_it_says_once(tmp_path: Path) -> None:
     assert compile_program([Shaders([tmp_path]).load("main.frag")]).ok
 
 
-def test_once_holds_where_the_first_include_is_inactive(tmp_path: Path) -> None:
+def test_pragma_once_works_if_the_first_include_is_inactive(tmp_path: Path) -> None:
     write(
         tmp_path,
         main_frag='#version 330 core\n#if 0\n#include "x.glsl"\n#endif\n#include "x.glsl"\n'
@@ -143,7 +143,7 @@ def test_once_holds_where_the_first_include_is_inactive(tmp_path: Path) -> None:
     assert compile_program([Shaders([tmp_path]).load("main.frag")]).ok
 
 
-def test_files_that_say_once_may_include_each_other(tmp_path: Path) -> None:
+def test_files_with_pragma_once_can_include_each_other(tmp_path: Path) -> None:
     write(
         tmp_path,
         main_frag='#version 330 core\n#include "x.glsl"\n' + FRAGMENT[18:],
@@ -153,7 +153,7 @@ def test_files_that_say_once_may_include_each_other(tmp_path: Path) -> None:
     assert compile_program([Shaders([tmp_path]).load("main.frag")]).ok
 
 
-def test_include_extensions_are_taken_out_for_drivers_that_lack_them(tmp_path: Path) -> None:
+def test_include_extensions_are_removed_for_drivers_without_them(tmp_path: Path) -> None:
     write(
         tmp_path,
         a_frag="#version 330 core\n#extension GL_GOOGLE_include_directive : require\n"
@@ -175,7 +175,7 @@ def test_line_ends_and_a_byte_order_mark_change_no_line_number(tmp_path: Path, e
     assert compiled.verdicts[0].diagnostics[0].token == "wrong"
 
 
-def test_the_authors_own_line_directive_is_honoured(tmp_path: Path) -> None:
+def test_messages_respect_the_authors_line_directive(tmp_path: Path) -> None:
     write(
         tmp_path,
         a_frag='#version 330 core\n#line 100\nfloat a = x;\n#line 7 "gen.py"\nfloat b = y;\n',
@@ -199,7 +199,7 @@ def test_overrides_replace_shaders_and_included_files(tmp_path: Path) -> None:
     assert Shaders([], overrides={"no/file.vert": "text"}).load("no/file.vert").stage == "vertex"
 
 
-def test_defines_stand_after_the_version_and_shift_no_line(tmp_path: Path) -> None:
+def test_defines_follow_the_version_and_shift_no_line(tmp_path: Path) -> None:
     text = "// first\n#version 330 core\nout vec4 c;\nvoid main() { c = vec4(N) + x; }\n"
     write(tmp_path, a_frag=text)
     source = Shaders([tmp_path], defines={"N": "4.0", "ON": ""}).load("a.frag")
@@ -208,7 +208,7 @@ def test_defines_stand_after_the_version_and_shift_no_line(tmp_path: Path) -> No
     assert [(d.line, d.token) for d in errors] == [(4, "x")]
 
 
-def test_text_that_is_no_file_may_include(tmp_path: Path) -> None:
+def test_text_that_is_not_a_file_can_include(tmp_path: Path) -> None:
     write(tmp_path, lib__x_glsl="float x;\n")
     source = Shaders([tmp_path]).from_text('#include "lib/x.glsl"\n', "vertex", "<generated>")
     assert source.text == "float x;\n"

@@ -1,5 +1,5 @@
 """Mutated and random sources: none is lost, none takes the lab down (20,000 of them:
-`python benchmarks/storm.py`)."""
+`python -m benchmarks.storm`)."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from shaderlab.workers import Pool
 COUNT = 800
 
 
-def test_every_source_of_a_storm_gets_its_verdicts(tmp_path: Path, repository: Path) -> None:
+def test_every_source_of_a_storm_gets_verdicts(tmp_path: Path, repository: Path) -> None:
     names = []
     for name, data in storm(repository, COUNT, seed=2):
         (tmp_path / name).write_bytes(data)

@@ -82,7 +82,7 @@ def page(repository: Path) -> str:
 
 
 @pytest.mark.parametrize("kind", ROWS)
-def test_what_vulkan_lacks_is_said_as_documented(kind: str, page: str) -> None:
+def test_messages_about_what_vulkan_lacks_are_as_documented(kind: str, page: str) -> None:
     stage, text, opengl, line, message = ROWS[kind]
     compiled = compile_program([Shaders([]).from_text(text, stage, "a.vert")])
     assert [verdict.ok for verdict in compiled.verdicts] == [True, opengl, False]
