@@ -7,7 +7,7 @@ import io
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from shaderlab.errors import ShaderlabError, UsageError
+from shaderlab.errors import ShaderlabError, UsageError, extra
 from shaderlab.files import replacing, write_text
 
 FORMATS = (".csv", ".parquet")
@@ -25,14 +25,8 @@ def check(path: Path) -> None:
             f"a table is {' or '.join(FORMATS)}, not {path.suffix or 'without a suffix'}", file=path
         )
     if path.suffix == ".parquet":
-        try:
+        with extra("sweep", "a .parquet file"):
             import pyarrow.parquet  # noqa: F401
-        except ImportError as error:
-            raise UsageError(
-                f"Parquet needs pyarrow ({error})",
-                file=path,
-                remedy="pip install 'shaderlab[sweep]', or name a .csv file",
-            ) from error
 
 
 def write_table(rows: Sequence[Row], path: Path) -> None:
