@@ -199,8 +199,10 @@ def open_backend(driver: str | None = None) -> Backend:
 
 
 def prepare_process(driver: str | None = None) -> None:
-    """Give this process to a driver for good, as only a process of the lab's own may: its
-    environment and the checks of its packages are set for the driver. To be called first."""
+    """Set this process up for a driver, for good: its environment and its packages' checks.
+
+    For a process that is the lab's alone; it is called before anything else opens a device.
+    """
     chosen = known_driver(driver)
     importlib.import_module(MODULES[chosen]).prepare_process(chosen)
 

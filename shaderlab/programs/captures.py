@@ -1,4 +1,4 @@
-"""Captured fragments that are used again.
+"""A cache of captured fragments.
 
 Over a domain the vertex stage is the lab's own, and what it feeds a fragment shader depends on few
 things: many small programs of one folder get the same inputs at the same pixels. Those are captured
@@ -16,11 +16,11 @@ from shaderlab.programs import bind, stages
 from shaderlab.programs.prepare import Programs
 
 ROOM = 32 << 20
-"""Bytes of arrays that are kept at most."""
+"""Capacity of the cache, in bytes of arrays."""
 
 
 class CaptureCache:
-    """Captured fragments by what they depend on; those used last are kept, in `room` bytes."""
+    """Captured fragments by what they depend on, the most recent in `room` bytes."""
 
     def __init__(self, room: int = ROOM) -> None:
         self._room = room
@@ -44,7 +44,7 @@ class CaptureCache:
         return found
 
     def _make_room(self, wanted: int) -> None:
-        """Drop what was not used for longest; nothing for what never fits."""
+        """Evict the least recently used entries; none for one that never fits."""
         taken = sum(map(_size, self._kept.values()))
         while wanted <= self._room < taken + wanted:
             taken -= _size(self._kept.pop(next(iter(self._kept))))
@@ -53,11 +53,11 @@ class CaptureCache:
 def identity(
     scene: Scene, programs: Programs, key: PassDraw, size: tuple[int, int]
 ) -> Hashable | None:
-    """All that a draw's fragments depend on, or None where that is more than can be told.
+    """All that a draw's fragments depend on, or None where that is not known.
 
-    They can be told for the only draw of a pass, over a domain and without a test of depth or
-    stencil, whose shader takes every fragment as it comes. One with so many outputs that some must
-    give way to what is captured is asked itself: that may be refused.
+    It is known for the only draw of a pass, over a domain and without a test of depth or
+    stencil, whose shader takes every fragment as it comes. A shader whose outputs leave no
+    room for captured inputs is not cached: capturing them may be unsupported.
     """
     description = scene.find_pass(key[0])
     draws = programs[key[0]]

@@ -43,8 +43,8 @@ def read_dds(path: Path) -> Blocks:
     """The blocks of a two-dimensional DDS file.
 
     Raises:
-        AssetError: there is no such file, it is none of DDS, is cut short, or holds something else
-            than the formats known here.
+        AssetError: there is no such file, it is no DDS file, it is cut short, or its format is
+            none of those known here.
     """
     try:
         data = path.read_bytes()

@@ -18,9 +18,9 @@ COORD = PREFIX + "coord"
 VERSION = re.compile(r"^[ \t]*#[ \t]*version[^\n]*", re.MULTILINE)
 _DIRECTIVE = re.compile(r"^[ \t]*#[ \t]*(?:version|extension)[^\n]*\n?", re.MULTILINE)
 MOST_OUTPUTS = 8
-_KEEPS_OUT = ("discard", "gl_FragDepth", "gl_SampleMask")
-# Words that change what an input's value, or gl_FragCoord, is in one shader and not in another.
-_OWN_READING = ("mediump", "lowp", "origin_upper_left", "pixel_center_integer")
+_MAY_KEEP_OUT = ("discard", "gl_FragDepth", "gl_SampleMask")
+# Words that change the value of an input, or of gl_FragCoord, in the shader that has them.
+_CHANGE_INPUTS = ("mediump", "lowp", "origin_upper_left", "pixel_center_integer")
 _BUILT_IN = {"gl_FrontFacing": "float", "gl_PointCoord": "vec2", "gl_PrimitiveID": "int"}
 
 
@@ -52,22 +52,22 @@ def crowded(outputs: Sized) -> bool:
 
 
 def may_keep_out(text: str) -> bool:
-    """Whether a fragment shader may keep fragments from being written, or give them another depth.
+    """Whether a fragment shader may discard fragments, or change their depth or coverage.
 
     >>> may_keep_out("void main() { if (gl_FragCoord.x > 9.0) discard; }")
     True
     """
-    return any(word in text for word in _KEEPS_OUT)
+    return any(word in text for word in _MAY_KEEP_OUT)
 
 
 def changes_inputs(text: str) -> bool:
-    """Whether a fragment shader may get other values than one that reads the same inputs: in a
-    lower precision, or with window coordinates counted from elsewhere.
+    """Whether a fragment shader may get other values than another one of the same inputs: in lower
+    precision, or with another origin of window coordinates.
 
     >>> changes_inputs("layout(origin_upper_left) in vec4 gl_FragCoord;")
     True
     """
-    return any(word in text for word in _OWN_READING)
+    return any(word in text for word in _CHANGE_INPUTS)
 
 
 def capture_fragment(

@@ -31,8 +31,7 @@ from shaderlab.records import Verdict
 
 
 class OpenGLBackend(Backend):
-    """Draws scenes on one device; programs, and what was captured, are kept from one scene to the
-    next."""
+    """Draws scenes on one device; caches linked programs and captured fragments across scenes."""
 
     def __init__(self, device: Device) -> None:
         self.info = device.info
@@ -58,7 +57,7 @@ class OpenGLBackend(Backend):
 
 
 class OpenGLSession(Session):
-    """One scene on the device, as `shaderlab.backends.Session` says."""
+    """One scene on an OpenGL device."""
 
     def __init__(self, drawing: Drawing, cache: captures.CaptureCache) -> None:
         super().__init__(drawing.scene, drawing.programs)
@@ -69,8 +68,8 @@ class OpenGLSession(Session):
         return self._drawing.run()
 
     def fragments(self, key: PassDraw) -> Fragments:
-        """The fragments of a draw, captured; where a scene before it must have had the same ones,
-        those are used, and can't be written to (see `shaderlab.programs.captures`)."""
+        """As `Session.fragments`. Arrays from the cache can't be written to (see
+        `shaderlab.programs.captures`)."""
         same = captures.identity(self.scene, self.programs, key, self._drawing.size)
         return self._cache.get(same, lambda: capture.fragments(self._drawing, key))
 

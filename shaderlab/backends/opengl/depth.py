@@ -27,7 +27,7 @@ class Attached:
     renderbuffer: int | None = None
 
     def release(self) -> None:
-        """Give its memory back."""
+        """Release its memory."""
         if self.texture is not None:
             self.texture.release()
         if self.renderbuffer is not None:

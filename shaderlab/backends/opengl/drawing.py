@@ -25,7 +25,7 @@ from shaderlab.programs.prepare import PreparedDraw, Programs, output_types, pas
 
 
 class Drawing:
-    """One scene on the device: its targets and textures, kept until the scene is through.
+    """One scene on the device: its targets and textures, kept until the session ends.
 
     Args:
         device: where to draw.

@@ -1,4 +1,4 @@
-"""Linking programs on the driver, once each, and drawing with them."""
+"""Linking programs on the driver, once each; their outputs and uniforms."""
 
 from __future__ import annotations
 
@@ -14,13 +14,14 @@ from shaderlab.backends.opengl.pyopengl import GL
 from shaderlab.errors import ShaderError
 from shaderlab.frame import Array
 
-KEPT = 64
+CAPACITY = 64
 
 
 class Linker:
     """Linked programs by their stages' text, so that equal ones are linked once.
 
-    Those used last are kept, `KEPT` of them: a software driver's machine code takes a megabyte.
+    The `CAPACITY` most recently used ones are kept: a software driver's machine code takes a
+    megabyte.
     """
 
     def __init__(self, device: Device, first: Linker | None = None) -> None:
@@ -45,8 +46,8 @@ class Linker:
         if program is None:
             with doing("link"):
                 program = self._link(stages, feedback)
-        self._linked[key] = program  # the last one used is the last one to go
-        if len(self._linked) > KEPT:
+        self._linked[key] = program
+        if len(self._linked) > CAPACITY:
             del self._linked[next(iter(self._linked))]
         return program
 

@@ -24,7 +24,7 @@ _NONE = 0xFFFFFFFF  # GL_INVALID_INDEX
 
 
 class UniformBuffers:
-    """Makes buffers for UniformBuffers as they are asked for, and binds them.
+    """Makes each buffer when it is first bound.
 
     Args:
         device: where to make them.
@@ -41,7 +41,7 @@ class UniformBuffers:
     def bind(
         self, program: Any, draw: PreparedDraw, uniforms: Mapping[str, Array]
     ) -> Iterator[str]:
-        """Bind a buffer to each uniform block of a program; gives the blocks without any effect.
+        """Bind a buffer to each uniform block of a program; yields the blocks without any effect.
 
         Raises:
             CaseError: two programs that share a buffer lay it out differently.
@@ -95,7 +95,7 @@ def read_block(program: Any, block: Block) -> BlockReading:
 
 
 def check_against_driver(program: Any, block: Block) -> bool:
-    """Hold the lab's layout of a block against the driver's; False if the block has no effect.
+    """Compare the lab's layout of a block with the driver's; False if the block has no effect.
 
     Raises:
         DriverError: they disagree; names the first member that lies elsewhere.

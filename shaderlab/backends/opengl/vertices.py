@@ -1,4 +1,4 @@
-"""Meshes on the device: buffers filled as a mesh asks for, and read as OpenGL is told to."""
+"""Meshes on the device: their buffers, and the vertex arrays that read them."""
 
 from __future__ import annotations
 
