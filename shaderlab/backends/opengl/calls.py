@@ -1,4 +1,4 @@
-"""Making calls of the OpenGL API as a case writes them, in a context where nothing was set yet.
+"""Calls of the OpenGL API as a case writes them, in a fresh context.
 
 The C functions are called as they are (PyOpenGL's raw prototypes): its convenient wrappers look at
 some arguments themselves, and would answer in the driver's place.
@@ -10,7 +10,7 @@ import ctypes
 import importlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from functools import lru_cache
+from functools import cache
 from itertools import takewhile
 from typing import Any, TypeGuard
 
@@ -19,7 +19,7 @@ import numpy as np
 from shaderlab.backends.opengl import environment
 from shaderlab.backends.opengl.device import REQUIRED_VERSION, Device
 from shaderlab.backends.opengl.drawing import drain_errors
-from shaderlab.backends.opengl.pyopengl import GL, GLError, NullFunctionError
+from shaderlab.backends.opengl.pyopengl import GL, GLError, NullFunctionError, named
 from shaderlab.errors import CaseError, DriverError, ShaderError, UnsupportedError, nearest
 from shaderlab.frame import Reply
 from shaderlab.model import Call, Location, Object, Program
@@ -29,7 +29,6 @@ Texts = Callable[[Program], Mapping[str, str]]
 
 _VERSIONS = ("1_0", "1_1", "1_2", "1_3", "1_4", "1_5", "2_0", "2_1", "3_0", "3_1", "3_2", "3_3",
              "4_0", "4_1", "4_2", "4_3", "4_4", "4_5", "4_6")  # fmt: skip
-_STAGES = {"vertex": 0x8B31, "geometry": 0x8DD9, "fragment": 0x8B30}
 _ARRAYS: Mapping[str, type[np.generic]] = {
     "GLint": np.int32, "GLsizei": np.int32, "GLuint": np.uint32, "GLenum": np.uint32,
     "GLfloat": np.float32, "GLdouble": np.float64, "GLboolean": np.uint8, "GLubyte": np.uint8,
@@ -166,7 +165,7 @@ class _Maker:
     def _object(self, wanted: Object) -> int:
         if wanted not in self._objects:
             name = np.zeros(1, np.uint32)
-            _raw(f"glGen{_plural(wanted.kind)}")(1, name)
+            _function(f"glGen{_plural(wanted.kind)}")(1, name)
             self._objects[wanted] = int(name[0])
         return self._objects[wanted]
 
@@ -175,7 +174,7 @@ class _Maker:
             program = GL.glCreateProgram()
             self._programs[wanted] = program
             for stage, text in self._texts(wanted).items():
-                shader = GL.glCreateShader(_STAGES[stage])
+                shader = GL.glCreateShader(named(f"{stage}_shader"))
                 GL.glShaderSource(shader, text)
                 with suppress(GLError):
                     GL.glCompileShader(shader)
@@ -215,27 +214,22 @@ def _function(name: str) -> Any:
     functions = _functions()
     if name not in functions:
         raise CaseError(f"OpenGL has no function {name!r}", remedy=nearest(name, functions))
-    return _raw(name)
+    return functions[name]
 
 
-def _raw(name: str) -> Any:
-    module = importlib.import_module(f"OpenGL.raw.GL.VERSION.GL_{_functions()[name]}")
-    return getattr(module, name)
-
-
-@lru_cache(maxsize=1)
-def _functions() -> Mapping[str, str]:
-    """The version whose header has each function, by the function's C name."""
-    found: dict[str, str] = {}
+@cache
+def _functions() -> Mapping[str, Any]:
+    """Each C function by its name, from the first version that has it."""
+    found: dict[str, Any] = {}
     for version in _VERSIONS:
         module = importlib.import_module(f"OpenGL.raw.GL.VERSION.GL_{version}")
-        for name in vars(module):
+        for name, function in vars(module).items():
             if name.startswith("gl") and name[2:3].isupper():
-                found.setdefault(name, version)
+                found.setdefault(name, function)
     return found
 
 
-@lru_cache(maxsize=1)
+@cache
 def _constants() -> Mapping[str, int]:
     return {n: int(v) for n, v in vars(GL).items() if n.startswith("GL_") and isinstance(v, int)}
 
