@@ -493,9 +493,11 @@ def test_only_a_scene_without_a_size_is_drawn_again_for_its_picture(
     drawn: list[int] = []
     session = OpenGLBackend.session
 
-    def noted(backend: OpenGLBackend, scene: Any, prepared: Any, size: tuple[int, int]) -> Any:
+    def noted(
+        backend: OpenGLBackend, scene: Any, programs: Any, size: tuple[int, int], **options: Any
+    ) -> Any:
         drawn.append(size[0])
-        return session(backend, scene, prepared, size)
+        return session(backend, scene, programs, size, **options)
 
     monkeypatch.setattr(OpenGLBackend, "session", noted)
     with Lab(RunOptions(size=16, folder=tmp_path)) as lab:
