@@ -126,9 +126,8 @@ class Commands:
         return Linked(code == 0, logs, log, {} if code else modules)
 
     def validate(self, module: bytes, environment: str) -> str | None:
-        arguments = ["--target-env", environment, "-"]
-        validator = self.executables.validator
-        code, output = _run(validator, arguments, stdin=module, seconds=self._seconds)
+        flags = ["--target-env", environment, "-"]
+        code, output = _run(self.executables.validator, flags, stdin=module, seconds=self._seconds)
         return _POSITION.sub("", output.strip()) if code else None
 
     def versions(self) -> Mapping[str, str]:
@@ -158,9 +157,8 @@ class Commands:
             folder = Path(name)
             for file, source in zip(names, sources, strict=True):
                 (folder / file).write_text(source.text, encoding="utf-8", newline="")
-            arguments = [*flags, *names]
-            glslang = self.executables.glslang
-            code, output = _run(glslang, arguments, folder=folder, seconds=self._seconds)
+            command = self.executables.glslang
+            code, output = _run(command, [*flags, *names], folder=folder, seconds=self._seconds)
             modules = {
                 source.stage: module.read_bytes()
                 for source in sources

@@ -99,12 +99,9 @@ class CompileCache:
     def _load(
         self, key: str, ordered: tuple[Source, ...], targets: Sequence[str]
     ) -> Compiled | None:
-        data = self._store.get(key)
         try:
-            entry = None if data is None else decode(data)
-        except ValueError:
-            return None
-        if entry is None:
+            entry = decode(self._store.get(key) or b"")
+        except ValueError:  # absent, or not an entry
             return None
 
         def interface() -> Interface | None:
