@@ -16,10 +16,10 @@ import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from shaderlab.execution import WorkerPool
 from shaderlab.glsl import WORK, compile_glsl
 from shaderlab.glsl.commands import locate
 from shaderlab.glsl.targets import SETTINGS
-from shaderlab.workers import Pool
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from bare import compile_all
@@ -72,7 +72,7 @@ def bare(paths: Sequence[Path]) -> None:
     assert good > 2.9 * len(paths)
 
 
-def lab(paths: Sequence[Path], pool: Pool | None = None) -> None:
+def lab(paths: Sequence[Path], pool: WorkerPool | None = None) -> None:
     results = compile_glsl([paths[0].parent.parent], workers=pool)
     assert sum(result.ok for result in results) == len(paths)
 
@@ -114,7 +114,7 @@ def compare_commands(paths: Sequence[Path], rounds: int, folder: Path) -> None:
 
 
 def compare_inside(paths: Sequence[Path], rounds: int) -> None:
-    with Pool(WORK) as pool:
+    with WorkerPool(WORK) as pool:
         ways: dict[str, Callable[[], None]] = {
             "bare loop over the C interface": lambda: bare(paths),
             "compile_glsl in this process": lambda: lab(paths),

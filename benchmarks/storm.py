@@ -14,8 +14,9 @@ import time
 from collections import Counter
 from pathlib import Path
 
+from shaderlab.execution import WorkerPool
 from shaderlab.glsl import WORK, compile_glsl
-from shaderlab.workers import Limits, Pool
+from shaderlab.options import Limits
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from trees import storm
@@ -38,7 +39,7 @@ def main() -> int:
             (Path(folder) / name).write_bytes(data)
             names.append(name)
         start = time.perf_counter()
-        with Pool(WORK, limits=Limits(seconds=given.seconds), jobs=given.jobs) as pool:
+        with WorkerPool(WORK, limits=Limits(seconds=given.seconds), jobs=given.jobs) as pool:
             results = compile_glsl([folder], seconds=given.seconds, workers=pool)
             for name, result in zip(names, results, strict=False):
                 missing += Path(result.path).name != name or len(result.verdicts) != 3

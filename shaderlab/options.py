@@ -30,7 +30,8 @@ class RunOptions:
         picture_size: side of the picture for people, likewise.
         folder: the run's folder; None writes no file.
         pictures: whether pictures are drawn into it.
-        shaders: replacements by shader name: text, or the path of another file.
+        shaders: files that replace shaders, by the shader's name.
+        texts: texts that replace shaders, likewise.
         driver: as in `shaderlab.backends.open_backend`; a process keeps the first it is given.
         frames: the folder in which `shaderlab.evaluation.stored_images` stores what each scene
             draws; None stores nothing.
@@ -41,10 +42,16 @@ class RunOptions:
     picture_size: int = 512
     folder: Path | None = None
     pictures: bool = True
-    shaders: Mapping[str, str | Path] = field(default_factory=dict)
+    shaders: Mapping[str, Path] = field(default_factory=dict)
+    texts: Mapping[str, str] = field(default_factory=dict)
     driver: str | None = None
     frames: Path | None = None
     limits: Limits = Limits()
+
+    @property
+    def replacements(self) -> dict[str, str | Path]:
+        """The text or the file that replaces each shader."""
+        return {**self.shaders, **self.texts}
 
     @property
     def picture_folder(self) -> Path | None:

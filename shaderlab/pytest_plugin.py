@@ -25,14 +25,14 @@ import pytest
 
 from shaderlab.discovery import is_case_file
 from shaderlab.errors import ShaderlabError
+from shaderlab.execution.sizing import WORDS
 from shaderlab.report.plain_text import failed, failure, label
-from shaderlab.running.sizing import WORDS
 
 if TYPE_CHECKING:
+    from shaderlab.execution import Job, Prefetcher
     from shaderlab.records import Record
-    from shaderlab.running import Ahead, Job
 
-_CREW: pytest.StashKey[Ahead] = pytest.StashKey()
+_PREFETCHER: pytest.StashKey[Prefetcher] = pytest.StashKey()
 
 
 class CaseFailure(Exception):
@@ -47,20 +47,13 @@ class CaseFile(pytest.File):
     """A case file; collecting it has the worker import it, which touches no device."""
 
     def collect(self) -> Iterator[CaseItem]:
-        from shaderlab.running import Job
+        from shaderlab.execution.jobs import jobs_of
 
-        (facts,) = crew_of(self.config).team.load([self.path])
+        (facts,) = prefetcher_of(self.config).executor.load([self.path])
         if facts.error is not None:
             raise facts.error
-        for variant in facts.variants:
-            job = Job(
-                file=facts.file,
-                id=facts.id,
-                variant=variant,
-                title=facts.title,
-                section=facts.section,
-            )
-            item: CaseItem = CaseItem.from_parent(self, name=label(facts.id, variant), job=job)
+        for job in jobs_of(facts):
+            item: CaseItem = CaseItem.from_parent(self, name=label(job.id, job.variant), job=job)
             yield item
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
@@ -80,7 +73,7 @@ class CaseItem(pytest.Item):
 
     def runtest(self) -> None:
         self.seconds = 0.0
-        record = crew_of(self.config).record(self.job, lambda: following(self))
+        record = prefetcher_of(self.config).record(self.job, lambda: following(self))
         self.seconds = record.seconds
         if record.status == "unsupported":
             pytest.skip(record.message or "this driver lacks what the case needs")
@@ -98,21 +91,27 @@ class CaseItem(pytest.Item):
         return self.path, 0, self.name
 
 
-def crew_of(config: pytest.Config) -> Ahead:
-    """Whoever runs this process's cases, there from the first use on."""
-    crew = config.stash.get(_CREW, None)
-    if crew is None:
-        from shaderlab.running import Ahead, Crew, Limits, Setup, Solo
+def prefetcher_of(config: pytest.Config) -> Prefetcher:
+    """What runs this process's cases, made when it is first needed."""
+    prefetcher = config.stash.get(_PREFETCHER, None)
+    if prefetcher is None:
+        from shaderlab.execution import InProcessExecutor, Prefetcher, ProcessExecutor
+        from shaderlab.options import Limits, RunOptions
 
         workers = _workers(config)
         limits = Limits(
             seconds=_number(config, "shaderlab_timeout"),
             gigabytes=_number(config, "shaderlab_memory"),
         )
-        team = Crew(limits=limits, workers=workers, early=False) if workers != 0 else Solo()
-        crew = Ahead(team, Setup(pictures=False), patient=workers in (0, 1))
-        config.stash[_CREW] = crew
-    return crew
+        executor = (
+            InProcessExecutor()
+            if workers == 0
+            else ProcessExecutor(limits=limits, workers=workers, early=False)
+        )
+        options = RunOptions(pictures=False, limits=limits)
+        prefetcher = Prefetcher(executor, options, ahead=workers not in (0, 1))
+        config.stash[_PREFETCHER] = prefetcher
+    return prefetcher
 
 
 def following(item: CaseItem) -> Iterator[Job]:
@@ -169,9 +168,9 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> CaseFile |
 @pytest.hookimpl(tryfirst=True)
 def pytest_runtest_setup(item: pytest.Item) -> None:
     """Leave the machine to tests of another kind, also where items before them were passed over."""
-    crew = item.config.stash.get(_CREW, None)
-    if crew is not None and not isinstance(item, CaseItem):
-        crew.stop()
+    prefetcher = item.config.stash.get(_PREFETCHER, None)
+    if prefetcher is not None and not isinstance(item, CaseItem):
+        prefetcher.stop()
 
 
 @pytest.hookimpl(wrapper=True)
@@ -187,7 +186,7 @@ def pytest_runtest_makereport(
 
 def pytest_unconfigure(config: pytest.Config) -> None:
     """End the workers, whatever they are doing."""
-    crew = config.stash.get(_CREW, None)
-    if crew is not None:
-        crew.close()
-        del config.stash[_CREW]
+    prefetcher = config.stash.get(_PREFETCHER, None)
+    if prefetcher is not None:
+        prefetcher.close()
+        del config.stash[_PREFETCHER]

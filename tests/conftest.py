@@ -134,7 +134,7 @@ def fake_lab(
     def install(answers: Mapping[str, Record]) -> list[Any]:
         log: list[Any] = []
 
-        def lab(options: Any = None) -> FakeLab:
+        def lab(options: Any = None, notice: Any = None) -> FakeLab:
             log.append(options)
             made = FakeLab(answers, passing, log)
             made.options = options

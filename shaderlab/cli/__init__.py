@@ -11,18 +11,22 @@ import click
 
 from ..errors import ShaderlabError, UsageError, nearest
 
-USAGE = 2
+DEBUG = "SHADERLAB_DEBUG"
+OK = 0
 FAILED = 1
+USAGE = 2
 INTERRUPTED = 130
+"""Exit statuses; a command returns one."""
 
+# Each command's module in this package.
 COMMANDS = {
-    "list": "listing",
-    "run": "running",
-    "sweep": "sweeping",
-    "compile": "compiling",
-    "mutate": "mutating",
+    "list": "list_cases",
+    "run": "run",
+    "sweep": "sweep",
+    "compile": "compile",
+    "mutate": "mutate",
     "report": "reporting",
-    "doctor": "examining",
+    "doctor": "doctor",
 }
 
 
@@ -47,16 +51,25 @@ class Commands(click.Group):
         return super().resolve_command(ctx, args)
 
     def invoke(self, ctx: click.Context) -> Any:
+        debug = ctx.params.get("debug")
+        before = os.environ.get(DEBUG)
+        if debug:
+            os.environ[DEBUG] = "1"  # for the lab, and for its workers
         try:
-            return super().invoke(ctx)
+            status = super().invoke(ctx)
         except ShaderlabError as error:
-            if ctx.params.get("debug"):
+            if debug:
                 raise
             click.echo(f"shaderlab: {error}", err=True)
-            ctx.exit(USAGE if isinstance(error, UsageError) else FAILED)
+            status = USAGE if isinstance(error, UsageError) else FAILED
         except KeyboardInterrupt:
+            status = INTERRUPTED
+        finally:
+            if debug and before is None:
+                del os.environ[DEBUG]
+        if status == INTERRUPTED:
             click.echo("\nshaderlab: interrupted", err=True)
-            ctx.exit(INTERRUPTED)
+        ctx.exit(status or OK)
 
 
 @click.command(
@@ -65,7 +78,10 @@ class Commands(click.Group):
 )
 @click.version_option(None, "-V", "--version", package_name="shaderlab", message="%(version)s")
 @click.option(
-    "--debug", is_flag=True, envvar="SHADERLAB_DEBUG", help="Show a traceback for every error."
+    "--debug",
+    is_flag=True,
+    envvar=DEBUG,
+    help="Show a traceback for every error, in records too.",
 )
 def cli(debug: bool) -> None:
     """Make shader formulas testable: run GLSL without a GPU or a screen, hold every pixel against

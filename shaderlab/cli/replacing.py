@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import posixpath
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 from shaderlab.errors import UsageError, nearest
+from shaderlab.execution import Job
 from shaderlab.records import Record
-from shaderlab.running import Job
 
-Replacements = tuple[tuple[str, Path], ...]
+Replacements = Mapping[str, Path]
 
 
 def parsed(words: Sequence[str]) -> Replacements:
@@ -19,15 +19,15 @@ def parsed(words: Sequence[str]) -> Replacements:
     Raises:
         UsageError: it is not of that form, or there is no such file.
     """
-    found = []
+    found: dict[str, Path] = {}
     for word in words:
         name, equals, file = word.partition("=")
         if not equals or not name or not file:
             raise UsageError(f"--shader {word}: write it as NAME=FILE")
         if not Path(file).is_file():
             raise UsageError("there is no such file", file=file)
-        found.append((posixpath.normpath(name), Path(file)))
-    return tuple(found)
+        found[posixpath.normpath(name)] = Path(file)
+    return found
 
 
 def named(replacements: Replacements, jobs: Iterable[Job]) -> Replacements:
@@ -38,12 +38,12 @@ def named(replacements: Replacements, jobs: Iterable[Job]) -> Replacements:
         UsageError: there is no shader of that name, or more than one.
     """
     if not replacements:
-        return ()
+        return {}
     from shaderlab.evaluation.search_path import shaders_of
 
     folders = dict.fromkeys(Path(job.file).parent for job in jobs)
     known = sorted({name for folder in folders for name in shaders_of(folder, {}).names()})
-    return tuple((_whole(name, known), file) for name, file in replacements)
+    return {_whole(name, known): file for name, file in replacements.items()}
 
 
 def unread(replacements: Replacements, records: Sequence[Record]) -> list[UsageError]:
@@ -62,7 +62,7 @@ def unread(replacements: Replacements, records: Sequence[Record]) -> list[UsageE
             file=str(file),
             remedy=f"name a shader that they use: {', '.join(_short(used))}",
         )
-        for name, file in replacements
+        for name, file in replacements.items()
         if display_path(file) not in used
     ]
 

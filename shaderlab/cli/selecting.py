@@ -1,7 +1,6 @@
-"""From what was typed after `shaderlab run` to the variants that are meant.
+"""Choosing cases and variants by what was typed.
 
-Case files are found by name and read, never imported here: loading one is left to whoever can
-bear what it does.
+Case files are found by name and read, never imported here: executors load them.
 """
 
 from __future__ import annotations
@@ -10,14 +9,10 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from shaderlab.discovery import case_files, place, shipped_cases
 from shaderlab.errors import CaseError, UsageError, nearest
-from shaderlab.running.jobs import CaseFacts, Job
-
-if TYPE_CHECKING:
-    from shaderlab.model import Scene
+from shaderlab.execution.jobs import CaseFacts, Job, jobs_of
 
 Load = Callable[[Sequence[Path]], list[CaseFacts]]
 _WITH_VARIANT = re.compile(r"(?P<id>[^\[\]]+)\[(?P<variant>.*)\]")
@@ -35,11 +30,14 @@ class _Wanted:
 def choose(targets: Sequence[str], every: bool, variants: Sequence[str], load: Load) -> list[Job]:
     """The jobs of all `targets` (ids, ids with a variant, case files, folders), in order.
 
-    `every` adds the whole shipped catalogue; `variants`, if any, keeps only those of that name;
-    `load` tells what is in case files.
+    Args:
+        targets: as typed.
+        every: whether all shipped cases come before them.
+        variants: the names of the only variants to keep; all of them if empty.
+        load: tells what is in case files.
 
     Raises:
-        UsageError: nothing is asked for, or something that is not there.
+        UsageError: nothing is named, or something that does not exist.
         CaseError: all case files are wrong. One that is wrong among others is a job that says so.
     """
     if not targets and not every:
@@ -63,7 +61,7 @@ def choose(targets: Sequence[str], every: bool, variants: Sequence[str], load: L
 
 
 def one(target: str, load: Load) -> tuple[CaseFacts, str]:
-    """A single case and the variant of it that is meant; the first where none is named.
+    """The single case that `target` names, and its variant; the first where none is named.
 
     Raises:
         UsageError: there is no such case or variant, or it stands for several cases.
@@ -78,21 +76,9 @@ def one(target: str, load: Load) -> tuple[CaseFacts, str]:
     return facts, _jobs(facts, wanted.variant)[0].variant
 
 
-def select(targets: Sequence[str], every: bool, variants: Sequence[str]) -> list[Scene]:
-    """What `choose` chooses, loaded into this very process.
-
-    Raises:
-        UsageError: as `choose`.
-        CaseError: a case file is wrong.
-    """
-    from shaderlab.running import Solo
-    from shaderlab.running.working import scenes_of
-
-    jobs = choose(targets, every, variants, Solo().load)
-    for job in jobs:
-        if job.broken:
-            raise CaseError(job.trouble, file=job.file)
-    return [scenes_of(job.file)[job.variant] for job in jobs]
+def files_of(targets: Sequence[str]) -> list[Path]:
+    """The case files of ids, case files and folders, each once. Raises UsageError."""
+    return list(dict.fromkeys(file for target in targets for file in _wanted(target).files))
 
 
 def _shipped() -> tuple[Path, ...]:
@@ -145,11 +131,7 @@ def _jobs(case: CaseFacts, variant: str | None) -> list[Job]:
         raise UsageError(
             f"{case.id} has no variant {variant!r}", remedy=nearest(variant, case.variants)
         )
-    return [
-        Job(file=case.file, id=case.id, variant=name, title=case.title, section=case.section)
-        for name in case.variants
-        if variant in (None, name)
-    ]
+    return [job for job in jobs_of(case) if variant in (None, job.variant)]
 
 
 def _said(error: CaseError) -> str:

@@ -16,10 +16,10 @@ from rich.table import Table
 from rich.text import Text
 
 from shaderlab.cli.rows import STYLES, case_table
+from shaderlab.execution.sweep_table import Row
 from shaderlab.files import display_path
 from shaderlab.records import Record, Run
 from shaderlab.report.plain_text import MARKS, failed, failure, label, summary
-from shaderlab.running.tabulating import Row
 
 HEARTBEAT = 10.0
 MOST_ROWS = 40

@@ -69,7 +69,7 @@ class Lab:
 
     def configure(self, options: RunOptions) -> None:
         """Take other options for the scenes to come. The device stays, and with it the driver."""
-        if options.shaders != self.options.shaders:
+        if options.replacements != self.options.replacements:
             self._preparer.cache_clear()
         self.options = options
 
@@ -251,7 +251,7 @@ class Lab:
             )
 
     def _new_preparer(self, folder: str) -> Preparer:
-        return Preparer(shaders_of(Path(folder), self.options.shaders), cached_compiler())
+        return Preparer(shaders_of(Path(folder), self.options.replacements), cached_compiler())
 
 
 def _compile_for_opengl(sources: Sequence[Source], _: Sequence[str]) -> Compiled:

@@ -22,12 +22,10 @@ _COMMANDS_PER_FILE = 8
 
 
 class Workers(Protocol):
-    """A pool of processes that run jobs, such as `shaderlab.workers.Pool(WORK)`."""
+    """A pool of processes, such as `shaderlab.execution.WorkerPool(jobs.WORK)`."""
 
-    def each(self, items: Iterable[Any]) -> Iterator[Any]:
-        """How each job ended, in order: `item` is the job, `status` is "done", "crash", "timeout",
-        or "error" for an exception, `result` is the job's result or the exception, and `message`
-        says how the process died."""
+    def run(self, items: Iterable[Any]) -> Iterator[Any]:
+        """The jobs' results as they complete; see `shaderlab.execution.pool.ItemResult`."""
 
 
 def compile_glsl(
@@ -102,13 +100,24 @@ def compile_found(
         for batch in iter(lambda: list(itertools.islice(jobs, _BATCH)), []):
             yield from work(batch)
         return
-    for outcome in workers.each(jobs):
-        if outcome.status == "done":
-            yield outcome.result
-        elif outcome.status == "error":
-            raise outcome.result
+    for result in _in_order(workers.run(jobs)):
+        if result.status == "done":
+            yield result.value
+        elif result.status == "error":
+            raise result.value
         else:
-            yield died(outcome.item, outcome.status, outcome.message)
+            yield died(result.item, result.status, result.message)
+
+
+def _in_order(results: Iterator[Any]) -> Iterator[Any]:
+    """Results in their jobs' order, each as soon as all before it are there."""
+    waiting: dict[int, Any] = {}
+    following = 0
+    for result in results:
+        waiting[result.number] = result
+        while following in waiting:
+            yield waiting.pop(following)
+            following += 1
 
 
 def time_limit(engine: str | None, seconds: float) -> float:

@@ -1,195 +1,119 @@
-"""All mutants of some cases: made, dealt out to processes, and their fates put together."""
+"""All mutants of some cases: made and judged by an executor, and their fates put together."""
 
 from __future__ import annotations
 
-import os
-import random
-import selectors
-import time
-from collections import deque
-from collections.abc import Iterable, Sequence
+import contextlib
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Protocol
+from pathlib import Path
 
-from shaderlab.model import Case
-from shaderlab.mutation.children import Child, Gone
+from shaderlab.errors import ShaderlabError
+from shaderlab.execution.executor import LocalExecutor, error_text
+from shaderlab.execution.pool import ItemResult
 from shaderlab.mutation.mutants import Mutant
+from shaderlab.mutation.requests import OPENING, JudgeMutant, MakeMutants, MutationPlan
 from shaderlab.mutation.results import STATE, CaseResult, Fate, Tried
-from shaderlab.mutation.states import StateMutant, state_mutants
-from shaderlab.mutation.subjects import glsl_mutants
-from shaderlab.mutation.worker import Opening, Question
-
-MOST_JOBS = 8
-OPENING = 120.0  # seconds for a child to start, load a case and run it as it is
-
-
-@dataclass(frozen=True, kw_only=True)
-class Options:
-    """How mutants are made and judged.
-
-    Args:
-        variants: names of the only variants to judge by; all of them if empty.
-        state: mutate the cases' fixed-function state as well.
-        limit: at most so many mutants a case, drawn at random by `seed`; 0 for all.
-        seed: which ones.
-        timeout: seconds after which a mutant counts as killed, because its draw does not end.
-        jobs: how many processes; 0 for one a core.
-    """
-
-    variants: tuple[str, ...] = ()
-    state: bool = True
-    limit: int = 0
-    seed: int = 0
-    timeout: float = 20.0
-    jobs: int = 0
-
-
-class Watch(Protocol):
-    """What is told while mutants are judged."""
-
-    def total(self, mutants: int) -> None:
-        """How many there are in all."""
-
-    def judged(self, case_id: str, fate: Fate | None) -> None:
-        """One more is done; None for one that is left out because its case is broken."""
-
-
-def mutants_of_case(case: Case, options: Options) -> list[Mutant | StateMutant]:
-    """The mutants of a case in the order of its files, after `limit`."""
-    found: list[Mutant | StateMutant] = [*glsl_mutants(case)]
-    if options.state:
-        found += state_mutants(case, options.seed)
-    if options.limit and options.limit < len(found):
-        chosen = random.Random(options.seed).sample(range(len(found)), options.limit)
-        found = [found[i] for i in sorted(chosen)]
-    return found
-
-
-def run(cases: Iterable[Case], options: Options, watch: Watch | None = None) -> list[CaseResult]:
-    """Judge all mutants of all cases.
-
-    Raises:
-        ShaderError: a case's shader can't be read.
-    """
-    works = [_Work(case, mutants_of_case(case, options), options) for case in cases]
-    if watch is not None:
-        watch.total(sum(len(work.mutants) for work in works))
-    _Crew(works, options, watch).run()
-    return [work.result() for work in works]
+from shaderlab.mutation.states import StateMutant
 
 
 @dataclass
-class _Work:
-    """One case on its way: what is to be done and what is."""
+class _CaseCampaign:
+    """The mutants of one case, and the fates of those that were judged."""
 
-    case: Case
-    mutants: Sequence[Mutant | StateMutant]
-    options: Options
+    file: Path
+    mutants: Sequence[Mutant | StateMutant] = ()
     fates: dict[int, Fate] = field(default_factory=dict)
     seconds: float = 0.0
     message: str = ""
 
     @property
-    def opening(self) -> Opening:
-        return Opening(case_file=self.case.file, variants=self.options.variants)
+    def id(self) -> str:
+        return self.file.stem.replace("_", "-")
 
     def result(self) -> CaseResult:
         tried = tuple(_tried(self.mutants[i], fate) for i, fate in sorted(self.fates.items()))
-        return CaseResult(id=self.case.id, tried=tried, seconds=self.seconds, message=self.message)
+        return CaseResult(id=self.id, tried=tried, seconds=self.seconds, message=self.message)
 
 
-class _Crew:
-    """The children and what each of them is at."""
+class Campaign:
+    """Makes the mutants of some cases, then judges them.
 
-    def __init__(self, works: list[_Work], options: Options, watch: Watch | None) -> None:
-        self._todo = deque((work, index) for work in works for index in range(len(work.mutants)))
-        self._options = options
-        self._watch = watch
-        self._busy: dict[Child, tuple[_Work, int]] = {}
-        self._idle: list[Child] = []
-        self._selector = selectors.DefaultSelector()
+    Args:
+        files: the case files.
+        plan: which mutants.
+        executor: performs everything; its time limit is that of one mutant.
 
-    def run(self) -> None:
-        wanted = self._options.jobs or min(os.cpu_count() or 1, MOST_JOBS)
-        try:
-            for _ in range(min(wanted, len(self._todo))):
-                self._idle.append(Child())
-            while self._todo or self._busy:
-                while self._todo and self._idle:
-                    self._start(self._idle.pop(), *self._todo.popleft())
-                self._wait()
-        finally:
-            for child in (*self._idle, *self._busy):
-                child.close()
-            self._selector.close()
+    Raises:
+        ShaderlabError: the mutants of a case can't be made, as a shader can't be read.
+    """
 
-    def _start(self, child: Child, work: _Work, index: int) -> None:
-        if work.message:
-            self._idle.append(child)
-            self._note(work, None)
-            return
-        question: Question = work.mutants[index]
-        limit = self._options.timeout
-        if child.opened != work.opening:
-            question, limit = work.opening, OPENING
-        self._busy[child] = (work, index)
-        self._selector.register(child, selectors.EVENT_READ, child)
-        try:
-            child.ask(question, limit)
-        except Gone as gone:
-            self._lost(child, str(gone))
+    def __init__(self, files: Sequence[Path], plan: MutationPlan, executor: LocalExecutor) -> None:
+        self._plan = plan
+        self._executor = executor
+        self._cases = [_CaseCampaign(file) for file in files]
+        for result in executor.perform([MakeMutants(file, plan) for file in files]):
+            if result.status != "done":
+                if isinstance(result.value, ShaderlabError):
+                    raise result.value
+                raise ShaderlabError(
+                    f"making the mutants: {error_text(result)}", file=files[result.number]
+                )
+            self._cases[result.number].mutants = result.value
+        self.total = sum(len(case.mutants) for case in self._cases)
 
-    def _wait(self) -> None:
-        if not self._busy:
-            return
-        patience = min(child.deadline for child in self._busy) - time.monotonic()
-        for key, _ in self._selector.select(max(patience, 0.0)):
-            self._hear(key.data)
-        for child in [c for c in self._busy if c.deadline <= time.monotonic()]:
-            self._lost(child, "timeout")
+    def judge(self) -> Iterator[tuple[str, Fate | None]]:
+        """The id of a case and the fate of one of its mutants, for each as it is judged; None for
+        those that are left out because the case does not pass unmutated."""
+        waiting = {
+            (case.file, index): (case, index)
+            for case in self._cases
+            for index in range(len(case.mutants))
+        }
+        while waiting:
+            batch = list(waiting.values())
+            requests = [
+                JudgeMutant(case.file, self._plan.variants, case.mutants[index])
+                for case, index in batch
+            ]
+            results = self._executor.perform(requests, key=lambda request: request.file)
+            with contextlib.closing(results):
+                for result in results:
+                    case, index = batch[result.number]
+                    case.seconds += result.seconds
+                    fate = _fate(result)
+                    if fate is None:
+                        case.message = _broken(result)
+                        for key in [key for key in waiting if key[0] == case.file]:
+                            del waiting[key]
+                            yield case.id, None
+                        break  # no other worker shall open it
+                    case.fates[index] = fate
+                    del waiting[case.file, index]
+                    yield case.id, fate
 
-    def _hear(self, child: Child) -> None:
-        try:
-            answer = child.answer()
-        except Gone as gone:
-            self._lost(child, f"crash ({gone})")
-            return
-        work, index = self._release(child)
-        self._idle.append(child)
-        if isinstance(answer, Fate):
-            self._settle(work, index, answer)
-        elif answer:
-            work.message = answer
-            self._note(work, None)
-        else:
-            child.opened = work.opening
-            self._todo.appendleft((work, index))
+    def results(self) -> list[CaseResult]:
+        """What was found so far, a result for each case."""
+        return [case.result() for case in self._cases]
 
-    def _lost(self, child: Child, how: str) -> None:
-        """A child that hangs or is gone: a mutant that did this is killed, a case that does it
-        unmutated can't be measured."""
-        work, index = self._release(child)
-        if child.opened == work.opening:
-            self._settle(work, index, Fate(status="killed", by=how))
-        else:
-            work.message = f"the case itself does not run to its end: {how}"
-            self._note(work, None)
-        child.close()
-        self._idle.append(Child())
 
-    def _release(self, child: Child) -> tuple[_Work, int]:
-        self._selector.unregister(child)
-        work, index = self._busy.pop(child)
-        work.seconds += time.monotonic() - child.asked
-        return work, index
+def _fate(result: ItemResult) -> Fate | None:
+    """A mutant's fate: one that hangs or crashes is killed. None if the case is at fault."""
+    if result.status == "done":
+        fate: Fate = result.value
+        return fate
+    if result.status == "error" or result.step == OPENING:
+        return None
+    how = "timeout" if result.status == "timeout" else f"crash ({result.message})"
+    return Fate(status="killed", by=how)
 
-    def _settle(self, work: _Work, index: int, fate: Fate) -> None:
-        work.fates[index] = fate
-        self._note(work, fate)
 
-    def _note(self, work: _Work, fate: Fate | None) -> None:
-        if self._watch is not None:
-            self._watch.judged(work.case.id, fate)
+def _broken(result: ItemResult) -> str:
+    """Why a case can't be measured."""
+    if result.status != "error":
+        return f"the case itself does not run to its end: {result.message}"
+    if isinstance(result.value, ShaderlabError):
+        return error_text(result)
+    return f"unforeseen {type(result.value).__name__}: {error_text(result)}"
 
 
 def _tried(mutant: Mutant | StateMutant, fate: Fate) -> Tried:

@@ -32,6 +32,10 @@ SPIN = "for (int {v} = 0; {v} < 1000; ++{v})"
 # Mesa ends a single loop of its own accord after 65535 rounds; loops inside one another go on.
 ENDLESS = "while (x < 2.0) while (x < 2.0) while (x < 2.0) while (x < 2.0) x = fract(x * 1.5 + .1);"
 BILLION = " ".join(SPIN.format(v=v) for v in "abc") + " x = fract(x * 1.5 + .1);"
+# A worker ends itself by an alarm where its parent does not do it; the lab takes both for a time
+# limit. So a hang takes no longer than this, and no limit has to be short for what does not hang.
+ALARM = "signal.setitimer(signal.ITIMER_REAL, 0.3)"
+HANG = f"{ALARM}; __import__('time').sleep(600)"
 IN_DRAW = """
 import os, signal
 from shaderlab.backends.opengl import drawing

@@ -18,9 +18,9 @@ from click.testing import CliRunner, Result
 
 from shaderlab.cli import cli
 from shaderlab.errors import ShaderlabError, UsageError
-from shaderlab.records import Record
-from shaderlab.running import Job, Limits, Setup, cluster, joining, parcels
-from shaderlab.running.cluster import Cluster
+from shaderlab.execution import Job, dask_bundles, dask_connection, dask_executor
+from shaderlab.execution.dask_executor import DaskExecutor
+from shaderlab.options import Limits, RunOptions
 from tests.gpu import faulty
 
 distributed = pytest.importorskip("distributed")
@@ -111,36 +111,31 @@ def test_records_and_pictures_are_those_of_a_local_run(
 def test_a_worker_that_is_lost_costs_no_record_and_none_comes_twice(
     dask: Any, slow: Path, tmp_path: Path
 ) -> None:
-    heard: list[str] = []
-    team = Cluster(dask.scheduler_address, limits=Limits(seconds=20.0))
-
-    def listen(job: Job, record: Record) -> None:
-        heard.append(job.variant)
-        if len(heard) == 1:
-            pid = next(iter(team._client.run(os.getpid).values()))
-            os.kill(pid, signal.SIGKILL)
-
+    executor = DaskExecutor(dask.scheduler_address, limits=Limits(seconds=20.0))
+    found = []
     try:
-        (facts,) = team.load([slow])
+        (facts,) = executor.load([slow])
         assert facts.variants == ("0", "1", "2", "3", "4", "5")
         # All that workers need has been sent by now.
         shutil.rmtree(slow.parent)
-        records = list(team.run(jobs_of(slow), Setup(folder=tmp_path, pictures=False), listen))
+        options = RunOptions(folder=tmp_path, pictures=False)
+        for job, record in executor.run(jobs_of(slow), options):
+            if not found:
+                pid = next(iter(executor._client.run(os.getpid).values()))
+                os.kill(pid, signal.SIGKILL)
+            assert record.variant == job.variant
+            found.append((job.variant, record.status))
     finally:
-        team.close()
-    assert [record.variant for record in records] == list("012345")
-    assert {record.status for record in records} == {"pass"}, records
-    assert sorted(heard) == list("012345")
+        executor.close()
+    assert sorted(found) == [(variant, "pass") for variant in "012345"]
 
 
 def test_a_wrong_file_and_a_hang_are_known_by_their_own_names(
     dask: Any, call: Callable[..., Result], case_folder: Path
 ) -> None:
     (case_folder / "wrong.py").write_text((case_folder / "lamp.py").read_text() + "\nx = 1 / 0\n")
-    faulty.write(
-        case_folder, "endless", before=faulty.in_draw("endless", "import time; time.sleep(99)")
-    )
-    result = call("./my_cases", "--timeout", "1.5", "--no-pictures", "--report", "out",
+    faulty.write(case_folder, "endless", before=faulty.in_draw("endless", faulty.HANG))
+    result = call("./my_cases", "--timeout", "60", "--no-pictures", "--report", "out",
                   "--scheduler", dask.scheduler_address)  # fmt: skip
     assert "2 passed, 1 in error, 1 timeout" in result.output, result.output
     assert "line 13: ZeroDivisionError" in result.output, result.output
@@ -198,62 +193,61 @@ def test_a_sweep_there_gives_the_table_of_one_here(
 
 
 def test_other_versions_there_are_refused(dask: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    other = {**parcels.identity(), "numpy": "1.0"}
-    monkeypatch.setattr(joining, "identity", lambda: other)
+    other = {**dask_bundles.identity(), "numpy": "1.0"}
+    monkeypatch.setattr(dask_connection, "identity", lambda: other)
     with pytest.raises(UsageError, match=r"numpy \d.*here 1\.0") as raised:
-        Cluster(dask.scheduler_address)
+        DaskExecutor(dask.scheduler_address)
     assert "same versions" in str(raised.value)
 
 
 def test_without_a_scheduler_workers_or_dask_it_says_what_to_do(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(joining, "CONNECT_SECONDS", 0.3)
+    monkeypatch.setattr(dask_connection, "CONNECT_SECONDS", 0.3)
     with pytest.raises(UsageError, match="no Dask scheduler answers") as raised:
-        Cluster("tcp://127.0.0.1:9")
+        DaskExecutor("tcp://127.0.0.1:9")
     assert "dask scheduler" in str(raised.value)
     with pytest.raises(UsageError, match="no scheduler's address"):
-        Cluster("nonsense://127.0.0.1:1")
+        DaskExecutor("nonsense://127.0.0.1:1")
     with (
         distributed.LocalCluster(n_workers=0, processes=False, dashboard_address=":0") as idle,
         pytest.raises(UsageError, match="has no workers"),
     ):
-        Cluster(idle.scheduler_address)
+        DaskExecutor(idle.scheduler_address)
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(UsageError, match="needs Dask") as missing:
-        Cluster("tcp://127.0.0.1:9")
+        DaskExecutor("tcp://127.0.0.1:9")
     assert "shaderlab[cluster]" in str(missing.value)
 
 
 def test_a_cluster_that_goes_away_ends_the_run_with_a_remedy(
     slow: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(cluster, "_LOOK_SECONDS", 0.2)
-    heard: list[str] = []
+    monkeypatch.setattr(dask_executor, "_LOOK_SECONDS", 0.2)
+    found: list[str] = []
     with distributed.LocalCluster(
         n_workers=1, threads_per_worker=1, processes=False, dashboard_address=":0"
     ) as brief:
-        team = Cluster(brief.scheduler_address, limits=Limits(seconds=20.0), patience=0.5)
-
-        def listen(job: Job, record: Record) -> None:
-            heard.append(job.variant)
-            brief.scale(0)
-
+        limits = Limits(seconds=20.0)
+        executor = DaskExecutor(brief.scheduler_address, limits=limits, patience=0.5)
+        options = RunOptions(folder=tmp_path, pictures=False)
         try:
             with pytest.raises(ShaderlabError, match="no workers left") as raised:
-                list(team.run(jobs_of(slow), Setup(folder=tmp_path, pictures=False), listen))
+                for job, _ in executor.run(jobs_of(slow), options):
+                    found.append(job.variant)
+                    brief.scale(0)
         finally:
-            team.close()
-    assert "--resume" in str(raised.value) and 0 < len(heard) < 6
+            executor.close()
+    assert "--resume" in str(raised.value) and 0 < len(found) < 6
 
 
-def test_a_parcel_is_made_of_its_content_alone(tmp_path: Path) -> None:
+def test_a_bundle_is_made_of_its_content_alone(tmp_path: Path) -> None:
     for name in ("a", "b"):
         (tmp_path / name / "reports").mkdir(parents=True)
         (tmp_path / name / "case.py").write_text("x = 1")
         (tmp_path / name / ".hidden").write_text(name)
         (tmp_path / name / "reports" / "index.html").write_text(name)
-    first, second = (parcels.packed_folder(tmp_path / name) for name in ("a", "b"))
+    first, second = (dask_bundles.packed_folder(tmp_path / name) for name in ("a", "b"))
     assert first == second
     folder = first.unpack(tmp_path)
     assert [p.name for p in folder.iterdir()] == ["case.py"]
@@ -264,11 +258,11 @@ def test_a_folder_that_is_too_large_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "large").write_bytes(b"x" * 2000)
-    monkeypatch.setattr(parcels, "MOST_BYTES", 1000)
+    monkeypatch.setattr(dask_bundles, "MOST_BYTES", 1000)
     with pytest.raises(UsageError, match="folder of its own"):
-        parcels.packed_folder(tmp_path)
+        dask_bundles.packed_folder(tmp_path)
 
 
 def test_nothing_is_written_outside_the_run(tmp_path: Path) -> None:
-    said = cluster._keep({"../evil": b"x"}, tmp_path / "run")
+    said = dask_executor._write_files({"../evil": b"x"}, tmp_path / "run")
     assert "outside" in said and not (tmp_path / "evil").exists()

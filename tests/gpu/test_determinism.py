@@ -9,9 +9,10 @@ from typing import Any
 
 import pytest
 
+from shaderlab.execution import Job, ProcessExecutor
+from shaderlab.options import RunOptions
 from shaderlab.records import Record
 from shaderlab.report import store
-from shaderlab.running import Crew, Job, Setup
 
 # Seeded noise as textures, a domain with figures and curves, meshes with depth and stencil.
 CASES = {
@@ -33,19 +34,21 @@ def files_below(folder: Path) -> dict[str, bytes]:
     return {path.relative_to(folder).as_posix(): path.read_bytes() for path in found}
 
 
-def drawn(crew: Crew, jobs: list[Job], folder: Path) -> tuple[dict[Any, Any], dict[str, bytes]]:
-    setup = Setup(size=32, folder=folder / "run", frames=folder / "frames")
-    records = list(crew.run(jobs, setup, lambda job, record: None))
+def drawn(
+    executor: ProcessExecutor, jobs: list[Job], folder: Path
+) -> tuple[dict[Any, Any], dict[str, bytes]]:
+    options = RunOptions(size=32, folder=folder / "run", frames=folder / "frames")
+    records = dict(executor.run(jobs, options)).values()
     return {(r.id, r.variant): timeless(r) for r in records}, files_below(folder)
 
 
 @pytest.fixture(scope="module")
 def jobs(repository: Path) -> list[Job]:
-    crew = Crew()
+    executor = ProcessExecutor()
     try:
-        facts = crew.load([repository / "cases" / name for name in CASES])
+        facts = executor.load([repository / "cases" / name for name in CASES])
     finally:
-        crew.close()
+        executor.close()
     return [
         Job(file=f.file, id=f.id, variant=variant or f.variants[0])
         for f, variant in zip(facts, CASES.values(), strict=True)
@@ -55,7 +58,7 @@ def jobs(repository: Path) -> list[Job]:
 @pytest.fixture(scope="module")
 def runs(jobs: list[Job], tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
     folder = tmp_path_factory.mktemp("runs")
-    first, other = Crew(), Crew()
+    first, other = ProcessExecutor(), ProcessExecutor()
     try:
         return {
             "once": drawn(first, jobs, folder / "once"),
@@ -88,12 +91,12 @@ def test_a_record_says_what_its_values_depend_on(runs: Mapping[str, Any]) -> Non
 def test_another_size_would_be_noticed(
     jobs: list[Job], runs: Mapping[str, Any], tmp_path: Path
 ) -> None:
-    crew = Crew()
+    executor = ProcessExecutor()
     try:
-        setup = Setup(size=31, pictures=False, frames=tmp_path)
-        (record,) = crew.run(jobs[2:3], setup, lambda job, record: None)
+        options = RunOptions(size=31, pictures=False, frames=tmp_path)
+        ((_, record),) = executor.run(jobs[2:3], options)
     finally:
-        crew.close()
+        executor.close()
     before = runs["once"][0][record.id, record.variant]
     assert (record.size, record.picture_size) == (31, 0)
     assert timeless(record)["expectations"] != before["expectations"]

@@ -14,9 +14,9 @@ from shaderlab.backends.opengl.backend import OpenGLBackend
 from shaderlab.backends.opengl.device import Device
 from shaderlab.cli import cli
 from shaderlab.errors import DriverError
+from shaderlab.execution import WorkerPool
 from shaderlab.glsl import WORK, Shaders, compile_glsl, compile_program
 from shaderlab.glsl.driver_verdict import mark_disagreement, parse_driver_log
-from shaderlab.workers import Pool
 
 VERTEX = (
     "#version 330 core\nin vec3 a;\nout vec3 n;\nvoid main() { n = a; gl_Position = a.xyzz; }\n"
@@ -140,7 +140,7 @@ def test_the_command_reports_the_drivers_verdict(tmp_path: Path) -> None:
 @pytest.mark.usefixtures("device")
 def test_workers_open_a_driver_of_their_own(tmp_path: Path) -> None:
     (tmp_path / "a.frag").write_text(FRAGMENT)
-    with Pool(WORK) as pool:
+    with WorkerPool(WORK) as pool:
         (result,) = compile_glsl(
             [tmp_path], driver="shaderlab.backends:driver_verdict", workers=pool, targets=["glsl"]
         )

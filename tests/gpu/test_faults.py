@@ -12,8 +12,8 @@ from tests.gpu import faulty
 linux = pytest.mark.skipif(sys.platform != "linux", reason="signals and limits of Linux")
 
 FAULTS: dict[str, dict[str, str]] = {
-    "endless": {"body": faulty.ENDLESS},
-    "billion": {"body": faulty.BILLION},
+    "endless": {"body": faulty.ENDLESS, "before": faulty.in_draw("endless", faulty.ALARM)},
+    "billion": {"body": faulty.BILLION, "before": faulty.in_draw("billion", faulty.ALARM)},
     "segfault": {
         "before": faulty.in_draw("segfault", "os.kill(os.getpid(), signal.SIGSEGV)"),
     },
@@ -24,7 +24,7 @@ FAULTS: dict[str, dict[str, str]] = {
     "raises": {"before": "1 / 0"},
     "exits": {"before": "raise SystemExit(0)"},
     "leaves": {"before": "import os; os._exit(0)"},
-    "stays": {"before": "while True: pass"},
+    "stays": {"before": f"import signal; {faulty.ALARM}\nwhile True: pass"},
     "speaks": {"before": "print('{' * 9999)"},
 }
 EXPECTED = {
@@ -56,8 +56,8 @@ def survived(tmp_path_factory: pytest.TempPathFactory) -> dict[str, dict[str, An
     written = "".join(f"a{i} = vec4(1.0);" for i in range(1, 8))
     shader.write_text(text.replace("float x", f"{written} float x"))
     done = faulty.shaderlab(
-        "./cases", "--timeout", "5", "--memory", "4", "-j", "2", "--json", "out.json",
-        "--report", "run", "--size", "16", cwd=folder, seconds=120,
+        "./cases", "--timeout", "60", "--memory", "4", "-j", "2", "--json", "out.json",
+        "--report", "run", "--size", "16", cwd=folder, seconds=300,
     )  # fmt: skip
     assert done.returncode == 1, done.stdout + done.stderr
     assert "Traceback" not in done.stdout + done.stderr
@@ -94,13 +94,13 @@ def test_order_is_that_of_the_files(survived: dict[str, Any]) -> None:
     [
         (
             "endless",
-            ["took longer than 5 s", "draw 0 of pass 'main'", "endless.frag", "llvmpipe"],
+            ["took longer than 60 s", "draw 0 of pass 'main'", "endless.frag", "llvmpipe"],
         ),
         ("segfault", ["SIGSEGV", "draw 0 of pass 'main'", "segfault.frag"]),
         ("abort", ["SIGABRT"]),
         ("huge", ["16384 × 16384 with 8 attachments takes 32 GB"]),
         ("hungry", ["out of memory"]),
-        ("stays", ["importing the case file: took longer than 5 s"]),
+        ("stays", ["importing the case file: took longer than 60 s"]),
         ("leaves", ["importing the case file", "exit status 0"]),
         ("raises", ["ZeroDivisionError"]),
     ],

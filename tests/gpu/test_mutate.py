@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 from dataclasses import replace
 from pathlib import Path
@@ -13,9 +14,10 @@ from click.testing import CliRunner
 from shaderlab.catalogue import load_case
 from shaderlab.cli import cli
 from shaderlab.evaluation import Lab
-from shaderlab.mutation import Mutant, Options, run, state_mutants
-from shaderlab.mutation.campaign import mutants_of_case
+from shaderlab.execution import ProcessExecutor
+from shaderlab.mutation import Campaign, Mutant, MutationPlan, mutants_of_case, state_mutants
 from shaderlab.mutation.judging import Judge, PartError
+from shaderlab.options import Limits
 
 SHADER = """\
 #version 330 core
@@ -125,7 +127,7 @@ def fates(file: Path, kind: str = "") -> dict[tuple[str, str, str], str]:
         judge = Judge(lab, case)
         return {
             (m.operator, m.before, m.after): judge.fate(m).status
-            for m in mutants_of_case(case, Options(state=False))
+            for m in mutants_of_case(case, MutationPlan(state=False))
             if isinstance(m, Mutant) and kind in m.operator
         }
 
@@ -189,7 +191,7 @@ def test_what_is_compared_with_another_pass_is_drawn_with_it(folder: Path) -> No
     case = load_case(folder / "compared.py")
     with Lab() as lab:
         judge = Judge(lab, case)
-        shaders = [judge.fate(m) for m in mutants_of_case(case, Options(state=False))]
+        shaders = [judge.fate(m) for m in mutants_of_case(case, MutationPlan(state=False))]
         # The far quad, drawn first, and the near one, drawn last.
         hidden = [judge.fate(m) for m in state_mutants(case) if m.path == "depth.func"]
     # Both passes are drawn with the same mistake: a comparison of them can't tell.
@@ -206,7 +208,7 @@ def test_a_part_that_does_not_run_unmutated_kills_nobody(
     case = load_case(folder / "compared.py")
     with Lab() as lab:
         judge = Judge(lab, case)
-        mutant = next(m for m in mutants_of_case(case, Options(state=False)))
+        mutant = next(m for m in mutants_of_case(case, MutationPlan(state=False)))
         assert judge.fate(mutant).status != "invalid"
         monkeypatch.setattr("shaderlab.mutation.tasks.with_what_they_read", lambda *_: {"quads"})
         with pytest.raises(PartError, match="the passes quads do not run by themselves") as caught:
@@ -228,34 +230,76 @@ def test_an_error_of_the_mutant_alone_kills_it(
 
 
 TROUBLE = """
-import os, pickle, sys, time
-from shaderlab.mutation import Fate
-while True:
-    question = pickle.load(sys.stdin.buffer)
-    operator = getattr(question, "operator", None)
-    if operator == "max dropped":
-        time.sleep(60)
-    if operator == "comparison":
+import os, signal, time
+from shaderlab.mutation import judging
+
+right = judging.Judge.fate
+
+def fate(self, mutant):
+    if mutant.operator == "max dropped":
+        signal.setitimer(signal.ITIMER_REAL, 0.2)  # as the lab's own alarm does later
+        time.sleep(600)
+    if mutant.operator == "comparison":
         os.abort()
-    answer = "" if operator is None else Fate(status="survived")
-    pickle.dump(answer, sys.stdout.buffer)
-    sys.stdout.buffer.flush()
+    if mutant.operator == "operator":
+        return bytearray(64 << 30)
+    return right(self, mutant)
+
+judging.Judge.fate = fate
 """
 
 
-def test_what_hangs_or_crashes_is_killed_and_the_rest_goes_on(
+def test_what_hangs_or_crashes_is_killed_and_the_rest_goes_on(folder: Path) -> None:
+    """The case file itself brings the trouble, as its own process is the only one that loads it."""
+    file = folder / "law.py"
+    expected = fates(file)
+    file.write_text(file.read_text() + TROUBLE)
+    plan = MutationPlan(state=False)
+    with contextlib.closing(ProcessExecutor(limits=Limits(seconds=60.0), workers=2)) as executor:
+        campaign = Campaign([file], plan, executor)
+        told = list(campaign.judge())
+    (result,) = campaign.results()
+    assert len(told) == campaign.total == len(result.tried) == len(expected)
+    causes = {"max dropped": "timeout", "comparison": "SIGABRT", "operator": "SIGABRT"}
+    for tried in result.tried:
+        if tried.operator in causes:
+            assert tried.fate.status == "killed" and causes[tried.operator] in tried.fate.by
+        else:
+            was = expected[tried.operator, tried.before, tried.after]
+            assert tried.fate.status == was, tried.line_of_text
+    assert set(causes) <= {tried.operator for tried in result.tried}
+
+
+def test_a_case_that_dies_unmutated_is_not_opened_for_each_mutant(folder: Path) -> None:
+    text = (folder / "law.py").read_text()
+    opened = folder / "opened"
+    (folder / "dies.py").write_text(
+        text.replace(
+            '    """The law."""\n',
+            f"    open({str(opened)!r}, 'a').write('x')\n    import os; os._exit(3)\n",
+        )
+    )
+    with contextlib.closing(ProcessExecutor(workers=1)) as executor:
+        campaign = Campaign(
+            [folder / "dies.py", folder / "law.py"], MutationPlan(limit=5), executor
+        )
+        told = list(campaign.judge())
+    broken, good = campaign.results()
+    assert "does not run to its end: the process died: exit status 3" in broken.message
+    assert broken.tried == () and len(good.tried) == 5 and not good.message
+    assert [fate is None for _, fate in told] == [True] * 5 + [False] * 5
+    # Once, once more in a fresh process, and where a worker was quicker than the news.
+    assert 2 <= len(opened.read_text()) <= 3
+
+
+def test_a_case_file_that_crashes_is_a_message(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("shaderlab.mutation.children._CODE", TROUBLE)
-    (result,) = run([load_case(folder / "law.py")], Options(timeout=1.0, jobs=2))
-    assert len(result.tried) == len(mutants_of_case(load_case(folder / "law.py"), Options()))
-    for tried in result.tried:
-        expected = {"max dropped": ("killed", "timeout"), "comparison": ("killed", CRASHED)}
-        got = (tried.fate.status, tried.fate.by)
-        assert got == expected.get(tried.operator, ("survived", "")), tried.line_of_text
-
-
-CRASHED = "crash (SIGABRT)"
+    monkeypatch.chdir(folder)
+    (folder / "crashes.py").write_text((folder / "law.py").read_text() + "import os; os._exit(7)\n")
+    result = CliRunner().invoke(cli, ["mutate", "./crashes.py"])
+    assert result.exit_code == 1
+    assert "importing the case file: the process died: exit status 7" in result.stderr
 
 
 def mutate(*arguments: Any) -> tuple[int, str]:

@@ -18,7 +18,7 @@ ORDER = (
     "errors", "files", "activity", "packages", "options", "records", "frame",
     "bands", "sampling", "glslmath", "pictures", "model", "assets", "reference",
     "glsl", "programs", "backends", "judging", "expectations",
-    "discovery", "catalogue", "evaluation", "workers", "mutation", "report", "running",
+    "discovery", "catalogue", "evaluation", "report", "execution", "mutation",
     "doctor", "pytest_plugin", "cli", "__main__", "__init__",
 )  # fmt: skip
 

@@ -62,13 +62,13 @@ def test_listing_cases_loads_nothing_heavy() -> None:
 
 
 def test_a_worker_loads_nothing_that_starts_or_watches_workers() -> None:
-    loaded = modules_after("import shaderlab.glsl.engines, shaderlab.running.working")
+    loaded = modules_after("import shaderlab.glsl.engines, shaderlab.execution.lab_worker")
     assert not loaded & (DEVICE | HEAVY | PRINTING | {"click", "cattrs", "logging"})
 
 
 def test_a_command_starts_its_worker_before_it_loads_anything_large() -> None:
     """Not even NumPy: what the report needs is loaded while the worker gets ready."""
-    loaded = modules_after("import shaderlab.cli.running, shaderlab.cli.requesting")
+    loaded = modules_after("import shaderlab.cli.run, shaderlab.execution.executor")
     assert not loaded & (DEVICE | HEAVY | PRINTING | {"numpy", "cattrs"})
 
 

@@ -30,7 +30,7 @@ OWNERS: dict[str, set[str]] = {
     "moderngl": {"backends"},
     "glcontext": {"backends"},
     "OpenGL": {"backends"},
-    "ctypes": {"backends", "bands", "glsl", "workers"},
+    "ctypes": {"backends", "bands", "execution", "glsl"},
     "OpenImageIO": {"pictures"},
     "trimesh": {"assets"},
     "pypcd4": {"assets"},
@@ -40,8 +40,8 @@ OWNERS: dict[str, set[str]] = {
     "click": {"cli"},
     "rich": {"cli"},
     "pytest": {"pytest_plugin"},
-    "distributed": {"running"},
-    "dask": {"running"},
+    "distributed": {"execution"},
+    "dask": {"execution"},
     "pyarrow": {"report"},
 }
 

@@ -89,7 +89,7 @@ def shipped(case_id: str) -> Case:
 
 def run(case: Case, shaders: dict[str, str] | None = None) -> Record:
     scenes = list(case.scenes())
-    with Lab(RunOptions(shaders=shaders or {})) as lab:
+    with Lab(RunOptions(texts=shaders or {})) as lab:
         return lab.run(scenes[-1])  # the last kernel is the one that is not symmetric
 
 

@@ -77,7 +77,7 @@ def with_mistake(case_id: str, shader: str, right: str, wrong: str) -> list[Reco
     text = (data_folder("shaders") / shader).read_text(encoding="utf-8")
     assert right in text, f"{shader} does not read {right!r} any more"
     case = catalogue().find(case_id)
-    with Lab(RunOptions(shaders={shader: text.replace(right, wrong)})) as lab:
+    with Lab(RunOptions(texts={shader: text.replace(right, wrong)})) as lab:
         return [lab.run(scene) for scene in case.scenes()]
 
 

@@ -76,7 +76,7 @@ def judged_only(case_id: str) -> Case:
 
 
 def run(case: Case, shaders: dict[str, str] | None = None) -> list[Record]:
-    with Lab(RunOptions(shaders=shaders or {})) as lab:
+    with Lab(RunOptions(texts=shaders or {})) as lab:
         return [lab.run(scene) for scene in case.scenes()]
 
 

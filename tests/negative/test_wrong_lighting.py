@@ -110,7 +110,7 @@ def with_mistake(case_id: str, shader: str, right: str, wrong: str) -> list[Reco
     case = catalogue().find(case_id)
     if shader != "finish.frag":
         case = without_picture(case)
-    with Lab(RunOptions(shaders={path: text.replace(right, wrong)})) as lab:
+    with Lab(RunOptions(texts={path: text.replace(right, wrong)})) as lab:
         return [lab.run(scene) for scene in case.scenes()]
 
 

@@ -102,7 +102,7 @@ def judged(case: Case) -> Case:
 
 
 def failures_of(case: Case, shaders: dict[str, str]) -> list[Outcome]:
-    with Lab(RunOptions(shaders=shaders)) as lab:
+    with Lab(RunOptions(texts=shaders)) as lab:
         record = lab.run(case.scene("default"))
     assert record.status == "fail", record.message
     return [o for o in record.expectations if o.status == "fail"]

@@ -79,7 +79,7 @@ def with_mistake(case_id: str, shader: str, right: str, wrong: str) -> tuple[str
     text = (data_folder("shaders") / path).read_text(encoding="utf-8")
     assert right in text, f"{path} does not read {right!r} any more"
     case = judged(catalogue().find(case_id))
-    with Lab(RunOptions(shaders={path: text.replace(right, wrong)})) as lab:
+    with Lab(RunOptions(texts={path: text.replace(right, wrong)})) as lab:
         record = lab.run(case.scene("default"))
     return record.status, [o for o in record.expectations if o.status == "fail"]
 

@@ -104,7 +104,7 @@ def test_a_mistake_in_a_shader_makes_its_case_fail(
     text = (data_folder("shaders") / shader).read_text(encoding="utf-8")
     assert right in text, f"{shader} does not read {right!r} any more"
     case = catalogue().find(case_id)
-    with Lab(RunOptions(shaders={shader: text.replace(right, wrong)})) as lab:
+    with Lab(RunOptions(texts={shader: text.replace(right, wrong)})) as lab:
         caught([lab.run(scene) for scene in list(case.scenes())[:2]])
 
 

@@ -81,7 +81,7 @@ def _pass_of(expectation: Expectation) -> str:
 
 
 def run(case: Case, shaders: dict[str, str]) -> Record:
-    with Lab(RunOptions(shaders=dict(shaders))) as lab:
+    with Lab(RunOptions(texts=dict(shaders))) as lab:
         return lab.run(next(iter(case.scenes())))
 
 

@@ -89,7 +89,7 @@ def judged_only(case_id: str) -> Case:
 
 
 def run(case_id: str, shaders: dict[str, str]) -> Record:
-    with Lab(RunOptions(shaders=shaders)) as lab:
+    with Lab(RunOptions(texts=shaders)) as lab:
         return lab.run(next(judged_only(case_id).scenes()))
 
 

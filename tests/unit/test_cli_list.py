@@ -19,7 +19,7 @@ def call(*args: str) -> Any:
 
 
 def test_list_json_has_the_documented_fields() -> None:
-    entries = json.loads(call("list", "--json").stdout)
+    entries = json.loads(call("list", "--json", "-").stdout)
     assert [entry["id"] for entry in entries] == [case.id for case in Catalogue.shipped().cases]
     for entry in entries:
         assert list(entry) == ["id", "section", "title", "variants", "file"]
@@ -34,7 +34,7 @@ def test_list_names_every_case_once() -> None:
 
 
 def test_list_of_one_chapter() -> None:
-    entries = json.loads(call("list", "--chapter", "5", "--json").stdout)
+    entries = json.loads(call("list", "--chapter", "5", "--json", "-").stdout)
     assert entries and all(entry["section"].startswith("5.") for entry in entries)
     nothing = call("list", "--chapter", "99")
     assert nothing.exit_code == 2 and "did you mean 9?" in nothing.output

@@ -69,7 +69,7 @@ def test_a_missing_package_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.usefixtures("driver")
 def test_json() -> None:
-    code, output = doctor("--json")
+    code, output = doctor("--json", "-")
     entries = json.loads(output)
     assert code == 0 and {entry["name"] for entry in entries} >= {"Python", "glslang"}
     assert set(entries[0]) == {"name", "found", "ok", "necessary", "remedy"}

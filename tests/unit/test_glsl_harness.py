@@ -8,9 +8,9 @@ from typing import Any
 import pytest
 
 from shaderlab.errors import ShaderError, UsageError
+from shaderlab.execution import WorkerPool
 from shaderlab.glsl import WORK, FileResult, compile_glsl
 from shaderlab.glsl.shader_files import find_shaders
-from shaderlab.workers import Pool
 
 GOOD = "#version 330 core\nout vec4 c;\nvoid main() { c = vec4(1.0); }\n"
 BAD = GOOD.replace("1.0", "nothing")
@@ -61,7 +61,7 @@ def test_a_folder_is_searched_and_the_results_are_sorted(tree: Path) -> None:
 
 def test_a_pool_gives_the_same_results_as_this_process(tree: Path) -> None:
     here = list(compile_glsl([tree], keep=True))
-    with Pool(WORK, jobs=2, batch=2) as pool:
+    with WorkerPool(WORK, jobs=2, batch=2) as pool:
         there = list(compile_glsl([tree], keep=True, workers=pool))
     assert here == there
     assert there[0].spirv["vulkan"]["vertex"][:4] == b"\x03\x02\x23\x07"

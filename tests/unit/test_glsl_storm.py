@@ -6,8 +6,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from benchmarks.trees import storm
+from shaderlab.execution import WorkerPool
 from shaderlab.glsl import WORK, compile_glsl
-from shaderlab.workers import Pool
 
 COUNT = 800
 
@@ -17,7 +17,7 @@ def test_every_source_of_a_storm_gets_verdicts(tmp_path: Path, repository: Path)
     for name, data in storm(repository, COUNT, seed=2):
         (tmp_path / name).write_bytes(data)
         names.append(name)
-    with Pool(WORK) as pool:
+    with WorkerPool(WORK) as pool:
         results = list(compile_glsl([tmp_path], workers=pool))
     assert [Path(result.path).name for result in results] == names
     accepted = sum(result.ok for result in results)

@@ -16,11 +16,11 @@ from click.testing import CliRunner, Result
 
 from shaderlab.cli import cli
 from shaderlab.errors import CaseError, UsageError
+from shaderlab.execution.jobs import CaseFacts
+from shaderlab.execution.sweep_grid import Parameter, coordinates, grid, parameters
+from shaderlab.execution.sweep_table import plots, rows
 from shaderlab.records import Outcome, Record, Worst
 from shaderlab.report import table
-from shaderlab.running.grid import Parameter, coordinates, grid, parameters
-from shaderlab.running.jobs import CaseFacts
-from shaderlab.running.tabulating import plots, rows
 
 FACTS = CaseFacts(
     file="lamp.py",

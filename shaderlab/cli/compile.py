@@ -1,0 +1,152 @@
+"""`shaderlab compile`: ask the compilers about shader files, without running anything."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import click
+
+from shaderlab.cli import FAILED, OK
+from shaderlab.cli.files import write_json
+from shaderlab.cli.options import JSON, jobs_option, limits_option
+from shaderlab.cli.tallying import Tally, as_data, messages, progress_bar
+from shaderlab.errors import UsageError
+from shaderlab.execution import WorkerPool
+from shaderlab.execution.sizing import cores
+from shaderlab.glsl.engines import ENGINES
+from shaderlab.glsl.harness import compile_found, time_limit
+from shaderlab.glsl.jobs import WORK, CompileOptions, FileResult
+from shaderlab.glsl.shader_files import find_shaders
+from shaderlab.glsl.targets import ALL_TARGETS, TARGETS
+from shaderlab.glsl.text import STAGES
+from shaderlab.options import Limits
+
+# Workers import the driver's room by this name; the command itself never touches a device.
+_DRIVER = "shaderlab.backends:driver_verdict"
+_FILES_PER_WORKER = 500
+_MOST_WORKERS = 4
+_FOLDER = click.Path(path_type=Path)
+
+
+@click.command("compile", short_help="Only ask the compilers.")
+@click.argument("paths", nargs=-1, required=True, metavar="PATH…")
+@click.option(
+    "--target",
+    "-t",
+    "targets",
+    multiple=True,
+    type=click.Choice(ALL_TARGETS),
+    help="Ask this compiler only; may be repeated. glsl, opengl and vulkan by default.",
+)
+@click.option("--stage", type=click.Choice(STAGES), help="Of every file, whatever its name says.")
+@click.option("--define", "-D", "defines", multiple=True, metavar="NAME[=VALUE]", help="A macro.")
+@click.option(
+    "--include",
+    "-I",
+    "includes",
+    multiple=True,
+    type=_FOLDER,
+    metavar="DIR",
+    help='Another folder in which #include "…" looks.',
+)
+@click.option("--link", is_flag=True, help="The files are the stages of one program.")
+@click.option("--driver", is_flag=True, help="Ask the OpenGL driver as well.")
+@click.option("--engine", type=click.Choice(ENGINES), help="Libraries, or the system's commands.")
+@limits_option("Give one file up after S seconds.", seconds=10.0)
+@jobs_option(f"one for every {_FILES_PER_WORKER} files, at most {_MOST_WORKERS}")
+@JSON
+@click.option("--quiet", "-q", is_flag=True, help="Print messages, and nothing else.")
+def command(
+    paths: tuple[str, ...],
+    targets: tuple[str, ...],
+    stage: str | None,
+    defines: tuple[str, ...],
+    includes: tuple[Path, ...],
+    link: bool,
+    driver: bool,
+    engine: str | None,
+    limits: Limits,
+    workers: int | None,
+    json_file: str | None,
+    quiet: bool,
+) -> int:
+    """Compile shader files, or all those in folders, as plain GLSL, as OpenGL SPIR-V and as
+    Vulkan SPIR-V, and validate the SPIR-V.
+
+    Each file is a program of its own here, unless --link makes one of them all. Messages have
+    the form that editors jump from. A file on which a compiler crashes or hangs is named, and
+    the others are compiled all the same.
+
+    Exit code: 0 all accepted, 1 something refused, 2 wrong usage.
+
+    \b
+    Examples:
+      shaderlab compile lamp.frag
+      shaderlab compile my_shaders/ --define LIGHTS=4 --include common/
+      shaderlab compile --link --driver lamp.vert lamp.frag
+    """
+    for folder in includes:
+        if not folder.is_dir():
+            raise UsageError("there is no such folder", file=folder)
+    shipped = _shipped()
+    shaders = find_shaders(paths, [shipped], stage=stage)
+    programs = [shaders] if link else [[shader] for shader in shaders]
+    options = CompileOptions(
+        targets=tuple(dict.fromkeys(targets)) or TARGETS,
+        roots=tuple(map(str, [*includes, shipped])),
+        defines=dict(map(_macro, defines)),
+        stage=stage,
+        engine=engine,
+        seconds=limits.seconds,
+        driver=_DRIVER if driver else "",
+    )
+    with contextlib.ExitStack() as stack:
+        pool = None
+        if workers != 0:
+            # A worker takes as long to start as two hundred files take to compile.
+            most = min(cores(), _MOST_WORKERS, 1 + len(programs) // _FILES_PER_WORKER)
+            limits = replace(limits, seconds=time_limit(engine, limits.seconds))
+            pool = stack.enter_context(WorkerPool(WORK, limits=limits, jobs=workers or most))
+        results = compile_found(programs, options, pool)
+        tally = _print_results(results, len(programs), json_file, quiet)
+    if driver and not tally.has_driver:
+        click.echo("no OpenGL driver gave a verdict: see `shaderlab doctor`", err=True)
+    return FAILED if tally.refused else OK
+
+
+def _print_results(
+    results: Iterator[FileResult], count: int, json_file: str | None, quiet: bool
+) -> Tally:
+    """Print each result as it comes, then the summary; write all as JSON to `json_file`."""
+    tally = Tally()
+    entries: list[dict[str, Any]] = []
+    to_stderr = json_file == "-"
+    with progress_bar(count, quiet=quiet) as advance:
+        for result in results:
+            for line in messages(result):
+                click.echo(line, err=to_stderr)
+            tally.add(result)
+            advance()
+            if json_file is not None:
+                entries += as_data(result)
+    if not quiet:
+        for line in tally.lines():
+            click.echo(line, err=to_stderr)
+    if json_file is not None:
+        write_json({"files": entries}, json_file)
+    return tally
+
+
+def _shipped() -> Path:
+    from shaderlab.discovery import data_folder
+
+    return data_folder("shaders").resolve()
+
+
+def _macro(word: str) -> tuple[str, str]:
+    name, equals, value = word.partition("=")
+    return name, value if equals else "1"

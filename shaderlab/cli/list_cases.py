@@ -1,0 +1,104 @@
+"""`shaderlab list`: the cases there are."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Sequence
+
+import click
+
+from shaderlab.cli import FAILED, OK
+from shaderlab.cli.files import write_json
+from shaderlab.cli.options import JSON, make_local_executor
+from shaderlab.errors import UsageError, nearest
+from shaderlab.execution.jobs import CaseFacts
+from shaderlab.model import DEFAULT_VARIANT
+from shaderlab.options import Limits
+
+
+@click.command("list", short_help="The cases there are.")
+@click.argument("targets", nargs=-1, metavar="[ID | FILE.py | FOLDER]…")
+@click.option("--chapter", type=int, metavar="N", help="Only chapter N.")
+@JSON
+def command(targets: tuple[str, ...], chapter: int | None, json_file: str | None) -> int:
+    """List cases by chapter: those that come with shaderlab, or those of your own in files and
+    folders, which worker processes load.
+
+    \b
+    Examples:
+      shaderlab list
+      shaderlab list ./my_cases
+      shaderlab list --chapter 5
+      shaderlab list --json - | jq -r '.[].id'
+
+    Exit code: 0 all of them can be loaded, 1 one can't, 2 wrong usage.
+    """
+    cases = _loaded(targets) if targets else _shipped()
+    broken = [case for case in cases if case.error is not None]
+    for case in broken:
+        click.echo(f"shaderlab: {case.error}", err=True)
+    cases = [case for case in cases if case.error is None]
+    if chapter is not None:
+        chapters = sorted({_chapter(case) for case in cases})
+        cases = [case for case in cases if _chapter(case) == str(chapter)]
+        if not cases:
+            raise UsageError(
+                f"chapter {chapter} has no cases", remedy=nearest(str(chapter), chapters)
+            )
+    if json_file is not None:
+        write_json([_entry(case) for case in cases], json_file)
+    if json_file != "-" and cases:
+        click.echo("\n".join(_lines(cases)))
+    return FAILED if broken else OK
+
+
+def _shipped() -> list[CaseFacts]:
+    from shaderlab.catalogue import Catalogue
+
+    return [
+        CaseFacts(
+            file=case.file,
+            id=case.id,
+            title=case.title,
+            section=case.section,
+            variants=tuple(v.name for v in case.variants) or (DEFAULT_VARIANT,),
+        )
+        for case in Catalogue.shipped()
+    ]
+
+
+def _loaded(targets: Sequence[str]) -> list[CaseFacts]:
+    from shaderlab.cli.selecting import files_of
+    from shaderlab.discovery import place
+
+    with contextlib.closing(make_local_executor(None, Limits(), None, early=False)) as executor:
+        found = executor.load(files_of(targets))
+    return sorted(found, key=lambda case: place(case.section, case.id))
+
+
+def _chapter(case: CaseFacts) -> str:
+    return case.section.partition(".")[0]
+
+
+def _entry(case: CaseFacts) -> dict[str, object]:
+    return {
+        "id": case.id,
+        "section": case.section,
+        "title": case.title,
+        "variants": list(case.variants),
+        "file": case.file,
+    }
+
+
+def _lines(cases: Sequence[CaseFacts]) -> list[str]:
+    wide = max(len(case.id) for case in cases)
+    lines: list[str] = []
+    chapter = None
+    for case in cases:
+        if _chapter(case) != chapter:
+            chapter = _chapter(case)
+            heading = f"Chapter {chapter}" if chapter else "Without a chapter"
+            lines += ["", heading] if lines else [heading]
+        many = f"  ({len(case.variants)} variants)" if len(case.variants) > 1 else ""
+        lines.append(f"  {case.id:<{wide}}  {case.section:<7} {case.title}{many}")
+    return lines

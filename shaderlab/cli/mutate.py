@@ -1,0 +1,216 @@
+"""`shaderlab mutate`: make mistakes in a case's shaders on purpose, and count what it notices."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from shaderlab.cli import FAILED, OK
+from shaderlab.cli.files import report_folder, write_json
+from shaderlab.cli.options import (
+    JSON,
+    jobs_option,
+    limits_option,
+    make_local_executor,
+    report_option,
+)
+from shaderlab.errors import CaseError, UsageError
+from shaderlab.options import Limits
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from shaderlab.execution.executor import LocalExecutor
+    from shaderlab.mutation import Campaign, CaseResult
+
+
+@click.command("mutate", short_help="Make mistakes in cases' shaders; see which get by.")
+@click.argument("targets", nargs=-1, metavar="[ID | FILE.py | FOLDER]…")
+@click.option("--all", "every", is_flag=True, help="Every case that comes with shaderlab.")
+@click.option("--variant", "variants", multiple=True, metavar="V", help="Judge by this one only.")
+@click.option(
+    "--state/--no-state", default=True, show_default=True,
+    help="Mutate fixed-function state too: depth, stencil, blending, culling.",
+)  # fmt: skip
+@click.option(
+    "--limit", type=click.IntRange(0), default=0, metavar="N",
+    help="At most N mutants a case, drawn at random. 0, the default, is all.",
+)  # fmt: skip
+@click.option("--seed", type=int, default=0, metavar="N", help="Which ones --limit draws.")
+@limits_option("Seconds after which a mutant that does not end counts as killed.", seconds=20.0)
+@jobs_option()
+@JSON
+@report_option("Add the results to the run in DIR, and to its page.")
+@click.option(
+    "--fail-under", type=click.FloatRange(0, 100), metavar="PERCENT",
+    help="Exit with 1 if the score is lower.",
+)  # fmt: skip
+def command(
+    targets: tuple[str, ...],
+    every: bool,
+    variants: tuple[str, ...],
+    state: bool,
+    limit: int,
+    seed: int,
+    limits: Limits,
+    workers: int | None,
+    json_file: str | None,
+    folder: str | None,
+    fail_under: float | None,
+) -> int:
+    """Measure how much a case notices: make realistic mistakes in its shaders, one at a time, and
+    judge each by the case's own expectations.
+
+    A mutant is killed if an expectation fails, and has survived if outputs that expectations
+    read changed and all passed. Equivalent ones change no bit of any output, on wide random
+    inputs too; unjudged ones change only what no expectation reads, as in pictures for people.
+
+    \b
+    Examples:
+      shaderlab mutate spotlight                  which mistakes would get by
+      shaderlab mutate --all --json scores.json   all cases
+      shaderlab mutate ./my_case.py --limit 100   a sample
+      shaderlab mutate gamma --report reports/latest
+
+    Exit code: 0 measured, 1 a case fails as it is or --fail-under is not reached, 2 wrong usage.
+    """
+    from shaderlab.mutation import Campaign, MutationPlan, as_json, score
+
+    plan = MutationPlan(variants=variants, state=state, limit=limit, seed=seed)
+    console = _console(json_file == "-")
+    with contextlib.closing(make_local_executor(None, limits, workers, early=False)) as executor:
+        files = _case_files(targets, every, variants, executor)
+        campaign = Campaign(files, plan, executor)
+        _judge(campaign, console)
+    results = campaign.results()
+    _show(console, results)
+    data = as_json(results)
+    if folder is not None:
+        _into_report(data, report_folder(Path(folder)))
+    if json_file is not None:
+        write_json(data, json_file)
+    reached = score(results)
+    too_low = fail_under is not None and (reached is None or 100.0 * reached < fail_under)
+    if too_low or any(result.message for result in results):
+        return FAILED
+    return OK
+
+
+def _into_report(data: Mapping[str, Any], folder: Path) -> None:
+    """Put the results beside those of earlier campaigns, and into the page if a run is there."""
+    from shaderlab.report import html, mutants, store
+
+    path = folder / mutants.FILE_NAME
+    if mutants.load(folder):
+        data = mutants.merged(json.loads(path.read_text(encoding="utf-8")), data)
+    write_json(data, str(path))
+    if (folder / store.FILE_NAME).is_file():
+        click.echo(f"report: {html.write(store.load(folder), folder)}", err=True)
+
+
+def _case_files(
+    targets: Sequence[str], every: bool, variants: tuple[str, ...], executor: LocalExecutor
+) -> list[Path]:
+    """The files of the cases that are named. Raises UsageError, CaseError."""
+    from shaderlab.cli.selecting import choose
+
+    for target in targets:
+        if target.endswith("]"):
+            raise UsageError(f"{target}: name the case, and its variant with --variant")
+    jobs = choose(targets, every, variants, executor.load)
+    for job in jobs:
+        if job.broken:
+            raise CaseError(job.trouble, file=job.file)
+    return list(dict.fromkeys(Path(job.file) for job in jobs))
+
+
+def _console(to_stderr: bool) -> Console:
+    from rich.console import Console
+
+    console = Console(file=sys.stderr if to_stderr else sys.stdout, highlight=False, soft_wrap=True)
+    if not console.is_terminal:
+        console.width = 120  # a file has no width, and cut numbers are of no use
+    return console
+
+
+def _judge(campaign: Campaign, console: Console) -> None:
+    """Judge all mutants; on a terminal with a bar, and with what has survived so far."""
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TextColumn,
+        TimeElapsedColumn,
+    )
+
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(bar_width=30),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+    )
+    terminal = console.is_terminal
+    with Progress(*columns, console=console, transient=True, disable=not terminal) as progress:
+        task = progress.add_task("", total=campaign.total)
+        survived = 0
+        for case_id, fate in campaign.judge():
+            survived += fate is not None and fate.status == "survived"
+            progress.update(task, description=f"{case_id:<24} {survived} survived", advance=1)
+
+
+def _show(console: Console, results: Sequence[CaseResult]) -> None:
+    from rich.table import Table
+
+    from shaderlab.files import display_path
+    from shaderlab.mutation import score
+
+    table = Table(box=None, pad_edge=False, header_style="dim")
+    table.add_column("case", no_wrap=True)
+    headings = ("mutants", "killed", "survived", "score", "of state", "equivalent",
+                "unjudged", "invalid")  # fmt: skip
+    for heading in (*headings, "seconds"):
+        table.add_column(heading, justify="right")
+    for result in results:
+        table.add_row(
+            result.id,
+            str(len(result.tried)),
+            str(result.count("killed")),
+            str(result.count("survived")),
+            _percent(result.score),
+            _percent(score([result], state=True)),
+            *(str(result.count(s)) for s in ("equivalent", "unjudged", "invalid")),
+            f"{result.seconds:.1f}",
+            style="red" if result.message else None,
+        )
+    console.print(table)
+    for result in results:
+        if result.message:
+            console.print(f"\n{result.id}: {result.message}", style="red", markup=False)
+        if result.survivors:
+            console.print(f"\nsurvived in {result.id}:", style="bold", markup=False)
+        for tried in result.survivors:
+            where = display_path(tried.file, tried.line or None)
+            line = f"  {where}  {tried.operator}: {tried.before} → {tried.after}"
+            console.print(f"{line}\n      {tried.fate.by}", markup=False)
+    unjudged = sum(r.count("unjudged") for r in results)
+    of_state = score(results, state=True)
+    console.print(
+        f"\nmistakes in shaders noticed: {_percent(score(results))}"
+        + ("" if of_state is None else f" · in state: {_percent(of_state)}")
+        + f" · {unjudged} more change only what no expectation reads",
+        style="bold",
+        markup=False,
+    )
+
+
+def _percent(share: float | None) -> str:
+    """A share in per cent, never rounded up to all."""
+    if share is None:
+        return "–"
+    return "100 %" if share == 1.0 else f"{min(100.0 * share, 99.9):.1f} %"

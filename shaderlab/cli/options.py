@@ -1,0 +1,114 @@
+"""Options that several commands share, each with one meaning, and what they make.
+
+Little is imported here: workers get ready while the command imports the rest.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from shaderlab.errors import UsageError
+from shaderlab.execution.jobs import checked_driver
+from shaderlab.execution.sizing import WORDS
+from shaderlab.options import Limits
+
+if TYPE_CHECKING:
+    from shaderlab.execution import Executor
+    from shaderlab.execution.executor import LocalExecutor
+
+Command = TypeVar("Command", bound=Callable[..., Any])
+
+JSON = click.option(
+    "--json", "json_file", metavar="FILE", help="Write results as JSON; - for stdout."
+)
+SCHEDULER = click.option(
+    "--scheduler",
+    metavar="ADDRESS",
+    help="Run on the Dask cluster of this scheduler, such as tcp://host:8786, in place of -j.",
+)
+DRIVER = click.option(
+    "--driver",
+    metavar="NAME",
+    callback=lambda context, option, name: name if name is None else checked_driver(name),
+    help="llvmpipe, softpipe, or default for the machine's own.  [default: llvmpipe]",
+)
+
+
+def report_option(help: str) -> Callable[[Command], Command]:
+    """`--report DIR`, the folder of a run."""
+    return click.option("--report", "folder", metavar="DIR", help=help)
+
+
+def jobs_option(default: str = WORDS) -> Callable[[Command], Command]:
+    """`--jobs N`, given as `workers`; None where the number is left to the lab."""
+    return click.option(
+        "-j",
+        "--jobs",
+        "workers",
+        type=click.IntRange(min=0),
+        default=None,
+        show_default=default,
+        envvar="SHADERLAB_JOBS",
+        metavar="N",
+        help="Run in N worker processes; 0 for none, which isolates and limits nothing.",
+    )
+
+
+def limits_option(help: str, seconds: float = Limits.seconds) -> Callable[[Command], Command]:
+    """`--timeout S` and `--memory GB`, given as `limits`."""
+    timeout = click.option(
+        "--timeout",
+        "seconds",
+        type=click.FloatRange(min=0.0, min_open=True),
+        default=seconds,
+        show_default=True,
+        metavar="S",
+        help=help,
+    )
+    memory = click.option(
+        "--memory",
+        "gigabytes",
+        type=click.FloatRange(min=0.0),
+        default=Limits.gigabytes,
+        show_default=True,
+        metavar="GB",
+        help="Memory that one worker may have; 0 for any amount.",
+    )
+
+    def decorate(command: Command) -> Command:
+        def with_limits(*, seconds: float, gigabytes: float, **given: Any) -> Any:
+            return command(limits=Limits(seconds=seconds, gigabytes=gigabytes), **given)
+
+        wrapped: Any = functools.wraps(command)(with_limits)
+        decorated: Command = timeout(memory(wrapped))
+        return decorated
+
+    return decorate
+
+
+def make_executor(
+    driver: str | None, limits: Limits, workers: int | None, scheduler: str | None = None
+) -> Executor:
+    """What runs the jobs of a command. Raises UsageError."""
+    if scheduler is None:
+        return make_local_executor(driver, limits, workers)
+    if workers == 0:
+        raise UsageError("--scheduler does not go with -j 0")
+    from shaderlab.execution.dask_executor import DaskExecutor
+
+    return DaskExecutor(scheduler, driver, limits)
+
+
+def make_local_executor(
+    driver: str | None, limits: Limits, workers: int | None, early: bool = True
+) -> LocalExecutor:
+    """An executor on this machine: in this process for 0 workers."""
+    from shaderlab.execution import InProcessExecutor, ProcessExecutor
+
+    if workers == 0:
+        return InProcessExecutor(driver)
+    return ProcessExecutor(driver, limits, workers, early=early)

@@ -1,0 +1,240 @@
+"""`shaderlab run`: run scenes, show outcomes, write the report."""
+
+from __future__ import annotations
+
+import contextlib
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from shaderlab.cli import FAILED, INTERRUPTED, OK, USAGE
+from shaderlab.cli.files import latest, output_options, uses_stdout
+from shaderlab.cli.options import (
+    DRIVER,
+    SCHEDULER,
+    jobs_option,
+    limits_option,
+    make_executor,
+    report_option,
+)
+from shaderlab.errors import UsageError
+from shaderlab.execution.jobs import checked_driver
+from shaderlab.options import Limits, RunOptions
+
+if TYPE_CHECKING:
+    from shaderlab.cli.recorded_run import RecordedRun
+    from shaderlab.cli.showing import Show
+    from shaderlab.execution import Executor
+    from shaderlab.execution.journal import Journal, RunPlan
+    from shaderlab.records import Record, Run
+
+
+@click.command("run", short_help="Run cases, judge them, write the report.")
+@click.argument("targets", nargs=-1, metavar="[ID | FILE.py | FOLDER]…")
+@click.option("--all", "every", is_flag=True, help="Every case that comes with shaderlab.")
+@click.option("--variant", "variants", multiple=True, metavar="V", help="Only this variant.")
+@click.option(
+    "--size",
+    type=click.IntRange(1, 4096),
+    default=RunOptions.size,
+    show_default=True,
+    metavar="N",
+    help="Judge N × N pixels, where a case does not set a size itself.",
+)
+@click.option(
+    "--shader",
+    "shaders",
+    multiple=True,
+    metavar="NAME=FILE",
+    help="Judge FILE in place of the shader called NAME: its path, or the end of it.",
+)
+@output_options
+@report_option("Write the report into DIR instead of a new folder in reports/.")
+@limits_option("Give one variant up after S seconds.")
+@jobs_option()
+@SCHEDULER
+@DRIVER
+@click.option(
+    "--drivers",
+    metavar="A,B",
+    help="Run on each of these drivers, and show where they disagree.",
+)
+@click.option(
+    "--resume",
+    is_flag=False,
+    flag_value="",
+    metavar="[FOLDER]",
+    help="Go on with the run in FOLDER (the last one) that did not get to its end.",
+)
+@click.option(
+    "--pictures/--no-pictures", default=True, help="Draw pictures for the report, or only judge."
+)
+@click.option("--profile", is_flag=True, help="Show where the time went.")
+@click.option("--open", "open_report", is_flag=True, help="Open the report in a browser.")
+def command(
+    targets: tuple[str, ...],
+    every: bool,
+    variants: tuple[str, ...],
+    size: int,
+    shaders: tuple[str, ...],
+    outputs: Mapping[str, str],
+    folder: str | None,
+    limits: Limits,
+    workers: int | None,
+    scheduler: str | None,
+    driver: str | None,
+    drivers: str | None,
+    resume: str | None,
+    pictures: bool,
+    profile: bool,
+    open_report: bool,
+) -> int:
+    """Run cases: compile, draw, judge every pixel, and write a report.
+
+    A case is named by its id, by its id and a variant, or by its file; a folder stands for all
+    case files below it.
+
+    \b
+    Examples:
+      shaderlab run attenuation spotlight
+      shaderlab run 'attenuation[50]'               one variant
+      shaderlab run --all --json out.json           for other programs
+      shaderlab run ./my_case.py --open             a case of your own
+      shaderlab run gamma --shader gamma.frag=mine.frag
+      shaderlab run --all --drivers llvmpipe,softpipe
+      shaderlab run --resume                        after Ctrl-C or a power cut
+      shaderlab run --all --scheduler tcp://host:8786
+
+    Each variant runs in a worker process. One that crashes or takes too long is a "crash" or
+    "timeout" of that variant, and everything else is run.
+
+    With --scheduler (pip install 'shaderlab[cluster]') the processes are on the workers of a Dask
+    cluster, which need the same versions and nothing else: a case of your own is sent with
+    everything below its folder, records and pictures come back into the run's folder here.
+
+    Exit code: 0 all passed, 1 something failed, 2 wrong usage. A case that needs a feature which
+    this driver lacks is "unsupported", which is no failure.
+    """
+    compared = _compared_drivers(drivers)
+    if compared and (driver is not None or resume is not None or workers == 0):
+        raise UsageError("--drivers goes with neither --driver, --resume nor -j 0")
+    if resume is not None and (targets or every or variants or folder):
+        raise UsageError("--resume runs what was asked for then: name nothing else")
+    options = RunOptions(
+        size=size, pictures=pictures, driver=compared[0] if compared else driver, limits=limits
+    )
+    done: list[Record] = []
+    if resume is not None:
+        from shaderlab.cli.recorded_run import resumed_folder, resumed_plan
+
+        plan, done = resumed_plan(resumed_folder(resume), limits)
+        options = plan.options
+
+    def start(driver: str | None) -> Executor:
+        return make_executor(driver, limits, workers, scheduler)
+
+    # Workers get ready while what follows is imported.
+    with contextlib.closing(start(options.driver)) as executor:
+        from shaderlab.cli.recorded_run import new_plan, run_plan, write_report
+        from shaderlab.cli.replacing import named, parsed
+        from shaderlab.cli.selecting import choose
+        from shaderlab.cli.showing import Show
+        from shaderlab.execution.journal import Journal
+        from shaderlab.report.html import load_libraries
+
+        load_libraries()
+        show = Show(to_stderr=uses_stdout(outputs))
+        if resume is None:
+            replacements = parsed(shaders)
+            jobs = choose(targets, every, variants, executor.load)
+            plan = new_plan(jobs, replace(options, shaders=named(replacements, jobs)), folder)
+        assert plan.options.folder is not None
+        with Journal(plan.options.folder, plan if resume is None else None) as journal:
+            if compared:
+                recorded = _run_on_each(compared, executor, start, plan, journal, show)
+            else:
+                recorded = run_plan(executor, plan, done, journal, show)
+        show.outcomes(recorded.run)
+        show.disagreements(recorded.run)
+        if profile:
+            show.profile(recorded.run)
+        page, problems = write_report(recorded, outputs)
+    if folder is None and resume is None:
+        latest(recorded.folder)
+    if page is not None:
+        show.where(page)
+    for problem in problems:
+        click.echo(f"shaderlab: {problem}", err=True)
+    if problems:
+        return USAGE if isinstance(problems[0], UsageError) else FAILED
+    if open_report and page is not None:
+        click.launch(page.resolve().as_uri())
+    if not recorded.complete:
+        show.go_on(recorded.folder)
+        return INTERRUPTED
+    return _status(recorded.run)
+
+
+def _status(run: Run) -> int:
+    from shaderlab.report.plain_text import failed
+
+    others = any(result.status not in ("pass", "unsupported") for result in run.drivers)
+    passed = any(record.status == "pass" for record in run.records)
+    return FAILED if others or not passed or any(map(failed, run.records)) else OK
+
+
+def _compared_drivers(names: str | None) -> tuple[str, ...]:
+    """The drivers to be compared; none if there is only one. Raises UsageError."""
+    if names is None:
+        return ()
+    found = tuple(checked_driver(name.strip()) for name in names.split(","))
+    if len(set(found)) != len(found) or len(found) < 2:
+        raise UsageError(f"--drivers {names}: name two or more, each once")
+    return found
+
+
+def _run_on_each(
+    drivers: Sequence[str],
+    executor: Executor,
+    start: Callable[[str], Executor],
+    plan: RunPlan,
+    journal: Journal,
+    show: Show,
+) -> RecordedRun:
+    """Run the plan on each driver; the run on the first one gets the comparison.
+
+    Args:
+        drivers: their names.
+        executor: on the first driver.
+        start: makes an executor on another driver.
+        plan, journal, show: as for `run_plan`.
+    """
+    from shaderlab.cli.recorded_run import run_plan
+    from shaderlab.execution.drivers import disagreements, results
+
+    with tempfile.TemporaryDirectory(prefix="shaderlab-") as folder:
+        frames = {name: Path(folder, name) for name in drivers}
+        first = replace(plan.options, frames=frames[drivers[0]])
+        recorded = run_plan(executor, replace(plan, options=first), (), journal, show)
+        if not recorded.complete:
+            return recorded
+        run = recorded.run
+        found = list(results(drivers[0], run.driver["renderer"], run.records))
+        for name in drivers[1:]:
+            options = replace(plan.options, driver=name, pictures=False, frames=frames[name])
+            records: dict[tuple[str, str], Record] = {}
+            with (
+                contextlib.closing(start(name)) as other,
+                show.progress(len(plan.jobs)) as progress,
+            ):
+                for job, record in other.run(plan.jobs, options):
+                    progress.ends(record)
+                    records[job.key] = record
+                renderer = other.about().driver["renderer"]
+            found += results(name, renderer, [records[job.key] for job in plan.jobs])
+        apart = tuple(disagreements(plan.jobs, frames))
+    return replace(recorded, run=replace(run, drivers=tuple(found), disagreements=apart))

@@ -1,0 +1,139 @@
+"""`shaderlab sweep`: one case over a grid of inputs, as a table and as plots."""
+
+from __future__ import annotations
+
+import contextlib
+from dataclasses import replace
+from pathlib import Path
+
+import click
+
+from shaderlab.cli import FAILED, INTERRUPTED, OK
+from shaderlab.cli.files import latest
+from shaderlab.cli.options import (
+    DRIVER,
+    SCHEDULER,
+    jobs_option,
+    limits_option,
+    make_executor,
+    report_option,
+)
+from shaderlab.errors import UsageError
+from shaderlab.options import Limits, RunOptions
+from shaderlab.records import Record
+
+TABLE = "sweep.csv"
+
+
+@click.command("sweep", short_help="Run one case over a grid of inputs; a table and plots.")
+@click.argument("target", required=False, metavar="ID | ID[VARIANT] | FILE.py")
+@click.option(
+    "--param", "params", multiple=True, metavar="NAME=VALUES",
+    help="A uniform or ramp and its values: A:B:N, A:B:Nlog or A,B,C. Several span a grid.",
+)  # fmt: skip
+@click.option(
+    "--table", metavar="FILE", help=f"Write the table here: .csv or .parquet.  [default: {TABLE}]"
+)
+@report_option("Write the report into DIR instead of a new folder in reports/.")
+@limits_option("Give one point up after S seconds.")
+@jobs_option()
+@SCHEDULER
+@DRIVER
+@click.option(
+    "--resume", metavar="FOLDER", help="Go on with the sweep in FOLDER that did not get to its end."
+)
+@click.option("--pictures/--no-pictures", default=False, help="Draw pictures of each point.")
+def command(
+    target: str | None,
+    params: tuple[str, ...],
+    table: str | None,
+    folder: str | None,
+    limits: Limits,
+    workers: int | None,
+    scheduler: str | None,
+    driver: str | None,
+    resume: str | None,
+    pictures: bool,
+) -> int:
+    """Run one case at every point of a grid, and see where its formulas come near their bands.
+
+    NAME is a uniform, a member of a uniform block, or a ramp (which then has that value on the
+    whole screen), spelt as the case spells it, or `size`: the side in pixels of the judged frame.
+    Everything else stays as the variant has it, without one as the first. VALUES are
+
+    \b
+      0:1:11          11 values from 0 to 1, equally spaced
+      0.01:1:50log    50 values from 0.01 to 1, in equal ratios
+      7,13,20         these values
+
+    \b
+    Examples:
+      shaderlab sweep attenuation --param light.linear=0.01:1:50log --param size=64,256,1024
+      shaderlab sweep 'blinn-phong[shininess 8]' --param shininess=1:1024:11log --table s.parquet
+      shaderlab sweep attenuation --param light.quadratic=0:2:40 --scheduler tcp://host:8786
+
+    The table has a row for each point: the parameters, status, the worst distance in half band
+    widths (up to 1 is inside) and in ULP, how many values are outside and how many were judged,
+    the share of bands that allow anything, and seconds by phase. Only formulas are judged: a
+    case's figures hold for its own inputs.
+
+    Exit code: 0 every point passed, 1 one did not, 2 wrong usage.
+    """
+    from shaderlab.report import table as tables
+
+    if table is not None:
+        tables.check(Path(table))
+    options = RunOptions(pictures=pictures, driver=driver, limits=limits)
+    done: list[Record] = []
+    if resume is not None:
+        from shaderlab.cli.recorded_run import resumed_plan
+
+        if target or params:
+            raise UsageError("--resume runs what was asked for then: name nothing else")
+        plan, done = resumed_plan(Path(resume), limits)
+        options = plan.options
+        if not all(job.point for job in plan.jobs):
+            raise UsageError("this is no sweep", file=resume, remedy="use shaderlab run --resume")
+    elif target is None:
+        raise UsageError("nothing to sweep", remedy="name a case; `shaderlab list` shows all")
+    elif not params:
+        raise UsageError(
+            "no parameter to sweep", remedy="such as --param light.linear=0.01:1:50log"
+        )
+    with contextlib.closing(make_executor(options.driver, limits, workers, scheduler)) as executor:
+        from shaderlab.cli.recorded_run import new_plan, run_plan, write_report
+        from shaderlab.cli.selecting import one
+        from shaderlab.cli.showing import Show
+        from shaderlab.execution.journal import Journal
+        from shaderlab.execution.sweep_grid import grid, parameters
+        from shaderlab.execution.sweep_table import plots, rows
+        from shaderlab.report.html import load_libraries
+
+        load_libraries()
+        show = Show()
+        if target is not None:
+            swept = parameters(params)
+            facts, variant = one(target, executor.load)
+            plan = new_plan(grid(facts, variant, swept), options, folder)
+        assert plan.options.folder is not None
+        with Journal(plan.options.folder, plan if resume is None else None) as journal:
+            recorded = run_plan(executor, plan, done, journal, show)
+    found = rows(plan.jobs, recorded.run.records)
+    run = replace(recorded.run, plots=plots(plan.jobs, found))
+    show.sweep(found, run)
+    file = recorded.folder / TABLE if table is None else Path(table)
+    tables.write_table(found, file)
+    page, problems = write_report(replace(recorded, run=run), {})
+    if folder is None and resume is None:
+        latest(recorded.folder)
+    show.console.print(f"table: {file}", markup=False)
+    if page is not None:
+        show.where(page)
+    for problem in problems:
+        raise problem
+    if not recorded.complete:
+        click.echo(f"go on with: shaderlab sweep --resume {recorded.folder}")
+        return INTERRUPTED
+    from shaderlab.report.plain_text import failed
+
+    return FAILED if any(map(failed, run.records)) else OK

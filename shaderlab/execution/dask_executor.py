@@ -1,0 +1,276 @@
+"""An `Executor` on a running Dask cluster: jobs go out, records and pictures come back.
+
+Each job is a task of its own. Dask gives the tasks of a worker that is lost to others, and each
+record is taken once, so it does not matter where or how often its scene was run.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import queue
+import uuid
+from collections.abc import Generator, Iterator, Mapping, Sequence
+from concurrent.futures import CancelledError
+from dataclasses import replace
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from shaderlab.errors import ShaderlabError
+from shaderlab.execution.dask_bundles import (
+    SHIPPED,
+    Address,
+    Bundle,
+    homes,
+    identity,
+    packed,
+    packed_folder,
+    shipped_path,
+)
+from shaderlab.execution.dask_connection import check_workers, connected, other_version, quiet
+from shaderlab.execution.jobs import About, CaseFacts, Job, failed_record
+from shaderlab.files import display_path
+from shaderlab.options import Limits, RunOptions
+from shaderlab.records import Record
+
+if TYPE_CHECKING:
+    from distributed import Future
+
+    from shaderlab.execution.dask_plugin import RemoteJob
+
+PATIENCE_SECONDS = 60.0
+_LOOK_SECONDS = 2.0
+_GO_ON = "what was finished is kept: go on with shaderlab run --resume"
+
+
+class DaskExecutor:
+    """Runs jobs on the workers of a Dask scheduler.
+
+    Args:
+        address: the scheduler's, such as "tcp://host:8786".
+        driver: as in `shaderlab.backends.open_backend`, on the workers.
+        limits: of each job.
+        patience: seconds that a cluster may be without any worker in the middle of a run.
+
+    Raises:
+        UsageError: Dask is not installed here, no scheduler answers, it has no workers, or they
+            have other versions than this machine.
+    """
+
+    def __init__(
+        self,
+        address: str,
+        driver: str | None = None,
+        limits: Limits | None = None,
+        patience: float = PATIENCE_SECONDS,
+    ) -> None:
+        self._address = address
+        self._patience = patience
+        self._name = f"shaderlab-{uuid.uuid4().hex[:12]}"
+        self._sent: dict[str, Any] = {}  # bundles as Dask's tasks, by the bundle's name
+        self._folders: dict[Path, Bundle] = {}
+        self._client = connected(address)
+        try:
+            check_workers(self._client, address)
+            from shaderlab.execution.dask_plugin import DaskPlugin
+
+            self._client.register_plugin(DaskPlugin(self._name, driver, limits or Limits()))
+        except BaseException:
+            self._client.close()
+            raise
+
+    def about(self) -> About:
+        """See `Executor`: those of the first worker that answers."""
+        return self._about
+
+    @cached_property
+    def _about(self) -> About:
+        from shaderlab.execution import dask_plugin
+
+        with self._watched():
+            future = self._client.submit(
+                dask_plugin.describe, self._name, key=f"{self._name}-about"
+            )
+            about: About = self._wait(future)
+            return about
+
+    def load(self, files: Sequence[Path]) -> list[CaseFacts]:
+        """See `Executor`. Files are imported by workers, never here."""
+        from shaderlab.execution import dask_plugin
+
+        with self._watched():
+            asked = []
+            for number, file in enumerate(files):
+                job = Job(file=str(file), id=file.stem, variant="")
+                remote, sent = self._remote(job, RunOptions())
+                key = f"{self._name}-load-{number}-{uuid.uuid4().hex[:8]}"
+                asked.append(
+                    self._client.submit(dask_plugin.load, self._name, remote, *sent, key=key)
+                )
+            found: list[CaseFacts] = [self._wait(future) for future in asked]
+        return [replace(facts, file=str(f)) for f, facts in zip(files, found, strict=True)]
+
+    def run(self, jobs: Sequence[Job], options: RunOptions) -> Generator[tuple[Job, Record]]:
+        """See `Executor`.
+
+        Raises:
+            ShaderlabError: the cluster is gone.
+        """
+        from shaderlab.execution import dask_plugin
+
+        _ = self.about()
+        finished: queue.SimpleQueue[int] = queue.SimpleQueue()
+        futures: dict[int, Future[Any]] = {}
+        with self._watched():
+            for number, job in enumerate(jobs):
+                if job.broken:
+                    continue
+                remote, sent = self._remote(job, options)
+                key = f"{self._name}-{uuid.uuid4().hex[:8]}-{number}"
+                futures[number] = self._client.submit(
+                    dask_plugin.run, self._name, identity(), remote, *sent, key=key, retries=1
+                )
+                futures[number].add_done_callback(lambda _, n=number: finished.put(n))
+            for job in jobs:
+                if job.broken:
+                    yield job, failed_record(job, job.broken, job.trouble)
+            while futures:
+                number = self._next(finished)
+                if number in futures:  # a task that was run twice is done twice
+                    record = self._record(jobs[number], options, futures.pop(number))
+                    yield jobs[number], record
+
+    def close(self) -> None:
+        """See `Executor`. The cluster itself goes on."""
+        with contextlib.suppress(Exception), quiet():
+            # What still runs is given up: its processes end with the plugin.
+            self._client.unregister_worker_plugin(self._name)
+        with contextlib.suppress(Exception), quiet():
+            self._client.close()
+
+    def _record(self, job: Job, options: RunOptions, future: Future[Any]) -> Record:
+        """A job's record; its files are written here first, so that a record never names a file
+        that is not there."""
+        from distributed.scheduler import KilledWorker
+
+        from shaderlab.report import store
+
+        try:
+            result = self._wait(future)
+        except KilledWorker:
+            return failed_record(job, "crash", "every Dask worker that ran it was lost")
+        finally:
+            future.release()
+        if isinstance(result, Mapping):
+            raise other_version(self._address, "a worker that came later", result)
+        record = store.parse(result.record, Record)
+        problem = ""
+        for folder, files in ((options.folder, result.files), (options.frames, result.frames)):
+            if folder is not None:
+                problem = problem or _write_files(files, folder)
+        if problem:
+            record = replace(record, notices=(*record.notices, problem))
+        return record
+
+    def _next(self, finished: queue.SimpleQueue[int]) -> int:
+        """The number of a task that has come to its end."""
+        without = 0.0
+        while True:
+            try:
+                return finished.get(timeout=_LOOK_SECONDS)
+            except queue.Empty:
+                if self._client.status not in ("running", "connecting"):
+                    raise self._gone("the scheduler is gone") from None
+                without = 0.0 if self._client.nthreads() else without + _LOOK_SECONDS
+                if without >= self._patience:
+                    raise self._gone("there are no workers left") from None
+
+    def _wait(self, future: Future[Any]) -> Any:
+        """A task's result, as long as there is anybody to give it."""
+        without = 0.0
+        while True:
+            try:
+                return future.result(timeout=_LOOK_SECONDS)
+            except TimeoutError:
+                without = 0.0 if self._client.nthreads() else without + _LOOK_SECONDS
+                if without >= self._patience:
+                    raise self._gone("there are no workers left") from None
+            except CancelledError:
+                raise self._gone("the scheduler is gone") from None
+
+    @contextlib.contextmanager
+    def _watched(self) -> Iterator[None]:
+        """Errors of the connection as the lab's own."""
+        from distributed.comm.core import CommClosedError
+
+        try:
+            with quiet():
+                yield
+        except (CommClosedError, OSError, CancelledError) as error:
+            if isinstance(error, OSError) and not isinstance(error, CommClosedError | TimeoutError):
+                raise
+            raise self._gone("the scheduler is gone") from error
+
+    def _gone(self, how: str) -> ShaderlabError:
+        return ShaderlabError(f"Dask cluster {self._address}: {how}", remedy=_GO_ON)
+
+    def _remote(self, job: Job, options: RunOptions) -> tuple[RemoteJob, list[Any]]:
+        """A job as any machine can run it, and the bundles it needs, which are on their way."""
+        from shaderlab.execution.dask_plugin import RemoteJob
+
+        bundles: list[Bundle] = []
+        local_names = {what: _shown(folder) for what, folder in homes().items()}
+
+        def bundled(bundle: Bundle, folder: Path, name: str) -> Address:
+            bundles.append(bundle)
+            local_names[bundle.name] = _shown(folder)
+            return Address(bundle.name, name)
+
+        file = Path(job.file)
+        shipped = shipped_path(file)
+        if shipped is not None:
+            address = Address(SHIPPED, shipped)
+        else:
+            address = bundled(self._folder(file.parent), file.parent, file.name)
+        shaders = tuple(
+            (name, bundled(packed({path.name: path.read_bytes()}), path.parent, path.name))
+            for name, path in options.shaders.items()
+        )
+        remote = RemoteJob(
+            options=options, job=job, file=address, shaders=shaders, local_names=local_names
+        )
+        return remote, [self._send(bundle) for bundle in bundles]
+
+    def _folder(self, folder: Path) -> Bundle:
+        if folder not in self._folders:
+            self._folders[folder] = packed_folder(folder)
+        return self._folders[folder]
+
+    def _send(self, bundle: Bundle) -> Any:
+        """The bundle as a task, which Dask runs again where the worker that held it is lost."""
+        from shaderlab.execution import dask_plugin
+
+        if bundle.name not in self._sent:
+            key = f"{self._name}-{bundle.name}"
+            self._sent[bundle.name] = self._client.submit(dask_plugin.carry, bundle, key=key)
+        return self._sent[bundle.name]
+
+
+def _shown(folder: Path) -> str:
+    """A folder as it begins the paths of files in it, as records name them."""
+    return display_path(folder / "x")[:-1]
+
+
+def _write_files(files: Mapping[str, bytes], folder: Path) -> str:
+    """Write what was sent into the run's folder; returns what went wrong, or ""."""
+    root = folder.resolve()
+    try:
+        for relative, data in files.items():
+            path = (root / relative).resolve()
+            if not path.is_relative_to(root):
+                return f"a worker sent a file from outside its folder: {relative}"
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(data)
+    except OSError as error:
+        return f"can't write a picture ({error.strerror or error})"
+    return ""

@@ -1,0 +1,132 @@
+"""What executors are given and what they give back, as plain data that crosses processes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, cast
+
+from shaderlab.errors import CaseError, UsageError, nearest
+
+if TYPE_CHECKING:
+    from shaderlab.records import Record, Status
+
+
+@dataclass(frozen=True, kw_only=True)
+class CaseFacts:
+    """What a case file holds, as far as choosing among its variants needs it.
+
+    Attributes:
+        formulas: for each variant, how many formulas its outputs are held against.
+        parameters: how many components each uniform and ramp has, by name.
+        sized: whether a pass has the size of the frame that is judged.
+        error: why the file could not be loaded; then `variants` is empty.
+        status: "error" if the file is wrong, "crash" or "timeout" if it took its process with it.
+    """
+
+    file: str
+    id: str
+    title: str = ""
+    section: str = ""
+    variants: tuple[str, ...] = ()
+    formulas: tuple[int, ...] = ()
+    parameters: Mapping[str, int] = field(default_factory=dict)
+    sized: bool = True
+    error: CaseError | None = None
+    status: str = "pass"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Point:
+    """One point of a sweep: the variant it starts from, the parameters' values, and the side of
+    the frame that is judged (0: the run's)."""
+
+    variant: str
+    changes: Mapping[str, float]
+    size: int = 0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Job:
+    """One variant to run.
+
+    Attributes:
+        broken: for a case file that could not be loaded, how that ended: "error", "crash" or
+            "timeout".
+        trouble: why it could not be loaded.
+        point: runs the variant with other inputs, judged by its formulas alone; `variant` is then
+            the point's own name.
+    """
+
+    file: str
+    id: str
+    variant: str
+    title: str = ""
+    section: str = ""
+    broken: str = ""
+    trouble: str = ""
+    point: Point | None = None
+
+    @property
+    def key(self) -> tuple[str, str]:
+        """What tells it from the others of a run."""
+        return self.id, self.variant
+
+
+@dataclass(frozen=True, kw_only=True)
+class About:
+    """The driver that an executor's jobs run on, and the versions of the packages in use."""
+
+    driver: Mapping[str, str] = field(default_factory=dict)
+    versions: Mapping[str, str] = field(default_factory=dict)
+
+
+def jobs_of(facts: CaseFacts) -> list[Job]:
+    """A job for each variant of a case."""
+    return [
+        Job(file=facts.file, id=facts.id, variant=name, title=facts.title, section=facts.section)
+        for name in facts.variants
+    ]
+
+
+def failed_record(
+    job: Job, status: str, message: str, *, step: str = "", driver: str = "", seconds: float = 0.0
+) -> Record:
+    """The record of a job whose process did not live to write one.
+
+    Args:
+        job: what was to be run.
+        status: "timeout", "crash" or "error".
+        message: how it ended.
+        step: the last thing it was about to do, in words.
+        driver: the renderer it ran on.
+        seconds: how long it took until then.
+    """
+    from shaderlab.records import Record  # not before the first worker is started
+
+    lines = [message]
+    if step:
+        lines.append(f"last step: {step}")
+    if driver:
+        lines.append(f"driver: {driver}")
+    return Record(
+        id=job.id,
+        variant=job.variant,
+        title=job.title,
+        section=job.section,
+        lesson="",
+        formula="",
+        file=job.file,
+        status=cast("Status", status),
+        message="\n".join(lines),
+        seconds=seconds,
+    )
+
+
+def checked_driver(name: str) -> str:
+    """`name`, if it is a driver's. Raises UsageError."""
+    from shaderlab.backends import DRIVERS
+
+    if name not in DRIVERS:
+        raise UsageError(f"there is no driver {name!r}", remedy=nearest(name, DRIVERS))
+    return name

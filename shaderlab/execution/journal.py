@@ -1,0 +1,138 @@
+"""A run's records as lines of a file, each written when it is there: what survives a power cut.
+
+`records.jsonl` begins with one line about the run (what was asked for), then has a line for each
+record, in the order in which they came. A line that was cut short counts as not written.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import IO, Self
+
+from shaderlab.errors import UsageError
+from shaderlab.execution.jobs import Job
+from shaderlab.options import RunOptions
+from shaderlab.records import Record
+
+FILE_NAME = "records.jsonl"
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunPlan:
+    """What was asked for, so that it can be resumed."""
+
+    started: str
+    options: RunOptions
+    jobs: tuple[Job, ...]
+
+
+class Journal:
+    """The file of a run that is going on. A context manager.
+
+    Only one run at a time may write to a folder; the lock goes with the process.
+
+    Args:
+        folder: the run's folder.
+        plan: what is run; None resumes the run that is there.
+
+    Raises:
+        UsageError: another run is writing to this folder, or it can't be written to.
+    """
+
+    def __init__(self, folder: Path, plan: RunPlan | None) -> None:
+        self._path = folder / FILE_NAME
+        self.problem = ""
+        try:
+            self._file: IO[bytes] = open(self._path, "ab", buffering=0)  # noqa: SIM115
+        except OSError as error:
+            raise UsageError(f"can't write here: {error.strerror}", file=self._path) from error
+        try:
+            _lock(self._file)
+            if plan is None:
+                _drop_cut_line(self._path)
+            else:
+                self._file.truncate(0)
+                self._write(_line(plan))
+        except BaseException:
+            self._file.close()
+            raise
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._file.close()
+
+    def add(self, record: Record) -> None:
+        """Append one record. If the disk is full the run goes on, and `problem` says so."""
+        self._write(_line(record))
+
+    def _write(self, line: bytes) -> None:
+        if self.problem:
+            return
+        start = os.fstat(self._file.fileno()).st_size
+        try:
+            while line:
+                line = line[self._file.write(line) or 0 :]
+        except OSError as error:
+            self.problem = f"can't write {self._path}: {error.strerror}"
+            with contextlib.suppress(OSError):
+                os.ftruncate(self._file.fileno(), start)
+
+
+def read(folder: Path) -> tuple[RunPlan, list[Record]]:
+    """What a journal holds: what was asked for, and the records that there are.
+
+    Raises:
+        UsageError: there is none, or not even its first line is whole.
+    """
+    path = folder / FILE_NAME
+    try:
+        lines = path.read_bytes().split(b"\n")[:-1]
+    except OSError as error:
+        raise UsageError(
+            "there is no run to go on with", file=path, remedy="name the folder of one"
+        ) from error
+    if not lines:
+        raise UsageError("this run did not get to begin", file=path, remedy="run it anew")
+    from shaderlab.report import store
+
+    plan = store.parse(json.loads(lines[0]), RunPlan)
+    return plan, [store.parse(json.loads(line), Record) for line in lines[1:]]
+
+
+def _line(value: RunPlan | Record) -> bytes:
+    from shaderlab.report import store  # not before workers get ready: it takes its time
+
+    text = json.dumps(store.plain(value), allow_nan=False, separators=(",", ":"))
+    return (text + "\n").encode("utf-8", "replace")
+
+
+def _lock(file: IO[bytes]) -> None:
+    try:
+        import fcntl
+    except ImportError:
+        return  # Windows: the last one to finish wins
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError as error:
+        raise UsageError(
+            "another run is writing to this folder",
+            file=Path(file.name).parent,
+            remedy="give each its own with --report, or wait",
+        ) from error
+
+
+def _drop_cut_line(path: Path) -> None:
+    whole = path.read_bytes()
+    os.truncate(path, whole.rfind(b"\n") + 1)

@@ -1,0 +1,128 @@
+"""The state of a process that performs requests.
+
+A worker imports this module before it says that it is ready, so that the time limit of its first
+request is not spent on imports.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from shaderlab import evaluation
+from shaderlab.catalogue import load_case
+from shaderlab.errors import CaseError
+from shaderlab.evaluation import Lab
+from shaderlab.execution.jobs import CaseFacts, Job
+from shaderlab.execution.requests import Request
+from shaderlab.execution.worker_main import Channel
+from shaderlab.model import Case, Ramp, Scene
+from shaderlab.options import RunOptions
+from shaderlab.records import Record
+
+
+class LabWorker:
+    """The state of a process that performs requests: an open lab, and case files loaded once.
+
+    Args:
+        channel: the way to the parent; None where requests are performed in the process that
+            makes them, which has no time limit then.
+    """
+
+    def __init__(self, channel: Channel | None = None) -> None:
+        self._channel = channel
+        self._lab: Lab | None = None
+        self._scenes: dict[str, Mapping[str, Scene]] = {}
+        self._kept: dict[str, tuple[Hashable, Any]] = {}
+
+    def __call__(self, requests: Sequence[Request]) -> Iterator[Any]:
+        """Perform requests in a worker process, in order."""
+        for request in requests:
+            if self._lab is not None and self._lab.exhausted:
+                # What ran out of memory may have left the driver half way. A new process costs
+                # less than a doubt about every later record; the parent starts it and asks again.
+                os._exit(1)
+            yield request.perform(self)
+
+    def lab(self, options: RunOptions) -> Lab:
+        """The process's lab, with these options for the scenes to come."""
+        if self._lab is None:
+            self._lab = evaluation.Lab(options, self.note)
+        elif options != self._lab.options:
+            self._lab.configure(options)
+        return self._lab
+
+    def scenes(self, file: str) -> Mapping[str, Scene]:
+        """The scenes of a case file by variant. Raises CaseError."""
+        if file not in self._scenes:
+            self._scenes[file] = {s.variant: s for s in load_case(Path(file)).scenes()}
+        return self._scenes[file]
+
+    def case(self, file: str) -> Case:
+        """The case of a case file. Raises CaseError."""
+        return next(iter(self.scenes(file).values())).case
+
+    def facts(self, file: Path) -> CaseFacts:
+        """What is in a case file. Raises CaseError."""
+        scenes = list(self.scenes(str(file)).values())
+        case = scenes[0].case
+        inputs = {name: value for scene in scenes for name, value in scene.inputs.items()}
+        return CaseFacts(
+            file=case.file,
+            id=case.id,
+            title=case.title,
+            section=case.section,
+            variants=tuple(scene.variant for scene in scenes),
+            formulas=tuple(len(scene.formulas()) for scene in scenes),
+            parameters={name: _components(value) for name, value in inputs.items()},
+            sized=any(p.target.size is None for scene in scenes for p in scene.passes),
+        )
+
+    def run(self, job: Job, options: RunOptions) -> Record:
+        """Run one job. Raises CaseError where the case file is wrong."""
+        size = options.size if job.point is None else job.point.size or options.size
+        lab = self.lab(replace(options, size=size))
+        self.note("loading the case file")
+        return lab.run(_scene_of(job, self.scenes(job.file)))
+
+    def keep(self, slot: str, key: Hashable, make: Callable[[], Any]) -> Any:
+        """The value in `slot`, made now unless it was made for the same key."""
+        if slot not in self._kept or self._kept[slot][0] != key:
+            self._kept.pop(slot, None)
+            self._kept[slot] = key, make()
+        return self._kept[slot][1]
+
+    def note(self, step: str) -> None:
+        """Note the next step, for a parent that outlives this process."""
+        if self._channel is not None:
+            self._channel.note(step)
+
+    def restart_limit(self, seconds: float | None = None) -> None:
+        """Give the current request so many seconds from now on, by default the usual limit."""
+        if self._channel is not None:
+            self._channel.restart_limit(seconds)
+
+    def close(self) -> None:
+        """Close the lab."""
+        if self._lab is not None:
+            self._lab.close()
+
+
+def _scene_of(job: Job, scenes: Mapping[str, Scene]) -> Scene:
+    if job.point is None:
+        return scenes[job.variant]
+    try:
+        scene = scenes[job.point.variant].changed(job.variant, job.point.changes)
+    except CaseError as error:
+        raise CaseError(error.message, file=job.file, remedy=error.remedy) from error
+    return replace(scene, expect=scene.formulas())
+
+
+def _components(value: Any) -> int:
+    value = value.origin if isinstance(value, Ramp) else value
+    return int(np.size(value))

@@ -1,0 +1,179 @@
+"""Parameters of a sweep, as they are typed, and the grid of points that they span."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from shaderlab.errors import UsageError, nearest
+from shaderlab.execution.jobs import CaseFacts, Job, Point
+
+SIZE = "size"
+"""The parameter that is the side of the judged frame in pixels, and no input of a shader."""
+LARGEST_SIZE = 4096
+MOST_POINTS = 10_000
+_RANGE = re.compile(r"(?P<start>[^:]+):(?P<stop>[^:]+):(?P<count>\d+)(?P<log>log)?")
+_RIGHT = "write NAME=START:STOP:COUNT, NAME=START:STOP:COUNTlog or NAME=A,B,C"
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One parameter with the values that it takes; `log` where they are geometrically spaced."""
+
+    name: str
+    values: tuple[float, ...]
+    log: bool = False
+
+    @classmethod
+    def parse(cls, word: str) -> Parameter:
+        """From "reach=1:50:8", "reach=0.1:100:4log" or "reach=7,13,20".
+
+        >>> Parameter.parse("size=64:1024:3log").values
+        (64.0, 256.0, 1024.0)
+
+        Raises:
+            UsageError: it is spelt in another way; says in which it should be.
+        """
+        name, equals, values = (part.strip() for part in word.partition("="))
+        if not equals or not name or not values:
+            raise UsageError(f"--param {word}: no name and values", remedy=_RIGHT)
+        found = _RANGE.fullmatch(values)
+        if found is None and ":" in values:
+            raise UsageError(
+                f"--param {word}: {values!r} is no range",
+                remedy="write START:STOP:COUNT, such as 0:1:11, or 0.01:1:50log for equal ratios",
+            )
+        if found is None:
+            numbers = tuple(_number(word, text) for text in values.split(","))
+        else:
+            ends = _number(word, found["start"]), _number(word, found["stop"])
+            numbers = _range(word, *ends, int(found["count"]), log=bool(found["log"]))
+        if name == SIZE:
+            numbers = _sizes(word, numbers)
+        return cls(name, tuple(dict.fromkeys(numbers)), bool(found and found["log"]))
+
+    def spelt(self, value: float) -> str:
+        """A value in few digits, or in as many as tell it from the others."""
+        short = f"{value:.6g}"
+        alike = sum(f"{other:.6g}" == short for other in self.values)
+        return short if alike == 1 else repr(value)
+
+
+def parameters(words: Sequence[str]) -> tuple[Parameter, ...]:
+    """All parameters of a sweep. Raises UsageError, also where one is given twice."""
+    found = tuple(Parameter.parse(word) for word in words)
+    names = [parameter.name for parameter in found]
+    for name in names:
+        if names.count(name) > 1:
+            raise UsageError(f"--param {name} is given twice", remedy="one list holds all values")
+    points = math.prod(len(parameter.values) for parameter in found)
+    if points > MOST_POINTS:
+        raise UsageError(
+            f"these are {points} points, the most are {MOST_POINTS}", remedy="sweep in parts"
+        )
+    return found
+
+
+def grid(facts: CaseFacts, variant: str, swept: Sequence[Parameter]) -> list[Job]:
+    """A job for each point, the last parameter varying fastest.
+
+    Args:
+        facts: of the case.
+        variant: the one whose inputs hold for all that is not swept.
+        swept: the parameters.
+
+    Raises:
+        UsageError: the case has no such parameter or it is no single number, or nothing of the
+            case can be judged at other inputs than its own.
+    """
+    if not facts.formulas[facts.variants.index(variant)]:
+        raise UsageError(
+            f"{facts.id} has no formula, and its figures hold for its own inputs alone",
+            file=facts.file,
+            remedy="sweep a case with a formula(…) expectation",
+        )
+    for parameter in swept:
+        _check(facts, parameter)
+    return [
+        Job(
+            file=facts.file,
+            id=facts.id,
+            variant=", ".join(f"{p.name}={p.spelt(v)}" for p, v in zip(swept, values, strict=True)),
+            title=facts.title,
+            section=facts.section,
+            point=_point(variant, swept, values),
+        )
+        for values in itertools.product(*(parameter.values for parameter in swept))
+    ]
+
+
+def coordinates(job: Job) -> Iterator[tuple[str, float]]:
+    """A point's parameters with their values there; nothing for a job that is no point."""
+    if job.point is not None:
+        yield from job.point.changes.items()
+        if job.point.size:
+            yield SIZE, job.point.size
+
+
+def _point(variant: str, swept: Sequence[Parameter], values: Sequence[float]) -> Point:
+    given = {p.name: value for p, value in zip(swept, values, strict=True)}
+    size = int(given.pop(SIZE, 0))
+    return Point(variant=variant, changes=given, size=size)
+
+
+def _check(facts: CaseFacts, parameter: Parameter) -> None:
+    if parameter.name == SIZE:
+        if not facts.sized:
+            raise UsageError(f"every pass of {facts.id} has a size of its own", file=facts.file)
+        return
+    single = [name for name, components in facts.parameters.items() if components == 1]
+    components = facts.parameters.get(parameter.name)
+    if components is None:
+        raise UsageError(
+            f"{facts.id} has no uniform or ramp {parameter.name!r}",
+            file=facts.file,
+            remedy=nearest(parameter.name, [*single, SIZE]),
+        )
+    if components != 1:
+        raise UsageError(
+            f"{parameter.name!r} of {facts.id} has {components} components; a sweep gives numbers",
+            file=facts.file,
+            remedy=f"numbers are {', '.join([*single, SIZE])}",
+        )
+
+
+def _number(word: str, text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        raise UsageError(f"--param {word}: {text!r} is no number", remedy=_RIGHT) from None
+    if not math.isfinite(value):
+        raise UsageError(f"--param {word}: {text} is not finite", remedy=_RIGHT)
+    return value
+
+
+def _range(word: str, start: float, stop: float, count: int, *, log: bool) -> tuple[float, ...]:
+    if count < 2:
+        raise UsageError(f"--param {word}: a range has 2 values or more", remedy=_RIGHT)
+    if count > MOST_POINTS:
+        raise UsageError(f"--param {word}: the most are {MOST_POINTS} points")
+    if log and not start * stop > 0.0:
+        raise UsageError(
+            f"--param {word}: equal ratios lead from {start:g} to {stop:g} nowhere",
+            remedy="with log both ends are above 0, or both below it",
+        )
+    space = np.geomspace if log else np.linspace
+    # Twelve digits: 0.3 is meant, not 0.30000000000000004.
+    return tuple(float(f"{value:.12g}") for value in space(start, stop, count))
+
+
+def _sizes(word: str, values: Sequence[float]) -> tuple[float, ...]:
+    sizes = [float(round(value)) for value in values]
+    if not all(1 <= size <= LARGEST_SIZE for size in sizes):
+        raise UsageError(f"--param {word}: a size lies in 1…{LARGEST_SIZE} pixels")
+    return tuple(sizes)

@@ -1,0 +1,97 @@
+"""What a campaign asks of workers: a case's mutants, and the fate of each.
+
+Mutants may loop for ever or take the driver down, so they are judged where that costs one process.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from shaderlab.mutation.results import Fate
+from shaderlab.options import RunOptions
+
+if TYPE_CHECKING:
+    from shaderlab.execution.lab_worker import LabWorker
+    from shaderlab.model import Case
+    from shaderlab.mutation.judging import Judge
+    from shaderlab.mutation.mutants import Mutant
+    from shaderlab.mutation.states import StateMutant
+
+OPENING = "running the case as it is"
+"""The step that a worker notes while it opens a case."""
+OPENING_SECONDS = 120.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class MutationPlan:
+    """Which mutants are made, and what they are judged by.
+
+    Attributes:
+        variants: names of the only variants to judge by; all of them if empty.
+        state: mutate the cases' fixed-function state as well.
+        limit: at most so many mutants a case, drawn at random by `seed`; 0 for all.
+        seed: selects the mutants that `limit` draws.
+    """
+
+    variants: tuple[str, ...] = ()
+    state: bool = True
+    limit: int = 0
+    seed: int = 0
+
+
+@dataclass(frozen=True)
+class MakeMutants:
+    """Asks for a case's mutants. Raises ShaderError if a shader can't be read."""
+
+    file: Path
+    plan: MutationPlan
+
+    def perform(self, worker: LabWorker) -> Sequence[Mutant | StateMutant]:
+        """See `shaderlab.execution.requests.Request`."""
+        return mutants_of_case(worker.case(str(self.file)), self.plan)
+
+
+@dataclass(frozen=True)
+class JudgeMutant:
+    """Asks for a mutant's `Fate`.
+
+    The worker keeps one case open, with what it draws unmutated; it opens another one, with a time
+    limit of its own, where this mutant is of another.
+    """
+
+    file: Path
+    variants: tuple[str, ...]
+    mutant: Mutant | StateMutant
+
+    def perform(self, worker: LabWorker) -> Fate:
+        """See `shaderlab.execution.requests.Request`."""
+        judge: Judge = worker.keep("judge", (self.file, self.variants), lambda: self._open(worker))
+        return judge.fate(self.mutant)
+
+    def _open(self, worker: LabWorker) -> Judge:
+        from shaderlab.mutation.judging import Judge
+
+        worker.note(OPENING)
+        worker.restart_limit(OPENING_SECONDS)
+        judge = Judge(worker.lab(RunOptions()), worker.case(str(self.file)), self.variants)
+        worker.note("")
+        worker.restart_limit()
+        return judge
+
+
+def mutants_of_case(case: Case, plan: MutationPlan) -> list[Mutant | StateMutant]:
+    """The mutants of a case in the order of its files, after `limit`."""
+    from shaderlab.mutation.states import state_mutants
+    from shaderlab.mutation.subjects import glsl_mutants
+
+    found: list[Mutant | StateMutant] = [*glsl_mutants(case)]
+    if plan.state:
+        found += state_mutants(case, plan.seed)
+    if plan.limit and plan.limit < len(found):
+        chosen = random.Random(plan.seed).sample(range(len(found)), plan.limit)
+        found = [found[i] for i in sorted(chosen)]
+    return found

@@ -1,0 +1,116 @@
+"""The parts of running many scenes: journal, distances, phases, failed jobs."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from shaderlab.activity import Activity, doing
+from shaderlab.errors import ShaderlabError, UsageError
+from shaderlab.execution.drivers import apart
+from shaderlab.execution.jobs import Job, failed_record
+from shaderlab.execution.journal import FILE_NAME, Journal, RunPlan, read
+from shaderlab.options import RunOptions
+from shaderlab.records import Record
+
+JOB = Job(file="cases/lamp.py", id="lamp", variant="near", title="A lamp", section="5.1")
+PLAN = RunPlan(
+    started="2026-01-01",
+    options=RunOptions(size=32, folder=Path("out"), shaders={"a.frag": Path("b.frag")}),
+    jobs=(JOB,),
+)
+
+
+def test_a_journal_gives_back_what_was_added(tmp_path: Path, failing: Record) -> None:
+    with Journal(tmp_path, PLAN) as journal:
+        journal.add(failing)
+        assert read(tmp_path) == (PLAN, [failing])  # while it is still open
+    with Journal(tmp_path, None) as journal:
+        journal.add(failed_record(JOB, "crash", "gone"))
+    plan, records = read(tmp_path)
+    assert plan == PLAN
+    assert [record.status for record in records] == ["fail", "crash"]
+
+
+def test_a_line_that_was_cut_short_is_dropped(tmp_path: Path, passing: Record) -> None:
+    with Journal(tmp_path, PLAN) as journal:
+        journal.add(passing)
+    with open(tmp_path / FILE_NAME, "ab") as file:
+        file.write(b'{"id":"la')
+    assert read(tmp_path)[1] == [passing]
+    with Journal(tmp_path, None) as journal:
+        journal.add(passing)
+    assert read(tmp_path)[1] == [passing, passing]
+
+
+def test_only_one_run_writes_to_a_journal(tmp_path: Path) -> None:
+    pytest.importorskip("fcntl")
+    with Journal(tmp_path, PLAN):
+        with pytest.raises(UsageError, match="another run"):
+            Journal(tmp_path, PLAN)
+        assert read(tmp_path)[0] == PLAN
+    Journal(tmp_path, PLAN).__exit__(None, None, None)
+
+
+def test_what_is_no_journal_is_said_so(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="no run to go on with"):
+        read(tmp_path)
+    (tmp_path / FILE_NAME).write_text('{"started"')
+    with pytest.raises(UsageError, match="did not get to begin"):
+        read(tmp_path)
+    (tmp_path / FILE_NAME).write_text(json.dumps({"other": 1}) + "\n")
+    with pytest.raises(ShaderlabError, match="no run of this version"):
+        read(tmp_path)
+
+
+def test_a_failed_job_says_how_far_it_came() -> None:
+    record = failed_record(JOB, "timeout", "took too long", step="draw 0", driver="softpipe")
+    assert (record.id, record.variant, record.status) == ("lamp", "near", "timeout")
+    assert record.message == "took too long\nlast step: draw 0\ndriver: softpipe"
+
+
+def floats(*values: float) -> np.ndarray:
+    return np.array(values, np.float32).reshape(1, -1, 1)
+
+
+NEXT = float(np.nextafter(np.float32(1), np.float32(2)))
+TINY = float(np.finfo(np.float32).smallest_subnormal)
+
+
+@pytest.mark.parametrize(
+    ("a", "b", "expected"),
+    [
+        (floats(1.0, 2.0), floats(1.0, 2.0), (0, 0.0)),
+        (floats(1.0, 2.0), floats(NEXT, 2.0), (1, 1.0)),
+        (floats(0.0), floats(-0.0), (0, 0.0)),
+        (floats(TINY), floats(-TINY), (1, 2.0)),
+        (floats(np.nan), floats(np.nan), (0, 0.0)),
+        (floats(np.nan, 1.0), floats(1.0, 1.0), (1, np.inf)),
+        (np.array([[[1, 2]]]), np.array([[[4, 2]]]), (1, 3.0)),
+        (np.array([[[255]]], np.uint8), np.array([[[0]]], np.uint8), (1, 255.0)),
+    ],
+)
+def test_distance_of_two_drivers(a: np.ndarray, b: np.ndarray, expected: tuple[int, float]) -> None:
+    assert apart(a, b) == expected
+
+
+def test_each_moment_counts_for_one_phase(monkeypatch: pytest.MonkeyPatch) -> None:
+    steps: list[str] = []
+    ticks = iter([0.0, 2.0, 7.0, 10.0, 20.0, 21.0])  # draw, link in it, link's end, draw's end, …
+    monkeypatch.setattr("shaderlab.activity.time.perf_counter", lambda: next(ticks))
+    with Activity(steps.append).watch() as activity:
+        with doing("draw", "outside"), doing("link", "inside"):
+            pass
+        with doing("link"):
+            pass
+    assert list(activity.ordered().items()) == [("link", 6.0), ("draw", 5.0)]
+    assert steps == ["outside", "inside"]
+
+
+def test_without_anyone_watching_nothing_is_counted() -> None:
+    with doing("draw", "unheard"):
+        pass
+    assert Activity().ordered() == {}

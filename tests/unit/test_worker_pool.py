@@ -1,0 +1,274 @@
+"""Workers that crash, hang, fill the memory, raise and print: only the item at fault pays."""
+
+from __future__ import annotations
+
+import itertools
+import os
+import textwrap
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from shaderlab.errors import ShaderlabError
+from shaderlab.execution import WorkerPool
+from shaderlab.execution.pool import ItemResult
+from shaderlab.options import Limits
+
+WORK = """
+import ctypes, os, signal, sys, time
+
+class Work:
+    def __init__(self, channel):
+        self.channel = channel
+        self.done = []
+
+    def __call__(self, items):
+        for item in items:
+            if item == "crash":
+                self.channel.note("about to crash")
+                os.kill(os.getpid(), signal.SIGSEGV)
+            if item == "exit":
+                print("the last words", file=sys.stderr)
+                os._exit(3)
+            if item == "hang":
+                # In C code that lets no other thread run. Whatever the machine, the short limit
+                # holds for nothing but the hang.
+                self.channel.restart_limit(0.2)
+                ctypes.PyDLL(None).sleep(600)
+            if item == "longer":
+                self.channel.restart_limit(60)
+                time.sleep(0.5)
+                self.channel.restart_limit()
+            if item == "memory":
+                bytearray(1 << 40)
+            if item == "raise":
+                raise ValueError("so it is")
+            if item == "unsendable":
+                yield lambda: None
+            if item == "print":
+                print("this is not an answer")
+                os.system("echo nor is this")
+            if item == "second":
+                # Crashes only in a process that has done something before.
+                if self.done:
+                    os.abort()
+            self.done.append(item)
+            if isinstance(item, str) and item.startswith("until "):
+                while not os.path.exists(item.removeprefix("until ")):
+                    time.sleep(0.01)
+            if isinstance(item, str) and item.startswith("touch "):
+                open(item.removeprefix("touch "), "w").close()
+            if item == "place":
+                yield os.getcwd(), os.environ.get("PLACE"), sys.path
+            if item == "before":
+                yield len(self.done) - 1
+            yield os.getpid() if str(item).endswith("pid") else f"did {item}"
+"""
+WARM = """
+import sys, threading
+
+def begin():
+    assert "work_to_do" not in sys.modules
+    sys.warmed = []
+    thread = threading.Thread(target=sys.warmed.append, args=["meanwhile"])
+    def wait():
+        assert "work_to_do" in sys.modules
+        thread.start()
+        thread.join()
+    return wait
+"""
+LIMITS = Limits(seconds=60.0, gigabytes=2.0)
+
+
+@pytest.fixture
+def work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+    (tmp_path / "work_to_do.py").write_text(textwrap.dedent(WORK))
+    monkeypatch.syspath_prepend(str(tmp_path))
+    return "work_to_do:Work"
+
+
+@pytest.fixture
+def pool(work: str) -> Iterator[WorkerPool]:
+    with WorkerPool(work, limits=LIMITS, batch=4) as made:
+        yield made
+
+
+def by_item(results: Iterator[ItemResult]) -> dict[Any, ItemResult]:
+    return {result.item: result for result in results}
+
+
+def statuses(results: Iterator[ItemResult]) -> dict[Any, str]:
+    return {result.item: result.status for result in results}
+
+
+def test_one_process_gives_results_in_order(pool: WorkerPool) -> None:
+    results = list(pool.run(range(30)))
+    assert [r.number for r in results] == [r.item for r in results] == list(range(30))
+    assert [r.value for r in results] == [f"did {i}" for i in range(30)]
+    pids = {r.value for r in pool.run(["pid"] * 10)}
+    assert len(pids) == 1 and os.getpid() not in pids
+    assert list(pool.run([])) == []
+
+
+def test_what_goes_wrong_costs_only_its_item(pool: WorkerPool) -> None:
+    items = ["a", "crash", "b", "hang", "c", "exit", "memory", "d", "raise", "e", "unsendable", "f"]
+    results = by_item(pool.run(items))
+    assert {item: result.status for item, result in results.items()} == {
+        **dict.fromkeys("abcdef", "done"),
+        **dict.fromkeys(["crash", "exit", "memory"], "crash"),
+        **dict.fromkeys(["raise", "unsendable"], "error"),
+        "hang": "timeout",
+    }
+    assert "SIGSEGV" in results["crash"].message and results["crash"].step == "about to crash"
+    assert results["hang"].message == "took longer than 0.2 s" and results["hang"].step == ""
+    assert results["exit"].message == "the process died: exit status 3, the last words"
+    assert "SIGABRT" in results["memory"].message
+    assert str(results["raise"].value) == "so it is"
+    assert "can't be sent" in str(results["unsendable"].value)
+
+
+def test_an_item_may_ask_for_more_time(work: str) -> None:
+    with WorkerPool(work, limits=Limits(seconds=0.2)) as pool:
+        (result,) = pool.run(["longer"])
+    assert result.status == "done" and result.seconds >= 0.5
+
+
+def test_what_the_work_prints_is_not_taken_for_an_answer(pool: WorkerPool) -> None:
+    assert [r.value for r in pool.run(["print", "a"])] == ["did print", "did a"]
+
+
+def test_an_item_that_only_fails_after_others_is_asked_again_alone(pool: WorkerPool) -> None:
+    results = list(pool.run(["a", "second", "b"]))
+    assert [r.status for r in results] == ["done"] * 3
+    assert results[1].value == "did second"
+
+
+def test_workers_share_the_items_and_results_come_as_they_complete(
+    work: str, tmp_path: Path
+) -> None:
+    """The first item waits for the last one."""
+    done = tmp_path / "done"
+    items = [f"until {done}", "a", "crash", *map(str, range(20)), f"touch {done}"]
+    with WorkerPool(work, limits=LIMITS, jobs=2, batch=1) as pool:
+        results = list(pool.run(items))
+    assert sorted(r.number for r in results) == list(range(len(items)))
+    assert results[0].item != items[0] and results[-1].number in (0, len(items) - 1)
+    assert [r.item for r in results if r.status != "done"] == ["crash"]
+
+
+def test_what_comes_after_a_lost_item_of_a_batch_is_sent_again(work: str) -> None:
+    with WorkerPool(work, limits=LIMITS, batch=1) as pool:
+        items = ["a", "hang", "b", "c", "d", "raise", "e"]
+        results = list(pool.run(items, batch=3))
+    assert [r.item for r in results] == items
+    expected = ["done", "timeout", "done", "done", "done", "error", "done"]
+    assert [r.status for r in results] == expected
+
+
+def test_a_worker_keeps_to_its_key(work: str) -> None:
+    """Two workers, two keys, items in turn: each worker gets the items of one key."""
+    items = [f"{number} {key} pid" for number in range(12) for key in "xy"]
+    with WorkerPool(work, limits=LIMITS, jobs=2, batch=1) as pool:
+        list(pool.run(["pid"] * 40))  # both are there, or one does it all
+        pids: dict[str, list[int]] = {"x": [], "y": []}
+        for result in pool.run(items, key=lambda item: item.split()[1]):
+            pids[result.item.split()[1]].append(result.value)
+    # At the end a worker without items of its key helps the other one.
+    for found in pids.values():
+        changes = sum(a != b for a, b in itertools.pairwise(found))
+        assert changes <= 4
+
+
+def test_items_are_taken_as_they_are_needed(pool: WorkerPool) -> None:
+    taken = []
+
+    def items() -> Iterator[int]:
+        for number in range(10_000):
+            taken.append(number)
+            yield number
+
+    results = pool.run(items())
+    assert next(results).value == "did 0"
+    assert len(taken) <= 64
+    results.close()
+
+
+def test_closing_the_results_drops_what_no_worker_has_begun(work: str, tmp_path: Path) -> None:
+    go = tmp_path / "go"
+    with WorkerPool(work, limits=LIMITS, jobs=1, batch=1) as pool:
+        results = pool.run(["a", *[f"until {go}"] * 20])
+        next(results)
+        results.close()
+        go.touch()
+        (last,) = pool.run(["before"])
+    assert last.value <= 2  # "a", and the one that was under way
+
+
+def test_closing_the_pool_ends_what_is_under_way_and_starts_nothing(work: str) -> None:
+    pool = WorkerPool(work, limits=LIMITS, jobs=2, batch=1)
+    results = pool.run(["pid", *["until never"] * 20])
+    first = next(results)
+    pool.close()
+    assert {result.status for result in results} <= {"crash"}
+    with pytest.raises(ProcessLookupError):
+        os.kill(first.value, 0)
+
+
+def test_workers_start_in_the_environment_that_the_pool_was_made_in(
+    work: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A replacement starts in the middle of whatever its parent is doing then."""
+    monkeypatch.setenv("PLACE", "before")
+    here = os.getcwd()
+    with WorkerPool(work, limits=LIMITS, jobs=1, batch=1) as pool:
+        (first,) = pool.run(["place"])
+        monkeypatch.setenv("PLACE", "after")
+        monkeypatch.chdir(tmp_path)
+        monkeypatch.syspath_prepend(str(tmp_path / "elsewhere"))
+        pool.widen(2)
+        results = list(pool.run(["crash", "place", "crash", "place"]))
+    assert first.value[:2] == (here, "before")
+    assert [r.value for r in results if r.item == "place"] == [first.value] * 2
+
+
+def test_a_worker_that_cannot_start_is_an_error_and_not_a_crash_of_each_item() -> None:
+    with (
+        WorkerPool("no_such_module:work") as pool,
+        pytest.raises(ShaderlabError, match="can't start a worker process") as raised,
+    ):
+        list(pool.run(["a"]))
+    assert "no_such_module" in raised.value.message
+
+
+def test_a_worker_warms_up_before_it_imports_and_is_ready_when_that_is_done(
+    work: str, tmp_path: Path
+) -> None:
+    (tmp_path / "warm_up.py").write_text(WARM)
+    with open(tmp_path / "work_to_do.py", "a") as file:
+        file.write("\ndef warmed(items):\n    yield from (sys.warmed for _ in items)\n")
+    with WorkerPool("work_to_do:warmed", warm="warm_up:begin") as pool:
+        (result,) = pool.run(["a"])
+    assert result.value == ["meanwhile"]
+    with (
+        WorkerPool(work, warm="warm_up:missing") as pool,
+        pytest.raises(ShaderlabError, match=r"can't start a worker process.*missing"),
+    ):
+        list(pool.run(["a"]))
+
+
+def test_workers_that_are_not_needed_are_not_started(work: str, tmp_path: Path) -> None:
+    with WorkerPool(work, limits=LIMITS, jobs=3, batch=1) as pool:
+        pool.start()
+        pids = {result.value for _ in range(4) for result in pool.run(["pid"])}
+        assert len(pids) == 1
+        done = tmp_path / "done"
+        results = pool.run(["pid", "pid", f"until {done}", f"touch {done}"])
+        assert len(list(results)) == 4
+
+
+def test_without_keys_no_item_overtakes_another_on_its_way_to_a_worker(work: str) -> None:
+    with WorkerPool(work, limits=LIMITS, jobs=1, batch=1) as pool:
+        for _ in range(3):
+            assert [result.item for result in pool.run(range(60))] == list(range(60))
