@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 
 from shaderlab.errors import CaseError
 from shaderlab.expectations.base import Context, OfDraw, table
@@ -22,13 +22,30 @@ class ReadAttributes(Request):
         return context.session.attributes(self.key)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class AttributeLayout(OfDraw):
-    """Each attribute lies at (offset, stride, divisor) in its buffer, as OpenGL itself says."""
+    """OpenGL reads each attribute at (offset, stride) or (offset, stride, divisor), in bytes.
+
+    It is asked for GL_VERTEX_ATTRIB_ARRAY_POINTER, _STRIDE and _DIVISOR; a matrix is read where
+    its first column is.
+
+    Raises:
+        CaseError: an entry has neither two nor three numbers.
+    """
 
     kind = "memory"
 
-    attributes: Mapping[str, tuple[int, int, int]]
+    attributes: Mapping[str, Sequence[int]]
+    _: KW_ONLY
+    name: str = "memory layout"
+
+    def __post_init__(self) -> None:
+        for attribute, entry in self.attributes.items():
+            if len(entry) not in (2, 3):
+                raise CaseError(
+                    f"attribute_layout: {attribute!r} takes (offset, stride) or "
+                    f"(offset, stride, divisor), not {entry!r}"
+                )
 
     def requests(self, scene: Scene, programs: Programs) -> Iterable[Request]:
         yield ReadAttributes(self.key(scene))
@@ -36,7 +53,8 @@ class AttributeLayout(OfDraw):
     def judge(self, scene: Scene, frame: Frame) -> Judgement:
         readings = frame.answers[ReadAttributes(self.key(scene))]
         rows = []
-        for name, place in self.attributes.items():
+        for name, entry in self.attributes.items():
+            place = (*entry, 0)[:3]
             found = readings.get(name)
             got = None if found is None else (found.offset, found.stride, found.divisor)
             rows.append(
@@ -51,33 +69,6 @@ class AttributeLayout(OfDraw):
         return memory_table(self.name, rows)
 
 
-def attribute_layout(
-    attributes: Mapping[str, Sequence[int]],
-    *,
-    pass_name: str | None = None,
-    draw: int = -1,
-    name: str = "memory layout",
-) -> AttributeLayout:
-    """OpenGL reads each attribute at (offset, stride) or (offset, stride, divisor), in bytes.
-
-    It is asked for GL_VERTEX_ATTRIB_ARRAY_POINTER, _STRIDE and _DIVISOR; a matrix is read where
-    its first column is.
-
-    Raises:
-        CaseError: an entry has neither two nor three numbers.
-    """
-    placed = {}
-    for attribute, entry in attributes.items():
-        if len(entry) not in (2, 3):
-            raise CaseError(
-                f"attribute_layout: {attribute!r} takes (offset, stride) or "
-                f"(offset, stride, divisor), not {entry!r}"
-            )
-        offset, stride, divisor = (*entry, 0)[:3]
-        placed[attribute] = (offset, stride, divisor)
-    return AttributeLayout(attributes=placed, pass_name=pass_name, draw=draw, name=name)
-
-
 def memory_table(name: str, rows: Sequence[Row]) -> Judgement:
     """A judgement of where things lie; it fails where one lies elsewhere."""
     wrong = [row.label for row in rows if not row.ok]
@@ -88,3 +79,6 @@ def memory_table(name: str, rows: Sequence[Row]) -> Judgement:
 def _spelt(offset: int, stride: int, divisor: int) -> str:
     each = f", a value every {divisor} instances" if divisor > 1 else ", one an instance"
     return f"offset {offset}, stride {stride}{each if divisor else ''}"
+
+
+attribute_layout = AttributeLayout

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 
 from shaderlab.errors import CaseError, nearest
 from shaderlab.expectations.attribute_layout import memory_table
@@ -23,15 +23,23 @@ class ReadBlocks(Request):
         return context.session.blocks(self.key)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class BlockLayout(OfDraw):
-    """A uniform block's members lie at these offsets, and it takes `size` bytes."""
+    """The members of a uniform block lie at these offsets, and it takes `size` bytes.
+
+    Members are named as in `UniformBuffer`. Both the lab's layout and the driver's are judged;
+    drivers may say that a block is larger than it need be, but not that it is smaller.
+    """
 
     kind = "memory"
 
     block: str
     offsets: Mapping[str, int]
-    size: int | None
+    _: KW_ONLY
+    size: int | None = None
+
+    def __post_init__(self) -> None:
+        self.name_by_default(f"layout of {self.block}")
 
     def requests(self, scene: Scene, programs: Programs) -> Iterable[Request]:
         yield ReadBlocks(self.key(scene))
@@ -71,25 +79,4 @@ class BlockLayout(OfDraw):
         return memory_table(self.name, rows)
 
 
-def block_layout(
-    block: str,
-    offsets: Mapping[str, int],
-    *,
-    size: int | None = None,
-    pass_name: str | None = None,
-    draw: int = -1,
-    name: str = "",
-) -> BlockLayout:
-    """The members of a uniform block lie at these offsets, and it takes `size` bytes.
-
-    Members are named as in `UniformBuffer`. Both the lab's layout and the driver's are judged;
-    drivers may say that a block is larger than it need be, but not that it is smaller.
-    """
-    return BlockLayout(
-        block=block,
-        offsets=dict(offsets),
-        size=size,
-        pass_name=pass_name,
-        draw=draw,
-        name=name or f"layout of {block}",
-    )
+block_layout = BlockLayout

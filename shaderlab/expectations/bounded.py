@@ -2,25 +2,44 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import KW_ONLY, dataclass
+from typing import Any
 
 import numpy as np
 
 from shaderlab.errors import CaseError
-from shaderlab.expectations.law import At, Figure, Finding, Law, least
+from shaderlab.expectations.law import Figure, Finding, Law, least
 from shaderlab.frame import Array
 from shaderlab.model import UniformValue
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Bounded(Law):
-    """low ≤ output ≤ high."""
+    """low ≤ `output` ≤ high while the input `over` takes each of `values`. The bounds are numbers,
+    or one for each component.
+
+    Raises:
+        CaseError: a lower bound above its upper one, or no values.
+    """
 
     kind = "bounded"
 
+    output: str
     low: Figure
     high: Figure
+    _: KW_ONLY
+    values: Sequence[UniformValue]
+
+    def __post_init__(self) -> None:
+        if not np.all(np.asarray(self.low, float) <= np.asarray(self.high, float)):
+            raise CaseError(f"bounded {self.output!r}: {self.low} … {self.high} holds no number")
+        self.name_by_default(f"{self.output} bounded")
+        self.require_steps()
+
+    @property
+    def steps(self) -> Sequence[Mapping[str, Any]]:
+        return [{str(self.over): v} for v in self.values]
 
     def find(self, measured: Array) -> Finding:
         low = np.broadcast_to(np.asarray(self.low, np.float64), measured.shape)
@@ -32,32 +51,4 @@ class Bounded(Law):
         return Finding((i, c), nearest, low[i], high[i], wrong, message)
 
 
-def bounded(
-    output: str,
-    low: Figure,
-    high: Figure,
-    *,
-    over: str,
-    values: Sequence[UniformValue],
-    at: At = None,
-    draw: int = -1,
-    name: str = "",
-) -> Bounded:
-    """low ≤ `output` ≤ high while the input `over` takes each of `values`. The bounds are numbers,
-    or one for each component.
-
-    Raises:
-        CaseError: a lower bound above its upper one.
-    """
-    if not np.all(np.asarray(low, float) <= np.asarray(high, float)):
-        raise CaseError(f"bounded {output!r}: {low} … {high} holds no number")
-    return Bounded(
-        output=output,
-        low=low,
-        high=high,
-        over=over,
-        steps=tuple({over: v} for v in values),
-        at=at or {},
-        draw=draw,
-        name=name or f"{output} bounded",
-    )
+bounded = Bounded

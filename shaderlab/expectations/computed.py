@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
 from shaderlab.errors import FormulaError
@@ -16,17 +16,23 @@ from shaderlab.judging.inputs import source_of
 from shaderlab.model import Expectation, Judgement, Scene
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Computed(Expectation):
-    """What `compute` gives, rounded to `digits` decimals, is `equals`."""
+    """A figure that follows from a reference alone: what `compute` gives in float64, rounded to
+    `digits` decimals, is `equals`."""
 
     kind = "computed"
     once = True
 
+    name: str
     compute: Callable[[], Any]
+    _: KW_ONLY
     equals: Figure
     digits: int
     note: str = ""
+
+    def __post_init__(self) -> None:
+        require_callable("computed", self.compute)
 
     def judge(self, scene: Scene, frame: Frame) -> Judgement:
         try:
@@ -43,9 +49,4 @@ class Computed(Expectation):
         return table(self.name, self.kind, [row], message, judged=1, rows_per_variant=False)
 
 
-def computed(
-    label: str, compute: Callable[[], Any], *, equals: Figure, digits: int, note: str = ""
-) -> Computed:
-    """A figure that follows from a reference alone, in float64, rounded to `digits` decimals."""
-    compute = require_callable("computed", compute)
-    return Computed(compute=compute, equals=equals, digits=digits, name=label, note=note)
+computed = Computed

@@ -4,8 +4,9 @@ and never judged."""
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import KW_ONLY, dataclass, field, replace
+from typing import Any
 
 from shaderlab.errors import CaseError
 from shaderlab.expectations.base import Context
@@ -29,19 +30,57 @@ class Timed(Request):
         return context.session.time(self.pass_name, self.repeats)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Cost(Expectation):
-    """Passes by series and N, with the draw calls and vertices that they must take."""
+    """What passes cost: a table of draw calls, vertices, and the best time of several; and a plot
+    of the times over N.
+
+    Draw calls and vertices are judged where a formula for them is given. Time never is: it is
+    another one on each machine, and only its ratios are of interest. Whether a claim about it
+    holds is said, for this driver.
+
+    Args:
+        series: for each way of drawing, the pass (or passes) by N: `{"instanced": {4: "few", …}}`.
+        claim: the claim in words ("one draw call is cheaper than N").
+        cheaper: the series that it says takes less time, and the one that takes more.
+        draw_calls: the number of draw calls as a function of N, by series.
+        vertices: likewise the number of vertices submitted, those of all instances together.
+        over: what N is, for the table and the plot.
+        repeats: how often each pass is drawn; the fastest one counts.
+        name: how outcomes call it.
+
+    Raises:
+        CaseError: a name is that of no series, or a claim is not complete.
+    """
 
     kind = "cost"
 
-    series: Mapping[str, Mapping[float, tuple[str, ...]]]
+    series: Mapping[str, Mapping[float, Any]]
+    _: KW_ONLY
+    name: str = "cost"
     claim: str = ""
     cheaper: tuple[str, str] | None = None
     draw_calls: Mapping[str, Number] = field(default_factory=dict)
     vertices: Mapping[str, Number] = field(default_factory=dict)
     over: str = "N"
     repeats: int = 5
+
+    def __post_init__(self) -> None:
+        tuples = {
+            label: {float(n): (p,) if isinstance(p, str) else tuple(p) for n, p in row.items()}
+            for label, row in self.series.items()
+        }
+        object.__setattr__(self, "series", tuples)
+        named = {"cheaper": self.cheaper, "draw_calls": self.draw_calls, "vertices": self.vertices}
+        for owner, names in named.items():
+            for label in names or ():
+                one_of("cost", owner, label, tuple(tuples))
+        if bool(self.claim) != (self.cheaper is not None):
+            raise CaseError("cost: a claim needs both claim= and cheaper=(series, series)")
+        if not tuples or not all(tuples.values()):
+            raise CaseError("cost: there are no passes to compare")
+        if self.repeats < 1:
+            raise CaseError(f"cost: repeats must be at least 1, not {self.repeats}")
 
     def requests(self, scene: Scene, programs: Programs) -> Iterable[Request]:
         for row in self.series.values():
@@ -136,63 +175,6 @@ class Cost(Expectation):
         )
 
 
-def cost(
-    series: Mapping[str, Mapping[float, str | Sequence[str]]],
-    *,
-    claim: str = "",
-    cheaper: tuple[str, str] | None = None,
-    draw_calls: Mapping[str, Number] | None = None,
-    vertices: Mapping[str, Number] | None = None,
-    over: str = "N",
-    repeats: int = 5,
-    name: str = "cost",
-) -> Cost:
-    """What passes cost: a table of draw calls, vertices, and the best time of several; and a plot
-    of the times over N.
-
-    Draw calls and vertices are judged where a formula for them is given. Time never is: it is
-    another one on each machine, and only its ratios are of interest. Whether a claim about it
-    holds is said, for this driver.
-
-    Args:
-        series: for each way of drawing, the pass (or passes) by N: `{"instanced": {4: "few", …}}`.
-        claim: the claim in words ("one draw call is cheaper than N").
-        cheaper: the series that it says takes less time, and the one that takes more.
-        draw_calls: the number of draw calls as a function of N, by series.
-        vertices: likewise the number of vertices submitted, those of all instances together.
-        over: what N is, for the table and the plot.
-        repeats: how often each pass is drawn; the fastest one counts.
-
-    Raises:
-        CaseError: a name is that of no series, or a claim is not complete.
-    """
-    tuples = {
-        label: {float(n): (p,) if isinstance(p, str) else tuple(p) for n, p in row.items()}
-        for label, row in series.items()
-    }
-    for owner, names in (
-        ("cheaper", cheaper or ()), ("draw_calls", draw_calls or ()), ("vertices", vertices or ()),
-    ):  # fmt: skip
-        for label in names:
-            one_of("cost", owner, label, tuple(tuples))
-    if bool(claim) != (cheaper is not None):
-        raise CaseError("cost: a claim needs both claim= and cheaper=(series, series)")
-    if not tuples or not all(tuples.values()):
-        raise CaseError("cost: there are no passes to compare")
-    if repeats < 1:
-        raise CaseError(f"cost: repeats must be at least 1, not {repeats}")
-    return Cost(
-        series=tuples,
-        claim=claim,
-        cheaper=cheaper,
-        draw_calls=draw_calls or {},
-        vertices=vertices or {},
-        over=over,
-        repeats=repeats,
-        name=name,
-    )
-
-
 def _with_ratios(rows: list[Row], best: Best) -> list[Row]:
     """Each row says how its time compares with the fastest of its N."""
     fastest: dict[float, float] = {}
@@ -202,3 +184,6 @@ def _with_ratios(rows: list[Row], best: Best) -> list[Row]:
         replace(row, note=f"{seconds / fastest[number]:.2f} × the fastest")
         for row, ((_, number), seconds) in zip(rows, best.items(), strict=True)
     ]
+
+
+cost = Cost

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 
 import numpy as np
 
@@ -14,13 +14,16 @@ from shaderlab.model import Judgement, Programs, Read, Request, Scene
 from shaderlab.records import Row
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Coverage(OfDraw):
-    """`pixels` pixels show the draw."""
+    """Exactly `pixels` pixels show the draw in the end: those that it covers, that pass every test
+    and are not discarded, and that no later draw of the pass covers."""
 
     kind = "coverage"
 
     pixels: int
+    _: KW_ONLY
+    name: str = "coverage"
 
     def reads(self, scene: Scene) -> Iterable[Read]:
         yield Read(self.key(scene)[0], "coverage")
@@ -37,9 +40,4 @@ class Coverage(OfDraw):
         return table(self.name, self.kind, [row], message, judged=covered.size)
 
 
-def coverage(
-    pixels: int, *, pass_name: str | None = None, draw: int = -1, name: str = ""
-) -> Coverage:
-    """Exactly `pixels` pixels show the draw in the end: those that it covers, that pass every test
-    and are not discarded, and that no later draw of the pass covers."""
-    return Coverage(pixels=pixels, pass_name=pass_name, draw=draw, name=name or "coverage")
+coverage = Coverage

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+import functools
+from collections.abc import Mapping, Sequence
+from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
 import numpy as np
 
 from shaderlab.errors import CaseError
-from shaderlab.expectations.law import At, Finding, Law
+from shaderlab.expectations.law import Finding, Law
 from shaderlab.frame import Array
 from shaderlab.judging.figures import shown
 from shaderlab.records import Row
@@ -17,66 +18,8 @@ from shaderlab.records import Row
 MAX_QUADRATURE_ERROR = 0.01
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class EnergyConserving(Law):
-    """Σ weight · output ≤ limit; the first `fine` runs are one quadrature, the others a coarser
-    one that tells how far it can be trusted."""
-
-    kind = "energy"
-
-    weights: tuple[float, ...]
-    fine: int
-    limit: float
-
-    def find(self, measured: Array) -> Finding:
-        weighted = np.asarray(self.weights)[:, None] * measured
-        total = weighted[: self.fine].sum(axis=0)
-        error = np.abs(total - weighted[self.fine :].sum(axis=0))
-        above = total > self.limit + error
-        rough = error > MAX_QUADRATURE_ERROR * self.limit
-        c = int(np.argmax(total))
-        known_to = f"{float(error.max()):.2g}"
-        row = Row(
-            label="∫ over the hemisphere",
-            expected=f"at most {shown(self.limit)}",
-            measured=shown(total, 6),
-            ok=not (above.any() or rough.any()),
-            note=f"{self.fine} directions; quadrature known to {known_to}",
-        )
-        message = ""
-        if above.any():
-            message = f"it reflects {total[c]:.6f} of the light, more than {shown(self.limit)}"
-        elif rough.any():
-            message = (
-                f"the quadrature is known to {known_to} only, which is too rough to "
-                f"judge: give it more points (polar, around)"
-            )
-        return Finding(
-            (int(np.argmax(weighted[: self.fine, c])), c),
-            total,
-            0.0,
-            self.limit,
-            int((above | rough).sum()),
-            message,
-            (row,),
-            measured=total,
-            widths=np.inf if above.any() else 0.0,
-        )
-
-
-def energy_conserving(
-    output: str,
-    *,
-    over: str,
-    normal: Sequence[float] = (0.0, 0.0, 1.0),
-    limit: float = 1.0,
-    cosine: bool = True,
-    polar: int = 32,
-    around: int = 64,
-    at: At = None,
-    draw: int = -1,
-    name: str = "",
-) -> EnergyConserving:
     """∫ output · cos θ dω ≤ limit over the hemisphere of directions around `normal`.
 
     The quadrature is Gauss–Legendre in cos θ (`polar` points) by the trapezoidal rule in the
@@ -94,30 +37,80 @@ def energy_conserving(
         draw: which draw's program.
         name: how outcomes call it.
     """
-    if polar < 4 or around < 4 or polar % 2 or around % 2:
-        raise CaseError("energy_conserving: polar and around must be even, 4 or more")
-    fine, weights = _hemisphere(normal, polar, around, cosine)
-    coarse, coarse_weights = _hemisphere(normal, polar // 2, around // 2, cosine)
-    return EnergyConserving(
-        output=output,
-        over=over,
-        steps=tuple({over: direction.tolist()} for direction in (*fine, *coarse)),
-        weights=(*weights, *coarse_weights),
-        fine=len(fine),
-        limit=limit,
-        at=at or {},
-        draw=draw,
-        name=name or f"{output} conserves energy",
-    )
+
+    kind = "energy"
+
+    output: str
+    _: KW_ONLY
+    normal: Sequence[float] = (0.0, 0.0, 1.0)
+    limit: float = 1.0
+    cosine: bool = True
+    polar: int = 32
+    around: int = 64
+
+    def __post_init__(self) -> None:
+        if min(self.polar, self.around) < 4 or self.polar % 2 or self.around % 2:
+            raise CaseError("energy_conserving: polar and around must be even, 4 or more")
+        if np.shape(self.normal) != (3,) or not np.any(self.normal):
+            raise CaseError(f"energy_conserving: {self.normal} is no normal")
+        self.name_by_default(f"{self.output} conserves energy")
+
+    @property
+    def steps(self) -> Sequence[Mapping[str, Any]]:
+        """The directions of the quadrature, then those of the coarser one."""
+        return [{str(self.over): direction} for direction in self._quadratures[0].tolist()]
+
+    @functools.cached_property
+    def _quadratures(self) -> tuple[Array, Array]:
+        """Directions (count, 3) and weights (count,) of both quadratures, the finer one first."""
+        fine = _hemisphere(self.normal, self.polar, self.around, self.cosine)
+        coarse = _hemisphere(self.normal, self.polar // 2, self.around // 2, self.cosine)
+        directions, weights = (np.concatenate(both) for both in zip(fine, coarse, strict=True))
+        return directions, weights
+
+    def find(self, measured: Array) -> Finding:
+        weighted = self._quadratures[1][:, None] * measured
+        fine = self.polar * self.around
+        total = weighted[:fine].sum(axis=0)
+        error = np.abs(total - weighted[fine:].sum(axis=0))
+        above = total > self.limit + error
+        rough = error > MAX_QUADRATURE_ERROR * self.limit
+        c = int(np.argmax(total))
+        known_to = f"{float(error.max()):.2g}"
+        row = Row(
+            label="∫ over the hemisphere",
+            expected=f"at most {shown(self.limit)}",
+            measured=shown(total, 6),
+            ok=not (above.any() or rough.any()),
+            note=f"{fine} directions; quadrature known to {known_to}",
+        )
+        message = ""
+        if above.any():
+            message = f"it reflects {total[c]:.6f} of the light, more than {shown(self.limit)}"
+        elif rough.any():
+            message = (
+                f"the quadrature is known to {known_to} only, which is too rough to "
+                f"judge: give it more points (polar, around)"
+            )
+        return Finding(
+            (int(np.argmax(weighted[:fine, c])), c),
+            total,
+            0.0,
+            self.limit,
+            int((above | rough).sum()),
+            message,
+            (row,),
+            measured=total,
+            widths=np.inf if above.any() else 0.0,
+        )
 
 
-def _hemisphere(normal: Sequence[float], polar: int, around: int, cosine: bool) -> tuple[Any, Any]:
+def _hemisphere(
+    normal: Sequence[float], polar: int, around: int, cosine: bool
+) -> tuple[Array, Array]:
     """Unit vectors (count, 3) and their solid angles (count,), times cos θ if asked for."""
     z = np.asarray(normal, float)
-    length = float(np.linalg.norm(z))
-    if z.shape != (3,) or length == 0.0:
-        raise CaseError(f"energy_conserving: {normal} is no normal")
-    z = z / length
+    z = z / np.linalg.norm(z)
     x = np.cross(z, np.eye(3)[int(np.argmin(np.abs(z)))])
     x /= np.linalg.norm(x)
     y = np.cross(z, x)
@@ -128,4 +121,7 @@ def _hemisphere(normal: Sequence[float], polar: int, around: int, cosine: bool) 
     parts = (sin_theta * np.cos(phi), sin_theta * np.sin(phi), cos_theta)
     directions = sum(part[:, None] * axis for part, axis in zip(parts, (x, y, z), strict=True))
     solid = np.repeat(0.5 * weights, around) * (2.0 * np.pi / around)
-    return directions, (solid * cos_theta if cosine else solid).tolist()
+    return np.asarray(directions), solid * cos_theta if cosine else solid
+
+
+energy_conserving = EnergyConserving

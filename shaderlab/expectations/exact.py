@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
 import numpy as np
@@ -17,15 +17,25 @@ from shaderlab.model import Judgement, Output, Read, Scene
 from shaderlab.records import Outcome, Worst
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Exact(OfOutput):
-    """Every pixel equals `equals`. `pictured` says whether it is shown where that holds; where it
-    does not, it always is."""
+    """Every pixel of `output` equals `equals` bit for bit.
+
+    `equals` is a number or vector, an array (height, width, components) with row 0 at the
+    bottom (a smaller one is repeated in equal blocks, as a table's cells are), or an
+    `Output(pass, name)` to be compared with. Without `pictured` it is shown only if it fails: for
+    what each pass's own picture shows already.
+    """
 
     kind = "exact"
 
+    output: str
     equals: Any
+    _: KW_ONLY
     pictured: bool = True
+
+    def __post_init__(self) -> None:
+        self.name_by_default(self.output)
 
     def reads(self, scene: Scene) -> Iterable[Read]:
         yield from super().reads(scene)
@@ -58,17 +68,6 @@ class Exact(OfOutput):
         distance = np.where(same, 0.0, np.inf)
         pictures = {"measured": values, "reference": wanted, "distance": distance}
         return Judgement(outcome=outcome, pictures=pictures)
-
-
-def exact(output: str, equals: Any, *, name: str = "", pictured: bool = True) -> Exact:
-    """Every pixel of `output` equals `equals` bit for bit.
-
-    `equals` is a number or vector, an array (height, width, components) with row 0 at the
-    bottom (a smaller one is repeated in equal blocks, as a table's cells are), or an
-    `Output(pass, name)` to be compared with. Without `pictured` it is shown only if it fails: for
-    what each pass's own picture shows already.
-    """
-    return Exact(output=output, equals=equals, name=name or output, pictured=pictured)
 
 
 def laid_over(expected: Any, values: Array, name: str) -> Array:
@@ -123,3 +122,6 @@ def _bits(values: Array) -> Array:
     if values.dtype.kind != "f":
         return values
     return np.ascontiguousarray(values).view({2: np.uint16, 4: np.uint32}[values.dtype.itemsize])
+
+
+exact = Exact

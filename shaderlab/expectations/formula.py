@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY, dataclass, field
 from typing import Any
 
 import numpy as np
@@ -65,15 +65,36 @@ class OfReference(OfOutput):
         return Judgement(outcome=outcome, output=(self.key(scene), self.own_name(scene)), **shown)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Formula(OfReference):
-    """Every covered pixel (or every vertex) lies in the reference's derived band. `also` are
-    independent implementations by name."""
+    """Every covered pixel (or vertex) of `output` lies in the band derived from `reference`.
+
+    The reference's parameters are found by name: captured varyings (or attributes), uniforms
+    (`light.constant` as `light_constant`), textures, `frag_coord`, and what `given` adds.
+
+    Args:
+        output: see `OfOutput`.
+        reference: a formula over float64 arrays and bands alike, built with `shaderlab.glslmath`.
+        draw: which draw of the pass the inputs come from; the last by default.
+        given: further inputs by name, as exact float32 values.
+        also: independent implementations by name; in float64 each must lie in the band too.
+        rules: other precision rules than the default ones.
+        name: how outcomes call it; the output's name by default.
+    """
 
     kind = "formula"
     judges = "pixels"
 
+    output: str
+    reference: Reference
+    _: KW_ONLY
     also: Mapping[str, Reference] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        require_callable("formula", self.reference)
+        for implementation in self.also.values():
+            require_callable("formula: also", implementation)
+        self.name_by_default(self.output)
 
     def requests(self, scene: Scene, programs: Programs) -> Iterable[Request]:
         key = self.key(scene)
@@ -100,41 +121,6 @@ class Formula(OfReference):
         return self.judgement(
             scene, banded, (status, message), rows, covered=covered, pictures=pictures
         )
-
-
-def formula(
-    output: str,
-    reference: Reference,
-    *,
-    draw: int = -1,
-    given: Mapping[str, UniformValue] | None = None,
-    also: Mapping[str, Reference] | None = None,
-    rules: Rules | None = None,
-    name: str = "",
-) -> Formula:
-    """Every covered pixel (or vertex) of `output` lies in the band derived from `reference`.
-
-    The reference's parameters are found by name: captured varyings (or attributes), uniforms
-    (`light.constant` as `light_constant`), textures, `frag_coord`, and what `given` adds.
-
-    Args:
-        output: see `OfOutput`.
-        reference: a formula over float64 arrays and bands alike, built with `shaderlab.glslmath`.
-        draw: which draw of the pass the inputs come from; the last by default.
-        given: further inputs by name, as exact float32 values.
-        also: independent implementations by name; in float64 each must lie in the band too.
-        rules: other precision rules than the default ones.
-        name: how outcomes call it; the output's name by default.
-    """
-    return Formula(
-        output=output,
-        reference=require_callable("formula", reference),
-        draw=draw,
-        given=given or {},
-        also={k: require_callable("formula: also", v) for k, v in (also or {}).items()},
-        rules=rules,
-        name=name or output,
-    )
 
 
 def require_callable(owner: str, reference: Any) -> Any:
@@ -170,3 +156,6 @@ def _pictures(image: Image, covered: Array, banded: Banded) -> dict[str, Array]:
         "outside": laid_out(~banded.inside, False),
         "unit": np.asarray(banded.unit or 0.0),
     }
+
+
+formula = Formula

@@ -10,13 +10,17 @@ from shaderlab.model import GL_ERRORS, Judgement, Scene, error_name, one_of
 from shaderlab.records import Row
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class GlError(OfDraw):
-    """The draw raises `error`, one of GL_ERRORS."""
+    """The draw raises this error ("invalid_operation", …); any other error fails the case."""
 
     kind = "GL error"
 
     error: str
+
+    def __post_init__(self) -> None:
+        one_of("gl_error", "error", self.error, tuple(GL_ERRORS))
+        self.name_by_default(f"GL {self.error}")
 
     def raises_gl_errors(self, scene: Scene) -> frozenset[PassDraw]:
         return frozenset({self.key(scene)})
@@ -31,9 +35,4 @@ class GlError(OfDraw):
         return table(self.name, self.kind, [row], message, judged=1)
 
 
-def gl_error(
-    error: str, *, pass_name: str | None = None, draw: int = -1, name: str = ""
-) -> GlError:
-    """The draw raises this error ("invalid_operation", …); any other error fails the case."""
-    one_of("gl_error", "error", error, tuple(GL_ERRORS))
-    return GlError(error=error, pass_name=pass_name, draw=draw, name=name or f"GL {error}")
+gl_error = GlError

@@ -23,7 +23,6 @@ from shaderlab.judging.figures import plain, ulp_distance
 from shaderlab.model import Judgement, Programs, Request, Scene, UniformValue
 from shaderlab.records import Outcome, Row, Worst
 
-At = Mapping[str, UniformValue] | None
 Figure = float | Sequence[float]
 
 
@@ -50,14 +49,19 @@ class Finding:
 
 @dataclass(frozen=True, kw_only=True)
 class Law(OfOutput):
-    """A law of an output. `steps` are the inputs of each run by name, `over` says in words what
-    varies, `at` the other inputs."""
+    """A law of an output while the input `over` varies; `at` are other inputs by name, those that
+    it leaves out stay as the case has them."""
 
-    over: str
-    steps: tuple[Mapping[str, Any], ...]
+    over: str | tuple[str, str]
     at: Mapping[str, UniformValue] = field(default_factory=dict)
 
-    def __post_init__(self) -> None:
+    @property
+    @abstractmethod
+    def steps(self) -> Sequence[Mapping[str, Any]]:
+        """The inputs of each run by name."""
+
+    def require_steps(self) -> None:
+        """Raise CaseError if there is nothing to run."""
         if not self.steps:
             raise CaseError(f"{self.name}: needs values of {self.over!r}")
 

@@ -3,27 +3,54 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import KW_ONLY, dataclass
+from typing import Any
 
 import numpy as np
 
 from shaderlab.errors import CaseError
-from shaderlab.expectations.law import At, Figure, Finding, Law
+from shaderlab.expectations.law import Figure, Finding, Law
 from shaderlab.frame import Array
 from shaderlab.judging.figures import shown
 from shaderlab.model import UniformValue
 from shaderlab.records import Row
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class MeanOf(Law):
-    """The mean does not differ from `equals` at this significance (two-sided z-test)."""
+    """The mean of `output` over many samples is `equals`: a two-sided z-test, for each component.
+
+    A shader whose true mean is `equals` fails at `significance` in 1/significance choices of
+    samples; the samples are given, so the same shader always gets the same verdict.
+
+    Args:
+        output: what is judged.
+        equals: the expected mean, a number or one for each component.
+        over: the input that the samples are taken over (a seed, a coordinate).
+        values: one for each sample, at least 30 for the normal distribution to be a fair guess.
+        significance: the test's level α, in 0…1.
+        at: other inputs.
+        draw: which draw's program.
+        name: how outcomes call it.
+    """
 
     kind = "mean"
 
+    output: str
     equals: Figure
-    significance: float
+    _: KW_ONLY
+    values: Sequence[UniformValue]
+    significance: float = 1e-3
+
+    def __post_init__(self) -> None:
+        if len(self.values) < 30 or not 0.0 < self.significance < 1.0:
+            raise CaseError("mean_of: needs 30 samples or more, and a significance between 0 and 1")
+        self.name_by_default(f"mean of {self.output}")
+
+    @property
+    def steps(self) -> Sequence[Mapping[str, Any]]:
+        return [{str(self.over): v} for v in self.values]
 
     def find(self, measured: Array) -> Finding:
         count = len(measured)
@@ -63,42 +90,4 @@ class MeanOf(Law):
         )
 
 
-def mean_of(
-    output: str,
-    equals: Figure,
-    *,
-    over: str,
-    values: Sequence[UniformValue],
-    significance: float = 1e-3,
-    at: At = None,
-    draw: int = -1,
-    name: str = "",
-) -> MeanOf:
-    """The mean of `output` over many samples is `equals`: a two-sided z-test, for each component.
-
-    A shader whose true mean is `equals` fails at `significance` in 1/significance choices of
-    samples; the samples are given, so the same shader always gets the same verdict.
-
-    Args:
-        output: what is judged.
-        equals: the expected mean, a number or one for each component.
-        over: the input that the samples are taken over (a seed, a coordinate).
-        values: one for each sample, at least 30 for the normal distribution to be a fair guess.
-        significance: the test's level α, in 0…1.
-        at: other inputs.
-        draw: which draw's program.
-        name: how outcomes call it.
-    """
-    steps = tuple({over: v} for v in values)
-    if len(steps) < 30 or not 0.0 < significance < 1.0:
-        raise CaseError("mean_of: needs 30 samples or more, and a significance between 0 and 1")
-    return MeanOf(
-        output=output,
-        over=over,
-        steps=steps,
-        equals=equals,
-        significance=significance,
-        at=at or {},
-        draw=draw,
-        name=name or f"mean of {output}",
-    )
+mean_of = MeanOf

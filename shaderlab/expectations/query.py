@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 
 from shaderlab.errors import CaseError
 from shaderlab.expectations.base import Context, OfDraw, table
@@ -23,22 +23,42 @@ class Counted(Request):
         return context.session.count(self.key, self.counter)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Query(OfDraw):
-    """What a draw makes the driver count lies in `low` … `high`."""
+    """A draw makes the driver count exactly this much, or at least or at most so much.
+
+    The pass is drawn once more with a query around the draw, earlier draws having filled the
+    depth and stencil buffers. "samples_passed" are the samples that pass all tests and are not
+    discarded: exact on every driver. What pipeline statistics count ("…_invocations" and the
+    like) a driver may exceed where it works in blocks, and one without them leaves the case
+    unsupported.
+
+    Raises:
+        CaseError: the counter is unknown, or nothing is expected of it.
+    """
 
     kind = "query"
 
     counter: str
-    low: int
-    high: int | None
+    _: KW_ONLY
+    equals: int | None = None
+    at_least: int | None = None
+    at_most: int | None = None
+
+    def __post_init__(self) -> None:
+        one_of("query", "counter", self.counter, COUNTERS)
+        if (self.equals is None) == (self.at_least is None and self.at_most is None):
+            raise CaseError(f"query {self.counter!r}: give equals=, or at_least= and at_most=")
+        self.name_by_default(self.counter.replace("_", " "))
 
     def requests(self, scene: Scene, programs: Programs) -> Iterable[Request]:
         yield Counted(self.key(scene), self.counter)
 
     def judge(self, scene: Scene, frame: Frame) -> Judgement:
         count = frame.answers[Counted(self.key(scene), self.counter)]
-        low, high = self.low, self.high
+        low, high = self.at_least or 0, self.at_most
+        if self.equals is not None:
+            low = high = self.equals
         ok = low <= count and (high is None or count <= high)
         if low == high:
             expected = str(low)
@@ -52,36 +72,4 @@ class Query(OfDraw):
         return table(self.name, self.kind, [row], message, judged=1)
 
 
-def query(
-    counter: str,
-    *,
-    equals: int | None = None,
-    at_least: int | None = None,
-    at_most: int | None = None,
-    pass_name: str | None = None,
-    draw: int = -1,
-    name: str = "",
-) -> Query:
-    """A draw makes the driver count exactly this much, or at least or at most so much.
-
-    The pass is drawn once more with a query around the draw, earlier draws having filled the
-    depth and stencil buffers. "samples_passed" are the samples that pass all tests and are not
-    discarded: exact on every driver. What pipeline statistics count ("…_invocations" and the
-    like) a driver may exceed where it works in blocks, and one without them leaves the case
-    unsupported.
-
-    Raises:
-        CaseError: the counter is unknown, or nothing is expected of it.
-    """
-    one_of("query", "counter", counter, COUNTERS)
-    if (equals is None) == (at_least is None and at_most is None):
-        raise CaseError(f"query {counter!r}: give equals=, or at_least= and at_most=")
-    low, high = (equals, equals) if equals is not None else (at_least or 0, at_most)
-    return Query(
-        counter=counter,
-        low=low,
-        high=high,
-        pass_name=pass_name,
-        draw=draw,
-        name=name or counter.replace("_", " "),
-    )
+query = Query

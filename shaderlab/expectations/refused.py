@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
 from shaderlab.errors import CaseError, ShaderlabError
@@ -36,17 +36,37 @@ class RaisedError(Request):
         return None
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Refused(Expectation):
-    """`what` is a shader's name, to be read with its includes, or a function to be called."""
+    """The lab refuses `what` with this whole error: message, file, line and remedy.
+
+    Args:
+        what: a shader's name, which the lab is asked to read with its includes; or a function
+            that must raise one of the lab's errors, such as one that reads a mesh.
+        message: the error's message. Folders of the case and of the shaders are left out of
+            paths, here and in `file`, so that they are the same on every machine.
+        file: the file that the error names, "" for none; the shader itself by default.
+        line: the line that it names, if it names one.
+        remedy: what it advises, "" for nothing.
+        name: how outcomes call it.
+    """
 
     kind = "refused"
 
     what: str | Callable[[], Any]
+    _: KW_ONLY
     message: str
-    file: str = ""
+    file: str | None = None
     line: int | None = None
     remedy: str = ""
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.what, str) and not callable(self.what):
+            raise CaseError(f"refused: needs a shader's name or a function, not {self.what!r}")
+        own = self.what if isinstance(self.what, str) else ""
+        self.name_by_default(f"{own or self.file or 'it'} is refused")
+        if self.file is None:
+            object.__setattr__(self, "file", own)
 
     def requests(self, scene: Scene, programs: Programs) -> Iterable[Request]:
         yield RaisedError(self.what)
@@ -70,40 +90,6 @@ class Refused(Expectation):
         return table(self.name, self.kind, rows, message, judged=len(rows))
 
 
-def refused(
-    what: str | Callable[[], Any],
-    *,
-    message: str,
-    file: str | None = None,
-    line: int | None = None,
-    remedy: str = "",
-    name: str = "",
-) -> Refused:
-    """The lab refuses `what` with this whole error: message, file, line and remedy.
-
-    Args:
-        what: a shader's name, which the lab is asked to read with its includes; or a function
-            that must raise one of the lab's errors, such as one that reads a mesh.
-        message: the error's message. Folders of the case and of the shaders are left out of
-            paths, here and in `file`, so that they are the same on every machine.
-        file: the file that the error names, "" for none; the shader itself by default.
-        line: the line that it names, if it names one.
-        remedy: what it advises, "" for nothing.
-        name: how outcomes call it.
-    """
-    if not isinstance(what, str) and not callable(what):
-        raise CaseError(f"refused: needs a shader's name or a function, not {what!r}")
-    own = what if isinstance(what, str) else ""
-    return Refused(
-        what=what,
-        message=message,
-        file=own if file is None else file,
-        line=line,
-        remedy=remedy,
-        name=name or f"{own or file or 'it'} is refused",
-    )
-
-
 def _parts(message: str, file: str | None, line: int | None, remedy: str | None) -> dict[str, str]:
     return {
         "message": message,
@@ -111,3 +97,6 @@ def _parts(message: str, file: str | None, line: int | None, remedy: str | None)
         "line": "" if line is None else str(line),
         "remedy": remedy or "",
     }
+
+
+refused = Refused

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import KW_ONLY, dataclass, field
 
 import numpy as np
 
-from shaderlab.bands import Rules
 from shaderlab.expectations.formula import OfReference, Reference, require_callable
 from shaderlab.expectations.requests import Probe
 from shaderlab.expectations.subject import inputs_of
@@ -17,17 +16,29 @@ from shaderlab.model import Judgement, Programs, Request, Scene, UniformValue
 from shaderlab.records import Curve
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Sweep(OfReference):
-    """The band holds while the input `over` takes each of `values`, with the inputs `at` fixed."""
+    """The band holds while the input `over` takes each of `values`; the report draws the curve.
+
+    `at` gives other inputs by name; those that it leaves out stay as the case has them. For the
+    rest see `Formula`.
+    """
 
     kind = "sweep"
     judges = "curve"
 
+    output: str
+    reference: Reference
+    _: KW_ONLY
     over: str
-    values: tuple[float, ...]
+    values: Sequence[float]
     at: Mapping[str, UniformValue] = field(default_factory=dict)
     log_x: bool = False
+
+    def __post_init__(self) -> None:
+        require_callable("sweep", self.reference)
+        self.name_by_default(f"{self.output} over {self.over}")
+        object.__setattr__(self, "values", tuple(float(v) for v in self.values))
 
     def requests(self, scene: Scene, programs: Programs) -> Iterable[Request]:
         self.is_of_vertex(scene, programs)  # raises where there is no such output
@@ -47,7 +58,7 @@ class Sweep(OfReference):
             title=self.name,
             x_label=self.over,
             y_label=f"{self.output}.{'xyzw'[component]}" if several else self.output,
-            x=self.values,
+            x=tuple(self.values),
             measured=tuple(banded.measured[:, component].tolist()),
             reference=tuple(banded.reference[:, component].tolist()),
             low=tuple(banded.low[:, component].tolist()),
@@ -57,32 +68,4 @@ class Sweep(OfReference):
         return self.judgement(scene, banded, banded.verdict(), curve=curve)
 
 
-def sweep(
-    output: str,
-    reference: Reference,
-    *,
-    over: str,
-    values: Sequence[float],
-    at: Mapping[str, UniformValue] | None = None,
-    draw: int = -1,
-    given: Mapping[str, UniformValue] | None = None,
-    rules: Rules | None = None,
-    log_x: bool = False,
-    name: str = "",
-) -> Sweep:
-    """The band holds while the input `over` takes each of `values`; the report draws the curve.
-
-    `at` gives other inputs by name; those that it leaves out stay as the case has them.
-    """
-    return Sweep(
-        output=output,
-        reference=require_callable("sweep", reference),
-        over=over,
-        values=tuple(float(v) for v in values),
-        at=at or {},
-        draw=draw,
-        given=given or {},
-        rules=rules,
-        log_x=log_x,
-        name=name or f"{output} over {over}",
-    )
+sweep = Sweep

@@ -2,28 +2,62 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+import functools
+from collections.abc import Mapping, Sequence
+from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
 import numpy as np
 
 from shaderlab.errors import CaseError
-from shaderlab.expectations.law import At, Finding, Law, least
+from shaderlab.expectations.law import Finding, Law, least
 from shaderlab.frame import Array
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Symmetric(Law):
-    """Of each two runs, the second gives `sign` times the first, within `ulps`."""
+    """f(x) = f(−x) for each of `values` of one input; or, `over` two inputs, f(a, b) = f(b, a) for
+    each pair (a, b).
+
+    Args:
+        output: what is judged.
+        over: an input's name, or two.
+        values: numbers or vectors, or pairs of them.
+        odd: f(x) = −f(−x), or f(a, b) = −f(b, a), instead.
+        ulps: how many float32 steps the two may differ by; 0 asks for the same numbers.
+        at: other inputs.
+        draw: which draw's program.
+        name: how outcomes call it.
+    """
 
     kind = "symmetric"
 
-    sign: int
-    ulps: int
+    output: str
+    _: KW_ONLY
+    values: Sequence[Any]
+    odd: bool = False
+    ulps: int = 0
+
+    def __post_init__(self) -> None:
+        if not self.steps or self.ulps < 0:
+            raise CaseError(f"symmetric {self.output!r}: needs values, and ulps of 0 or more")
+        label = self.over if isinstance(self.over, str) else " and ".join(self.over)
+        self.name_by_default(f"{self.output} symmetric in {label}")
+
+    @functools.cached_property
+    def steps(self) -> Sequence[Mapping[str, Any]]:
+        """Each value and its mirror image, one after the other."""
+        found: list[dict[str, Any]] = []
+        for value in self.values:
+            if isinstance(self.over, str):
+                found += [{self.over: value}, {self.over: np.negative(value).tolist()}]
+            else:
+                pairs = (value, tuple(reversed(value)))
+                found += [dict(zip(self.over, pair, strict=True)) for pair in pairs]
+        return found
 
     def find(self, measured: Array) -> Finding:
-        one, other = measured[0::2], self.sign * measured[1::2]
+        one, other = measured[0::2], (-1 if self.odd else 1) * measured[1::2]
         larger = np.maximum(np.abs(one), np.abs(other))
         step = np.spacing(larger.astype(np.float32)).astype(np.float64)
         off = np.abs(one - other) / step
@@ -42,47 +76,4 @@ class Symmetric(Law):
         )
 
 
-def symmetric(
-    output: str,
-    *,
-    over: str | tuple[str, str],
-    values: Sequence[Any],
-    odd: bool = False,
-    ulps: int = 0,
-    at: At = None,
-    draw: int = -1,
-    name: str = "",
-) -> Symmetric:
-    """f(x) = f(−x) for each of `values` of one input; or, `over` two inputs, f(a, b) = f(b, a) for
-    each pair (a, b).
-
-    Args:
-        output: what is judged.
-        over: an input's name, or two.
-        values: numbers or vectors, or pairs of them.
-        odd: f(x) = −f(−x), or f(a, b) = −f(b, a), instead.
-        ulps: how many float32 steps the two may differ by; none says, the same numbers.
-        at: other inputs.
-        draw: which draw's program.
-        name: how outcomes call it.
-    """
-    steps: list[dict[str, Any]] = []
-    for value in values:
-        if isinstance(over, str):
-            steps += [{over: value}, {over: np.negative(value).tolist()}]
-        else:
-            one, other = value
-            steps += [dict(zip(over, pair, strict=True)) for pair in ((one, other), (other, one))]
-    if not steps or ulps < 0:
-        raise CaseError(f"symmetric {output!r}: needs values, and ulps of 0 or more")
-    label = over if isinstance(over, str) else " and ".join(over)
-    return Symmetric(
-        output=output,
-        over=label,
-        steps=tuple(steps),
-        sign=-1 if odd else 1,
-        ulps=ulps,
-        at=at or {},
-        draw=draw,
-        name=name or f"{output} symmetric in {label}",
-    )
+symmetric = Symmetric

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
 import numpy as np
 
-from shaderlab.bands import Rules
 from shaderlab.errors import CaseError
 from shaderlab.expectations.formula import Formula, OfReference, Reference
 from shaderlab.expectations.requests import CapturedFragments, Probe
@@ -24,17 +23,30 @@ from shaderlab.records import Outcome, Row
 Figure = float | Sequence[float]
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Value(OfReference):
-    """A figure as printed, at a pixel of the frame or at given inputs."""
+    """A figure as printed (rounded to `digits` decimals) holds for the formula and the shader.
+
+    `at` gives some inputs by name (the others stay as the case has them) and the program is run
+    once more on exactly these; or it is a Pixel of the frame. The reference is that of the
+    case's `formula` of the same output unless given. In float64, on the decimal inputs, it must
+    round to the figure; the shader, on the float32 ones, must lie in its band.
+    """
 
     kind = "value"
 
+    output: str
+    _: KW_ONLY
     reference: Reference | None = None
     equals: Figure
     digits: int
     at: Mapping[str, UniformValue] | Pixel
     note: str = ""
+
+    def __post_init__(self) -> None:
+        if self.digits < 0:
+            raise CaseError(f"value of {self.output!r}: digits must not be negative")
+        self.name_by_default(self.output)
 
     def reads(self, scene: Scene) -> Iterable[Read]:
         pixel = self.at if isinstance(self.at, Pixel) else None
@@ -111,45 +123,12 @@ class Value(OfReference):
         return figure_row(label, self.equals, self.digits, computed, measured, ok, self.note)
 
 
-def value(
-    output: str,
-    *,
-    at: Mapping[str, UniformValue] | Pixel,
-    equals: Figure,
-    digits: int,
-    reference: Reference | None = None,
-    draw: int = -1,
-    given: Mapping[str, UniformValue] | None = None,
-    rules: Rules | None = None,
-    name: str = "",
-    note: str = "",
-) -> Value:
-    """A figure as printed (rounded to `digits` decimals) holds for the formula and the shader.
-
-    `at` gives some inputs by name (the others stay as the case has them) and the program is run
-    once more on exactly these; or it is a Pixel of the frame. The reference is that of the
-    case's `formula` of the same output unless given. In float64, on the decimal inputs, it must
-    round to the figure; the shader, on the float32 ones, must lie in its band.
-    """
-    if digits < 0:
-        raise CaseError(f"value of {output!r}: digits must not be negative")
-    return Value(
-        output=output,
-        equals=equals,
-        digits=digits,
-        at=at,
-        reference=reference,
-        draw=draw,
-        given=given or {},
-        rules=rules,
-        name=name or output,
-        note=note,
-    )
-
-
 def _at_pixel(image: Image, at: Pixel) -> Array:
     height, width = image.values.shape[:2]
     if not (0 <= at.x < width and 0 <= at.y < height):
         raise CaseError(f"{at} lies outside the {width} × {height} target")
     found: Array = image.values[at.y, at.x]
     return found
+
+
+value = Value

@@ -108,7 +108,12 @@ class Expectation(ABC):
     once: ClassVar[bool] = False
     judges: ClassVar[Literal["pixels", "curve", ""]] = ""
 
-    name: str = ""
+    name: str = field(default_factory=str)  # no class attribute: a kind may take it first
+
+    def name_by_default(self, name: str) -> None:
+        """Take this name if the case gives none; for `__post_init__`."""
+        if not self.name:
+            object.__setattr__(self, "name", name)
 
     def reads(self, scene: Scene) -> Iterable[Read]:
         """The outputs that it judges, told from names alone; one that does not exist is no error
