@@ -152,8 +152,8 @@ class Frame:
         gl_errors: GL errors by (pass, draw); only draws that raised any have an entry.
         sample_positions: where the driver takes a pixel's samples, by pass, for passes that have
             several: (samples, 2), from the pixel's lower left corner, 0…1.
-        answers: what else expectations asked for, by their requests
-            (`shaderlab.model.Request`): captured inputs, probes, counts, layouts, verdicts.
+        answers: what else expectations asked for, by their needs
+            (`shaderlab.model.Need`): captured inputs, probes, counts, layouts, verdicts.
     """
 
     images: Mapping[tuple[str, str], Image]

@@ -10,7 +10,7 @@ from shaderlab.backends import Backend, Session
 from shaderlab.errors import DriverError
 from shaderlab.expectations.base import Context
 from shaderlab.frame import Frame
-from shaderlab.model import Expectation, Judgement, Request, error_name
+from shaderlab.model import Expectation, Judgement, Need, error_name
 from shaderlab.programs.prepare import Preparer
 
 
@@ -37,7 +37,7 @@ class Evaluation:
         self.session = session
         self.scene = session.scene
         self.programs = session.programs
-        self.answers: dict[Request, Any] = {}
+        self.answers: dict[Need, Any] = {}
         self._like = like
         with doing("draw"):
             self.drawn = session.draw()
@@ -62,9 +62,9 @@ class Evaluation:
             ShaderlabError: it names what is not there, or there is no answer.
         """
         with doing("draw"):
-            for request in expectation.requests(self.scene, self.programs):
-                if request not in self.answers:
-                    self.answers[request] = self._answer(request)
+            for need in expectation.needs(self.scene, self.programs):
+                if need not in self.answers:
+                    self.answers[need] = self._answer(need)
 
     def judge(self, expectation: Expectation) -> Judgement:
         """Judge one of the scene's expectations; see `Expectation.judge` for what it raises."""
@@ -80,12 +80,12 @@ class Evaluation:
                 names = ", ".join(error_name(code) for code in errors)
                 raise DriverError(f"draw {key[1]} of pass {key[0]!r} raises {names}")
 
-    def _answer(self, request: Request) -> Any:
+    def _answer(self, need: Need) -> Any:
         like = self._like
         if (
             like is not None
-            and request in like.answers
-            and request.has_same_answer(self.programs, like.programs)
+            and need in like.answers
+            and need.has_same_answer(self.programs, like.programs)
         ):
-            return like.answers[request]
-        return request.answer(self._context)
+            return like.answers[need]
+        return need.answer(self._context)

@@ -178,7 +178,7 @@ class Lab:
         builder.add_programs(programs, assembly)
         _require_compiled(programs)
         for expectation in scene.expect:
-            tuple(expectation.requests(scene, programs))  # raises for a name that is not there
+            tuple(expectation.needs(scene, programs))  # raises for a name that is not there
         with doing("link"):
             builder.add_driver_verdicts(self._driver_verdict)
         picture_size = 0 if folder is None else self.options.picture_size

@@ -8,12 +8,12 @@ from dataclasses import KW_ONLY, dataclass
 from shaderlab.errors import CaseError
 from shaderlab.expectations.base import Context, OfDraw, table
 from shaderlab.frame import AttributeReading, Frame, PassDraw
-from shaderlab.model import Judgement, Programs, Request, Scene
+from shaderlab.model import Judgement, Need, Programs, Scene
 from shaderlab.records import Row
 
 
 @dataclass(frozen=True)
-class ReadAttributes(Request):
+class ReadAttributes(Need):
     """Where OpenGL says that the attributes of a draw lie."""
 
     key: PassDraw
@@ -47,7 +47,7 @@ class AttributeLayout(OfDraw):
                     f"(offset, stride, divisor), not {entry!r}"
                 )
 
-    def requests(self, scene: Scene, programs: Programs) -> Iterable[Request]:
+    def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
         yield ReadAttributes(self.key(scene))
 
     def judge(self, scene: Scene, frame: Frame) -> Judgement:

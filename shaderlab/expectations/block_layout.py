@@ -9,12 +9,12 @@ from shaderlab.errors import CaseError, nearest
 from shaderlab.expectations.attribute_layout import memory_table
 from shaderlab.expectations.base import Context, OfDraw
 from shaderlab.frame import BlockReading, Frame, PassDraw
-from shaderlab.model import Judgement, Programs, Request, Scene
+from shaderlab.model import Judgement, Need, Programs, Scene
 from shaderlab.records import Row
 
 
 @dataclass(frozen=True)
-class ReadBlocks(Request):
+class ReadBlocks(Need):
     """Where the driver has the members of a draw's uniform blocks, by block."""
 
     key: PassDraw
@@ -41,7 +41,7 @@ class BlockLayout(OfDraw):
     def __post_init__(self) -> None:
         self.name_by_default(f"layout of {self.block}")
 
-    def requests(self, scene: Scene, programs: Programs) -> Iterable[Request]:
+    def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
         yield ReadBlocks(self.key(scene))
 
     def judge(self, scene: Scene, frame: Frame) -> Judgement:

@@ -9,7 +9,7 @@ from shaderlab.activity import doing
 from shaderlab.errors import CaseError, DriverError
 from shaderlab.expectations.base import Context, table
 from shaderlab.frame import Frame
-from shaderlab.model import Expectation, Judgement, Programs, Request, Scene
+from shaderlab.model import Expectation, Judgement, Need, Programs, Scene
 from shaderlab.records import Row, Verdict
 
 Place = tuple[str, int | None, str]
@@ -31,7 +31,7 @@ class Verdicts:
 
 
 @dataclass(frozen=True)
-class CompilerVerdicts(Request):
+class CompilerVerdicts(Need):
     """What the compilers say of some files as one program."""
 
     shaders: tuple[str, ...]
@@ -70,7 +70,7 @@ class CompileFails(Expectation):
     messages: tuple[Place, ...]
     driver: bool = True
 
-    def requests(self, scene: Scene, programs: Programs) -> Iterable[Request]:
+    def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
         yield CompilerVerdicts(self.shaders)
 
     def judge(self, scene: Scene, frame: Frame) -> Judgement:

@@ -11,7 +11,7 @@ from typing import Any
 from shaderlab.errors import CaseError
 from shaderlab.expectations.base import Context
 from shaderlab.frame import Frame, Timing
-from shaderlab.model import Expectation, Judgement, Programs, Request, Scene, one_of
+from shaderlab.model import Expectation, Judgement, Need, Programs, Scene, one_of
 from shaderlab.records import Outcome, Plot, PlotPoint, Row
 
 Number = Callable[[float], int]
@@ -20,7 +20,7 @@ Best = Mapping[tuple[str, float], float]
 
 
 @dataclass(frozen=True)
-class Timed(Request):
+class Timed(Need):
     """How long a pass takes, drawn several times."""
 
     pass_name: str
@@ -82,7 +82,7 @@ class Cost(Expectation):
         if self.repeats < 1:
             raise CaseError(f"cost: repeats must be at least 1, not {self.repeats}")
 
-    def requests(self, scene: Scene, programs: Programs) -> Iterable[Request]:
+    def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
         for row in self.series.values():
             for names in row.values():
                 for name in names:

@@ -8,9 +8,9 @@ from dataclasses import KW_ONLY, dataclass
 import numpy as np
 
 from shaderlab.expectations.base import OfDraw, table
-from shaderlab.expectations.requests import CapturedFragments
+from shaderlab.expectations.needs import CapturedFragments
 from shaderlab.frame import Frame
-from shaderlab.model import Judgement, Programs, Read, Request, Scene
+from shaderlab.model import Judgement, Need, Programs, Read, Scene
 from shaderlab.records import Row
 
 
@@ -28,7 +28,7 @@ class Coverage(OfDraw):
     def reads(self, scene: Scene) -> Iterable[Read]:
         yield Read(self.key(scene)[0], "coverage")
 
-    def requests(self, scene: Scene, programs: Programs) -> Iterable[Request]:
+    def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
         yield CapturedFragments(self.key(scene))
 
     def judge(self, scene: Scene, frame: Frame) -> Judgement:

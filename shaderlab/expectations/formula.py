@@ -11,11 +11,11 @@ import numpy as np
 from shaderlab.bands import Rules
 from shaderlab.errors import CaseError
 from shaderlab.expectations.base import OfOutput
-from shaderlab.expectations.requests import CapturedFragments, CapturedVertices
+from shaderlab.expectations.needs import CapturedFragments, CapturedVertices
 from shaderlab.expectations.subject import subject_of
 from shaderlab.frame import Array, Frame, Image
 from shaderlab.judging.banded import Banded, independent_references, judge_band
-from shaderlab.model import Judgement, LazyArrays, Programs, Request, Scene, UniformValue
+from shaderlab.model import Judgement, LazyArrays, Need, Programs, Scene, UniformValue
 from shaderlab.records import Outcome, Row
 
 Reference = Callable[..., Any]
@@ -96,7 +96,7 @@ class Formula(OfReference):
             require_callable("formula: also", implementation)
         self.name_by_default(self.output)
 
-    def requests(self, scene: Scene, programs: Programs) -> Iterable[Request]:
+    def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
         key = self.key(scene)
         of_pixels = self.is_of_depth(scene, programs) or not self.is_of_vertex(scene, programs)
         yield CapturedFragments(key) if of_pixels else CapturedVertices(key)

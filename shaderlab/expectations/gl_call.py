@@ -19,8 +19,8 @@ from shaderlab.model import (
     Call,
     Expectation,
     Judgement,
+    Need,
     Programs,
-    Request,
     Scene,
     error_name,
     one_of,
@@ -32,7 +32,7 @@ __all__ = ["GlCall", "Location", "Object", "Program", "call", "gl_call"]
 
 
 @dataclass(frozen=True)
-class Answered(Request):
+class Answered(Need):
     """The API's answer to calls made one after the other in a context of their own."""
 
     calls: tuple[Call, ...]
@@ -58,15 +58,15 @@ class GlCall(Expectation):
         named = programs_of((*self.before, self.call))
         return frozenset(scene.draw_key(p.pass_name, p.draw)[0] for p in named)
 
-    def requests(self, scene: Scene, programs: Programs) -> Iterable[Request]:
-        yield self._request
+    def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
+        yield self._need
 
     @property
-    def _request(self) -> Answered:
+    def _need(self) -> Answered:
         return Answered((*self.before, self.call), self.returns or ())
 
     def judge(self, scene: Scene, frame: Frame) -> Judgement:
-        reply: Reply = frame.answers[self._request]
+        reply: Reply = frame.answers[self._need]
         want = GL_ERRORS[self.raises]
         errors = ", ".join(error_name(code) for code in reply.errors) or error_name(0)
         first = reply.at == str(self.call)

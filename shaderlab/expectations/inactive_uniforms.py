@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from shaderlab.errors import CaseError, nearest
 from shaderlab.expectations.base import Context, OfDraw, table
 from shaderlab.frame import Frame, PassDraw
-from shaderlab.model import Judgement, Programs, Request, Scene
+from shaderlab.model import Judgement, Need, Programs, Scene
 from shaderlab.records import Row
 
 
 @dataclass(frozen=True)
-class Located(Request):
+class Located(Need):
     """Where the driver put each uniform that a draw's program declares; −1 for one without
     effect."""
 
@@ -31,7 +31,7 @@ class InactiveUniforms(OfDraw):
 
     uniforms: tuple[str, ...]
 
-    def requests(self, scene: Scene, programs: Programs) -> Iterable[Request]:
+    def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
         yield Located(self.key(scene))
 
     def judge(self, scene: Scene, frame: Frame) -> Judgement:

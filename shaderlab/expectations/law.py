@@ -17,10 +17,10 @@ import numpy as np
 
 from shaderlab.errors import CaseError
 from shaderlab.expectations.base import OfOutput
-from shaderlab.expectations.requests import Probe
+from shaderlab.expectations.needs import Probe
 from shaderlab.frame import Array, Frame, Samples
 from shaderlab.judging.figures import plain, ulp_distance
-from shaderlab.model import Judgement, Programs, Request, Scene, UniformValue
+from shaderlab.model import Judgement, Need, Programs, Scene, UniformValue
 from shaderlab.records import Outcome, Row, Worst
 
 Figure = float | Sequence[float]
@@ -69,7 +69,7 @@ class Law(OfOutput):
     def find(self, measured: Array) -> Finding:
         """Hold finite float64 values (runs, components) against the law."""
 
-    def requests(self, scene: Scene, programs: Programs) -> Iterable[Request]:
+    def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
         self.is_of_vertex(scene, programs)  # raises where there is no such output
         yield Probe(self, [{**self.at, **step} for step in self.steps])
 

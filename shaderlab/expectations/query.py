@@ -8,12 +8,12 @@ from dataclasses import KW_ONLY, dataclass
 from shaderlab.errors import CaseError
 from shaderlab.expectations.base import Context, OfDraw, table
 from shaderlab.frame import Frame, PassDraw
-from shaderlab.model import COUNTERS, Judgement, Programs, Request, Scene, one_of
+from shaderlab.model import COUNTERS, Judgement, Need, Programs, Scene, one_of
 from shaderlab.records import Row
 
 
 @dataclass(frozen=True)
-class Counted(Request):
+class Counted(Need):
     """What the driver counts while one draw of a pass is drawn once more."""
 
     key: PassDraw
@@ -51,7 +51,7 @@ class Query(OfDraw):
             raise CaseError(f"query {self.counter!r}: give equals=, or at_least= and at_most=")
         self.name_by_default(self.counter.replace("_", " "))
 
-    def requests(self, scene: Scene, programs: Programs) -> Iterable[Request]:
+    def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
         yield Counted(self.key(scene), self.counter)
 
     def judge(self, scene: Scene, frame: Frame) -> Judgement:

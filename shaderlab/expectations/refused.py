@@ -9,12 +9,12 @@ from typing import Any
 from shaderlab.errors import CaseError, ShaderlabError
 from shaderlab.expectations.base import Context, table
 from shaderlab.frame import Frame
-from shaderlab.model import Expectation, Judgement, Programs, Request, Scene
+from shaderlab.model import Expectation, Judgement, Need, Programs, Scene
 from shaderlab.records import Row
 
 
 @dataclass(frozen=True)
-class RaisedError(Request):
+class RaisedError(Need):
     """The error that the lab raises over a shader's name or in a function, or None; folders are
     left out of its paths."""
 
@@ -68,7 +68,7 @@ class Refused(Expectation):
         if self.file is None:
             object.__setattr__(self, "file", own)
 
-    def requests(self, scene: Scene, programs: Programs) -> Iterable[Request]:
+    def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
         yield RaisedError(self.what)
 
     def judge(self, scene: Scene, frame: Frame) -> Judgement:

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from shaderlab.errors import CaseError, nearest
 from shaderlab.expectations.base import OfOutput
-from shaderlab.expectations.requests import CapturedFragments, CapturedVertices
+from shaderlab.expectations.needs import CapturedFragments, CapturedVertices
 from shaderlab.frame import Array, Frame, Image, PassDraw
 from shaderlab.judging.inputs import Inputs
 from shaderlab.model import Scene, UniformValue

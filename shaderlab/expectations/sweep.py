@@ -8,11 +8,11 @@ from dataclasses import KW_ONLY, dataclass, field
 import numpy as np
 
 from shaderlab.expectations.formula import OfReference, Reference, require_callable
-from shaderlab.expectations.requests import Probe
+from shaderlab.expectations.needs import Probe
 from shaderlab.expectations.subject import inputs_of
 from shaderlab.frame import Frame
 from shaderlab.judging.banded import judge_band
-from shaderlab.model import Judgement, Programs, Request, Scene, UniformValue
+from shaderlab.model import Judgement, Need, Programs, Scene, UniformValue
 from shaderlab.records import Curve
 
 
@@ -40,7 +40,7 @@ class Sweep(OfReference):
         self.name_by_default(f"{self.output} over {self.over}")
         object.__setattr__(self, "values", tuple(float(v) for v in self.values))
 
-    def requests(self, scene: Scene, programs: Programs) -> Iterable[Request]:
+    def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
         self.is_of_vertex(scene, programs)  # raises where there is no such output
         yield Probe(self, [{**self.at, self.over: value} for value in self.values])
 

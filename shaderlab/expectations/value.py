@@ -10,14 +10,14 @@ import numpy as np
 
 from shaderlab.errors import CaseError
 from shaderlab.expectations.formula import Formula, OfReference, Reference
-from shaderlab.expectations.requests import CapturedFragments, Probe
+from shaderlab.expectations.needs import CapturedFragments, Probe
 from shaderlab.expectations.subject import find_image, inputs_of, pixel_inputs
 from shaderlab.expectations.sweep import Sweep
 from shaderlab.frame import Array, Frame, Image
 from shaderlab.judging.banded import judge_band
 from shaderlab.judging.figures import figure_row, rounds_to, shown
 from shaderlab.judging.inputs import evaluate
-from shaderlab.model import Judgement, Pixel, Programs, Read, Request, Scene, UniformValue
+from shaderlab.model import Judgement, Need, Pixel, Programs, Read, Scene, UniformValue
 from shaderlab.records import Outcome, Row
 
 Figure = float | Sequence[float]
@@ -53,7 +53,7 @@ class Value(OfReference):
         for read in super().reads(scene):
             yield Read(read.pass_name, read.output, pixel)
 
-    def requests(self, scene: Scene, programs: Programs) -> Iterable[Request]:
+    def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
         if not isinstance(self.at, Pixel):
             self.is_of_vertex(scene, programs)  # raises where there is no such output
             yield Probe(self, [dict(self.at)])

@@ -16,9 +16,9 @@ from shaderlab.model.expectation import (
     Expectation,
     Judgement,
     LazyArrays,
+    Need,
     Programs,
     Read,
-    Request,
 )
 from shaderlab.model.mesh import Mesh, Placement
 from shaderlab.model.scene import (
@@ -64,6 +64,7 @@ __all__ = [
     "LazyArrays",
     "Location",
     "Mesh",
+    "Need",
     "Object",
     "Output",
     "Pass",
@@ -73,7 +74,6 @@ __all__ = [
     "Programs",
     "Ramp",
     "Read",
-    "Request",
     "Scene",
     "State",
     "Stencil",

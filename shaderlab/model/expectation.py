@@ -2,7 +2,7 @@
 
 The kinds themselves are in `shaderlab.expectations`, one a file. A kind is a frozen dataclass that
 derives from `Expectation`. It names the outputs that it reads and the passes that draw them, asks
-for what it needs beyond the pictures (`requests`), and judges the frame that holds the answers.
+for what it needs beyond the pictures (`needs`), and judges the frame that holds the answers.
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ class Read:
     pixel: Pixel | None = None
 
 
-class Request(ABC):
-    """What an expectation needs beyond the pictures. Equal requests are answered once a scene."""
+class Need(ABC):
+    """What an expectation needs beyond the pictures. Equal needs are answered once a scene."""
 
     @abstractmethod
     def answer(self, context: Any) -> Any:
@@ -132,7 +132,7 @@ class Expectation(ABC):
         """Whether it judges what a vertex or geometry stage gives, and not what is drawn."""
         return False
 
-    def requests(self, scene: Scene, programs: Programs) -> Iterable[Request]:
+    def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
         """What it needs beyond the pictures.
 
         Raises:

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from shaderlab.evaluation import Evaluation
-from shaderlab.expectations.requests import CapturedFragments, CapturedVertices
+from shaderlab.expectations.needs import CapturedFragments, CapturedVertices
 from shaderlab.frame import Array
 from shaderlab.model import Pixel, Scene, outputs_read
 
@@ -58,18 +58,18 @@ def changed(mutant: Evaluation, original: Evaluation) -> set[Named]:
         for key, image in mutant.drawn.images.items()
         if differ(image.values, before[key].values)
     }
-    for request, answer in mutant.answers.items():
-        other = original.answers.get(request)
+    for need, answer in mutant.answers.items():
+        other = original.answers.get(need)
         if other is None:
             continue
-        if isinstance(request, CapturedVertices):
+        if isinstance(need, CapturedVertices):
             found |= {
-                (request.key[0], name)
+                (need.key[0], name)
                 for name, values in answer.outputs.items()
                 if differ(values, other.outputs[name])
             }
-        elif isinstance(request, CapturedFragments) and differ(answer.covered, other.covered):
-            found.add((request.key[0], "coverage"))
+        elif isinstance(need, CapturedFragments) and differ(answer.covered, other.covered):
+            found.add((need.key[0], "coverage"))
     return found
 
 

@@ -14,7 +14,7 @@ from shaderlab import Case, Draw, Mesh, Pass, Ramp, State, Target, across, formu
 from shaderlab.backends.opengl.backend import OpenGLBackend
 from shaderlab.catalogue import Catalogue
 from shaderlab.evaluation import Evaluation, Lab
-from shaderlab.expectations.requests import CapturedFragments
+from shaderlab.expectations.needs import CapturedFragments
 from shaderlab.frame import Fragments, PassDraw
 from shaderlab.model import Blend, Cell, Depth, Scene
 from shaderlab.options import RunOptions
@@ -57,9 +57,9 @@ class Watched(Lab):
     def judge_all(self, evaluation: Evaluation, *_: Any) -> None:
         scene = evaluation.scene
         self.seen[scene.case.id, scene.variant] = {
-            request.key: answer
-            for request, answer in evaluation.answers.items()
-            if isinstance(request, CapturedFragments)
+            need.key: answer
+            for need, answer in evaluation.answers.items()
+            if isinstance(need, CapturedFragments)
         }
 
 

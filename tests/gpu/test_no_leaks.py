@@ -49,8 +49,8 @@ class Watched(Lab):
         scene, frame = evaluation.scene, evaluation.frame
         found = {each.name: getattr(frame, each.name) for each in fields(frame)}
         found["answers"] = [
-            (type(request).__name__, answer)
-            for request, answer in frame.answers.items()
+            (type(need).__name__, answer)
+            for need, answer in frame.answers.items()
             if not isinstance(answer, Timing)  # seconds differ
         ]
         self.hashes[scene.case.id, scene.variant] = {

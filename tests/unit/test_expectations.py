@@ -24,7 +24,7 @@ from shaderlab import (
     value,
 )
 from shaderlab.errors import CaseError, FormulaError
-from shaderlab.expectations.requests import CapturedFragments, Probe
+from shaderlab.expectations.needs import CapturedFragments, Probe
 from shaderlab.frame import Bindings, Fragments, Frame, Image, Samples, Texels
 from shaderlab.glslmath import pow, sin
 from shaderlab.model import Judgement

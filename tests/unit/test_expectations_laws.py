@@ -20,7 +20,7 @@ from shaderlab import (
 )
 from shaderlab.errors import CaseError
 from shaderlab.expectations.law import Law
-from shaderlab.expectations.requests import Probe
+from shaderlab.expectations.needs import Probe
 from shaderlab.frame import Bindings, Frame, Samples
 from shaderlab.records import Outcome
 

@@ -30,8 +30,8 @@ def outcome(check: Expectation, answer: Any) -> Outcome:
     """The outcome of an expectation that asks one thing, and gets this answer."""
     case = Case(title="T", passes=fullscreen("a.frag"), expect=[check])
     scene = next(case.scenes())
-    (request,) = check.requests(scene, {})
-    frame = Frame(images={}, order=("main",), bindings={}, answers={request: answer})
+    (need,) = check.needs(scene, {})
+    frame = Frame(images={}, order=("main",), bindings={}, answers={need: answer})
     return check.judge(scene, frame).outcome
 
 

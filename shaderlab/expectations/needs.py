@@ -12,7 +12,7 @@ from shaderlab.activity import doing
 from shaderlab.errors import CaseError, nearest
 from shaderlab.expectations.base import Context, OfOutput
 from shaderlab.frame import Array, Bindings, Fragments, PassDraw, Samples
-from shaderlab.model import Programs, Request
+from shaderlab.model import Need, Programs
 from shaderlab.programs.bind import declared, uniform_arrays
 from shaderlab.programs.inputs import exact_inputs
 from shaderlab.programs.prepare import PreparedDraw
@@ -21,7 +21,7 @@ from shaderlab.programs.varyings import elements
 
 
 @dataclass(frozen=True)
-class CapturedFragments(Request):
+class CapturedFragments(Need):
     """What the fragment shader of a draw got, at each pixel."""
 
     key: PassDraw
@@ -43,7 +43,7 @@ class CapturedFragments(Request):
 
 
 @dataclass(frozen=True)
-class CapturedVertices(Request):
+class CapturedVertices(Need):
     """What the last stage before rasterisation got and gave, at each vertex of a draw."""
 
     key: PassDraw
@@ -57,7 +57,7 @@ class CapturedVertices(Request):
         return _same_stages(programs[name][index], others[name][index])
 
 
-class Probe(Request):
+class Probe(Need):
     """A draw's program run on inputs that an expectation gives.
 
     Inputs of the stage are gathered into one draw; a uniform takes one draw for each value.
