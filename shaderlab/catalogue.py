@@ -196,7 +196,7 @@ def _right_spelling(error: BaseException) -> str | None:
     """For a misspelt keyword or import, the nearest names."""
     if isinstance(error, ImportError) and (error.name or "").startswith("shaderlab"):
         word = re.search(r"cannot import name '(\w+)'", str(error))
-        return nearest(word.group(1), [*model.__all__, *vars(expectations)]) if word else None
+        return nearest(word.group(1), [*vars(model), *vars(expectations)]) if word else None
     found = _UNKNOWN_KEYWORD.search(str(error))
     if not isinstance(error, TypeError) or found is None:
         return None

@@ -38,8 +38,7 @@ from shaderlab import (
     sweep,
     value,
 )
-from shaderlab.glslmath import clamp, dot, normalize, pow, swizzle, vec4
-from shaderlab.glslmath import max as larger
+from shaderlab.glslmath import clamp, dot, max as larger, normalize, pow, swizzle, vec4
 from shaderlab.reference import tone_mapping
 from shaderlab.reference.transforms import (
     clip_position,

@@ -24,8 +24,8 @@ from shaderlab import (
     assets,
     both_ways,
     formula,
+    fullscreen as over_all,
 )
-from shaderlab import fullscreen as over_all
 from shaderlab.glslmath import vec4
 from shaderlab.reference.transforms import (
     clip_position,

@@ -5,35 +5,19 @@
 package loads no shared library.
 """
 
-from shaderlab.glsl.compile import Compiled, compile_program
-from shaderlab.glsl.harness import compile_glsl
-from shaderlab.glsl.interface import Block, Interface, Member, SpecConstant, Variable
-from shaderlab.glsl.jobs import WORK, FileResult
-from shaderlab.glsl.library import versions
-from shaderlab.glsl.reflection import reflect
-from shaderlab.glsl.sources import Shaders, Source
-from shaderlab.glsl.spirv_tools import disassemble, validate
-from shaderlab.glsl.targets import ALL_TARGETS, TARGETS
-from shaderlab.glsl.text import STAGES
-
-__all__ = [
-    "ALL_TARGETS",
-    "STAGES",
-    "TARGETS",
-    "WORK",
-    "Block",
-    "Compiled",
-    "FileResult",
-    "Interface",
-    "Member",
-    "Shaders",
-    "Source",
-    "SpecConstant",
-    "Variable",
-    "compile_glsl",
-    "compile_program",
-    "disassemble",
-    "reflect",
-    "validate",
-    "versions",
-]
+from shaderlab.glsl.compile import Compiled as Compiled, compile_program as compile_program
+from shaderlab.glsl.harness import compile_glsl as compile_glsl
+from shaderlab.glsl.interface import (
+    Block as Block,
+    Interface as Interface,
+    Member as Member,
+    SpecConstant as SpecConstant,
+    Variable as Variable,
+)
+from shaderlab.glsl.jobs import WORK as WORK, FileResult as FileResult
+from shaderlab.glsl.library import versions as versions
+from shaderlab.glsl.reflection import reflect as reflect
+from shaderlab.glsl.sources import Shaders as Shaders, Source as Source
+from shaderlab.glsl.spirv_tools import disassemble as disassemble, validate as validate
+from shaderlab.glsl.targets import ALL_TARGETS as ALL_TARGETS, TARGETS as TARGETS
+from shaderlab.glsl.text import STAGES as STAGES

@@ -5,49 +5,29 @@ OpenImageIO is loaded when a function needs it, not before.
 """
 
 from shaderlab.pictures.display import (
-    BAND_HIGH,
-    BAND_LOW,
-    BAND_MIDDLE,
-    NOT_FINITE,
-    OUTSIDE,
-    UNCOVERED,
-    Display,
-    distance_picture,
-    palette,
-    to_display,
+    BAND_HIGH as BAND_HIGH,
+    BAND_LOW as BAND_LOW,
+    BAND_MIDDLE as BAND_MIDDLE,
+    NOT_FINITE as NOT_FINITE,
+    OUTSIDE as OUTSIDE,
+    UNCOVERED as UNCOVERED,
+    Display as Display,
+    distance_picture as distance_picture,
+    palette as palette,
+    to_display as to_display,
 )
 from shaderlab.pictures.files import (
-    LARGEST_SIDE,
-    copy_png,
-    load,
-    load_library,
-    reduced,
-    save_png,
+    LARGEST_SIDE as LARGEST_SIDE,
+    copy_png as copy_png,
+    load as load,
+    load_library as load_library,
+    reduced as reduced,
+    save_png as save_png,
 )
-from shaderlab.pictures.previews import preview, save_previews
-from shaderlab.pictures.values import WINDOW, Values, judged_part, pack
-
-__all__ = [
-    "BAND_HIGH",
-    "BAND_LOW",
-    "BAND_MIDDLE",
-    "LARGEST_SIDE",
-    "NOT_FINITE",
-    "OUTSIDE",
-    "UNCOVERED",
-    "WINDOW",
-    "Display",
-    "Values",
-    "copy_png",
-    "distance_picture",
-    "judged_part",
-    "load",
-    "load_library",
-    "pack",
-    "palette",
-    "preview",
-    "reduced",
-    "save_png",
-    "save_previews",
-    "to_display",
-]
+from shaderlab.pictures.previews import preview as preview, save_previews as save_previews
+from shaderlab.pictures.values import (
+    WINDOW as WINDOW,
+    Values as Values,
+    judged_part as judged_part,
+    pack as pack,
+)

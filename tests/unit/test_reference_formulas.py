@@ -7,12 +7,17 @@ from math import cos, radians, sin, tan
 import colour
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from cases.scenes import waves
-from shaderlab.reference import attenuation as fade
-from shaderlab.reference import blending, blinn_phong, depth_stencil, gamma, spotlight
+from shaderlab.reference import (
+    attenuation as fade,
+    blending,
+    blinn_phong,
+    depth_stencil,
+    gamma,
+    spotlight,
+)
 
 # d, Kl, Kq, F(d), d at 5 %, d at 1 %: the catalogue's twelve rows, typed again.
 ROWS = [

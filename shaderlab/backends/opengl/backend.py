@@ -6,8 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 
 from shaderlab.backends import Backend, Drawn, Session, Size
-from shaderlab.backends.opengl import calls as api
-from shaderlab.backends.opengl import capture, feedback, queries, verdict
+from shaderlab.backends.opengl import calls as api, capture, feedback, queries, verdict
 from shaderlab.backends.opengl.device import Device
 from shaderlab.backends.opengl.drawing import Drawing
 from shaderlab.backends.opengl.linking import Linker
