@@ -1,7 +1,7 @@
 """The results of running cases, as plain data: all that reports are made from.
 
 Everything here is built of strings, numbers, lists and mappings, and converts to JSON and back
-without loss. The public JSON of `shaderlab run --json` is a view of it (docs/json.md).
+without loss. The public JSON of `shaderlab run --json` is a view of it (docs/guide/json.md).
 """
 
 from __future__ import annotations

@@ -5,8 +5,8 @@ Each entry is a file that is written whole or not at all, so several processes c
 It begins with a checksum of its key and content; a file that was cut short, changed or renamed is
 absent. When the folder outgrows its limit the entries that were least recently used go first.
 
-docs/running.md compares it with sqlite3, of which one damaged page costs the whole cache, and whose
-locks don't work on every network folder.
+docs/internals/measurements.md compares it with sqlite3, of which one damaged page costs the whole
+cache, and whose locks don't work on every network folder.
 """
 
 from __future__ import annotations

@@ -37,7 +37,7 @@ References also use `+ - * /`, comparisons, and `&`, `|` and `~` of their result
 
 def pages() -> dict[str, str]:
     """The pages' texts, by their paths in the repository."""
-    return {"docs/reference.md": _reference(), "docs/glslmath.md": _glslmath()}
+    return {"docs/guide/reference.md": _reference(), "docs/guide/glslmath.md": _glslmath()}
 
 
 def main() -> None:

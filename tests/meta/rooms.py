@@ -1,6 +1,6 @@
 """The map of the rooms: what each is for and which it imports, read from the code.
 
-`python -m tests.meta.rooms` writes it into docs/architecture.md; a test holds both equal.
+`python -m tests.meta.rooms` writes it into docs/internals/architecture.md; a test holds both equal.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 PACKAGE = "shaderlab"
-DOCUMENT = "docs/architecture.md"
+DOCUMENT = "docs/internals/architecture.md"
 BEGIN, END = "<!-- rooms: generated -->", "<!-- end of rooms -->"
 
 # Bottom to top: a room may import those before it.

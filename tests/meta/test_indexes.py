@@ -17,14 +17,14 @@ def test_a_page_is_what_the_code_makes_of_it(repository: Path, path: str) -> Non
 
 
 def test_every_function_of_glsl_is_on_its_page() -> None:
-    text = pages()["docs/glslmath.md"]
+    text = pages()["docs/guide/glslmath.md"]
     names = [n for n in shaderlab.glslmath.__all__ if callable(getattr(shaderlab.glslmath, n))]
     missing = {name for name in names if name[0].islower() and f"| `{name}(" not in text}
     assert missing == set() and len(names) > 60
 
 
 def test_every_topic_has_functions_and_a_source() -> None:
-    topics = pages()["docs/reference.md"].split("\n## ")[1:]
+    topics = pages()["docs/guide/reference.md"].split("\n## ")[1:]
     assert len(topics) > 20
     for topic in topics:
         assert "\n| `" in topic and "\nSource" in topic, topic.partition("\n")[0]

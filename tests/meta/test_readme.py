@@ -47,7 +47,7 @@ def test_without_the_normalize_it_fails_with_a_pixel(example: Path) -> None:
 
 
 def test_every_file_the_readme_points_to_exists(repository: Path) -> None:
-    for page in (repository / "README.md", *(repository / "docs").glob("*.md")):
+    for page in (repository / "README.md", repository / "CONTRIBUTING.md", *(repository / "docs").rglob("*.md")):
         for target in re.findall(r"\]\(([^)#]+)\)", page.read_text(encoding="utf-8")):
             if "://" not in target:
                 assert (page.parent / target).exists(), f"{page.name} points to {target}"

@@ -184,7 +184,7 @@ def test_the_public_json_is_strict_and_as_documented() -> None:
 
 
 def test_the_documentation_names_every_public_field() -> None:
-    text = (Path(__file__).parents[2] / "docs" / "json.md").read_text(encoding="utf-8")
+    text = (Path(__file__).parents[2] / "docs" / "guide" / "json.md").read_text(encoding="utf-8")
     named = set(re.findall(r"`([a-z_]+)`", text))
 
     def fields(value: object) -> set[str]:

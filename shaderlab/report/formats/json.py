@@ -1,4 +1,4 @@
-"""The stable JSON that other programs read; docs/json.md describes each field.
+"""The stable JSON that other programs read; docs/guide/json.md describes each field.
 
 It is strict: NaN and infinities are the strings "nan", "inf" and "-inf". Fields may be added in
 later versions, none is renamed.
