@@ -15,20 +15,10 @@ and in the driver's.
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Cell,
-    Draw,
-    Mesh,
-    Pass,
-    Ramp,
-    State,
-    Target,
-    compile_fails,
-    formula,
-    mesh_pass,
-)
-from shaderlab.glslmath import vec4
+from shaderlab import Case, Mesh, Pass, State, compile_fails, formula, mesh_pass
+
+from ..scenes.laws import device_place, opaque, unchanged
+from ..scenes.panels import cell, panel, picture, square
 
 GOOD, BAD, NEVER = (0.30, 0.75, 0.40), (0.85, 0.25, 0.20), (0.20, 0.24, 0.30)
 PANELS = [
@@ -41,22 +31,12 @@ PANELS = [
 ]
 CORNERS = np.array([(-0.5, -0.3, 0.0), (0.5, -0.3, 0.0), (0.0, 0.7, 0.0)])
 VERTEX = "ch02_basics/compile_and_link.vert"
-BROKEN = "ch02_basics/errata"
-
-
-def cell(k):
-    """The k-th panel, row by row from the upper left."""
-    return State(cell=Cell(column=k % 3, row=1 - k // 3, columns=3, rows=2))
-
-
-def panel(k):
-    """Three lamps and an empty outline."""
-    return Draw(
-        fragment="ch02_basics/compile_and_link_panel.frag",
-        domain={"place": Ramp((-1.0, -1.0), (2.0, 0.0), (0.0, 2.0))},
-        uniforms={"lamps": PANELS[k]},
-        state=cell(k),
-    )
+CELLS = [cell(k, 3, 2, from_above=True) for k in range(6)]
+# Three lamps and an empty outline each.
+LAMPS = [
+    panel("ch02_basics/compile_and_link_panel.frag", {"place": square()}, {"lamps": lamps}, cell=at)
+    for lamps, at in zip(PANELS, CELLS, strict=True)
+]
 
 
 def right(**state):
@@ -65,19 +45,15 @@ def right(**state):
     return mesh_pass(*shaders, Mesh(attributes={"aPos": CORNERS}), **state)[0].draws[0]
 
 
-def handed_on(color):
-    """The interpolated colour."""
-    return vec4(color, 1.0)
-
-
 def corner_color(aPos):
     """The corner's own colour."""
     return 0.5 + aPos
 
 
-def corner(aPos):
-    """Device coordinates, with w = 1."""
-    return vec4(aPos, 1.0)
+def fails(file, line, message, name):
+    """The program with one of the broken fragment shaders: glslang's words, file and line."""
+    broken = f"ch02_basics/errata/{file}.frag"
+    return compile_fails((VERTEX, broken), (broken, line, message), name=name)
 
 
 case = Case(
@@ -85,60 +61,40 @@ case = Case(
     section="2.2.4",
     math=r"\text{compile}(v) \wedge \text{compile}(f) \wedge \text{link}(v, f)",
     passes=(
-        Pass(
-            name="picture",
-            target=Target(size=(768, 512)),
-            draws=(*(panel(k) for k in range(6)), right(state=cell(5))),
-        ),
+        picture((*LAMPS, right(state=State(cell=CELLS[5]))), (768, 512)),
         Pass(draws=(right(),)),
     ),
     picture="picture.FragColor",
     expect=[
-        compile_fails(
-            (VERTEX, f"{BROKEN}/no_semicolon.frag"),
-            (
-                f"{BROKEN}/no_semicolon.frag",
-                9,
-                "syntax error, unexpected RIGHT_BRACE, expecting COMMA or SEMICOLON",
-            ),
-            name="a missing semicolon",
+        fails(
+            "no_semicolon",
+            9,
+            "syntax error, unexpected RIGHT_BRACE, expecting COMMA or SEMICOLON",
+            "a missing semicolon",
         ),
-        compile_fails(
-            (VERTEX, f"{BROKEN}/undeclared.frag"),
-            (f"{BROKEN}/undeclared.frag", 8, "'colour' : undeclared identifier"),
-            name="an undeclared name",
+        fails("undeclared", 8, "'colour' : undeclared identifier", "an undeclared name"),
+        fails(
+            "es_profile",
+            1,
+            "only version 300, 310, and 320 support the es profile",
+            "a profile that 330 does not have",
         ),
-        compile_fails(
-            (VERTEX, f"{BROKEN}/es_profile.frag"),
-            (
-                f"{BROKEN}/es_profile.frag",
-                1,
-                "only version 300, 310, and 320 support the es profile",
-            ),
-            name="a profile that 330 does not have",
+        fails(
+            "no_main",
+            None,
+            "Linking fragment stage: Missing entry point: Each stage requires one entry point",
+            "no main",
         ),
-        compile_fails(
-            (VERTEX, f"{BROKEN}/no_main.frag"),
-            (
-                f"{BROKEN}/no_main.frag",
-                None,
-                "Linking fragment stage: Missing entry point: Each stage requires one entry point",
-            ),
-            name="no main",
+        fails(
+            "type_mismatch",
+            2,
+            "Linking vertex and fragment stages: Types must match:\n"
+            '    vertex stage: " vec3 color"\n'
+            '    fragment stage: " vec4 color"',
+            "an output and an input that differ in type",
         ),
-        compile_fails(
-            (VERTEX, f"{BROKEN}/type_mismatch.frag"),
-            (
-                f"{BROKEN}/type_mismatch.frag",
-                2,
-                "Linking vertex and fragment stages: Types must match:\n"
-                '    vertex stage: " vec3 color"\n'
-                '    fragment stage: " vec4 color"',
-            ),
-            name="an output and an input that differ in type",
-        ),
-        formula("gl_Position", corner),
+        formula("gl_Position", device_place),
         formula("color", corner_color),
-        formula("FragColor", handed_on, name="the program that is right"),
+        formula("FragColor", opaque(unchanged("color")), name="the program that is right"),
     ],
 )

@@ -14,16 +14,7 @@ largest uint.
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Erratum,
-    Ramp,
-    Target,
-    Variant,
-    compile_fails,
-    exact,
-    fullscreen,
-)
+from shaderlab import Case, Erratum, Ramp, Target, Variant, compile_fails, exact, fullscreen
 
 TRUTHS = (True, False, False, True)
 REALS = (1.0, 2.0, -0.5, 0.1)

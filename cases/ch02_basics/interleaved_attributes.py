@@ -23,10 +23,12 @@ from shaderlab import (
     formula,
     measure,
     mesh_pass,
-    value,
 )
 from shaderlab.glslmath import floor, mod, swizzle, vec4, where
 from shaderlab.reference.rasterisation import barycentric
+
+from ..scenes.figures import figure
+from ..scenes.laws import device_place, unchanged
 
 CORNERS = np.array([(-0.5, -0.5, 0.0), (0.5, -0.5, 0.0), (0.0, 0.5, 0.0)])
 VERTICES = {
@@ -48,31 +50,11 @@ def triangle(layout, name):
     )
 
 
-def as_it_is(aPos):
-    """Corners are device coordinates already."""
-    return vec4(aPos, 1.0)
-
-
-def color_of(aColor):
-    """Handed on."""
-    return aColor
-
-
-def place_of(aTexCoord):
-    """Handed on."""
-    return aTexCoord
-
-
 def fields(ourColor, TexCoord):
     """The colour, by turns as it is and by a quarter darker."""
     field = floor(8.0 * TexCoord)
     even = mod(swizzle(field, "x") + swizzle(field, "y") + 0.5, 2.0) < 1.0
     return vec4(where(even, 1.0, 0.75) * ourColor, 1.0)
-
-
-def interpolated(ourColor):
-    """What was interpolated, as it is."""
-    return ourColor
 
 
 def off_by(share):
@@ -95,11 +77,11 @@ case = Case(
             {"aPos": (0, 32), "aColor": (12, 32), "aTexCoord": (24, 32)},
             name="stride 32, offsets 0, 12, 24",
         ),
-        formula("gl_Position", as_it_is),
-        formula("ourColor", color_of),
-        formula("TexCoord", place_of),
+        formula("gl_Position", device_place),
+        formula("ourColor", unchanged("aColor")),
+        formula("TexCoord", unchanged("aTexCoord")),
         formula("FragColor", fields),
-        formula("share", interpolated),
+        formula("share", unchanged("ourColor")),
         measure(
             "distance from the barycentric coordinates",
             off_by,
@@ -108,12 +90,11 @@ case = Case(
         ),
         exact("FragColor", Output("separate", "FragColor"), name="same as three buffers"),
         coverage(64800, name="pixels covered"),
-        value(
+        figure(
             "FragColor",
-            at={"ourColor": (0.5, 0.25, 1.0), "TexCoord": (0.2, 0.1)},
-            equals=(0.375, 0.1875, 0.75, 1.0),
-            digits=6,
-            name="a dark field",
+            "a dark field",
+            {"ourColor": (0.5, 0.25, 1.0), "TexCoord": (0.2, 0.1)},
+            (0.375, 0.1875, 0.75, 1.0),
         ),
     ],
 )

@@ -11,23 +11,13 @@ four pixels a texel throughout. The joints go first, then the bricks, and a sing
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Draw,
-    Pass,
-    Ramp,
-    State,
-    Target,
-    Texture,
-    assets,
-    computed,
-    formula,
-    fullscreen,
-    value,
-)
+from shaderlab import Case, Ramp, Target, Texture, assets, formula, fullscreen
 from shaderlab.glslmath import floor, swizzle, vec2
 from shaderlab.reference.filtering import box, level_count, texel_count
 from shaderlab.sampling import texelFetch, textureSize
+
+from ..scenes.figures import figure, results
+from ..scenes.panels import WHOLE, panel, picture
 
 SIDE = 256
 LEVELS = level_count(SIDE, SIDE)
@@ -35,13 +25,11 @@ NOISE = np.random.default_rng(244).random((SIDE, SIDE, 4))
 STEPS = ("nearest_mipmap_nearest", "nearest")
 
 
-def of_level(level):
-    """A level as the box filter makes it of the one below, and the first as it was given."""
+def mean_of_four(level):
+    """A level as the box filter makes it of the one below."""
 
     def texel(image, frag_coord):
         place = floor(swizzle(frag_coord, "xy"))
-        if level == 0:
-            return texelFetch(image, place, 0)
         corners = ((0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0))
         return box(*(texelFetch(image, 2.0 * place + np.array(c), level - 1) for c in corners))
 
@@ -52,9 +40,8 @@ def size_of(level):
     """Half as wide and high with each level."""
 
     def extent(image):
-        return (
-            textureSize(image, level) if image.rules is None else vec2(*textureSize(image, level))
-        )
+        size = textureSize(image, level)
+        return size if image.rules is None else vec2(*size)
 
     return extent
 
@@ -91,11 +78,12 @@ def in_its_place(level):
 
 def shown(level):
     """A level in the picture."""
-    return Draw(
-        fragment="ch02_basics/mipmapped.frag",
-        domain={"TexCoords": Ramp((0.0, 0.0), (1.0, 0.0), (0.0, 1.0)), "lod": Ramp(float(level))},
-        textures={"image": Texture(image=assets.brick_wall, mipmaps=True, filter=STEPS)},
-        state=State(viewport=rectangle(level)),
+    bricks = Texture(image=assets.brick_wall, mipmaps=True, filter=STEPS)
+    return panel(
+        "ch02_basics/mipmapped.frag",
+        {**WHOLE, "lod": Ramp(float(level))},
+        textures={"image": bricks},
+        viewport=rectangle(level),
     )
 
 
@@ -105,11 +93,7 @@ case = Case(
     math=r"\tau^{n+1}_{i,j} = \tfrac14\left(\tau^n_{2i,2j} + \tau^n_{2i+1,2j} + \tau^n_{2i,2j+1} + "
     r"\tau^n_{2i+1,2j+1}\right), \qquad 1 + \lfloor \log_2 256 \rfloor = 9",
     passes=(
-        Pass(
-            name="picture",
-            target=Target(size=(3 * SIDE, 2 * SIDE), clear=(0.93, 0.93, 0.92, 1.0)),
-            draws=tuple(shown(level) for level in range(LEVELS)),
-        ),
+        picture(map(shown, range(LEVELS)), (3 * SIDE, 2 * SIDE), clear=(0.93, 0.93, 0.92, 1.0)),
         *(one for level in range(2, LEVELS) for one in level_pass(level)),
         *level_pass(1),
     ),
@@ -117,7 +101,9 @@ case = Case(
     expect=[
         *(
             formula(
-                f"level{n}.FragColor", of_level(n), name=f"level {n} is the mean of level {n - 1}"
+                f"level{n}.FragColor",
+                mean_of_four(n),
+                name=f"level {n} is the mean of level {n - 1}",
             )
             for n in range(1, LEVELS)
         ),
@@ -126,18 +112,22 @@ case = Case(
             for n in range(LEVELS)
         ),
         *(
-            value(
+            figure(
                 f"level{n}.extent",
-                at={},
-                equals=(float(SIDE >> n),) * 2,
-                digits=6,
+                f"level {n}'s width and height",
+                {},
+                (float(SIDE >> n),) * 2,
                 reference=size_of(n),
-                name=f"level {n}'s width and height",
             )
             for n in range(1, LEVELS)
         ),
-        computed("levels of 256 × 256", lambda: level_count(256, 256), equals=9, digits=0),
-        computed("texels of all levels", lambda: texel_count(256, 256), equals=87381, digits=0),
-        computed("levels of 5 × 3", lambda: level_count(5, 3), equals=3, digits=0),
+        *results(
+            {
+                "levels of 256 × 256": (lambda: level_count(256, 256), 9),
+                "texels of all levels": (lambda: texel_count(256, 256), 87381),
+                "levels of 5 × 3": (lambda: level_count(5, 3), 3),
+            },
+            digits=0,
+        ),
     ],
 )

@@ -12,17 +12,19 @@ level below, LINEAR above. Steps against a smooth change, and sharp chessboards 
 
 import numpy as np
 
-from shaderlab import Case, Cell, Draw, Pass, Ramp, State, Target, Texture, formula, gl_call, value
-from shaderlab.expectations.gl_call import Object, call
+from shaderlab import Case, Object, Ramp, Texture, call, gl_call
 from shaderlab.sampling import textureLod
+
+from ..scenes.figures import each_draw, figure
+from ..scenes.panels import cell, panel, picture, rectangle
 
 SIDE = 32
 COLORS = (
     (0.80, 0.25, 0.20), (0.90, 0.60, 0.15), (0.55, 0.70, 0.25), (0.20, 0.62, 0.55),
     (0.25, 0.42, 0.75), (0.50, 0.30, 0.66),
 )  # fmt: skip
-WITHIN, BETWEEN = ("nearest", "linear"), ("nearest", "linear")
-FILTERS = [f"{a}_mipmap_{b}" for a in WITHIN for b in BETWEEN]
+# The first word is for within a level, the last for between levels.
+FILTERS = [f"{a}_mipmap_{b}" for a in ("nearest", "linear") for b in ("nearest", "linear")]
 
 
 def level(n):
@@ -35,32 +37,24 @@ def level(n):
 
 LEVELS = [level(n) for n in range(len(COLORS))]
 NOISE = [np.random.default_rng(n).random((16 >> n, 16 >> n, 4)) for n in range(5)]
+# Of plain levels, 0 in the first and n in level n: a sample says which level it came from.
+RUNGS = [np.full((16 >> n, 16 >> n, 4), float(n)) for n in range(5)]
 
 
-def filtered(word, levels):
-    """A texture with its levels, minified by this filter."""
-    return Texture(image=levels[0], mipmaps=levels[1:], filter=(word, "linear"))
-
-
-def fields(name, levels, size, start, stop, s, t):
+def fields(name, levels, size, lods, extent):
     """The four filters, in a field each: the level grows from below to above."""
-    return Pass(
-        name=name,
-        target=Target(size=size),
-        draws=tuple(
-            Draw(
-                fragment="ch02_basics/mipmapped.frag",
-                domain={
-                    "TexCoords": Ramp((0.013, 0.027), (s, 0.0), (0.0, t)),
-                    "lod": Ramp(start, dy=stop - start),
-                },
-                textures={"image": filtered(f"{a}_mipmap_{b}", levels)},
-                state=State(cell=Cell(column=column, row=row, columns=2, rows=2)),
-            )
-            for row, a in enumerate(WITHIN)
-            for column, b in enumerate(BETWEEN)
-        ),
+    start, stop = lods
+    domain = {"TexCoords": rectangle((0.013, 0.027), extent), "lod": Ramp(start, dy=stop - start)}
+    draws = (
+        panel(
+            "ch02_basics/mipmapped.frag",
+            domain,
+            textures={"image": Texture(image=levels[0], mipmaps=levels[1:], filter=(f, "linear"))},
+            cell=cell(k, 2, 2),
+        )
+        for k, f in enumerate(FILTERS)
     )
+    return picture(draws, size, name)
 
 
 def sampled(image, TexCoords, lod):
@@ -68,24 +62,31 @@ def sampled(image, TexCoords, lod):
     return textureLod(image, TexCoords, lod)
 
 
-# Of plain levels, 0 in the first and n in level n: a sample says which level it came from.
-RUNGS = [np.full((16 >> n, 16 >> n, 4), float(n)) for n in range(5)]
-
-
 def rung(draw, lod, equals):
     """Which level a filter reads, as a number."""
-    return value(
+    return figure(
         "rungs.FragColor",
-        at={"TexCoords": (0.4, 0.4), "lod": lod},
-        equals=(equals,) * 4,
-        digits=6,
+        f"{FILTERS[draw].upper()} at level {lod:g}",
+        {"TexCoords": (0.4, 0.4), "lod": lod},
+        (equals,) * 4,
         draw=draw,
         reference=sampled,
-        name=f"{FILTERS[draw].upper()} at level {lod:g}",
     )
 
 
-TEXTURE = call("glBindTexture", "GL_TEXTURE_2D", Object("texture"))
+def told(which, word, **more):
+    """A texture is told to minify or magnify with one of the four."""
+    return gl_call(
+        "glTexParameteri",
+        "GL_TEXTURE_2D",
+        f"GL_TEXTURE_{which}_FILTER",
+        f"GL_{word}",
+        before=[call("glBindTexture", "GL_TEXTURE_2D", Object("texture"))],
+        **more,
+    )
+
+
+WORDS = [word.upper() for word in FILTERS]
 
 case = Case(
     title="The four mipmap filters",
@@ -94,16 +95,13 @@ case = Case(
     r"\text{LINEAR: } \tau = (1 - \operatorname{frac}\lambda)\,\tau^{\lfloor\lambda\rfloor} + "
     r"\operatorname{frac}(\lambda)\,\tau^{\lfloor\lambda\rfloor + 1}",
     passes=(
-        fields("picture", LEVELS, (1024, 768), -1.0, 5.4, 0.5, 0.375),
-        fields("judged", NOISE, (74, 122), -0.93, 4.61, 1.71, 1.13),
-        fields("rungs", RUNGS, (8, 8), -1.0, 5.0, 1.0, 1.0),
+        fields("picture", LEVELS, (1024, 768), (-1.0, 5.4), (0.5, 0.375)),
+        fields("judged", NOISE, (74, 122), (-0.93, 4.61), (1.71, 1.13)),
+        fields("rungs", RUNGS, (8, 8), (-1.0, 5.0), (1.0, 1.0)),
     ),
     picture="picture.FragColor",
     expect=[
-        *(
-            formula("judged.FragColor", sampled, draw=k, name=word.upper())
-            for k, word in enumerate(FILTERS)
-        ),
+        *each_draw("judged.FragColor", sampled, enumerate(WORDS)),
         rung(0, 1.4, 1.0),
         rung(0, 1.6, 2.0),
         rung(1, 1.25, 1.25),
@@ -111,28 +109,7 @@ case = Case(
         rung(3, 2.75, 2.75),
         rung(3, 9.0, 4.0),
         rung(3, -2.0, 0.0),
-        *(
-            gl_call(
-                "glTexParameteri",
-                "GL_TEXTURE_2D",
-                "GL_TEXTURE_MAG_FILTER",
-                f"GL_{word.upper()}",
-                before=[TEXTURE],
-                raises="invalid_enum",
-                name=f"{word.upper()} cannot magnify",
-            )
-            for word in FILTERS
-        ),
-        *(
-            gl_call(
-                "glTexParameteri",
-                "GL_TEXTURE_2D",
-                "GL_TEXTURE_MIN_FILTER",
-                f"GL_{word.upper()}",
-                before=[TEXTURE],
-                name=f"{word.upper()} minifies",
-            )
-            for word in FILTERS
-        ),
+        *(told("MAG", w, raises="invalid_enum", name=f"{w} cannot magnify") for w in WORDS),
+        *(told("MIN", w, name=f"{w} minifies") for w in WORDS),
     ],
 )

@@ -36,9 +36,11 @@ MAPS = {
     "ReflectMap": Texture(image=assets.emblem),
     "RefractMap": Texture(image=lambda: assets.checker(size=64, cells=8)),
 }
+SAMPLERS = tuple(MAPS)
+PROGRAM = Program("other-units")
 
 
-def drawn(name, *order):
+def drawn(name, order):
     """The program with its textures on units 0, 1 and 2 in this order."""
     return fullscreen(
         "ch02_basics/sampler_units.frag",
@@ -74,13 +76,14 @@ def mixture(BaseMap, ReflectMap, RefractMap, TexCoords, reflectance):
     return vec4(0.5 * of(BaseMap, TexCoords) + 0.5 * light, 1.0)
 
 
-SAMPLERS = tuple(MAPS)
-PROGRAM = Program("other-units")
-
-
 def at(sampler):
     """Where the program has one of its samplers."""
     return Location(sampler, PROGRAM)
+
+
+def unit_of(sampler, name, unit, **more):
+    """The unit that the program says a sampler reads from."""
+    return gl_call("glGetUniformiv", PROGRAM, at(sampler), returns=unit, name=name, **more)
 
 
 case = Case(
@@ -97,8 +100,8 @@ case = Case(
             textures=MAPS,
             target=Target(size=(1152, 288)),
         ),
-        *drawn("other-units", *reversed(SAMPLERS)),
-        *drawn("units", *SAMPLERS),
+        *drawn("other-units", reversed(SAMPLERS)),
+        *drawn("units", SAMPLERS),
     ),
     picture="picture.FragColor",
     expect=[
@@ -114,26 +117,10 @@ case = Case(
             values=np.linspace(0.0, 1.0, 11),
             at={"TexCoords": (0.3, 0.6)},
         ),
+        *(unit_of(name, f"{name}, never set, is unit 0", 0) for name in SAMPLERS),
         *(
-            gl_call(
-                "glGetUniformiv",
-                PROGRAM,
-                at(name),
-                returns=0,
-                name=f"{name}, never set, is unit 0",
-            )
-            for name in SAMPLERS
-        ),
-        *(
-            gl_call(
-                "glGetUniformiv",
-                PROGRAM,
-                at(name),
-                before=[call("glUniform1i", at(name), unit)],
-                returns=unit,
-                name=f"{name} set to unit {unit}",
-            )
-            for unit, name in enumerate(SAMPLERS)
+            unit_of(name, f"{name} set to unit {k}", k, before=[call("glUniform1i", at(name), k)])
+            for k, name in enumerate(SAMPLERS)
         ),
         *(
             gl_call(

@@ -36,14 +36,8 @@ def first_bytes():
 def kinds():
     """0 for nothing, 1 for a character, then NUL, line feed, carriage return and not ASCII."""
     table = first_bytes()
-    choices = [
-        (table < 0, 0),
-        (table == 0, 2),
-        (table == 10, 3),
-        (table == 13, 4),
-        (table > 127, 5),
-    ]
-    return np.select([c for c, _ in choices], [k for _, k in choices], 1).astype(np.float32)
+    conditions = [table < 0, table == 0, table == 10, table == 13, table > 127]
+    return np.select(conditions, [0, 2, 3, 4, 5], 1).astype(np.float32)
 
 
 def drawn(name):
@@ -56,22 +50,21 @@ def no(name, message, **place):
     return refused(f"{FILES}/{name}.frag", message=message, name=f"{name}.frag", **place)
 
 
+UTF8 = {"remedy": "save the file as UTF-8"}
+CYCLE = {"remedy": "break the cycle of includes"}
+BYTES = fullscreen(
+    "ch02_basics/shader_files.frag",
+    name="bytes",
+    domain={"field": Ramp((0.0, 0.0), (COLUMNS, 0.0), (0.0, len(SHOWN)))},
+    textures={"bytes": Texture(image=first_bytes, format="r32f")},
+    target=Target(size=(20 * COLUMNS, 40 * len(SHOWN))),
+)
+
 case = Case(
     title="Shaders from files",
     section="2.3.5",
     math=r"\text{text} = \text{UTF-8}^{-1}(\text{bytes})",
-    passes=(
-        *drawn("plain"),
-        *drawn("bom"),
-        *drawn("crlf"),
-        *fullscreen(
-            "ch02_basics/shader_files.frag",
-            name="bytes",
-            domain={"field": Ramp((0.0, 0.0), (COLUMNS, 0.0), (0.0, len(SHOWN)))},
-            textures={"bytes": Texture(image=first_bytes, format="r32f")},
-            target=Target(size=(20 * COLUMNS, 40 * len(SHOWN))),
-        ),
-    ),
+    passes=(*drawn("plain"), *drawn("bom"), *drawn("crlf"), *BYTES),
     picture="bytes.FragColor",
     expect=[
         exact("plain.FragColor", (0.25, 0.5, 0.75, 1.0), name="a plain file"),
@@ -84,17 +77,8 @@ case = Case(
         exact("bytes.kind", kinds(), name="what kind of byte each one is"),
         no("empty", "the shader is empty"),
         no("folder", "is a directory, not a shader", remedy="name a file in it"),
-        no(
-            "latin1",
-            "is not UTF-8: byte 23 is 0xfc",
-            line=2,
-            remedy="save the file as UTF-8",
-        ),
-        no(
-            "utf16",
-            "is not UTF-8: byte 0 is 0xff (it looks like UTF-16)",
-            remedy="save the file as UTF-8",
-        ),
+        no("latin1", "is not UTF-8: byte 23 is 0xfc", line=2, **UTF8),
+        no("utf16", "is not UTF-8: byte 0 is 0xff (it looks like UTF-16)", **UTF8),
         no(
             "nul",
             "holds a NUL character, at which compilers stop reading",
@@ -106,21 +90,16 @@ case = Case(
             f"'cycle.frag' includes itself (included by {FILES}/cycle.frag:2)",
             file=f"{FILES}/cycle_back.frag",
             line=3,
-            remedy="break the cycle of includes",
+            **CYCLE,
         ),
         no(
             "cycle_back",
             f"'cycle_back.frag' includes itself (included by {FILES}/cycle_back.frag:3)",
             file=f"{FILES}/cycle.frag",
             line=2,
-            remedy="break the cycle of includes",
+            **CYCLE,
         ),
-        no(
-            "itself",
-            "'itself.frag' includes itself",
-            line=2,
-            remedy="break the cycle of includes",
-        ),
+        no("itself", "'itself.frag' includes itself", line=2, **CYCLE),
         no(
             "emtpy",
             f"no shader '{FILES}/emtpy.frag' in shaders",

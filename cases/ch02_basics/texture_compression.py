@@ -15,23 +15,12 @@ time; the smooth night sky breaks into steps. BC7 is hard to tell from the origi
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Cell,
-    CompressedTexture,
-    Draw,
-    Pass,
-    Ramp,
-    State,
-    Target,
-    assets,
-    exact,
-    fullscreen,
-    measure,
-)
+from shaderlab import Case, CompressedTexture, Target, assets, exact, fullscreen, measure
 
 from ..scenes.block_codecs import compressed, decoded_blocks
+from ..scenes.panels import cell, panel, picture, square
 
+# A format's name: what made its blocks, what they are read as.
 FORMATS = {
     "ETC1": ("etc1", "etc2_rgb8"),
     "ETC2 RGB8": ("etc2_rgb8", "etc2_rgb8"),
@@ -62,10 +51,8 @@ IMAGE = mixed_image()
 def texture(kind, image):
     """The image as this format's blocks."""
     by, read_as = FORMATS[kind]
-    side = image.shape[0]
-    return CompressedTexture(
-        blocks=lambda: [compressed(image, by)], format=read_as, size=(side, side)
-    )
+    size = image.shape[:2]
+    return CompressedTexture(blocks=lambda: [compressed(image, by)], format=read_as, size=size)
 
 
 def decoded(kind):
@@ -74,27 +61,40 @@ def decoded(kind):
     return decoded_blocks(compressed(IMAGE, by), by, SIZE)
 
 
-def furthest(kind):
+def against_other(kind, label, statistic, **bound):
+    """A statistic of a format's picture and of what the other library decodes."""
+
+    def compared(image):
+        return float(statistic(image, decoded(kind)))
+
+    reads = {"image": f"{name_of(kind)}.FragColor"}
+    return measure(f"{kind}: {label}", compared, reads=reads, **bound)
+
+
+def furthest(image, other):
     """How many codes the worst channel of the worst texel is away."""
-
-    def off(image):
-        return float(np.abs(image - decoded(kind)).max())
-
-    return off
+    return np.abs(image - other).max()
 
 
-def share_equal(kind):
+def share_equal(image, other):
     """The share of texels that are equal to the last bit: all but some of the thirds."""
-
-    def equal(image):
-        return float(np.mean(np.all(image == decoded(kind), axis=-1)))
-
-    return equal
+    return np.mean(np.all(image == other, axis=-1))
 
 
 def name_of(kind):
     """The pass that shows a format."""
     return kind.split(" with")[0].replace(" ", "-").lower() + "-alpha" * ("alpha" in kind)
+
+
+def judged(kind):
+    """The image in one format, texel by texel."""
+    return fullscreen(
+        "ch02_basics/texture_compression.frag",
+        name=name_of(kind),
+        domain={},
+        textures={"image": texture(kind, IMAGE)},
+        target=Target(size=SIZE, colors={"FragColor": "rgba8"}),
+    )
 
 
 case = Case(
@@ -103,30 +103,20 @@ case = Case(
     math=r"\text{BC1: } c_k = \tfrac13\left((3 - k)\,c_0 + k\,c_1\right), \qquad "
     r"\frac{8\ \text{bytes}}{16\ \text{texels}} = 4\ \text{bits a texel}",
     passes=(
-        Pass(
-            name="picture",
-            target=Target(size=(1152, 768), colors={"FragColor": "rgba8"}),
-            draws=tuple(
-                Draw(
-                    fragment="ch02_basics/textured.frag",
-                    domain={"TexCoords": Ramp((0.17, 0.17), (0.66, 0.0), (0.0, 0.66))},
+        picture(
+            (
+                panel(
+                    "ch02_basics/textured.frag",
+                    {"TexCoords": square(0.17, 0.83)},
                     textures={"image": texture(kind, assets.emblem(96))},
-                    state=State(cell=Cell(column=k % 3, row=k // 3, columns=3, rows=2)),
+                    cell=cell(k, 3, 2),
                 )
                 for k, kind in enumerate(FORMATS)
             ),
+            (1152, 768),
+            colors={"FragColor": "rgba8"},
         ),
-        *(
-            one
-            for kind in FORMATS
-            for one in fullscreen(
-                "ch02_basics/texture_compression.frag",
-                name=name_of(kind),
-                domain={},
-                textures={"image": texture(kind, IMAGE)},
-                target=Target(size=SIZE, colors={"FragColor": "rgba8"}),
-            )
-        ),
+        *(one for kind in FORMATS for one in judged(kind)),
     ),
     picture="picture.FragColor",
     expect=[
@@ -136,21 +126,11 @@ case = Case(
             if kind not in ROUNDED
         ),
         *(
-            measure(
-                f"{kind}: codes off another decoder, at most",
-                furthest(kind),
-                reads={"image": f"{name_of(kind)}.FragColor"},
-                at_most=codes,
-            )
+            against_other(kind, "codes off another decoder, at most", furthest, at_most=codes)
             for kind, codes in ROUNDED.items()
         ),
         *(
-            measure(
-                f"{kind}: texels that are equal",
-                share_equal(kind),
-                reads={"image": f"{name_of(kind)}.FragColor"},
-                at_least=0.8,
-            )
+            against_other(kind, "texels that are equal", share_equal, at_least=0.8)
             for kind in ROUNDED
         ),
     ],

@@ -12,25 +12,13 @@ centre that stay level outside of the outermost.
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Cell,
-    Draw,
-    Erratum,
-    Pass,
-    Ramp,
-    State,
-    Target,
-    Texture,
-    formula,
-    fullscreen,
-    gl_call,
-    value,
-)
-from shaderlab.expectations.gl_call import Object, call
+from shaderlab import Case, Erratum, Object, Target, Texture, call, formula, fullscreen, gl_call
 from shaderlab.glslmath import swizzle, vec2
 from shaderlab.reference.filtering import linear_sample
 from shaderlab.sampling import texture
+
+from ..scenes.figures import figure, figures
+from ..scenes.panels import WHOLE, cell, panel, picture
 
 FRUIT = (
     "......##....",
@@ -54,22 +42,32 @@ APPLE = np.array([[(*INK[c], 1.0) for c in line] for line in reversed(FRUIT)])
 LINE = np.array([[0.1, 0.9, 0.35, 0.6, 0.2]])[..., None] * np.ones(4)
 TEXELS = np.random.default_rng(243).random((4, 5, 4))
 WORDS = ("nearest", "linear")
-EDGE = ("clamp_to_edge", "clamp_to_edge")
+
+
+def filtered(image, word):
+    """A texture with one filter, which ends at its edges."""
+    return Texture(image=image, filter=(word, word), wrap=("clamp_to_edge", "clamp_to_edge"))
+
+
+def magnified(image, word, **state):
+    """A texture over one field of the target, much larger than it is."""
+    textures = {"image": filtered(image, word)}
+    return panel("ch02_basics/textured.frag", WHOLE, textures=textures, **state)
+
+
+def line_of(word):
+    """Five texels in a row, for the curves."""
+    return fullscreen(
+        "ch02_basics/textured.frag",
+        name=f"line-{word}",
+        textures={"image": filtered(LINE, word)},
+        target=Target(size=(64, 1)),
+    )
 
 
 def sampled(image, TexCoords):
     """The specification's equations, by the texture's own filter."""
     return texture(image, TexCoords)
-
-
-def magnified(image, word, cell):
-    """A texture over one field of the target, much larger than it is."""
-    return Draw(
-        fragment="ch02_basics/textured.frag",
-        domain={"TexCoords": Ramp((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))},
-        textures={"image": Texture(image=image, filter=(word, word), wrap=EDGE)},
-        state=State(cell=cell),
-    )
 
 
 def in_place(left, bottom, width, height):
@@ -82,33 +80,20 @@ def in_place(left, bottom, width, height):
     return seen
 
 
-FIELDS = [Cell(column=k, row=0, columns=2, rows=1) for k in range(2)]
-ABOVE = {"rows": 5, "row": 0}
-
-TEXTURE = call("glBindTexture", "GL_TEXTURE_2D", Object("texture"))
-
-
 def default_of(parameter, number):
-    """What a texture that nobody has told anything says of one of its filters."""
+    """What a texture says of one of its filters before it is told any."""
     return gl_call(
         "glGetTexParameteriv",
         "GL_TEXTURE_2D",
         parameter,
-        before=[TEXTURE],
+        before=[call("glBindTexture", "GL_TEXTURE_2D", Object("texture"))],
         returns=number,
         name=f"the default of {parameter}",
     )
 
 
-def line_of(word):
-    """Five texels in a row, for the curves."""
-    return fullscreen(
-        "ch02_basics/textured.frag",
-        name=f"line-{word}",
-        textures={"image": Texture(image=LINE, filter=(word, word), wrap=EDGE)},
-        target=Target(size=(64, 1)),
-    )
-
+PLACES = [(320 * k, 80, 320, 320) for k in range(2)]
+BEFORE_A_CENTRE = {"TexCoords": (0.25, 0.5)}
 
 case = Case(
     title="Nearest and linear filtering",
@@ -117,29 +102,20 @@ case = Case(
     r"(1-\alpha)\beta\,\tau_{i_0 j_1} + \alpha\beta\,\tau_{i_1 j_1}, \qquad "
     r"\alpha = \operatorname{frac}(s\,w - \tfrac12)",
     passes=(
-        Pass(
-            name="picture",
-            target=Target(size=(640, 400)),
-            draws=(
+        picture(
+            (
+                *(magnified(LINE, word, cell=cell(k, 2, 5)) for k, word in enumerate(WORDS)),
                 *(
-                    magnified(LINE, word, Cell(column=k, columns=2, **ABOVE))
-                    for k, word in enumerate(WORDS)
-                ),
-                *(
-                    Draw(
-                        fragment="ch02_basics/textured.frag",
-                        textures={"image": Texture(image=APPLE, filter=(word, word), wrap=EDGE)},
-                        domain={"TexCoords": Ramp((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))},
-                        state=State(viewport=(320 * k, 80, 320, 320)),
-                    )
-                    for k, word in enumerate(WORDS)
+                    magnified(APPLE, word, viewport=place)
+                    for word, place in zip(WORDS, PLACES, strict=True)
                 ),
             ),
+            (640, 400),
         ),
-        Pass(
-            name="judged",
-            target=Target(size=(128, 62)),
-            draws=tuple(magnified(TEXELS, *pair) for pair in zip(WORDS, FIELDS, strict=True)),
+        picture(
+            (magnified(TEXELS, word, cell=cell(k, 2)) for k, word in enumerate(WORDS)),
+            (128, 62),
+            "judged",
         ),
         *line_of("nearest"),
         *line_of("linear"),
@@ -154,42 +130,26 @@ case = Case(
             also={"NumPy, equation 8.17": linear_sample},
             name="LINEAR, every pixel",
         ),
-        value(
+        *figures(
             "line-linear.FragColor",
-            at={"TexCoords": (0.3, 0.5)},
-            equals=(0.9,) * 4,
-            digits=6,
+            {
+                "LINEAR at a texel's centre is that texel": ({"TexCoords": (0.3, 0.5)}, (0.9,) * 4),
+                "LINEAR between two texels is their mean": ({"TexCoords": (0.2, 0.5)}, (0.5,) * 4),
+                "LINEAR a quarter before a centre": (BEFORE_A_CENTRE, (0.7,) * 4),
+            },
             reference=sampled,
-            name="LINEAR at a texel's centre is that texel",
         ),
-        value(
-            "line-linear.FragColor",
-            at={"TexCoords": (0.2, 0.5)},
-            equals=(0.5,) * 4,
-            digits=6,
-            reference=sampled,
-            name="LINEAR between two texels is their mean",
-        ),
-        value(
-            "line-linear.FragColor",
-            at={"TexCoords": (0.25, 0.5)},
-            equals=(0.7,) * 4,
-            digits=6,
-            reference=sampled,
-            name="LINEAR a quarter before a centre",
-        ),
-        value(
+        figure(
             "line-nearest.FragColor",
-            at={"TexCoords": (0.25, 0.5)},
-            equals=(0.9,) * 4,
-            digits=6,
+            "NEAREST a quarter before a centre",
+            BEFORE_A_CENTRE,
+            (0.9,) * 4,
             reference=sampled,
-            name="NEAREST a quarter before a centre",
         ),
         *(
             formula(
                 "picture.FragColor",
-                in_place(320 * k, 80, 320, 320),
+                in_place(*PLACES[k]),
                 draw=2 + k,
                 name=f"the fruit with {word.upper()}, in its place",
             )

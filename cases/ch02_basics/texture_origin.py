@@ -12,28 +12,16 @@ row first: 00 is where 07 should be, and every figure stands on its head.
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Cell,
-    Draw,
-    Erratum,
-    Pass,
-    Pixel,
-    Ramp,
-    State,
-    Target,
-    Texture,
-    assets,
-    exact,
-    formula,
-    fullscreen,
-    value,
-)
+from shaderlab import Case, Erratum, Pixel, Target, Texture, assets, exact, formula, fullscreen
 from shaderlab.sampling import texture
+
+from ..scenes.figures import figure
+from ..scenes.panels import cell, panel, picture, square
 
 # Twelve texels that say their column and row; the first row in memory is row 0.
 COLUMN, ROW = np.meshgrid(np.arange(4.0), np.arange(3.0))
 NUMBERED = np.stack([COLUMN, ROW, 0.0 * ROW, 1.0 + 0.0 * ROW], axis=-1)
+PAPER = {"wrap": ("clamp_to_border",) * 2, "border": (0.93, 0.93, 0.92, 1.0)}
 
 
 def sampled(image, TexCoords):
@@ -53,17 +41,12 @@ def numbered(name, image):
 
 def shown(column, image):
     """The chart in one half of the picture, with a margin around it."""
-    return Draw(
-        fragment="ch02_basics/textured.frag",
-        domain={"TexCoords": Ramp((-0.04, -0.04), (1.08, 0.0), (0.0, 1.08))},
-        textures={
-            "image": Texture(
-                image=image, wrap=("clamp_to_border",) * 2, border=(0.93, 0.93, 0.92, 1.0)
-            )
-        },
-        state=State(cell=Cell(column=column, row=0, columns=2, rows=1)),
-    )
+    domain = {"TexCoords": square(-0.04, 1.04)}
+    textures = {"image": Texture(image=image, **PAPER)}
+    return panel("ch02_basics/textured.frag", domain, textures=textures, cell=cell(column, 2))
 
+
+ORIGIN = {"TexCoords": (0.0, 0.0)}
 
 case = Case(
     title="Where a texture begins",
@@ -71,11 +54,7 @@ case = Case(
     math=r"\text{texel}(i, j) = \text{memory}[\,j \cdot \text{width} + i\,], \qquad "
     r"i = \lfloor s \cdot \text{width} \rfloor,\ j = \lfloor t \cdot \text{height} \rfloor",
     passes=(
-        Pass(
-            name="picture",
-            target=Target(size=(1024, 512)),
-            draws=(shown(0, assets.uv_grid), shown(1, lambda: assets.uv_grid()[::-1])),
-        ),
+        picture((shown(0, assets.uv_grid), shown(1, lambda: assets.uv_grid()[::-1])), (1024, 512)),
         *numbered("lowest-first", NUMBERED),
         *numbered("topmost-first", NUMBERED[::-1]),
     ),
@@ -84,27 +63,19 @@ case = Case(
         formula("lowest-first.FragColor", sampled),
         exact("lowest-first.FragColor", NUMBERED, name="the first row in memory is the lowest"),
         exact("topmost-first.FragColor", NUMBERED[::-1], name="a top-first image is upside down"),
-        value(
-            "lowest-first.FragColor",
-            at={"TexCoords": (0.0, 0.0)},
-            equals=(0.0, 0.0, 0.0, 1.0),
-            digits=6,
-            name="(0, 0) is the first texel",
-        ),
-        value(
+        figure("lowest-first.FragColor", "(0, 0) is the first texel", ORIGIN, (0.0, 0.0, 0.0, 1.0)),
+        figure(
             "topmost-first.FragColor",
-            at={"TexCoords": (0.0, 0.0)},
-            equals=(0.0, 2.0, 0.0, 1.0),
-            digits=6,
-            name="(0, 0) of a top-first image is its upper left",
+            "(0, 0) of a top-first image is its upper left",
+            ORIGIN,
+            (0.0, 2.0, 0.0, 1.0),
             reference=sampled,
         ),
-        value(
+        figure(
             "lowest-first.FragColor",
-            at=Pixel(3, 2),
-            equals=(3.0, 2.0, 0.0, 1.0),
-            digits=6,
-            name="the last texel is upper right",
+            "the last texel is upper right",
+            Pixel(3, 2),
+            (3.0, 2.0, 0.0, 1.0),
         ),
     ],
     errata=[

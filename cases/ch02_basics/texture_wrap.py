@@ -13,26 +13,15 @@ LINEAR. Where copies meet, LINEAR blurs under REPEAT and has nothing to blur und
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Cell,
-    Draw,
-    Pass,
-    Ramp,
-    State,
-    Target,
-    Texture,
-    assets,
-    formula,
-    fullscreen,
-    value,
-)
+from shaderlab import Case, Target, Texture, assets, formula, fullscreen
 from shaderlab.reference.filtering import linear_sample
 from shaderlab.sampling import texture
 
+from ..scenes.figures import figure
+from ..scenes.panels import cell, panel, picture, square
+
 WRAPS = ("repeat", "mirrored_repeat", "clamp_to_edge", "clamp_to_border")
-FILTERS = ("nearest", "linear")
-FROM, OVER = -1.5, 4.0
+FIELDS = [(word, wrap) for word in ("nearest", "linear") for wrap in WRAPS]
 
 # The picture's image, and one of 5 × 3 texels that are all different, to be judged.
 CHART = assets.uv_grid(64, 4)
@@ -40,27 +29,18 @@ TEXELS = np.random.default_rng(24).random((3, 5, 4))
 BORDER = (0.93, 0.55, 0.20, 1.0)
 
 
-def wrapped(image, wrap, word):
-    """A texture with this wrap mode both ways."""
-    return Texture(image=image, wrap=(wrap, wrap), filter=(word, word), border=BORDER)
-
-
-def tables(name, image, size):
+def table(name, image, size):
     """Every wrap mode with every filter, in a field of its own."""
-    return Pass(
-        name=name,
-        target=Target(size=size),
-        draws=tuple(
-            Draw(
-                fragment="ch02_basics/textured.frag",
-                domain={"TexCoords": Ramp((FROM, FROM), (OVER, 0.0), (0.0, OVER))},
-                textures={"image": wrapped(image, wrap, word)},
-                state=State(cell=Cell(column=column, row=row, columns=4, rows=2)),
-            )
-            for row, word in enumerate(FILTERS)
-            for column, wrap in enumerate(WRAPS)
-        ),
+    fields = [
+        Texture(image=image, wrap=(wrap, wrap), filter=(word, word), border=BORDER)
+        for word, wrap in FIELDS
+    ]
+    domain = {"TexCoords": square(-1.5, 2.5)}
+    draws = (
+        panel("ch02_basics/textured.frag", domain, textures={"image": field}, cell=cell(k, 4, 2))
+        for k, field in enumerate(fields)
     )
+    return picture(draws, size, name)
 
 
 def sampled(image, TexCoords):
@@ -68,34 +48,26 @@ def sampled(image, TexCoords):
     return texture(image, TexCoords)
 
 
-def place(name, wrap, word="nearest", image=None):
+def texels(name, wrap, row, word="nearest"):
     """A row of texels, for printed figures."""
-    row = np.array([0.25, 0.75]) if image is None else np.array(image)
+    image = Texture(
+        image=np.array(row)[None, :, None] * np.ones(4),
+        wrap=(wrap, "repeat"),
+        filter=(word, word),
+        border=(1.0, 1.0, 1.0, 1.0),
+    )
     return fullscreen(
         "ch02_basics/textured.frag",
         name=name,
-        textures={
-            "image": Texture(
-                image=row[None, :, None] * np.ones(4),
-                wrap=(wrap, "repeat"),
-                filter=(word, word),
-                border=(1.0, 1.0, 1.0, 1.0),
-            )
-        },
+        textures={"image": image},
         target=Target(size=(8, 1)),
     )
 
 
-def figure(name, u, equals, label):
+def at(name, u, equals, label):
     """What stands at u."""
-    return value(
-        f"{name}.FragColor",
-        at={"TexCoords": (u, 0.5)},
-        equals=(equals,) * 4,
-        digits=6,
-        reference=sampled,
-        name=label,
-    )
+    point = {"TexCoords": (u, 0.5)}
+    return figure(f"{name}.FragColor", label, point, (equals,) * 4, reference=sampled)
 
 
 case = Case(
@@ -105,13 +77,13 @@ case = Case(
     r"\operatorname{mir}\bigl((i \bmod 2n) - n\bigr), \qquad "
     r"\text{edge: } \operatorname{clamp}(i, 0, n - 1)",
     passes=(
-        tables("picture", CHART, (1024, 512)),
+        table("picture", CHART, (1024, 512)),
         # 40 and 32 pixels over 20 and 12 texels: none of them lies on a texel's edge or centre.
-        tables("judged", TEXELS, (160, 64)),
-        *place("repeat", "repeat"),
-        *place("mirror", "mirrored_repeat"),
-        *place("edge", "clamp_to_edge"),
-        *place("border", "clamp_to_border", "linear", (10.0, 20.0, 30.0, 40.0)),
+        table("judged", TEXELS, (160, 64)),
+        *texels("repeat", "repeat", (0.25, 0.75)),
+        *texels("mirror", "mirrored_repeat", (0.25, 0.75)),
+        *texels("edge", "clamp_to_edge", (0.25, 0.75)),
+        *texels("border", "clamp_to_border", (10.0, 20.0, 30.0, 40.0), "linear"),
     ),
     picture="picture.FragColor",
     expect=[
@@ -119,20 +91,19 @@ case = Case(
             formula(
                 "judged.FragColor",
                 sampled,
-                draw=4 * row + column,
+                draw=k,
                 name=f"{wrap}, {word}",
                 also={"equation 8.17": linear_sample} if word == "linear" else {},
             )
-            for row, word in enumerate(FILTERS)
-            for column, wrap in enumerate(WRAPS)
+            for k, (word, wrap) in enumerate(FIELDS)
         ),
-        figure("repeat", -0.25, 0.75, "REPEAT: −0.25 is 0.75"),
-        figure("repeat", 1.25, 0.25, "REPEAT: 1.25 is 0.25"),
-        figure("mirror", 1.25, 0.75, "MIRRORED_REPEAT: 1.25 is 0.75"),
-        figure("mirror", -0.25, 0.25, "MIRRORED_REPEAT: −0.25 is 0.25"),
-        figure("edge", -7.25, 0.25, "CLAMP_TO_EDGE: the first texel"),
-        figure("edge", 7.25, 0.75, "CLAMP_TO_EDGE: the last texel"),
-        figure("border", -0.05, 3.7, "LINEAR towards a border of 1, at −0.05"),
-        figure("border", 1.05, 12.7, "LINEAR towards a border of 1, at 1.05"),
+        at("repeat", -0.25, 0.75, "REPEAT: −0.25 is 0.75"),
+        at("repeat", 1.25, 0.25, "REPEAT: 1.25 is 0.25"),
+        at("mirror", 1.25, 0.75, "MIRRORED_REPEAT: 1.25 is 0.75"),
+        at("mirror", -0.25, 0.25, "MIRRORED_REPEAT: −0.25 is 0.25"),
+        at("edge", -7.25, 0.25, "CLAMP_TO_EDGE: the first texel"),
+        at("edge", 7.25, 0.75, "CLAMP_TO_EDGE: the last texel"),
+        at("border", -0.05, 3.7, "LINEAR towards a border of 1, at −0.05"),
+        at("border", 1.05, 12.7, "LINEAR towards a border of 1, at 1.05"),
     ],
 )

@@ -11,18 +11,7 @@ red, green, blue and yellow, and the same planks take the colour of the corner t
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Draw,
-    Mesh,
-    Pass,
-    Target,
-    Texture,
-    assets,
-    coverage,
-    formula,
-    value,
-)
+from shaderlab import Case, Draw, Mesh, Pass, Target, Texture, assets, coverage, formula, value
 from shaderlab.glslmath import vec4
 from shaderlab.sampling import texture
 

@@ -67,11 +67,7 @@ WATCHES = {
 }
 PROPS = {
     "local": (tripod(1.3, 0.03),),
-    "world": (
-        tile(2.0, 0.5),
-        tripod(1.0, 0.03),
-        solids.placed(BODY, np.linalg.inv(VIEW)),
-    ),
+    "world": (tile(2.0, 0.5), tripod(1.0, 0.03), solids.placed(BODY, np.linalg.inv(VIEW))),
     "view": (tripod(1.2, 0.04), BODY),
     "clip": (tripod(2.4, 0.07),),
     "device": (tripod(0.6, 0.025),),

@@ -168,8 +168,7 @@ case = Case(
             },
         ),
         *figures(
-            "middle.landed",
-            {"in the depth range ¼ … ¾": (Pixel(470, 100), (470.5, 100.5, 0.55))},
+            "middle.landed", {"in the depth range ¼ … ¾": (Pixel(470, 100), (470.5, 100.5, 0.55))}
         ),
         *figures(
             "turned.landed", {"in the depth range 1 … 0": (Pixel(470, 100), (470.5, 100.5, 0.4))}

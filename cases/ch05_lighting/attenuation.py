@@ -12,20 +12,11 @@ that it is dark beyond, some 1.1 to 1.3 % is always left.
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Erratum,
-    Ramp,
-    Variant,
-    across,
-    computed,
-    formula,
-    fullscreen,
-    sweep,
-    up,
-    value,
-)
+from shaderlab import Case, Erratum, Ramp, Variant, across, formula, fullscreen, sweep, up
 from shaderlab.reference.attenuation import attenuation, crossover, reach
+
+from ..scenes.figures import figure, results
+from ..scenes.panels import square
 
 # d, Kl, Kq; the light left at d; where 5 % and 1 % are left; where the quadratic term takes over.
 TABLE = [
@@ -42,6 +33,7 @@ TABLE = [
     (600, 0.007, 0.0002, 0.012953368, 291.217104, 686.279973, 35.000000),
     (3250, 0.0014, 0.000007, 0.012580594, 1550.541037, 3662.028328, 200.000000),
 ]
+UNSET = {"light.constant": 1.0, "light.linear": 0.0, "light.quadratic": 0.0}
 
 
 def left_at_d():
@@ -58,18 +50,13 @@ def row(d, kl, kq, at_d, five, one, takes_over):
             "light.quadratic": kq,
             "coverage": float(d),
             "distance": across(0.0, d),
-            "FragPos": Ramp((-1.25 * d, -1.25 * d), (2.5 * d, 0.0), (0.0, 2.5 * d)),
+            "FragPos": square(-1.25 * d, 1.25 * d),
         },
         expect=[
-            value("factor", at={"distance": d}, equals=at_d, digits=9, name="left at d"),
-            value("reach", at={"fraction": 0.05}, equals=five, digits=6, name="5 % is left at"),
-            value("reach", at={"fraction": 0.01}, equals=one, digits=6, name="1 % is left at"),
-            computed(
-                "the quadratic term takes over at",
-                lambda: crossover(kl, kq),
-                equals=takes_over,
-                digits=6,
-            ),
+            figure("factor", "left at d", {"distance": d}, at_d, digits=9),
+            figure("reach", "5 % is left at", {"fraction": 0.05}, five),
+            figure("reach", "1 % is left at", {"fraction": 0.01}, one),
+            *results({"the quadratic term takes over at": (lambda: crossover(kl, kq), takes_over)}),
             sweep(
                 "factor",
                 attenuation,
@@ -91,25 +78,25 @@ case = Case(
             "ch05_lighting/attenuation_picture.frag",
             name="picture",
             domain={"FragPos": Ramp((0.0, 0.0))},
-            uniforms={
-                "light.constant": 1.0,
-                "light.linear": 0.0,
-                "light.quadratic": 0.0,
-                "coverage": 0.0,
-            },
+            uniforms={**UNSET, "coverage": 0.0},
         ),
         *fullscreen(
             "ch05_lighting/attenuation.frag",
             domain={"distance": across(0.0, 0.0), "fraction": up(0.01, 1.0)},
-            uniforms={"light.constant": 1.0, "light.linear": 0.0, "light.quadratic": 0.0},
+            uniforms=UNSET,
         ),
     ),
     picture="picture.FragColor",
     expect=[
         formula("factor", attenuation),
         formula("reach", reach),
-        computed("least light left at d, %", lambda: min(left_at_d()), equals=1.06, digits=2),
-        computed("most light left at d, %", lambda: max(left_at_d()), equals=1.30, digits=2),
+        *results(
+            {
+                "least light left at d, %": (lambda: min(left_at_d()), 1.06),
+                "most light left at d, %": (lambda: max(left_at_d()), 1.30),
+            },
+            digits=2,
+        ),
     ],
     variants=[row(*entries) for entries in TABLE],
     errata=[

@@ -151,16 +151,13 @@ case = Case(
                 name="picture",
                 target=Target(depth="depth24", clear=(0.16, 0.20, 0.26, 1.0)),
                 draws=(half(0, blinn=False), half(1, blinn=True)),
-            ),
+            )
         ),
         *fullscreen(
             "ch05_lighting/blinn_phong_lobes.frag",
             name="lobes",
             domain={"slope": across(-4.0, 4.0)},
-            uniforms={
-                "lightDir": (sin(radians(60.0)), cos(radians(60.0)), 0.0),
-                "shininess": 8.0,
-            },
+            uniforms={"lightDir": (sin(radians(60.0)), cos(radians(60.0)), 0.0), "shininess": 8.0},
         ),
     ),
     picture="picture.FragColor",

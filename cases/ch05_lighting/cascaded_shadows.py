@@ -12,48 +12,26 @@ their shadows: as sharp at the end of the road as at its beginning.
 """
 
 from itertools import pairwise
-from math import radians
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Cell,
-    Depth,
-    Draw,
-    Mesh,
-    Output,
-    Pass,
-    State,
-    Target,
-    TextureArray,
-    any_order,
-    both_ways,
-    computed,
-    formula,
-    fullscreen,
-    measure,
-    reading,
-    value,
-)
+from shaderlab import Case, Output, Pass, Target, TextureArray, computed, formula, measure, reading
+from shaderlab.assets.order import any_order, both_ways
 from shaderlab.glslmath import dot, max, mix, mul, normalize, swizzle, vec3, vec4, where
 from shaderlab.reference.cascades import cascade_index, fitted, slice_corners, split_distances
 from shaderlab.reference.shadows import shadow, shadow_coordinates, slope_bias
-from shaderlab.reference.transforms import (
-    clip_position,
-    look_at,
-    perspective,
-    rotate,
-    translate,
-    world_normal,
-    world_position,
-)
+from shaderlab.reference.transforms import look_at, translate
 from shaderlab.sampling import texture
 
-from ..scenes.courtyard import avenue, avenue_boxes
-from ..scenes.courtyard_light import light_position, seen_place, stored_depth, unit_normal
-from ..scenes.shadow_truth import blocked, hidden_share
-from ..scenes.studio import finished, handed_on
+from ..scenes import lit, shadow_stage
+from ..scenes.cameras import camera, turned
+from ..scenes.courtyard import avenue, avenue_boxes, before
+from ..scenes.courtyard_light import seen_place, unit_normal
+from ..scenes.draws import tested
+from ..scenes.figures import figure
+from ..scenes.panels import cell
+from ..scenes.shadow_stage import PICTURED, PLACES, reads
+from ..scenes.shadow_truth import blocked
 
 SUN = (2.6, 3.0, 1.4)
 NEAR, FAR, CASCADES = 0.5, 60.0, 3
@@ -69,48 +47,31 @@ WRONG = {
     "practical": ((0.0033, 0.0049), (0.0022, 0.0038)),
     "logarithmic": ((0.0018, 0.0033), (0.0030, 0.0045)),
 }
-EYE = (3.0, 4.4, 5.2)
-# A white surface at right angles to the sun.
-FACING = {"Normal": SUN, "Color": (1.0, 1.0, 1.0)}
-VIEW = look_at(EYE, (-0.9, 0.0, -11.0))
+EYE, AIM = (3.0, 4.4, 5.2), (-0.9, 0.0, -11.0)
 LIGHT_VIEW = look_at(SUN, (0.0, 0.0, 0.0))
 # Along the light, everything that can be seen or throw a shadow there.
 DEPTHS = (-40.0, 80.0)
 BOXES = avenue_boxes()
 # Where the mesh lies in the world: it is kept turned and moved, so that no matrix is the identity.
-MODEL = translate((0.5, 0.25, -1.0)) @ rotate(radians(30.0), (1.0, 2.0, 0.5))
+MODEL = translate((0.5, 0.25, -1.0)) @ turned(30.0, (1.0, 2.0, 0.5))
+AVENUE = before(avenue(), MODEL)
 
 
-def kept():
-    """The avenue as the mesh has it, before its model matrix puts it into its place."""
-    geometry, back = avenue(), np.linalg.inv(MODEL)
-    world = geometry["attributes"]
-    local = {
-        **world,
-        "aPos": world["aPos"] @ back[:3, :3].T + back[:3, 3],
-        "aNormal": world["aNormal"] @ back[:3, :3].T,
-    }
-    return {**geometry, "attributes": local}
+def seen(aspect):
+    """The camera, as far as the cascades reach."""
+    return camera(EYE, AIM, 38.0, aspect, near=NEAR, far=FAR)
 
 
-def projection(aspect):
-    """The camera's, as far as the cascades reach."""
-    return perspective(radians(38.0), aspect, NEAR, FAR)
-
-
-def slices(scheme):
-    """Where each cascade begins and ends."""
-    ends = SPLITS[scheme]
-    return [(NEAR, FAR)] * CASCADES if scheme == "one map" else [*pairwise([NEAR, *ends])]
+VIEW = seen(1.0)["view"]
 
 
 def light_spaces(scheme, aspect):
-    """Each cascade's light-space matrix."""
+    """Each cascade's light-space matrix, fitted around where it begins and ends."""
+    ends = [NEAR, *SPLITS[scheme]]
+    slices = [(NEAR, FAR)] * CASCADES if scheme == "one map" else [*pairwise(ends)]
+    projection = seen(aspect)["projection"]
     return np.array(
-        [
-            fitted(LIGHT_VIEW, slice_corners(VIEW, projection(aspect), *ends), DEPTHS)
-            for ends in slices(scheme)
-        ]
+        [fitted(LIGHT_VIEW, slice_corners(VIEW, projection, *ends), DEPTHS) for ends in slices]
     )
 
 
@@ -123,19 +84,7 @@ def texel_depths(matrices):
 def maps(scheme, aspect):
     """A pass for each cascade's map."""
     return tuple(
-        Pass(
-            name=f"{scheme}-{k}-{aspect:g}",
-            target=Target(size=(MAP, MAP), depth="depth32f"),
-            draws=[
-                Draw(
-                    vertex="ch05_lighting/shadow_depth.vert",
-                    fragment="ch05_lighting/shadow_depth.frag",
-                    mesh=Mesh(**kept()).only("aPos"),
-                    uniforms={"model": MODEL, "lightSpaceMatrix": matrix},
-                    state=State(depth=Depth()),
-                )
-            ],
-        )
+        shadow_stage.cast(f"{scheme}-{k}-{aspect:g}", matrix, MODEL, MAP, solid=AVENUE)
         for k, matrix in enumerate(light_spaces(scheme, aspect))
     )
 
@@ -143,16 +92,15 @@ def maps(scheme, aspect):
 def drawn(scheme, aspect=1.0, tint=0.0, cell=None):
     """The avenue with one scheme's cascades."""
     matrices = light_spaces(scheme, aspect)
-    return Draw(
-        vertex="ch05_lighting/lit_painted.vert",
-        fragment="ch05_lighting/cascaded_shadows.frag",
-        mesh=Mesh(**kept()),
-        uniforms={
+    layers = [Output(f"{scheme}-{k}-{aspect:g}", "depth") for k in range(CASCADES)]
+    return tested(
+        (lit.PAINTED, "ch05_lighting/cascaded_shadows.frag"),
+        AVENUE,
+        {
             "model": MODEL,
             # Half as long as they were: the fragment shader is to make them whole again.
             "normalMatrix": 0.5 * MODEL[:3, :3],
-            "view": VIEW,
-            "projection": projection(aspect),
+            **seen(aspect),
             "lightSpaceMatrices": matrices,
             "splits": SPLITS[scheme],
             "biases": texel_depths(matrices),
@@ -161,23 +109,16 @@ def drawn(scheme, aspect=1.0, tint=0.0, cell=None):
         },
         textures={
             "shadowMaps": TextureArray(
-                layers=[Output(f"{scheme}-{k}-{aspect:g}", "depth") for k in range(CASCADES)],
-                format="depth32f",
-                wrap=("clamp_to_edge", "clamp_to_edge"),
+                layers=layers, format="depth32f", wrap=("clamp_to_edge", "clamp_to_edge")
             )
         },
-        state=State(depth=Depth(), cell=cell),
+        cell=cell,
     )
 
 
-def view_depth(FragPos, view):
-    """How far in front of the camera a fragment is."""
-    return -swizzle(mul(view, vec4(FragPos, 1.0)), "z")
-
-
 def index(FragPos, view, splits):
-    """A fragment's cascade."""
-    return cascade_index(view_depth(FragPos, view), splits)
+    """A fragment's cascade, by how far in front of the camera it is."""
+    return cascade_index(-swizzle(mul(view, vec4(FragPos, 1.0)), "z"), splits)
 
 
 def own_bias(FragPos, Normal, view, splits, biases, lightPos):
@@ -218,7 +159,7 @@ def color(
 def wrong(FragColor, shadow, place, upright, within):
     """The share of places that face the sun of which the maps tell something else than rays."""
     depth = -(place @ VIEW[:3, :3].T + VIEW[:3, 3])[..., 2]
-    there = (FragColor[..., 3] > 0.0) & ((upright * SUN).sum(axis=-1) > 0.0) & (depth < within)
+    there = shadow_stage.faces(FragColor, upright, SUN) & (depth < within)
     return np.mean((shadow[..., 0] > 0.5)[there] != blocked(place, SUN, BOXES)[there])
 
 
@@ -226,11 +167,6 @@ def wrong_in_picture(FragColor, shadow, place, upright):
     """The same of every eighth pixel both ways."""
     color, told = FragColor[::8, ::8], shadow[::8, ::8]
     return wrong(color, told, place[::8, ::8, :3], upright[::8, ::8, :3], FAR)
-
-
-def drawn_share(FragColor):
-    """The share of pixels that show anything but the sky."""
-    return (FragColor[..., 3] > 0.0).mean()
 
 
 def wrong_cascade(FragColor, cascade, place, view, splits):
@@ -241,20 +177,22 @@ def wrong_cascade(FragColor, cascade, place, view, splits):
     return np.mean(cascade[..., 0][there] != right[there])
 
 
-def of(scheme, *outputs):
-    """What a reading reads of one scheme."""
-    return {output: f"{scheme}.{output}" for output in outputs}
-
-
 def split_figures(scheme, equals):
     """The first two splits, as printed."""
-    return computed(
-        f"{scheme} splits",
-        lambda: split_distances(NEAR, FAR, CASCADES, BLENDS[scheme])[:2],
-        equals=equals,
-        digits=6,
-    )
+    return computed(f"{scheme} splits", lambda: SPLITS[scheme][:2], equals=equals, digits=6)
 
+
+def judged(scheme):
+    """The avenue with one scheme, small."""
+    target = Target(size=(96, 96), depth="depth24")
+    return Pass(name=scheme, target=target, draws=[drawn(scheme, tint=0.3)])
+
+
+# A white surface at right angles to the sun.
+FACING = {"FragPos": (0.0, 0.0, 0.0), "Normal": SUN, "Color": (1.0, 1.0, 1.0)}
+PAST_LAST = {**FACING, "FragPos": (-10.0, 0.0, -80.0)}
+PAST_FAR = {**FACING, "FragPos": tuple(-18.15 * s for s in SUN)}  # a depth of 1.005
+LEAST = round(texel_depths(light_spaces("practical", 1.0))[0], 6)
 
 case = Case(
     title="Cascaded shadow maps",
@@ -263,123 +201,65 @@ case = Case(
     r"\frac{i}{N}(f - n)\right)",
     passes=(
         *(one for made in maps("practical", 2.0) for one in both_ways(made)),
-        Pass(
-            name="scene",
-            target=Target(
-                size=(1024, 1024),
-                colors={
-                    "FragColor": "rgba16f",
-                    "cascade": "r8",
-                    "shadow": "r8",
-                    "place": "rgba32f",
-                    "upright": "rgba16f",
-                },
-                depth="depth24",
-                clear=(0.30, 0.40, 0.52, 0.0),
+        shadow_stage.large(
+            (
+                drawn("practical", 2.0, 0.7, cell(1, 1, 2)),
+                drawn("practical", 2.0, 0.0, cell(0, 1, 2)),
             ),
-            draws=(
-                drawn("practical", 2.0, 0.7, Cell(column=0, row=1, columns=1, rows=2)),
-                drawn("practical", 2.0, 0.0, Cell(column=0, row=0, columns=1, rows=2)),
-            ),
+            colors={"FragColor": "rgba16f", "cascade": "r8", **PICTURED},
+            clear=(0.30, 0.40, 0.52, 0.0),
         ),
-        *fullscreen(
-            "ch05_lighting/finish.frag",
-            name="picture",
-            textures={"scene": Output("scene", "FragColor")},
-        ),
+        *lit.picture(),
         *(one for scheme in SPLITS for made in maps(scheme, 1.0) for one in both_ways(made)),
-        *(
-            Pass(
-                name=scheme,
-                target=Target(size=(96, 96), depth="depth24"),
-                draws=[drawn(scheme, tint=0.3)],
-            )
-            for scheme in SPLITS
-        ),
+        *(judged(scheme) for scheme in SPLITS),
     ),
     picture="picture.FragColor",
     expect=[
-        formula("practical-0-1.gl_Position", light_position),
-        formula("practical-0-1.depth", stored_depth),
+        *shadow_stage.map_checks("practical-0-1"),
         *(any_order(f"practical-{k}-2.depth") for k in range(CASCADES)),
         *(any_order(f"{scheme}-{k}-1.depth") for scheme in SPLITS for k in range(CASCADES)),
-        formula("practical.gl_Position", clip_position),
-        formula("practical.FragPos", world_position),
-        formula("practical.Normal", world_normal),
-        formula("practical.Color", handed_on),
+        *lit.vertex_stage_checks(
+            "gl_Position", "FragPos", "Normal", "Color", pass_name="practical"
+        ),
         formula("practical.place", seen_place),
         formula("practical.upright", unit_normal),
         *(formula(f"{scheme}.cascade", index) for scheme in BLENDS),
         *(formula(f"{scheme}.shadow", dark) for scheme in BLENDS),
         formula("practical.FragColor", color),
         formula("practical.bias", own_bias),
-        formula("picture.FragColor", finished(texture), name="the picture"),
-        value(
-            "practical.bias",
-            at={"FragPos": (0.0, 0.0, 0.0), **FACING},
-            equals=round(texel_depths(light_spaces("practical", 1.0))[0], 6),
-            digits=6,
-            name="the least bias, where the sun falls straight down",
+        lit.picture_check(),
+        figure(
+            "practical.bias", "the least bias, where the sun falls straight down", FACING, LEAST
         ),
-        value(
-            "practical.cascade",
-            at={"FragPos": (-10.0, 0.0, -80.0), **FACING},
-            equals=2.0,
-            digits=6,
-            name="past the last split the last cascade goes on",
-        ),
-        value(
-            "practical.shadow",
-            at={"FragPos": tuple(-18.15 * s for s in SUN), **FACING},  # a depth of 1.005
-            equals=0.0,
-            digits=6,
-            name="just past the far plane nothing is dark",
-        ),
+        figure("practical.cascade", "past the last split the last cascade goes on", PAST_LAST, 2.0),
+        figure("practical.shadow", "just past the far plane nothing is dark", PAST_FAR, 0.0),
         measure(
             "shadows told wrongly, in the large picture",
             wrong_in_picture,
-            reads={k: f"scene.{k}" for k in ("FragColor", "shadow", "place", "upright")},
+            reads=reads("scene"),
             at_most=0.01,
         ),
-        measure(
-            "share of the large picture that is drawn",
-            drawn_share,
-            reads={"FragColor": "scene.FragColor"},
-            at_least=0.7,
-        ),
+        shadow_stage.drawn(at_least=0.7),
         *(
             measure(
                 f"{scheme}: pixels in a wrong cascade",
                 wrong_cascade,
-                reads=of(scheme, "FragColor", "cascade", "place"),
+                reads=reads(scheme, "FragColor", "cascade", "place"),
                 pass_name=scheme,
                 equals=0.0,
                 digits=9,
             )
             for scheme in BLENDS
         ),
-        measure(
-            "places hidden from the eye",
-            hidden_share(EYE, BOXES, step=1),
-            readings=[
-                reading(name, reads={key: f"{name}.{key}" for key in ("FragColor", "place")})
-                for name in (SPLITS)
-            ],
-            at_most=0.002,
-        ),
-        measure(
-            "places hidden from the eye, in the large picture",
-            hidden_share(EYE, BOXES, step=8),
-            reads={key: f"scene.{key}" for key in ("FragColor", "place")},
-            at_most=0.002,
-        ),
+        shadow_stage.hidden(EYE, BOXES, SPLITS),
+        shadow_stage.hidden_in_picture(EYE, BOXES),
         measure(
             "shadows told wrongly",
             wrong,
             readings=[
                 reading(
                     f"{scheme}, {where}",
-                    reads=of(scheme, "FragColor", "shadow", "place", "upright"),
+                    reads=reads(scheme, *PLACES),
                     given={"within": within},
                     between=bounds[n],
                 )

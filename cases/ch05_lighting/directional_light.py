@@ -46,10 +46,7 @@ case = Case(
         formula("FragColor", opaque(light_sources.directional)),
         *lit.picture_checks(),
         figure(
-            "lightDir",
-            "the notes' direction, turned around",
-            POINT,
-            (0.188144, 0.940721, 0.282216),
+            "lightDir", "the notes' direction, turned around", POINT, (0.188144, 0.940721, 0.282216)
         ),
         *figures(
             "FragColor",

@@ -28,12 +28,12 @@ from shaderlab import (
     fullscreen,
     sweep,
     up,
-    value,
 )
 from shaderlab.glslmath import vec4
 from shaderlab.reference.gamma import gamma_encode, srgb_decode, srgb_encode
 
 from ..scenes.colour_science import srgb_by_colour_science
+from ..scenes.figures import figure
 
 CODES = np.arange(256) / 255.0
 ALL_CODES = np.stack([CODES, CODES, CODES, np.ones(256)], axis=-1)[None]
@@ -45,10 +45,17 @@ BLACK_AND_WHITE = Texture(
     format="srgb8_alpha8",
     filter=("linear", "linear"),
 )
-SRGB_FRAMEBUFFER = {
-    "target": Target(size=(256, 16), colors={"FragColor": "srgb8_alpha8"}),
-    "state": State(srgb=True),
-}
+
+
+def converted(shader, name, format="srgb8_alpha8", **inputs):
+    """256 codes through one of the shaders into a framebuffer; sRGB ones encode."""
+    return fullscreen(
+        f"ch05_lighting/{shader}.frag",
+        name=name,
+        target=Target(size=(256, 16), colors={"FragColor": format}),
+        state=State(srgb=format.startswith("srgb")),
+        **inputs,
+    )
 
 
 def decode(linear):
@@ -79,35 +86,17 @@ case = Case(
             name="picture",
             domain={"linear": across(0.0, 1.0), "stripe": up(0.0, 5.0)},
         ),
-        *fullscreen(
-            "ch05_lighting/gamma_framebuffer.frag",
-            name="framebuffer",
-            domain={"code": across(0.0, 256.0)},
-            **SRGB_FRAMEBUFFER,
-        ),
-        *fullscreen(
-            "ch05_lighting/gamma_encoded.frag",
-            name="texture",
-            textures={"image": SRGB_TEXTURE},
-            target=Target(size=(256, 16), colors={"FragColor": "rgba8"}),
-        ),
-        *fullscreen(
-            "ch05_lighting/gamma_texture.frag",
-            name="there-and-back",
-            textures={"image": SRGB_TEXTURE},
-            **SRGB_FRAMEBUFFER,
-        ),
-        *fullscreen(
-            "ch05_lighting/gamma_texture.frag",
-            name="dither",
+        *converted("gamma_framebuffer", "framebuffer", domain={"code": across(0.0, 256.0)}),
+        *converted("gamma_encoded", "texture", "rgba8", textures={"image": SRGB_TEXTURE}),
+        *converted("gamma_texture", "there-and-back", textures={"image": SRGB_TEXTURE}),
+        *converted(
+            "gamma_texture",
+            "dither",
             domain={"TexCoords": Ramp((0.5, 0.5))},
             textures={"image": BLACK_AND_WHITE},
-            **SRGB_FRAMEBUFFER,
         ),
         *fullscreen(
-            "ch05_lighting/gamma.frag",
-            domain={"linear": across(0.0, 1.0)},
-            uniforms={"gamma": 2.2},
+            "ch05_lighting/gamma.frag", domain={"linear": across(0.0, 1.0)}, uniforms={"gamma": 2.2}
         ),
     ),
     picture="picture.FragColor",
@@ -115,8 +104,8 @@ case = Case(
         formula("power", gamma_encode),
         formula("srgb", srgb_encode, also={"colour-science": srgb_by_colour_science}),
         formula("decoded", decode),
-        value("power", at={"linear": 0.5}, equals=0.729740, digits=6, name="half, by the power"),
-        value("srgb", at={"linear": 0.5}, equals=0.735357, digits=6, name="half, by sRGB"),
+        figure("power", "half, by the power", {"linear": 0.5}, 0.729740),
+        figure("srgb", "half, by sRGB", {"linear": 0.5}, 0.735357),
         sweep("power", gamma_encode, over="linear", values=np.linspace(0.005, 1.0, 64)),
         sweep("srgb", srgb_encode, over="linear", values=around(0.0031308), log_x=True),
         sweep("decoded", decode, over="linear", values=around(0.04045), log_x=True),

@@ -10,20 +10,12 @@ white hole. Upper right Reinhard's curve shows the bricks there. Below is the ex
 on the left with an exposure of 0.25 for the far end, on the right with 4 for what is near.
 """
 
-from math import radians
-
 import numpy as np
 
 from shaderlab import (
     Case,
-    Cell,
-    Depth,
-    Draw,
-    Mesh,
     Output,
     Pass,
-    Ramp,
-    State,
     Target,
     Texture,
     across,
@@ -36,75 +28,79 @@ from shaderlab import (
     measure,
     reading,
     sweep,
-    value,
 )
 from shaderlab.glslmath import clamp, dot, max as larger, normalize, pow, swizzle, vec4
 from shaderlab.reference import tone_mapping
-from shaderlab.reference.transforms import (
-    clip_position,
-    look_at,
-    normal_matrix,
-    perspective,
-    rotate,
-    translate,
-    world_normal,
-    world_position,
-)
+from shaderlab.reference.transforms import translate
 from shaderlab.sampling import texture
 
+from ..scenes import lit
+from ..scenes.cameras import camera, turned
 from ..scenes.colour_science import delta_e_2000
+from ..scenes.figures import figures
+from ..scenes.panels import WHOLE, cell, panel
 
-CLIPPED, REINHARD, EXPOSURE = 0, 1, 2
 # Past 1, at 1 and below it; exact in half floats.
 BRIGHT = (12.5, 3.0, 0.25)
+LAMPS = {
+    "lampPos": [(0.1, 0.2, -6.4), (-0.7, -0.55, 0.6), (0.75, 0.35, 2.9)],
+    "lampColor": [(60.0, 52.0, 40.0), (0.9, 0.30, 0.08), (0.05, 0.12, 0.32)],
+}
 
 
-def corridor(repeat):
+def corridor():
     """A corridor along −z, two wide and two high, open towards the viewer."""
     walls = []
     for turn in (0.0, 90.0, 180.0, 270.0):
         wall = assets.moved(assets.plane(2.0), np.diag([1.0, 1.0, 7.0, 1.0]))
-        wall["attributes"]["aTexCoords"] *= np.float32((repeat, 7 * repeat))
+        wall["attributes"]["aTexCoords"] *= np.float32((1, 7))
         wall = assets.moved(wall, translate((0.0, -1.0, 0.0)))
-        walls.append(assets.moved(wall, rotate(radians(turn), (0.0, 0.0, 1.0))))
-    end = assets.moved(assets.quad(2.0), translate((0.0, 0.0, -7.0)))
-    end["attributes"]["aTexCoords"] *= np.float32(repeat)
-    return assets.joined(*walls, end)
+        walls.append(assets.moved(wall, turned(turn, (0.0, 0.0, 1.0))))
+    return assets.joined(*walls, assets.moved(assets.quad(2.0), translate((0.0, 0.0, -7.0))))
 
 
 def room(name, **target):
     """The corridor with a floodlight at its end and two small lamps nearby."""
-    model = translate((0.0, 0.0, -1.0)) @ rotate(radians(4.0), (0.0, 0.0, 1.0))
-    draw = Draw(
-        vertex="ch05_lighting/lit_textured.vert",
-        fragment="ch05_lighting/hdr_scene.frag",
-        mesh=Mesh(**corridor(1.0)),
-        uniforms={
-            "model": model,
-            "normalMatrix": normal_matrix(model),
-            "view": look_at((0.0, 0.0, 5.4), (0.0, 0.0, -1.0)),
-            "projection": perspective(radians(42.0), 1.0, 0.1, 60.0),
-            "lampPos": [(0.1, 0.2, -6.4), (-0.7, -0.55, 0.6), (0.75, 0.35, 2.9)],
-            "lampColor": [(60.0, 52.0, 40.0), (0.9, 0.30, 0.08), (0.05, 0.12, 0.32)],
-        },
+    draw = lit.thing(
+        "ch05_lighting/hdr_scene.frag",
+        corridor(),
+        translate((0.0, 0.0, -1.0)) @ turned(4.0, (0.0, 0.0, 1.0)),
+        camera((0.0, 0.0, 5.4), (0.0, 0.0, -1.0), 42.0, far=60.0),
+        LAMPS,
+        vertex=lit.TEXTURED,
         textures={"diffuseTexture": Texture(image=lambda: assets.brick_wall(512))},
-        state=State(depth=Depth()),
     )
     return Pass(name=name, target=Target(depth="depth24", **target), draws=(draw,))
 
 
-def shown(column, row, curve, exposure):
+def shown(quarter, curve, exposure):
     """The corridor through one of the curves, in a quarter of the picture."""
-    return Draw(
-        fragment="ch05_lighting/hdr.frag",
-        domain={"TexCoords": Ramp((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))},
-        uniforms={"curve": curve, "exposure": exposure},
+    return panel(
+        "ch05_lighting/hdr.frag",
+        WHOLE,
+        {"curve": curve, "exposure": exposure},
         textures={"hdrBuffer": Output("hdr", "FragColor")},
-        state=State(cell=Cell(column=column, row=row, columns=2, rows=2)),
+        cell=cell(quarter, 2, 2),
     )
 
 
-def lit(FragPos, Normal, TexCoords, diffuseTexture, lampPos, lampColor):
+CLIPPED, REINHARD, EXPOSURE = 0, 1, 2
+QUARTERS = [shown(2, CLIPPED, 1.0), shown(3, REINHARD, 1.0)]
+QUARTERS += [shown(0, EXPOSURE, 0.25), shown(1, EXPOSURE, 4.0)]
+
+
+def bright(name, format):
+    """A colour past 1 in one format."""
+    return fullscreen(
+        "ch05_lighting/lamp.frag",
+        name=name,
+        domain={},
+        uniforms={"glow": BRIGHT},
+        target=Target(size=(4, 4), colors={"FragColor": format}),
+    )
+
+
+def lit_by_lamps(FragPos, Normal, TexCoords, diffuseTexture, lampPos, lampColor):
     """Diffuse light of all lamps, each fading with the square of its distance."""
     light = 0.01
     for place, color in zip(lampPos, lampColor, strict=True):
@@ -140,6 +136,10 @@ def reinhard(light, exposure):
     return tone_mapping.reinhard(light)
 
 
+CURVES = {"clipped": clip, "Reinhard": reinhard}
+CURVES |= dict.fromkeys(("exposure 0.25", "exposure 4"), tone_mapping.exposed)
+
+
 def mean_difference(picture, column, row, where_white):
     """The mean ΔE 2000 between the clipped quarter of the picture, upper left, and another one;
     of all pixels, or of those that clipping makes plain white."""
@@ -156,18 +156,16 @@ def difference(label, column, row, low, high, where_white=False):
     return reading(label, given=given, between=(low, high))
 
 
-def curve_of(which, light, exposure, equals):
-    """A figure of one of the curves."""
-    return value(
-        which,
-        at={"light": light, "exposure": exposure},
-        equals=equals,
-        digits=6,
-        name=f"{which} of {light:g} at {exposure:g}",
-    )
+def curve_of(output, *rows):
+    """Figures of one of the curves: light, exposure, what is shown."""
+    named = {
+        f"{output} of {light:g} at {exposure:g}": ({"light": light, "exposure": exposure}, equals)
+        for light, exposure, equals in rows
+    }
+    return figures(output, named)
 
 
-BRIGHT_PASS = {"domain": {}, "uniforms": {"glow": BRIGHT}}
+HERE = {"FragPos": (0.0, 0.0, 4.0), "Normal": (0.0, 0.0, 1.0), "TexCoords": (0.5, 0.5)}
 
 case = Case(
     title="High dynamic range",
@@ -175,28 +173,10 @@ case = Case(
     math=r"\text{Reinhard: } \frac{x}{1 + x}, \qquad \text{exposure: } 1 - e^{-x\,e}",
     passes=(
         *both_ways(room("hdr", size=(512, 512), colors={"FragColor": "rgba16f"})),
-        Pass(
-            name="picture",
-            draws=(
-                shown(0, 1, CLIPPED, 1.0),
-                shown(1, 1, REINHARD, 1.0),
-                shown(0, 0, EXPOSURE, 0.25),
-                shown(1, 0, EXPOSURE, 4.0),
-            ),
-        ),
+        Pass(name="picture", draws=QUARTERS),
         *both_ways(room("judged")),
-        *fullscreen(
-            "ch05_lighting/lamp.frag",
-            name="half-floats",
-            target=Target(size=(4, 4), colors={"FragColor": "rgba16f"}),
-            **BRIGHT_PASS,
-        ),
-        *fullscreen(
-            "ch05_lighting/lamp.frag",
-            name="bytes",
-            target=Target(size=(4, 4), colors={"FragColor": "rgba8"}),
-            **BRIGHT_PASS,
-        ),
+        *bright("half-floats", "rgba16f"),
+        *bright("bytes", "rgba8"),
         *fullscreen(
             "ch05_lighting/hdr_curves.frag",
             name="curves",
@@ -208,38 +188,25 @@ case = Case(
     expect=[
         any_order("hdr.FragColor"),
         any_order("judged.FragColor"),
-        formula("judged.gl_Position", clip_position),
-        formula("judged.FragPos", world_position),
-        formula("judged.Normal", world_normal),
-        formula("judged.FragColor", lit, name="light in the corridor"),
-        value(
+        *lit.vertex_stage_checks(pass_name="judged"),
+        formula("judged.FragColor", lit_by_lamps, name="light in the corridor"),
+        *figures(
             "judged.FragColor",
-            at={
-                "FragPos": (0.0, 0.0, 4.0),
-                "Normal": (0.0, 0.0, 1.0),
-                "TexCoords": (0.5, 0.5),
+            {
+                "turned away from all lamps": ({}, (0.005253, 0.005078, 0.004728, 1.0)),
+                "facing the lamps, its normal not of length 1": (
+                    {"Normal": (0.0, 0.0, -2.0)},
+                    (0.344580, 0.286686, 0.246223, 1.0),
+                ),
             },
-            equals=(0.005253, 0.005078, 0.004728, 1.0),
-            digits=6,
-            name="turned away from all lamps",
-        ),
-        value(
-            "judged.FragColor",
-            at={
-                "FragPos": (0.0, 0.0, 4.0),
-                "Normal": (0.0, 0.0, -2.0),
-                "TexCoords": (0.5, 0.5),
-            },
-            equals=(0.344580, 0.286686, 0.246223, 1.0),
-            digits=6,
-            name="facing the lamps, its normal not of length 1",
+            at=HERE,
         ),
         exact("half-floats.FragColor", (*BRIGHT, 1.0), name="half floats keep what is past 1"),
         exact("bytes.FragColor", (255, 255, 64, 255), name="eight bits cut it"),
-        formula("picture.FragColor", through(clip), draw=0, name="clipped"),
-        formula("picture.FragColor", through(reinhard), draw=1, name="Reinhard"),
-        formula("picture.FragColor", through(tone_mapping.exposed), draw=2, name="exposure 0.25"),
-        formula("picture.FragColor", through(tone_mapping.exposed), draw=3, name="exposure 4"),
+        *(
+            formula("picture.FragColor", through(curve), draw=k, name=name)
+            for k, (name, curve) in enumerate(CURVES.items())
+        ),
         measure(
             "mean ΔE 2000 from clipping",
             mean_difference,
@@ -255,29 +222,24 @@ case = Case(
         formula("curves.byReinhard", tone_mapping.reinhard),
         formula("curves.byExposure", tone_mapping.exposed),
         formula("curves.clipped", tone_mapping.clipped),
-        curve_of("curves.byReinhard", 1.0, 1.0, 0.5),
-        curve_of("curves.byReinhard", 3.0, 1.0, 0.75),
-        curve_of("curves.byReinhard", 12.5, 1.0, 0.925926),
-        curve_of("curves.byExposure", 1.0, 1.0, 0.632121),
-        curve_of("curves.byExposure", 3.0, 0.5, 0.776870),
-        curve_of("curves.byExposure", 12.5, 0.1, 0.713495),
-        curve_of("curves.clipped", 12.5, 1.0, 1.0),
-        curve_of("curves.clipped", 3.0, 1.0, 1.0),
-        sweep(
-            "curves.byReinhard",
-            tone_mapping.reinhard,
-            over="light",
-            values=np.geomspace(0.01, 100.0, 65),
-            log_x=True,
-            name="Reinhard's curve",
+        *curve_of("curves.byReinhard", (1.0, 1.0, 0.5), (3.0, 1.0, 0.75), (12.5, 1.0, 0.925926)),
+        *curve_of(
+            "curves.byExposure", (1.0, 1.0, 0.632121), (3.0, 0.5, 0.776870), (12.5, 0.1, 0.713495)
         ),
-        sweep(
-            "curves.byExposure",
-            tone_mapping.exposed,
-            over="light",
-            values=np.geomspace(0.01, 100.0, 65),
-            log_x=True,
-            name="the exponential curve",
+        *curve_of("curves.clipped", (12.5, 1.0, 1.0), (3.0, 1.0, 1.0)),
+        *(
+            sweep(
+                f"curves.{output}",
+                curve,
+                over="light",
+                values=np.geomspace(0.01, 100.0, 65),
+                log_x=True,
+                name=name,
+            )
+            for output, curve, name in (
+                ("byReinhard", tone_mapping.reinhard, "Reinhard's curve"),
+                ("byExposure", tone_mapping.exposed, "the exponential curve"),
+            )
         ),
     ],
 )

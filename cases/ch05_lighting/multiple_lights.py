@@ -26,12 +26,10 @@ from shaderlab import (
 )
 from shaderlab.reference import light_sources
 from shaderlab.reference.transforms import clip_position
-from shaderlab.sampling import texture
 
 from ..scenes import lit, plaza
 from ..scenes.figures import figure
 from ..scenes.laws import opaque, renamed, summed
-from ..scenes.studio import finished
 
 # Place and colour of the four bulbs.
 BULBS = [
@@ -146,7 +144,7 @@ case = Case(
         formula("added.FragColor", by_all, given=ALL, name="one by one, added"),
         formula("bulbs.gl_Position", clip_position, name="where a bulb is"),
         formula("bulbs.FragColor", lit.glowing, name="colour of a bulb"),
-        formula("picture.FragColor", finished(texture), name="the picture"),
+        lit.picture_check(),
         any_order("scene.FragColor"),
         any_order("together.FragColor"),
         compile_fails(

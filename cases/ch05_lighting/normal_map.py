@@ -13,16 +13,12 @@ side towards the lamp and bright on the other, and the wall is turned away from 
 map's normals had to turn with it.
 """
 
-from math import radians
-
 import numpy as np
 
 from shaderlab import (
     Case,
-    Cell,
     Draw,
     Mesh,
-    Output,
     Pass,
     Pixel,
     State,
@@ -32,16 +28,12 @@ from shaderlab import (
     computed,
     formula,
     fullscreen,
-    value,
 )
 from shaderlab.glslmath import dot, max, mul, normalize, swizzle, vec3, vec4, where
 from shaderlab.reference import tangent_space
 from shaderlab.reference.blinn_phong import lobe
 from shaderlab.reference.transforms import (
-    look_at,
     normal_matrix,
-    perspective,
-    rotate,
     scale,
     translate,
     world_normal,
@@ -49,10 +41,15 @@ from shaderlab.reference.transforms import (
 )
 from shaderlab.sampling import texture
 
-from ..scenes.studio import finished
+from ..scenes import lit
+from ..scenes.cameras import camera, turned
+from ..scenes.figures import figure
+from ..scenes.laws import unchanged
+from ..scenes.panels import cell, picture
 
 EYE = (0.0, 0.0, 4.0)
-TURNED = rotate(radians(-24.0), (0.3, 1.0, 0.0)) @ rotate(radians(4.0), (0.0, 0.0, 1.0))
+CAMERA = camera(EYE, (0.0, 0.0, 0.0), 33.0)
+TURNED = turned(-24.0, (0.3, 1.0, 0.0)) @ turned(4.0, (0.0, 0.0, 1.0))
 # Squeezed and moved, so that positions, normals and tangents each need their own way.
 SQUEEZED = translate((0.1, -0.05, 0.2)) @ TURNED @ scale((1.0, 0.8, 1.0))
 LAMPS = {
@@ -61,6 +58,7 @@ LAMPS = {
     "right": (1.5, -0.4, 1.3),
     "behind": (0.8, 0.3, -2.0),
 }
+SMOOTH = {"format": "rgba8", "filter": ("linear_mipmap_linear", "linear"), "mipmaps": True}
 
 
 def wall(repeat=1.0, bulge=0.0):
@@ -81,7 +79,7 @@ def brick_maps(size, **sampling):
     }
 
 
-def lit_wall(lamp, *, model, mesh, flat=False, cell=None, maps):
+def lit_wall(lamp, model, mesh, maps, *, flat=False, cell=None):
     """The wall under one lamp."""
     return Draw(
         vertex="ch05_lighting/normal_map.vert",
@@ -91,10 +89,9 @@ def lit_wall(lamp, *, model, mesh, flat=False, cell=None, maps):
         uniforms={
             "model": model,
             "normalMatrix": normal_matrix(model),
-            "view": look_at(EYE, (0.0, 0.0, 0.0)),
-            "projection": perspective(radians(33.0), 1.0, 0.1, 20.0),
+            **CAMERA,
             "flatWall": flat,
-            "lightPos": lamp,
+            "lightPos": LAMPS[lamp],
             "viewPos": EYE,
         },
         textures=maps,
@@ -102,16 +99,30 @@ def lit_wall(lamp, *, model, mesh, flat=False, cell=None, maps):
     )
 
 
-def quarter(column, row, lamp, flat=False):
+def quarter(k, lamp, flat=False):
     """One quarter of the picture."""
-    cell = Cell(column=column, row=row, columns=2, rows=2)
-    smooth = {
-        "format": "rgba8",
-        "filter": ("linear_mipmap_linear", "linear"),
-        "mipmaps": True,
-    }
-    maps = brick_maps(512, **smooth)
-    return lit_wall(LAMPS[lamp], model=TURNED, mesh=wall(), flat=flat, cell=cell, maps=maps)
+    maps = brick_maps(512, **SMOOTH)
+    return lit_wall(lamp, TURNED, wall(), maps, flat=flat, cell=cell(k, 2, 2))
+
+
+def judged(name, lamp, repeat=1.0, flat=False):
+    """A bulging wall in float textures, whose texels references can read."""
+    mesh, maps = wall(repeat, bulge=0.5), brick_maps(64)
+    return Pass(name=name, draws=[lit_wall(lamp, SQUEEZED, mesh, maps, flat=flat)])
+
+
+# What the vertex shader hands to the geometry shader.
+CORNERS = Draw(
+    vertex="ch05_lighting/normal_map.vert",
+    fragment="ch05_lighting/lamp.frag",
+    mesh=wall(bulge=0.5),
+    uniforms={"model": SQUEEZED, "normalMatrix": normal_matrix(SQUEEZED), "glow": (1.0, 1.0, 1.0)},
+)
+
+
+def picked(corners, emitted):
+    """The corner that is emitted."""
+    return where(emitted == 0, corners[0], where(emitted == 1, corners[1], corners[2]))
 
 
 def frame(place, uv, upright, emitted):
@@ -131,9 +142,14 @@ def axis(which):
     return column
 
 
-def texture_coordinates(aTexCoords):
-    """What the vertex shader hands on."""
-    return aTexCoords
+def place_of(place, emitted):
+    """A corner's place in the world."""
+    return picked(place, emitted)
+
+
+def uv_of(uv, emitted):
+    """A corner's place in the texture."""
+    return picked(uv, emitted)
 
 
 def world(aPos, model):
@@ -146,11 +162,6 @@ def in_picture(gl_in_gl_Position, emitted, view, projection):
     return mul(projection, mul(view, picked(gl_in_gl_Position, emitted)))
 
 
-def picked(corners, emitted):
-    """What the corner has that is emitted."""
-    return where(emitted == 0, corners[0], where(emitted == 1, corners[1], corners[2]))
-
-
 def mapped_normal(TBN, TexCoords, normalMap, flatWall):
     """The map's normal in the world."""
     told = tangent_space.decoded_normal(swizzle(texture(normalMap, TexCoords), "rgb"))
@@ -161,38 +172,24 @@ def color(TBN, TexCoords, FragPos, normalMap, diffuseMap, flatWall, lightPos, vi
     """Diffuse and specular light on the mapped normal."""
     normal = mapped_normal(TBN, TexCoords, normalMap, flatWall)
     to_light, to_eye = normalize(lightPos - FragPos), normalize(viewPos - FragPos)
-    lit = max(dot(normal, to_light), 0.0)
+    lambert = max(dot(normal, to_light), 0.0)
     glint = lobe(dot(normal, normalize(to_light + to_eye)), 24.0)
     bricks = swizzle(texture(diffuseMap, TexCoords), "rgb")
-    return vec4(bricks * (0.05 + 1.15 * lit) + 0.28 * glint, 1.0)
-
-
-def judged(name, lamp, repeat=1.0, flat=False):
-    """A bulging wall in float textures, whose texels references can read."""
-    mesh, maps = wall(repeat, bulge=0.5), brick_maps(64)
-    draw = lit_wall(LAMPS[lamp], model=SQUEEZED, mesh=mesh, flat=flat, maps=maps)
-    return Pass(name=name, draws=[draw])
+    return vec4(bricks * (0.05 + 1.15 * lambert) + 0.28 * glint, 1.0)
 
 
 def checks(name):
-    """What each judged pass has to keep."""
+    """What must hold of a judged pass."""
     return (
         formula(f"{name}.gl_Position", in_picture),
-        formula(f"{name}.FragPos", corner_of("place"), name=f"{name}: places"),
-        formula(f"{name}.TBN[0]", axis(0), name=f"{name}: T"),
-        formula(f"{name}.TBN[1]", axis(1), name=f"{name}: B"),
-        formula(f"{name}.TBN[2]", axis(2), name=f"{name}: N"),
+        formula(f"{name}.FragPos", place_of, name=f"{name}: places"),
+        *(formula(f"{name}.TBN[{k}]", axis(k), name=f"{name}: {'TBN'[k]}") for k in range(3)),
         formula(f"{name}.normal", mapped_normal, name=f"{name}: normals"),
         formula(f"{name}.FragColor", color, name=f"{name}: colours"),
     )
 
 
-def corner_of(what):
-    """What a corner of the triangle has, handed on."""
-    if what == "place":
-        return lambda place, emitted: picked(place, emitted)
-    return lambda uv, emitted: picked(uv, emitted)
-
+BYTES = Texture(image=np.array([[[128, 127, 255, 255]]]) / 255.0, format="rgba8")
 
 case = Case(
     title="Normal mapping",
@@ -201,50 +198,26 @@ case = Case(
     r"\begin{pmatrix} \Delta u_1 & \Delta v_1 \\ \Delta u_2 & \Delta v_2 \end{pmatrix}^{-1}"
     r"\begin{pmatrix} E_1 \\ E_2 \end{pmatrix}",
     passes=(
-        Pass(
-            name="scene",
-            target=Target(
-                size=(1024, 1024),
-                colors={"FragColor": "rgba16f"},
-                clear=(0.012, 0.014, 0.02, 1.0),
+        picture(
+            (
+                quarter(2, "left", flat=True),
+                quarter(3, "left"),
+                quarter(0, "above"),
+                quarter(1, "right"),
             ),
-            draws=(
-                quarter(0, 1, "left", flat=True),
-                quarter(1, 1, "left"),
-                quarter(0, 0, "above"),
-                quarter(1, 0, "right"),
-            ),
+            (1024, 1024),
+            "scene",
+            colors={"FragColor": "rgba16f"},
+            clear=(0.012, 0.014, 0.02, 1.0),
         ),
-        *fullscreen(
-            "ch05_lighting/finish.frag",
-            name="picture",
-            textures={"scene": Output("scene", "FragColor")},
-        ),
+        *lit.picture(),
         *fullscreen(
             "ch05_lighting/normal_map_bytes.frag",
             name="bytes",
-            textures={
-                "normalMap": Texture(
-                    image=np.array([[[128, 127, 255, 255]]]) / 255.0, format="rgba8"
-                )
-            },
+            textures={"normalMap": BYTES},
             target=Target(size=(2, 2)),
         ),
-        Pass(
-            name="corners",
-            draws=[
-                Draw(
-                    vertex="ch05_lighting/normal_map.vert",
-                    fragment="ch05_lighting/lamp.frag",
-                    mesh=wall(bulge=0.5),
-                    uniforms={
-                        "model": SQUEEZED,
-                        "normalMatrix": normal_matrix(SQUEEZED),
-                        "glow": (1.0, 1.0, 1.0),
-                    },
-                )
-            ],
-        ),
+        Pass(name="corners", draws=[CORNERS]),
         judged("mapped", "left"),
         judged("mirrored", "behind", repeat=-1.0),
         judged("flat", "left", flat=True),
@@ -253,20 +226,19 @@ case = Case(
     expect=[
         formula("corners.place", world_position),
         formula("corners.upright", world_normal),
-        formula("corners.uv", texture_coordinates),
+        formula("corners.uv", unchanged("aTexCoords")),
         formula("corners.gl_Position", world),
-        formula("mapped.TexCoords", corner_of("uv"), name="mapped: texture coordinates"),
+        formula("mapped.TexCoords", uv_of, name="mapped: texture coordinates"),
         *checks("mapped"),
         *checks("mirrored"),
         formula("flat.normal", mapped_normal, name="flat: normals"),
         formula("flat.FragColor", color, name="flat: colours"),
-        formula("picture.FragColor", finished(texture), name="the picture"),
-        value(
+        lit.picture_check(),
+        figure(
             "bytes.normal",
-            at=Pixel(0, 0),
-            equals=(0.003922, -0.003922, 1.0),
-            digits=6,
-            name="what bytes 128, 127 and 255 stand for",
+            "what bytes 128, 127 and 255 stand for",
+            Pixel(0, 0),
+            (0.003922, -0.003922, 1.0),
         ),
         computed(
             "how far the flat colour leans, in degrees",

@@ -13,51 +13,27 @@ same light goes to more directions. Upward the diffuse part disappears, and the 
 the material's colour. Metals look dark here: their world would be in their reflections.
 """
 
-from math import radians
-
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Depth,
-    Draw,
-    Mesh,
-    Output,
-    Pass,
-    State,
-    Target,
-    any_order,
-    assets,
-    both_ways,
-    computed,
-    formula,
-    fullscreen,
-    sweep,
-    value,
-)
+from shaderlab import Case, Mesh, assets, formula, sweep
 from shaderlab.glslmath import dot, max, normalize, vec4
 from shaderlab.reference import microfacets
-from shaderlab.reference.transforms import (
-    clip_position,
-    look_at,
-    normal_matrix,
-    perspective,
-    rotate,
-    scale,
-    translate,
-    world_normal,
-    world_position,
-)
-from shaderlab.sampling import texture
+from shaderlab.reference.transforms import scale, translate
 
-from ..scenes.studio import finished
+from ..scenes import lit
+from ..scenes.cameras import camera, turned
+from ..scenes.figures import figure, figures, results
 
 EYE = (0.0, 0.0, 15.0)
+CAMERA = camera(EYE, (0.0, 0.0, 0.0), 29.0, far=60.0)
 COPPER = (0.91, 0.27, 0.13)
 ROUGHNESS = (0.15, 0.32, 0.49, 0.66, 0.83, 1.0)
 METALLIC = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
 LAMPS = [(-5.0, 5.0, 7.0), (5.0, 5.0, 7.0), (-5.0, -5.0, 7.0), (5.0, -5.0, 7.0)]
 LIGHT = [(300.0, 285.0, 255.0), (40.0, 52.0, 80.0), (30.0, 36.0, 48.0), (26.0, 20.0, 16.0)]
+SMOOTH = Mesh(**assets.sphere(0.98, segments=64, rings=32))
+COARSE = Mesh(**assets.sphere(0.98, segments=16, rings=8))
+SOME = [(0, 5), (2, 3), (5, 0)]
 
 
 def lamps(places, colors):
@@ -68,41 +44,16 @@ def lamps(places, colors):
 
 def ball(mesh, column, row):
     """One ball: its roughness by its column, its metalness by its row."""
-    model = (
-        translate((1.24 * (column - 2.5), 1.24 * (row - 2.5), 0.0))
-        @ rotate(radians(20.0), (1.0, 1.0, 0.0))
-        @ scale(0.57)
-    )
-    return Draw(
-        vertex="ch05_lighting/lit.vert",
-        fragment="ch05_lighting/pbr.frag",
-        mesh=mesh,
-        uniforms={
-            "model": model,
-            "normalMatrix": normal_matrix(model),
-            "view": look_at(EYE, (0.0, 0.0, 0.0)),
-            "projection": perspective(radians(29.0), 1.0, 0.1, 60.0),
-            "camPos": EYE,
-            "albedo": COPPER,
-            "metallic": METALLIC[row],
-            "roughness": ROUGHNESS[column],
-            **lamps(LAMPS, LIGHT),
-        },
-        state=State(depth=Depth(), cull="back"),
-    )
-
-
-def grid(name, mesh, cells, **target):
-    """Balls over roughness and metalness."""
-    draws = [ball(mesh, column, row) for column, row in cells]
-    backdrop = (0.006, 0.007, 0.009, 1.0)
-    return Pass(name=name, target=Target(depth="depth24", clear=backdrop, **target), draws=draws)
-
-
-SMOOTH = Mesh(**assets.sphere(0.98, segments=64, rings=32)).only("aPos", "aNormal")
-COARSE = Mesh(**assets.sphere(0.98, segments=16, rings=8)).only("aPos", "aNormal")
-EVERY = [(column, row) for row in range(6) for column in range(6)]
-SOME = [(0, 5), (2, 3), (5, 0)]
+    place = translate((1.24 * (column - 2.5), 1.24 * (row - 2.5), 0.0))
+    surface = {
+        "camPos": EYE,
+        "albedo": COPPER,
+        "metallic": METALLIC[row],
+        "roughness": ROUGHNESS[column],
+        **lamps(LAMPS, LIGHT),
+    }
+    model = place @ turned(20.0, (1.0, 1.0, 0.0)) @ scale(0.57)
+    return lit.thing("ch05_lighting/pbr.frag", mesh, model, CAMERA, surface, cull="back")
 
 
 def first(FragPos, Normal, camPos, lights_position):
@@ -118,7 +69,7 @@ def distribution(FragPos, Normal, camPos, lights_position, roughness):
 
 
 def distribution_as_printed(FragPos, Normal, camPos, lights_position, roughness):
-    """D by the formula as it is usually printed, for the second opinion in float64."""
+    """D by the formula as it is usually printed, as an independent reference in float64."""
     _, _, half, normal = first(FragPos, Normal, camPos, lights_position)
     return microfacets.distribution(max(dot(normal, half), 0.0), roughness)
 
@@ -155,8 +106,8 @@ def at_the_point(roughness, metallic=0.0):
         "FragPos": (0.0, 0.0, 0.0),
         "Normal": (0.0, 0.0, 1.0),
         "camPos": (0.0, 0.0, 3.0),
-        **lamps([(1.2, 1.0, 2.0), *LAMPS[1:]], [(6.44, 6.44, 6.44), dark, dark, dark]),
-        "albedo": (1.0, 0.5, 0.31),
+        **lamps([lit.POINT_LAMP, *LAMPS[1:]], [(6.44, 6.44, 6.44), dark, dark, dark]),
+        "albedo": lit.CORAL,
         "roughness": roughness,
         "metallic": metallic,
     }
@@ -177,6 +128,18 @@ def reciprocity():
     return worst
 
 
+def checks(draw, column, row):
+    """D, G, F and the colour of one ball."""
+    where = f"roughness {ROUGHNESS[column]:g}, metal {METALLIC[row]:g}"
+    printed = {"as printed": distribution_as_printed}
+    return (
+        formula("D", distribution, draw=draw, name=f"D, {where}", also=printed),
+        formula("G", geometry, draw=draw, name=f"G, {where}"),
+        formula("F", fresnel, draw=draw, name=f"F, {where}"),
+        formula("FragColor", color, draw=draw, name=f"colour, {where}"),
+    )
+
+
 AT_HALF = at_the_point(0.5)
 # Viewer and lamp half a hundredth above the surface: F is nearly 1, and 4 (n·v)(n·l) is small.
 GRAZING = {
@@ -185,112 +148,53 @@ GRAZING = {
     "lights[0].position": (-3.0, 0.0, 0.015),
     "lights[0].color": (9000.0, 9000.0, 9000.0),
 }
+OVER_D, OVER_G = np.geomspace(0.1, 1.0, 41), np.linspace(0.05, 1.0, 41)
 
 case = Case(
     title="Physically based shading",
     section="5.13",
     math=r"f = \frac{k_d\,a}{\pi} + \frac{D\,F\,G}{4\,(n \cdot v)(n \cdot l)}, \qquad "
     r"D = \frac{\alpha^2}{\pi\left((n \cdot h)^2(\alpha^2 - 1) + 1\right)^2}",
-    passes=(
-        *both_ways(
-            grid("scene", SMOOTH, EVERY, size=(1024, 1024), colors={"FragColor": "rgba16f"})
-        ),
-        *fullscreen(
-            "ch05_lighting/finish.frag",
-            name="picture",
-            textures={"scene": Output("scene", "FragColor")},
-        ),
-        *both_ways(grid("judged", COARSE, SOME, size=(112, 112))),
+    passes=lit.photographed(
+        [ball(SMOOTH, column, row) for row in range(6) for column in range(6)],
+        [ball(COARSE, column, row) for column, row in SOME],
+        clear=(0.006, 0.007, 0.009, 1.0),
+        size=(112, 112),
     ),
     picture="picture.FragColor",
     expect=[
-        formula("gl_Position", clip_position),
-        formula("FragPos", world_position),
-        formula("Normal", world_normal),
+        *lit.vertex_stage_checks(),
+        *(check for k, place in enumerate(SOME) for check in checks(k, *place)),
+        *lit.picture_checks(),
+        figure("D", "D at the point", AT_HALF, 0.759711),
+        figure("G", "G at the point", AT_HALF, 0.929700),
+        figure("F", "F at the point", AT_HALF, (0.04, 0.04, 0.04)),
+        *figures(
+            "FragColor",
+            {
+                "plastic at the point": (AT_HALF, (0.267892, 0.137477, 0.087920, 1.0)),
+                "metal at the point": (at_the_point(0.5, 1.0), (0.196570, 0.098285, 0.060937, 1.0)),
+                "along the surface": (GRAZING, (0.826932, 0.798025, 0.787040, 1.0)),
+            },
+        ),
         *(
-            expectation
-            for k, (column, row) in enumerate(SOME)
-            for where in [f"{ROUGHNESS[column]:g}, metal {METALLIC[row]:g}"]
-            for expectation in (
-                formula(
-                    "D",
-                    distribution,
-                    draw=k,
-                    name=f"D, roughness {where}",
-                    also={"as printed": distribution_as_printed},
-                ),
-                formula("G", geometry, draw=k, name=f"G, roughness {where}"),
-                formula("F", fresnel, draw=k, name=f"F, roughness {where}"),
-                formula("FragColor", color, draw=k, name=f"colour, roughness {where}"),
+            sweep(output, law, over="roughness", values=values, at=AT_HALF, name=name)
+            for output, law, values, name in (
+                ("D", distribution, OVER_D, "D over the roughness"),
+                ("G", geometry, OVER_G, "G over the roughness"),
             )
         ),
-        formula("picture.FragColor", finished(texture), name="the picture"),
-        any_order("scene.FragColor"),
-        any_order("judged.FragColor"),
-        value("D", at=AT_HALF, equals=0.759711, digits=6, name="D at the point"),
-        value("G", at=AT_HALF, equals=0.929700, digits=6, name="G at the point"),
-        value(
-            "F", at=AT_HALF, equals=(0.040000, 0.040000, 0.040000), digits=6, name="F at the point"
+        *results(
+            {
+                f"integral of D, roughness {rough:g}": (
+                    lambda rough=rough: microfacets.facing_share(rough),
+                    1.0,
+                )
+                for rough in (0.15, 0.5, 1.0)
+            }
         ),
-        value(
-            "FragColor",
-            at=AT_HALF,
-            equals=(0.267892, 0.137477, 0.087920, 1.0),
-            digits=6,
-            name="plastic at the point",
-        ),
-        value(
-            "FragColor",
-            at=at_the_point(0.5, 1.0),
-            equals=(0.196570, 0.098285, 0.060937, 1.0),
-            digits=6,
-            name="metal at the point",
-        ),
-        value(
-            "FragColor",
-            at=GRAZING,
-            equals=(0.826932, 0.798025, 0.787040, 1.0),
-            digits=6,
-            name="along the surface",
-        ),
-        sweep(
-            "D",
-            distribution,
-            over="roughness",
-            values=np.geomspace(0.1, 1.0, 41),
-            at=AT_HALF,
-            name="D over the roughness",
-        ),
-        sweep(
-            "G",
-            geometry,
-            over="roughness",
-            values=np.linspace(0.05, 1.0, 41),
-            at=AT_HALF,
-            name="G over the roughness",
-        ),
-        computed(
-            "integral of D, roughness 0.15",
-            lambda: microfacets.facing_share(0.15),
-            equals=1.0,
-            digits=6,
-        ),
-        computed(
-            "integral of D, roughness 0.5",
-            lambda: microfacets.facing_share(0.5),
-            equals=1.0,
-            digits=6,
-        ),
-        computed(
-            "integral of D, roughness 1",
-            lambda: microfacets.facing_share(1.0),
-            equals=1.0,
-            digits=6,
-        ),
-        computed(
-            "light and viewer exchanged, largest relative difference",
-            reciprocity,
-            equals=0.0,
+        *results(
+            {"light and viewer exchanged, largest relative difference": (reciprocity, 0.0)},
             digits=12,
         ),
     ],

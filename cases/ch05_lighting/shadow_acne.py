@@ -12,23 +12,18 @@ Look at: the same courtyard four times. Above without a bias, with a map of 512Â
 on the walls that light grazes; lower right one that grows with the slope.
 """
 
-from dataclasses import replace
-from math import radians
-
-from shaderlab import Case, Cell, Output, Pass, Target, formula, fullscreen, measure, reading, value
-from shaderlab.reference.transforms import look_at, orthographic, perspective, rotate
+from shaderlab import Case, Output, formula, measure, reading
 from shaderlab.sampling import texture
 
-from ..scenes.courtyard import boxes
-from ..scenes.courtyard_light import courtyard_references, light_position, stored_depth
-from ..scenes.shadow_stage import EYE, PICTURED, SUN, cast, lit, single_points
-from ..scenes.shadow_truth import blocked, hidden_share, wrongly_bright, wrongly_dark
-from ..scenes.studio import finished
+from ..scenes import lit
+from ..scenes import shadow_stage as courtyard
+from ..scenes.cameras import camera
+from ..scenes.courtyard_light import courtyard_references
+from ..scenes.panels import cell
+from ..scenes.shadow_stage import BOXES, EYE, LIGHT_SPACE, MODEL, SUN
+from ..scenes.shadow_truth import blocked, wrongly_bright, wrongly_dark
 
-MODEL = rotate(radians(6.0), (0.0, 1.0, 0.0))
-BOXES = [MODEL @ box for box in boxes()]
-LIGHT_SPACE = orthographic(-6.0, 6.0, -6.0, 6.0, 1.0, 9.0) @ look_at(SUN, (0.0, 0.0, 0.0))
-CAMERA = look_at(EYE, (0.0, 0.4, 0.1)), perspective(radians(36.0), 1.0, 0.1, 60.0)
+CAMERA = tuple(camera(EYE, (0.0, 0.4, 0.1), 36.0, far=60.0).values())
 SIZES = (256, 512, 1024, 2048)
 # The least bias, and the one at grazing light, in depth of the map: 0.001 is 8 mm of 8 m.
 BIASES = {"none": (0.0, 0.0), "constant": (0.0012, 0.0), "slope": (0.0012, 0.012)}
@@ -48,50 +43,27 @@ BRIGHT = {
 }
 
 
-def drawn(FragColor):
-    """The share of pixels that show anything: the floor reaches to all edges."""
-    return (FragColor[..., 3] > 0.0).mean()
-
-
 def looked_at(name, texels, bias, radius=0, **target):
     """The courtyard with one map and one bias."""
     least, most = BIASES[bias]
     uniforms = {"leastBias": least, "mostBias": most, "radius": radius}
     shadow_map = Output(f"map-{texels}", "depth")
-    return lit(name, shadow_map, LIGHT_SPACE, MODEL, CAMERA, uniforms, **target)
-
-
-def quarter(column, row, size, bias):
-    """One quarter of the picture."""
-    (draw,) = looked_at("", size, bias).draws
-    return replace(
-        draw, state=replace(draw.state, cell=Cell(column=column, row=row, columns=2, rows=2))
-    )
-
-
-def counted(statistic):
-    """A statistic of the places that are drawn and face the sun, by rays."""
-
-    def share(FragColor, shadow, place, upright):
-        facing = (upright * SUN).sum(axis=-1) > 0.0
-        there = (FragColor[..., 3] > 0.0) & facing
-        return statistic(shadow[..., 0], blocked(place, SUN, BOXES), there)
-
-    return share
+    return courtyard.lit(name, shadow_map, LIGHT_SPACE, MODEL, CAMERA, uniforms, **target)
 
 
 def table(label, statistic, shares, of):
-    """One statistic at every size and with every bias."""
-    outputs = ("FragColor", "shadow", "place", "upright")
+    """One statistic of the places that face the sun, by rays, at every size and with every bias."""
+
+    def share(FragColor, shadow, place, upright):
+        there = courtyard.faces(FragColor, upright, SUN)
+        return statistic(shadow[..., 0], blocked(place, SUN, BOXES), there)
+
     return measure(
         label,
-        counted(statistic),
+        share,
         readings=[
             reading(
-                size,
-                reads={output: f"{bias}-{size}.{output}" for output in outputs},
-                series=SERIES[bias],
-                between=bounds,
+                size, reads=courtyard.reads(f"{bias}-{size}"), series=SERIES[bias], between=bounds
             )
             for bias in BIASES
             for size, bounds in zip(SIZES, shares[bias], strict=True)
@@ -103,31 +75,19 @@ def table(label, statistic, shares, of):
     )
 
 
+# From the lower left.
+QUARTERS = [(512, "constant"), (512, "slope"), (512, "none"), (2048, "none")]
+
 case = Case(
     title="Shadow acne",
     section="5.9.1",
     math=r"b = \max\left(b_1 (1 - N \cdot L),\ b_0\right)",
     passes=(
-        *(cast(f"map-{size}", LIGHT_SPACE, MODEL, size) for size in SIZES),
-        Pass(
-            name="scene",
-            target=Target(
-                size=(1024, 1024),
-                colors=PICTURED,
-                depth="depth24",
-            ),
-            draws=(
-                quarter(0, 1, 512, "none"),
-                quarter(1, 1, 2048, "none"),
-                quarter(0, 0, 512, "constant"),
-                quarter(1, 0, 512, "slope"),
-            ),
+        *(courtyard.cast(f"map-{size}", LIGHT_SPACE, MODEL, size) for size in SIZES),
+        courtyard.large(
+            courtyard.in_cell(looked_at("", *QUARTERS[k]), cell(k, 2, 2)) for k in (2, 3, 0, 1)
         ),
-        *fullscreen(
-            "ch05_lighting/finish.frag",
-            name="picture",
-            textures={"scene": Output("scene", "FragColor")},
-        ),
+        *lit.picture(),
         looked_at("filtered", 256, "slope", radius=2, size=(48, 48)),
         *(
             looked_at(f"{bias}-{size}", size, bias, size=(128, 128))
@@ -137,46 +97,16 @@ case = Case(
     ),
     picture="picture.FragColor",
     expect=[
-        formula("map-256.gl_Position", light_position),
-        formula("map-256.depth", stored_depth),
+        *courtyard.map_checks("map-256"),
         *(formula(f"slope-256.{output}", law) for output, law in LAWS.items()),
         *(formula(f"{bias}-512.shadow", LAWS["shadow"]) for bias in BIASES),
-        formula("picture.FragColor", finished(texture), name="the picture"),
-        *single_points("slope-256"),
+        lit.picture_check(),
+        *courtyard.single_points("slope-256"),
         formula("filtered.shadow", LAWS["shadow"]),
-        value(
-            "slope-256.shadow",
-            at={
-                "FragPosLightSpace": (0.0, 0.0, 1.01, 1.0),
-                "FragPos": (0.0, 0.0, 0.0),
-                "Normal": (0.0, 1.0, 0.0),
-                "Color": (1.0, 1.0, 1.0),
-            },
-            equals=0.0,
-            digits=6,
-            name="past the far plane nothing is dark",
-        ),
-        measure(
-            "places hidden from the eye",
-            hidden_share(EYE, BOXES, step=1),
-            readings=[
-                reading(name, reads={key: f"{name}.{key}" for key in ("FragColor", "place")})
-                for name in ("filtered", *PASSES)
-            ],
-            at_most=0.002,
-        ),
-        measure(
-            "share of the large picture that is drawn",
-            drawn,
-            reads={"FragColor": "scene.FragColor"},
-            at_least=0.99,
-        ),
-        measure(
-            "places hidden from the eye, in the large picture",
-            hidden_share(EYE, BOXES, step=8),
-            reads={key: f"scene.{key}" for key in ("FragColor", "place")},
-            at_most=0.002,
-        ),
+        courtyard.past_far_plane("slope-256"),
+        courtyard.hidden(EYE, BOXES, ("filtered", *PASSES)),
+        courtyard.drawn(at_least=0.99),
+        courtyard.hidden_in_picture(EYE, BOXES),
         table("wrongly dark", wrongly_dark, DARK, "lit"),
         table("wrongly bright", wrongly_bright, BRIGHT, "shadowed"),
     ],

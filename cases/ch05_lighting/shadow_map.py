@@ -12,52 +12,36 @@ below it the shadow map itself among the passes. The sun stands behind on the le
 light as the ambient term makes them, never black.
 """
 
-from math import radians
-
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Erratum,
-    Output,
-    computed,
-    formula,
-    fullscreen,
-    measure,
-    reading,
-    value,
-)
+from shaderlab import Case, Erratum, Output, computed, formula, measure, reading
 from shaderlab.reference.shadows import shadow_coordinates
-from shaderlab.reference.transforms import look_at, orthographic, perspective, rotate
+from shaderlab.reference.transforms import look_at, orthographic
 from shaderlab.sampling import texture
 
-from ..scenes.courtyard import boxes
-from ..scenes.courtyard_light import courtyard_references, light_position, stored_depth
-from ..scenes.shadow_stage import EYE, PICTURED, SUN, cast, lit, single_points
-from ..scenes.shadow_truth import blocked, hidden_share
-from ..scenes.studio import finished
+from ..scenes import lit
+from ..scenes import shadow_stage as courtyard
+from ..scenes.cameras import camera
+from ..scenes.courtyard_light import courtyard_references
+from ..scenes.figures import figure, results
+from ..scenes.shadow_stage import BOXES, EYE, LIGHT_VIEW, MODEL, PICTURED, SUN, WHITE, reads
+from ..scenes.shadow_truth import blocked
 
-MODEL = rotate(radians(6.0), (0.0, 1.0, 0.0))
-BOXES = [MODEL @ box for box in boxes()]
 LIGHT_PROJECTION = orthographic(-10.0, 10.0, -10.0, 10.0, 1.0, 7.5)
-LIGHT_SPACE = LIGHT_PROJECTION @ look_at(SUN, (0.0, 0.0, 0.0))
+LIGHT_SPACE = LIGHT_PROJECTION @ LIGHT_VIEW
 AS_PRINTED = LIGHT_PROJECTION @ look_at(SUN, (0.0, 0.0, 0.0), up=(1.0, 1.0, 1.0))
-CAMERA = look_at(EYE, (0.0, 0.4, 0.1)), perspective(radians(42.0), 1.0, 0.1, 60.0)
+CAMERA = camera(EYE, (0.0, 0.4, 0.1), 42.0, far=60.0)
 # A wider look, past the edges of the map.
-FROM_ABOVE = (
-    look_at((0.0, 46.0, 0.1), (0.0, 0.0, 0.0)),
-    perspective(radians(58.0), 1.0, 0.1, 90.0),
-)
+FROM_ABOVE = camera((0.0, 46.0, 0.1), (0.0, 0.0, 0.0), 58.0, far=90.0)
 BIAS = {"leastBias": 0.004, "mostBias": 0.02}
 STEADY = {"leastBias": 0.02, "mostBias": 0.0}
-WHITE = {"wrap": ("clamp_to_border",) * 2, "border": (1.0, 1.0, 1.0, 1.0)}
 GREY = (0.5, 0.5, 0.5)
 
 
 def scene(name, camera=CAMERA, wrap=WHITE, uniforms=BIAS, **target):
     """The courtyard with the shadow map."""
-    shadow_map = Output("shadow", "depth", **wrap)
-    return lit(name, shadow_map, LIGHT_SPACE, MODEL, camera, uniforms, **target)
+    shadow_map, view = Output("shadow", "depth", **wrap), tuple(camera.values())
+    return courtyard.lit(name, shadow_map, LIGHT_SPACE, MODEL, view, uniforms, **target)
 
 
 def in_light(matrix):
@@ -70,31 +54,26 @@ def notes_ambient():
     return 0.15 * GREY[0] * GREY[0]
 
 
-def judged_places(color, upright):
-    """Places that are drawn and face the sun."""
-    return (color[..., 3] > 0.0) & ((upright * SUN).sum(axis=-1) > 0.0)
-
-
 def wrong(FragColor, shadow, place, upright):
     """The share of places in the sun's sight or out of it that the map tells wrongly."""
-    there = judged_places(FragColor, upright)
-    truth = blocked(place, SUN, BOXES)
-    return np.mean((shadow[..., 0] > 0.5)[there] != truth[there])
+    there = courtyard.faces(FragColor, upright, SUN)
+    return np.mean((shadow[..., 0] > 0.5)[there] != blocked(place, SUN, BOXES)[there])
 
 
 def dark_outside(FragColor, shadow, place, upright):
     """The share of dark places among those that the map does not cover."""
     seen = place @ LIGHT_SPACE[:3, :3].T + LIGHT_SPACE[:3, 3]
-    outside = judged_places(FragColor, upright) & (np.abs(seen) > 1.001).any(axis=-1)
+    outside = courtyard.faces(FragColor, upright, SUN) & (np.abs(seen) > 1.001).any(axis=-1)
     return np.mean(shadow[..., 0][outside])
 
 
-def reads(name):
-    """The outputs that the statistics ask for."""
-    return {output: f"{name}.{output}" for output in ("FragColor", "shadow", "place", "upright")}
-
-
 LAWS = courtyard_references(texture)
+IN_SHADOW = {
+    "FragPos": (0.0, 0.0, 0.0),
+    "Normal": (-2.0, 4.0, -1.0),
+    "Color": GREY,
+    "FragPosLightSpace": LIGHT_SPACE @ MODEL @ (-0.9, 0.0, 0.4, 1.0),
+}
 
 case = Case(
     title="Shadow mapping",
@@ -102,46 +81,23 @@ case = Case(
     math=r"s = \begin{cases} 1 & z - b > z_{\text{map}}(x, y) \\ 0 & \text{else} \end{cases}, "
     r"\qquad c = \left(a + (1 - s)(d + h)\right) c_0",
     passes=(
-        cast("shadow", LIGHT_SPACE, MODEL, size=1024),
-        scene(
-            "large",
-            size=(1024, 1024),
-            colors=PICTURED,
-            clear=(0.30, 0.40, 0.52, 0.0),
-        ),
-        *fullscreen(
-            "ch05_lighting/finish.frag",
-            name="picture",
-            textures={"scene": Output("large", "FragColor")},
-        ),
+        courtyard.cast("shadow", LIGHT_SPACE, MODEL, size=1024),
+        scene("large", size=(1024, 1024), colors=PICTURED, clear=(0.30, 0.40, 0.52, 0.0)),
+        *lit.picture("large"),
         scene("judged", size=(96, 96)),
         scene("wide", FROM_ABOVE, uniforms={**BIAS, "radius": 2}, size=(72, 72)),
         scene("repeated", FROM_ABOVE, {"wrap": ("repeat", "repeat")}, STEADY, size=(96, 96)),
     ),
     picture="picture.FragColor",
     expect=[
-        formula("shadow.gl_Position", light_position),
-        formula("shadow.depth", stored_depth),
+        *courtyard.map_checks("shadow"),
         *(formula(f"judged.{output}", law) for output, law in LAWS.items()),
         formula("wide.shadow", LAWS["shadow"]),
         formula("repeated.shadow", LAWS["shadow"]),
-        formula("picture.FragColor", finished(texture), name="the picture"),
-        *single_points("judged"),
-        measure(
-            "places hidden from the eye",
-            hidden_share(EYE, BOXES, step=1),
-            readings=[
-                reading(name, reads={key: f"{name}.{key}" for key in ("FragColor", "place")})
-                for name in ("judged",)
-            ],
-            at_most=0.002,
-        ),
-        measure(
-            "places hidden from the eye, in the large picture",
-            hidden_share(EYE, BOXES, step=8),
-            reads={key: f"large.{key}" for key in ("FragColor", "place")},
-            at_most=0.002,
-        ),
+        lit.picture_check(),
+        *courtyard.single_points("judged"),
+        courtyard.hidden(EYE, BOXES, ["judged"]),
+        courtyard.hidden_in_picture(EYE, BOXES, "large"),
         measure(
             "shadows told wrongly",
             wrong,
@@ -155,30 +111,21 @@ case = Case(
                 reading("GL_REPEAT", reads=reads("repeated"), at_least=0.0005),
             ],
         ),
-        computed(
-            "(1, 0, 2) in the map",
-            in_light(LIGHT_SPACE),
-            equals=(0.567082, 0.578072, 0.685453),
-            digits=6,
-        ),
-        computed(
-            "(1, 0, 2) in the map, with up = (1, 1, 1)",
-            in_light(AS_PRINTED),
-            equals=(0.544450, 0.592841, 0.685453),
-            digits=6,
+        *results(
+            {
+                "(1, 0, 2) in the map": (in_light(LIGHT_SPACE), (0.567082, 0.578072, 0.685453)),
+                "(1, 0, 2) in the map, with up = (1, 1, 1)": (
+                    in_light(AS_PRINTED),
+                    (0.544450, 0.592841, 0.685453),
+                ),
+            }
         ),
         computed("the notes' ambient light on grey", notes_ambient, equals=0.0375, digits=4),
-        value(
+        figure(
             "judged.FragColor",
-            at={
-                "FragPos": (0.0, 0.0, 0.0),
-                "Normal": (-2.0, 4.0, -1.0),
-                "Color": GREY,
-                "FragPosLightSpace": LIGHT_SPACE @ MODEL @ (-0.9, 0.0, 0.4, 1.0),
-            },
-            equals=(0.075, 0.075, 0.075, 1.0),
-            digits=6,
-            name="grey in shadow keeps its ambient light",
+            "grey in shadow keeps its ambient light",
+            IN_SHADOW,
+            (0.075, 0.075, 0.075, 1.0),
         ),
     ],
     errata=[

@@ -17,13 +17,8 @@ import numpy as np
 
 from shaderlab import (
     Case,
-    Cell,
-    Depth,
-    Draw,
     Mesh,
-    Output,
     Pass,
-    State,
     Target,
     across,
     any_order,
@@ -34,74 +29,60 @@ from shaderlab import (
     fullscreen,
     sweep,
     up,
-    value,
 )
 from shaderlab.glslmath import vec3, vec4, where
 from shaderlab.reference.blinn_phong import phong
 from shaderlab.reference.lighting import half_power_angle, phong_color, specular_factor
-from shaderlab.reference.transforms import (
-    clip_position,
-    look_at,
-    normal_matrix,
-    perspective,
-    rotate,
-    translate,
-    world_normal,
-    world_position,
-)
+from shaderlab.reference.transforms import translate
 from shaderlab.sampling import texture
 
+from ..scenes import lit
+from ..scenes.cameras import camera, turned
+from ..scenes.figures import each_draw, figure, figures
+from ..scenes.panels import cell, panel
 from ..scenes.studio import finished
 
 SHININESS = (2, 4, 8, 16, 32, 64, 128, 256)
 HALF_POWER = (45.0, 32.765100, 23.508050, 16.743653, 11.882461, 8.417365, 5.957353, 4.214387)
 EYE = (0.0, 0.0, 9.0)
-BALL = Mesh(**assets.sphere(0.98, segments=96, rings=48)).only("aPos", "aNormal")
-SMALL_BALL = Mesh(**assets.sphere(0.98, segments=24, rings=12)).only("aPos", "aNormal")
-MODEL = translate((0.02, 0.03, -0.1)) @ rotate(radians(30.0), (1.0, 1.0, 0.0))
+CAMERA = camera(EYE, (0.0, 0.0, 0.0), 14.5, near=1.0)
+BALL = Mesh(**assets.sphere(0.98, segments=96, rings=48))
+SMALL_BALL = Mesh(**assets.sphere(0.98, segments=24, rings=12))
+MODEL = translate((0.02, 0.03, -0.1)) @ turned(30.0, (1.0, 1.0, 0.0))
+MOST = tan(radians(50.0))
 
 
 def ball(mesh, column, shininess):
     """One ball of the strip."""
-    return Draw(
-        vertex="ch05_lighting/lit.vert",
-        fragment="ch05_lighting/specular.frag",
-        mesh=mesh,
-        uniforms={
-            "model": MODEL,
-            "normalMatrix": normal_matrix(MODEL),
-            "view": look_at(EYE, (0.0, 0.0, 0.0)),
-            "projection": perspective(radians(14.5), 1.0, 1.0, 20.0),
-            "objectColor": (0.30, 0.62, 0.72),
-            "lightColor": (1.0, 0.97, 0.92),
-            "lightPos": (-4.0, 5.0, 8.0),
-            "viewPos": EYE,
-            "ambientStrength": 0.04,
-            "diffuseStrength": 0.42,
-            "specularStrength": 1.1,
-            "shininess": float(shininess),
-        },
-        state=State(depth=Depth(), cell=Cell(column=column, row=1, columns=8, rows=2)),
-    )
+    uniforms = {
+        "objectColor": (0.30, 0.62, 0.72),
+        "lightColor": (1.0, 0.97, 0.92),
+        "lightPos": (-4.0, 5.0, 8.0),
+        "viewPos": EYE,
+        "ambientStrength": 0.04,
+        "diffuseStrength": 0.42,
+        "specularStrength": 1.1,
+        "shininess": float(shininess),
+    }
+    place = cell(8 + column, 8, 2)
+    return lit.thing("ch05_lighting/specular.frag", mesh, MODEL, CAMERA, uniforms, cell=place)
 
 
 def profile(column, shininess):
     """The lobe over the angle, below its ball."""
-    return Draw(
-        fragment="ch05_lighting/shininess_profile.frag",
-        domain={"slope": across(-tan(radians(50.0)), tan(radians(50.0))), "level": up(-0.05, 1.2)},
-        uniforms={"shininess": float(shininess)},
-        state=State(cell=Cell(column=column, row=0, columns=8, rows=2)),
+    return panel(
+        "ch05_lighting/shininess_profile.frag",
+        {"slope": across(-MOST, MOST), "level": up(-0.05, 1.2)},
+        {"shininess": float(shininess)},
+        cell=cell(column, 8, 2),
     )
 
 
 def strip(name, mesh, size, **target):
     """Eight balls, and their lobes below them."""
     draws = [draw for k, s in enumerate(SHININESS) for draw in (ball(mesh, k, s), profile(k, s))]
-    backdrop = (0.012, 0.014, 0.02, 1.0)
-    return Pass(
-        name=name, target=Target(size=size, depth="depth24", clear=backdrop, **target), draws=draws
-    )
+    target = Target(size=size, depth="depth24", clear=(0.012, 0.014, 0.02, 1.0), **target)
+    return both_ways(Pass(name=name, target=target, draws=draws))
 
 
 def lobe(slope, shininess):
@@ -113,23 +94,31 @@ def lobe(slope, shininess):
 def profile_color(slope, level, shininess):
     """Grey below the base line; under the curve amber where it is above one half, else blue."""
     height = lobe(slope, shininess)
-    filled = where(height < 0.5, vec3(0.06, 0.13, 0.26), vec3(0.90, 0.42, 0.06))
+    filled = where(height < 0.5, vec3(*BLUE), vec3(*AMBER))
     over_base = where(level < height, filled, vec3(0.012, 0.014, 0.02))
     return vec4(where(level < 0.0, vec3(0.25), over_base), 1.0)
+
+
+AMBER, BLUE = (0.90, 0.42, 0.06), (0.06, 0.13, 0.26)
 
 
 def half_power(shininess, angle):
     """The angle by the formula, and the shader's lobe there."""
     at = {"slope": tan(radians(angle)), "level": 0.5, "shininess": float(shininess)}
-    return [
+    return (
         computed(
             f"half-power angle of {shininess}, degrees",
             lambda: half_power_angle(shininess),
             equals=angle,
             digits=6,
         ),
-        value("lobe", at=at, equals=0.5, digits=6, name=f"the lobe of {shininess} there"),
-    ]
+        figure("lobe", f"the lobe of {shininess} there", at, 0.5),
+    )
+
+
+def where_high(height, level):
+    """Where the lobe of 8 is so high, and a level of the drawing."""
+    return {"slope": tan(acos(height ** (1.0 / 8.0))), "level": level, "shininess": 8.0}
 
 
 case = Case(
@@ -137,19 +126,10 @@ case = Case(
     section="5.2.3",
     math=r"s(\alpha) = \cos^n \alpha, \qquad \alpha_{1/2} = \arccos\!\left(2^{-1/n}\right)",
     passes=(
-        *both_ways(strip("scene", BALL, (2048, 512), colors={"FragColor": "rgba16f"})),
-        *fullscreen(
-            "ch05_lighting/finish.frag",
-            name="picture",
-            textures={"scene": Output("scene", "FragColor")},
-            target=Target(size=(1024, 256)),
-        ),
-        *fullscreen(
-            "ch05_lighting/finish.frag",
-            name="small",
-            textures={"scene": Output("scene", "FragColor")},
-        ),
-        *both_ways(strip("balls", SMALL_BALL, (192, 48))),
+        *strip("scene", BALL, (2048, 512), colors={"FragColor": "rgba16f"}),
+        *lit.picture(target=Target(size=(1024, 256))),
+        *lit.picture(name="small"),
+        *strip("balls", SMALL_BALL, (192, 48)),
         *fullscreen(
             "ch05_lighting/shininess_profile.frag",
             domain={"slope": across(-1.2, 1.2), "level": up(-0.05, 1.2)},
@@ -158,35 +138,29 @@ case = Case(
     ),
     picture="picture.FragColor",
     expect=[
-        formula("balls.gl_Position", clip_position, draw=14),
-        formula("balls.FragPos", world_position, draw=14),
-        formula("balls.Normal", world_normal, draw=14),
-        formula("balls.spec", specular_factor, draw=0, name="lobe of 2 on its ball"),
-        formula("balls.spec", specular_factor, draw=8, name="lobe of 32 on its ball"),
-        formula("balls.spec", specular_factor, draw=14, name="lobe of 256 on its ball"),
-        formula("balls.FragColor", phong_color, draw=0, name="ball of 2"),
-        formula("balls.FragColor", phong_color, draw=8, name="ball of 32"),
-        formula("balls.FragColor", phong_color, draw=14, name="ball of 256"),
+        *lit.vertex_stage_checks(pass_name="balls", draw=14),
+        *each_draw(
+            "balls.spec",
+            specular_factor,
+            {2 * k: f"lobe of {SHININESS[k]} on its ball" for k in (0, 4, 7)},
+        ),
+        *each_draw(
+            "balls.FragColor", phong_color, {2 * k: f"ball of {SHININESS[k]}" for k in (0, 4, 7)}
+        ),
         formula("lobe", lobe),
         formula("FragColor", profile_color, name="the lobe, filled"),
         formula("small.FragColor", finished(texture), name="the picture, small"),
         any_order("scene.FragColor"),
         any_order("balls.FragColor"),
         *(e for row in zip(SHININESS, HALF_POWER, strict=True) for e in half_power(*row)),
-        *(
-            value(
-                "FragColor",
-                at={"slope": tan(acos(height ** (1.0 / 8.0))), "level": level, "shininess": 8.0},
-                equals=(*color, 1.0),
-                digits=6,
-                name=name,
-            )
-            for name, height, level, color in (
-                ("just above the base line", 1.0, 0.005, (0.90, 0.42, 0.06)),
-                ("on the base line", 1.0, 0.0, (0.90, 0.42, 0.06)),
-                ("just above one half", 0.502, 0.25, (0.90, 0.42, 0.06)),
-                ("just below one half", 0.498, 0.25, (0.06, 0.13, 0.26)),
-            )
+        *figures(
+            "FragColor",
+            {
+                "just above the base line": (where_high(1.0, 0.005), (*AMBER, 1.0)),
+                "on the base line": (where_high(1.0, 0.0), (*AMBER, 1.0)),
+                "just above one half": (where_high(0.502, 0.25), (*AMBER, 1.0)),
+                "just below one half": (where_high(0.498, 0.25), (*BLUE, 1.0)),
+            },
         ),
         sweep(
             "lobe",

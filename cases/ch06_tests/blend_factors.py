@@ -16,21 +16,10 @@ no code is more than one from the formula's: half a code for each of the two pro
 
 import numpy as np
 
-from shaderlab import (
-    Blend,
-    Case,
-    Cell,
-    Draw,
-    Output,
-    Pass,
-    Ramp,
-    State,
-    Target,
-    Variant,
-    exact,
-    measure,
-)
+from shaderlab import Blend, Case, Output, Ramp, Variant, exact, measure
 from shaderlab.reference.blending import EQUATIONS, FACTORS, blended
+
+from ..scenes.panels import cell, panel, picture, square
 
 # Sums of a few powers of two: products and sums of them are exact in 32-bit floats.
 FLOATS = ((0.75, 0.3125, 0.9375, 0.625), (0.25, 0.5, 0.125, 0.8125), (0.5625, 0.875, 0.1875, 0.375))
@@ -38,46 +27,38 @@ FLOATS = ((0.75, 0.3125, 0.9375, 0.625), (0.25, 0.5, 0.125, 0.8125), (0.5625, 0.
 BYTES = tuple(tuple(round(255 * v) / 255 for v in color) for color in FLOATS)
 NAMES = tuple(FACTORS)
 N = len(NAMES)
+# All pairs of factors, row by row from below: the source's and the destination's.
+PAIRS = [(source, destination) for destination in NAMES for source in NAMES]
 
 
-def layer(color, state):
+def layer(color, **state):
     """A draw in one colour."""
-    return Draw(
-        fragment="ch06_tests/blend_equation.frag",
-        domain={"alpha": Ramp(color[3])},
-        uniforms={"color": color[:3]},
-        state=state,
-    )
-
-
-def field(equation, source, destination, colors):
-    """One draw with its equation and factors."""
-    blend = Blend(source=source, destination=destination, equation=equation, constant=colors[2])
-    cell = Cell(column=NAMES.index(source), row=NAMES.index(destination), columns=N, rows=N)
-    return layer(colors[0], State(blend=blend, cell=cell))
+    domain, uniforms = {"alpha": Ramp(color[3])}, {"color": color[:3]}
+    return panel("ch06_tests/blend_equation.frag", domain, uniforms, **state)
 
 
 def table(equation, name, format, colors):
     """All pairs of factors under one equation, a pixel each, over the stored colour."""
-    fields = (field(equation, s, d, colors) for d in NAMES for s in NAMES)
-    return Pass(
-        name=name,
-        target=Target(size=(N, N), colors={"FragColor": format}),
-        draws=(layer(colors[1], State()), *fields),
+    source, stored, constant = colors
+    factors = {"equation": equation, "constant": constant}
+    fields = (
+        layer(source, blend=Blend(source=s, destination=d, **factors), cell=cell(k, N, N))
+        for k, (s, d) in enumerate(PAIRS)
     )
+    return picture((layer(stored), *fields), (N, N), name, colors={"FragColor": format})
 
 
 def passes(equation):
     """The table in floats and in bytes, and its picture."""
-    picture = Draw(
-        fragment="ch06_tests/fields.frag",
-        domain={"place": Ramp((0.0, 0.0), (N, 0.0), (0.0, N))},
+    shown = panel(
+        "ch06_tests/fields.frag",
+        {"place": square(0.0, N)},
         textures={"values": Output("float", "FragColor")},
     )
     return (
         table(equation, "float", "rgba32f", FLOATS),
         table(equation, "bytes", "rgba8", BYTES),
-        Pass(name="picture", target=Target(size=(720, 720)), draws=(picture,)),
+        picture([shown], (720, 720)),
     )
 
 

@@ -53,13 +53,7 @@ def halves(mesh):
             vertex="ch06_tests/depth_linear.vert",
             fragment="ch06_tests/depth_linear.frag",
             mesh=mesh.only("aPos", "aColor"),
-            uniforms={
-                "model": np.eye(4),
-                **CAMERA,
-                "near": NEAR,
-                "far": FAR,
-                "linearly": linearly,
-            },
+            uniforms={"model": np.eye(4), **CAMERA, "near": NEAR, "far": FAR, "linearly": linearly},
             state=State(depth=Depth(), cell=cell(column, 2)),
         )
         for column, linearly in enumerate((0.0, 1.0))

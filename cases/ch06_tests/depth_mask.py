@@ -13,19 +13,7 @@ same three with the mask open. The lower half never changes.
 
 import numpy as np
 
-from shaderlab import (
-    Blend,
-    Case,
-    Cell,
-    Depth,
-    Draw,
-    Output,
-    Pass,
-    Ramp,
-    State,
-    Target,
-    exact,
-)
+from shaderlab import Blend, Case, Cell, Depth, Draw, Output, Pass, Ramp, State, Target, exact
 from shaderlab.reference.depth_stencil import FUNCTIONS, depth_after, depth_passes
 
 STORED = 0.5

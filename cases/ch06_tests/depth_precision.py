@@ -70,8 +70,7 @@ def strip(row, near):
             "far": FAR,
         },
         state=State(
-            depth=Depth(func="always"),
-            cell=Cell(column=0, row=row, columns=1, rows=len(PLACES)),
+            depth=Depth(func="always"), cell=Cell(column=0, row=row, columns=1, rows=len(PLACES))
         ),
     )
 

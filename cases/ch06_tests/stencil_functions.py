@@ -75,10 +75,7 @@ case = Case(
     math=r"\text{pass} \iff (\mathit{ref} \mathbin{\&} \mathit{mask})\ \mathit{func}\ "
     r"(\mathit{stored} \mathbin{\&} \mathit{mask})",
     passes=(
-        Pass(
-            target=Target(size=(768, 384), depth="depth24_stencil8"),
-            draws=(*stored, *tests),
-        ),
+        Pass(target=Target(size=(768, 384), depth="depth24_stencil8"), draws=(*stored, *tests)),
     ),
     expect=[exact("passed", truth, name="8 functions × 4 references × 4 stored × 4 masks")],
     errata=[

@@ -14,45 +14,38 @@ the stencil test itself: eight draws, each let through by one bit and worth 1, 2
 
 import numpy as np
 
-from shaderlab import (
-    Blend,
-    Case,
-    Cell,
-    Depth,
-    Draw,
-    Output,
-    Pass,
-    Ramp,
-    State,
-    Stencil,
-    Target,
-    Variant,
-    exact,
-)
+from shaderlab import Blend, Case, Cell, Depth, Output, Stencil, Variant, exact
 from shaderlab.reference.depth_stencil import OPERATIONS, stencil_after
+
+from ..scenes.panels import cell, panel, picture, rectangle
 
 NAMES = tuple(OPERATIONS)
 FARES = ("fail", "depth_fail", "depth_pass")
 STORED = (0, 1, 90, 254, 255)
 REFERENCE = 200
 COLUMNS, ROWS = len(FARES) * len(STORED), len(NAMES)
-NOTHING = (False,) * 4
+SIZE = (COLUMNS, ROWS)
 
 
-def draw(state, worth=0.0):
+def draw(worth=0.0, **state):
     """A draw over the whole table, or over the state's cell."""
-    return Draw(fragment="ch06_tests/count.frag", domain={}, uniforms={"worth": worth}, state=state)
+    return panel("ch06_tests/count.frag", {}, {"worth": worth}, **state)
+
+
+def unseen(**state):
+    """A draw that leaves the colours alone."""
+    return draw(color_mask=(False,) * 4, **state)
 
 
 def remember(column):
     """Store a column's value in all of its fields."""
     stencil = Stencil(reference=STORED[column % len(STORED)], depth_pass="replace")
-    cell = Cell(column=column, row=0, columns=COLUMNS, rows=1)
-    return draw(State(stencil=stencil, cell=cell, color_mask=NOTHING))
+    return unseen(stencil=stencil, cell=Cell(column=column, row=0, columns=COLUMNS, rows=1))
 
 
-def change(column, row, write_mask):
+def change(k, write_mask):
     """One operation for a fragment that fares so; the two others would leave another value."""
+    row, column = divmod(k, COLUMNS)
     fare, operation = FARES[column // len(STORED)], NAMES[row]
     decoy = "incr_wrap" if operation != "incr_wrap" else "decr_wrap"
     stencil = Stencil(
@@ -62,55 +55,41 @@ def change(column, row, write_mask):
         **{name: operation if name == fare else decoy for name in FARES},
     )
     depth = Depth(func="never" if fare == "depth_fail" else "always")
-    cell = Cell(column=column, row=row, columns=COLUMNS, rows=ROWS)
-    return draw(State(stencil=stencil, depth=depth, cell=cell, color_mask=NOTHING))
+    return unseen(stencil=stencil, depth=depth, cell=cell(k, *SIZE))
 
 
 def read(bit):
     """Add a bit's worth wherever it is set."""
     stencil = Stencil(func="equal", reference=1 << bit, mask=1 << bit)
-    return draw(
-        State(stencil=stencil, blend=Blend(source="one", destination="one")), float(1 << bit)
-    )
+    return draw(float(1 << bit), stencil=stencil, blend=Blend(source="one", destination="one"))
 
 
 def table(write_mask):
     """The passes of one table: the values, a pixel a field, and their picture."""
-    fields = [(column, row) for row in range(ROWS) for column in range(COLUMNS)]
-    values = Pass(
-        name="table",
-        target=Target(size=(COLUMNS, ROWS), colors={"total": "r32f"}, depth="depth24_stencil8"),
-        draws=(
-            *(remember(column) for column in range(COLUMNS)),
-            *(change(*field, write_mask) for field in fields),
-            *(read(bit) for bit in range(8)),
-        ),
+    draws = (
+        *(remember(column) for column in range(COLUMNS)),
+        *(change(k, write_mask) for k in range(COLUMNS * ROWS)),
+        *(read(bit) for bit in range(8)),
     )
-    picture = Draw(
-        fragment="ch06_tests/numbers.frag",
-        domain={"place": Ramp((0.0, 0.0), (COLUMNS, 0.0), (0.0, ROWS))},
-        uniforms={"group": float(len(STORED)), "whole": 255.0},
+    numbers = panel(
+        "ch06_tests/numbers.frag",
+        {"place": rectangle((0.0, 0.0), SIZE)},
+        {"group": float(len(STORED)), "whole": 255.0},
         textures={"values": Output("table", "total")},
     )
-    return (values, Pass(name="picture", target=Target(size=(960, 384)), draws=(picture,)))
+    formats = {"colors": {"total": "r32f"}, "depth": "depth24_stencil8"}
+    return (picture(draws, SIZE, "table", **formats), picture([numbers], (960, 384)))
 
 
-def truth(write_mask):
-    """What the reference says of every field."""
-    return np.array(
-        [
-            [
-                [stencil_after(name, stored, REFERENCE, write_mask)]
-                for _ in FARES
-                for stored in STORED
-            ]
-            for name in NAMES
-        ],
-        np.float32,
-    )
+def holds(write_mask):
+    """Every field is what the reference says of it."""
+    rows = [
+        [[stencil_after(name, stored, REFERENCE, write_mask)] for _ in FARES for stored in STORED]
+        for name in NAMES
+    ]
+    name = "8 operations × 3 ways to fare × 5 stored values"
+    return [exact("table.total", np.array(rows, np.float32), name=name)]
 
-
-EVERY = "8 operations × 3 ways to fare × 5 stored values"
 
 case = Case(
     title="The stencil operations",
@@ -119,12 +98,8 @@ case = Case(
     r"\mathbin{\&} m)",
     passes=table(0xFF),
     variants=[
-        Variant("every bit", expect=[exact("table.total", truth(0xFF), name=EVERY)]),
-        Variant(
-            "write mask 0x3C",
-            passes=table(0x3C),
-            expect=[exact("table.total", truth(0x3C), name=EVERY)],
-        ),
+        Variant("every bit", expect=holds(0xFF)),
+        Variant("write mask 0x3C", passes=table(0x3C), expect=holds(0x3C)),
     ],
     expect=[],
 )

@@ -14,17 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Output,
-    Pass,
-    State,
-    Stencil,
-    Target,
-    exact,
-    formula,
-    measure,
-)
+from shaderlab import Case, Output, Pass, State, Stencil, Target, exact, formula, measure
 from shaderlab.assets import solids
 from shaderlab.reference.transforms import clip_position, scale, translate
 

@@ -236,10 +236,7 @@ case = Case(
     expect=[
         *(
             formula(f"{of}.gl_Position", clip, draw=draw, name=f"the {color} wall, {where}")
-            for of, where in (
-                ("near_001", "n = 0.01"),
-                ("depth24_1", "n = 1"),
-            )
+            for of, where in (("near_001", "n = 0.01"), ("depth24_1", "n = 1"))
             for draw, color in enumerate(("orange", "teal"))
         ),
         formula("near_001.FragColor", one_color, name="what is seen of the teal wall"),

@@ -175,11 +175,7 @@ case = Case(
             textures={"scene": Output("scene", "FragColor")},
             target=Target(size=(1024, 512)),
         ),
-        Pass(
-            name="small",
-            target=Target(size=(96, 48), depth="depth24"),
-            draws=tuple(SOLIDS),
-        ),
+        Pass(name="small", target=Target(size=(96, 48), depth="depth24"), draws=tuple(SOLIDS)),
         # Both solids are convex: without a depth test, too, it is enough to leave out far sides.
         Pass(
             name="culled",

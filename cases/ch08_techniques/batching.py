@@ -176,11 +176,7 @@ case = Case(
             {way: {count: f"{way} {count}" for count in COUNTS} for way in WAYS},
             claim="one draw call takes less time than N",
             cheaper=("instanced", "one by one"),
-            draw_calls={
-                "one by one": lambda n: n,
-                "merged": lambda n: 1,
-                "instanced": lambda n: 1,
-            },
+            draw_calls={"one by one": lambda n: n, "merged": lambda n: 1, "instanced": lambda n: 1},
             vertices={way: lambda n: 12 * n for way in WAYS},
             repeats=3,
         ),

@@ -60,12 +60,7 @@ EXPLODING = Draw(
     geometry="ch08_techniques/geometry_explode.geom",
     fragment="ch08_techniques/geometry_explode.frag",
     mesh=BALL,
-    uniforms={
-        "model": MODEL,
-        "view": VIEW,
-        "projection": PROJECTION,
-        "time": 0.0,
-    },
+    uniforms={"model": MODEL, "view": VIEW, "projection": PROJECTION, "time": 0.0},
     state=State(depth=Depth()),
 )
 

@@ -48,11 +48,7 @@ def drawn(name, **outputs):
         vertex="ch03_transforms/studio.vert",
         fragment="ch08_techniques/multiple_render_targets.frag",
         mesh=SCENE,
-        uniforms={
-            "model": MODEL,
-            "normalMatrix": normal_matrix(MODEL),
-            **CAMERA,
-        },
+        uniforms={"model": MODEL, "normalMatrix": normal_matrix(MODEL), **CAMERA},
         state=State(depth=Depth()),
     )
     return Pass(name=name, target=Target(depth="depth24", colors=outputs), draws=(draw,))

@@ -7,17 +7,7 @@ Look at: the negative. The sky, nearly white, is nearly black, the coral ball li
 shadows are bright.
 """
 
-from shaderlab import (
-    Case,
-    Output,
-    Pixel,
-    Texture,
-    assets,
-    formula,
-    fullscreen,
-    measure,
-    value,
-)
+from shaderlab import Case, Output, Pixel, Texture, assets, formula, fullscreen, measure, value
 from shaderlab.glslmath import swizzle, vec4
 from shaderlab.reference import post_processing
 from shaderlab.sampling import texture

@@ -13,14 +13,7 @@ import numpy as np
 
 from shaderlab import Case, Output, Ramp, Target, Texture, Variant, computed, formula, fullscreen
 from shaderlab.glslmath import swizzle, vec4
-from shaderlab.reference.post_processing import (
-    BLUR,
-    EDGES,
-    EMBOSS,
-    SHARPEN,
-    convolved,
-    filtered,
-)
+from shaderlab.reference.post_processing import BLUR, EDGES, EMBOSS, SHARPEN, convolved, filtered
 from shaderlab.sampling import texture
 
 from ..scenes.still_life import photograph_checks, photographed

@@ -197,10 +197,7 @@ case = Case(
                 ("a quarter is worse than a half, in FLIP by", seen_more),
             )
         ),
-        *photograph_checks(
-            shares=(4.445, 10.962, 5.865),
-            pass_name="full",
-        ),
+        *photograph_checks(shares=(4.445, 10.962, 5.865), pass_name="full"),
         cost(
             {
                 "enlarged": {

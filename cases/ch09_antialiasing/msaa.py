@@ -14,21 +14,11 @@ from math import cos, pi, sin
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Draw,
-    Mesh,
-    Output,
-    Pass,
-    Ramp,
-    Target,
-    formula,
-    fullscreen,
-    measure,
-    reading,
-)
-from shaderlab.glslmath import vec4
+from shaderlab import Case, Mesh, Output, Target, formula, fullscreen, measure, mesh_pass, reading
 from shaderlab.reference.coverage import area_coverage
+
+from ..scenes.laws import pixel_place
+from ..scenes.panels import rectangle
 
 SIZE = (64, 64)
 SPOKES = 13
@@ -52,29 +42,31 @@ WHEEL = Mesh(
 
 def drawn(name, samples):
     """The wheel with so many samples a pixel."""
-    draw = Draw(
-        vertex="ch09_antialiasing/shape.vert",
-        fragment="ch09_antialiasing/lit.frag",
-        mesh=WHEEL,
+    return mesh_pass(
+        "ch09_antialiasing/shape.vert",
+        "ch09_antialiasing/lit.frag",
+        WHEEL,
         uniforms={"size": tuple(map(float, SIZE))},
+        target=Target(size=SIZE, samples=samples, colors={"lit": "r32f"}),
+        name=name,
     )
-    return Pass(
-        name=name, target=Target(size=SIZE, samples=samples, colors={"lit": "r32f"}), draws=(draw,)
-    )
+
+
+def errors(lit, on_edges):
+    """How far pixels are from the area that is covered: those on an edge, or all others."""
+    right = area_coverage(SHAPES, SIZE)
+    edge = (right > 1.0e-9) & (right < 1.0 - 1.0e-9)
+    return np.abs(lit[..., 0] - right)[edge == on_edges]
 
 
 def edge_error(lit):
-    """The mean error of the pixels through which an edge goes."""
-    right = area_coverage(SHAPES, SIZE)
-    edge = (right > 1.0e-9) & (right < 1.0 - 1.0e-9)
-    return np.abs(lit[..., 0] - right)[edge].mean()
+    """The mean error of the pixels that an edge crosses."""
+    return errors(lit, True).mean()
 
 
 def inner_error(lit):
-    """The largest error of pixels that are covered as a whole, or not at all."""
-    right = area_coverage(SHAPES, SIZE)
-    edge = (right > 1.0e-9) & (right < 1.0 - 1.0e-9)
-    return np.abs(lit[..., 0] - right)[~edge].max()
+    """The largest error of those that are covered as a whole, or not at all."""
+    return errors(lit, False).max()
 
 
 def covered_area(lit):
@@ -82,51 +74,40 @@ def covered_area(lit):
     return lit.sum() / area_coverage(SHAPES, SIZE).sum()
 
 
-def in_clip_space(aPos, size):
-    """Pixels as device coordinates."""
-    return vec4(2.0 * aPos / size - 1.0, 0.0, 1.0)
-
-
-(picture,) = fullscreen(
-    "ch09_antialiasing/msaa.frag",
-    name="picture",
-    domain={"at": Ramp((0.0, 0.0), (2.0, 0.0), (0.0, 1.0))},
-    textures={"one": Output("one", "lit"), "four": Output("four", "lit")},
-    target=Target(size=(1024, 512)),
-)
-
-BOTH = {1: "one.lit", 4: "four.lit"}
+LIT = {1: "one.lit", 4: "four.lit"}
+BOTH = [
+    reading(f"{n} a pixel", reads={"lit": f"{name}.lit"}) for n, name in ((1, "one"), (4, "four"))
+]
 
 case = Case(
     title="Multisample antialiasing",
     section="9.2",
     math=r"\left| \frac kn - \text{area} \right|, \qquad \text{area} = "
     r"\int_{\text{pixel}} [\, p \in \text{shape} \,]\, dp",
-    passes=(drawn("one", 0), drawn("four", 4), picture),
+    passes=(
+        *drawn("one", 0),
+        *drawn("four", 4),
+        *fullscreen(
+            "ch09_antialiasing/msaa.frag",
+            name="picture",
+            domain={"at": rectangle((0.0, 0.0), (2.0, 1.0))},
+            textures={"one": Output("one", "lit"), "four": Output("four", "lit")},
+            target=Target(size=(1024, 512)),
+        ),
+    ),
     expect=[
-        formula("one.gl_Position", in_clip_space),
+        formula("one.gl_Position", pixel_place),
         measure(
             "mean error of an edge's pixels",
             edge_error,
             readings=[
-                reading(1, reads={"lit": BOTH[1]}, between=(0.2, 0.3)),
-                reading(4, reads={"lit": BOTH[4]}, between=(0.05, 0.11)),
+                reading(1, reads={"lit": LIT[1]}, between=(0.2, 0.3)),
+                reading(4, reads={"lit": LIT[4]}, between=(0.05, 0.11)),
             ],
             x_label="samples",
             y_label="mean |k/n − area| along the edges",
         ),
-        measure(
-            "largest error away from edges",
-            inner_error,
-            readings=[reading(f"{n} a pixel", reads={"lit": name}) for n, name in BOTH.items()],
-            equals=0.0,
-            digits=9,
-        ),
-        measure(
-            "covered, over the area",
-            covered_area,
-            readings=[reading(f"{n} a pixel", reads={"lit": name}) for n, name in BOTH.items()],
-            between=(0.98, 1.02),
-        ),
+        measure("largest error away from edges", inner_error, readings=BOTH, equals=0.0, digits=9),
+        measure("covered, over the area", covered_area, readings=BOTH, between=(0.98, 1.02)),
     ],
 )

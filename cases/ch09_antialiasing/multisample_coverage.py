@@ -13,21 +13,12 @@ the share of orange ones: five levels are possible, and the edge runs through al
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Draw,
-    Mesh,
-    Output,
-    Pass,
-    Ramp,
-    State,
-    Target,
-    formula,
-    fullscreen,
-    measure,
-)
+from shaderlab import Case, Mesh, Output, State, Target, formula, fullscreen, measure, mesh_pass
 from shaderlab.glslmath import swizzle, vec4
 from shaderlab.reference.coverage import on_inner_side
+
+from ..scenes.laws import pixel_place
+from ..scenes.panels import rectangle
 
 SIZE = (12, 8)
 # The edge from the lower right to the upper left; its ends are whole pixels, which every driver
@@ -43,24 +34,25 @@ WHOLE = Mesh(
 )
 
 
-def drawn(name, fragment, mesh, output, state=None):
+def drawn(name, fragment, mesh, output, **state):
     """A shape in the multisampled target."""
-    draw = Draw(
-        vertex="ch09_antialiasing/shape.vert",
-        fragment=f"ch09_antialiasing/{fragment}.frag",
-        mesh=mesh,
+    return mesh_pass(
+        "ch09_antialiasing/shape.vert",
+        f"ch09_antialiasing/{fragment}.frag",
+        mesh,
         uniforms={"size": tuple(map(float, SIZE))},
-        state=state or State(),
+        target=Target(size=SIZE, samples=4, colors=output),
+        state=State(**state),
+        name=name,
     )
-    return Pass(name=name, target=Target(size=SIZE, samples=4, colors=output), draws=(draw,))
 
 
 def shown(name, size):
     """Everything that is in the samples, read out."""
-    (read,) = fullscreen(
+    return fullscreen(
         "ch09_antialiasing/multisample_coverage.frag",
         name=name,
-        domain={"at": Ramp((0.0, 0.0), (float(SIZE[0]), 0.0), (0.0, float(SIZE[1])))},
+        domain={"at": rectangle((0.0, 0.0), tuple(map(float, SIZE)))},
         textures={
             "resolved": Output("edge", "lit"),
             "samples": Output("edge", "lit"),
@@ -68,7 +60,6 @@ def shown(name, size):
         },
         target=Target(size=size),
     )
-    return read
 
 
 def inside(frag_coord, edge_sample_positions):
@@ -88,19 +79,9 @@ def share(frag_coord, edge_sample_positions):
     return (one + two + three + four) / 4.0
 
 
-def across(edge_sample_positions):
-    """The samples' places in a pixel, to the right."""
-    return vec4(*(swizzle(place, "x") for place in edge_sample_positions))
-
-
-def upward(edge_sample_positions):
-    """The samples' places in a pixel, upward."""
-    return vec4(*(swizzle(place, "y") for place in edge_sample_positions))
-
-
-def place_in_clip_space(aPos, size):
-    """Pixels as device coordinates."""
-    return vec4(2.0 * aPos / size - 1.0, 0.0, 1.0)
+def places(axis):
+    """The samples' places in a pixel, along one axis."""
+    return lambda edge_sample_positions: vec4(*(swizzle(p, axis) for p in edge_sample_positions))
 
 
 def levels(coverage):
@@ -113,19 +94,25 @@ case = Case(
     section="9.1",
     math=r"c = \frac 1n \sum_{i=1}^{n} \left[\, p + s_i \in \text{triangle} \,\right]",
     passes=(
-        drawn("edge", "lit", SHAPE, {"lit": "r32f"}),
-        drawn("where", "sample_place", WHOLE, {"place": "rg32f"}, State(sample_shading=1.0)),
-        shown("table", SIZE),
-        shown("picture", (960, 640)),
+        *drawn("edge", "lit", SHAPE, {"lit": "r32f"}),
+        *drawn("where", "sample_place", WHOLE, {"place": "rg32f"}, sample_shading=1.0),
+        *shown("table", SIZE),
+        *shown("picture", (960, 640)),
     ),
     picture="picture.FragColor",
     expect=[
         formula("table.coverage", share, name="resolved: k of n samples"),
         formula("table.each", every_sample, name="each sample"),
-        formula("table.placesX", across, name="where samples are, to the right"),
-        formula("table.placesY", upward, name="where samples are, upward"),
-        formula("edge.gl_Position", place_in_clip_space),
-        measure("levels along the edge", levels, reads={"coverage": "table.coverage"},
-                equals=5.0, digits=0, note="0, ¼, ½, ¾ and 1"),
+        formula("table.placesX", places("x"), name="where samples are, to the right"),
+        formula("table.placesY", places("y"), name="where samples are, upward"),
+        formula("edge.gl_Position", pixel_place),
+        measure(
+            "levels along the edge",
+            levels,
+            reads={"coverage": "table.coverage"},
+            equals=5.0,
+            digits=0,
+            note="0, ¼, ½, ¾ and 1",
+        ),
     ],
-)  # fmt: skip
+)

@@ -187,11 +187,7 @@ case = Case(
         formula("silhouette.inside", outline, name="the outline against the true one"),
         value(
             "mesh.normal",
-            at={
-                "Local": (1.0, 1.0, 1.0),
-                "axes": (1.0, 2.0, 0.5),
-                "normalMatrix": 2.0 * np.eye(3),
-            },
+            at={"Local": (1.0, 1.0, 1.0), "axes": (1.0, 2.0, 0.5), "normalMatrix": 2.0 * np.eye(3)},
             equals=(0.242091, 0.060523, 0.968364),
             digits=6,
             reference=surface_normal,

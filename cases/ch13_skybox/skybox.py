@@ -37,13 +37,7 @@ from shaderlab import (
 )
 from shaderlab.glslmath import mul, swizzle, vec4
 from shaderlab.reference.spaces import sky_clip
-from shaderlab.reference.transforms import (
-    clip_position,
-    look_at,
-    perspective,
-    rotate,
-    translate,
-)
+from shaderlab.reference.transforms import clip_position, look_at, perspective, rotate, translate
 from shaderlab.sampling import texture
 
 from ..scenes.sky import sky_face
@@ -96,9 +90,7 @@ def crates(view, wood, cell=None):
 def alone(name, view, vertex="skybox"):
     """The sky without anything in front of it."""
     return Pass(
-        name=name,
-        target=Target(size=(64, 64), depth="depth24"),
-        draws=(sky(view, NOISE, vertex),),
+        name=name, target=Target(size=(64, 64), depth="depth24"), draws=(sky(view, NOISE, vertex),)
     )
 
 

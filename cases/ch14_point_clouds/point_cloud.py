@@ -56,14 +56,7 @@ def stars(encoding):
 
 
 def drawn(
-    name,
-    mesh,
-    size,
-    scale,
-    view=VIEW,
-    projection=PROJECTION,
-    fragment="point_cloud.frag",
-    **state,
+    name, mesh, size, scale, view=VIEW, projection=PROJECTION, fragment="point_cloud.frag", **state
 ):
     """One pass of points; `scale` is a point's diameter at distance 1."""
     return mesh_pass(

@@ -78,6 +78,21 @@ def avenue() -> Geometry:
     return _built(_AVENUE)
 
 
+def before(geometry: Geometry, model: Array) -> Geometry:
+    """The geometry as a mesh has to hold it, for a rotation and translation to put it in place.
+
+    >>> before(avenue(), np.diag([-1.0, 1.0, -1.0, 1.0]))["attributes"]["aPos"].max().item() > 0
+    True
+    """
+    back, world = np.linalg.inv(model), geometry["attributes"]
+    local = {
+        **world,
+        "aPos": world["aPos"] @ back[:3, :3].T + back[:3, 3],
+        "aNormal": world["aNormal"] @ back[:3, :3].T,
+    }
+    return {**geometry, "attributes": local}
+
+
 def _built(boxes: Sequence[_Box]) -> Geometry:
     return gathered(
         *(

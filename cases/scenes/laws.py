@@ -30,6 +30,11 @@ def device_place(aPos: Any) -> Any:
     return vec4(aPos, 1.0)
 
 
+def pixel_place(aPos: Any, size: Any) -> Any:
+    """Clip coordinates of a vertex that is given in pixels of a target of this size."""
+    return vec4(2.0 * aPos / size - 1.0, 0.0, 1.0)
+
+
 def opaque(law: Law) -> Law:
     """A colour's law with an alpha of 1.
 

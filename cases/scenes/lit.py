@@ -11,21 +11,8 @@ from typing import Any
 
 import numpy.typing as npt
 
-from shaderlab import (
-    Cell,
-    Depth,
-    Draw,
-    Mesh,
-    Output,
-    Pass,
-    State,
-    Target,
-    any_order,
-    assets,
-    both_ways,
-    formula,
-    fullscreen as over_all,
-)
+from shaderlab import Cell, Draw, Output, Pass, Target, assets, formula
+from shaderlab import fullscreen as over_all
 from shaderlab.glslmath import vec4
 from shaderlab.reference.transforms import (
     clip_position,
@@ -36,6 +23,7 @@ from shaderlab.reference.transforms import (
 )
 from shaderlab.sampling import texture
 
+from .draws import tested
 from .laws import Law, unchanged
 from .studio import finished, handed_on
 
@@ -99,26 +87,22 @@ def thing(
         cell: the part of the target to draw into.
         state: what else `State` takes.
     """
-    mesh = solid if isinstance(solid, Mesh) else Mesh(**solid)
-    return Draw(
-        vertex=vertex,
-        fragment=fragment,
-        mesh=mesh.only("aPos", "aNormal") if vertex == LIT else mesh,
-        uniforms={"model": model, "normalMatrix": normal_matrix(model), **camera, **uniforms},
-        textures=textures or {},
-        state=State(**{"depth": Depth(), "cell": cell, **state}),
+    placed = {"model": model, "normalMatrix": normal_matrix(model)}
+    return tested(
+        (vertex, fragment),
+        solid,
+        {**placed, **camera, **uniforms},
+        only=("aPos", "aNormal") if vertex == LIT else (),
+        textures=textures,
+        cell=cell,
+        **state,
     )
 
 
 def bulb(place: Vector, glow: Vector, radius: float, camera: Uniforms) -> Draw:
     """A lamp itself: a small ball that is not lit, but shines."""
-    return Draw(
-        vertex="ch05_lighting/lamp.vert",
-        fragment="ch05_lighting/lamp.frag",
-        mesh=Mesh(**assets.sphere(radius)).only("aPos"),
-        uniforms={"model": translate(place), **camera, "glow": glow},
-        state=State(depth=Depth()),
-    )
+    uniforms = {"model": translate(place), **camera, "glow": glow}
+    return tested("ch05_lighting/lamp", assets.sphere(radius), uniforms, only=("aPos",))
 
 
 def glowing(glow: Any) -> Any:
@@ -183,10 +167,15 @@ def picture_checks(output: str = "FragColor", *, judged: str = "judged") -> tupl
     'the picture'
     """
     return (
-        formula("picture.FragColor", finished(texture), name="the picture"),
+        picture_check(),
         any_order(f"scene.{output}"),
         any_order(f"{judged}.{output}"),
     )
+
+
+def picture_check() -> Any:
+    """The picture is the scene's light, encoded for a display."""
+    return formula("picture.FragColor", finished(texture), name="the picture")
 
 
 def vertex_stage_checks(*outputs: str, pass_name: str = "", draw: int = -1) -> tuple[Any, ...]:

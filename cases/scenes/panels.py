@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from shaderlab import Cell, Output, Pass, Ramp, Target, fullscreen
+from shaderlab import Cell, Draw, Output, Pass, Ramp, State, Target, fullscreen
+
+WHOLE = {"TexCoords": Ramp((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))}
+"""A texture's coordinates over all of a panel, as `fullscreen` has them by default."""
 
 
 def cell(k: int, columns: int, rows: int = 1, *, from_above: bool = False) -> Cell:
@@ -36,6 +39,44 @@ def rectangle(origin: Sequence[float], size: Sequence[float]) -> Ramp:
     (0.0, 2.0)
     """
     return Ramp(tuple(origin), (size[0], 0.0), (0.0, size[1]))
+
+
+def panel(
+    fragment: str,
+    domain: Mapping[str, Ramp],
+    uniforms: Mapping[str, Any] | None = None,
+    *,
+    textures: Mapping[str, Any] | None = None,
+    cell: Cell | None = None,
+    **state: Any,
+) -> Draw:
+    """A fragment shader over one cell of the target, or over all of it.
+
+    Args:
+        fragment: the shader.
+        domain: its inputs over the panel; none if it is empty.
+        uniforms, textures: as `Draw` takes them.
+        cell: the part of the target.
+        state: what else `State` takes.
+    """
+    return Draw(
+        fragment=fragment,
+        domain=domain,
+        uniforms=uniforms or {},
+        textures=textures or {},
+        state=State(cell=cell, **state),
+    )
+
+
+def picture(
+    draws: Iterable[Draw], size: tuple[int, int], name: str = "picture", **target: Any
+) -> Pass:
+    """A pass of several draws into a target of this size; `target` is what else `Target` takes.
+
+    >>> picture([panel("a.frag", {})], (64, 32)).target.size
+    (64, 32)
+    """
+    return Pass(name=name, target=Target(size=size, **target), draws=tuple(draws))
 
 
 def softened_pass(

@@ -67,11 +67,7 @@ def in_light(fragment: str, light: Mapping[str, Any], *, small: bool = False, **
 
 
 def photographed(
-    fragment: str,
-    light: Mapping[str, Any],
-    *,
-    clear: lit.Color,
-    bulbs: Sequence[Draw] = (),
+    fragment: str, light: Mapping[str, Any], *, clear: lit.Color, bulbs: Sequence[Draw] = ()
 ) -> tuple[Pass, ...]:
     """The passes of `lit.photographed` for the plaza under these lamps, after the bulbs."""
     large, small = ((*bulbs, in_light(fragment, light, small=small)) for small in (False, True))

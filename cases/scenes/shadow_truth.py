@@ -19,10 +19,7 @@ _OFF = 1e-4
 
 
 def blocked(
-    places: ArrayLike,
-    to_light: ArrayLike,
-    models: Sequence[Matrix],
-    reach: float = np.inf,
+    places: ArrayLike, to_light: ArrayLike, models: Sequence[Matrix], reach: float = np.inf
 ) -> NDArray[np.bool_]:
     """Whether a box lies between each place and the light.
 

@@ -12,22 +12,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from shaderlab import (
-    Cell,
-    Depth,
-    Draw,
-    Mesh,
-    Pass,
-    State,
-    Target,
-    any_order,
-    both_ways,
-    formula,
-)
+from shaderlab import Cell, Draw, Pass, Target, formula
 from shaderlab.assets.meshes import Geometry
 from shaderlab.reference.transforms import clip_position, normal_matrix, world_normal
 from shaderlab.sampling import texture
 
+from .draws import tested
 from .figures import figure, figures
 from .panels import softened_pass
 from .studio import handed_on, softened, studio_color
@@ -74,13 +64,8 @@ def subject(
     **state: Any,
 ) -> Draw:
     """What a lesson is about: a painted solid under a vertex shader of its own, lit like a prop."""
-    return Draw(
-        vertex=vertex,
-        fragment="ch03_transforms/studio.frag",
-        mesh=Mesh(**solid),
-        uniforms=uniforms,
-        state=State(**{"depth": Depth(), "cell": cell, **state}),
-    )
+    shaders = (vertex, "ch03_transforms/studio.frag")
+    return tested(shaders, solid, uniforms, cell=cell, **state)
 
 
 def picture_checks() -> tuple[Any, ...]:

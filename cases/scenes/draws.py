@@ -1,0 +1,43 @@
+"""Draws of meshes with a depth test, the pair of shaders by one name where they share it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from shaderlab import Cell, Depth, Draw, Mesh, State
+
+
+def tested(
+    shaders: str | tuple[str, str],
+    solid: Any,
+    uniforms: Mapping[str, Any],
+    *,
+    only: tuple[str, ...] = (),
+    textures: Mapping[str, Any] | None = None,
+    cell: Cell | None = None,
+    **state: Any,
+) -> Draw:
+    """A mesh, depth tested unless `state` says otherwise.
+
+    Args:
+        shaders: vertex and fragment shader; one name stands for both, `a` for `a.vert`, `a.frag`.
+        solid: a mesh, or a geometry of `shaderlab.assets`.
+        uniforms, textures: as `Draw` takes them.
+        only: the attributes that the shaders read, if not all.
+        cell: the part of the target to draw into.
+        state: what else `State` takes.
+
+    >>> tested("ch04_spaces/ten_cubes", Mesh(attributes={"aPos": [[0, 0, 0]] * 3}), {}).fragment
+    'ch04_spaces/ten_cubes.frag'
+    """
+    mesh = solid if isinstance(solid, Mesh) else Mesh(**solid)
+    both = (f"{shaders}.vert", f"{shaders}.frag") if isinstance(shaders, str) else shaders
+    return Draw(
+        vertex=both[0],
+        fragment=both[1],
+        mesh=mesh.only(*only) if only else mesh,
+        uniforms=uniforms,
+        textures=textures or {},
+        state=State(**{"depth": Depth(), "cell": cell, **state}),
+    )
