@@ -14,13 +14,21 @@ largest uint.
 
 import numpy as np
 
-from shaderlab import Case, Erratum, Ramp, Target, Variant, compile_fails, exact, fullscreen
+from shaderlab import Case, Erratum, Target, Variant, compile_fails, exact, fullscreen
+
+from ..scenes.panels import rectangle
 
 TRUTHS = (True, False, False, True)
 REALS = (1.0, 2.0, -0.5, 0.1)
 INTEGERS = (1, -1, 2**31 - 1, -(2**31))
 NATURALS = (1, 2**32 - 1, 2**31, 0xCAFE)
 DOUBLES = (0.1, -1.0 / 3.0)
+OTHERS = (
+    (False, True, True, False),
+    (3.4028234663852886e38, -0.0, 1.1754943508222875e-38, 16777217.0),
+    (-7, 0, 65536, -65537),
+    (0, 7, 65536, 4294967294),
+)
 
 
 def halves(*numbers):
@@ -45,57 +53,54 @@ def bits():
 BITS = fullscreen(
     "ch02_basics/glsl_types_bits.frag",
     name="bits",
-    domain={"field": Ramp((0.0, 0.0), (32.0, 0.0), (0.0, 16.0))},
+    domain={"field": rectangle((0.0, 0.0), (32.0, 16.0))},
     uniforms={"truths": TRUTHS, "reals": REALS, "integers": INTEGERS, "naturals": NATURALS},
     target=Target(size=(1024, 512)),
 )
 
 
-def floats(truths, reals):
-    """The pass that hands floats and booleans through."""
-    uniforms = {"truths2": truths[:2], "truths3": truths[:3], "truths4": truths}
-    uniforms |= {"pair": reals[:2], "triple": reals[:3], "quad": reals}
-    return fullscreen(
-        "ch02_basics/glsl_types_float.frag", name="floats", domain={}, uniforms=uniforms
-    )
+def handed_through(kind, name, uniforms):
+    """A pass that hands its uniforms through."""
+    shader = f"ch02_basics/glsl_types_{kind}.frag"
+    return fullscreen(shader, name=name, domain={}, uniforms=uniforms)
 
 
-def integers(signed, unsigned):
-    """The pass that hands both kinds of integers through."""
-    uniforms = {"pair": signed[:2], "triple": signed[:3], "quad": signed}
-    uniforms |= {"natural2": unsigned[:2], "natural3": unsigned[:3], "natural4": unsigned}
-    return fullscreen(
-        "ch02_basics/glsl_types_int.frag", name="integers", domain={}, uniforms=uniforms
+def vectors(prefix, values):
+    """The first two, three and all four components, as uniforms."""
+    names = ("pair", "triple", "quad") if prefix is None else [f"{prefix}{n}" for n in (2, 3, 4)]
+    return {name: values[:n] for name, n in zip(names, (2, 3, 4), strict=True)}
+
+
+def passes(truths, reals, signed, unsigned):
+    """Floats and booleans, and both kinds of integers."""
+    floats = {**vectors("truths", truths), **vectors(None, reals)}
+    integers = {**vectors(None, signed), **vectors("natural", unsigned)}
+    return (
+        *handed_through("float", "floats", floats),
+        *handed_through("int", "integers", integers),
+        *BITS,
     )
 
 
 def unchanged(truths, reals, signed, unsigned):
     """Each output is its uniform."""
-    reals, truths = np.float32(reals), np.int32(truths)
     return [
-        *(exact(f"floats.{name}Out", reals[:n], name=f"vec{n}") for name, n in SIZES),
-        *(exact(f"floats.truths{n}Out", truths[:n], name=f"bvec{n}") for n in (2, 3, 4)),
-        *(exact(f"integers.{name}Out", np.int32(signed[:n]), name=f"ivec{n}") for name, n in SIZES),
-        *(
-            exact(f"integers.natural{n}Out", np.uint32(unsigned[:n]), name=f"uvec{n}")
-            for n in (2, 3, 4)
-        ),
+        exact(f"{pass_name}.{name}Out", values, name=f"{kind}{n}")
+        for pass_name, prefix, kind, sent in (
+            ("floats", None, "vec", np.float32(reals)),
+            ("floats", "truths", "bvec", np.int32(truths)),
+            ("integers", None, "ivec", np.int32(signed)),
+            ("integers", "natural", "uvec", np.uint32(unsigned)),
+        )
+        for n, (name, values) in enumerate(vectors(prefix, sent).items(), 2)
     ]
 
-
-SIZES = (("pair", 2), ("triple", 3), ("quad", 4))
-OTHERS = (
-    (False, True, True, False),
-    (3.4028234663852886e38, -0.0, 1.1754943508222875e-38, 16777217.0),
-    (-7, 0, 65536, -65537),
-    (0, 7, 65536, 4294967294),
-)
 
 case = Case(
     title="The types of GLSL",
     section="2.3.2",
     math=r"(-1)^{s} \cdot 2^{e - 127} \cdot \left(1 + \tfrac{f}{2^{23}}\right)",
-    passes=(*floats(TRUTHS, REALS), *integers(INTEGERS, NATURALS), *BITS),
+    passes=passes(TRUTHS, REALS, INTEGERS, NATURALS),
     picture="bits.FragColor",
     expect=[],
     variants=[
@@ -116,20 +121,11 @@ case = Case(
                 ),
             ],
         ),
-        Variant(
-            "others",
-            passes=(*floats(*OTHERS[:2]), *integers(*OTHERS[2:]), *BITS),
-            expect=unchanged(*OTHERS),
-        ),
+        Variant("others", passes=passes(*OTHERS), expect=unchanged(*OTHERS)),
         Variant(
             "doubles, GLSL 4.00",
             passes=(
-                *fullscreen(
-                    "ch02_basics/glsl_types_double.frag",
-                    name="doubles",
-                    domain={},
-                    uniforms={"real": DOUBLES[0], "pair": DOUBLES},
-                ),
+                *handed_through("double", "doubles", {"real": DOUBLES[0], "pair": DOUBLES}),
                 *BITS,
             ),
             expect=[

@@ -12,7 +12,8 @@ level below, LINEAR above. Steps against a smooth change, and sharp chessboards 
 
 import numpy as np
 
-from shaderlab import Case, Object, Ramp, Texture, call, gl_call
+from shaderlab import Case, Ramp, Texture, gl_call
+from shaderlab.expectations.gl_call import Object, call
 from shaderlab.sampling import textureLod
 
 from ..scenes.figures import each_draw, figure

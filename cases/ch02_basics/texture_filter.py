@@ -12,7 +12,8 @@ centre that stay level outside of the outermost.
 
 import numpy as np
 
-from shaderlab import Case, Erratum, Object, Target, Texture, call, formula, fullscreen, gl_call
+from shaderlab import Case, Erratum, Target, Texture, formula, fullscreen, gl_call
+from shaderlab.expectations.gl_call import Object, call
 from shaderlab.glslmath import swizzle, vec2
 from shaderlab.reference.filtering import linear_sample
 from shaderlab.sampling import texture

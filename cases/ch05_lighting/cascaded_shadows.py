@@ -15,8 +15,19 @@ from itertools import pairwise
 
 import numpy as np
 
-from shaderlab import Case, Output, Pass, Target, TextureArray, computed, formula, measure, reading
-from shaderlab.assets.order import any_order, both_ways
+from shaderlab import (
+    Case,
+    Output,
+    Pass,
+    Target,
+    TextureArray,
+    any_order,
+    both_ways,
+    computed,
+    formula,
+    measure,
+    reading,
+)
 from shaderlab.glslmath import dot, max, mix, mul, normalize, swizzle, vec3, vec4, where
 from shaderlab.reference.cascades import cascade_index, fitted, slice_corners, split_distances
 from shaderlab.reference.shadows import shadow, shadow_coordinates, slope_bias

@@ -14,8 +14,19 @@ from dataclasses import replace
 
 import numpy as np
 
-from shaderlab import Case, CubeTexture, Output, Pass, State, Target, formula, measure, reading
-from shaderlab.assets.order import any_order, both_ways
+from shaderlab import (
+    Case,
+    CubeTexture,
+    Output,
+    Pass,
+    State,
+    Target,
+    any_order,
+    both_ways,
+    formula,
+    measure,
+    reading,
+)
 from shaderlab.glslmath import dot, length, max, normalize, swizzle, vec3, vec4
 from shaderlab.reference.shadows import shadow, slope_bias
 from shaderlab.reference.transforms import (

@@ -13,24 +13,15 @@ from math import cos, radians, sin, tan
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Erratum,
-    Ramp,
-    Variant,
-    across,
-    computed,
-    formula,
-    fullscreen,
-    sweep,
-    value,
-)
+from shaderlab import Case, Erratum, Ramp, Variant, across, formula, fullscreen, sweep
 from shaderlab.glslmath import vec3
 from shaderlab.reference.spotlight import ratio_of_cosines, spot_intensity, spot_ratio
 
+from ..scenes.figures import figure, results
+
 # The lamp hangs at the origin and points along −z; the picture is a slice with z upward.
 LIGHT = {"light.position": (0.0, 0.0, 0.0), "light.direction": (0.0, 0.0, -1.0)}
-SLICE = Ramp((-0.8, 0.0, -1.45), (1.6, 0.0, 0.0), (0.0, 0.0, 1.6))
+SLICE = {"FragPos": Ramp((-0.8, 0.0, -1.45), (1.6, 0.0, 0.0), (0.0, 0.0, 1.6))}
 
 
 def cone(inner, outer):
@@ -38,9 +29,10 @@ def cone(inner, outer):
     return {"light.cutOff": cos(radians(inner)), "light.outerCutOff": cos(radians(outer))}
 
 
-def on_arc(degrees):
-    """The point one unit from the lamp, so many degrees off its axis."""
-    return (sin(radians(degrees)), 0.0, -cos(radians(degrees)))
+def shown(shader, name, domain):
+    """One of the shaders, with the cone of 25° and 35°."""
+    uniforms = {**LIGHT, **cone(25.0, 35.0)}
+    return fullscreen(f"ch05_lighting/{shader}.frag", name=name, domain=domain, uniforms=uniforms)
 
 
 def below(tangent, light_position, light_direction, light_cutOff, light_outerCutOff):
@@ -50,74 +42,54 @@ def below(tangent, light_position, light_direction, light_cutOff, light_outerCut
 
 
 def row(degrees, notes, ratio, intensity):
-    """The unclamped and the clamped figure at one angle, beside what the notes print."""
-    at, note = {"FragPos": on_arc(degrees)}, f"the notes print {notes}"
-    return [
-        value("ratio", at=at, equals=ratio, digits=6, name=f"ratio at {degrees}°", note=note),
-        value("intensity", at=at, equals=intensity, digits=6, name=f"intensity at {degrees}°"),
-    ]
+    """The unclamped and the clamped figure one unit from the lamp, so many degrees off its axis,
+    beside what the notes print."""
+    at = {"FragPos": (sin(radians(degrees)), 0.0, -cos(radians(degrees)))}
+    return (
+        figure("ratio", f"ratio at {degrees}°", at, ratio, note=f"the notes print {notes}"),
+        figure("intensity", f"intensity at {degrees}°", at, intensity),
+    )
 
 
-def wide():
-    """The notes' rows for the cone of 25° and 35°: angle, their figure, ratio, intensity."""
-    table = [
-        (30, "0.56", 0.537811, 0.537811),
-        (26, "0.89", 0.913789, 0.913789),
-        (14, "1.67", 1.734179, 1.0),
-        (34, "0.11", 0.113424, 0.113424),
-        (50, "−2.0", -2.023555, 0.0),
-    ]
-    turned = {"tangent": -0.1, "light.direction": (0.5, 0.0, -1.0)}  # no unit vector either
-    return [
-        *(expectation for entries in table for expectation in row(*entries)),
-        value("edge.intensity", at=turned, equals=0.302182, digits=6, name="the lamp turned"),
-    ]
+# Neither is the direction a unit vector.
+TURNED = {"tangent": -0.1, "light.direction": (0.5, 0.0, -1.0)}
+# The notes' rows for the cone of 25° and 35°: angle, their figure, ratio, intensity.
+WIDE = [
+    *row(30, "0.56", 0.537811, 0.537811),
+    *row(26, "0.89", 0.913789, 0.913789),
+    *row(14, "1.67", 1.734179, 1.0),
+    *row(34, "0.11", 0.113424, 0.113424),
+    *row(50, "−2.0", -2.023555, 0.0),
+    figure("edge.intensity", "the lamp turned", TURNED, 0.302182),
+]
 
 
-def narrow():
-    """The notes' row for the cone of 12.5° and 17.5°, whose cosine they took of radians."""
-    return [
-        *row(15, "0.29", 0.540717, 0.540717),
-        computed("cos 12.5°", lambda: cos(radians(12.5)), equals=0.976296, digits=6),
-        computed(
-            "cos(12.5 rad)", lambda: cos(12.5), equals=0.9978, digits=4, note="the notes' 0.9978"
-        ),
-        computed(
-            "with the notes' cosine",
-            lambda: ratio_of_cosines(cos(radians(15.0)), cos(12.5), cos(radians(17.5))),
-            equals=0.277,
-            digits=3,
-            note="rounding on the way made it 0.29",
-        ),
-    ]
+def with_notes_cosine():
+    """The ratio at 15° for the cone of 12.5° and 17.5°, one cosine taken of radians."""
+    return ratio_of_cosines(cos(radians(15.0)), cos(12.5), cos(radians(17.5)))
 
 
-passes = (
-    *fullscreen(
-        "ch05_lighting/spotlight_picture.frag",
-        name="picture",
-        domain={"FragPos": SLICE},
-        uniforms={**LIGHT, **cone(25.0, 35.0)},
+# The notes' row for the cone of 12.5° and 17.5°, whose cosine they took of radians.
+NARROW = [
+    *row(15, "0.29", 0.540717, 0.540717),
+    *results({"cos 12.5°": (lambda: cos(radians(12.5)), 0.976296)}),
+    *results({"cos(12.5 rad)": (lambda: cos(12.5), 0.9978, "the notes' 0.9978")}, digits=4),
+    *results(
+        {"with the notes' cosine": (with_notes_cosine, 0.277, "rounding on the way made it 0.29")},
+        digits=3,
     ),
-    *fullscreen(
-        "ch05_lighting/spotlight_edge.frag",
-        name="edge",
-        domain={"tangent": across(-1.0, 1.0)},
-        uniforms={**LIGHT, **cone(25.0, 35.0)},
-    ),
-    *fullscreen(
-        "ch05_lighting/spotlight.frag",
-        domain={"FragPos": SLICE},
-        uniforms={**LIGHT, **cone(25.0, 35.0)},
-    ),
-)
+]
 
 case = Case(
     title="Spotlight with a soft edge",
     section="5.5.3",
     math=r"I = \operatorname{clamp}\!\left(\frac{\cos\theta - \cos\gamma}"
     r"{\cos\varphi - \cos\gamma},\ 0,\ 1\right)",
-    passes=passes,
+    passes=(
+        *shown("spotlight_picture", "picture", SLICE),
+        *shown("spotlight_edge", "edge", {"tangent": across(-1.0, 1.0)}),
+        *shown("spotlight", "main", SLICE),
+    ),
     picture="picture.FragColor",
     expect=[
         formula("ratio", spot_ratio),
@@ -131,8 +103,8 @@ case = Case(
         ),
     ],
     variants=[
-        Variant("25° and 35°", cone(25.0, 35.0), expect=wide()),
-        Variant("12.5° and 17.5°", cone(12.5, 17.5), expect=narrow()),
+        Variant("25° and 35°", cone(25.0, 35.0), expect=WIDE),
+        Variant("12.5° and 17.5°", cone(12.5, 17.5), expect=NARROW),
     ],
     errata=[
         Erratum(

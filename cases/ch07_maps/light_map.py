@@ -12,23 +12,13 @@ and their product on the right: the colour of each lamp, and the dark between th
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Cell,
-    Draw,
-    Pass,
-    Ramp,
-    State,
-    Target,
-    Texture,
-    assets,
-    computed,
-    formula,
-    value,
-)
+from shaderlab import Case, Texture, assets, formula
 from shaderlab.glslmath import mix, swizzle, vec4
 from shaderlab.reference.light_maps import baked
 from shaderlab.sampling import texture
+
+from ..scenes.figures import each_draw, figures, results
+from ..scenes.panels import cell, panel, picture, rectangle, square
 
 # On a wall of 1 × 1: where each lamp is, how far in front of it, and its colour.
 LAMPS = [
@@ -37,8 +27,6 @@ LAMPS = [
     ((0.50, 0.22, 0.12), (1.00, 0.44, 0.30)),
     ((0.95, 0.15, 0.30), (0.70, 1.00, 0.75)),
 ]
-SMOOTH = ("linear", "linear")
-EDGE = ("clamp_to_edge", "clamp_to_edge")
 
 
 def light(side=24):
@@ -54,27 +42,31 @@ def light(side=24):
 RANDOM = np.random.default_rng(72)
 TEXELS, LIGHT = RANDOM.random((5, 4, 4)), 2.0 * RANDOM.random((3, 4, 4))
 PAIR = np.array([[(0.8, 0.6, 0.4, 1.0)]]), np.array([[(0.5, 0.5, 1.0, 1.0)]])
-
-
-def wall(diffuse, baked_light, shown, cell, repeat=2.0):
-    """A wall with a texture that repeats and a light map that does not."""
-    return Draw(
-        fragment="ch07_maps/light_map.frag",
-        domain={
-            "TexCoords": Ramp((0.02, 0.01), (repeat * 1.01, 0.0), (0.0, repeat * 1.02)),
-            "LightCoords": Ramp((0.0, 0.0), (1.0, 0.0), (0.0, 1.0)),
-        },
-        uniforms={"shown": shown},
-        textures={
-            "diffuseMap": Texture(image=diffuse, filter=SMOOTH),
-            "lightMap": Texture(image=baked_light, filter=SMOOTH, wrap=EDGE),
-        },
-        state=State(cell=cell),
-    )
-
-
 WAYS = [(1.0, 0.0), (0.0, 1.0), (1.0, 1.0)]
-THIRDS = [Cell(column=k, row=0, columns=3, rows=1) for k in range(3)]
+
+
+def walls(name, size, diffuse, baked_light, ways=WAYS):
+    """A wall with a texture that repeats twice and a light map that does not, in each way."""
+    smooth = {"filter": ("linear", "linear")}
+    textures = {
+        "diffuseMap": Texture(image=diffuse, **smooth),
+        "lightMap": Texture(image=baked_light, wrap=("clamp_to_edge",) * 2, **smooth),
+    }
+    domain = {
+        "TexCoords": rectangle((0.02, 0.01), (2.02, 2.04)),
+        "LightCoords": square(0.0, 1.0),
+    }
+    draws = (
+        panel(
+            "ch07_maps/light_map.frag",
+            domain,
+            {"shown": shown},
+            textures=textures,
+            cell=cell(k, len(ways)),
+        )
+        for k, shown in enumerate(ways)
+    )
+    return picture(draws, size, name)
 
 
 def lit(diffuseMap, lightMap, TexCoords, LightCoords, shown):
@@ -90,58 +82,37 @@ case = Case(
     math=r"\text{FragColor} = \text{diffuse}(s, t) \cdot \text{light}(u, v), \qquad "
     r"\text{light} = \sum_k c_k\,\frac{h_k}{\left(d^2 + h_k^2\right)^{3/2}}",
     passes=(
-        Pass(
-            name="picture",
-            target=Target(size=(1152, 384)),
-            draws=tuple(
-                wall(lambda: assets.brick_wall(512), light, shown, cell)
-                for shown, cell in zip(WAYS, THIRDS, strict=True)
-            ),
-        ),
-        Pass(
-            name="judged",
-            target=Target(size=(111, 41)),
-            draws=tuple(
-                wall(TEXELS, LIGHT, shown, cell) for shown, cell in zip(WAYS, THIRDS, strict=True)
-            ),
-        ),
-        Pass(
-            name="pair",
-            target=Target(size=(8, 8)),
-            draws=(wall(*PAIR, (1.0, 1.0), Cell(column=0, row=0, columns=1, rows=1)),),
-        ),
+        walls("picture", (1152, 384), lambda: assets.brick_wall(512), light),
+        walls("judged", (111, 41), TEXELS, LIGHT),
+        walls("pair", (8, 8), *PAIR, WAYS[2:]),
     ),
     picture="picture.FragColor",
     expect=[
-        formula("judged.FragColor", lit, draw=0, name="the texture alone"),
-        formula("judged.FragColor", lit, draw=1, name="the light alone"),
+        *each_draw("judged.FragColor", lit, {0: "the texture alone", 1: "the light alone"}),
         formula("judged.FragColor", lit, draw=2, name="their product"),
-        value(
+        *figures(
             "pair.FragColor",
+            {
+                "(0.8, 0.6, 0.4) in a light of (½, ½, 1)": ({}, (0.4, 0.3, 0.4, 1.0)),
+                "half of the texture, a quarter of the light": (
+                    {"shown": (0.5, 0.25)},
+                    (0.9 * 0.875, 0.8 * 0.875, 0.7, 1.0),
+                ),
+            },
             at={"TexCoords": (0.5, 0.5), "LightCoords": (0.5, 0.5)},
-            equals=(0.4, 0.3, 0.4, 1.0),
-            digits=6,
             reference=lit,
-            name="(0.8, 0.6, 0.4) in a light of (½, ½, 1)",
         ),
-        value(
-            "pair.FragColor",
-            at={"TexCoords": (0.5, 0.5), "LightCoords": (0.5, 0.5), "shown": (0.5, 0.25)},
-            equals=(0.9 * 0.875, 0.8 * 0.875, 0.7, 1.0),
-            digits=6,
-            reference=lit,
-            name="half of the texture, a quarter of the light",
-        ),
-        computed(
-            "right in front of a lamp, 2 away",
-            lambda: baked(np.array([0.0, 0.0]), np.array([0.0, 0.0, 2.0]), 1.0),
-            equals=0.25,
-            digits=9,
-        ),
-        computed(
-            "3 beside a lamp that is 4 away",
-            lambda: baked(np.array([3.0, 0.0]), np.array([0.0, 0.0, 4.0]), 1.0),
-            equals=0.032,
+        *results(
+            {
+                "right in front of a lamp, 2 away": (
+                    lambda: baked(np.array([0.0, 0.0]), np.array([0.0, 0.0, 2.0]), 1.0),
+                    0.25,
+                ),
+                "3 beside a lamp that is 4 away": (
+                    lambda: baked(np.array([3.0, 0.0]), np.array([0.0, 0.0, 4.0]), 1.0),
+                    0.032,
+                ),
+            },
             digits=9,
         ),
     ],

@@ -16,6 +16,8 @@ import numpy as np
 from shaderlab import Case, Draw, Mesh, Pass, Target, compile_fails, formula, query
 from shaderlab.glslmath import vec2, vec3, vec4, where
 
+from ..scenes.laws import opaque, unchanged
+
 POINTS = Mesh(
     attributes={
         "aPos": np.array([(-0.5, 0.5), (0.5, 0.5), (0.5, -0.5), (-0.5, -0.5)]),
@@ -26,6 +28,7 @@ POINTS = Mesh(
 TRIANGLES = ((-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (0.0, 2.0))
 OUTLINE = ((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (0.0, 2.0), (-1.0, 1.0), (-1.0, -1.0))
 WINDOWS = ((-0.5, 0.25), (0.5, 0.25))
+KINDS = {"walls": "", "outline": "_outline", "windows": "_corners"}
 
 
 def houses(kind):
@@ -37,6 +40,19 @@ def houses(kind):
         mesh=POINTS,
         uniforms={"scale": (0.2, 0.18)},
     )
+
+
+PLAIN = Draw(
+    vertex="ch08_techniques/geometry_houses.vert",
+    fragment="ch08_techniques/geometry_houses_plain.frag",
+    mesh=POINTS,
+)
+
+
+def drawn(name, *draws, side=128):
+    """A window with some of the draws."""
+    target = Target(size=(side, side), clear=(0.80, 0.83, 0.86, 1.0))
+    return Pass(name=name, target=target, draws=draws)
 
 
 def listed(index, entries):
@@ -64,7 +80,7 @@ def painted(wall, emitted):
     return where(emitted > 3.5, vec3(1.0), wall[0])
 
 
-def drawn(wall):
+def outlined(wall):
     """Outlines are darker than the walls."""
     return 0.4 * wall[0]
 
@@ -79,34 +95,15 @@ def size_of():
     return 12.0
 
 
-def interpolated(fColor):
-    """A fragment's colour, as it is."""
-    return vec4(fColor, 1.0)
-
-
 def as_it_is(aPos):
     """The vertex shader only hands the point on."""
     return vec4(aPos, 0.0, 1.0)
 
 
-def color_of(aColor):
-    """… and its colour."""
-    return aColor
+def emitted(number, kind, name):
+    """So many primitives leave the geometry shader."""
+    return query("geometry_primitives_emitted", equals=number, pass_name=kind, name=name)
 
-
-def plain_color(wall):
-    """A point's colour as it is."""
-    return vec4(wall, 1.0)
-
-
-PLAIN = Draw(
-    vertex="ch08_techniques/geometry_houses.vert",
-    fragment="ch08_techniques/geometry_houses_plain.frag",
-    mesh=POINTS,
-)
-PAPER = Target(size=(512, 512), clear=(0.80, 0.83, 0.86, 1.0))
-ALONE = Target(size=(128, 128), clear=(0.80, 0.83, 0.86, 1.0))
-KINDS = {"walls": "", "outline": "_outline", "windows": "_corners"}
 
 case = Case(
     title="Houses out of points",
@@ -114,28 +111,26 @@ case = Case(
     math=r"p_k = p + \begin{pmatrix} s_x & 0 \\ 0 & s_y \end{pmatrix} o_k, \qquad "
     r"o = (-1,-1), (1,-1), (-1,1), (1,1), (0,2)",
     passes=(
-        Pass(name="street", target=PAPER, draws=tuple(houses(kind) for kind in KINDS.values())),
-        *(Pass(name=n, target=ALONE, draws=(houses(kind),)) for n, kind in KINDS.items()),
-        Pass(name="points", target=ALONE, draws=(PLAIN,)),
+        drawn("street", *map(houses, KINDS.values()), side=512),
+        *(drawn(name, houses(kind)) for name, kind in KINDS.items()),
+        drawn("points", PLAIN),
     ),
     picture="street.FragColor",
     expect=[
         formula("walls.gl_Position", standing(TRIANGLES), name="triangle_strip: places"),
         formula("walls.fColor", painted, name="triangle_strip: colours"),
         formula("outline.gl_Position", standing(OUTLINE), name="line_strip: places"),
-        formula("outline.fColor", drawn, name="line_strip: colours"),
+        formula("outline.fColor", outlined, name="line_strip: colours"),
         formula("windows.gl_Position", standing(WINDOWS), name="points: places"),
         formula("windows.gl_PointSize", size_of, name="points: size"),
         formula("windows.fColor", lit, name="points: colours"),
-        formula("walls.FragColor", interpolated, name="pixels"),
+        formula("walls.FragColor", opaque(unchanged("fColor")), name="pixels"),
         formula("points.gl_Position", as_it_is, name="points as they go in"),
-        formula("points.wall", color_of, name="their colours"),
-        formula("points.FragColor", plain_color, name="their pixels"),
-        query(
-            "geometry_primitives_emitted", equals=12, pass_name="walls", name="triangles of walls"
-        ),
-        query("geometry_primitives_emitted", equals=20, pass_name="outline", name="lines"),
-        query("geometry_primitives_emitted", equals=8, pass_name="windows", name="points"),
+        formula("points.wall", unchanged("aColor"), name="their colours"),
+        formula("points.FragColor", opaque(unchanged("wall")), name="their pixels"),
+        emitted(12, "walls", "triangles of walls"),
+        emitted(20, "outline", "lines"),
+        emitted(8, "windows", "points"),
         query("samples_passed", equals=1152, pass_name="windows", name="8 · 12² pixels"),
         compile_fails(
             "ch08_techniques/errata/too_many_vertices.geom",

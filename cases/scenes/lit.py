@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy.typing as npt
 
-from shaderlab import Cell, Draw, Output, Pass, Target, assets, formula
+from shaderlab import Cell, Draw, Output, Pass, Target, any_order, assets, both_ways, formula
 from shaderlab import fullscreen as over_all
 from shaderlab.glslmath import vec4
 from shaderlab.reference.transforms import (

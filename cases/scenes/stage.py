@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from shaderlab import Cell, Draw, Pass, Target, formula
+from shaderlab import Cell, Draw, Pass, Target, any_order, both_ways, formula
 from shaderlab.assets.meshes import Geometry
 from shaderlab.reference.transforms import clip_position, normal_matrix, world_normal
 from shaderlab.sampling import texture
