@@ -20,13 +20,12 @@ from dataclasses import replace
 import numpy as np
 
 from shaderlab import Case, Output, exact, formula, measure, reading
-from shaderlab.reference.shadows import compared_shadow
 from shaderlab.sampling import texture
 
 from ..scenes import lit
 from ..scenes import shadow_stage as courtyard
 from ..scenes.cameras import camera
-from ..scenes.courtyard_light import courtyard_references, seen_place
+from ..scenes.courtyard_light import compared_shadow, courtyard_references, seen_place
 from ..scenes.figures import figures
 from ..scenes.panels import cell
 from ..scenes.shadow_stage import BOXES, LIGHT_SPACE, MODEL, PLACES, SUN, WHITE
