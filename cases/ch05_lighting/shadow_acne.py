@@ -15,8 +15,7 @@ on the walls that light grazes; lower right one that grows with the slope.
 from shaderlab import Case, Output, formula, measure, reading
 from shaderlab.sampling import texture
 
-from ..scenes import lit
-from ..scenes import shadow_stage as courtyard
+from ..scenes import lit, shadow_stage as courtyard
 from ..scenes.cameras import camera
 from ..scenes.courtyard_light import courtyard_references
 from ..scenes.panels import cell

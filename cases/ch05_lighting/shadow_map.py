@@ -19,8 +19,7 @@ from shaderlab.reference.shadows import shadow_coordinates
 from shaderlab.reference.transforms import look_at, orthographic
 from shaderlab.sampling import texture
 
-from ..scenes import lit
-from ..scenes import shadow_stage as courtyard
+from ..scenes import lit, shadow_stage as courtyard
 from ..scenes.cameras import camera
 from ..scenes.courtyard_light import courtyard_references
 from ..scenes.figures import figure, results

@@ -22,8 +22,7 @@ import numpy as np
 from shaderlab import Case, Output, exact, formula, measure, reading
 from shaderlab.sampling import texture
 
-from ..scenes import lit
-from ..scenes import shadow_stage as courtyard
+from ..scenes import lit, shadow_stage as courtyard
 from ..scenes.cameras import camera
 from ..scenes.courtyard_light import compared_shadow, courtyard_references, seen_place
 from ..scenes.figures import figures

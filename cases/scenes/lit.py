@@ -11,8 +11,18 @@ from typing import Any
 
 import numpy.typing as npt
 
-from shaderlab import Cell, Draw, Output, Pass, Target, any_order, assets, both_ways, formula
-from shaderlab import fullscreen as over_all
+from shaderlab import (
+    Cell,
+    Draw,
+    Output,
+    Pass,
+    Target,
+    any_order,
+    assets,
+    both_ways,
+    formula,
+    fullscreen,
+)
 from shaderlab.glslmath import vec4
 from shaderlab.reference.transforms import (
     clip_position,
@@ -152,7 +162,7 @@ def picture(
     target: Target | None = None,
 ) -> tuple[Pass, ...]:
     """A scene's light, each pixel the mean of four texels, encoded for a display."""
-    return over_all(
+    return fullscreen(
         "ch05_lighting/finish.frag",
         name=name,
         textures={"scene": Output(of, output)},
