@@ -20,7 +20,9 @@ from typing import Any
 
 IGNORED = frozenset({"seconds", "timings"})
 # What the table of a `cost` says of the clock; calls and vertices beside it do count.
-_TIMES = re.compile(r"\d+(\.\d+)? (ms|µs|s|×)|\d+\.\d+(?= at )")
+_TIMES = re.compile(
+    r"\d+(\.\d+)? (ms|µs|s|×)|\d+\.\d+(?= at )|(holds|does not hold) on this driver[^\"]*"
+)
 _MOST = 40
 
 Records = Mapping[str, Mapping[str, Any]]
