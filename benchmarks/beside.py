@@ -26,15 +26,15 @@ REPOSITORY = Path(__file__).resolve().parent.parent
 FEW = 5
 RUN = """
 import json, sys, time
-from shaderlab.cli import main, running
-write_all, written = running.write_all, []
+from shaderlab.cli import main, recorded_run
+write_report, written = recorded_run.write_report, []
 def timed(*asked):
     began = time.process_time()
     try:
-        return write_all(*asked)
+        return write_report(*asked)
     finally:
         written.append(time.process_time() - began)
-running.write_all = timed
+recorded_run.write_report = timed
 goal = sys.argv.pop(1)
 try:
     main()

@@ -45,7 +45,8 @@ class ShaderlabError(Exception):
 
     def __reduce__(self) -> tuple[object, ...]:
         # Keyword-only arguments do not survive the default pickling; errors cross processes.
-        return _rebuild, (type(self), self.message, self.file, self.line, self.remedy)
+        notes = {"__notes__": self.__notes__} if hasattr(self, "__notes__") else {}
+        return _rebuild, (type(self), self.message, self.file, self.line, self.remedy), notes
 
 
 class CaseError(ShaderlabError):

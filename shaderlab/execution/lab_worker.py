@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from shaderlab import evaluation
+from shaderlab.backends import prepare_process
 from shaderlab.catalogue import load_case
 from shaderlab.errors import CaseError
 from shaderlab.evaluation import Lab
@@ -52,6 +53,8 @@ class LabWorker:
     def lab(self, options: RunOptions) -> Lab:
         """The process's lab, with these options for the scenes to come."""
         if self._lab is None:
+            if self._channel is not None:
+                prepare_process(options.driver)  # a worker is the lab's alone
             self._lab = evaluation.Lab(options, self.note)
         elif options != self._lab.options:
             self._lab.configure(options)

@@ -25,6 +25,12 @@ def test_an_error_keeps_everything_when_it_is_pickled() -> None:
     )
 
 
+def test_notes_survive_pickling() -> None:
+    error = CaseError("no such thing", file="a.py")
+    error.add_note("where it was raised")
+    assert pickle.loads(pickle.dumps(error)).__notes__ == ["where it was raised"]
+
+
 def test_nearest_names_close_words_first_and_all_of_few() -> None:
     assert nearest("texture", ["textures", "state"]) == "did you mean textures?"
     assert nearest("zzz", ["textures", "state"]) == "there is: textures, state"

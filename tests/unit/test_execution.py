@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 from pathlib import Path
 
@@ -10,6 +11,7 @@ import pytest
 
 from shaderlab.activity import Activity, doing
 from shaderlab.errors import ShaderlabError, UsageError
+from shaderlab.execution import ProcessExecutor
 from shaderlab.execution.drivers import apart
 from shaderlab.execution.jobs import Job, failed_record
 from shaderlab.execution.journal import FILE_NAME, Journal, RunPlan, read
@@ -70,6 +72,20 @@ def test_a_failed_job_says_how_far_it_came() -> None:
     record = failed_record(JOB, "timeout", "took too long", step="draw 0", driver="softpipe")
     assert (record.id, record.variant, record.status) == ("lamp", "near", "timeout")
     assert record.message == "took too long\nlast step: draw 0\ndriver: softpipe"
+
+
+def test_while_debugging_errors_of_workers_carry_their_traceback(
+    case_folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = case_folder / "lamp.py"
+    file.write_text(file.read_text() + "\n1 / 0\n")
+    for debugging in ("", "1"):
+        monkeypatch.setenv("SHADERLAB_DEBUG", debugging)
+        with contextlib.closing(ProcessExecutor(early=False)) as executor:
+            (facts,) = executor.load([file])
+        assert facts.error is not None and facts.error.line == 13
+        notes = "".join(getattr(facts.error, "__notes__", ()))
+        assert ("Traceback" in notes and "ZeroDivisionError" in notes) is bool(debugging)
 
 
 def floats(*values: float) -> np.ndarray:
