@@ -78,7 +78,8 @@ IGNORED = {
 
 @pytest.fixture(scope="module")
 def page(repository: Path) -> str:
-    return " ".join((repository / "docs" / "guide" / "compiling.md").read_text(encoding="utf-8").split())
+    text = (repository / "docs" / "guide" / "compiling.md").read_text(encoding="utf-8")
+    return " ".join(text.split())
 
 
 @pytest.mark.parametrize("kind", ROWS)

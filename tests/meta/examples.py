@@ -1,0 +1,84 @@
+"""The examples of a page of the docs: the files that it has one save, the commands that it shows.
+
+A fenced block with a title is a file: ```glsl title="fog.frag". One of the language `console` has
+commands after "$ ", each followed by lines that it prints, in order; the page may leave lines out.
+"[exit 1]" is the exit status where it is not 0.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+_BLOCK = re.compile(r"^```(\w+)(?: title=\"([^\"]+)\")?\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+_STATUS = re.compile(r"\[exit (\d+)\]")
+_SECONDS = 600  # a machine may be busy; no command takes 30 s on a free one
+
+
+@dataclass(frozen=True)
+class File:
+    """A file to save."""
+
+    name: str
+    text: str
+
+
+@dataclass(frozen=True)
+class Command:
+    """A command line, the lines that it prints as the page shows them, and its exit status."""
+
+    line: str
+    shown: tuple[str, ...]
+    status: int
+
+
+def examples(page: Path) -> Iterator[File | Command]:
+    """The files and commands of a page, in its order."""
+    for language, name, text in _BLOCK.findall(page.read_text(encoding="utf-8")):
+        if name:
+            yield File(name, text)
+        elif language == "console":
+            for part in re.split(r"^\$ ", text, flags=re.MULTILINE)[1:]:
+                line, *shown = part.splitlines()
+                found = [m for m in map(_STATUS.fullmatch, shown) if m]
+                output = (s for s in shown if s.strip() and not _STATUS.fullmatch(s))
+                yield Command(line, tuple(output), int(found[0][1]) if found else 0)
+
+
+def execute(line: str, folder: Path) -> subprocess.CompletedProcess[str]:
+    """Run a command line in a folder, with this environment's `shaderlab` and `pytest`."""
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    return subprocess.run(
+        ["sh", "-c", line],
+        cwd=folder,
+        env={**os.environ, "PATH": path},
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+        timeout=_SECONDS,
+    )
+
+
+def missing(shown: tuple[str, ...], printed: str) -> list[str]:
+    """The lines of a page that are not printed, or not in this order.
+
+    Equal are lines that differ in spaces, times, the run's folder, the driver's version, or beyond
+    the fourth digit of a long number: those depend on the machine.
+    """
+    lines = iter([_plain(line) for line in printed.splitlines()])
+    return [line for line in shown if not any(_plain(line) == other for other in lines)]
+
+
+def _plain(line: str) -> str:
+    line = re.sub(r"\d{8}-\d{6}", "TIME", line)
+    line = re.sub(r"llvmpipe \(.*?\)", "llvmpipe", line)
+    line = re.sub(r"-?\d+\.\d{5,}", lambda number: f"{float(number[0]):.4g}", line)
+    line = re.sub(r"\b\d+\.\d s\b", "SECONDS", line)
+    if line.startswith(("✓", "✗")) or re.search(r"\d+\.\d$", line):
+        line = re.sub(r"\d+\.\d+(?=\s+\d/\d$|$)", "SECONDS", line.rstrip())
+    return " ".join(line.split())

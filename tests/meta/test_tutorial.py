@@ -1,0 +1,33 @@
+"""The tutorial works as printed, command by command, in an empty folder.
+
+Its installation is what test_wheel.py and test_extras.py try.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from tests.meta.examples import Command, examples, execute, missing
+
+
+def test_each_command_prints_what_the_tutorial_shows(repository: Path, tmp_path: Path) -> None:
+    commands = 0
+    for example in examples(repository / "docs" / "guide" / "tutorial.md"):
+        if not isinstance(example, Command):
+            (tmp_path / example.name).write_text(example.text, encoding="utf-8")
+            continue
+        commands += 1
+        done = execute(example.line, tmp_path)
+        printed = done.stdout + done.stderr
+        assert done.returncode == example.status, printed
+        lines = missing(example.shown, printed)
+        assert not lines, f"{example.line} prints no {lines[0]!r}, but\n{printed}"
+    assert commands >= 8
+
+
+def test_a_line_that_is_not_printed_is_noticed() -> None:
+    printed = "a  b\nreport: reports/20260102-130405/index.html\nmeasured 0.123456789\n"
+    assert not missing(("a b", "report: reports/20260101-120000/index.html"), printed)
+    assert not missing(("measured 0.123460000",), printed)
+    assert missing(("measured 0.123", "a b"), printed) == ["measured 0.123", "a b"]
+    assert missing(("measured 0.123456789", "a b"), printed) == ["a b"]
