@@ -12,12 +12,12 @@ level below, LINEAR above. Steps against a smooth change, and sharp chessboards 
 
 import numpy as np
 
-from shaderlab import Case, Ramp, Texture, gl_call
+from shaderlab import Case, Texture, gl_call, up
 from shaderlab.expectations.gl_call import Object, call
 from shaderlab.sampling import textureLod
 
 from ..scenes.figures import each_draw, figure
-from ..scenes.panels import cell, panel, picture, rectangle
+from ..scenes.panels import rectangle, table
 
 SIDE = 32
 COLORS = (
@@ -44,18 +44,12 @@ RUNGS = [np.full((16 >> n, 16 >> n, 4), float(n)) for n in range(5)]
 
 def fields(name, levels, size, lods, extent):
     """The four filters, in a field each: the level grows from below to above."""
-    start, stop = lods
-    domain = {"TexCoords": rectangle((0.013, 0.027), extent), "lod": Ramp(start, dy=stop - start)}
-    draws = (
-        panel(
-            "ch02_basics/mipmapped.frag",
-            domain,
-            textures={"image": Texture(image=levels[0], mipmaps=levels[1:], filter=(f, "linear"))},
-            cell=cell(k, 2, 2),
-        )
-        for k, f in enumerate(FILTERS)
+    domain = {"TexCoords": rectangle((0.013, 0.027), extent), "lod": up(*lods)}
+    images = (
+        Texture(image=levels[0], mipmaps=levels[1:], filter=(word, "linear")) for word in FILTERS
     )
-    return picture(draws, size, name)
+    textures = [{"textures": {"image": image}} for image in images]
+    return table("ch02_basics/mipmapped.frag", domain, textures, 2, size, name)
 
 
 def sampled(image, TexCoords, lod):

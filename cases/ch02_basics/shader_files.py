@@ -20,24 +20,26 @@ from shaderlab import Case, Output, Ramp, Target, Texture, exact, fullscreen, re
 
 FILES = "ch02_basics/errata/files"
 FOLDER = Path(__file__).parents[2] / "shaders" / FILES
+NUL = f"{FILES}/nul.frag"
+MISSPELT = f"no shader '{FILES}/emtpy.frag' in shaders"
+NEAREST = f"{FILES}/empty.frag or {FILES}/bom.frag or {FILES}/utf16.frag"
 SHOWN = ("plain", "bom", "crlf", "latin1", "utf16", "nul", "empty")
 COLUMNS = 48
+PLAIN = Output("plain", "FragColor")
 
 
 def first_bytes():
     """The files' first bytes, the last file in row 0; −1 past a file's end."""
-    table = np.full((len(SHOWN), COLUMNS, 1), -1.0, np.float32)
-    for row, name in enumerate(reversed(SHOWN)):
-        data = (FOLDER / f"{name}.frag").read_bytes()[:COLUMNS]
-        table[row, : len(data), 0] = list(data)
-    return table
+    rows = [(FOLDER / f"{name}.frag").read_bytes()[:COLUMNS] for name in reversed(SHOWN)]
+    padded = [[*row] + [-1] * (COLUMNS - len(row)) for row in rows]
+    return np.array(padded, np.float32)[..., None]
 
 
 def kinds():
     """0 for nothing, 1 for a character, then NUL, line feed, carriage return and not ASCII."""
     table = first_bytes()
-    conditions = [table < 0, table == 0, table == 10, table == 13, table > 127]
-    return np.select(conditions, [0, 2, 3, 4, 5], 1).astype(np.float32)
+    kinds = {0: table < 0, 2: table == 0, 3: table == 10, 4: table == 13, 5: table > 127}
+    return np.select([*kinds.values()], [*kinds], 1).astype(np.float32)
 
 
 def drawn(name):
@@ -51,7 +53,16 @@ def no(name, message, **place):
 
 
 UTF8 = {"remedy": "save the file as UTF-8"}
+DELETE = {"remedy": "delete it"}
 CYCLE = {"remedy": "break the cycle of includes"}
+
+
+def circle(name, other, line, back):
+    """Two files that include each other, the second one at line `back`."""
+    message = f"'{name}.frag' includes itself (included by {FILES}/{name}.frag:{line})"
+    return no(name, message, file=f"{FILES}/{other}.frag", line=back, **CYCLE)
+
+
 BYTES = fullscreen(
     "ch02_basics/shader_files.frag",
     name="bytes",
@@ -68,49 +79,25 @@ case = Case(
     picture="bytes.FragColor",
     expect=[
         exact("plain.FragColor", (0.25, 0.5, 0.75, 1.0), name="a plain file"),
-        exact("bom.FragColor", Output("plain", "FragColor"), name="a byte order mark is skipped"),
-        exact(
-            "crlf.FragColor",
-            Output("plain", "FragColor"),
-            name="carriage returns, in an included file as well",
-        ),
+        exact("bom.FragColor", PLAIN, name="a byte order mark is skipped"),
+        exact("crlf.FragColor", PLAIN, name="carriage returns, in an included file as well"),
         exact("bytes.kind", kinds(), name="what kind of byte each one is"),
         no("empty", "the shader is empty"),
         no("folder", "is a directory, not a shader", remedy="name a file in it"),
         no("latin1", "is not UTF-8: byte 23 is 0xfc", line=2, **UTF8),
         no("utf16", "is not UTF-8: byte 0 is 0xff (it looks like UTF-16)", **UTF8),
-        no(
-            "nul",
-            "holds a NUL character, at which compilers stop reading",
-            line=2,
-            remedy="delete it",
-        ),
-        no(
-            "cycle",
-            f"'cycle.frag' includes itself (included by {FILES}/cycle.frag:2)",
-            file=f"{FILES}/cycle_back.frag",
-            line=3,
-            **CYCLE,
-        ),
-        no(
-            "cycle_back",
-            f"'cycle_back.frag' includes itself (included by {FILES}/cycle_back.frag:3)",
-            file=f"{FILES}/cycle.frag",
-            line=2,
-            **CYCLE,
-        ),
+        no("nul", "holds a NUL character, at which compilers stop reading", line=2, **DELETE),
+        circle("cycle", "cycle_back", 2, 3),
+        circle("cycle_back", "cycle", 3, 2),
         no("itself", "'itself.frag' includes itself", line=2, **CYCLE),
         no(
-            "emtpy",
-            f"no shader '{FILES}/emtpy.frag' in shaders",
-            remedy=f"did you mean {FILES}/empty.frag or {FILES}/bom.frag or {FILES}/utf16.frag?",
+            "emtpy", f"no shader '{FILES}/emtpy.frag' in shaders", remedy=f"did you mean {NEAREST}?"
         ),
         no(
             "missing",
             f"no file to #include: '{FILES}/folder.frag/color.glsl'",
             line=2,
-            remedy=f"did you mean {FILES}/folder.frag/colour.glsl or {FILES}/cycle.frag or "
-            f"{FILES}/nul.frag?",
+            remedy=f"did you mean {FILES}/folder.frag/colour.glsl or {FILES}/cycle.frag or {NUL}?",
         ),
         refused(
             "../secret.frag",

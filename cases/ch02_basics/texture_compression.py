@@ -18,7 +18,7 @@ import numpy as np
 from shaderlab import Case, CompressedTexture, Target, assets, exact, fullscreen, measure
 
 from ..scenes.block_codecs import compressed, decoded_blocks
-from ..scenes.panels import cell, panel, picture, square
+from ..scenes.panels import square, table
 
 # A format's name: what made its blocks, what they are read as.
 FORMATS = {
@@ -103,16 +103,11 @@ case = Case(
     math=r"\text{BC1: } c_k = \tfrac13\left((3 - k)\,c_0 + k\,c_1\right), \qquad "
     r"\frac{8\ \text{bytes}}{16\ \text{texels}} = 4\ \text{bits a texel}",
     passes=(
-        picture(
-            (
-                panel(
-                    "ch02_basics/textured.frag",
-                    {"TexCoords": square(0.17, 0.83)},
-                    textures={"image": texture(kind, assets.emblem(96))},
-                    cell=cell(k, 3, 2),
-                )
-                for k, kind in enumerate(FORMATS)
-            ),
+        table(
+            "ch02_basics/textured.frag",
+            {"TexCoords": square(0.17, 0.83)},
+            [{"textures": {"image": texture(kind, assets.emblem(96))}} for kind in FORMATS],
+            3,
             (1152, 768),
             colors={"FragColor": "rgba8"},
         ),

@@ -18,7 +18,7 @@ from shaderlab.reference.filtering import linear_sample
 from shaderlab.sampling import texture
 
 from ..scenes.figures import figure
-from ..scenes.panels import cell, panel, picture, square
+from ..scenes.panels import square, table
 
 WRAPS = ("repeat", "mirrored_repeat", "clamp_to_edge", "clamp_to_border")
 FIELDS = [(word, wrap) for word in ("nearest", "linear") for wrap in WRAPS]
@@ -29,18 +29,15 @@ TEXELS = np.random.default_rng(24).random((3, 5, 4))
 BORDER = (0.93, 0.55, 0.20, 1.0)
 
 
-def table(name, image, size):
+def wrapped(name, image, size):
     """Every wrap mode with every filter, in a field of its own."""
     fields = [
         Texture(image=image, wrap=(wrap, wrap), filter=(word, word), border=BORDER)
         for word, wrap in FIELDS
     ]
+    textures = [{"textures": {"image": field}} for field in fields]
     domain = {"TexCoords": square(-1.5, 2.5)}
-    draws = (
-        panel("ch02_basics/textured.frag", domain, textures={"image": field}, cell=cell(k, 4, 2))
-        for k, field in enumerate(fields)
-    )
-    return picture(draws, size, name)
+    return table("ch02_basics/textured.frag", domain, textures, 4, size, name)
 
 
 def sampled(image, TexCoords):
@@ -77,9 +74,9 @@ case = Case(
     r"\operatorname{mir}\bigl((i \bmod 2n) - n\bigr), \qquad "
     r"\text{edge: } \operatorname{clamp}(i, 0, n - 1)",
     passes=(
-        table("picture", CHART, (1024, 512)),
+        wrapped("picture", CHART, (1024, 512)),
         # 40 and 32 pixels over 20 and 12 texels: none of them lies on a texel's edge or centre.
-        table("judged", TEXELS, (160, 64)),
+        wrapped("judged", TEXELS, (160, 64)),
         *texels("repeat", "repeat", (0.25, 0.75)),
         *texels("mirror", "mirrored_repeat", (0.25, 0.75)),
         *texels("edge", "clamp_to_edge", (0.25, 0.75)),

@@ -10,38 +10,38 @@ direction, then (1, 2, 3). Below: (2, ½, 1), then (−1, 1, 1), which no turn c
 reads backwards.
 """
 
-import numpy as np
+from numpy.linalg import det
 
-from shaderlab import Case, Cell, formula
+from shaderlab import Case, formula
 from shaderlab.assets import solids
 from shaderlab.glslmath import mul
 from shaderlab.reference.transforms import scale, scaled, translate
 
 from ..scenes import stage
 from ..scenes.cameras import camera
-from ..scenes.figures import each_draw, figure, figures, results
+from ..scenes.figures import each_draw, figures, results
 from ..scenes.glm import scaled_by_glm
+from ..scenes.panels import cell
 from ..scenes.props import letter_f, tile
 from ..scenes.studio import handed_on, studio_color
 
 CAMERA = camera((1.5, 2.3, 5.6), (0.15, 0.75, 0.0), 34.0, 4.0 / 3.0)
 GHOST = solids.repainted(letter_f(), (0.62, 0.66, 0.70), 0.85)
-# Factors, column and row.
 SCALES = {
-    "one half": ((0.5, 0.5, 0.5), (0, 1)),
-    "stretched": ((1.0, 2.0, 3.0), (1, 1)),
-    "squashed": ((2.0, 0.5, 1.0), (0, 0)),
-    "mirrored": ((-1.0, 1.0, 1.0), (1, 0)),
+    "one half": (0.5, 0.5, 0.5),
+    "stretched": (1.0, 2.0, 3.0),
+    "squashed": (2.0, 0.5, 1.0),
+    "mirrored": (-1.0, 1.0, 1.0),
 }
 
 
-def quarter(factors, place):
+def quarter(k, factors):
     """One cell: floor, the letter as it is, the letter scaled."""
-    cell = Cell(column=place[0], row=place[1], columns=2, rows=2)
-    yield stage.prop(tile(1.5, 0.5), CAMERA, cell=cell)
-    yield stage.prop(GHOST, CAMERA, cell=cell, model=translate((0.0, 0.0, -0.6)))
+    place = cell(k, 2, 2, from_above=True)
+    yield stage.prop(tile(1.5, 0.5), CAMERA, cell=place)
+    yield stage.prop(GHOST, CAMERA, cell=place, model=translate((0.0, 0.0, -0.6)))
     uniforms = {"factors": factors, "offset": (0.0, 0.0, 0.55), **CAMERA}
-    yield stage.subject("ch03_transforms/scale.vert", letter_f(), uniforms, cell=cell)
+    yield stage.subject("ch03_transforms/scale.vert", letter_f(), uniforms, cell=place)
 
 
 def across_the_slope(aNormal, factors):
@@ -56,6 +56,11 @@ def position(aPos, factors, offset, view, projection):
 
 LAST = {3 * k + 2: name for k, name in enumerate(SCALES)}
 MIXED = {"aPos": (7.0, 8.0, 9.0), "factors": (1.0, 2.0, 3.0), "offset": (0.0, 0.0, 0.0)}
+NORMAL = {"aNormal": (1.0, 1.0, 0.0), "factors": (1.0, 2.0, 3.0)}
+SLOPE = "a slope of 45° along (1, −1) becomes (1, −2), at right angles to (1, ½)"
+DIVIDED = {"a normal is divided": (NORMAL, (1.0, 0.5, 0.0), SLOPE)}
+LEFT = "negative: left and right change places"
+MOVED, TIMES = {"offset": (4.0, 5.0, 6.0)}, (11.0, 21.0, 33.0, 1.0)
 
 case = Case(
     title="Scaling",
@@ -64,7 +69,8 @@ case = Case(
     r"0 & 1 \end{pmatrix} \begin{pmatrix} x \\ y \\ z \\ 1 \end{pmatrix} = \begin{pmatrix} "
     r"S_1 x + V_1 \\ S_2 y + V_2 \\ S_3 z + V_3 \\ 1 \end{pmatrix}",
     passes=stage.photographed(
-        [draw for entry in SCALES.values() for draw in quarter(*entry)], (800, 600)
+        [draw for k, factors in enumerate(SCALES.values()) for draw in quarter(k, factors)],
+        (800, 600),
     ),
     picture="picture.FragColor",
     expect=[
@@ -80,36 +86,22 @@ case = Case(
         *figures(
             "judged.Scaled",
             {
-                "(1, 2, 3) times, then moved by (4, 5, 6)": (
-                    {"offset": (4.0, 5.0, 6.0)},
-                    (11.0, 21.0, 33.0, 1.0),
-                ),
+                "(1, 2, 3) times, then moved by (4, 5, 6)": (MOVED, TIMES),
                 "diag(1, 2, 3)": ({}, (7.0, 16.0, 27.0, 1.0)),
                 "mirrored": ({"factors": (-1.0, 1.0, 1.0)}, (-7.0, 8.0, 9.0, 1.0)),
             },
             at=MIXED,
             reference=scaled,
         ),
-        figure(
-            "judged.Normal",
-            "a normal is divided",
-            {"aNormal": (1.0, 1.0, 0.0), "factors": (1.0, 2.0, 3.0)},
-            (1.0, 0.5, 0.0),
-            reference=across_the_slope,
-            note="a slope of 45° along (1, −1) becomes (1, −2), at right angles to (1, ½)",
-        ),
+        *figures("judged.Normal", DIVIDED, reference=across_the_slope),
         *results(
             {
                 "translate(4, 5, 6) · scale(1, 2, 3) · (7, 8, 9)": (
                     lambda: translate((4, 5, 6)) @ scale((1, 2, 3)) @ (7, 8, 9, 1),
-                    (11.0, 21.0, 33.0, 1.0),
+                    TIMES,
                 ),
-                "volume under (1, 2, 3)": (lambda: np.linalg.det(scale((1, 2, 3))), 6.0),
-                "determinant of the mirror": (
-                    lambda: np.linalg.det(scale((-1, 1, 1))),
-                    -1.0,
-                    "negative: left and right change places",
-                ),
+                "volume under (1, 2, 3)": (lambda: det(scale((1, 2, 3))), 6.0),
+                "determinant of the mirror": (lambda: det(scale((-1, 1, 1))), -1.0, LEFT),
             },
             digits=12,
         ),

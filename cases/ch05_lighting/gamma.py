@@ -45,6 +45,9 @@ BLACK_AND_WHITE = Texture(
     format="srgb8_alpha8",
     filter=("linear", "linear"),
 )
+RAMP = {"linear": across(0.0, 1.0)}
+STRIPES = {**RAMP, "stripe": up(0.0, 5.0)}
+MIDDLE = {"TexCoords": Ramp((0.5, 0.5))}
 
 
 def converted(shader, name, format="srgb8_alpha8", **inputs):
@@ -64,8 +67,8 @@ def decode(linear):
 
 
 def around(threshold):
-    """The whole range, and more closely the place where the line meets the curve: the two are so
-    alike there that a threshold 1 % too low shows within that 1 % only."""
+    """The whole range, and closely where the line meets the curve: they are so alike there that a
+    threshold 1 % too low shows within that 1 % only."""
     near = threshold * np.linspace(0.965, 1.3, 68)
     return np.sort(np.concatenate([np.geomspace(0.0005, 1.0, 64), near]))
 
@@ -81,23 +84,12 @@ case = Case(
     math=r"v = c^{1/2.2}, \qquad v_{\mathrm{sRGB}} = \begin{cases} 12.92\,c & c \le 0.0031308 \\"
     r" 1.055\,c^{1/2.4} - 0.055 & \text{otherwise} \end{cases}",
     passes=(
-        *fullscreen(
-            "ch05_lighting/gamma_picture.frag",
-            name="picture",
-            domain={"linear": across(0.0, 1.0), "stripe": up(0.0, 5.0)},
-        ),
+        *fullscreen("ch05_lighting/gamma_picture.frag", name="picture", domain=STRIPES),
         *converted("gamma_framebuffer", "framebuffer", domain={"code": across(0.0, 256.0)}),
         *converted("gamma_encoded", "texture", "rgba8", textures={"image": SRGB_TEXTURE}),
         *converted("gamma_texture", "there-and-back", textures={"image": SRGB_TEXTURE}),
-        *converted(
-            "gamma_texture",
-            "dither",
-            domain={"TexCoords": Ramp((0.5, 0.5))},
-            textures={"image": BLACK_AND_WHITE},
-        ),
-        *fullscreen(
-            "ch05_lighting/gamma.frag", domain={"linear": across(0.0, 1.0)}, uniforms={"gamma": 2.2}
-        ),
+        *converted("gamma_texture", "dither", domain=MIDDLE, textures={"image": BLACK_AND_WHITE}),
+        *fullscreen("ch05_lighting/gamma.frag", domain=RAMP, uniforms={"gamma": 2.2}),
     ),
     picture="picture.FragColor",
     expect=[

@@ -19,7 +19,7 @@ from ..scenes import lit, shadow_stage as courtyard
 from ..scenes.cameras import camera
 from ..scenes.courtyard_light import courtyard_references
 from ..scenes.panels import cell
-from ..scenes.shadow_stage import BOXES, EYE, LIGHT_SPACE, MODEL, SUN
+from ..scenes.shadow_stage import BOXES, EYE, LIGHT_SPACE, MODEL, SUN, reads
 from ..scenes.shadow_truth import blocked, wrongly_bright, wrongly_dark
 
 CAMERA = tuple(camera(EYE, (0.0, 0.4, 0.1), 36.0, far=60.0).values())
@@ -61,9 +61,7 @@ def table(label, statistic, shares, of):
         label,
         share,
         readings=[
-            reading(
-                size, reads=courtyard.reads(f"{bias}-{size}"), series=SERIES[bias], between=bounds
-            )
+            reading(size, reads=reads(f"{bias}-{size}"), series=SERIES[bias], between=bounds)
             for bias in BIASES
             for size, bounds in zip(SIZES, shares[bias], strict=True)
         ],

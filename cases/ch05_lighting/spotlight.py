@@ -13,14 +13,15 @@ from math import cos, radians, sin, tan
 
 import numpy as np
 
-from shaderlab import Case, Erratum, Ramp, Variant, across, formula, fullscreen, sweep
+from shaderlab import Case, Erratum, Ramp, Variant, across, computed, formula, fullscreen, sweep
 from shaderlab.glslmath import vec3
 from shaderlab.reference.spotlight import ratio_of_cosines, spot_intensity, spot_ratio
 
-from ..scenes.figures import figure, results
+from ..scenes.figures import figure
 
 # The lamp hangs at the origin and points along −z; the picture is a slice with z upward.
 LIGHT = {"light.position": (0.0, 0.0, 0.0), "light.direction": (0.0, 0.0, -1.0)}
+TANGENTS = [tan(radians(angle)) for angle in np.linspace(-45.0, 45.0, 121)]
 SLICE = {"FragPos": Ramp((-0.8, 0.0, -1.45), (1.6, 0.0, 0.0), (0.0, 0.0, 1.6))}
 
 
@@ -42,8 +43,7 @@ def below(tangent, light_position, light_direction, light_cutOff, light_outerCut
 
 
 def row(degrees, notes, ratio, intensity):
-    """The unclamped and the clamped figure one unit from the lamp, so many degrees off its axis,
-    beside what the notes print."""
+    """Both figures one unit from the lamp, so many degrees off its axis; what the notes print."""
     at = {"FragPos": (sin(radians(degrees)), 0.0, -cos(radians(degrees)))}
     return (
         figure("ratio", f"ratio at {degrees}°", at, ratio, note=f"the notes print {notes}"),
@@ -51,8 +51,7 @@ def row(degrees, notes, ratio, intensity):
     )
 
 
-# Neither is the direction a unit vector.
-TURNED = {"tangent": -0.1, "light.direction": (0.5, 0.0, -1.0)}
+TURNED = {"tangent": -0.1, "light.direction": (0.5, 0.0, -1.0)}  # no unit vector either
 # The notes' rows for the cone of 25° and 35°: angle, their figure, ratio, intensity.
 WIDE = [
     *row(30, "0.56", 0.537811, 0.537811),
@@ -64,19 +63,17 @@ WIDE = [
 ]
 
 
-def with_notes_cosine():
-    """The ratio at 15° for the cone of 12.5° and 17.5°, one cosine taken of radians."""
-    return ratio_of_cosines(cos(radians(15.0)), cos(12.5), cos(radians(17.5)))
-
-
 # The notes' row for the cone of 12.5° and 17.5°, whose cosine they took of radians.
 NARROW = [
     *row(15, "0.29", 0.540717, 0.540717),
-    *results({"cos 12.5°": (lambda: cos(radians(12.5)), 0.976296)}),
-    *results({"cos(12.5 rad)": (lambda: cos(12.5), 0.9978, "the notes' 0.9978")}, digits=4),
-    *results(
-        {"with the notes' cosine": (with_notes_cosine, 0.277, "rounding on the way made it 0.29")},
+    computed("cos 12.5°", lambda: cos(radians(12.5)), equals=0.976296, digits=6),
+    computed("cos(12.5 rad)", lambda: cos(12.5), equals=0.9978, digits=4, note="the notes' 0.9978"),
+    computed(
+        "with the notes' cosine",
+        lambda: ratio_of_cosines(cos(radians(15.0)), cos(12.5), cos(radians(17.5))),
+        equals=0.277,
         digits=3,
+        note="rounding on the way made it 0.29",
     ),
 ]
 
@@ -94,13 +91,7 @@ case = Case(
     expect=[
         formula("ratio", spot_ratio),
         formula("intensity", spot_intensity),
-        sweep(
-            "edge.intensity",
-            below,
-            over="tangent",
-            values=[tan(radians(angle)) for angle in np.linspace(-45.0, 45.0, 121)],
-            name="from edge to edge",
-        ),
+        sweep("edge.intensity", below, over="tangent", values=TANGENTS, name="from edge to edge"),
     ],
     variants=[
         Variant("25° and 35°", cone(25.0, 35.0), expect=WIDE),

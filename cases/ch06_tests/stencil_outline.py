@@ -27,14 +27,10 @@ from ..scenes.studio import studio_color
 
 CAMERA = camera((1.6, 2.1, 4.6), (0.05, 0.25, 0.0), 38.0, 16.0 / 9.0)
 GROWN = scale((1.1, 1.1, 1.1))
-MODELS = (
-    translate((-0.75, 0.55, -0.55)) @ turned(24.0),
-    translate((0.55, 0.55, 0.35)) @ turned(-18.0),
-)
-BOXES = tuple(
-    solids.painted(solids.box((-0.5, -0.5, -0.5), (0.5, 0.5, 0.5)), color)
-    for color in ((0.10, 0.36, 0.42), (0.36, 0.16, 0.30))
-)
+PLACES = translate((-0.75, 0.55, -0.55)), translate((0.55, 0.55, 0.35))
+MODELS = PLACES[0] @ turned(24.0), PLACES[1] @ turned(-18.0)
+BOX = solids.box((-0.5, -0.5, -0.5), (0.5, 0.5, 0.5))
+BOXES = [solids.painted(BOX, color) for color in ((0.10, 0.36, 0.42), (0.36, 0.16, 0.30))]
 FLOOR = stage.prop(tile(2.2, 0.5), CAMERA)
 JUDGED = (96, 54)
 COLOR = opaque(unchanged("color"))
@@ -51,17 +47,11 @@ def single(k, model, state):
     )
 
 
+MARK = Stencil(func="always", reference=1, depth_pass="replace")
+AROUND = State(stencil=Stencil(func="notequal", reference=1))
 # A box as it is, marked with a 1 where it is seen; then the larger one around the marks.
-MARKED = [
-    stage.prop(
-        box, CAMERA, model=model, stencil=Stencil(func="always", reference=1, depth_pass="replace")
-    )
-    for box, model in zip(BOXES, MODELS, strict=True)
-]
-OUTLINED = [
-    single(k, model @ GROWN, State(stencil=Stencil(func="notequal", reference=1)))
-    for k, model in enumerate(MODELS)
-]
+MARKED = [stage.prop(BOXES[k], CAMERA, model=MODELS[k], stencil=MARK) for k in range(2)]
+OUTLINED = [single(k, MODELS[k] @ GROWN, AROUND) for k in range(2)]
 
 
 def silhouette(name, models):
@@ -101,9 +91,7 @@ case = Case(
         stage.soft_check(),
         *stage.prop_checks(),
         *each_draw("judged.FragColor", studio_color, {1: "box 1", 2: "box 2"}),
-        *each_draw(
-            "judged.FragColor", opaque(unchanged("color")), {3: "outline 1", 4: "outline 2"}
-        ),
+        *each_draw("judged.FragColor", COLOR, {3: "outline 1", 4: "outline 2"}),
         formula("judged.outline", reached, name="where an outline is"),
         formula("judged.gl_Position", clip_position, name="the larger box in clip space"),
         exact(

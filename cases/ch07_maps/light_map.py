@@ -18,7 +18,7 @@ from shaderlab.reference.light_maps import baked
 from shaderlab.sampling import texture
 
 from ..scenes.figures import each_draw, figures, results
-from ..scenes.panels import cell, panel, picture, rectangle, square
+from ..scenes.panels import rectangle, square, table
 
 # On a wall of 1 × 1: where each lamp is, how far in front of it, and its colour.
 LAMPS = [
@@ -52,21 +52,9 @@ def walls(name, size, diffuse, baked_light, ways=WAYS):
         "diffuseMap": Texture(image=diffuse, **smooth),
         "lightMap": Texture(image=baked_light, wrap=("clamp_to_edge",) * 2, **smooth),
     }
-    domain = {
-        "TexCoords": rectangle((0.02, 0.01), (2.02, 2.04)),
-        "LightCoords": square(0.0, 1.0),
-    }
-    draws = (
-        panel(
-            "ch07_maps/light_map.frag",
-            domain,
-            {"shown": shown},
-            textures=textures,
-            cell=cell(k, len(ways)),
-        )
-        for k, shown in enumerate(ways)
-    )
-    return picture(draws, size, name)
+    domain = {"TexCoords": rectangle((0.02, 0.01), (2.02, 2.04)), "LightCoords": square(0.0, 1.0)}
+    fields = [{"uniforms": {"shown": shown}, "textures": textures} for shown in ways]
+    return table("ch07_maps/light_map.frag", domain, fields, len(ways), size, name)
 
 
 def lit(diffuseMap, lightMap, TexCoords, LightCoords, shown):

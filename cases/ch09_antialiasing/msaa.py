@@ -34,10 +34,7 @@ def spoke(k):
 
 
 SHAPES = [spoke(k) for k in range(SPOKES)]
-WHEEL = Mesh(
-    attributes={"aPos": np.array([corner for shape in SHAPES for corner in shape])},
-    indices=np.arange(3 * SPOKES),
-)
+WHEEL = Mesh(attributes={"aPos": np.array(SHAPES).reshape(-1, 2)}, indices=np.arange(3 * SPOKES))
 
 
 def drawn(name, samples):

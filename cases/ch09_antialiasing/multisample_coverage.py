@@ -21,16 +21,15 @@ from ..scenes.laws import pixel_place
 from ..scenes.panels import rectangle
 
 SIZE = (12, 8)
-# The edge from the lower right to the upper left; its ends are whole pixels, which every driver
-# can tell apart, and no sample lies on it.
+COVERAGE, LEVELS = {"coverage": "table.coverage"}, "0, ¼, ½, ¾ and 1"
+# The edge, from lower right to upper left: between whole pixels, and no sample lies on it.
 FOOT, HEAD = (9.0, 0.0), (2.0, 8.0)
-SHAPE = Mesh(
-    attributes={"aPos": np.array([(0.0, 0.0), FOOT, HEAD, (0.0, 8.0)])},
-    indices=np.array([0, 1, 2, 0, 2, 3]),
-)
-WHOLE = Mesh(
-    attributes={"aPos": np.array([(0.0, 0.0), (24.0, 0.0), (0.0, 16.0)])},
-    indices=np.array([0, 1, 2]),
+SHAPE, WHOLE = (
+    Mesh(attributes={"aPos": np.array(corners)}, indices=np.array(indices))
+    for corners, indices in (
+        ([(0.0, 0.0), FOOT, HEAD, (0.0, 8.0)], [0, 1, 2, 0, 2, 3]),
+        ([(0.0, 0.0), (24.0, 0.0), (0.0, 16.0)], [0, 1, 2]),
+    )
 )
 
 
@@ -106,13 +105,6 @@ case = Case(
         formula("table.placesX", places("x"), name="where samples are, to the right"),
         formula("table.placesY", places("y"), name="where samples are, upward"),
         formula("edge.gl_Position", pixel_place),
-        measure(
-            "levels along the edge",
-            levels,
-            reads={"coverage": "table.coverage"},
-            equals=5.0,
-            digits=0,
-            note="0, ¼, ½, ¾ and 1",
-        ),
+        measure("levels along the edge", levels, reads=COVERAGE, equals=5, digits=0, note=LEVELS),
     ],
 )

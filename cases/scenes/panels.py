@@ -79,6 +79,35 @@ def picture(
     return Pass(name=name, target=Target(size=size, **target), draws=tuple(draws))
 
 
+def table(
+    fragment: str,
+    domain: Mapping[str, Ramp],
+    fields: Sequence[Mapping[str, Any]],
+    columns: int,
+    size: tuple[int, int],
+    name: str = "picture",
+    **target: Any,
+) -> Pass:
+    """A pass of panels in a grid, row by row from the lowest one.
+
+    Args:
+        fragment, domain: what all panels share.
+        fields: what `panel` takes for each: `uniforms`, `textures`.
+        columns: of the grid.
+        size: of the target; `target` is what else `Target` takes.
+        name: of the pass.
+
+    >>> table("a.frag", {}, [{}, {}, {}, {}], 2, (64, 64)).draws[3].state.cell.row
+    1
+    """
+    rows = -(-len(fields) // columns)
+    draws = (
+        panel(fragment, domain, **field, cell=cell(k, columns, rows))
+        for k, field in enumerate(fields)
+    )
+    return picture(draws, size, name, **target)
+
+
 def softened_pass(
     of: str, size: tuple[int, int], name: str = "picture", *, domain: Any = None
 ) -> tuple[Pass, ...]:
