@@ -1,7 +1,7 @@
 """Compiling and linking: each stage is checked by itself, then the stages against each other.
 
-A compiler sees one shader at a time. It finds what is wrong with that text: a missing semicolon, a
-name that nobody declared, a profile that the version does not have. What one stage hands to the
+A compiler sees one shader at a time. It finds what is wrong with that text: a missing semicolon, an
+undeclared name, a profile that the version does not have. What one stage hands to the
 next it can't know; that an output and the input of the same name differ in type, or that a stage
 has no `main`, is found when the program is linked. A program that was never asked whether it
 compiled and linked draws nothing, and does not say why.

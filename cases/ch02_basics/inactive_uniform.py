@@ -1,7 +1,7 @@
 """A uniform that nothing depends on is not there: its location is −1.
 
 A program's uniforms are found by name after linking. The linker keeps those that an output depends
-on; a uniform that is only declared, or read by a function that nobody calls, is inactive, and
+on; a uniform that is only declared, or read only by a function without callers, is inactive, and
 `glGetUniformLocation` answers −1 as it does for a misspelt name. Setting location −1 is silently
 ignored: that is no error, and the picture simply does not change. The lab names such uniforms in
 its report, so that a forgotten one is not looked for in the formula.

@@ -1,8 +1,8 @@
 """Ambient light: a little of the lamp's colour everywhere, for what no ray reaches directly.
 
-In a real room light goes from wall to wall and finds its way behind things. The cheapest stand-in
-is a constant: a tenth of the lamp's colour times the object's, (0.1, 0.05, 0.031) for coral under
-white. It knows nothing of the surface's direction, so it can't show a shape.
+In a real room light bounces from wall to wall and reaches behind things. The cheapest stand-in is
+a constant: a tenth of the lamp's colour times the object's, (0.1, 0.05, 0.031) for coral under
+white. It ignores the surface's direction, so it can't show a shape.
 
 Look at: the same ring, box and ball at the strengths 0.1, 0.4 and 1, from below. They become
 brighter, and stay paper cut-outs all the same: only outlines tell the ball from a disc, and where a

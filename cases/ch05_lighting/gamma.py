@@ -3,7 +3,7 @@
 A pixel value v becomes roughly v^2.2 of the display's light, which spends the 256 steps where the
 eye can tell them apart. A shader calculates with light, so its result has to be encoded at the
 end, by the power 1/2.2 or by the exact sRGB curve. An sRGB framebuffer does the latter by itself,
-and an sRGB texture undoes it when it is read: all 256 codes come back, whoever did which half.
+and an sRGB texture undoes it when it is read: all 256 codes come back, whichever does which half.
 
 Look at: the stripes, at full size and from a few steps away. The dithered ones mix black and white
 dots, so their light is right on any display, whatever its curve. The middle stripe is encoded and

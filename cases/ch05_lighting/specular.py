@@ -1,9 +1,9 @@
 """Specular light: a glossy surface mirrors the lamp, blurred, towards one side only.
 
-The ray from the lamp is mirrored at the normal. Who stands in its way sees a highlight; the
-farther away one stands, the less, by the cosine of the angle to the power of the shininess. It is
-the only one of the three parts that depends on the viewer, so it moves when the viewer does. At
-the notes' point the cosine is 0.788110, and to the power of 32 next to nothing is left of it.
+The ray from the lamp is mirrored at the normal. A viewer in its way sees a highlight, which fades
+with the angle from it: by the angle's cosine, raised to the power of the shininess. Of the three
+parts only this one depends on the viewer, so it moves when the viewer does. At the notes' point
+the cosine is 0.788110, and its 32nd power is next to nothing.
 
 Look at: the same ring and ball three times. Above is what ambient and diffuse light show: chalk.
 In the middle is the specular part alone, a few points of light on black. Below is the sum, and

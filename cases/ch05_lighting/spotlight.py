@@ -2,8 +2,8 @@
 
 θ belongs to the ray from the lamp to the fragment, φ to the inner cone, γ to the outer one. The
 ratio is 1 on the inner cone and 0 on the outer one; the clamp takes care of everything inside and
-outside. A uniform `cutOff` has to hold a cosine, and a cosine of degrees: whoever forgets to
-convert to radians gets a number that looks like one and lies on another cone.
+outside. A uniform `cutOff` has to hold a cosine, and a cosine of degrees: without the conversion
+to radians it is a number that looks like one and belongs to another cone.
 
 Look at: the beam from the side, in dusty air. Amber lines are the inner cone, blue lines the
 outer one, and on the grey arc, one unit from the lamp, lie the points of the table.

@@ -1,4 +1,4 @@
-"""The eight stencil operations: what becomes of the stored value, for each way a fragment can fare.
+"""The eight stencil operations: how each changes the stored value, whichever test decides.
 
 glStencilOp takes three of them: for a fragment that fails the stencil test, for one that passes it
 and fails the depth test, and for one that passes both. INCR and DECR stop at 255 and 0, the forms

@@ -91,7 +91,7 @@ def both(VS_OUT_color, VS_OUT_world):
 
 
 def of_corner(values, emitted):
-    """The corner's own value, by how manieth it was emitted."""
+    """The corner's own value, by the order in which corners are emitted."""
     return where(emitted < 0.5, values[0], where(emitted < 1.5, values[1], values[2]))
 
 
