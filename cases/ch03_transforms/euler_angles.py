@@ -50,9 +50,9 @@ def gimbal(yaw, pitch):
     rings, pins = [], []
     for (radius, color), turn, axis in zip(RINGS, turns, gimbal_axes(yaw, pitch), strict=True):
         thin = solids.painted(assets.torus(radius, 0.022, segments=72, sides=10), color)
-        rings.append(solids.placed(thin, turn))
+        rings.append(assets.moved(thin, turn))
         pins.append(solids.rod(-1.62 * axis, 1.62 * axis, color, 0.016))
-    return solids.gathered(*rings, *pins)
+    return assets.joined(*rings, *pins)
 
 
 def panel(k, pose):

@@ -31,7 +31,7 @@ from ..scenes.studio import handed_on, studio_color
 
 CAMERA = camera((0.3, 1.5, 6.0), (0.0, 0.72, 0.0), 38.0, 3.0 / 2.0)
 FRAMES = 7
-AIRCRAFT = solids.placed(aircraft(), scale(0.36))
+AIRCRAFT = assets.moved(aircraft(), scale(0.36))
 # An aircraft stands a radius from the middle, ahead along its own nose.
 AWAY = (0.0, 0.0, -1.72)
 UPRIGHT = axis_angle((1, 0, 0), radians(90.0))
@@ -44,7 +44,7 @@ def globe():
     ball = solids.painted(assets.sphere(0.9, segments=64, rings=32), (0.16, 0.30, 0.38))
     circle = solids.painted(assets.torus(1.14, 0.014, segments=96, sides=8), solids.GOLD)
     tilt = matrix_of(axis_angle((1, 0, 0), pi / 2))
-    return solids.gathered(ball, solids.placed(circle, tilt))
+    return assets.joined(ball, assets.moved(circle, tilt))
 
 
 def frame(step):

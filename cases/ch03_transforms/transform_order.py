@@ -14,7 +14,7 @@ middle S·T·R and T·S·R, below R·S·T and S·R·T.
 
 import numpy as np
 
-from shaderlab import Case, computed, formula
+from shaderlab import Case, assets, computed, formula
 from shaderlab.assets import solids
 from shaderlab.glslmath import mul, vec4
 from shaderlab.reference.transforms import normal_matrix, scale, translate, world_normal
@@ -42,7 +42,7 @@ ORDERS = {
 }
 POINT = np.array([1.0, 0.0, 0.0, 1.0])
 CAMERA = camera((1.2, 6.0, 16.0), (-0.7, 1.9, 0.8), 24.0, 16.0 / 9.0, near=1.0, far=40.0)
-LETTER = solids.gathered(
+LETTER = assets.joined(
     letter_f(),
     solids.rod((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), solids.INK, 0.04),
     solids.painted(solids.box((0.88, -0.12, -0.12), (1.12, 0.12, 0.12)), solids.INK),
@@ -60,7 +60,7 @@ def path(order):
             rods.append(solids.rod(here[:3], there[:3], color, 0.05))
         rods.append(solids.painted(solids.box(there[:3] - 0.10, there[:3] + 0.10), color))
         here = there
-    return solids.gathered(*rods)
+    return assets.joined(*rods)
 
 
 def panel(k, order):

@@ -36,12 +36,12 @@ BALL = solids.painted(assets.sphere(0.32, 32, 16), solids.GOLD)
 RING = solids.painted(assets.torus(0.3, 0.1, 40, 16), solids.BLUE)
 BOX = solids.painted(solids.box((-0.2, 0.0, -0.2), (0.2, 0.4, 0.2)), solids.RED)
 # What the camera goes around.
-SCENE = solids.gathered(
+SCENE = assets.joined(
     tile(1.5, 0.5),
-    solids.placed(letter_f(), translate((-0.35, 0.0, 0.0))),
-    solids.placed(BALL, translate((0.85, 0.32, -0.5))),
-    solids.placed(RING, translate((0.7, 0.1, 0.75))),
-    solids.placed(BOX, translate((-0.9, 0.0, -0.7)) @ turned(30.0)),
+    assets.moved(letter_f(), translate((-0.35, 0.0, 0.0))),
+    assets.moved(BALL, translate((0.85, 0.32, -0.5))),
+    assets.moved(RING, translate((0.7, 0.1, 0.75))),
+    assets.moved(BOX, translate((-0.9, 0.0, -0.7)) @ turned(30.0)),
 )
 
 

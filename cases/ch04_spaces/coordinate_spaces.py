@@ -15,7 +15,7 @@ from math import radians
 
 import numpy as np
 
-from shaderlab import Case, formula
+from shaderlab import Case, assets, formula
 from shaderlab.assets import solids
 from shaderlab.glslmath import mul, swizzle, vec4
 from shaderlab.reference.spaces import device, window
@@ -42,7 +42,7 @@ MODEL = translate((0.35, 0.45, -0.3)) @ turned(55.0) @ scale(0.95)
 CAMERA = camera((1.7, 1.5, 3.0), (0.25, 0.35, -0.3), 40.0, 4.0 / 3.0, near=2.2, far=5.0)
 VIEW, PROJECTION = CAMERA["view"], CAMERA["projection"]
 NOSE = (0.0, 0.0, -1.0)
-BODY = solids.gathered(
+BODY = assets.joined(
     solids.painted(solids.box((-0.28, -0.2, 0.0), (0.28, 0.2, 0.5)), solids.INK),
     solids.painted(solids.box((-0.13, -0.13, -0.2), (0.13, 0.13, 0.0)), solids.STONE),
 )
@@ -67,7 +67,7 @@ WATCHES = {
 }
 PROPS = {
     "local": (tripod(1.3, 0.03),),
-    "world": (tile(2.0, 0.5), tripod(1.0, 0.03), solids.placed(BODY, np.linalg.inv(VIEW))),
+    "world": (tile(2.0, 0.5), tripod(1.0, 0.03), assets.moved(BODY, np.linalg.inv(VIEW))),
     "view": (tripod(1.2, 0.04), BODY),
     "clip": (tripod(2.4, 0.07),),
     "device": (tripod(0.6, 0.025),),

@@ -12,7 +12,7 @@ ones, wherever the camera goes.
 
 import numpy as np
 
-from shaderlab import Case, computed, formula
+from shaderlab import Case, assets, computed, formula
 from shaderlab.assets import solids
 from shaderlab.glslmath import mul, vec4
 from shaderlab.reference.spaces import in_camera
@@ -33,11 +33,11 @@ WATCHES = camera((7.4, 5.4, 8.6), (1.1, 1.05, 1.9), 32.0, 4.0 / 3.0, near=0.5, f
 # What is drawn of the pyramid that the camera sees ends sooner.
 PYRAMID = camera(EYE, TARGET, 30.0, 4.0 / 3.0, near=1.0, far=6.5)["projection"]
 
-SCENE = solids.gathered(
+SCENE = assets.joined(
     tile(2.4, 0.6),
-    solids.placed(tripod(0.6, 0.03), translate((0, 0.01, 0))),
+    assets.moved(tripod(0.6, 0.03), translate((0, 0.01, 0))),
     *(
-        solids.placed(letter_f(front=color), translate((x, 0.0, z)))
+        assets.moved(letter_f(front=color), translate((x, 0.0, z)))
         for x, z, color in (
             (-1.3, -0.4, solids.BLUE),
             (-0.3, 0.0, solids.ORANGE),
@@ -46,8 +46,8 @@ SCENE = solids.gathered(
     ),
 )
 # A camera at the eye: a box with a lens, its three axes, and the pyramid that it sees.
-PLACED = solids.placed(
-    solids.gathered(
+PLACED = assets.moved(
+    assets.joined(
         solids.painted(solids.box((-0.20, -0.15, -0.10), (0.20, 0.15, 0.30)), solids.INK),
         solids.painted(solids.box((-0.10, -0.10, -0.22), (0.10, 0.10, -0.10)), solids.STONE),
         tripod(1.1, 0.04),

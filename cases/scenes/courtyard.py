@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from shaderlab.assets.meshes import Geometry, cube, moved
-from shaderlab.assets.solids import gathered, painted
+from shaderlab.assets.meshes import Geometry, cube, joined, moved
+from shaderlab.assets.solids import painted
 
 from .remembered import remembered
 
@@ -94,7 +94,7 @@ def before(geometry: Geometry, model: Array) -> Geometry:
 
 
 def _built(boxes: Sequence[_Box]) -> Geometry:
-    return gathered(
+    return joined(
         *(
             painted(moved(cube(), _matrix(middle, size, turn)), color)
             for middle, size, turn, color in boxes

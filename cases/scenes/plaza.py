@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from shaderlab import Draw, Pass
-from shaderlab.assets.meshes import Geometry, plane, sphere
-from shaderlab.assets.solids import gathered, lathe, painted, placed
+from shaderlab.assets.meshes import Geometry, joined, moved, plane, sphere
+from shaderlab.assets.solids import lathe, painted
 from shaderlab.reference.transforms import scale
 
 from . import lit
@@ -43,19 +43,19 @@ def plaza(tiles: int = 12, segments: int = 40) -> Geometry:
         for j in range(tiles):
             corner = np.eye(4)
             corner[[0, 2], 3] = side * (np.array([i, j]) + 0.5 - tiles / 2.0)
-            parts.append(placed(painted(plane(side), _TILES[(i + j) % 2]), corner))
+            parts.append(moved(painted(plane(side), _TILES[(i + j) % 2]), corner))
     # A hair above the tiles, so that nowhere both are equally near.
     profile = [(0.30, 0.001), (0.30, 0.10), (0.20, 0.16), (0.16, 0.62), (0.26, 0.68), (0.0, 0.68)]
     for i in range(3):
         for j in range(3):
             at = np.eye(4)
             at[[0, 2], 3] = STEP * (i - 1), STEP * (j - 1)
-            parts.append(placed(painted(lathe(profile, segments), _POST), at))
+            parts.append(moved(painted(lathe(profile, segments), _POST), at))
             above = at.copy()
             above[1, 3] = 1.06
             ball = sphere(0.40, segments, segments // 2)
-            parts.append(placed(painted(ball, _BALLS[(i + j) % 3]), above))
-    return gathered(*parts)
+            parts.append(moved(painted(ball, _BALLS[(i + j) % 3]), above))
+    return joined(*parts)
 
 
 def in_light(fragment: str, light: Mapping[str, Any], *, small: bool = False, **state: Any) -> Draw:

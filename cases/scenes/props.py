@@ -23,7 +23,6 @@ from shaderlab.assets.solids import (
     Color,
     arrow,
     box,
-    gathered,
     lathe,
     painted,
     wire,
@@ -38,7 +37,7 @@ def tripod(size: float = 1.0, thickness: float = 0.03) -> Geometry:
     hub = painted(box((-thickness,) * 3, (thickness,) * 3), INK)
     axes = [arrow(size * np.eye(3)[k], color=c, thickness=thickness)
             for k, c in enumerate((RED, GREEN, BLUE))]  # fmt: skip
-    return gathered(hub, *axes)
+    return joined(hub, *axes)
 
 
 @remembered
@@ -73,7 +72,7 @@ def aircraft(body: Color = PAPER, wings: Color = ORANGE) -> Geometry:
     fin = box((-0.025, 0.03, 0.60), (0.025, 0.44, 0.92))
     port = box((-0.98, -0.05, -0.30), (-0.86, 0.04, 0.18))
     starboard = box((0.86, -0.05, -0.30), (0.98, 0.04, 0.18))
-    return gathered(
+    return joined(
         painted(fuselage, body), painted(wing, wings), painted(tail, wings), painted(fin, wings),
         painted(port, RED), painted(starboard, GREEN),
     )  # fmt: skip
@@ -96,7 +95,7 @@ def tile(half: float = 2.0, step: float = 0.5, thickness: float = 0.06) -> Geome
         along_z = box((at - width, 0.0, -half), (at + width, top, half))
         parts.append(painted(along_x, RED if main else (0.55, 0.56, 0.56)))
         parts.append(painted(along_z, BLUE if main else (0.55, 0.56, 0.56)))
-    return gathered(*parts)
+    return joined(*parts)
 
 
 def railway(length: float = 30.0) -> Geometry:
@@ -120,7 +119,7 @@ def railway(length: float = 30.0) -> Geometry:
                 painted(box((x - 0.13, -0.06, z - 0.13), (x + 0.13, 1.8, z + 0.13)), PAPER)
             )
             parts.append(painted(box((x - 0.17, 1.8, z - 0.17), (x + 0.17, 2.05, z + 0.17)), color))
-    return gathered(*parts)
+    return joined(*parts)
 
 
 def frustum(clip: npt.NDArray[Any], color: Color, thickness: float = 0.012) -> Geometry:

@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from shaderlab import Pass, Target, measure
-from shaderlab.assets.meshes import Geometry, sphere, torus
-from shaderlab.assets.solids import box, gathered, painted, placed
+from shaderlab.assets.meshes import Geometry, joined, moved, sphere, torus
+from shaderlab.assets.solids import box, painted
 
 from .cameras import camera
 from .figures import figure
@@ -31,10 +31,10 @@ def still_life() -> Geometry:
     >>> sorted(still_life()["attributes"])
     ['aColor', 'aNormal', 'aPos']
     """
-    return gathered(
-        placed(painted(sphere(0.42), CORAL), _at(0.35, 0.42, 0.55)),
-        placed(painted(torus(0.46, 0.17), BLUE), _at(-0.75, 0.18, 0.95)),
-        placed(letter_f(), _at(-0.95, 0.01, -0.35)),
+    return joined(
+        moved(painted(sphere(0.42), CORAL), _at(0.35, 0.42, 0.55)),
+        moved(painted(torus(0.46, 0.17), BLUE), _at(-0.75, 0.18, 0.95)),
+        moved(letter_f(), _at(-0.95, 0.01, -0.35)),
         painted(box((0.75, 0.01, -1.1), (1.45, 1.05, -0.4)), GREEN),
         *(_field(x, z) for x in range(-4, 4) for z in range(-4, 4)),
     )

@@ -32,7 +32,7 @@ def quad(size: float = 1.0) -> Geometry:
     corners = np.array([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)])
     positions = np.column_stack([corners * size, np.zeros(4)])
     normals = np.tile([0.0, 0.0, 1.0], (4, 1))
-    return _geometry(positions, normals, corners + 0.5, [0, 1, 2, 0, 2, 3])
+    return made(positions, normals, [0, 1, 2, 0, 2, 3], aTexCoords=corners + 0.5)
 
 
 def plane(size: float = 2.0, repeat: float = 1.0) -> Geometry:
@@ -44,7 +44,7 @@ def plane(size: float = 2.0, repeat: float = 1.0) -> Geometry:
     x, y, _ = flat["aPos"].T
     positions = np.column_stack([x, np.zeros(4), -y])
     normals = np.tile([0.0, 1.0, 0.0], (4, 1))
-    return _geometry(positions, normals, flat["aTexCoords"] * repeat, [0, 1, 2, 0, 2, 3])
+    return made(positions, normals, [0, 1, 2, 0, 2, 3], aTexCoords=flat["aTexCoords"] * repeat)
 
 
 def cube(size: float = 1.0) -> Geometry:
@@ -54,7 +54,7 @@ def cube(size: float = 1.0) -> Geometry:
     (24, 36)
     """
     positions, normals, texture, indices = _unit_cube()
-    return _geometry(positions * size, normals, texture, indices)
+    return made(positions * size, normals, indices, aTexCoords=texture)
 
 
 @cache
@@ -100,7 +100,7 @@ def sphere(radius: float = 1.0, segments: int = 48, rings: int = 24) -> Geometry
     south, north = triangles[0, :, 1], triangles[-1, :, 0]
     middle = triangles[1:-1].reshape(-1, 3)
     indices = np.concatenate([south, middle, north]).ravel()
-    return _geometry(normals * radius, normals, np.column_stack([s, t]), indices)
+    return made(normals * radius, normals, indices, aTexCoords=np.column_stack([s, t]))
 
 
 def ellipsoid(
@@ -118,7 +118,8 @@ def ellipsoid(
         raise ValueError(f"ellipsoid: half axes must be above 0, not {axes}")
     globe = sphere(1.0, segments, rings)
     unit = globe["attributes"]["aNormal"].astype(float)
-    return _geometry(unit * axes, unit / axes, globe["attributes"]["aTexCoords"], globe["indices"])
+    texture = globe["attributes"]["aTexCoords"]
+    return made(unit * axes, unit / axes, globe["indices"], aTexCoords=texture)
 
 
 def torus(radius: float = 0.7, tube: float = 0.3, segments: int = 64, sides: int = 32) -> Geometry:
@@ -134,7 +135,7 @@ def torus(radius: float = 0.7, tube: float = 0.3, segments: int = 64, sides: int
     normals[:, 1] = np.sin(across)
     positions = outward * radius + normals * tube
     indices = _grid_triangles(segments, sides).ravel()
-    return _geometry(positions, normals, np.column_stack([s, t]), indices)
+    return made(positions, normals, indices, aTexCoords=np.column_stack([s, t]))
 
 
 def moved(geometry: Geometry, matrix: Array) -> Geometry:
@@ -148,23 +149,27 @@ def moved(geometry: Geometry, matrix: Array) -> Geometry:
     linear = np.asarray(matrix, float)[:3, :3]
     if np.linalg.det(linear) <= 0.0:
         raise ValueError("moved: the matrix must keep the orientation (determinant > 0)")
-    attributes = dict(geometry["attributes"])
-    positions = attributes["aPos"].astype(float) @ linear.T + np.asarray(matrix, float)[:3, 3]
-    normals = attributes["aNormal"].astype(float) @ np.linalg.inv(linear)
-    return _geometry(positions, normals, attributes["aTexCoords"], geometry["indices"])
+    others = dict(geometry["attributes"])
+    positions = others.pop("aPos").astype(float) @ linear.T + np.asarray(matrix, float)[:3, 3]
+    normals = others.pop("aNormal").astype(float) @ np.linalg.inv(linear)
+    return made(positions, normals, geometry["indices"], **others)
 
 
 def joined(*geometries: Geometry) -> Geometry:
-    """Several meshes as one, drawn in this order."""
+    """Several meshes of the same attributes as one, drawn in this order.
+
+    >>> len(joined(cube(), cube())["indices"])
+    72
+    """
     starts = np.cumsum([0, *(len(g["attributes"]["aPos"]) for g in geometries)])
-    indices = [g["indices"] + start for g, start in zip(geometries, starts[:-1], strict=True)]
-
-    def stacked(name: str) -> Array:
-        return np.concatenate([g["attributes"][name] for g in geometries])
-
-    return _geometry(
-        stacked("aPos"), stacked("aNormal"), stacked("aTexCoords"), np.concatenate(indices)
-    )
+    indices = [g["indices"] + start for g, start in zip(geometries, starts, strict=False)]
+    return {
+        "attributes": {
+            name: np.concatenate([g["attributes"][name] for g in geometries])
+            for name in geometries[0]["attributes"]
+        },
+        "indices": np.concatenate(indices).astype(np.uint32),
+    }
 
 
 def _grid(columns: int, rows: int) -> tuple[Array, Array]:
@@ -181,15 +186,13 @@ def _grid_triangles(columns: int, rows: int) -> Array:
     return np.stack([np.stack([a, b, c], -1), np.stack([a, c, d], -1)], axis=1)
 
 
-def _geometry(positions: Any, normals: Any, texture: Any, indices: Any) -> Geometry:
+def made(positions: Any, normals: Any, indices: Any, **others: Any) -> Geometry:
+    """A mesh of these arrays; normals need not be of unit length."""
     normals = np.asarray(normals, float)
     normals = normals / np.linalg.norm(normals, axis=1, keepdims=True)
+    attributes = {"aPos": positions, "aNormal": normals, **others}
     return {
-        "attributes": {
-            "aPos": np.asarray(positions, np.float32),
-            "aNormal": normals.astype(np.float32),
-            "aTexCoords": np.asarray(texture, np.float32),
-        },
+        "attributes": {name: np.asarray(a, np.float32) for name, a in attributes.items()},
         "indices": np.asarray(indices, np.uint32),
     }
 

@@ -10,7 +10,8 @@ from __future__ import annotations
 import io
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -26,6 +27,9 @@ MAX_BYTES = 64 << 20
 _NUMBERS = {"v": (3, "a position"), "vt": (2, "a texture coordinate"), "vn": (3, "a normal")}
 _CORNER = re.compile(r"(-?\d+)(?:/(-?\d+)?(?:/(-?\d+))?)?")
 _REPAIR = "export the model again"
+_SPELLING = "check the path and its spelling"
+
+Corner = tuple[int, int, int]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,27 +78,34 @@ def load_obj(path: str | Path) -> tuple[Part, ...]:
     return tuple(parts[name] for name in names if name in parts)
 
 
-def read_text(source: Path, what: str) -> str:
-    """A text file of a mesh.
+def read_bytes(source: Path, what: str, limit: int, too_large: str) -> bytes:
+    """A model's file.
+
+    Args:
+        what: a name of its kind, such as "an OBJ file".
+        limit: the most bytes that are read.
+        too_large: the remedy for a larger file.
 
     Raises:
-        AssetError: it is missing, a folder, unreadable, too large, empty, or not UTF-8.
+        AssetError: it is missing, a folder, unreadable or too large.
     """
+    if source.is_dir():
+        raise AssetError(f"is a folder, not {what}", file=source, remedy=_SPELLING)
     if not source.is_file():
-        found = (
-            f"is a folder, not {what}"
-            if source.is_dir()
-            else f"there is no such file ({what} was asked for)"
-        )
-        raise AssetError(found, file=source, remedy="check the path and its spelling")
+        message = f"there is no such file ({what} was asked for)"
+        raise AssetError(message, file=source, remedy=_SPELLING)
     try:
-        if source.stat().st_size > MAX_BYTES:
-            raise AssetError(
-                f"is larger than {MAX_BYTES >> 20} MiB", file=source, remedy="simplify the model"
-            )
-        text = source.read_bytes().decode("utf-8-sig")
+        if source.stat().st_size > limit:
+            message = f"is larger than {limit >> 20} MiB"
+            raise AssetError(message, file=source, remedy=too_large)
+        return source.read_bytes()
     except OSError as error:
         raise AssetError(f"can't be read: {error.strerror or error}", file=source) from error
+
+
+def _read_text(source: Path, what: str) -> str:
+    try:
+        text = read_bytes(source, what, MAX_BYTES, "simplify the model").decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise AssetError(
             f"is no text: byte {error.start} is 0x{error.object[error.start]:02x}",
@@ -106,125 +117,107 @@ def read_text(source: Path, what: str) -> str:
     return text
 
 
+@contextmanager
+def at(source: Path, line: int | None = None) -> Iterator[None]:
+    """Adds the place to errors that have none."""
+    try:
+        yield
+    except AssetError as error:
+        if error.file is not None:
+            raise
+        raise AssetError(error.message, file=source, line=line, remedy=error.remedy) from None
+
+
 def _checked(source: Path) -> tuple[str, list[str]]:
     """The text with absolute indices, and the materials in the order of their first use."""
     rows: list[str] = []
     counts = dict.fromkeys(_NUMBERS, 0)
-    faces: list[tuple[int, list[tuple[int, int, int]]]] = []
-    known: dict[str, int] = {}
+    faces: list[tuple[int, list[Corner]]] = []
+    known: dict[str, None] = {}
     used: dict[str, None] = {}
     current = ""
-    for line, row in enumerate(read_text(source, "an OBJ file").splitlines(), start=1):
+    for line, row in enumerate(_read_text(source, "an OBJ file").splitlines(), start=1):
         word, _, rest = row.split("#")[0].strip().partition(" ")
-        if word in _NUMBERS:
-            _check_numbers(word, rest.split(), source, line)
-            counts[word] += 1
-        elif word == "f":
-            corners = [_corner(corner, counts, source, line) for corner in rest.split()]
-            if len(corners) < 3:
-                raise _wrong(f"a face has {len(corners)} corners; it needs three", source, line)
-            faces.append((line, corners))
-            used.setdefault(current)
-            row = "f " + " ".join(_spelt(corner) for corner in corners)
-        elif word == "mtllib":
-            known |= _materials(source.parent / rest.strip(), source, line)
-        elif word == "usemtl":
-            current = rest.strip()
-            if current not in known:
-                raise AssetError(
-                    f"no material library defines {current!r}",
-                    file=source,
-                    line=line,
-                    remedy=nearest(current, known),
-                )
+        with at(source, line):
+            if word in _NUMBERS:
+                _check_numbers(word, rest.split())
+                counts[word] += 1
+            elif word == "f":
+                corners = [_corner(corner, counts) for corner in rest.split()]
+                if len(corners) < 3:
+                    raise _wrong(f"a face has {len(corners)} corners; it needs three")
+                faces.append((line, corners))
+                used.setdefault(current)
+                row = "f " + " ".join(_spelt(corner) for corner in corners)
+            elif word == "mtllib":
+                known |= _materials(source.parent / rest.strip())
+            elif word == "usemtl":
+                current = rest.strip()
+                if current not in known:
+                    message = f"no material library defines {current!r}"
+                    raise AssetError(message, remedy=nearest(current, known))
         rows.append(row)
     if not faces:
         raise AssetError("has no faces", file=source, remedy=_REPAIR)
-    _check_indices(faces, counts, source)
+    for line, corners in faces:
+        for kind, index in ((k, i) for c in corners for k, i in zip(_NUMBERS, c, strict=True)):
+            if index > counts[kind]:
+                with at(source, line):
+                    raise _wrong(f"a face names {kind} {index}, but there are {counts[kind]}")
     return "\n".join(rows) + "\n", list(used)
 
 
-def _check_numbers(word: str, values: list[str], source: Path, line: int) -> None:
+def _check_numbers(word: str, values: list[str]) -> None:
     least, what = _NUMBERS[word]
     if len(values) < least:
-        raise _wrong(f"{what} has {len(values)} numbers; it needs {least}", source, line)
+        raise _wrong(f"{what} has {len(values)} numbers; it needs {least}")
     for value in values:
         try:
             number = float(value)
         except ValueError:
-            raise _wrong(f"{what} holds {value!r}, which is no number", source, line) from None
+            raise _wrong(f"{what} holds {value!r}, which is no number") from None
         if not math.isfinite(number):
-            raise _wrong(f"{what} holds {value}", source, line)
+            raise _wrong(f"{what} holds {value}")
 
 
-def _corner(text: str, counts: Mapping[str, int], source: Path, line: int) -> tuple[int, int, int]:
+def _corner(text: str, counts: Mapping[str, int]) -> Corner:
     """Position, texture coordinate and normal of a corner as indices from 1; 0 for none."""
     match = _CORNER.fullmatch(text)
     if match is None:
-        raise _wrong(f"a face's corner is {text!r}; it must be v, v/vt, v//vn or v/vt/vn", source,
-                     line)  # fmt: skip
+        raise _wrong(f"a face's corner is {text!r}; it must be v, v/vt, v//vn or v/vt/vn")
     found = []
     for kind, index in zip(_NUMBERS, match.groups(), strict=True):
-        number = 0 if index is None else int(index)
+        number = int(index or 0)
         if index is not None and number == 0:
-            raise _wrong(f"a face names {kind} 0; the first one is 1", source, line)
+            raise _wrong(f"a face names {kind} 0; the first one is 1")
         absolute = number + counts[kind] + 1 if number < 0 else number
         if number < 0 and absolute < 1:
-            raise _wrong(
-                f"a face names {kind} {number}, but there are {counts[kind]} before it",
-                source,
-                line,
-            )
+            raise _wrong(f"a face names {kind} {number}, but there are {counts[kind]} before it")
         found.append(absolute)
     if not found[2]:
-        raise AssetError(
-            "a face's corner has no normal",
-            file=source,
-            line=line,
-            remedy="export the model with normals",
-        )
+        raise AssetError("a face's corner has no normal", remedy="export the model with normals")
     return found[0], found[1], found[2]
 
 
-def _check_indices(
-    faces: list[tuple[int, list[tuple[int, int, int]]]], counts: Mapping[str, int], source: Path
-) -> None:
-    for line, corners in faces:
-        for corner in corners:
-            for kind, index in zip(_NUMBERS, corner, strict=True):
-                if index > counts[kind]:
-                    raise _wrong(
-                        f"a face names {kind} {index}, but there are {counts[kind]}", source, line
-                    )
-
-
-def _materials(library: Path, source: Path, line: int) -> dict[str, int]:
-    """The materials' names with the lines that define them."""
+def _materials(library: Path) -> dict[str, None]:
+    """The names of the materials in a library."""
     if not library.is_file():
-        raise AssetError(
-            f"its material library is not there: {library.name}",
-            file=source,
-            line=line,
-            remedy="put it beside the OBJ file",
-        )
-    names = {}
-    for number, row in enumerate(read_text(library, "a material library").splitlines(), start=1):
-        words = row.split("#")[0].split()
-        if words[:1] == ["newmtl"]:
-            names[" ".join(words[1:])] = number
-        elif words[:1] in (["Kd"], ["Ns"]):
-            _check_numbers_of(words, library, number)
+        message = f"its material library is not there: {library.name}"
+        raise AssetError(message, remedy="put it beside the OBJ file")
+    names: dict[str, None] = {}
+    for line, row in enumerate(_read_text(library, "a material library").splitlines(), start=1):
+        word, *values = row.split("#")[0].split() or [""]
+        least = {"Kd": 3, "Ns": 1}.get(word, 0)
+        try:
+            good = len(values) >= least and all(math.isfinite(float(v)) for v in values[:least])
+        except ValueError:
+            good = False
+        if word == "newmtl":
+            names.setdefault(" ".join(values))
+        elif not good:
+            with at(library, line):
+                raise _wrong(f"{word} needs {least} finite numbers")
     return names
-
-
-def _check_numbers_of(words: list[str], library: Path, line: int) -> None:
-    least = {"Kd": 3, "Ns": 1}[words[0]]
-    try:
-        good = len(words) > least and all(math.isfinite(float(w)) for w in words[1 : least + 1])
-    except ValueError:
-        good = False
-    if not good:
-        raise _wrong(f"{words[0]} needs {least} finite numbers", library, line)
 
 
 def _part(arrays: Mapping[str, Any]) -> Part:
@@ -258,7 +251,7 @@ def _material(arrays: Mapping[str, Any]) -> str:
     return str(getattr(material, "name", None) or "")
 
 
-def _spelt(corner: tuple[int, int, int]) -> str:
+def _spelt(corner: Corner) -> str:
     """A corner as OBJ writes it.
 
     >>> _spelt((4, 0, 2))
@@ -267,5 +260,5 @@ def _spelt(corner: tuple[int, int, int]) -> str:
     return "/".join(str(index) if index else "" for index in corner)
 
 
-def _wrong(message: str, source: Path, line: int) -> AssetError:
-    return AssetError(message, file=source, line=line, remedy=_REPAIR)
+def _wrong(message: str) -> AssetError:
+    return AssetError(message, remedy=_REPAIR)

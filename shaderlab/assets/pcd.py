@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from shaderlab.assets.obj import at, read_bytes
 from shaderlab.errors import AssetError, extra
 
 Array = npt.NDArray[Any]
@@ -78,9 +79,10 @@ def load_pcd(path: str | Path, *, drop_invalid: bool = False) -> Cloud:
             a coordinate is not finite. The message names the file.
     """
     source = Path(path)
-    data = _bytes(source)
-    header = _header(data, source)
-    _check_size(header, data, source)
+    data = read_bytes(source, "a PCD file", MAX_BYTES, "thin the cloud out")
+    with at(source):
+        header = _header(data)
+        _check_size(header, data)
     with extra("models", "a PCD file"):
         from pypcd4.pypcd4 import PointCloud
 
@@ -110,107 +112,86 @@ def load_pcd(path: str | Path, *, drop_invalid: bool = False) -> Cloud:
     )
 
 
-def _bytes(source: Path) -> bytes:
-    if not source.is_file():
-        what = "is a folder, not a PCD file" if source.is_dir() else "there is no such PCD file"
-        raise AssetError(what, file=source, remedy="check the path and its spelling")
-    try:
-        if source.stat().st_size > MAX_BYTES:
-            raise AssetError(
-                f"is larger than {MAX_BYTES >> 20} MiB", file=source, remedy="thin the cloud out"
-            )
-        return source.read_bytes()
-    except OSError as error:
-        raise AssetError(f"can't be read: {error.strerror or error}", file=source) from error
-
-
-def _header(data: bytes, source: Path) -> _Header:
+def _header(data: bytes) -> _Header:
     """The header's lines, up to and with DATA."""
     said: dict[str, list[str]] = {}
     at = 0
     while "DATA" not in said:
         end = data.find(b"\n", at)
         if end < 0 or end - at > 4096:
-            raise _no_pcd("its header has no end" if said else "is no PCD file", source)
+            raise _no_pcd("its header has no end" if said else "is no PCD file")
         row = data[at:end].split(b"#")[0].decode("latin-1").split()
         at = end + 1
         if row:
             if not said and row[0] != "VERSION":
-                raise _no_pcd(f"is no PCD file: it begins with {row[0][:16]!r}", source)
+                raise _no_pcd(f"is no PCD file: it begins with {row[0][:16]!r}")
             said[row[0]] = row[1:]
     if said["VERSION"][:1] not in ([v] for v in _VERSIONS):
-        raise _no_pcd(f"is version {' '.join(said['VERSION'])}; 0.7 is read", source)
+        raise _no_pcd(f"is version {' '.join(said['VERSION'])}; 0.7 is read")
     for word in (*_LISTS[:3], *_COUNTS[:1]):
         if not said.get(word):
-            raise _no_pcd(f"its header has no {word}", source)
+            raise _no_pcd(f"its header has no {word}")
     fields = said["FIELDS"]
-    counts = _numbers(said.get("COUNT") or ["1"] * len(fields), "COUNT", source)
-    sizes = _numbers(said["SIZE"], "SIZE", source)
-    width = _numbers(said["WIDTH"], "WIDTH", source)[0]
-    height = _numbers(said.get("HEIGHT") or ["1"], "HEIGHT", source)[0]
+    counts = _numbers(said.get("COUNT") or ["1"] * len(fields), "COUNT")
+    sizes = _numbers(said["SIZE"], "SIZE")
+    width = _numbers(said["WIDTH"], "WIDTH")[0]
+    height = _numbers(said.get("HEIGHT") or ["1"], "HEIGHT")[0]
     types = list(zip(said["TYPE"], sizes, strict=False))
     if len({len(fields), len(counts), len(sizes), len(said["TYPE"])}) > 1:
-        raise _no_pcd("its FIELDS, SIZE, TYPE and COUNT differ in length", source)
+        raise _no_pcd("its FIELDS, SIZE, TYPE and COUNT differ in length")
     if not set(types) <= _TYPES or min(counts) < 1:
-        raise _no_pcd("its SIZE, TYPE or COUNT is none that there is", source)
+        raise _no_pcd("its SIZE, TYPE or COUNT is none that there is")
     missing = [axis for axis in "xyz" if axis not in fields]
     if missing:
-        raise AssetError(
-            f"has no field {' '.join(missing)}", file=source, remedy="it needs x, y and z"
-        )
-    points = _numbers(said.get("POINTS") or [str(width * height)], "POINTS", source)[0]
+        raise AssetError(f"has no field {' '.join(missing)}", remedy="it needs x, y and z")
+    points = _numbers(said.get("POINTS") or [str(width * height)], "POINTS")[0]
     if points != width * height:
-        raise _no_pcd(f"promises {points} points, but {width} × {height} are not so many", source)
+        raise _no_pcd(f"promises {points} points, but is {width} × {height}")
     encoding = " ".join(said["DATA"])
     if encoding not in _ENCODINGS:
-        raise _no_pcd(f"its DATA is {encoding!r}, not {', '.join(_ENCODINGS)}", source)
+        raise _no_pcd(f"its DATA is {encoding!r}, not {', '.join(_ENCODINGS)}")
     stride = sum(size * count for size, count in zip(sizes, counts, strict=True))
     return _Header(tuple(fields), stride, sum(counts), width, height, encoding, at)
 
 
-def _check_size(header: _Header, data: bytes, source: Path) -> None:
+def _check_size(header: _Header, data: bytes) -> None:
     """The points must be there, and no more than fit into memory."""
     needed, there = header.points * header.stride, len(data) - header.start
     if header.encoding == "ascii":
         rows = [row.split() for row in data[header.start :].splitlines() if row.strip()]
         if len(rows) != header.points:
-            raise _cut_off(f"it promises {header.points} points and has {len(rows)}", source)
+            raise _cut_off(f"it promises {header.points} points and has {len(rows)}")
         for number, row in enumerate(rows):
             if len(row) != header.columns:
-                raise _cut_off(
-                    f"point {number} has {len(row)} numbers, not {header.columns}", source
-                )
+                raise _cut_off(f"point {number} has {len(row)} numbers, not {header.columns}")
         return
     if header.encoding == "binary":
         if there < needed:
-            raise _cut_off(f"it promises {header.points} points and has {there // header.stride}",
-                           source)  # fmt: skip
+            raise _cut_off(f"it promises {header.points} points and has {there // header.stride}")
         return
     if there < 8:
-        raise _cut_off("it ends before its data", source)
+        raise _cut_off("it ends before its data")
     packed, unpacked = struct.unpack_from("<II", data, header.start)
     if unpacked != needed or needed > MAX_BYTES:
-        raise _no_pcd(
-            f"promises {header.points} points, {needed} bytes, but unpacks to {unpacked}", source
-        )
+        raise _no_pcd(f"promises {header.points} points, {needed} bytes, but unpacks to {unpacked}")
     if there - 8 < packed:
-        raise _cut_off(f"it promises {packed} packed bytes and has {there - 8}", source)
+        raise _cut_off(f"it promises {packed} packed bytes and has {there - 8}")
 
 
-def _numbers(words: list[str], name: str, source: Path) -> list[int]:
+def _numbers(words: list[str], name: str) -> list[int]:
     """Counts in the header.
 
-    >>> _numbers(["4", "4", "1"], "SIZE", Path("cloud.pcd"))
+    >>> _numbers(["4", "4", "1"], "SIZE")
     [4, 4, 1]
     """
     if not all(word.isdecimal() and len(word) < 16 for word in words):
-        raise _no_pcd(f"its {name} is {' '.join(words)!r}, which is no count", source)
+        raise _no_pcd(f"its {name} is {' '.join(words)!r}, which is no count")
     return [int(word) for word in words]
 
 
-def _no_pcd(message: str, source: Path) -> AssetError:
-    return AssetError(message, file=source, remedy=_REPAIR)
+def _no_pcd(message: str) -> AssetError:
+    return AssetError(message, remedy=_REPAIR)
 
 
-def _cut_off(message: str, source: Path) -> AssetError:
-    return AssetError(f"is cut off: {message}", file=source, remedy=_REPAIR)
+def _cut_off(message: str) -> AssetError:
+    return AssetError(f"is cut off: {message}", remedy=_REPAIR)

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from shaderlab.assets.meshes import Geometry, cube, joined, moved
+from shaderlab.assets.meshes import Geometry, cube, joined, made, moved
 
 Array = npt.NDArray[Any]
 Color = Sequence[float]
@@ -37,38 +37,12 @@ def painted(geometry: Geometry, color: Color) -> Geometry:
     return {"attributes": {**attributes, "aColor": colors}, "indices": geometry["indices"]}
 
 
-def gathered(*solids: Geometry) -> Geometry:
-    """Several painted solids as one.
-
-    >>> len(gathered(painted(cube(), RED), painted(cube(), BLUE))["indices"])
-    72
-    """
-    starts = np.cumsum([0, *(len(s["attributes"]["aPos"]) for s in solids)])
-    return {
-        "attributes": {
-            name: np.concatenate([s["attributes"][name] for s in solids])
-            for name in solids[0]["attributes"]
-        },
-        "indices": np.concatenate([s["indices"] + n for s, n in zip(solids, starts, strict=False)]),
-    }
-
-
 def repainted(solid: Geometry, color: Color, amount: float = 1.0) -> Geometry:
     """A painted solid with its colours blended towards one colour; 1 replaces them."""
     colors = solid["attributes"]["aColor"].astype(float)
     mixed = (1.0 - amount) * colors + amount * np.asarray(color, float)
     return {
         "attributes": {**solid["attributes"], "aColor": mixed.astype(np.float32)},
-        "indices": solid["indices"],
-    }
-
-
-def placed(solid: Geometry, matrix: Array) -> Geometry:
-    """A painted solid transformed by a 4 × 4 matrix (rows first) that does not mirror."""
-    there = moved(_untextured(solid), matrix)["attributes"]
-    attributes = {k: there[k] for k in ("aPos", "aNormal")}
-    return {
-        "attributes": {**attributes, "aColor": solid["attributes"]["aColor"]},
         "indices": solid["indices"],
     }
 
@@ -105,14 +79,13 @@ def lathe(profile: Sequence[tuple[float, float]], segments: int = 32) -> Geometr
         k = np.arange(segments)
         a, b, c, d = k, k + 1, k + segments + 2, k + segments + 1
         # At a tip one of a field's two triangles has no area.
-        lower = np.stack([a, b, c], -1) if r0 > 0.0 else np.empty((0, 3), int)
-        upper = np.stack([a, c, d], -1) if r1 > 0.0 else np.empty((0, 3), int)
-        if r0 == 0.0:
-            upper = np.stack([a, c, d], -1)
-        if r1 == 0.0:
-            lower = np.stack([a, b, d], -1)
-        bands.append(_solid(np.concatenate(ring), np.tile(normal, (2, 1)),
-                            np.concatenate([lower, upper]).ravel()))  # fmt: skip
+        triangles = [(a, b, c if r1 > 0.0 else d)] if r0 > 0.0 else []
+        triangles += [(a, c, d)] if r1 > 0.0 else []
+        indices = np.concatenate([np.stack(t, -1) for t in triangles]).ravel()
+        # Rounded before `made` normalises them: pictures depend on the last bit.
+        normals = np.tile(normal, (2, 1)).astype(np.float32)
+        empty = np.zeros((len(normals), 2))
+        bands.append(made(np.concatenate(ring), normals, indices, aTexCoords=empty))
     return joined(*bands)
 
 
@@ -124,15 +97,11 @@ def arrow(
     >>> float(arrow((0, 2, 0), color=RED)["attributes"]["aPos"][:, 1].max())
     2.0
     """
-    direction = np.asarray(direction, float)
     length = float(np.linalg.norm(direction))
     tip = min(7.0 * thickness, 0.5 * length)
     profile = [(0.0, 0.0), (thickness, 0.0), (thickness, length - tip),
                (2.6 * thickness, length - tip), (0.0, length)]  # fmt: skip
-    matrix = np.eye(4)
-    matrix[:3, :3] = _towards(direction / length)
-    matrix[:3, 3] = start
-    return painted(moved(lathe(profile, segments=20), matrix), color)
+    return painted(_along(direction, start, lathe(profile, segments=20)), color)
 
 
 def wire(corners: Any, color: Color, thickness: float = 0.012) -> Geometry:
@@ -144,43 +113,24 @@ def wire(corners: Any, color: Color, thickness: float = 0.012) -> Geometry:
     """
     corners = np.asarray(corners, float)
     edges = [(k, k | bit) for k in range(8) for bit in (1, 2, 4) if not k & bit]
-    return gathered(*(rod(corners[a], corners[b], color, thickness) for a, b in edges))
+    return joined(*(rod(corners[a], corners[b], color, thickness) for a, b in edges))
 
 
 def rod(start: Vector, end: Vector, color: Color, thickness: float = 0.012) -> Geometry:
     """A round bar between two points."""
     direction = np.subtract(end, start).astype(float)
     length = float(np.linalg.norm(direction))
-    matrix = np.eye(4)
-    matrix[:3, :3] = _towards(direction / length)
-    matrix[:3, 3] = start
     profile = [(0.0, 0.0), (thickness, 0.0), (thickness, length), (0.0, length)]
-    return painted(moved(lathe(profile, segments=10), matrix), color)
+    return painted(_along(direction, start, lathe(profile, segments=10)), color)
 
 
-def _towards(unit: Array) -> Array:
-    """A turn (3 × 3) that takes +y to `unit`."""
+def _along(direction: Vector, start: Vector, solid: Geometry) -> Geometry:
+    """A solid around y, turned so that +y points along `direction`, and moved to `start`."""
+    unit = np.asarray(direction, float) / np.linalg.norm(direction)
     helper = np.array([0.0, 0.0, 1.0]) if abs(unit[2]) < 0.9 else np.array([1.0, 0.0, 0.0])
     side = np.cross(unit, helper)
     side /= np.linalg.norm(side)
-    return np.column_stack([side, unit, np.cross(side, unit)])
-
-
-def _untextured(solid: Geometry) -> Geometry:
-    empty = np.zeros((len(solid["attributes"]["aPos"]), 2), np.float32)
-    return {
-        "attributes": {**solid["attributes"], "aTexCoords": empty},
-        "indices": solid["indices"],
-    }
-
-
-def _solid(positions: Array, normals: Array, indices: Array) -> Geometry:
-    empty = np.zeros((len(positions), 2), np.float32)
-    return {
-        "attributes": {
-            "aPos": positions.astype(np.float32),
-            "aNormal": normals.astype(np.float32),
-            "aTexCoords": empty,
-        },
-        "indices": indices.astype(np.uint32),
-    }
+    matrix = np.eye(4)
+    matrix[:3, :3] = np.column_stack([side, unit, np.cross(side, unit)])
+    matrix[:3, 3] = start
+    return moved(solid, matrix)

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -43,7 +43,7 @@ from shaderlab.bands.rounding import (
     is_power_of_two,
     widened_by_ulps,
 )
-from shaderlab.bands.terms import Terms, combined, is_tiny, least_of, reach_of
+from shaderlab.bands.terms import Terms, is_tiny, least_of, reach_of
 
 if TYPE_CHECKING:
     from shaderlab.bands.band import Band
@@ -69,11 +69,13 @@ def add(a: Band, b: Band) -> Band:
         return a.made(lo, hi, b, nan=nan)
     mag_a, mag_b = a.mag, b.mag
     mag = mag_a + mag_b
-    least = least_of(mag)
-    reach = None
-    if is_tiny(mag, least, a.terms, b.terms):
-        reach = reach_of(mag_a, a.terms) + reach_of(mag_b, b.terms)
-    terms = Terms(mag, None, a.count + b.count, reach, least)
+    terms = Terms.of(
+        mag,
+        lambda: reach_of(mag_a, a.terms) + reach_of(mag_b, b.terms),
+        a.terms,
+        b.terms,
+        count=a.count + b.count,
+    )
     step = terms.step()
     if least_of(mag_a) <= 0.0 or least_of(mag_b) <= 0.0:
         # Adding an exact zero is no sum: no compiler keeps it.
@@ -97,11 +99,11 @@ def add(a: Band, b: Band) -> Band:
             found &= (a_hi + b_hi <= -step) | (-lo >= mag * UNCANCELLED)
         return found
 
-    moved = _moved_out(lo, hi, step, not_negative, not_positive)
+    moved = moved_out(lo, hi, step, not_negative, not_positive)
     return a.made(*moved, b, nan=nan, terms=terms)
 
 
-def _moved_out(
+def moved_out(
     lo: Floats,
     hi: Floats,
     step: Floats,
@@ -126,7 +128,7 @@ def _moved_out(
 def _safe_signs(
     lo: Floats, hi: Floats, terms: Terms, least: Floats | None = None
 ) -> tuple[Callable[[Flags], Flags], Callable[[Flags], Flags]]:
-    """For `_moved_out`: where a settled sum times or over a plain value keeps its sign, its terms
+    """For `moved_out`: where a settled sum times or over a plain value keeps its sign, its terms
     distributed; and where it is of the size `least` at least, if that is asked for."""
 
     def kept(crossed: Flags, sided: Flags, size: Floats) -> Flags:
@@ -166,17 +168,19 @@ def multiply(a: Band, b: Band) -> Band:
         return a.made(lo, hi, b, nan=nan)
     mag_a, mag_b = a.mag, b.mag
     mag = mag_a * mag_b
-    reach = None
-    least = least_of(mag)
-    if is_tiny(mag, least, a.terms, b.terms):
-        reach = np.maximum(reach_of(mag_a, a.terms) * reach_of(mag_b, b.terms), 1.0)
-    terms = Terms(mag, None, a.count * b.count, reach, least)
+    terms = Terms.of(
+        mag,
+        lambda: np.maximum(reach_of(mag_a, a.terms) * reach_of(mag_b, b.terms), 1.0),
+        a.terms,
+        b.terms,
+        count=a.count * b.count,
+    )
     if a.is_plain and b.is_plain:
         return a.made(lo, hi, b, nan=nan, terms=terms)
     # (a + b)·(c + d) may become four products and three sums, each of the size of the terms.
     steps = 1 if a.is_plain or b.is_plain else max(3, terms.count - 1)
     keeps = _safe_signs(lo, hi, terms, mag * UNCANCELLED if steps > 1 else None)
-    moved = _moved_out(lo, hi, steps * terms.step() if steps > 1 else terms.step(), *keeps)
+    moved = moved_out(lo, hi, steps * terms.step() if steps > 1 else terms.step(), *keeps)
     return a.made(*moved, b, nan=nan, terms=terms)
 
 
@@ -225,10 +229,7 @@ def square(a: Band) -> Band:
 
 def _squared(a: Band, product: Floats) -> Terms:
     mag = np.minimum(product, LARGEST)
-    reach, least = None, least_of(mag)
-    if is_tiny(mag, least, a.terms):
-        reach = np.maximum(reach_of(a.mag, a.terms) ** 2, 1.0)
-    return Terms(mag, reach=reach, least=least)
+    return Terms.of(mag, lambda: np.maximum(reach_of(a.mag, a.terms) ** 2, 1.0), a.terms)
 
 
 @np.errstate(all="ignore")
@@ -245,76 +246,11 @@ def divide(a: Band, b: Band) -> Band:
     lo, hi = widened_by_ulps(lo, hi, DIVISION_ULPS, DIVISION_ULPS)
     if a.terms is None:
         return a.made(lo, hi, b, anything=outside)
-    mag = a.terms.mag / smallest
-    reach, least = None, least_of(mag)
-    if is_tiny(mag, least, a.terms):
-        reach = reach_of(a.mag, a.terms) * np.maximum(1.0 / smallest, 1.0)
-    terms = Terms(mag, None, a.count, reach, least)
-    moved = _moved_out(lo, hi, DIVISION_ULPS * terms.step(), *_safe_signs(lo, hi, terms))
-    return a.made(*moved, b, anything=outside, terms=terms)
-
-
-@np.errstate(all="ignore")
-def sum_last(a: Band) -> Band:
-    """The sum over the last axis (kept, with size 1), its terms added in any order."""
-    if a.shape[-1] == 1:
-        return a
-    a_lo, a_hi = a.settled()
-    lo, hi = _over_last(a_lo, add_below), _over_last(a_hi, add_above)
-    if a_lo is a_hi and (lo == hi).all():
-        hi = lo
-    nan = None
-    if not finite(lo, hi):
-        rises = (a_hi == np.inf).sum(axis=-1, keepdims=True)
-        falls = (a_lo == -np.inf).sum(axis=-1, keepdims=True)
-        both = ((a_hi == np.inf) & (a_lo == -np.inf)).sum(axis=-1, keepdims=True)
-        nan = rises * falls > both
-    sizes = a.mag
-    mag = _over_last(sizes, np.add)
-    reach, least = None, least_of(mag)
-    if is_tiny(mag, least, a.terms):
-        reach = _over_last(np.broadcast_to(reach_of(sizes, a.terms), sizes.shape), np.add)
-    # The terms of the products are not counted: no compiler expands what a dot product is given.
-    terms = Terms(mag, None, a.shape[-1], reach, least)
-    step = terms.step()
-    count: Any = float(a.shape[-1])
-    no_zeros = least_of(sizes) > 0.0
-    if not no_zeros:
-        count = _over_last((sizes > 0.0).astype(np.float64), np.add)
-    # All partial sums but the last, which `made` rounds, may each lose a step.
-    between = np.maximum(count - 2.0, 0.0) * step
-    lo, hi = _moved_out(
-        lo,
-        hi,
-        between,
-        lambda crossed: crossed & _over_last(a_lo >= 0.0, np.logical_and),
-        lambda crossed: crossed & _over_last(a_hi <= 0.0, np.logical_and),
+    terms = Terms.of(
+        a.terms.mag / smallest,
+        lambda: reach_of(a.mag, a.terms) * np.maximum(1.0 / smallest, 1.0),
+        a.terms,
+        count=a.count,
     )
-    if not a.rules.rearrange:
-        return a.flags_over_last().made(lo, hi, nan=nan)
-    slack = step if no_zeros else np.where(count >= 2.0, step, 0.0)
-    terms = replace(terms, slack=slack)
-    return a.flags_over_last().made(lo, hi, nan=nan, terms=terms)
-
-
-def _over_last(values: Any, join: Callable[[Any, Any], Any]) -> Any:
-    """The components along the last axis, which stays with size 1, joined from first to last.
-
-    They are taken one by one, because NumPy's reductions of so few numbers spend their time
-    between them.
-    """
-    total = values[..., 0:1]
-    for j in range(1, values.shape[-1]):
-        total = join(total, values[..., j : j + 1])
-    return total
-
-
-@np.errstate(all="ignore")
-def union(a: Band, b: Band) -> Band:
-    """What either of two legal ways to compute one value may give."""
-    lo, hi = np.minimum(a.lo, b.lo), np.maximum(a.hi, b.hi)
-
-    def larger(values: list[Floats]) -> Floats:
-        return np.maximum(*values)
-
-    return a.kept(lo, hi, b, terms=combined([(a.mag, a.terms), (b.mag, b.terms)], larger))
+    moved = moved_out(lo, hi, DIVISION_ULPS * terms.step(), *_safe_signs(lo, hi, terms))
+    return a.made(*moved, b, anything=outside, terms=terms)

@@ -157,23 +157,6 @@ class Band(Operators):
             flags = flags[0] | more[0], flags[1] | more[1], flags[2] | more[2]
         return flags
 
-    def chosen(
-        self,
-        condition: Truth,
-        other: Band,
-        lo: Floats,
-        hi: Floats,
-        terms: Terms | None,
-    ) -> Band:
-        """The result of a choice between this band and another: flags follow the side taken."""
-        may_this, may_other = ~condition.all_false, ~condition.all_true
-        flags = (
-            (self._nan & may_this) | (other._nan & may_other),
-            (self._anything & may_this) | (other._anything & may_other),
-            (self._undecided & may_this) | (other._undecided & may_other) | condition.undecided,
-        )
-        return Band(lo, hi, self.rules, flags, terms)
-
     def flags_over_last(self) -> Band:
         """A band that only carries this one's flags, each joined over the last axis."""
         flags = (

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from shaderlab.bands import arithmetic, stepwise
+from shaderlab.bands import arithmetic, exact
 from shaderlab.bands.rounding import (
     FLOAT64_ERROR,
     LARGEST,
@@ -189,8 +189,8 @@ def _unspecified(a: Band) -> Flags:
 def _opposite(a: Band) -> Band:
     """√(1 - a²), the other leg of a right triangle, of a in [-1, 1]."""
     one = a.lift(1.0)
-    rest = arithmetic.add(one, stepwise.negative(arithmetic.square(a)))
-    return sqrt(stepwise.larger(rest, a.lift(0.0)))
+    rest = arithmetic.add(one, exact.negative(arithmetic.square(a)))
+    return sqrt(exact.larger(rest, a.lift(0.0)))
 
 
 @np.errstate(all="ignore")

@@ -1,19 +1,20 @@
-"""What Python's operators do to bands, and what raises instead of silently misbehaving."""
+"""What Python's operators do to bands, and what raises because it would lose their intervals."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NoReturn, Self
 
 import numpy as np
 
-from shaderlab.bands import arithmetic, matrices, stepwise
+from shaderlab.bands import arithmetic, exact, sums
 from shaderlab.bands.truth import Truth
 from shaderlab.errors import FormulaError
 
 if TYPE_CHECKING:
     from shaderlab.bands.band import Band
 
-# What NumPy calls for `array + band`, and the operator of the band that answers.
+# What NumPy calls for `array + band`, and the band's operator that answers.
 _REFLECTED = {
     np.add: "__radd__",
     np.subtract: "__rsub__",
@@ -27,10 +28,35 @@ _REFLECTED = {
     np.equal: "__eq__",
     np.not_equal: "__ne__",
 }
+_BOUNDS = "use shaderlab.glslmath's functions; the bounds are .lo and .hi"
+# What would take one number for a band: what the error calls it, and what to write instead.
+_REFUSED = {
+    "__array__": ("a NumPy array", _BOUNDS),
+    "__bool__": ("a Python condition", "choose with glslmath.where(condition, a, b)"),
+    "__float__": ("float() or math", _BOUNDS),
+    "__int__": ("int()", "use glslmath.trunc or glslmath.floor"),
+    "__round__": ("Python's round()", "use glslmath.round or glslmath.roundEven"),
+    "__iter__": ("a loop", "take components with glslmath.swizzle(v, 'xyz') or v[..., 0:1]"),
+    "__pow__": ("**", "use glslmath.pow(x, y), which has GLSL's precision; or multiply"),
+    "__mod__": ("%", "use glslmath.mod(x, y)"),
+    "__floordiv__": ("//", "use glslmath.floor(x / y)"),
+}
 
 
 def _refuse(what: str, remedy: str) -> NoReturn:
     raise FormulaError(f"{what} cannot take a band", remedy=remedy)
+
+
+def _refusal(what: str, remedy: str) -> Callable[..., NoReturn]:
+    return lambda *values, **options: _refuse(what, remedy)
+
+
+def _both_ways(operation: Callable[[Any, Any], Any]) -> tuple[Any, Any]:
+    """`operation` as a band's operator, and with the band on the right."""
+    return (
+        lambda self, other: operation(self, self.lift(other)),
+        lambda self, other: operation(self.lift(other), self),
+    )
 
 
 class Operators:
@@ -39,62 +65,28 @@ class Operators:
     __slots__ = ()
     __hash__ = None  # type: ignore[assignment]
 
-    def __add__(self: Any, other: Any) -> Band:
-        return arithmetic.add(self, self.lift(other))
+    __add__, __radd__ = _both_ways(arithmetic.add)
+    __sub__, __rsub__ = _both_ways(lambda a, b: arithmetic.add(a, exact.negative(b)))
+    __mul__, __rmul__ = _both_ways(arithmetic.multiply)
+    __truediv__, __rtruediv__ = _both_ways(arithmetic.divide)
+    __matmul__, __rmatmul__ = _both_ways(sums.matmul)
+    __lt__, __gt__ = _both_ways(exact.less)
+    __ge__, __le__ = _both_ways(lambda a, b: ~exact.less(a, b))
 
-    def __radd__(self: Any, other: Any) -> Band:
-        return arithmetic.add(self.lift(other), self)
+    def __eq__(self: Any, other: Any) -> Truth:  # type: ignore[override]
+        return exact.equal(self, self.lift(other))
 
-    def __sub__(self: Any, other: Any) -> Band:
-        return arithmetic.add(self, stepwise.negative(self.lift(other)))
-
-    def __rsub__(self: Any, other: Any) -> Band:
-        return arithmetic.add(self.lift(other), stepwise.negative(self))
-
-    def __mul__(self: Any, other: Any) -> Band:
-        return arithmetic.multiply(self, self.lift(other))
-
-    def __rmul__(self: Any, other: Any) -> Band:
-        return arithmetic.multiply(self.lift(other), self)
-
-    def __truediv__(self: Any, other: Any) -> Band:
-        return arithmetic.divide(self, self.lift(other))
-
-    def __rtruediv__(self: Any, other: Any) -> Band:
-        return arithmetic.divide(self.lift(other), self)
+    def __ne__(self: Any, other: Any) -> Truth:  # type: ignore[override]
+        return ~exact.equal(self, self.lift(other))
 
     def __neg__(self: Any) -> Band:
-        return stepwise.negative(self)
+        return exact.negative(self)
 
     def __pos__(self) -> Self:
         return self
 
     def __abs__(self: Any) -> Band:
-        return stepwise.absolute(self)
-
-    def __lt__(self: Any, other: Any) -> Truth:
-        return stepwise.less(self, self.lift(other))
-
-    def __gt__(self: Any, other: Any) -> Truth:
-        return stepwise.less(self.lift(other), self)
-
-    def __ge__(self: Any, other: Any) -> Truth:
-        return ~stepwise.less(self, self.lift(other))
-
-    def __le__(self: Any, other: Any) -> Truth:
-        return ~stepwise.less(self.lift(other), self)
-
-    def __eq__(self: Any, other: Any) -> Truth:  # type: ignore[override]
-        return stepwise.equal(self, self.lift(other))
-
-    def __ne__(self: Any, other: Any) -> Truth:  # type: ignore[override]
-        return ~stepwise.equal(self, self.lift(other))
-
-    def __matmul__(self: Any, other: Any) -> Band:
-        return matrices.matmul(self, self.lift(other))
-
-    def __rmatmul__(self: Any, other: Any) -> Band:
-        return matrices.matmul(self.lift(other), self)
+        return exact.absolute(self)
 
     def __array_ufunc__(
         self: Any, ufunc: np.ufunc, method: str, *inputs: Any, **options: Any
@@ -113,35 +105,8 @@ class Operators:
             "use shaderlab.glslmath: vec2/vec3/vec4 to join, where to choose, dot to sum products",
         )
 
-    def __array__(self, *args: Any, **kwargs: Any) -> NoReturn:
-        _refuse("a NumPy array", "use shaderlab.glslmath's functions; the bounds are .lo and .hi")
 
-    def __bool__(self) -> NoReturn:
-        _refuse("a Python condition", "choose with glslmath.where(condition, a, b)")
-
-    def __float__(self) -> NoReturn:
-        _refuse("float() or math", "use shaderlab.glslmath's functions; the bounds are .lo and .hi")
-
-    def __int__(self) -> NoReturn:
-        _refuse("int()", "use glslmath.trunc or glslmath.floor")
-
-    def __round__(self, *digits: Any) -> NoReturn:
-        _refuse("Python's round()", "use glslmath.round or glslmath.roundEven")
-
-    def __iter__(self) -> NoReturn:
-        _refuse("a loop", "take components with glslmath.swizzle(v, 'xyz') or v[..., 0:1]")
-
-    def __pow__(self, other: Any) -> NoReturn:
-        _refuse("**", "use glslmath.pow(x, y), which has GLSL's precision; or multiply")
-
-    __rpow__ = __pow__
-
-    def __mod__(self, other: Any) -> NoReturn:
-        _refuse("%", "use glslmath.mod(x, y)")
-
-    __rmod__ = __mod__
-
-    def __floordiv__(self, other: Any) -> NoReturn:
-        _refuse("//", "use glslmath.floor(x / y)")
-
-    __rfloordiv__ = __floordiv__
+for _name, _why in _REFUSED.items():
+    setattr(Operators, _name, _refusal(*_why))
+for _name in ("pow", "mod", "floordiv"):
+    setattr(Operators, f"__r{_name}__", _refusal(*_REFUSED[f"__{_name}__"]))

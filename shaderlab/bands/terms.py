@@ -43,6 +43,14 @@ class Terms:
         if self.least < 0.0:
             self.least = least_of(self.mag)
 
+    @classmethod
+    def of(
+        cls, mag: Floats, reach: Callable[[], Floats], *parts: Terms | None, count: int = 1
+    ) -> Terms:
+        """Terms of these sizes, made from `parts`; `reach` is computed only where one is tiny."""
+        least = least_of(mag)
+        return cls(mag, None, count, reach() if is_tiny(mag, least, *parts) else None, least)
+
     def step(self) -> Floats:
         """What one rounding among these terms may change."""
         size: Floats = RELATIVE_STEP * self.mag

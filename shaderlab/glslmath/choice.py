@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from shaderlab.bands import Band, Truth, arithmetic, stepwise
+from shaderlab.bands import Band, Truth, exact
 from shaderlab.bands.truth import as_truth
 from shaderlab.glslmath.dispatch import Condition, Value, applied, bands, number
 
@@ -28,7 +28,7 @@ def where(condition: Condition, a: Value, b: Value) -> Value:
             condition = condition.all_true
         chosen: Value = np.where(condition, number(a), number(b))
         return chosen[()]
-    return stepwise.select(as_truth(condition), *lifted)
+    return exact.select(as_truth(condition), *lifted)
 
 
 def either(a: Value, b: Value) -> Value:
@@ -39,7 +39,7 @@ def either(a: Value, b: Value) -> Value:
     >>> float(either(0.75, 1.0 - 0.25))
     0.75
     """
-    return applied(lambda a, b: a, arithmetic.union, a, b)
+    return applied(lambda a, b: a, exact.union, a, b)
 
 
 def isnan(x: Value) -> Condition:

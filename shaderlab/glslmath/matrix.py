@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from shaderlab.bands import matrices
+from shaderlab.bands import exact, sums
 from shaderlab.errors import FormulaError
 from shaderlab.glslmath.dispatch import Value, applied, number
 from shaderlab.glslmath.shape import stacked
@@ -21,12 +21,12 @@ def mul(m: Value, v: Value) -> Value:
     array([[ 0.,  1.],
            [-1.,  0.]])
     """
-    return applied(lambda m, v: np.matmul(m, v[..., None])[..., 0], matrices.times_vector, m, v)
+    return applied(lambda m, v: np.matmul(m, v[..., None])[..., 0], sums.times_vector, m, v)
 
 
 def matmul(a: Value, b: Value) -> Value:
     """a·b for matrices (…, r, k) and (…, k, c): matrices (…, r, c)."""
-    return applied(np.matmul, matrices.times_matrix, a, b)
+    return applied(np.matmul, sums.times_matrix, a, b)
 
 
 def matrixCompMult(a: Value, b: Value) -> Value:
@@ -41,7 +41,7 @@ def outerProduct(column: Value, row: Value) -> Value:
 
 def transpose(m: Value) -> Value:
     """Rows and columns exchanged; exact."""
-    return applied(lambda a: np.swapaxes(a, -1, -2), matrices.transposed, m)
+    return applied(lambda a: np.swapaxes(a, -1, -2), exact.transposed, m)
 
 
 def determinant(m: Value) -> Value:

@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from shaderlab.bands import Band, Truth, arithmetic, functions, stepwise
+from shaderlab.bands import Band, Truth, arithmetic, exact, functions
 from shaderlab.glslmath.choice import where
 from shaderlab.glslmath.dispatch import Value, applied, number
 
@@ -105,37 +105,37 @@ def inversesqrt(x: Value) -> Value:
 
 def abs(x: Value) -> Value:
     """|x|; exact."""
-    return applied(np.abs, stepwise.absolute, x)
+    return applied(np.abs, exact.absolute, x)
 
 
 def sign(x: Value) -> Value:
     """-1, 0 or 1; exact."""
-    return applied(np.sign, lambda a: stepwise.monotone(a, np.sign), x)
+    return applied(np.sign, lambda a: exact.monotone(a, np.sign), x)
 
 
 def floor(x: Value) -> Value:
     """The integer at or below x; exact."""
-    return applied(np.floor, lambda a: stepwise.monotone(a, np.floor), x)
+    return applied(np.floor, lambda a: exact.monotone(a, np.floor), x)
 
 
 def ceil(x: Value) -> Value:
     """The integer at or above x; exact."""
-    return applied(np.ceil, lambda a: stepwise.monotone(a, np.ceil), x)
+    return applied(np.ceil, lambda a: exact.monotone(a, np.ceil), x)
 
 
 def trunc(x: Value) -> Value:
     """The integer next to x towards zero; exact."""
-    return applied(np.trunc, lambda a: stepwise.monotone(a, np.trunc), x)
+    return applied(np.trunc, lambda a: exact.monotone(a, np.trunc), x)
 
 
 def round(x: Value) -> Value:
     """The nearest integer; a half goes either way in a band, to the even one in float64."""
-    return applied(np.rint, stepwise.rounded, x)
+    return applied(np.rint, exact.rounded, x)
 
 
 def roundEven(x: Value) -> Value:
     """The nearest integer, a half to the even one; exact."""
-    return applied(np.rint, lambda a: stepwise.monotone(a, np.rint), x)
+    return applied(np.rint, lambda a: exact.monotone(a, np.rint), x)
 
 
 def fract(x: Value) -> Value:
@@ -160,12 +160,12 @@ def mod(x: Value, y: Value) -> Value:
 
 def min(x: Value, y: Value) -> Value:
     """The smaller; exact. Where one may be NaN, either may come out."""
-    return applied(np.minimum, stepwise.smaller, x, y)
+    return applied(np.minimum, exact.smaller, x, y)
 
 
 def max(x: Value, y: Value) -> Value:
     """The larger; exact. Where one may be NaN, either may come out."""
-    return applied(np.maximum, stepwise.larger, x, y)
+    return applied(np.maximum, exact.larger, x, y)
 
 
 def clamp(x: Value, minimum: Value, maximum: Value) -> Value:
@@ -187,7 +187,7 @@ def mix(x: Value, y: Value, a: Value) -> Value:
         return where(a, y, x)
 
     def banded(x: Band, y: Band, a: Band) -> Band:
-        return arithmetic.union(x * (1.0 - a) + y * a, x + (y - x) * a)
+        return exact.union(x * (1.0 - a) + y * a, x + (y - x) * a)
 
     return applied(lambda x, y, a: x * (1.0 - a) + y * a, banded, x, y, a)
 

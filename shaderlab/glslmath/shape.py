@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from shaderlab.bands import Band
-from shaderlab.bands.joining import concatenated, joined
+from shaderlab.bands.exact import concatenated, joined
 from shaderlab.errors import FormulaError
 from shaderlab.glslmath.dispatch import Value, bands
 

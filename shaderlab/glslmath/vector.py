@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from shaderlab.bands import Band, arithmetic, functions
+from shaderlab.bands import Band, arithmetic, exact, functions, sums
 from shaderlab.errors import FormulaError
 from shaderlab.glslmath.choice import where
 from shaderlab.glslmath.dispatch import Value, applied, number
@@ -25,12 +25,12 @@ def dot(a: Value, b: Value) -> Value:
     if a is b:
         return applied(
             lambda a: np.sum(np.atleast_1d(a * a), axis=-1, keepdims=True),
-            lambda a: arithmetic.sum_last(arithmetic.square(a)),
+            lambda a: sums.sum_last(arithmetic.square(a)),
             a,
         )
     return applied(
         lambda a, b: np.sum(np.atleast_1d(a * b), axis=-1, keepdims=True),
-        lambda a, b: arithmetic.sum_last(arithmetic.multiply(a, b)),
+        lambda a, b: sums.sum_last(arithmetic.multiply(a, b)),
         a,
         b,
     )
@@ -69,10 +69,10 @@ def normalize(v: Value) -> Value:
 
 
 def _direction(v: Band) -> Band:
-    squared = arithmetic.sum_last(arithmetic.square(v))
+    squared = sums.sum_last(arithmetic.square(v))
     quotient = arithmetic.divide(v, functions.sqrt(squared))
     product = arithmetic.multiply(v, functions.inversesqrt(squared))
-    either: Band = clamp(arithmetic.union(quotient, product), -_BEYOND_UNIT, _BEYOND_UNIT)
+    either: Band = clamp(exact.union(quotient, product), -_BEYOND_UNIT, _BEYOND_UNIT)
     return either
 
 

@@ -64,9 +64,8 @@ def _reference() -> str:
 def _glslmath() -> str:
     parts = [_MADE, _GLSLMATH.strip()]
     by_module: dict[str, list[FunctionType]] = {}
-    for name, function in _functions(shaderlab.glslmath):
-        if name in shaderlab.glslmath.__all__:
-            by_module.setdefault(function.__module__, []).append(function)
+    for _, function in _functions(shaderlab.glslmath):
+        by_module.setdefault(function.__module__, []).append(function)
     for name, functions in by_module.items():
         module = importlib.import_module(name)
         parts += [f"## {_topic(module)}", f"{_title(module)}.", _table(functions)]

@@ -1,0 +1,144 @@
+"""The functions that round nothing: signs, integers, comparison, and choosing or joining values.
+
+Minimum, maximum and choice pass NaN on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from shaderlab.bands.rounding import Floats
+from shaderlab.bands.terms import combined
+from shaderlab.bands.truth import Truth
+
+if TYPE_CHECKING:
+    from shaderlab.bands.band import Band
+
+
+def negative(a: Band) -> Band:
+    lo = -a.hi
+    return a.kept(lo, lo if a.lo is a.hi else -a.lo, terms=a.terms)
+
+
+def absolute(a: Band) -> Band:
+    low, high = np.abs(a.lo), np.abs(a.hi)
+    if a.lo is a.hi:
+        return a.kept(low, low)
+    straddles = (a.lo < 0.0) & (a.hi > 0.0)
+    return a.kept(np.where(straddles, 0.0, np.minimum(low, high)), np.maximum(low, high))
+
+
+def monotone(a: Band, rounding: Any) -> Band:
+    """A non-decreasing exact function such as floor: its values at both ends."""
+    lo: Floats = rounding(a.lo)
+    return a.kept(lo, lo if a.lo is a.hi else rounding(a.hi))
+
+
+def rounded(a: Band) -> Band:
+    """GLSL's round: a half may go either way."""
+    return a.kept(np.ceil(a.lo - 0.5), np.floor(a.hi + 0.5))
+
+
+def smaller(a: Band, b: Band) -> Band:
+    """min(a, b); where one may be NaN either operand may come out."""
+    return _chosen(np.minimum(a.lo, b.lo), np.minimum(a.hi, b.hi), a, b)
+
+
+def larger(a: Band, b: Band) -> Band:
+    """max(a, b); where one may be NaN either operand may come out."""
+    return _chosen(np.maximum(a.lo, b.lo), np.maximum(a.hi, b.hi), a, b)
+
+
+def _chosen(lo: Floats, hi: Floats, a: Band, b: Band) -> Band:
+    for maybe_nan, other in ((a, b), (b, a)):
+        if maybe_nan.may_be_nan.any():
+            lo = np.where(maybe_nan.may_be_nan, np.minimum(lo, other.lo), lo)
+            hi = np.where(maybe_nan.may_be_nan, np.maximum(hi, other.hi), hi)
+    return a.kept(lo, hi, b)
+
+
+def less(a: Band, b: Band) -> Truth:
+    """a < b, of the settled bounds: a compiler may move a term to the other side."""
+    a_lo, a_hi = a.settled()
+    b_lo, b_hi = b.settled()
+    known = ~(a.may_be_nan | b.may_be_nan)
+    return Truth((a_hi < b_lo) & known, (a_lo >= b_hi) & known, a.rules)
+
+
+def equal(a: Band, b: Band) -> Truth:
+    """a == b: true only where both are one and the same single value."""
+    a_lo, a_hi = a.settled()
+    b_lo, b_hi = b.settled()
+    known = ~(a.may_be_nan | b.may_be_nan)
+    same = (a_lo == b_lo) & (a_hi == b_hi) & (a_lo == a_hi)
+    return Truth(same & known, ((a_hi < b_lo) | (b_hi < a_lo)) & known, a.rules)
+
+
+def select(condition: Truth, a: Band, b: Band) -> Band:
+    """a where the condition holds, b where it does not, the hull of both where undecided.
+
+    Flags follow the side taken.
+    """
+    yes, no, undecided = condition.all_true, condition.all_false, condition.undecided
+    decided = not undecided.any()
+
+    def taken(of_a: Floats, of_b: Floats, hull: Callable[[Floats, Floats], Floats]) -> Floats:
+        other = of_b if decided else np.where(no, of_b, hull(of_a, of_b))
+        return np.where(yes, of_a, other)
+
+    lo = taken(a.lo, b.lo, np.minimum)
+    exact = decided and a.lo is a.hi and b.lo is b.hi
+    hi = lo if exact else taken(a.hi, b.hi, np.maximum)
+    nan, anything, either = (
+        (of_a & ~no) | (of_b & ~yes) for of_a, of_b in zip(a.flags, b.flags, strict=True)
+    )
+    sizes = [(a.mag, a.terms), (b.mag, b.terms)]
+    terms = combined(sizes, lambda values: taken(values[0], values[1], np.maximum))
+    return type(a)(lo, hi, a.rules, (nan, anything, either | undecided), terms)
+
+
+@np.errstate(all="ignore")
+def union(a: Band, b: Band) -> Band:
+    """What either of two legal ways to compute one value may give."""
+    lo, hi = np.minimum(a.lo, b.lo), np.maximum(a.hi, b.hi)
+    terms = combined([(a.mag, a.terms), (b.mag, b.terms)], lambda values: np.maximum(*values))
+    return a.kept(lo, hi, b, terms=terms)
+
+
+def transposed(m: Band) -> Band:
+    """The matrices (…, r, c) with rows and columns exchanged."""
+    return m.mapped(lambda array: array.swapaxes(-1, -2))
+
+
+def joined(parts: Sequence[Band], axis: int) -> Band:
+    """Bands of the same rules along a negative axis, the other axes broadcast."""
+
+    def together(arrays: Sequence[Any]) -> Any:
+        return concatenated(arrays, axis)
+
+    first = parts[0]
+    lo = together([part.lo for part in parts])
+    exact = all(part.lo is part.hi for part in parts)
+    hi = lo if exact else together([part.hi for part in parts])
+    columns = zip(*(part.flags for part in parts), strict=True)
+    flags = (
+        together([np.broadcast_to(f, p.shape) for f, p in zip(column, parts, strict=True)])
+        if any(flag.ndim for flag in column)
+        else column[0]
+        for column in columns
+    )
+    terms = combined([(part.mag, part.terms) for part in parts], together)
+    return type(first)(lo, hi, first.rules, tuple(flags), terms)
+
+
+def concatenated(arrays: Sequence[Any], axis: int) -> Any:
+    """NumPy's concatenate, along a negative axis, the axes other than that one broadcast."""
+    ndim = max(-axis, *(array.ndim for array in arrays))
+    rows = [np.moveaxis(a.reshape((1,) * (ndim - a.ndim) + a.shape), axis, -1) for a in arrays]
+    common = np.broadcast_shapes(*(row.shape[:-1] for row in rows))
+    wide = [np.broadcast_to(row, (*common, row.shape[-1])) for row in rows]
+    # Products of matrices depend on how these lie in memory, in float64's last bit.
+    return np.ascontiguousarray(np.moveaxis(np.concatenate(wide, axis=-1), -1, axis))
