@@ -9,11 +9,16 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from hypothesis import HealthCheck, settings
 
 from shaderlab.records import Diagnostic, Outcome, ProgramRecord, Record, SourceText, Verdict, Worst
 
 # Tests ask the compilers themselves, and so do the processes that they start.
 os.environ["SHADERLAB_CACHE_DIR"] = ""
+
+# A busy machine makes no example wrong.
+settings.register_profile("patient", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("patient")
 
 
 @pytest.fixture(scope="session")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -307,13 +308,17 @@ def test_one_buffer_serves_several_programs_unless_they_lay_it_out_differently(
 def test_a_block_that_the_driver_lays_out_otherwise_is_an_error_that_names_the_member(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from shaderlab.backends.opengl import uniform_buffers as gl_blocks
+    from shaderlab.backends.opengl import uniform_buffers
 
-    real = gl_blocks._offset
-    monkeypatch.setattr(
-        gl_blocks, "_offset",
-        lambda program, name: 20 if name == "Scene.tint" else real(program, name),
-    )  # fmt: skip
+    real = uniform_buffers.read_block
+
+    def elsewhere(program: Any, block: Any) -> Any:
+        reading = real(program, block)
+        if "tint" not in reading.offsets:
+            return reading
+        return replace(reading, offsets={**reading.offsets, "tint": 20})
+
+    monkeypatch.setattr(uniform_buffers, "read_block", elsewhere)
     (record,) = run(folder, passes=blocks(), expect=[formula("first", first)])
     assert record.status == "error"
     assert "std140 puts tint at byte 16, the driver has it at byte 20" in record.message

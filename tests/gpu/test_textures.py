@@ -32,8 +32,10 @@ from shaderlab import (
     value,
 )
 from shaderlab.evaluation import Lab
+from shaderlab.glsl import Shaders
 from shaderlab.glslmath import swizzle
 from shaderlab.options import RunOptions
+from shaderlab.programs.prepare import Preparer
 from shaderlab.records import Record
 from shaderlab.sampling import Sampler, texelFetch, texture, textureLod
 
@@ -274,9 +276,8 @@ def test_depth_is_read_only_where_it_is_asked_for(lab: Lab, folder: Path) -> Non
         passes=(shadow_pass("depth24"),),
         expect=[exact("FragColor", 1.0)],
     ).scene("default")
-    prepared = {
-        "shadow": tuple(lab._preparer(str(folder)).prepare(d) for d in scene.passes[0].draws)
-    }
+    preparer = Preparer(Shaders([folder]))
+    prepared = {"shadow": tuple(preparer.prepare(draw) for draw in scene.passes[0].draws)}
     with lab.backend.session(scene, prepared, (4, 4)) as session:
         assert set(session.draw().images) == {("shadow", "FragColor")}
 

@@ -61,14 +61,14 @@ def assert_inside(tree: Tree, run: Tree, seed: int, mode: str, rules: Rules) -> 
     assert not outside.any(), (tree, run, band.lo[outside], measured[outside], band.hi[outside])
 
 
-@settings(max_examples=250, deadline=None, derandomize=True)
+@settings(max_examples=250, derandomize=True)
 @given(tree=trees(BINARY, UNARY), seed=st.integers(0, 2**32 - 1))
 def test_no_error_that_the_rules_allow_leaves_the_band(tree: Tree, seed: int) -> None:
     assert_inside(tree, tree, seed, "either", Rules(rearrange=False))
     assert_inside(tree, tree, seed, "either", Rules())
 
 
-@settings(max_examples=400, deadline=None, derandomize=True)
+@settings(max_examples=400, derandomize=True)
 @given(
     tree=trees(("add", "sub", "mul", "add"), ()),
     seed=st.integers(0, 2**32 - 1),

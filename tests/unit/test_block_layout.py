@@ -104,7 +104,7 @@ def declarations(draw: st.DrawFn) -> tuple[str, str]:
     return body("s", BASIC, False), body("m", [*BASIC, "Inner"], True)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(declarations())
 def test_glslang_lays_out_every_block_the_same(bodies: tuple[str, str]) -> None:
     struct, block = bodies
