@@ -12,13 +12,13 @@ import pytest
 
 from shaderlab import Case, Draw, Mesh, Pass, Ramp, State, Target, across, formula, mesh_pass
 from shaderlab.backends.opengl.backend import OpenGLBackend
-from shaderlab.catalogue import Catalogue
 from shaderlab.evaluation import Evaluation, Lab
 from shaderlab.expectations.needs import CapturedFragments
 from shaderlab.frame import Fragments, PassDraw
 from shaderlab.model import Blend, Cell, Depth, Scene
 from shaderlab.options import RunOptions
 from shaderlab.programs.captures import CaptureCache
+from tests.catalogue import shipped
 
 SHADER = """#version 330 core
 {declared}
@@ -193,7 +193,7 @@ def test_the_catalogue_gets_what_it_would_get_by_itself() -> None:
     """Each of its scenes over a domain, with and without what others before it captured."""
     over = [
         one
-        for one in (scene for case in Catalogue.shipped() for scene in case.scenes())
+        for one in (scene for case in shipped() for scene in case.scenes())
         if all(draw.domain is not None for each in one.passes for draw in each.draws)
     ]
     with Watched() as sharing:

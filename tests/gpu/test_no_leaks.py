@@ -19,7 +19,6 @@ import numpy as np
 import pytest
 
 from shaderlab.backends.opengl import state as fixed
-from shaderlab.catalogue import Catalogue
 from shaderlab.errors import ShaderlabError
 from shaderlab.evaluation import Evaluation, Lab
 from shaderlab.evaluation.picture_writer import PictureWriter
@@ -29,6 +28,7 @@ from shaderlab.frame import Timing
 from shaderlab.model import Case, Mesh, Scene, State, Target, mesh_pass
 from shaderlab.options import RunOptions
 from shaderlab.records import Record
+from tests.catalogue import shipped
 
 SEEDS = (1, 20)
 SAMPLE = ("blend-factors", "depth-functions", "mvp", "stencil-functions", "uniform-buffer")
@@ -92,7 +92,7 @@ def parts(value: Any) -> Iterator[bytes]:
 @cache
 def scenes() -> tuple[Scene, ...]:
     """One variant of each case, in the catalogue's order. What is not judged is drawn small."""
-    first = (next(iter(case.scenes())) for case in Catalogue.shipped())
+    first = (next(iter(case.scenes())) for case in shipped())
     return tuple(scene if scene.case.id in SAMPLE else smaller(scene) for scene in first)
 
 

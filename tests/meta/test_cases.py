@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import re
-from functools import cache
 from pathlib import Path
 
 import pytest
 
-from shaderlab.catalogue import Catalogue
 from shaderlab.discovery import data_folder
 from shaderlab.expectations import CompileFails, Computed, Coverage, Refused
 from shaderlab.glsl.sources import Shaders
 from shaderlab.model import Case
 from shaderlab.programs.prepare import Preparer
+from tests.catalogue import shipped
 
 FIRST = {
     "orange-triangle", "indexed-quad", "texture-mix", "uniform-over-time", "mvp", "attenuation",
@@ -21,9 +20,8 @@ FIRST = {
 }  # fmt: skip
 
 
-@cache
 def cases() -> tuple[Case, ...]:
-    return Catalogue.shipped().cases
+    return shipped().cases
 
 
 def each_case() -> list[pytest.ParameterSet]:  # type: ignore[name-defined]

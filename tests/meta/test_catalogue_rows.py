@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-from shaderlab.catalogue import Catalogue
 from shaderlab.expectations import (
     CompileFails,
     Computed,
@@ -15,6 +14,7 @@ from shaderlab.expectations import (
     Refused,
 )
 from shaderlab.model import Case
+from tests.catalogue import shipped
 
 ROWS = {
     1: "orange-triangle",
@@ -62,13 +62,13 @@ def test_no_row_is_listed_twice() -> None:
 
 
 def test_every_row_has_a_case_that_judges() -> None:
-    there = {case.id: case for case in Catalogue.shipped().cases}
+    there = {case.id: case for case in shipped().cases}
     without = {row for row in rows() if row not in there or not judges_values(there[row])}
     assert without == set()
 
 
 def test_every_case_is_a_row_and_stands_in_its_chapter() -> None:
     chapters = {row: number for number, chapter in ROWS.items() for row in chapter.split()}
-    for case in Catalogue.shipped().cases:
+    for case in shipped().cases:
         assert case.id in chapters, f"{case.id} is no row of the catalogue"
         assert f"/ch{chapters[case.id]:02d}_" in case.file.replace("\\", "/"), case.file

@@ -4,19 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import cache
 from typing import Any
 
 import numpy as np
 import pytest
 
 from shaderlab import UniformBuffer
-from shaderlab.catalogue import Catalogue
 from shaderlab.discovery import data_folder
 from shaderlab.evaluation import Lab
 from shaderlab.model import Case, Draw, Mesh, Pass
 from shaderlab.options import RunOptions
 from shaderlab.records import Record
+from tests.catalogue import shipped
 
 CH2, CH8, CH10 = "ch02_basics", "ch08_techniques", "ch10_buffers"
 ROSETTE = f"{CH10}/rosette"
@@ -82,11 +81,6 @@ SHADERS = [
 ]  # fmt: skip
 
 
-@cache
-def shipped(case_id: str) -> Case:
-    return Catalogue.shipped().find(case_id)
-
-
 def run(case: Case, shaders: dict[str, str] | None = None) -> Record:
     scenes = list(case.scenes())
     with Lab(RunOptions(texts=shaders or {})) as lab:
@@ -101,7 +95,7 @@ def run(case: Case, shaders: dict[str, str] | None = None) -> Record:
 def test_a_mistake_makes_its_case_fail(case_id: str, shader: str, right: str, wrong: str) -> None:
     text = (data_folder("shaders") / shader).read_text(encoding="utf-8")
     assert right in text, f"{shader} does not read {right!r} any more"
-    record = run(shipped(case_id), {shader: text.replace(right, wrong)})
+    record = run(shipped().find(case_id), {shader: text.replace(right, wrong)})
     assert record.status == "fail", record.message
 
 
@@ -142,11 +136,11 @@ def failed(case: Case) -> set[str]:
 def test_another_layout_is_noticed_although_the_pixels_are_the_same(
     case_id: str, layout: str, names: set[str]
 ) -> None:
-    assert failed(with_mesh(shipped(case_id), layout=layout)) == names
+    assert failed(with_mesh(shipped().find(case_id), layout=layout)) == names
 
 
 def test_a_wrong_colour_in_the_buffer_is_noticed() -> None:
-    case = shipped("buffer-usage")
+    case = shipped().find("buffer-usage")
     mesh = case.passes[-1].draws[0].mesh
     assert isinstance(mesh, Mesh)
     colors = {**mesh.attributes, "aColor": np.roll(mesh.attributes["aColor"], 1, axis=0)}
@@ -154,7 +148,7 @@ def test_a_wrong_colour_in_the_buffer_is_noticed() -> None:
 
 
 def test_without_its_vertex_array_every_draw_is_an_error() -> None:
-    case = with_draws(shipped("vertex-array"), lambda _, d: replace(d, vertex_array=True))
+    case = with_draws(shipped().find("vertex-array"), lambda _, d: replace(d, vertex_array=True))
     assert failed(case) == {"nothing bound: 0x0502", "nothing bound: nothing drawn"}
 
 
@@ -173,7 +167,7 @@ def test_without_its_vertex_array_every_draw_is_an_error() -> None:
 def test_plausible_wrong_matrices_in_the_buffer_are_noticed(
     mistake: Callable[[Any, Any], dict[str, Any]],
 ) -> None:
-    case = shipped("uniform-buffer")
+    case = shipped().find("uniform-buffer")
     matrices = case.passes[0].draws[0].blocks["Matrices"].values
     wrong = UniformBuffer(
         values=mistake(np.asarray(matrices["projection"]), np.asarray(matrices["view"]))
@@ -193,7 +187,7 @@ def test_plausible_wrong_matrices_in_the_buffer_are_noticed(
 
 
 def test_culling_the_wrong_side_is_noticed() -> None:
-    case = shipped("face-culling")
+    case = shipped().find("face-culling")
 
     def change(description: Pass, draw: Draw) -> Draw:
         state = draw.state
@@ -205,7 +199,7 @@ def test_culling_the_wrong_side_is_noticed() -> None:
 
 
 def test_more_draws_than_said_are_noticed() -> None:
-    case = shipped("batching")
+    case = shipped().find("batching")
     twice = tuple(
         replace(p, draws=p.draws * 2) if p.name == "instanced 16" else p for p in case.passes
     )

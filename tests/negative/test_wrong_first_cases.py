@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from functools import cache
 from pathlib import Path
 
 import pytest
 
-from shaderlab.catalogue import Catalogue
 from shaderlab.discovery import data_folder
 from shaderlab.evaluation import Lab
 from shaderlab.options import RunOptions
 from shaderlab.records import Record
+from tests.catalogue import shipped
 
 # case, shader, what stands there, the mistake
 MISTAKES = [
@@ -68,15 +67,10 @@ SHARED = {
 }  # fmt: skip
 
 
-@cache
-def catalogue() -> Catalogue:
-    return Catalogue.shipped()
-
-
 def with_mistake(case_id: str, shader: str, right: str, wrong: str) -> list[Record]:
     text = (data_folder("shaders") / shader).read_text(encoding="utf-8")
     assert right in text, f"{shader} does not read {right!r} any more"
-    case = catalogue().find(case_id)
+    case = shipped().find(case_id)
     with Lab(RunOptions(texts={shader: text.replace(right, wrong)})) as lab:
         return [lab.run(scene) for scene in case.scenes()]
 
@@ -103,7 +97,7 @@ def users() -> dict[str, set[str]]:
     found: dict[str, set[str]] = {}
     root = data_folder("shaders")
     with Lab() as lab:
-        for case in catalogue():
+        for case in shipped():
             record = lab.run(next(case.scenes()))
             for program in record.programs:
                 for file in program.files:

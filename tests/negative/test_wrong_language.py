@@ -8,13 +8,13 @@ from functools import cache
 import numpy as np
 import pytest
 
-from shaderlab.catalogue import Catalogue
 from shaderlab.discovery import data_folder
 from shaderlab.evaluation import Lab
 from shaderlab.expectations import CompileFails, Computed, InactiveUniforms, Refused
 from shaderlab.model import Case, Output
 from shaderlab.options import RunOptions
 from shaderlab.records import Record
+from tests.catalogue import shipped
 
 CH2, CH11 = "ch02_basics", "ch11_window"
 
@@ -70,7 +70,7 @@ FOR_PEOPLE = {"picture", "scene"}
 @cache
 def judged_only(case_id: str) -> Case:
     """The case without its large pictures, which no expectation reads."""
-    case = Catalogue.shipped().find(case_id)
+    case = shipped().find(case_id)
     kept = tuple(p for p in case.passes if p.name not in FOR_PEOPLE)
     return replace(case, passes=kept, picture="")
 

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cache
 
 import pytest
 
-from shaderlab.catalogue import Catalogue
 from shaderlab.discovery import data_folder
 from shaderlab.evaluation import Lab
 from shaderlab.model import Case
 from shaderlab.options import RunOptions
 from shaderlab.records import Record
+from tests.catalogue import shipped
 
 FOLDER = "ch05_lighting"
 PHONG, LIGHTS, FACETS = "lib/phong.glsl", "lib/lights.glsl", "lib/microfacets.glsl"
@@ -89,11 +88,6 @@ LESSONS = {
 }  # fmt: skip
 
 
-@cache
-def catalogue() -> Catalogue:
-    return Catalogue.shipped()
-
-
 def without_picture(case: Case) -> Case:
     """The case without its large picture, which takes longer than all its checks."""
     if case.id == "hdr":
@@ -107,7 +101,7 @@ def with_mistake(case_id: str, shader: str, right: str, wrong: str) -> list[Reco
     path = shader if shader.startswith("lib/") else f"{FOLDER}/{shader}"
     text = (data_folder("shaders") / path).read_text(encoding="utf-8")
     assert right in text, f"{path} does not read {right!r} any more"
-    case = catalogue().find(case_id)
+    case = shipped().find(case_id)
     if shader != "finish.frag":
         case = without_picture(case)
     with Lab(RunOptions(texts={path: text.replace(right, wrong)})) as lab:
@@ -132,5 +126,5 @@ def test_a_mistake_makes_its_case_fail_and_names_a_place(
 
 def test_every_lighting_lesson_is_broken_at_least_twice() -> None:
     broken = [case_id for case_id, *_ in MISTAKES]
-    assert set(broken) == LESSONS <= {case.id for case in catalogue()}
+    assert set(broken) == LESSONS <= {case.id for case in shipped()}
     assert min(broken.count(case_id) for case_id in LESSONS) >= 2

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cache
 
 import pytest
 
-from shaderlab.catalogue import Catalogue
 from shaderlab.discovery import data_folder
 from shaderlab.evaluation import Lab
 from shaderlab.expectations import Measure
 from shaderlab.model import Case
 from shaderlab.options import RunOptions
 from shaderlab.records import Outcome
+from tests.catalogue import shipped
 
 FOLDER = "ch05_lighting"
 SHADOW, LIT = "lib/shadow.glsl", "shadow_map.frag"
@@ -84,11 +83,6 @@ OF_STATE = {
 }
 
 
-@cache
-def catalogue() -> Catalogue:
-    return Catalogue.shipped()
-
-
 def judged(case: Case) -> Case:
     """Without the large picture, which takes longer than many of the checks."""
     large = ("large", "scene", "scene-backwards", "picture")
@@ -119,7 +113,7 @@ def test_a_mistake_makes_its_case_fail(
     path = shader if shader.startswith("lib/") else f"{FOLDER}/{shader}"
     text = (data_folder("shaders") / path).read_text(encoding="utf-8")
     assert right in text, f"{path} does not read {right!r} any more"
-    case = judged(catalogue().find(case_id))
+    case = judged(shipped().find(case_id))
     assert by in {o.name for o in failures_of(case, {path: text.replace(right, wrong)})}
 
 
@@ -134,12 +128,12 @@ def test_a_mistake_makes_its_case_fail(
     ],
 )
 def test_a_wrong_depth_test_shows_what_is_hidden(case_id: str, name: str, by: str) -> None:
-    case = without_depth_test(judged(catalogue().find(case_id)), name)
+    case = without_depth_test(judged(shipped().find(case_id)), name)
     assert by in {o.name for o in failures_of(case, {})}
 
 
 def test_a_wrong_depth_test_shows_a_lamp_that_is_hidden() -> None:
-    case = without_depth_test(catalogue().find("point-shadow"), "scene")
+    case = without_depth_test(shipped().find("point-shadow"), "scene")
     assert "scene.FragColor: any order of drawing" in {o.name for o in failures_of(case, {})}
 
 
@@ -162,5 +156,5 @@ def test_every_lesson_and_every_measure_is_broken() -> None:
     assert min(broken.count(case_id) for case_id in LESSONS) >= 2
     seen = {(case_id, by) for case_id, *_, by in MISTAKES}
     for case_id in LESSONS:
-        measures = {e.name for e in catalogue().find(case_id).expect if isinstance(e, Measure)}
+        measures = {e.name for e in shipped().find(case_id).expect if isinstance(e, Measure)}
         assert {(case_id, name) for name in measures - OF_STATE} <= seen

@@ -4,17 +4,16 @@ expectations notice."""
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cache
 
 import pytest
 
-from shaderlab.catalogue import Catalogue
 from shaderlab.discovery import data_folder
 from shaderlab.evaluation import Lab
 from shaderlab.expectations import Measure
 from shaderlab.model import Case
 from shaderlab.options import RunOptions
 from shaderlab.records import Outcome
+from tests.catalogue import shipped
 
 FOLDER = "ch05_lighting"
 FURNACE, FACETS = "lib/furnace.glsl", "lib/microfacets.glsl"
@@ -60,11 +59,6 @@ MISTAKES = [
 LESSONS = {"normal-map", "deferred-shading", "pbr-furnace"}
 
 
-@cache
-def catalogue() -> Catalogue:
-    return Catalogue.shipped()
-
-
 def judged(case: Case) -> Case:
     """Without the large picture, which takes longer than all checks of a normal map."""
     if case.id != "normal-map":
@@ -78,7 +72,7 @@ def with_mistake(case_id: str, shader: str, right: str, wrong: str) -> tuple[str
     path = shader if shader.startswith("lib/") else f"{FOLDER}/{shader}"
     text = (data_folder("shaders") / path).read_text(encoding="utf-8")
     assert right in text, f"{path} does not read {right!r} any more"
-    case = judged(catalogue().find(case_id))
+    case = judged(shipped().find(case_id))
     with Lab(RunOptions(texts={path: text.replace(right, wrong)})) as lab:
         record = lab.run(case.scene("default"))
     return record.status, [o for o in record.expectations if o.status == "fail"]
@@ -108,7 +102,7 @@ def test_every_measure_of_these_lessons_is_seen_to_fail() -> None:
     there = {
         e.name
         for case_id in {case_id for case_id, *_ in MISTAKES}
-        for e in catalogue().find(case_id).expect
+        for e in shipped().find(case_id).expect
         if isinstance(e, Measure)
     }
     assert there and there <= seen

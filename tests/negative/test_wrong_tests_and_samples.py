@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cache
 from typing import Any
 
 import pytest
 
-from shaderlab.catalogue import Catalogue
 from shaderlab.discovery import data_folder
 from shaderlab.evaluation import Lab
 from shaderlab.model import Scene
 from shaderlab.options import RunOptions
 from shaderlab.records import Record
+from tests.catalogue import shipped
 
 CH6, CH9 = "ch06_tests", "ch09_antialiasing"
 # case, shader, what stands there, the mistake
@@ -75,11 +74,6 @@ STATES: list[tuple[str, str, int, str, Any]] = [
 ]
 
 
-@cache
-def catalogue() -> Catalogue:
-    return Catalogue.shipped()
-
-
 @pytest.fixture(scope="module", autouse=True)
 def _samples() -> None:
     """Cases of several samples need a driver that has them."""
@@ -103,7 +97,7 @@ def test_a_mistake_in_a_shader_makes_its_case_fail(
 ) -> None:
     text = (data_folder("shaders") / shader).read_text(encoding="utf-8")
     assert right in text, f"{shader} does not read {right!r} any more"
-    case = catalogue().find(case_id)
+    case = shipped().find(case_id)
     with Lab(RunOptions(texts={shader: text.replace(right, wrong)})) as lab:
         caught([lab.run(scene) for scene in list(case.scenes())[:2]])
 
@@ -127,7 +121,7 @@ def with_state(scene: Scene, name: str, index: int, **changes: Any) -> Scene:
 def test_a_mistake_in_state_makes_its_case_fail(
     case_id: str, name: str, index: int, field: str, value: Any
 ) -> None:
-    scene = next(catalogue().find(case_id).scenes())
+    scene = next(shipped().find(case_id).scenes())
     wrong = with_state(scene, name, index, **{field: value})
     assert wrong != scene
     with Lab() as lab:

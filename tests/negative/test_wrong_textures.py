@@ -10,12 +10,12 @@ from typing import Any
 import pytest
 
 from shaderlab import Case, CubeTexture, Texture
-from shaderlab.catalogue import Catalogue
 from shaderlab.discovery import data_folder
 from shaderlab.evaluation import Lab
 from shaderlab.model import Expectation
 from shaderlab.options import RunOptions
 from shaderlab.records import Record
+from tests.catalogue import shipped
 
 CH2, CH7, CH13 = "ch02_basics", "ch07_maps", "ch13_skybox"
 
@@ -70,7 +70,7 @@ FOR_PEOPLE = {"scene", "picture"}
 @cache
 def judged_only(case_id: str) -> Case:
     """The case without its large pictures, and what is expected of them."""
-    case = Catalogue.shipped().find(case_id)
+    case = shipped().find(case_id)
     kept = tuple(p for p in case.passes if p.name not in FOR_PEOPLE)
     expect = [e for e in case.expect if _pass_of(e) not in FOR_PEOPLE]
     return replace(case, passes=kept, expect=expect, picture="")

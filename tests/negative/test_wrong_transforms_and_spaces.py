@@ -7,12 +7,12 @@ from functools import cache
 
 import pytest
 
-from shaderlab.catalogue import Catalogue
 from shaderlab.discovery import data_folder
 from shaderlab.evaluation import Lab
 from shaderlab.model import Case
 from shaderlab.options import RunOptions
 from shaderlab.records import Record
+from tests.catalogue import shipped
 
 CH3, CH4 = "ch03_transforms", "ch04_spaces"
 
@@ -83,7 +83,7 @@ FOR_PEOPLE = {"scene", "picture"}
 @cache
 def judged_only(case_id: str) -> Case:
     """The case without its large pictures, which no expectation reads."""
-    case = Catalogue.shipped().find(case_id)
+    case = shipped().find(case_id)
     kept = tuple(p for p in case.passes if p.name not in FOR_PEOPLE)
     return replace(case, passes=kept, picture="")
 

@@ -9,6 +9,7 @@ import pytest
 from shaderlab.catalogue import Catalogue, load_case
 from shaderlab.discovery import data_folder
 from shaderlab.errors import CaseError, UsageError
+from tests.catalogue import shipped
 
 GOOD = '''"""A lesson.
 
@@ -185,12 +186,12 @@ def test_two_cases_can_not_share_an_id(tmp_path: Path) -> None:
 
 def test_an_unknown_id_suggests_the_nearest() -> None:
     with pytest.raises(UsageError, match="spotligth") as caught:
-        Catalogue.shipped().find("spotligth")
+        shipped().find("spotligth")
     assert "spotlight" in (caught.value.remedy or "")
 
 
 def test_cases_come_in_the_order_of_the_notes() -> None:
-    chapters = [case.chapter for case in Catalogue.shipped()]
+    chapters = [case.chapter for case in shipped()]
     assert chapters == sorted(chapters)
     assert chapters[0] == 1
 

@@ -12,6 +12,7 @@ from click.testing import CliRunner
 from shaderlab.catalogue import Catalogue
 from shaderlab.cli import COMMANDS, cli
 from shaderlab.errors import CaseError, UsageError
+from tests.catalogue import shipped
 
 
 def call(*args: str) -> Any:
@@ -20,7 +21,7 @@ def call(*args: str) -> Any:
 
 def test_list_json_has_the_documented_fields() -> None:
     entries = json.loads(call("list", "--json", "-").stdout)
-    assert [entry["id"] for entry in entries] == [case.id for case in Catalogue.shipped().cases]
+    assert [entry["id"] for entry in entries] == [case.id for case in shipped().cases]
     for entry in entries:
         assert list(entry) == ["id", "section", "title", "variants", "file"]
         assert entry["variants"] and all(isinstance(name, str) for name in entry["variants"])
@@ -29,7 +30,7 @@ def test_list_json_has_the_documented_fields() -> None:
 
 def test_list_names_every_case_once() -> None:
     output = call("list").output
-    for case in Catalogue.shipped().cases:
+    for case in shipped().cases:
         assert output.count(f"  {case.id} ") == 1
 
 
