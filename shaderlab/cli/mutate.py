@@ -167,7 +167,6 @@ def _judge(campaign: Campaign, console: Console) -> None:
 def _show(console: Console, results: Sequence[CaseResult]) -> None:
     from rich.table import Table
 
-    from shaderlab.files import display_path
     from shaderlab.mutation import score
 
     table = Table(box=None, pad_edge=False, header_style="dim")
@@ -195,9 +194,7 @@ def _show(console: Console, results: Sequence[CaseResult]) -> None:
         if result.survivors:
             console.print(f"\nsurvived in {result.id}:", style="bold", markup=False)
         for tried in result.survivors:
-            where = display_path(tried.file, tried.line or None)
-            line = f"  {where}  {tried.operator}: {tried.before} → {tried.after}"
-            console.print(f"{line}\n      {tried.fate.by}", markup=False)
+            console.print(f"  {tried.mutant}\n      {tried.fate.by}", markup=False)
     unjudged = sum(r.count("unjudged") for r in results)
     of_state = score(results, state=True)
     console.print(

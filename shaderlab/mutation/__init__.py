@@ -1,7 +1,11 @@
 """Mutation: realistic mistakes made on purpose, to measure what a case's expectations notice."""
 
 from shaderlab.mutation.campaign import Campaign as Campaign
-from shaderlab.mutation.mutants import Mutant as Mutant, mutants_of as mutants_of
+from shaderlab.mutation.mutants import (
+    Mutant as Mutant,
+    ShaderMutant as ShaderMutant,
+    mutants_of as mutants_of,
+)
 from shaderlab.mutation.requests import (
     MutationPlan as MutationPlan,
     mutants_of_case as mutants_of_case,

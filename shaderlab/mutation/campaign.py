@@ -12,8 +12,7 @@ from shaderlab.execution.executor import LocalExecutor, error_text
 from shaderlab.execution.pool import ItemResult
 from shaderlab.mutation.mutants import Mutant
 from shaderlab.mutation.requests import OPENING, JudgeMutant, MakeMutants, MutationPlan
-from shaderlab.mutation.results import STATE, CaseResult, Fate, Tried
-from shaderlab.mutation.states import StateMutant
+from shaderlab.mutation.results import CaseResult, Fate, Tried
 
 
 @dataclass
@@ -21,7 +20,7 @@ class _CaseCampaign:
     """The mutants of one case, and the fates of those that were judged."""
 
     file: Path
-    mutants: Sequence[Mutant | StateMutant] = ()
+    mutants: Sequence[Mutant] = ()
     fates: dict[int, Fate] = field(default_factory=dict)
     seconds: float = 0.0
     message: str = ""
@@ -31,7 +30,7 @@ class _CaseCampaign:
         return self.file.stem.replace("_", "-")
 
     def result(self) -> CaseResult:
-        tried = tuple(_tried(self.mutants[i], fate) for i, fate in sorted(self.fates.items()))
+        tried = tuple(Tried(self.mutants[i], fate) for i, fate in sorted(self.fates.items()))
         return CaseResult(id=self.id, tried=tried, seconds=self.seconds, message=self.message)
 
 
@@ -114,17 +113,3 @@ def _broken(result: ItemResult) -> str:
     if isinstance(result.value, ShaderlabError):
         return error_text(result)
     return f"unforeseen {type(result.value).__name__}: {error_text(result)}"
-
-
-def _tried(mutant: Mutant | StateMutant, fate: Fate) -> Tried:
-    if isinstance(mutant, Mutant):
-        return Tried(
-            file=mutant.file,
-            line=mutant.line,
-            operator=mutant.operator,
-            before=mutant.before,
-            after=mutant.after,
-            fate=fate,
-        )
-    before, after = mutant.shown
-    return Tried(file=mutant.file, line=0, operator=STATE, before=before, after=after, fate=fate)

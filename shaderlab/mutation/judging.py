@@ -1,8 +1,8 @@
-"""Judging mutants of one case: does any expectation notice? If not, is there anything to see?"""
+"""Judges the mutants of one case: does an expectation fail, and if not, does an output differ?"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 
@@ -13,11 +13,8 @@ from shaderlab.model import Case, Scene
 from shaderlab.mutation import compare, wider
 from shaderlab.mutation.mutants import Mutant
 from shaderlab.mutation.results import Fate
-from shaderlab.mutation.states import StateMutant
 from shaderlab.mutation.subjects import (
     downstream,
-    drawn_with,
-    passes_of,
     sources_of,
     with_what_they_read,
 )
@@ -37,7 +34,7 @@ Wide = tuple[list[wider.Round], dict[tuple[str, int], Array]]
 
 
 class Judge:
-    """One case, run once as it is; then as many mutants of it as one likes.
+    """Judges mutants of one case, which it evaluates once unmutated.
 
     Args:
         lab: the open device.
@@ -59,8 +56,8 @@ class Judge:
         self._wide: dict[tuple[str, PassDraw], Wide] = {}
         self._sound: set[tuple[str, tuple[str, ...], tuple[int, ...]]] = set()
 
-    def fate(self, mutant: Mutant | StateMutant) -> Fate:
-        """What becomes of one mutant.
+    def fate(self, mutant: Mutant) -> Fate:
+        """The fate of one mutant.
 
         Raises:
             PartError: it ended in an error, and so does the same part of the case without it.
@@ -76,22 +73,18 @@ class Judge:
         except Exception as error:
             for task in tasks:
                 self._require_sound(task)
-            # Running the case would end in an error, which nobody takes for green.
+            # Running the case would end in an error, which does not pass.
             return Fate(status="killed", by=f"{type(error).__name__}: {error}")
 
-    def tasks(self, mutant: Mutant | StateMutant) -> list[Task]:
-        """The scenes that a mutant may change, and what may notice it there."""
+    def tasks(self, mutant: Mutant) -> list[Task]:
+        """The scenes that a mutant changes, and the expectations that may fail there."""
         tasks = []
         for scene in self._scenes:
-            if isinstance(mutant, Mutant):
-                touched = passes_of(scene, mutant.file, self._sources)
-                vertex = drawn_with(scene, mutant.file, self._sources, ("vertex", "geometry"))
-                about = self._concerned(scene, touched, vertex)
-                tasks.append(Task(scene, scene, {mutant.shader: mutant.text}, touched, about))
-            elif (other := mutant.applied(scene)) is not None:
-                touched = downstream(scene, {mutant.pass_name})
-                about = self._concerned(scene, touched, set())
-                tasks.append(Task(scene, other, {}, touched, about))
+            effect = mutant.effect(scene, self._sources)
+            if effect is not None:
+                touched = downstream(scene, effect.passes)
+                about = self._concerned(scene, touched, effect.vertex_passes)
+                tasks.append(Task(scene, effect.scene, effect.texts, touched, about))
         return tasks
 
     @contextmanager
@@ -126,15 +119,15 @@ class Judge:
             return Fate(status="unjudged", by=seen.elsewhere)
         return Fate(status="equivalent")
 
-    def _concerned(self, scene: Scene, touched: set[str], vertex: set[str]) -> list[int]:
-        """The expectations that may notice a change of what the `touched` passes draw; those of
+    def _concerned(self, scene: Scene, touched: set[str], vertex: Collection[str]) -> list[int]:
+        """The expectations that may fail when the `touched` passes draw something else; those of
         vertex outputs only where the change is in one of the passes `vertex`."""
         programs = self._originals[scene.variant].programs
         return [
             index
             for index, expectation in enumerate(scene.expect)
             if expectation.passes(scene)
-            & (vertex if expectation.judges_vertices(scene, programs) else touched)
+            & set(vertex if expectation.judges_vertices(scene, programs) else touched)
         ]
 
     def _noticed(self, task: Task, seen: Seen) -> str:

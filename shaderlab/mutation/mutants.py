@@ -1,13 +1,18 @@
-"""A mutant: one small, realistic mistake in one shader file; and all those of a file."""
+"""A mutant: one small, realistic mistake; and all those of a shader file."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from tree_sitter import Node
 
+from shaderlab.files import display_path
+from shaderlab.glsl.sources import Source
+from shaderlab.glsl.text import STAGES
+from shaderlab.model import Scene
 from shaderlab.mutation.names import Names, names_of
 from shaderlab.mutation.syntax import Syntax, name_of, walk
 
@@ -19,30 +24,71 @@ Operator = Callable[[Node, Syntax, Names], Iterator[Change]]
 _SHOWN = 72
 
 
+@dataclass(frozen=True)
+class Effect:
+    """What a mutant changes in one scene.
+
+    Attributes:
+        scene: the scene with the mistake, if that is one of its data.
+        texts: the shaders that are replaced, by name.
+        passes: the passes that run what was changed.
+        vertex_passes: those of them in which it is a vertex or geometry shader.
+    """
+
+    scene: Scene
+    texts: Mapping[str, str]
+    passes: frozenset[str]
+    vertex_passes: frozenset[str] = frozenset()
+
+
 @dataclass(frozen=True, kw_only=True)
-class Mutant:
+class Mutant(ABC):
     """One mistake.
 
     Attributes:
-        shader: the file's name inside the shader roots.
-        file, line: the place in the author's file, the line counted from 1.
+        file, line: the place in the author's file, the line counted from 1; 0 for none.
         operator: the kind of mistake, such as "constant + 1 %".
         before, after: the expression or statement that shows it.
-        text: the file's whole text with the mistake in it.
     """
 
-    shader: str
     file: str
     line: int
     operator: str
     before: str
     after: str
+
+    @abstractmethod
+    def effect(self, scene: Scene, sources: Mapping[str, Source]) -> Effect | None:
+        """What it changes in a scene; None for nothing. `sources` are the case's shaders."""
+
+    def __str__(self) -> str:
+        place = display_path(self.file, self.line or None)
+        return f"{place}  {self.operator}: {self.before} → {self.after}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShaderMutant(Mutant):
+    """A mistake in one shader file: `shader` is its name inside the shader roots, `text` its whole
+    text with the mistake."""
+
+    shader: str
     text: str
 
-    @property
-    def place(self) -> str:
-        """`file:line`."""
-        return f"{self.file}:{self.line}"
+    def effect(self, scene: Scene, sources: Mapping[str, Source]) -> Effect:
+        def passes(stages: Collection[str]) -> frozenset[str]:
+            running = {
+                name
+                for name, source in sources.items()
+                if source.stage in stages and any(self.file == path for path, _ in source.parts)
+            }
+            return frozenset(
+                description.name
+                for description in scene.passes
+                if any(running & set(draw.shaders) for draw in description.draws)
+            )
+
+        texts = {self.shader: self.text}
+        return Effect(scene, texts, passes(STAGES), passes(("vertex", "geometry")))
 
 
 def mutants_of(
@@ -53,7 +99,7 @@ def mutants_of(
     others: Iterable[Syntax] = (),
     functions: set[str] | None = None,
     operators: Iterable[Operator] | None = None,
-) -> list[Mutant]:
+) -> list[ShaderMutant]:
     """Every mutant of one file, in the order of its text; two ways to the same text count once.
 
     Args:
@@ -72,7 +118,7 @@ def mutants_of(
         operators = all_operators()
     names = names_of(file, others)
     chosen = tuple(operators)
-    found: dict[str, Mutant] = {}
+    found: dict[str, ShaderMutant] = {}
     for node in walk(file.root):
         if _is_left_alone(node, file, functions):
             continue
@@ -84,14 +130,14 @@ def mutants_of(
     return list(found.values())
 
 
-def _mutant(change: Change, file: Syntax, shader: str, path: str) -> Mutant:
+def _mutant(change: Change, file: Syntax, shader: str, path: str) -> ShaderMutant:
     kind, shown, old, new = change
     head, tail = file.bytes[: old.start_byte], file.bytes[old.end_byte :]
     inside = (
         file.bytes[shown.start_byte : old.start_byte].decode(),
         file.bytes[old.end_byte : shown.end_byte].decode(),
     )
-    return Mutant(
+    return ShaderMutant(
         shader=shader,
         file=path,
         line=old.start_point[0] + 1,

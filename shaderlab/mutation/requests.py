@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from shaderlab.model import Case
     from shaderlab.mutation.judging import Judge
     from shaderlab.mutation.mutants import Mutant
-    from shaderlab.mutation.states import StateMutant
 
 OPENING = "running the case as it is"
 """The step that a worker notes while it opens a case."""
@@ -33,7 +32,7 @@ class MutationPlan:
     Attributes:
         variants: names of the only variants to judge by; all of them if empty.
         state: mutate the cases' fixed-function state as well.
-        limit: at most so many mutants a case, drawn at random by `seed`; 0 for all.
+        limit: the most mutants of a case, drawn at random by `seed`; 0 for all.
         seed: selects the mutants that `limit` draws.
     """
 
@@ -50,7 +49,7 @@ class MakeMutants:
     file: Path
     plan: MutationPlan
 
-    def perform(self, worker: LabWorker) -> Sequence[Mutant | StateMutant]:
+    def perform(self, worker: LabWorker) -> Sequence[Mutant]:
         """See `shaderlab.execution.requests.Request`."""
         return mutants_of_case(worker.case(str(self.file)), self.plan)
 
@@ -65,7 +64,7 @@ class JudgeMutant:
 
     file: Path
     variants: tuple[str, ...]
-    mutant: Mutant | StateMutant
+    mutant: Mutant
 
     def perform(self, worker: LabWorker) -> Fate:
         """See `shaderlab.execution.requests.Request`."""
@@ -83,12 +82,12 @@ class JudgeMutant:
         return judge
 
 
-def mutants_of_case(case: Case, plan: MutationPlan) -> list[Mutant | StateMutant]:
+def mutants_of_case(case: Case, plan: MutationPlan) -> list[Mutant]:
     """The mutants of a case in the order of its files, after `limit`."""
     from shaderlab.mutation.states import state_mutants
     from shaderlab.mutation.subjects import glsl_mutants
 
-    found: list[Mutant | StateMutant] = [*glsl_mutants(case)]
+    found: list[Mutant] = [*glsl_mutants(case)]
     if plan.state:
         found += state_mutants(case, plan.seed)
     if plan.limit and plan.limit < len(found):

@@ -1,4 +1,4 @@
-"""What became of the mutants, as plain data."""
+"""The fates of mutants, and the score that follows from them."""
 
 from __future__ import annotations
 
@@ -6,17 +6,19 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
-STATE = "state"
+from shaderlab.mutation.mutants import Mutant
+from shaderlab.mutation.states import STATE
+
 Status = Literal["killed", "survived", "equivalent", "unjudged", "invalid"]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Fate:
-    """What became of one mutant.
+    """The fate of one mutant.
 
     Attributes:
         status: "killed" by an expectation, a crash or a time limit; "survived" where a judged
-            output changed and nobody noticed; "equivalent" where no output changes at all;
+            output changed and every expectation passed; "equivalent" where no output changes;
             "unjudged" where only outputs change that no expectation reads, as in pictures for
             people; "invalid" where a compiler refuses it.
         by: the variant and expectation that killed it, or what else there is to say.
@@ -26,27 +28,17 @@ class Fate:
     by: str = ""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Tried:
-    """One mutant as it is reported: the place, what was changed, and its fate."""
+    """A mutant with its fate."""
 
-    file: str
-    line: int
-    operator: str
-    before: str
-    after: str
+    mutant: Mutant
     fate: Fate
 
     @property
     def of_state(self) -> bool:
         """Whether it is a mistake in the case's fixed-function state and not in a shader."""
-        return self.operator == STATE
-
-    @property
-    def line_of_text(self) -> str:
-        """`file:line  operator: before → after`."""
-        place = f"{self.file}:{self.line}" if self.line else self.file
-        return f"{place}  {self.operator}: {self.before} → {self.after}"
+        return self.mutant.operator == STATE
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -125,7 +117,7 @@ def summary_rows(results: Sequence[CaseResult]) -> list[Mapping[str, Any]]:
             "killed": result.count("killed"),
             "judged": result.count("killed") + result.count("survived"),
             "score": result.score,
-            "survivors": [t.line_of_text for t in result.survivors],
+            "survivors": [str(t.mutant) for t in result.survivors],
         }
         for result in results
     ]
@@ -133,10 +125,10 @@ def summary_rows(results: Sequence[CaseResult]) -> list[Mapping[str, Any]]:
 
 def _entry(tried: Tried) -> dict[str, Any]:
     return {
-        "file": tried.file,
-        "line": tried.line,
-        "operator": tried.operator,
-        "before": tried.before,
-        "after": tried.after,
+        "file": tried.mutant.file,
+        "line": tried.mutant.line,
+        "operator": tried.mutant.operator,
+        "before": tried.mutant.before,
+        "after": tried.mutant.after,
         **({"note": tried.fate.by} if tried.fate.by else {}),
     }

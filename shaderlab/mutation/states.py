@@ -5,11 +5,13 @@ off, a depth range or an offset the other way round, a test forgotten."""
 from __future__ import annotations
 
 import random
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
+from shaderlab.glsl.sources import Source
 from shaderlab.model import Blend, Case, Draw, Scene, State, Stencil
+from shaderlab.mutation.mutants import Effect, Mutant
 
 MOST_ALIKE = 4  # of many draws with the very same change, so many are tried
 
@@ -31,38 +33,36 @@ _EQUATION = {
 _FACE = {"front": ("back", None), "back": ("front", None), "front_and_back": (None,)}
 
 
+STATE = "state"
+"""The operator of mutants of state."""
+
+
 @dataclass(frozen=True, kw_only=True)
-class StateMutant:
+class StateMutant(Mutant):
     """One field of one draw's state with another value, in every variant that has the draw.
 
     `path` names the field, as "depth.func"; for a whole test that is switched off it is "depth".
+    `old` and `new` are its values.
     """
 
     pass_name: str
     draw: int
     path: str
-    before: Any
-    after: Any
-    file: str
+    old: Any
+    new: Any
 
-    @property
-    def shown(self) -> tuple[str, str]:
-        """Before and after as a case would write them."""
-        place = f"{self.pass_name}[{self.draw}] {self.path}"
-        return f"{place}={_spelt(self.before)}", _spelt(self.after)
-
-    def applied(self, scene: Scene) -> Scene | None:
-        """The scene with this change; None where it lacks the draw or the value."""
+    def effect(self, scene: Scene, sources: Mapping[str, Source]) -> Effect | None:
         passes = list(scene.passes)
         for index, description in enumerate(passes):
             if description.name == self.pass_name and self.draw < len(description.draws):
                 draw = description.draws[self.draw]
-                if _get(draw.state, self.path) != self.before:
+                if _get(draw.state, self.path) != self.old:
                     return None
                 draws = list(description.draws)
-                draws[self.draw] = replace(draw, state=_set(draw.state, self.path, self.after))
+                draws[self.draw] = replace(draw, state=_set(draw.state, self.path, self.new))
                 passes[index] = replace(description, draws=tuple(draws))
-                return replace(scene, passes=tuple(passes))
+                changed = replace(scene, passes=tuple(passes))
+                return Effect(changed, {}, frozenset({self.pass_name}))
         return None
 
 
@@ -73,16 +73,20 @@ def state_mutants(case: Case, seed: int = 0) -> list[StateMutant]:
     for scene in case.scenes():
         for description in scene.passes:
             for index, draw in enumerate(description.draws):
-                for path, before, after in _changes(draw):
+                for path, old, new in _changes(draw):
                     mutant = StateMutant(
+                        file=case.file,
+                        line=0,
+                        operator=STATE,
+                        before=f"{description.name}[{index}] {path}={_spelt(old)}",
+                        after=_spelt(new),
                         pass_name=description.name,
                         draw=index,
                         path=path,
-                        before=before,
-                        after=after,
-                        file=case.file,
+                        old=old,
+                        new=new,
                     )
-                    same = alike.setdefault((description.name, path, before, after), [])
+                    same = alike.setdefault((description.name, path, old, new), [])
                     if mutant not in same:
                         same.append(mutant)
     chosen: list[StateMutant] = []

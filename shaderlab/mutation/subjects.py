@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 from shaderlab.errors import ShaderError
 from shaderlab.evaluation.search_path import shaders_of
 from shaderlab.glsl.sources import Source
-from shaderlab.glsl.text import STAGES
 from shaderlab.model import Case, Pass, Scene, outputs_read
-from shaderlab.mutation.mutants import Mutant, mutants_of
+from shaderlab.mutation.mutants import ShaderMutant, mutants_of
 from shaderlab.mutation.syntax import Syntax, reachable
 
 
@@ -25,14 +24,14 @@ class ShaderFile:
     beside: tuple[str, ...]
 
 
-def glsl_mutants(case: Case) -> list[Mutant]:
+def glsl_mutants(case: Case) -> list[ShaderMutant]:
     """Every mutant of every shader file of a case; a law file that several shaders include counts
     once. Functions that none of the case's programs calls are left alone.
 
     Raises:
         ShaderError: a file can't be read.
     """
-    found: list[Mutant] = []
+    found: list[ShaderMutant] = []
     for file in shader_files(case):
         others = [Syntax(text) for text in file.beside]
         own = Syntax(file.text)
@@ -61,28 +60,6 @@ def shader_files(case: Case) -> list[ShaderFile]:
                     name = known.name if known else _name(path, case)
                     files[path] = ShaderFile(name, path, text, tuple(sorted(beside)))
     return list(files.values())
-
-
-def passes_of(scene: Scene, path: str, sources: Mapping[str, Source]) -> set[str]:
-    """The passes that a shader file has a part in: those that draw with it, and those that read
-    what they drew."""
-    return downstream(scene, drawn_with(scene, path, sources))
-
-
-def drawn_with(
-    scene: Scene, path: str, sources: Mapping[str, Source], stages: Collection[str] = STAGES
-) -> set[str]:
-    """The passes that run a shader file, by its path, in one of these stages."""
-    running = {
-        name
-        for name, source in sources.items()
-        if source.stage in stages and any(path == part for part, _ in source.parts)
-    }
-    return {
-        description.name
-        for description in scene.passes
-        if any(running & set(draw.shaders) for draw in description.draws)
-    }
 
 
 def downstream(scene: Scene, passes: Collection[str]) -> set[str]:

@@ -15,7 +15,7 @@ from shaderlab.catalogue import load_case
 from shaderlab.cli import cli
 from shaderlab.evaluation import Lab
 from shaderlab.execution import ProcessExecutor
-from shaderlab.mutation import Campaign, Mutant, MutationPlan, mutants_of_case, state_mutants
+from shaderlab.mutation import Campaign, MutationPlan, ShaderMutant, mutants_of_case, state_mutants
 from shaderlab.mutation.judging import Judge, PartError
 from shaderlab.options import Limits
 
@@ -128,7 +128,7 @@ def fates(file: Path, kind: str = "") -> dict[tuple[str, str, str], str]:
         return {
             (m.operator, m.before, m.after): judge.fate(m).status
             for m in mutants_of_case(case, MutationPlan(state=False))
-            if isinstance(m, Mutant) and kind in m.operator
+            if isinstance(m, ShaderMutant) and kind in m.operator
         }
 
 
@@ -149,7 +149,7 @@ def trial(folder: Path, right: str, wrong: str) -> str:
     """The fate of law.glsl with `wrong` in place of `right`."""
     assert right in LAW
     text = LAW.replace(right, wrong)
-    mutant = Mutant(
+    mutant = ShaderMutant(
         shader="law.glsl", file=str(folder / "law.glsl"), line=1, operator="by hand",
         before=right, after=wrong, text=text,
     )  # fmt: skip
@@ -178,7 +178,7 @@ def test_state_is_mutated_too(folder: Path) -> None:
     case = load_case(folder / "quad.py")
     with Lab() as lab:
         judge = Judge(lab, case)
-        found = {(m.path, m.after): judge.fate(m).status for m in state_mutants(case)}
+        found = {(m.path, m.new): judge.fate(m).status for m in state_mutants(case)}
     assert found == {
         ("depth", None): "equivalent",  # nothing is there to be hidden by
         ("depth.write", False): "equivalent",

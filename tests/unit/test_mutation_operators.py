@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from shaderlab.mutation.mutants import Mutant, mutants_of
+from shaderlab.mutation.mutants import ShaderMutant, mutants_of
 from shaderlab.mutation.syntax import Syntax, reachable
 
 LAW = """\
@@ -26,7 +26,7 @@ def made(body: str, kind: str | None = None) -> list[tuple[str, str, str]]:
     return [(m.operator, m.before, m.after) for m in found if kind is None or m.operator == kind]
 
 
-def mutants(text: str) -> list[Mutant]:
+def mutants(text: str) -> list[ShaderMutant]:
     return mutants_of(Syntax(text), shader="law.frag", path="/lab/law.frag")
 
 
@@ -96,7 +96,7 @@ def test_a_mutant_knows_the_author_s_line_and_the_whole_text() -> None:
     text = LAW.replace("BODY", "float x = d\n        + 1.5;\n    // d + 1.5")
     found = {m.operator: m for m in mutants(text)}
     assert (found["operator"].line, found["constant + 1 %"].line) == (10, 10)
-    assert found["operator"].place == "/lab/law.frag:10"
+    assert str(found["operator"]).startswith("/lab/law.frag:10  operator: ")
     assert found["operator"].text == text.replace("+ 1.5;", "- 1.5;")
 
 

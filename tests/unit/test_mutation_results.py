@@ -22,20 +22,27 @@ from shaderlab.model import (
     TextureArray,
     mesh_pass,
 )
-from shaderlab.mutation import CaseResult, Fate, Tried, as_json, score, state_mutants, summary_rows
-from shaderlab.mutation.results import STATE, Status
+from shaderlab.mutation import (
+    CaseResult,
+    Fate,
+    ShaderMutant,
+    Tried,
+    as_json,
+    score,
+    state_mutants,
+    summary_rows,
+)
+from shaderlab.mutation.results import Status
+from shaderlab.mutation.states import STATE
 from shaderlab.mutation.subjects import downstream, with_what_they_read
 
 
 def tried(status: Status, operator: str = "operator", line: int = 7) -> Tried:
-    return Tried(
-        file="shaders/lamp.frag",
-        line=line,
-        operator=operator,
-        before="a + b",
-        after="a - b",
-        fate=Fate(status=status, by="default · factor"),
-    )
+    mutant = ShaderMutant(
+        file="shaders/lamp.frag", line=line, operator=operator, before="a + b", after="a - b",
+        shader="lamp.frag", text="",
+    )  # fmt: skip
+    return Tried(mutant, Fate(status=status, by="default · factor"))
 
 
 def result(*statuses: Status) -> CaseResult:
@@ -84,7 +91,7 @@ def case_of(state: State, draws: int = 1) -> Case:
 
 
 def changes(state: State) -> set[tuple[str, object]]:
-    return {(m.path, m.after) for m in state_mutants(case_of(state))}
+    return {(m.path, m.new) for m in state_mutants(case_of(state))}
 
 
 def test_mistakes_in_state() -> None:
@@ -128,7 +135,7 @@ def test_mistakes_in_what_covers_which_pixels() -> None:
     (draw,) = mesh_pass("a.vert", "a.frag", Mesh(attributes={"aPos": [[0.0]]}),
                         target=Target(size=(8, 8)), state=boxed)  # fmt: skip
     made = Case(title="t", passes=[draw], expect=[exact("c", 1.0)])
-    assert [m.after for m in state_mutants(made) if m.path == "viewport"] == [
+    assert [m.new for m in state_mutants(made) if m.path == "viewport"] == [
         None, (2, 2, 3, 4), (1, 3, 3, 4), (1, 2, 4, 4), (1, 2, 3, 5),
     ]  # fmt: skip
 
@@ -137,11 +144,12 @@ def test_a_state_mutant_changes_its_own_draw_alone() -> None:
     case = case_of(State(depth=Depth()), draws=3)
     mutant = next(m for m in state_mutants(case) if m.path == "depth.func" and m.draw == 1)
     (scene,) = case.scenes()
-    changed = mutant.applied(scene)
-    assert changed is not None
+    effect = mutant.effect(scene, {})
+    assert effect is not None and effect.passes == {"main"}
+    changed = effect.scene
     functions = [draw.state.depth and draw.state.depth.func for draw in changed.passes[0].draws]
-    assert functions == ["less", mutant.after, "less"]
-    assert mutant.shown == ("main[1] depth.func='less'", repr(mutant.after))
+    assert functions == ["less", mutant.new, "less"]
+    assert (mutant.before, mutant.after) == ("main[1] depth.func='less'", repr(mutant.new))
 
 
 def test_of_many_draws_alike_a_few_are_tried_and_the_seed_says_which() -> None:
