@@ -8,8 +8,9 @@ PY := .venv/bin/python
 STALE := $(shell test -x $(PY) && test "$$(cat .venv/.ready 2>/dev/null)" = "$(CURDIR)" \
 	|| rm -f .venv/.ready)
 
-# Several processes where there are several cores; a file's tests stay in one of them.
-PARALLEL = -n auto --maxprocesses 8 --dist loadscope
+# Several processes where there are several cores; a file's tests stay in one of them. Files are
+# begun in their order, short ones last, so that all processes end together.
+PARALLEL = -n auto --maxprocesses 8 --dist loadscope --no-loadscope-reorder
 
 help: ## what there is to do
 	@sed -n 's/^\([a-z]*\):.*## /  make \1	/p' Makefile | expand -t 18

@@ -10,6 +10,7 @@ enlarged eightfold. Spokes that are nearly upright or level show it best: steps 
 the hub, where spokes are thinner than a pixel, one sample loses them altogether.
 """
 
+from functools import cache
 from math import cos, pi, sin
 
 import numpy as np
@@ -49,9 +50,15 @@ def drawn(name, samples):
     )
 
 
+@cache
+def true_area():
+    """The covered area of each pixel."""
+    return area_coverage(SHAPES, SIZE)
+
+
 def errors(lit, on_edges):
     """How far pixels are from the area that is covered: those on an edge, or all others."""
-    right = area_coverage(SHAPES, SIZE)
+    right = true_area()
     edge = (right > 1.0e-9) & (right < 1.0 - 1.0e-9)
     return np.abs(lit[..., 0] - right)[edge == on_edges]
 
@@ -68,7 +75,7 @@ def inner_error(lit):
 
 def covered_area(lit):
     """All light together, over the wheel's area."""
-    return lit.sum() / area_coverage(SHAPES, SIZE).sum()
+    return lit.sum() / true_area().sum()
 
 
 LIT = {1: "one.lit", 4: "four.lit"}

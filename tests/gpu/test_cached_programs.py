@@ -25,6 +25,7 @@ from shaderlab.records import Diagnostic
 
 Call = Callable[..., subprocess.CompletedProcess[str]]
 SAID = "only the cache says so"
+PLAIN = ("-p", "no:cacheprovider", "-p", "no:hypothesispytest")
 
 
 @pytest.fixture(autouse=True)
@@ -148,7 +149,7 @@ def test_a_file_in_the_folders_place_is_ignored(call: Call, case_folder: Path) -
 @pytest.mark.usefixtures("call")
 def test_pytest_uses_the_cache(store: Store) -> None:
     def pytested() -> tuple[int, str]:
-        process = elsewhere(store, "pytest", "lamp.py::lamp[near]", "-p", "no:cacheprovider")
+        process = elsewhere(store, "pytest", "lamp.py::lamp[near]", *PLAIN)
         said, _ = process.communicate(timeout=120)
         return process.returncode, said
 

@@ -11,7 +11,6 @@ from shaderlab.discovery import data_folder
 from shaderlab.expectations import CompileFails, Computed, Coverage, Refused
 from shaderlab.glsl.sources import Shaders
 from shaderlab.model import Case
-from shaderlab.programs.prepare import Preparer
 from tests.catalogue import shipped
 
 FIRST = {
@@ -64,13 +63,13 @@ def test_expectations_of_a_scene_can_be_told_apart(case: Case) -> None:
 
 def test_every_shader_is_used() -> None:
     root = data_folder("shaders")
-    preparer = Preparer(Shaders([root]))
+    shaders = Shaders([root])
     used: set[Path] = set()
     for case in cases():
         for scene in case.scenes():
             for draw in (d for p in scene.passes for d in p.draws):
-                for source in preparer.prepare(draw).authored:
-                    used |= {Path(path).resolve() for path, _ in source.parts}
+                for name in draw.shaders:
+                    used |= {Path(path).resolve() for path, _ in shaders.load(name).parts}
             refused = [n for e in scene.expect if isinstance(e, CompileFails) for n in e.shaders]
             refused += [
                 e.what for e in scene.expect if isinstance(e, Refused) and isinstance(e.what, str)

@@ -8,6 +8,7 @@ import pytest
 
 from shaderlab.discovery import data_folder
 from shaderlab.evaluation import Lab
+from shaderlab.glsl import Shaders
 from shaderlab.options import RunOptions
 from shaderlab.records import Record
 from tests.catalogue import shipped
@@ -96,13 +97,12 @@ def users() -> dict[str, set[str]]:
     """Which cases use each shader file."""
     found: dict[str, set[str]] = {}
     root = data_folder("shaders")
-    with Lab() as lab:
-        for case in shipped():
-            record = lab.run(next(case.scenes()))
-            for program in record.programs:
-                for file in program.files:
-                    name = Path(file).resolve().relative_to(root.resolve()).as_posix()
-                    found.setdefault(name, set()).add(case.id)
+    shaders = Shaders([root])
+    for case in shipped():
+        for draw in (d for p in next(case.scenes()).passes for d in p.draws):
+            for file, _ in (part for name in draw.shaders for part in shaders.load(name).parts):
+                name = Path(file).resolve().relative_to(root.resolve()).as_posix()
+                found.setdefault(name, set()).add(case.id)
     return found
 
 
