@@ -27,7 +27,7 @@ from shaderlab.bands import Rules
 from shaderlab.bands.allowed import contains
 from shaderlab.catalogue import Catalogue
 from shaderlab.evaluation import Lab
-from shaderlab.expectations import Formula
+from shaderlab.expectations.formula import Formula
 from shaderlab.expectations.subject import subject_of
 from shaderlab.frame import Frame
 from shaderlab.judging.inputs import Inputs, evaluate

@@ -2,32 +2,28 @@
 
 from .bands import Rules as Rules
 from .errors import ShaderlabError as ShaderlabError
-from .expectations import (
-    any_order as any_order,
-    attribute_layout as attribute_layout,
-    block_layout as block_layout,
-    both_ways as both_ways,
-    bounded as bounded,
-    compile_fails as compile_fails,
-    computed as computed,
-    cost as cost,
-    coverage as coverage,
-    energy_conserving as energy_conserving,
-    exact as exact,
-    formula as formula,
-    gl_call as gl_call,
-    gl_error as gl_error,
-    inactive_uniforms as inactive_uniforms,
-    mean_of as mean_of,
-    measure as measure,
-    monotone as monotone,
-    query as query,
-    reading as reading,
-    refused as refused,
-    sweep as sweep,
-    symmetric as symmetric,
-    value as value,
-)
+from .expectations.any_order import any_order as any_order, both_ways as both_ways
+from .expectations.attribute_layout import attribute_layout as attribute_layout
+from .expectations.block_layout import block_layout as block_layout
+from .expectations.bounded import bounded as bounded
+from .expectations.compile_fails import compile_fails as compile_fails
+from .expectations.computed import computed as computed
+from .expectations.cost import cost as cost
+from .expectations.coverage import coverage as coverage
+from .expectations.energy_conserving import energy_conserving as energy_conserving
+from .expectations.exact import exact as exact
+from .expectations.formula import formula as formula
+from .expectations.gl_call import gl_call as gl_call
+from .expectations.gl_error import gl_error as gl_error
+from .expectations.inactive_uniforms import inactive_uniforms as inactive_uniforms
+from .expectations.mean_of import mean_of as mean_of
+from .expectations.measure import measure as measure, reading as reading
+from .expectations.monotone import monotone as monotone
+from .expectations.query import query as query
+from .expectations.refused import refused as refused
+from .expectations.sweep import sweep as sweep
+from .expectations.symmetric import symmetric as symmetric
+from .expectations.value import value as value
 from .model import (
     Blend as Blend,
     Case as Case,

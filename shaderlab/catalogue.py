@@ -15,7 +15,7 @@ from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from types import ModuleType
 
-from shaderlab import expectations, model
+import shaderlab
 from shaderlab.discovery import TREE_FILE, chapter_title, place, shipped_cases, tree_of
 from shaderlab.errors import CaseError, ShaderlabError, UsageError, nearest
 from shaderlab.model import Case
@@ -188,7 +188,8 @@ def _above_the_tree(error: BaseException, tree: Path) -> str | None:
 
 
 def _line_in(path: Path, error: BaseException) -> int | None:
-    frames = [f for f in traceback.extract_tb(error.__traceback__) if f.filename == str(path)]
+    file = os.path.abspath(path)
+    frames = [f for f in traceback.extract_tb(error.__traceback__) if f.filename == file]
     return frames[-1].lineno if frames else None
 
 
@@ -196,12 +197,12 @@ def _right_spelling(error: BaseException) -> str | None:
     """For a misspelt keyword or import, the nearest names."""
     if isinstance(error, ImportError) and (error.name or "").startswith("shaderlab"):
         word = re.search(r"cannot import name '(\w+)'", str(error))
-        return nearest(word.group(1), [*vars(model), *vars(expectations)]) if word else None
+        return nearest(word.group(1), dir(sys.modules[error.name or ""])) if word else None
     found = _UNKNOWN_KEYWORD.search(str(error))
     if not isinstance(error, TypeError) or found is None:
         return None
-    name = found.group(1)
-    owner = getattr(model, name, None) or getattr(expectations, name, None)
+    public = (getattr(shaderlab, name) for name in dir(shaderlab))
+    owner = next((each for each in public if getattr(each, "__name__", "") == found.group(1)), None)
     if owner is None:
         return None
     if dataclasses.is_dataclass(owner):

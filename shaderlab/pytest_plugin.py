@@ -16,6 +16,7 @@ with 0 everything runs in pytest's own process, for debuggers.
 
 from __future__ import annotations
 
+import fnmatch
 import os
 from collections.abc import Generator, Iterator
 from pathlib import Path
@@ -61,6 +62,13 @@ class CaseFile(pytest.File):
         if isinstance(excinfo.value, ShaderlabError):
             return str(excinfo.value)
         return super().repr_failure(excinfo)
+
+
+class NoTests(pytest.File):
+    """A file without Python tests."""
+
+    def collect(self) -> Iterator[pytest.Item]:
+        return iter(())
 
 
 class CaseItem(pytest.Item):
@@ -162,6 +170,17 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> CaseFile |
     if not is_case_file(file_path):
         return None
     found: CaseFile = CaseFile.from_parent(parent, path=file_path)
+    return found
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_pycollect_makemodule(module_path: Path, parent: pytest.Collector) -> NoTests | None:
+    """Keep pytest from importing a case file that is given by its name as a module of tests, in its
+    own process and outside the tree of cases. One whose name says that it has tests stays one."""
+    patterns = parent.config.getini("python_files")
+    if any(fnmatch.fnmatch(module_path.name, p) for p in patterns) or not is_case_file(module_path):
+        return None
+    found: NoTests = NoTests.from_parent(parent, path=module_path)
     return found
 
 

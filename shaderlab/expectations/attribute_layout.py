@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass
 
 from shaderlab.errors import CaseError
-from shaderlab.expectations.base import Context, OfDraw, table
+from shaderlab.expectations.base import Context, OfDraw, judge_rows
 from shaderlab.frame import AttributeReading, Frame, PassDraw
 from shaderlab.model import Judgement, Need, Programs, Scene
 from shaderlab.records import Row
@@ -73,7 +73,7 @@ def memory_table(name: str, rows: Sequence[Row]) -> Judgement:
     """A judgement of where things lie; it fails where one lies elsewhere."""
     wrong = [row.label for row in rows if not row.ok]
     message = f"elsewhere than expected: {', '.join(wrong)}" if wrong else ""
-    return table(name, "memory", rows, message, judged=len(rows))
+    return judge_rows(name, "memory", rows, message, judged=len(rows))
 
 
 def _spelt(offset: int, stride: int, divisor: int) -> str:

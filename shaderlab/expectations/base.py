@@ -126,7 +126,7 @@ class OfOutput(Expectation):
         return True
 
 
-def table(
+def judge_rows(
     name: str,
     kind: str,
     rows: Sequence[Row],

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from shaderlab.activity import doing
 from shaderlab.errors import CaseError, DriverError
-from shaderlab.expectations.base import Context, table
+from shaderlab.expectations.base import Context, judge_rows
 from shaderlab.frame import Frame
 from shaderlab.model import Expectation, Judgement, Need, Programs, Scene
 from shaderlab.records import Row, Verdict
@@ -100,7 +100,7 @@ class CompileFails(Expectation):
             rows.append(self._driver_row(verdicts.driver))
             if not rows[-1].ok:
                 message = message or f"the driver accepts {what}"
-        return table(self.name, self.kind, rows, message, judged=len(rows) or 1)
+        return judge_rows(self.name, self.kind, rows, message, judged=len(rows) or 1)
 
     def _driver_row(self, verdict: Verdict) -> Row:
         said = [

@@ -7,7 +7,7 @@ from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
 from shaderlab.errors import FormulaError
-from shaderlab.expectations.base import table
+from shaderlab.expectations.base import judge_rows
 from shaderlab.expectations.formula import require_callable
 from shaderlab.expectations.value import Figure
 from shaderlab.frame import Frame
@@ -46,7 +46,7 @@ class Computed(Expectation):
         note = self.note or "float64, no shader"
         row = figure_row(self.name, self.equals, self.digits, got, None, ok, note)
         message = "" if ok else f"the reference gives {shown(got, self.digits + 3)}"
-        return table(self.name, self.kind, [row], message, judged=1, rows_per_variant=False)
+        return judge_rows(self.name, self.kind, [row], message, judged=1, rows_per_variant=False)
 
 
 computed = Computed

@@ -7,7 +7,7 @@ from dataclasses import KW_ONLY, dataclass
 
 import numpy as np
 
-from shaderlab.expectations.base import OfDraw, table
+from shaderlab.expectations.base import OfDraw, judge_rows
 from shaderlab.expectations.needs import CapturedFragments
 from shaderlab.frame import Frame
 from shaderlab.model import Judgement, Need, Programs, Read, Scene
@@ -37,7 +37,7 @@ class Coverage(OfDraw):
         ok = count == self.pixels
         row = Row(label="pixels", expected=str(self.pixels), measured=str(count), ok=ok)
         message = "" if ok else f"{count} pixels are covered, not {self.pixels}"
-        return table(self.name, self.kind, [row], message, judged=covered.size)
+        return judge_rows(self.name, self.kind, [row], message, judged=covered.size)
 
 
 coverage = Coverage

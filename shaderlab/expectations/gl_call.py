@@ -11,7 +11,7 @@ from typing import Any
 
 from shaderlab.activity import doing
 from shaderlab.errors import CaseError
-from shaderlab.expectations.base import Context, table
+from shaderlab.expectations.base import Context, judge_rows
 from shaderlab.frame import Frame, Reply
 from shaderlab.model import (
     GL_ERRORS,
@@ -90,7 +90,7 @@ class GlCall(Expectation):
         wrong = next((row for row in rows if not row.ok), None)
         verb = "raises" if wrong is rows[0] else "answers"
         message = f"{reply.at} {verb} {wrong.measured}" if wrong else ""
-        return table(self.name, self.kind, rows, message, judged=len(rows))
+        return judge_rows(self.name, self.kind, rows, message, judged=len(rows))
 
 
 def gl_call(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from shaderlab.expectations.base import OfDraw, table
+from shaderlab.expectations.base import OfDraw, judge_rows
 from shaderlab.frame import Frame, PassDraw
 from shaderlab.model import GL_ERRORS, Judgement, Scene, error_name, one_of
 from shaderlab.records import Row
@@ -32,7 +32,7 @@ class GlError(OfDraw):
         measured = ", ".join(error_name(e) for e in errors) or error_name(0)
         row = Row(label="glGetError", expected=error_name(want), measured=measured, ok=ok)
         message = "" if ok else f"the draw raises {measured}"
-        return table(self.name, self.kind, [row], message, judged=1)
+        return judge_rows(self.name, self.kind, [row], message, judged=1)
 
 
 gl_error = GlError

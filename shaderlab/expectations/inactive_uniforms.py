@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from shaderlab.errors import CaseError, nearest
-from shaderlab.expectations.base import Context, OfDraw, table
+from shaderlab.expectations.base import Context, OfDraw, judge_rows
 from shaderlab.frame import Frame, PassDraw
 from shaderlab.model import Judgement, Need, Programs, Scene
 from shaderlab.records import Row
@@ -53,7 +53,7 @@ class InactiveUniforms(OfDraw):
         ]
         wrong = [row.label for row in rows if not row.ok]
         message = f"not as expected: {', '.join(wrong)}" if wrong else ""
-        return table(self.name, self.kind, rows, message, judged=len(rows) or 1)
+        return judge_rows(self.name, self.kind, rows, message, judged=len(rows) or 1)
 
 
 def inactive_uniforms(

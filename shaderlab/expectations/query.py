@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import KW_ONLY, dataclass
 
 from shaderlab.errors import CaseError
-from shaderlab.expectations.base import Context, OfDraw, table
+from shaderlab.expectations.base import Context, OfDraw, judge_rows
 from shaderlab.frame import Frame, PassDraw
 from shaderlab.model import COUNTERS, Judgement, Need, Programs, Scene, one_of
 from shaderlab.records import Row
@@ -69,7 +69,7 @@ class Query(OfDraw):
         words = self.counter.replace("_", " ")
         row = Row(label=words, expected=expected, measured=str(count), ok=ok)
         message = "" if ok else f"{count} {words}, not {expected}"
-        return table(self.name, self.kind, [row], message, judged=1)
+        return judge_rows(self.name, self.kind, [row], message, judged=1)
 
 
 query = Query

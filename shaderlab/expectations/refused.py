@@ -7,7 +7,7 @@ from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
 from shaderlab.errors import CaseError, ShaderlabError
-from shaderlab.expectations.base import Context, table
+from shaderlab.expectations.base import Context, judge_rows
 from shaderlab.frame import Frame
 from shaderlab.model import Expectation, Judgement, Need, Programs, Scene
 from shaderlab.records import Row
@@ -87,7 +87,7 @@ class Refused(Expectation):
             message = "the lab takes it, but must refuse it"
         elif not all(row.ok for row in rows):
             message = "the lab refuses it in other words: " + str(error).replace("\n", " ")
-        return table(self.name, self.kind, rows, message, judged=len(rows))
+        return judge_rows(self.name, self.kind, rows, message, judged=len(rows))
 
 
 def _parts(message: str, file: str | None, line: int | None, remedy: str | None) -> dict[str, str]:

@@ -9,7 +9,7 @@ import pytest
 
 from shaderlab.errors import CaseError
 from shaderlab.evaluation import Lab
-from shaderlab.expectations import exact
+from shaderlab.expectations.exact import exact
 from shaderlab.model import Blend, Case, Output, Pass, State, Target, fullscreen
 from shaderlab.records import Record
 

@@ -23,7 +23,7 @@ from shaderlab.errors import ShaderlabError
 from shaderlab.evaluation import Evaluation, Lab
 from shaderlab.evaluation.picture_writer import PictureWriter
 from shaderlab.evaluation.record_builder import RecordBuilder
-from shaderlab.expectations import exact
+from shaderlab.expectations.exact import exact
 from shaderlab.frame import Timing
 from shaderlab.model import Case, Mesh, Scene, State, Target, mesh_pass
 from shaderlab.options import RunOptions

@@ -129,6 +129,13 @@ def test_a_case_given_by_its_file_runs_once(pytester: pytest.Pytester, case_fold
     pytester.runpytest_subprocess(case_folder / "lamp.py").assert_outcomes(passed=2)
 
 
+def test_a_case_given_by_its_file_is_not_imported_by_pytest(cases: pytest.Pytester) -> None:
+    cases.makepyfile(helper="import sys\nassert '_pytest' not in sys.modules\n")
+    case = cases.path / "lamp.py"
+    case.write_text(case.read_text().replace("\ncase =", "\nfrom . import helper\ncase ="))
+    cases.runpytest_subprocess("lamp.py").assert_outcomes(passed=2)
+
+
 def broken(folder: Path, name: str, act: str, *, when: str = "draw") -> None:
     """A case like `lamp` that does `act` when it is drawn, or when it is imported."""
     if when == "draw":

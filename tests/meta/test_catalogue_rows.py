@@ -5,14 +5,12 @@
 
 from __future__ import annotations
 
-from shaderlab.expectations import (
-    CompileFails,
-    Computed,
-    Coverage,
-    GlError,
-    InactiveUniforms,
-    Refused,
-)
+from shaderlab.expectations.compile_fails import CompileFails
+from shaderlab.expectations.computed import Computed
+from shaderlab.expectations.coverage import Coverage
+from shaderlab.expectations.gl_error import GlError
+from shaderlab.expectations.inactive_uniforms import InactiveUniforms
+from shaderlab.expectations.refused import Refused
 from shaderlab.model import Case
 from tests.catalogue import shipped
 

@@ -10,7 +10,10 @@ import pytest
 
 from shaderlab.discovery import data_folder
 from shaderlab.evaluation import Lab
-from shaderlab.expectations import CompileFails, Computed, InactiveUniforms, Refused
+from shaderlab.expectations.compile_fails import CompileFails
+from shaderlab.expectations.computed import Computed
+from shaderlab.expectations.inactive_uniforms import InactiveUniforms
+from shaderlab.expectations.refused import Refused
 from shaderlab.model import Case, Output
 from shaderlab.options import RunOptions
 from shaderlab.records import Record

@@ -8,7 +8,7 @@ import pytest
 
 from shaderlab.discovery import data_folder
 from shaderlab.evaluation import Lab
-from shaderlab.expectations import Measure
+from shaderlab.expectations.measure import Measure
 from shaderlab.model import Case
 from shaderlab.options import RunOptions
 from shaderlab.records import Outcome

@@ -11,7 +11,7 @@ import pytest
 
 from shaderlab import Case, Pass, Texture, Variant, computed, exact, fullscreen, measure, reading
 from shaderlab.errors import CaseError, FormulaError
-from shaderlab.expectations import Measure
+from shaderlab.expectations.measure import Measure
 from shaderlab.frame import Bindings, Frame, Image, Texels
 from shaderlab.model import Judgement
 from shaderlab.records import Plot, PlotPoint

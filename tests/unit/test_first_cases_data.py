@@ -14,7 +14,10 @@ import numpy as np
 import pytest
 
 from shaderlab.catalogue import Catalogue
-from shaderlab.expectations import CompileFails, Computed, Exact, Value
+from shaderlab.expectations.compile_fails import CompileFails
+from shaderlab.expectations.computed import Computed
+from shaderlab.expectations.exact import Exact
+from shaderlab.expectations.value import Value
 from shaderlab.frame import Frame
 from shaderlab.glsl import Shaders
 from shaderlab.model import Case, Scene

@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from shaderlab.expectations import exact
+from shaderlab.expectations.exact import exact
 from shaderlab.model import (
     Blend,
     Case,

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from shaderlab.expectations import Exact
 from shaderlab.expectations.any_order import any_order, both_ways
+from shaderlab.expectations.exact import Exact
 from shaderlab.model import Draw, Mesh, Output, Pass, Target
 
 
