@@ -129,11 +129,14 @@ def test_a_case_given_by_its_file_runs_once(pytester: pytest.Pytester, case_fold
     pytester.runpytest_subprocess(case_folder / "lamp.py").assert_outcomes(passed=2)
 
 
-def test_a_case_given_by_its_file_is_not_imported_by_pytest(cases: pytest.Pytester) -> None:
-    cases.makepyfile(helper="import sys\nassert '_pytest' not in sys.modules\n")
-    case = cases.path / "lamp.py"
+def test_a_case_given_by_its_file_is_not_imported_by_pytest(
+    pytester: pytest.Pytester, case_folder: Path
+) -> None:
+    helper = "import sys\nassert '_pytest' not in sys.modules\n"
+    (case_folder / "helper.py").write_text(helper)
+    case = case_folder / "lamp.py"
     case.write_text(case.read_text().replace("\ncase =", "\nfrom . import helper\ncase ="))
-    cases.runpytest_subprocess("lamp.py").assert_outcomes(passed=2)
+    pytester.runpytest_subprocess(case).assert_outcomes(passed=2)
 
 
 def broken(folder: Path, name: str, act: str, *, when: str = "draw") -> None:
