@@ -15,7 +15,6 @@ from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from types import ModuleType
 
-import shaderlab
 from shaderlab.discovery import TREE_FILE, chapter_title, place, shipped_cases, tree_of
 from shaderlab.errors import CaseError, ShaderlabError, UsageError, nearest
 from shaderlab.model import Case
@@ -201,8 +200,9 @@ def _right_spelling(error: BaseException) -> str | None:
     found = _UNKNOWN_KEYWORD.search(str(error))
     if not isinstance(error, TypeError) or found is None:
         return None
-    public = (getattr(shaderlab, name) for name in dir(shaderlab))
-    owner = next((each for each in public if getattr(each, "__name__", "") == found.group(1)), None)
+    *_, (frame, _) = traceback.walk_tb(error.__traceback__)  # the one that calls
+    known = {**frame.f_globals, **frame.f_locals}.values()
+    owner = next((each for each in known if getattr(each, "__name__", "") == found.group(1)), None)
     if owner is None:
         return None
     if dataclasses.is_dataclass(owner):

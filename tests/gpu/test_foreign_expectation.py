@@ -18,25 +18,25 @@ NAME = "light ≤ 0.5"
 
 @pytest.fixture(scope="module")
 def folder(repository: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with the guide's example."""
+    """A folder with the guide's example, and a run of it."""
     folder = tmp_path_factory.mktemp("own")
     for each in examples(repository / "docs" / "guide" / "cases.md"):
         if isinstance(each, File):
             (folder / each.name).write_text(each.text, encoding="utf-8")
+    done = execute("shaderlab run wall.py --report out --json run.json", folder)
+    assert done.returncode == 0, done.stdout + done.stderr
     return folder
 
 
-def outcome(folder: Path, variant: str) -> dict[str, Any]:
-    cases = json.loads((folder / "run.json").read_text(encoding="utf-8"))["cases"]
+def outcome(folder: Path, variant: str, file: str) -> dict[str, Any]:
+    cases = json.loads((folder / file).read_text(encoding="utf-8"))["cases"]
     (found,) = (c["expectations"][0] for c in cases if c["variant"] == variant)
     assert isinstance(found, dict)
     return found
 
 
 def test_run_passes_and_the_report_shows_its_rows(folder: Path) -> None:
-    done = execute("shaderlab run wall.py --report out --json run.json", folder)
-    assert done.returncode == 0, done.stdout + done.stderr
-    found = outcome(folder, "dim")
+    found = outcome(folder, "dim", "run.json")
     assert (found["name"], found["kind"], found["status"]) == (NAME, "darker", "pass")
     assert found["judged"] == 64 * 64
     (row,) = found["values"]
@@ -56,14 +56,17 @@ def test_mutate_kills_by_it(folder: Path) -> None:
 
 
 def test_a_wrong_shader_fails_in_run_and_in_pytest(folder: Path) -> None:
-    line = "shaderlab run wall.py --shader wall.frag=bright.frag --report failed --json run.json"
+    line = "shaderlab run wall.py --shader wall.frag=bright.frag --report failed --json failed.json"
     right = (folder / "wall.frag").read_text(encoding="utf-8")
     wrong = right.replace("TexCoords.x *", "3.0 * TexCoords.x *")
     (folder / "bright.frag").write_text(wrong, encoding="utf-8")
     done = execute(line, folder)
     assert done.returncode == 1
     assert "values are above 0.5" in done.stdout and "brightest" in done.stdout
-    assert [outcome(folder, v)["status"] for v in ("dim", "half")] == ["fail", "fail"]
+    assert [outcome(folder, v, "failed.json")["status"] for v in ("dim", "half")] == [
+        "fail",
+        "fail",
+    ]
 
     (folder / "wall.frag").write_text(wrong, encoding="utf-8")
     try:
