@@ -10,28 +10,16 @@ from numpy.typing import ArrayLike
 
 from shaderlab.bands.rounding import Flags, Floats, ulp
 
-# So many float64 values and their bounds fit into a second-level cache.
+# Float64 values that fit into a second-level cache with their bounds.
 BLOCK = 16384
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Allowed:
-    """The values that reading a format back may give: lo ≤ measured ≤ hi, in the format's units.
+class Interval:
+    """What bands and what their storage allows have in common: values between two bounds."""
 
-    Attributes:
-        lo, hi: float64 bounds, both legal.
-        nan: where NaN is legal too.
-        vacuous: where the rules allowed anything before the format clamped it.
-        undecided: where a branch went both ways.
-        unit: the size of one code, for "so many codes off"; 0 where the format is a float's.
-    """
-
+    __slots__ = ()
     lo: Floats
     hi: Floats
-    nan: Flags
-    vacuous: Flags
-    undecided: Flags
-    unit: float = 0.0
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -41,21 +29,46 @@ class Allowed:
     def ndim(self) -> int:
         return self.lo.ndim
 
-    def contains(self, measured: ArrayLike) -> Flags:
-        """Whether each measured value is legal."""
+    def contains(self: Any, measured: ArrayLike) -> Flags:
+        """Whether each measured float32 is legal: NaN only where it may be, Inf only at an end."""
         return contains(self.lo, self.hi, self.nan, measured)
 
-    def widths(self, measured: ArrayLike) -> Floats:
-        """Distance from the middle in half widths: at most 1 inside; see `Band.widths`."""
-        return widths(self.lo, self.hi, self.nan, measured, self.unit)
+    def widths(self: Any, measured: ArrayLike) -> Floats:
+        """How far each measured value is from the middle, in half widths: at most 1 inside.
+
+        Where both bounds are equal, half an ULP (or half a code of the format) is the half width
+        outside, and the distance inside is 0. A band without an end has no middle: 0 inside,
+        1 + the distance in ULP beyond its other end. NaN is 0 where it is legal, else inf.
+        """
+        return widths(self.lo, self.hi, self.nan, measured, getattr(self, "unit", 0.0))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Allowed(Interval):
+    """The values that reading a format back may give: lo ≤ measured ≤ hi, in the format's units.
+
+    Attributes:
+        lo, hi: float64 bounds, both legal.
+        nan: where NaN is legal too.
+        vacuous: where the rules allowed anything before the format clamped it.
+        undecided: where a branch went both ways.
+        unit: the size of one code; 0 for float formats.
+    """
+
+    lo: Floats
+    hi: Floats
+    nan: Flags
+    vacuous: Flags
+    undecided: Flags
+    unit: float = 0.0
 
 
 @np.errstate(invalid="ignore")  # a signalling NaN, read back, is converted like any other
 def contains(lo: Any, hi: Any, nan: Any, measured: ArrayLike) -> Flags:
     """Where lo ≤ measured ≤ hi, or measured is NaN and may be.
 
-    Equal shapes are gone through in blocks that stay in the processor's cache, without any other
-    array of full size than the result. Bounds are float64, or float32 as what is measured is.
+    Goes through equal shapes in blocks that stay in the processor's cache; only the result has
+    full size. Bounds are float64, or float32 where the measured values are.
     """
     values = np.asarray(measured)
     shape = np.broadcast_shapes(lo.shape, hi.shape, values.shape, np.shape(nan))
@@ -80,7 +93,7 @@ def contains(lo: Any, hi: Any, nan: Any, measured: ArrayLike) -> Flags:
 
 
 def _flat(array: Any, shape: tuple[int, ...]) -> Any:
-    """The array laid over `shape`, as one row; copied only where it has to be."""
+    """The array broadcast to `shape`, as one row; copied only where necessary."""
     return np.broadcast_to(array, shape).reshape(-1)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from shaderlab.bands import formats
-from shaderlab.bands.allowed import Allowed, contains, widths
+from shaderlab.bands.allowed import Allowed, Interval
 from shaderlab.bands.operators import Operators
 from shaderlab.bands.rounding import LARGEST, Flags, Floats, down, outward, up
 from shaderlab.bands.rules import Rules
@@ -23,7 +23,7 @@ _NO = np.zeros((), dtype=np.bool_)
 _YES = np.ones((), dtype=np.bool_)
 
 
-class Band(Operators):
+class Band(Interval, Operators):
     """An interval for every value of an array, on the float32 grid, rounded outward.
 
     The last axis is the vector's components, always: a per-pixel float is (N, 1), a uniform
@@ -230,14 +230,6 @@ class Band(Operators):
         everything: Flags = self._anything | ((self.lo == -np.inf) & (self.hi == np.inf))
         return np.broadcast_to(everything, self.shape)
 
-    @property
-    def shape(self) -> tuple[int, ...]:
-        return self.lo.shape
-
-    @property
-    def ndim(self) -> int:
-        return self.lo.ndim
-
     def __getitem__(self, index: Any) -> Band:
         return self.mapped(lambda array: np.asarray(array[index]))
 
@@ -255,19 +247,6 @@ class Band(Operators):
             tuple(flag if flag.ndim == 0 else moved(flag) for flag in self.flags),
             None if self.terms is None else self.terms.mapped(moved),
         )
-
-    def contains(self, measured: ArrayLike) -> Flags:
-        """Whether each measured float32 is legal: NaN only where it may be, Inf only at an end."""
-        return contains(self.lo, self.hi, self._nan, measured)
-
-    def widths(self, measured: ArrayLike) -> Floats:
-        """How far each measured value is from the middle, in half widths: at most 1 inside.
-
-        A band of one value has half its ULP as the half width, but 0 at the value itself. A band
-        without an end has no middle: 0 inside, 1 + the distance in ULP beyond its other end. NaN
-        is 0 where it is legal and inf where it is not.
-        """
-        return widths(self.lo, self.hi, self._nan, measured)
 
     def quantise(self, fmt: str, *, tolerance: float | None = None) -> Allowed:
         """What reading these values back from a render target of this format may give.

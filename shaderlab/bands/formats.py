@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -47,23 +48,11 @@ def _srgb8(lo: Floats, hi: Floats, tolerance: float) -> Bounds:
     return _codes(srgb_encode(lo), srgb_encode(hi), 255.0, tolerance)
 
 
-def _depth16(lo: Floats, hi: Floats, tolerance: float) -> Bounds:
-    low, high = _codes(lo, hi, 65535.0, tolerance)
-    return _as_read(low / 65535.0, high / 65535.0)
-
-
-def _depth24(lo: Floats, hi: Floats, tolerance: float) -> Bounds:
-    low, high = _codes(lo, hi, 16777215.0, tolerance)
-    return _as_read(low / 16777215.0, high / 16777215.0)
-
-
-def _as_read(lo: Floats, hi: Floats) -> Bounds:
-    """Codes read back as float32 are rounded by the division."""
-    return np.maximum(lo * (1.0 - 2.0**-24), 0.0), np.minimum(hi * (1.0 + 2.0**-24), 1.0)
-
-
-def _depth32f(lo: Floats, hi: Floats, tolerance: float) -> Bounds:
-    return lo, hi
+def _depth(lo: Floats, hi: Floats, tolerance: float, largest: float) -> Bounds:
+    low, high = _codes(lo, hi, largest, tolerance)
+    # Read back as float32, codes are rounded by the division.
+    low, high = low / largest * (1.0 - 2.0**-24), high / largest * (1.0 + 2.0**-24)
+    return np.maximum(low, 0.0), np.minimum(high, 1.0)
 
 
 def _half(lo: Floats, hi: Floats, tolerance: float) -> Bounds:
@@ -88,9 +77,9 @@ _FORMATS: dict[str, tuple[Callable[[Floats, Floats, float], Bounds], bool, float
     "srgb8": (_srgb8, True, 0.7, 1.0),
     "rgba16f": (_half, False, 0.0, 0.0),
     "rgba32f": (_float32, False, 0.0, 0.0),
-    "depth16": (_depth16, True, 1.0, 1.0 / 65535.0),
-    "depth24": (_depth24, True, 1.0, 1.0 / 16777215.0),
-    "depth32f": (_depth32f, True, 0.0, 0.0),
+    "depth16": (partial(_depth, largest=65535.0), True, 1.0, 1.0 / 65535.0),
+    "depth24": (partial(_depth, largest=16777215.0), True, 1.0, 1.0 / 16777215.0),
+    "depth32f": (_float32, True, 0.0, 0.0),
 }
 
 
@@ -109,13 +98,13 @@ def quantise(band: Band, fmt: str, tolerance: float | None = None) -> Allowed:
             - `"rgba32f"`: the band itself;
             - `"depth16"`, `"depth24"`: the code over its largest, in [0, 1]; `"depth32f"`:
               clamped to [0, 1].
-        tolerance: how many codes a stored code may be away from the value, instead of the
+        tolerance: how many codes a stored code may be away from the value; the default is the
             format's own: 0.5 for `rgba8`; 0.7 for `srgb8` (OpenGL states no bound; the Direct3D
             11.3 functional specification asks for 0.6; Mesa's llvmpipe is off by up to 0.634);
             1 for `depth16` and `depth24`, which may truncate.
 
     Raises:
-        FormulaError: for a format that there is not.
+        FormulaError: the format is unknown.
     """
     if fmt not in _FORMATS:
         raise FormulaError(

@@ -6,6 +6,8 @@ specification (Khronos), "Precision and Operation of SPIR-V Instructions".
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import reduce
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -35,12 +37,12 @@ TRIG_ERROR = 2.0**-11
 ARC_ERROR = TRIG_ERROR
 LOG_ERROR_NEAR_ONE = 2.0**-21
 LOG_ULPS = 3.0
-# float32(π) lies above π; whoever writes π means the range to include it.
+# float32(π) lies above π; a formula that says π means the range to include it.
 _PI_32 = float(np.float32(np.pi))
 
 
-def _evaluated(a: Band, function: Any, safe: Floats | None = None) -> tuple[Floats, Floats]:
-    """The function at both ends (of `safe` values); once only where they are the same."""
+def _evaluated(a: Band, function: Any) -> tuple[Floats, Floats]:
+    """The function at both ends; once only where they are the same."""
     lo: Floats = function(a.lo)
     return lo, lo if a.lo is a.hi else function(a.hi)
 
@@ -117,10 +119,8 @@ def power(x: Band, y: Band) -> Band:
     )
     logarithms = x.made(*logs)
     result = exponential(arithmetic.multiply(y, logarithms), np.exp2)
-    zero = np.zeros(1)
-    if reaches_zero.any():
-        return result.made(np.where(reaches_zero, zero, result.lo), result.hi, anything=undefined)
-    return result.made(result.lo, result.hi, anything=undefined)
+    lo = np.where(reaches_zero, np.zeros(1), result.lo) if reaches_zero.any() else result.lo
+    return result.made(lo, result.hi, anything=undefined)
 
 
 def _contains_turn(lo: Floats, hi: Floats, phase: float) -> Flags:
@@ -175,10 +175,7 @@ def arctangent2(y: Band, x: Band) -> Band:
 def _angles(y_lo: Floats, y_hi: Floats, x_lo: Floats, x_hi: Floats) -> tuple[Floats, Floats]:
     """The angles of a box that the cut does not cross: monotone along each edge."""
     corners = [np.arctan2(y + 0.0, x) for y in (y_lo, y_hi) for x in (x_lo, x_hi)]
-    return (
-        np.minimum(np.minimum(corners[0], corners[1]), np.minimum(corners[2], corners[3])),
-        np.maximum(np.maximum(corners[0], corners[1]), np.maximum(corners[2], corners[3])),
-    )
+    return reduce(np.minimum, corners), reduce(np.maximum, corners)
 
 
 def _unspecified(a: Band) -> Flags:
@@ -186,28 +183,22 @@ def _unspecified(a: Band) -> Flags:
     return np.full(a.shape, a.rules.spec == "glsl")
 
 
-def _opposite(a: Band) -> Band:
-    """√(1 - a²), the other leg of a right triangle, of a in [-1, 1]."""
-    one = a.lift(1.0)
-    rest = arithmetic.add(one, exact.negative(arithmetic.square(a)))
-    return sqrt(exact.larger(rest, a.lift(0.0)))
+def _arc(a: Band, angles: Callable[[Band], tuple[Floats, Floats]]) -> Band:
+    """An angle in a right triangle, made of the leg a and the other one, √(1 - a²)."""
+    rest = arithmetic.add(a.lift(1.0), exact.negative(arithmetic.square(a)))
+    lo, hi = angles(sqrt(exact.larger(rest, a.lift(0.0))))
+    wide_lo, wide_hi = widened_by_ulps(lo, hi, ARC_ULPS, ARC_ULPS)
+    lo, hi = np.minimum(wide_lo, lo - ARC_ERROR), np.maximum(wide_hi, hi + ARC_ERROR)
+    return a.made(lo, hi, anything=(a.lo < -1.0) | (a.hi > 1.0) | _unspecified(a))
 
 
 @np.errstate(all="ignore")
 def arcsine(a: Band) -> Band:
     """asin(a): as atan(a, √(1 - a²)), 4096 ULP or 2^-11 absolute; undefined for |a| > 1."""
-    leg = _opposite(a)
-    lo, hi = _angles(a.lo, a.hi, leg.lo, leg.hi)
-    wide_lo, wide_hi = widened_by_ulps(lo, hi, ARC_ULPS, ARC_ULPS)
-    lo, hi = np.minimum(wide_lo, lo - ARC_ERROR), np.maximum(wide_hi, hi + ARC_ERROR)
-    return a.made(lo, hi, anything=(a.lo < -1.0) | (a.hi > 1.0) | _unspecified(a))
+    return _arc(a, lambda leg: _angles(a.lo, a.hi, leg.lo, leg.hi))
 
 
 @np.errstate(all="ignore")
 def arccosine(a: Band) -> Band:
     """acos(a): as atan(√(1 - a²), a), 4096 ULP or 2^-11 absolute; undefined for |a| > 1."""
-    leg = _opposite(a)
-    lo, hi = _angles(leg.lo, leg.hi, a.lo, a.hi)
-    wide_lo, wide_hi = widened_by_ulps(lo, hi, ARC_ULPS, ARC_ULPS)
-    lo, hi = np.minimum(wide_lo, lo - ARC_ERROR), np.maximum(wide_hi, hi + ARC_ERROR)
-    return a.made(lo, hi, anything=(a.lo < -1.0) | (a.hi > 1.0) | _unspecified(a))
+    return _arc(a, lambda leg: _angles(leg.lo, leg.hi, a.lo, a.hi))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -20,52 +20,37 @@ from shaderlab.judging.inputs import Inputs, Reference, evaluate, source_of, wan
 from shaderlab.records import Row, SourceText, Worst
 
 MAX_VACUOUS = 0.01
-# How many values a band is evaluated for at a time: a formula of fifty operations keeps a few
-# dozen arrays of them, 16 MB or so a component, instead of gigabytes for a large frame.
+# Rows for which a band is evaluated at a time: a formula of fifty operations keeps a few dozen
+# arrays, some 16 MB a component, instead of gigabytes for a large frame.
 CHUNK = 16384
 
 
 @dataclass(frozen=True, kw_only=True)
 class Exact:
-    """What a reference gives in float64, evaluated piece by piece as it is looked at: of most
-    checks only the worst value's is.
+    """What a reference gives in float64, evaluated for the rows that are asked for: most checks
+    show only the worst value.
 
-    `shape` is that of the measured values, `format` their attachment's; `rows` are a piece;
-    `asked` is what `wanted` says of the reference.
+    `shape` is that of the measured values, `format` their attachment's; `asked` is what `wanted`
+    says of the reference.
     """
 
     reference: Reference
     inputs: Inputs
     shape: tuple[int, int]
     format: str
-    rows: int
     asked: Mapping[str, list[str]]
-    _pieces: dict[int, Array] = field(default_factory=dict, init=False, repr=False, compare=False)
 
-    def piece(self, number: int) -> Array:
-        """Rows number · rows and on, (rows, components). Raises FormulaError."""
-        if number not in self._pieces:
-            start = number * self.rows
-            stop = min(start + self.rows, self.shape[0])
-            self._pieces[number] = self._evaluated(slice(start, stop))
-        return self._pieces[number]
-
-    def _evaluated(self, rows: slice) -> Array:
-        part = self.inputs.part(rows)
-        found = np.asarray(
-            evaluate(self.reference, part, rules=None, decimal=False, asked=self.asked)
-        )
-        shape = (rows.stop - rows.start, self.shape[1])
-        return in_format(np.broadcast_to(found.astype(np.float64, copy=False), shape), self.format)
-
-    def at(self, row: int) -> Array:
-        """One row, (components,), evaluated by itself. Raises FormulaError."""
-        (values,) = self._evaluated(slice(row, row + 1))
-        return np.asarray(values)
+    def part(self, start: int, count: int = 1) -> Array:
+        """Some rows, (count, components). Raises FormulaError."""
+        stop = min(start + count, self.shape[0])
+        part = self.inputs.part(slice(start, stop))
+        found = evaluate(self.reference, part, rules=None, decimal=False, asked=self.asked)
+        values = np.asarray(found).astype(np.float64, copy=False)
+        return in_format(np.broadcast_to(values, (stop - start, self.shape[1])), self.format)
 
     def whole(self) -> Array:
-        """All of it, (count, components). Raises FormulaError."""
-        pieces = [self.piece(number) for number in range(-(-self.shape[0] // self.rows))]
+        """All rows, (count, components), a chunk at a time. Raises FormulaError."""
+        pieces = [self.part(start, CHUNK) for start in range(0, self.shape[0], CHUNK)]
         return np.concatenate(pieces) if pieces else np.empty(self.shape)
 
 
@@ -73,9 +58,9 @@ class Exact:
 class Banded(Placed):
     """Measured values beside their reference and band; all arrays are (count, components).
 
-    `low` and `high` are float32 where the attachment's format is: a band's bounds are. They are
-    in the measured values' own units. `vacuous_share` is the share of values whose band allows
-    anything, `undecided_share` that of values that went both ways of a branch.
+    `low` and `high` are in the measured values' units, and float32 where the attachment's format
+    is. `vacuous_share` is the share of values whose band allows anything, `undecided_share` that
+    of values that took both sides of a branch.
     """
 
     exact: Exact
@@ -107,7 +92,7 @@ class Banded(Placed):
         if not self.measured.size:
             return None
         i, c = self.furthest()
-        reference = self.exact.at(i)
+        reference = self.exact.part(i)[0]
         return Worst(
             pixel=None if covered is None else _pixel(covered, i),
             component=c,
@@ -157,9 +142,7 @@ def judge_band(
     shape = measured.shape
     chosen = rules or Rules()
     asked = wanted(reference, inputs)
-    exact = Exact(
-        reference=reference, inputs=inputs, shape=shape, format=format, rows=CHUNK, asked=asked
-    )
+    exact = Exact(reference=reference, inputs=inputs, shape=shape, format=format, asked=asked)
     bounds = np.float32 if format in FLOAT_FORMATS else np.float64
     low, high, inside = np.empty(shape, bounds), np.empty(shape, bounds), np.empty(shape, np.bool_)
     unit, vacuous, undecided = None, 0, 0
@@ -169,7 +152,7 @@ def judge_band(
         try:
             band = evaluate(reference, inputs.part(rows), rules=chosen, decimal=False, asked=asked)
         except FormulaError:
-            exact.piece(0)  # what plain numbers already show is told of them
+            exact.part(0, CHUNK)  # an error of plain numbers is easier to read
             raise
         if not isinstance(band, Band):
             band = Band.literal(np.asarray(band, np.float64), chosen)
@@ -224,21 +207,16 @@ def independent_references(banded: Banded, also: Mapping[str, Reference]) -> lis
 
 
 def _check_shape(reference: Reference, band: Band, measured: Array) -> None:
+    rows, components = measured.shape
     got = band.shape[-1] if band.shape else 1
-    if got not in (1, measured.shape[1]):
-        place = source_of(reference)
-        raise FormulaError(
-            f"{reference.__name__}() gives {got} components, the shader's output has "
-            f"{measured.shape[1]}",
-            file=place.file,
-            line=place.line,
-        )
-    if len(band.shape) > 2 or (len(band.shape) == 2 and band.shape[0] not in (1, len(measured))):
-        raise FormulaError(
-            f"{reference.__name__}() gives shape {band.shape} for {len(measured)} values",
-            file=source_of(reference).file,
-            line=source_of(reference).line,
-        )
+    if got not in (1, components):
+        message = f"gives {got} components, the shader's output has {components}"
+    elif len(band.shape) > 2 or (len(band.shape) == 2 and band.shape[0] not in (1, rows)):
+        message = f"gives shape {band.shape} for {rows} values"
+    else:
+        return
+    place = source_of(reference)
+    raise FormulaError(f"{reference.__name__}() {message}", file=place.file, line=place.line)
 
 
 def _count(flags: npt.NDArray[np.bool_], values: Array) -> int:

@@ -1,8 +1,7 @@
 """How far judged values lie from the middle of their bands.
 
-Of all values only one is shown with its distance, and a picture needs the largest of each pixel.
-So distances are made block by block, in memory that stays in the processor's cache, and none of
-them is kept.
+A record shows only the largest distance, a picture the largest of each pixel, so distances are
+computed block by block, in memory that stays in the processor's cache, and none is stored.
 """
 
 from __future__ import annotations
@@ -55,9 +54,7 @@ class Placed:
         """One value's distance in half widths, as `Band.widths` has it."""
         at = row, slice(component, component + 1)
         low, high = (bound[at].astype(np.float64) for bound in (self.low, self.high))
-        # NaN is inside only where it is legal.
-        found = widths(low, high, self.inside[at], self.measured[at], self.unit or 0.0)
-        return float(found[0])
+        return float(widths(low, high, self.inside[at], self.measured[at], self.unit or 0.0)[0])
 
     def signed(self) -> Floats:
         """Of each row's components the largest distance, as (count,): negative below the middle,
@@ -76,38 +73,35 @@ class Placed:
 
     def _blocks(self) -> Iterator[tuple[int, Distances]]:
         """The first row and the distances of each block: at most 1 inside, at least 1 outside.
-        The array is used again for the next block."""
-        shape = min(BLOCK, len(self.measured)), self.measured.shape[1]
+        The next block may overwrite the array."""
         alike = self.measured.dtype == self.low.dtype == self.high.dtype == np.float32
-        single = np.empty((3, *shape), np.float32) if alike else None
-        double = np.empty((2, *shape)) if single is None else None
-        for start in range(0, len(self.measured), BLOCK):
+        count, components = self.measured.shape
+        scratch = np.empty((3, min(BLOCK, count) if alike else 0, components), np.float32)
+        for start in range(0, count, BLOCK):
             rows = slice(start, start + BLOCK)
-            low, high, value = self.low[rows], self.high[rows], self.measured[rows]
-            with np.errstate(all="ignore"):
-                distance = None if single is None else _narrow(low, high, value, single)
-                if distance is None:
-                    double = np.empty((2, *shape)) if double is None else double
-                    distance = _wide(low, high, value, double)
-                # A band without width, or without an end, has no distance inside but 0.
-                np.fmax(distance, 0.0, out=distance)
-                np.minimum(distance, 1.0, out=distance)
-            beyond = ~self.inside[rows]
-            if beyond.any():
-                distance = distance.astype(np.float64, copy=False)
-                distance[beyond] = self._outside(low[beyond], high[beyond], value[beyond])
+            block = self.low[rows], self.high[rows], self.measured[rows], self.inside[rows]
+            distance: Distances | None = _narrow(*block[:3], scratch) if alike else None
+            if distance is None:
+                distance = self._widths(*block)
+            elif not block[3].all():
+                beyond = ~block[3]
+                distance = distance.astype(np.float64)
+                distance[beyond] = self._widths(*(array[beyond] for array in block))
             yield start, distance
 
-    def _outside(self, low: Array, high: Array, value: Array) -> Floats:
-        wide = low.astype(np.float64), high.astype(np.float64)
-        distance = widths(*wide, np.False_, value, self.unit or 0.0)
-        return np.maximum(np.where(np.isnan(distance), np.inf, distance), 1.0)
+    def _widths(
+        self, low: Array, high: Array, value: Array, inside: npt.NDArray[np.bool_]
+    ) -> Floats:
+        # NaN is inside only where it is legal.
+        bounds = low.astype(np.float64), high.astype(np.float64)
+        distance = widths(*bounds, inside, value, self.unit or 0.0)
+        return np.where(inside, np.minimum(distance, 1.0), np.maximum(distance, 1.0))
 
 
+@np.errstate(all="ignore")
 def _narrow(low: Array, high: Array, value: Array, scratch: Array) -> Distances | None:
-    """Distances of float32 values from float32 bounds, to a few units of the last place of 1;
-    None where a band is wider than float32 can say."""
-    whole: Distances
+    """Distances of float32 values inside float32 bounds, to a few units of the last place of 1;
+    None where a band is wider than float32 can hold."""
     distance: Distances
     whole, distance, below = scratch[:, : len(value)]
     np.subtract(high, low, out=whole)
@@ -120,17 +114,7 @@ def _narrow(low: Array, high: Array, value: Array, scratch: Array) -> Distances 
     distance -= below
     np.abs(distance, out=distance)
     distance /= whole
-    return distance
-
-
-def _wide(low: Array, high: Array, value: Array, scratch: Floats) -> Distances:
-    """The same of any values and bounds, in float64."""
-    distance: Distances
-    half, distance = scratch[:, : len(value)]
-    np.subtract(high, low, out=half, dtype=np.float64)
-    half *= 0.5
-    np.add(low, half, out=distance, dtype=np.float64)
-    np.subtract(value, distance, out=distance)
-    np.abs(distance, out=distance)
-    distance /= half
+    # A band without width, or without an end, has no distance inside but 0.
+    np.fmax(distance, 0.0, out=distance)
+    np.minimum(distance, 1.0, out=distance)
     return distance

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from shaderlab.bands import Allowed, Band
+from shaderlab.bands.formats import srgb_encode
 from shaderlab.errors import FormulaError
 from shaderlab.frame import Array
 
@@ -24,22 +25,12 @@ def stored(band: Band, format: str, components: int) -> Band | Allowed:
         return band.quantise("rgba8")
     if format != "srgb8_alpha8":
         raise FormulaError(f"a formula over a {format} attachment: judge integers with exact(…)")
-    color = band.quantise("srgb8")
-    alpha = band.quantise("rgba8")
+    color, alpha = band.quantise("srgb8"), band.quantise("rgba8")
     # Alpha is not encoded (OpenGL 4.5, §17.3.7): the last component keeps its own rule.
     is_alpha = np.arange(components) == 3
-
-    def pick(of_color: Array, of_alpha: Array) -> Array:
-        return np.where(is_alpha, of_alpha, of_color)
-
-    return Allowed(
-        pick(color.lo, alpha.lo),
-        pick(color.hi, alpha.hi),
-        pick(color.nan, alpha.nan),
-        pick(color.vacuous, alpha.vacuous),
-        pick(color.undecided, alpha.undecided),
-        unit=1.0,
-    )
+    names = ("lo", "hi", "nan", "vacuous", "undecided")
+    picked = {n: np.where(is_alpha, getattr(alpha, n), getattr(color, n)) for n in names}
+    return Allowed(**picked, unit=1.0)
 
 
 def in_format(values: Array, format: str) -> Array:
@@ -49,10 +40,8 @@ def in_format(values: Array, format: str) -> Array:
     if format.startswith("depth"):
         return np.clip(values, 0.0, 1.0)
     if format == "srgb8_alpha8":
-        from shaderlab.reference.gamma import srgb_encode
-
         linear = np.clip(values, 0.0, 1.0)
-        encoded = np.array(srgb_encode(linear))
+        encoded = srgb_encode(linear)
         encoded[..., 3:] = linear[..., 3:]
         return encoded * 255.0
     return values

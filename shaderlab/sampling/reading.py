@@ -23,6 +23,8 @@ LARGEST = {"depth16": 2.0**16 - 1.0, "depth24": 2.0**24 - 1.0}
 # A code is turned into a float by a division, which may be off by 2.5 ULP.
 CODE_PRECISION = 2.5 * 2.0**-23
 
+_MIRRORED = {"greater": "less", "gequal": "lequal"}
+
 
 @dataclass(frozen=True)
 class Sampler:
@@ -83,25 +85,21 @@ def wrapped(sampler: Sampler, level: int, x: Array, y: Array, layer: Integers) -
 def compared(function: str, reference: Span, texel: Span) -> Span:
     """A shadow sampler's answer for one texel: 1 where `reference function texel` holds, else 0;
     both where that depends on the last bits."""
+    if function in _MIRRORED:
+        return compared(_MIRRORED[function], texel, reference)
     (r_low, r_high), (t_low, t_high) = reference, texel
     sure: Any
     may: Any
-    match function:
-        case "less":
-            sure, may = r_high < t_low, r_low < t_high
-        case "lequal":
-            sure, may = r_high <= t_low, r_low <= t_high
-        case "greater":
-            sure, may = r_low > t_high, r_high > t_low
-        case "gequal":
-            sure, may = r_low >= t_high, r_high >= t_low
-        case "equal" | "notequal":
-            may = (r_low <= t_high) & (t_low <= r_high)
-            sure = may & (r_low == r_high) & (t_low == t_high)
-            if function == "notequal":
-                sure, may = ~may, ~sure
-        case _:
-            sure = may = np.full(np.broadcast_shapes(r_low.shape, t_low.shape), function[0] == "a")
+    if function in ("less", "lequal"):
+        holds = np.less if function == "less" else np.less_equal
+        sure, may = holds(r_high, t_low), holds(r_low, t_high)
+    elif function in ("equal", "notequal"):
+        may = (r_low <= t_high) & (t_low <= r_high)
+        sure = may & (r_low == r_high) & (t_low == t_high)
+        if function == "notequal":
+            sure, may = ~may, ~sure
+    else:
+        sure = may = np.full(np.broadcast_shapes(r_low.shape, t_low.shape), function == "always")
     return sure.astype(np.float64), may.astype(np.float64)
 
 

@@ -66,7 +66,7 @@ def test_float64_is_asked_only_for_what_is_looked_at(monkeypatch: pytest.MonkeyP
     assert asked == []
     found = judged.worst()
     assert found is not None and asked == [1]
-    np.testing.assert_array_equal(judged.exact.at(57), judged.reference[57])
+    np.testing.assert_array_equal(judged.exact.part(57)[0], judged.reference[57])
     assert asked[:2] == [1, 1] and sum(asked[2:]) == 95
 
 
