@@ -20,7 +20,10 @@ from shaderlab.errors import FormulaError
 
 _DEFAULT = Rules()
 _NO = np.zeros((), dtype=np.bool_)
-_YES = np.ones((), dtype=np.bool_)
+_NOWHERE = (_NO, _NO, _NO)
+
+Flagged = tuple[Any, Any, Any]
+"""Where a value may be NaN, where it may be anything, where it is undecided; 0-d for nowhere."""
 
 
 class Band(Interval, Operators):
@@ -33,9 +36,11 @@ class Band(Interval, Operators):
 
     Attributes:
         lo, hi: float64 arrays; -inf and inf where the value may be infinite.
-        rules: what was allowed for. Two bands of different rules don't mix.
-        direction: what `glslmath.normalize` made of this very value before, or None; formulas ask
-            for the same few directions again and again.
+        rules: the precision rules. Two bands of different rules don't mix.
+        flags: where a value may be NaN, where it may be anything, where a branch that led to it
+            took both sides; each is 0-d if it is so nowhere.
+        direction: the cached result of `glslmath.normalize`, or None; formulas normalise the same
+            few vectors repeatedly.
 
     >>> x = Band.exact([0.1])
     >>> float((x * 0.5).lo[0]) == float((x * 0.5).hi[0]) == float(np.float32(0.1)) / 2
@@ -45,24 +50,21 @@ class Band(Interval, Operators):
     (array([ True]), array([False]))
     """
 
-    __slots__ = (
-        "_anything", "_nan", "_size", "_undecided", "direction", "hi", "lo", "rules", "terms",
-    )  # fmt: skip
+    __slots__ = ("_size", "direction", "flags", "hi", "lo", "rules", "terms")
 
     def __init__(
         self,
         lo: Floats,
         hi: Floats,
         rules: Rules,
-        flags: tuple[Any, Any, Any] = (_NO, _NO, _NO),
+        flags: Flagged = _NOWHERE,
         terms: Terms | None = None,
     ) -> None:
-        # `lo is hi` marks exact values, and lets the arithmetic do half of the work. Flags that
-        # are nowhere set are 0-d.
+        # `lo is hi` marks exact values, and halves the arithmetic's work.
         self.lo = lo
         self.hi = hi
         self.rules = rules
-        self._nan, self._anything, self._undecided = flags
+        self.flags = flags
         self.terms = terms
         self.direction: Band | None = None
         self._size: Floats | None = None
@@ -109,7 +111,7 @@ class Band(Interval, Operators):
     @classmethod
     def _leaf(cls, lo: Floats, hi: Floats, rules: Rules) -> Band:
         unknown = np.isnan(lo) | np.isnan(hi)
-        flags: tuple[Any, Any, Any] = (_NO, _NO, _NO)
+        flags = _NOWHERE
         if unknown.any():
             lo, hi = np.where(unknown, -np.inf, lo), np.where(unknown, np.inf, hi)
             flags = (unknown, unknown, _NO)
@@ -128,43 +130,48 @@ class Band(Interval, Operators):
     ) -> Band:
         """A result of this band (and others) with real bounds lo, hi: rounded outward, flagged.
 
-        For the functions that compute with bands, not for formulas.
+        For functions that compute with bands, not for formulas.
         """
         rounded_lo, rounded_hi = outward(lo, hi, self.rules.flush)
-        flag_nan, flag_any, flag_und = self._flags_with(others)
+        flags = self._flags_with(others)
         if nan is not None and nan.any():
-            flag_nan = flag_nan | nan
+            flags = flags[0] | nan, flags[1], flags[2]
             rounded_lo = np.where(np.isnan(rounded_lo), -np.inf, rounded_lo)
             rounded_hi = np.where(np.isnan(rounded_hi), np.inf, rounded_hi)
         if anything is not None and anything.any():
-            flag_nan, flag_any = flag_nan | anything, flag_any | anything
+            flags = flags[0] | anything, flags[1] | anything, flags[2]
             rounded_lo = np.where(anything, -np.inf, rounded_lo)
             rounded_hi = np.where(anything, np.inf, rounded_hi)
-        flags = (flag_nan, flag_any, flag_und)
         return Band(rounded_lo, rounded_hi, self.rules, flags, terms)
 
     def kept(self, lo: Floats, hi: Floats, *others: Band, terms: Terms | None = None) -> Band:
-        """`made` of bounds that are those of bands: on the grid, nothing left to round or flush."""
+        """`made` from bounds that are on the float32 grid: nothing is left to round or flush."""
         return Band(lo, hi, self.rules, self._flags_with(others), terms)
 
-    def _flags_with(self, others: tuple[Band, ...]) -> tuple[Any, Any, Any]:
+    def _flags_with(self, others: tuple[Band, ...]) -> Flagged:
         """The flags of this band or of others."""
-        flags = self._nan, self._anything, self._undecided
+        flags = self.flags
         for other in others:
-            more = other._nan, other._anything, other._undecided
-            if all(flag is _NO for flag in more):
-                continue
-            flags = flags[0] | more[0], flags[1] | more[1], flags[2] | more[2]
+            if other.flags is not _NOWHERE:
+                a, b = flags, other.flags
+                flags = a[0] | b[0], a[1] | b[1], a[2] | b[2]
         return flags
 
     def flags_over_last(self) -> Band:
         """A band that only carries this one's flags, each joined over the last axis."""
-        flags = (
-            flag if flag.ndim == 0 else np.broadcast_to(flag, self.shape).any(-1, keepdims=True)
+        nothing = self.lo[..., 0:1]
+        return Band(
+            nothing, nothing, self.rules, self._moved_flags(lambda a: a.any(-1, keepdims=True))
+        )
+
+    def _moved_flags(self, function: Callable[[Any], Any]) -> Flagged:
+        if self.flags is _NOWHERE:
+            return _NOWHERE
+        nan, anything, undecided = (
+            flag if flag.ndim == 0 else function(np.broadcast_to(flag, self.shape))
             for flag in self.flags
         )
-        nothing = self.lo[..., 0:1]
-        return Band(nothing, nothing, self.rules, tuple(flags))  # type: ignore[arg-type]
+        return nan, anything, undecided
 
     def settled(self) -> tuple[Floats, Floats]:
         """The bounds once a pending slack is paid (see `arithmetic`)."""
@@ -174,17 +181,12 @@ class Band(Interval, Operators):
         return self.lo - slack, self.hi + slack
 
     def again(self) -> Band:
-        """An equal value that is another one: a product of the two is no square."""
+        """An equal but independent value: the product of the two is no square."""
         return Band(self.lo, self.hi, self.rules, self.flags, self.terms)
 
     def opaque(self) -> Band:
-        """The same values, forgotten that they are sums: nothing distributes over them."""
+        """The same values without their terms: nothing distributes over them."""
         return Band(self.lo, self.hi, self.rules, self.flags)
-
-    @property
-    def flags(self) -> tuple[Any, Any, Any]:
-        """May be NaN, may be anything, undecided; each 0-d if it is so nowhere."""
-        return self._nan, self._anything, self._undecided
 
     @property
     def is_plain(self) -> bool:
@@ -211,42 +213,38 @@ class Band(Interval, Operators):
     @property
     def nan(self) -> Flags:
         """Where the value may be NaN."""
-        return np.broadcast_to(self._nan, self.shape)
+        return np.broadcast_to(self.flags[0], self.shape)
 
     @property
     def may_be_nan(self) -> Flags:
-        """`nan`, 0-d if it is so nowhere."""
-        flags: Flags = self._nan
-        return flags
+        """`nan`, 0-d for nowhere."""
+        found: Flags = self.flags[0]
+        return found
 
     @property
     def undecided(self) -> Flags:
-        """Where a branch that led here went both ways."""
-        return np.broadcast_to(self._undecided, self.shape)
+        """Where a branch that led here took both sides."""
+        return np.broadcast_to(self.flags[2], self.shape)
 
     @property
     def vacuous(self) -> Flags:
         """Where anything is legal, here or in something that this value was computed from."""
-        everything: Flags = self._anything | ((self.lo == -np.inf) & (self.hi == np.inf))
+        everything: Flags = self.flags[1] | ((self.lo == -np.inf) & (self.hi == np.inf))
         return np.broadcast_to(everything, self.shape)
 
     def __getitem__(self, index: Any) -> Band:
         return self.mapped(lambda array: np.asarray(array[index]))
 
     def mapped(self, function: Callable[[Any], Any]) -> Band:
-        """The same values elsewhere: `function` only moves array elements about."""
+        """The same values rearranged by `function`, such as indexing or a transposition."""
 
         def moved(array: Any) -> Any:
             return function(np.broadcast_to(array, self.shape))
 
         lo = moved(self.lo)
-        return Band(
-            lo,
-            lo if self.lo is self.hi else moved(self.hi),
-            self.rules,
-            tuple(flag if flag.ndim == 0 else moved(flag) for flag in self.flags),
-            None if self.terms is None else self.terms.mapped(moved),
-        )
+        hi = lo if self.lo is self.hi else moved(self.hi)
+        terms = None if self.terms is None else self.terms.mapped(moved)
+        return Band(lo, hi, self.rules, self._moved_flags(function), terms)
 
     def quantise(self, fmt: str, *, tolerance: float | None = None) -> Allowed:
         """What reading these values back from a render target of this format may give.

@@ -123,15 +123,14 @@ def joined(parts: Sequence[Band], axis: int) -> Band:
     lo = together([part.lo for part in parts])
     exact = all(part.lo is part.hi for part in parts)
     hi = lo if exact else together([part.hi for part in parts])
-    columns = zip(*(part.flags for part in parts), strict=True)
-    flags = (
+    nan, anything, undecided = (
         together([np.broadcast_to(f, p.shape) for f, p in zip(column, parts, strict=True)])
         if any(flag.ndim for flag in column)
         else column[0]
-        for column in columns
+        for column in zip(*(part.flags for part in parts), strict=True)
     )
     terms = combined([(part.mag, part.terms) for part in parts], together)
-    return type(first)(lo, hi, first.rules, tuple(flags), terms)
+    return type(first)(lo, hi, first.rules, (nan, anything, undecided), terms)
 
 
 def concatenated(arrays: Sequence[Any], axis: int) -> Any:

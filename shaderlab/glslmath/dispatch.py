@@ -34,4 +34,4 @@ def applied(plain: Callable[..., Any], banded: Callable[..., Band | Truth], *val
     if lifted is not None:
         return banded(*lifted)
     with np.errstate(all="ignore"):
-        return plain(*(np.asarray(value, dtype=np.float64)[()] for value in values))
+        return plain(*map(number, values))
