@@ -34,7 +34,7 @@ from shaderlab import (
     value,
 )
 from shaderlab.glslmath import clamp, dot, max, normalize, pow, swizzle, vec3, vec4, where
-from shaderlab.reference import blinn_phong as lobes
+from shaderlab.reference import lighting as lobes
 from shaderlab.reference.transforms import (
     clip_position,
     look_at,

@@ -32,7 +32,7 @@ from shaderlab import (
     value,
 )
 from shaderlab.glslmath import dot, length, max, normalize, swizzle, vec4
-from shaderlab.reference.blinn_phong import lobe
+from shaderlab.reference.lighting import lobe
 from shaderlab.reference.transforms import (
     clip_position,
     look_at,

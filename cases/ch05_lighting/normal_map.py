@@ -31,7 +31,7 @@ from shaderlab import (
 )
 from shaderlab.glslmath import dot, max, mul, normalize, swizzle, vec3, vec4, where
 from shaderlab.reference import tangent_space
-from shaderlab.reference.blinn_phong import lobe
+from shaderlab.reference.lighting import lobe
 from shaderlab.reference.transforms import (
     normal_matrix,
     scale,

@@ -33,7 +33,7 @@ from shaderlab import (
     value,
 )
 from shaderlab.glslmath import abs, dot, length, swizzle, vec2, vec3, vec4, where
-from shaderlab.reference import blinn_phong
+from shaderlab.reference import lighting
 from shaderlab.sampling import texture
 
 from ..scenes.studio import finished
@@ -61,12 +61,12 @@ def drawings(name, **target):
 
 def phong(place, lightDir, shininess):
     """Phong's lobe for a viewer in this direction."""
-    return blinn_phong.phong(UP, lightDir, vec3(place, 0.0), shininess)
+    return lighting.phong(UP, lightDir, vec3(place, 0.0), shininess)
 
 
 def blinn(place, lightDir, blinnExponent):
     """Blinn's lobe, likewise."""
-    return blinn_phong.blinn(UP, lightDir, vec3(place, 0.0), blinnExponent)
+    return lighting.blinn(UP, lightDir, vec3(place, 0.0), blinnExponent)
 
 
 def on_ray(place, direction):

@@ -31,8 +31,7 @@ from shaderlab import (
     up,
 )
 from shaderlab.glslmath import vec3, vec4, where
-from shaderlab.reference.blinn_phong import phong
-from shaderlab.reference.lighting import half_power_angle, phong_color, specular_factor
+from shaderlab.reference.lighting import half_power_angle, phong, phong_color, specular_factor
 from shaderlab.reference.transforms import translate
 from shaderlab.sampling import texture
 

@@ -1,7 +1,7 @@
 """What the two shaders of the shadow cases must give, output by output.
 
 Sources: as in `shaderlab.reference.shadows` and, for the lamp's terms, in
-`shaderlab.reference.blinn_phong`.
+`shaderlab.reference.lighting`.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from shaderlab.glslmath import Value, dot, max, mul, normalize, swizzle, vec2, vec3, vec4, where
-from shaderlab.reference.blinn_phong import lobe
+from shaderlab.reference.lighting import lobe
 from shaderlab.reference.shadows import filtered_shadow, shadow_coordinates, slope_bias
 from shaderlab.reference.transforms import clip_position, world_normal, world_position
 

@@ -19,7 +19,7 @@ import numpy as np
 
 from shaderlab.glslmath import Value, length, normalize, where
 from shaderlab.reference.attenuation import attenuation
-from shaderlab.reference.blinn_phong import diffuse, phong
+from shaderlab.reference.lighting import diffuse, phong
 from shaderlab.reference.spotlight import spot_cosine, spot_intensity
 
 

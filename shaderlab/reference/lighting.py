@@ -1,20 +1,70 @@
-"""Phong's lighting model, term by term, for one lamp and one surface.
+"""Lambert's cosine, the two classic specular lobes, and Phong's lighting model made of them.
 
 Sources: J. H. Lambert, "Photometria", 1760 (the cosine law); B. T. Phong, "Illumination for
 Computer Generated Pictures", Communications of the ACM 18(6), 1975 (ambient, diffuse and specular
-part, and the lobe around the mirrored ray); "The OpenGL Graphics System: A Specification",
-version 1.0 (M. Segal, K. Akeley, 1992), section 2.13.1 (materials and lights with a colour for
-each part, equation 2.1).
+part, and the lobe around the reflected ray); J. F. Blinn, "Models of Light Reflection for Computer
+Synthesized Pictures", SIGGRAPH 1977 (the halfway vector); "The OpenGL Graphics System: A
+Specification", version 1.0 (M. Segal, K. Akeley, 1992), section 2.13.1 (materials and lights with a
+colour for each part, equation 2.1).
 
-Places and directions are (…, 3), factors (…, 1), colours (…, 3) in linear light.
+Places are (…, 3), factors (…, 1), colours (…, 3) in linear light. Directions are (…, 3), point
+away from the surface and need not be of unit length, but not of length 0.
 """
 
 from __future__ import annotations
 
 import math
 
-from shaderlab.glslmath import Value, dot, max, normalize, vec4
-from shaderlab.reference.blinn_phong import phong
+from shaderlab.glslmath import Value, dot, max, normalize, pow, reflect, vec4, where
+
+
+def lobe(cosine: Value, shininess: Value) -> Value:
+    """cosineˢ, and 0 where the cosine is not positive (there GLSL's pow is undefined).
+
+    >>> print(f"{lobe(0.5, 2.0).item():.2f} {lobe(-0.5, 2.0).item():.2f}")
+    0.25 0.00
+    """
+    return where(cosine > 0.0, pow(cosine, shininess), 0.0)
+
+
+def phong(normal: Value, light_direction: Value, view_direction: Value, shininess: Value) -> Value:
+    """(R·V)ˢ with R the reflected light: 0 where R and V are 90° or more apart.
+
+    Args:
+        normal, light_direction, view_direction: (…, 3).
+        shininess: s > 0, without unit.
+
+    Returns:
+        0…1, (…, 1).
+
+    >>> up, aside = np.array([0.0, 0.0, 1.0]), np.array([0.6, 0.0, 0.8])
+    >>> print(f"{phong(up, aside, up, 2.0).item():.6f}")
+    0.640000
+    """
+    mirrored = reflect(-normalize(light_direction), normalize(normal))
+    return lobe(dot(mirrored, normalize(view_direction)), shininess)
+
+
+def blinn(normal: Value, light_direction: Value, view_direction: Value, shininess: Value) -> Value:
+    """(N·H)ˢ with H halfway between light and viewer: never cut off while both see the surface.
+
+    Args and returns: as `phong`.
+
+    >>> up, aside = np.array([0.0, 0.0, 1.0]), np.array([0.6, 0.0, 0.8])
+    >>> print(f"{blinn(up, aside, up, 2.0).item():.6f}")
+    0.900000
+    """
+    halfway = normalize(normalize(light_direction) + normalize(view_direction))
+    return lobe(dot(normalize(normal), halfway), shininess)
+
+
+def diffuse(normal: Value, light_direction: Value) -> Value:
+    """Lambert's law: max(N·L, 0). Source: J. H. Lambert, "Photometria", 1760.
+
+    >>> print(f"{diffuse(np.array([0.0, 0.0, 1.0]), np.array([1.2, 1.0, 2.0])).item():.6f}")
+    0.788110
+    """
+    return max(dot(normalize(normal), normalize(light_direction)), 0.0)
 
 
 def reflected_color(lightColor: Value, objectColor: Value) -> Value:
@@ -46,7 +96,7 @@ def diffuse_factor(FragPos: Value, Normal: Value, lightPos: Value) -> Value:
     >>> print(f"{diffuse_factor(np.zeros(3), up, lamp).item():.6f}")
     0.788110
     """
-    return max(dot(normalize(Normal), normalize(lightPos - FragPos)), 0.0)
+    return diffuse(Normal, lightPos - FragPos)
 
 
 def specular_factor(

@@ -13,9 +13,9 @@ from cases.scenes import waves
 from shaderlab.reference import (
     attenuation as fade,
     blending,
-    blinn_phong,
     depth_stencil,
     gamma,
+    lighting,
     spotlight,
 )
 
@@ -117,9 +117,9 @@ def test_blinn_phong_past_a_right_angle() -> None:
     normal = np.array([0.0, 1.0, 0.0])
     light = np.array([tan(radians(60.0)), 1.0, 0.0])
     view = np.array([1.0, 1.0, 0.0])
-    assert blinn_phong.phong(normal, light, view, 8.0).item() == 0.0
+    assert lighting.phong(normal, light, view, 8.0).item() == 0.0
     expected = cos(radians(52.5)) ** 8.0
-    assert blinn_phong.blinn(normal, light, view, 8.0).item() == pytest.approx(expected)
+    assert lighting.blinn(normal, light, view, 8.0).item() == pytest.approx(expected)
     assert expected == pytest.approx(0.018862, abs=5e-7)
 
 
@@ -129,7 +129,7 @@ def test_blinn_is_never_cut_off(light: float, view: float) -> None:
     normal = np.array([0.0, 1.0, 0.0])
     to_light = np.array([sin(radians(light)), cos(radians(light)), 0.0])
     to_view = np.array([sin(radians(view)), cos(radians(view)), 0.0])
-    got = blinn_phong.blinn(normal, to_light, to_view, 1.0).item()
+    got = lighting.blinn(normal, to_light, to_view, 1.0).item()
     assert got == pytest.approx(cos(radians((light + view) / 2.0)), abs=1e-9)
     assert got > 0.0
 
@@ -139,9 +139,9 @@ def test_shininess_at_the_mirrored_direction() -> None:
     normal, light = np.array([0.0, 0.0, 2.0]), np.array([0.6, 0.0, 0.8])
     view = np.array([-0.6, 0.0, 0.8])
     for shininess in (2.0, 32.0, 256.0):
-        for lobe in (blinn_phong.phong, blinn_phong.blinn):
+        for lobe in (lighting.phong, lighting.blinn):
             assert lobe(normal, light, view, shininess).item() == pytest.approx(1.0)
-    assert blinn_phong.diffuse(normal, light).item() == pytest.approx(0.8)
+    assert lighting.diffuse(normal, light).item() == pytest.approx(0.8)
 
 
 def test_blend_equation() -> None:
