@@ -15,6 +15,9 @@ from shaderlab.records import Diagnostic, Outcome, ProgramRecord, Record, Source
 
 # Tests ask the compilers themselves, and so do the processes that they start.
 os.environ["SHADERLAB_CACHE_DIR"] = ""
+# As workers have it. Small matrices are computed 30 times slower by threads that share a processor.
+# NumPy reads this when it is first imported, which nothing does before this file.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 # A busy machine makes no example wrong.
 settings.register_profile("patient", deadline=None, suppress_health_check=[HealthCheck.too_slow])
