@@ -90,7 +90,7 @@ def command(
         _judge(campaign, console)
     results = campaign.results()
     _show(console, results)
-    data = as_json(results)
+    data = {**as_json(results), "limit": limit}
     if folder is not None:
         _into_report(data, report_folder(Path(folder)))
     if json_file is not None:

@@ -1,0 +1,158 @@
+"""Writes docs/internals/mutation-scores.md: `python -m benchmarks.mutation_table [FILE.json…]`.
+
+Takes the cases in each FILE, which `shaderlab mutate --json FILE` wrote, into mutation-scores.json,
+and writes the page's tables from that and from mutation-survivors.toml, which says why a mutant
+survives. Survivors that nothing there is about are printed, and the exit status is 1.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+REPOSITORY = Path(__file__).resolve().parents[1]
+FOLDER = REPOSITORY / "docs" / "internals"
+PAGE = FOLDER / "mutation-scores.md"
+SCORES = FOLDER / "mutation-scores.json"
+SURVIVORS = FOLDER / "mutation-survivors.toml"
+_KILLED, _SURVIVED = "killed", "survived"
+_STATE_KILLED, _STATE_SURVIVED = "killed in state", "survived in state"
+
+Row = dict[str, int]
+Entry = Mapping[str, Any]
+
+
+def main(files: Sequence[str]) -> int:
+    """Write the page and return the exit status."""
+    scores, known = load_scores(), load_survivors()
+    unknown = []
+    for file in files:
+        data = json.loads(Path(file).read_text(encoding="utf-8"))
+        for case in data["cases"]:
+            scores[case["id"]] = row_of(case, int(data.get("limit", 0)))
+            unknown += [
+                "{id}: {file}:{line}  {operator}: {before} → {after}".format(id=case["id"], **s)
+                for s in case["survived"]
+                if not any(is_about(entry, case["id"], s) for entry in known)
+            ]
+    lines = (f"  {json.dumps(case)}: {json.dumps(row)}" for case, row in scores.items())
+    SCORES.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")
+    PAGE.write_text(page(PAGE.read_text(encoding="utf-8"), scores, known), encoding="utf-8")
+    for line in unknown:
+        print(f"not in {SURVIVORS.name}: {line}")
+    return 1 if unknown else 0
+
+
+def load_scores() -> dict[str, Row]:
+    """Each case's counts, by id."""
+    scores: dict[str, Row] = json.loads(SCORES.read_text(encoding="utf-8"))
+    return scores
+
+
+def load_survivors() -> list[Entry]:
+    """The explanations."""
+    entries: list[Entry] = tomllib.loads(SURVIVORS.read_text(encoding="utf-8"))["survivor"]
+    return entries
+
+
+def row_of(case: Mapping[str, Any], limit: int) -> Row:
+    """A case's counts from what `mutate` says of it; state apart, where it has any."""
+    of_state = sum(s["operator"] == "state" for s in case["survived"])
+    killed = case["killed_in_state"]
+    row = {_KILLED: case["killed"] - killed, _SURVIVED: len(case["survived"]) - of_state}
+    if killed or of_state:
+        row |= {_STATE_KILLED: killed, _STATE_SURVIVED: of_state}
+    counts = (case[name] for name in ("killed", "equivalent", "unjudged", "invalid"))
+    if limit and sum(counts) + len(case["survived"]) == limit:
+        row["sample"] = limit
+    return row
+
+
+def is_about(entry: Entry, case_id: str, survivor: Mapping[str, Any]) -> bool:
+    """Whether an explanation is about a survivor of a case."""
+    if case_id not in entry.get("cases", (case_id,)):
+        return False
+    if survivor["operator"] == "state":
+        return not entry.keys() & {"lines", "files", "before"}
+    name, number = Path(survivor["file"]).name, int(survivor["line"])
+    return (
+        any(name == file and number == line_number(file, text) for file, text in _lines(entry))
+        or name in entry.get("files", ())
+        or survivor["before"].startswith(tuple(entry.get("before", ())))
+    )
+
+
+def page(text: str, scores: Mapping[str, Row], known: Sequence[Entry]) -> str:
+    """The page with its tables made anew."""
+    return _between(
+        _between(text, "scores", score_table(scores)), "survivors", survivor_table(known)
+    )
+
+
+def score_table(scores: Mapping[str, Row]) -> str:
+    """A row for each case, the sum, and what shares that is."""
+    lines = [
+        "| case | shaders: killed | survived | state: killed | survived |",
+        "|---|---|---|---|---|",
+    ]
+    total = {name: 0 for name in (_KILLED, _SURVIVED, _STATE_KILLED, _STATE_SURVIVED)}
+    for case, row in scores.items():
+        star = "*" if "sample of state" in row else ""
+        sample = f" (of {row['sample']})" if "sample" in row else ""
+        lines.append(f"| {case}{star}{sample} | {_cells(row, total)} |")
+        for name in total:
+            total[name] += row.get(name, 0)
+    sums = " | ".join(f"**{count}**" for count in total.values())
+    lines.append(f"| **all {len(scores)}** | {sums} |")
+    shaders = _share(total[_KILLED], total[_SURVIVED])
+    state = _share(total[_STATE_KILLED], total[_STATE_SURVIVED])
+    return "\n".join([*lines, "", f"That is {shaders} in shaders and {state} in state."])
+
+
+def survivor_table(known: Sequence[Entry]) -> str:
+    """A row for each explanation, with the lines' present numbers."""
+    lines = ["| mistake | why |", "|---|---|"]
+    for entry in known:
+        places = [f"`{file}:{line_number(file, text)}`" for file, text in _lines(entry)]
+        lines.append(f"| {entry['mistake'].format(*places)} | {entry['why']} |")
+    return "\n".join(lines)
+
+
+def line_number(file: str, text: str) -> int:
+    """Where a shader has this line.
+
+    Raises:
+        LookupError: there is no such shader or line; the explanation is out of date.
+    """
+    for path in (REPOSITORY / "shaders").rglob(file):
+        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+            if line.strip() == text:
+                return number
+    raise LookupError(f"{SURVIVORS.name}: no shader {file} has the line {text!r}")
+
+
+def _lines(entry: Entry) -> Iterator[tuple[str, str]]:
+    yield from entry.get("lines", ())
+
+
+def _cells(row: Row, names: Mapping[str, int]) -> str:
+    return " | ".join(str(row.get(name, "–")) for name in names)
+
+
+def _share(killed: int, survived: int) -> str:
+    return f"{100 * killed / (killed + survived):.1f} % of {killed + survived} mistakes"
+
+
+def _between(text: str, name: str, table: str) -> str:
+    """The text with a table between its marks."""
+    begin, end = f"<!-- {name}: generated -->", f"<!-- end of {name} -->"
+    head, rest = text.split(begin)
+    return f"{head}{begin}\n\n{table}\n\n{end}{rest.split(end)[1]}"
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

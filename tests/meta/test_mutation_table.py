@@ -1,0 +1,55 @@
+"""The page of mutation scores is what its data give, and its explanations are about real lines."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from benchmarks import mutation_table as made
+from tests.catalogue import shipped
+
+SURVIVOR = {
+    "file": "/x/shaders/ch13_skybox/skybox.vert",
+    "line": made.line_number(
+        "skybox.vert", "gl_Position = (projection * turned * vec4(aPos, 1.0)).xyww;"
+    ),
+    "operator": "constant + 1 %",
+    "before": "vec4(aPos, 1.0)",
+    "after": "1.01",
+}
+
+
+def test_the_page_is_what_the_data_give() -> None:
+    text = made.PAGE.read_text(encoding="utf-8")
+    found = made.page(text, made.load_scores(), made.load_survivors())
+    assert text == found, "run `python -m benchmarks.mutation_table`"
+
+
+def test_every_case_has_a_row() -> None:
+    assert set(made.load_scores()) == {case.id for case in shipped()}
+
+
+def test_counts_of_a_file_become_a_row() -> None:
+    case = {"killed": 7, "survived": [SURVIVOR, SURVIVOR | {"operator": "state"}],
+            "killed_in_state": 3, "equivalent": 0, "unjudged": 1, "invalid": 0}  # fmt: skip
+    row = {"killed": 4, "survived": 1, "killed in state": 3, "survived in state": 1}
+    assert made.row_of(case, 0) == row
+    assert made.row_of(case, 10) == row | {"sample": 10}
+    assert made.row_of(case, 11) == row
+
+
+def test_a_survivor_finds_its_explanation_and_no_other() -> None:
+    def about(case: str, survivor: dict[str, object]) -> list[str]:
+        known = made.load_survivors()
+        return [e["why"] for e in known if made.is_about(e, case, survivor)]
+
+    assert len(about("skybox", SURVIVOR)) == 1
+    assert not about("skybox", SURVIVOR | {"line": 1})
+    assert len(about("shadow-map", SURVIVOR | {"operator": "state"})) == 1
+    assert not about("cubemap", SURVIVOR | {"operator": "state"})
+
+
+def test_a_line_that_is_gone_is_named(tmp_path: Path) -> None:
+    with pytest.raises(LookupError, match=r"skybox\.vert"):
+        made.line_number("skybox.vert", "no such line")
