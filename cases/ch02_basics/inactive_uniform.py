@@ -53,7 +53,7 @@ def panel(k, name, strength, unused):
         fragment="ch02_basics/inactive_uniform_picture.frag",
         domain={"place": Ramp((-1.0, -1.0), (2.0, 0.0), (0.0, 2.0))},
         uniforms={"dials": (strength, unused), "turned": (k == 1, k == 2)},
-        textures={"lit": Output(name, "FragColor")},
+        textures={"lit": Output(f"{name}.FragColor")},
         state=State(cell=Cell(column=k, row=0, columns=3, rows=1)),
     )
 
@@ -83,7 +83,7 @@ case = Case(
         formula("strength-turned.FragColor", shines, name="another strength"),
         exact(
             "unused-turned.FragColor",
-            Output("first", "FragColor"),
+            Output("first.FragColor"),
             name="setting an inactive uniform changes nothing",
         ),
         value(

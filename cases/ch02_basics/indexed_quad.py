@@ -70,7 +70,7 @@ case = Case(
         coverage(129600, pass_name="indexed", name="pixels covered"),
         formula("indexed.place", across_the_quad),
         formula("indexed.FragColor", two_triangles, name="one colour a triangle"),
-        exact("indexed.FragColor", Output("plain", "FragColor"), name="same as six vertices"),
+        exact("indexed.FragColor", Output("plain.FragColor"), name="same as six vertices"),
         coverage(0, pass_name="cull-back", name="culled when counter-clockwise is front"),
         coverage(129600, pass_name="cull-back-cw", name="kept when clockwise is front"),
         computed(

@@ -88,7 +88,7 @@ case = Case(
             at_most=1e-5,
             note="interpolation is the driver's: OpenGL gives no bound, 24-bit floats leave 1e-7",
         ),
-        exact("FragColor", Output("separate", "FragColor"), name="same as three buffers"),
+        exact("FragColor", Output("separate.FragColor"), name="same as three buffers"),
         coverage(64800, name="pixels covered"),
         figure(
             "FragColor",

@@ -109,7 +109,7 @@ case = Case(
         formula("reflected", from_reflect, name="ReflectMap on unit 1"),
         formula("refracted", from_refract, name="RefractMap on unit 2"),
         formula("FragColor", mixture),
-        exact("FragColor", Output("other-units", "FragColor"), name="other units, same picture"),
+        exact("FragColor", Output("other-units.FragColor"), name="other units, same picture"),
         sweep(
             "FragColor",
             mixture,

@@ -25,7 +25,7 @@ MISSPELT = f"no shader '{FILES}/emtpy.frag' in shaders"
 NEAREST = f"{FILES}/empty.frag or {FILES}/bom.frag or {FILES}/utf16.frag"
 SHOWN = ("plain", "bom", "crlf", "latin1", "utf16", "nul", "empty")
 COLUMNS = 48
-PLAIN = Output("plain", "FragColor")
+PLAIN = Output("plain.FragColor")
 
 
 def first_bytes():

@@ -103,7 +103,7 @@ def maps(scheme, aspect):
 def drawn(scheme, aspect=1.0, tint=0.0, cell=None):
     """The avenue with one scheme's cascades."""
     matrices = light_spaces(scheme, aspect)
-    layers = [Output(f"{scheme}-{k}-{aspect:g}", "depth") for k in range(CASCADES)]
+    layers = [Output(f"{scheme}-{k}-{aspect:g}.depth") for k in range(CASCADES)]
     return tested(
         (lit.PAINTED, "ch05_lighting/cascaded_shadows.frag"),
         AVENUE,

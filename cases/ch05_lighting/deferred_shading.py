@@ -94,7 +94,7 @@ def lit(name, buffer):
         "ch05_lighting/deferred_lit.frag",
         name=name,
         uniforms={**LIGHTS, "viewPos": EYE},
-        textures={output: Output(buffer, output) for output in BUFFER},
+        textures={output: Output(f"{buffer}.{output}") for output in BUFFER},
     )
 
 
@@ -169,8 +169,8 @@ case = Case(
             "ch05_lighting/deferred_picture.frag",
             name="picture",
             textures={
-                **{output: Output("buffer", output) for output in BUFFER},
-                "lit": Output("lit", "FragColor"),
+                **{output: Output(f"buffer.{output}") for output in BUFFER},
+                "lit": Output("lit.FragColor"),
             },
         ),
     ),

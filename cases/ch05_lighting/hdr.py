@@ -79,7 +79,7 @@ def shown(quarter, curve, exposure):
         "ch05_lighting/hdr.frag",
         WHOLE,
         {"curve": curve, "exposure": exposure},
-        textures={"hdrBuffer": Output("hdr", "FragColor")},
+        textures={"hdrBuffer": Output("hdr.FragColor")},
         cell=cell(quarter, 2, 2),
     )
 

@@ -118,7 +118,7 @@ case = Case(
         *fullscreen(
             "ch05_lighting/finish.frag",
             name="picture",
-            textures={"scene": Output("drawing", "FragColor")},
+            textures={"scene": Output("drawing.FragColor")},
         ),
         drawings("judged", size=(96, 96)),
     ),

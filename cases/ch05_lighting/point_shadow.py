@@ -84,7 +84,7 @@ def face(name, size):
 
 def by_lamp(name, side, bias, *more, **target):
     """The courtyard in the lamp's light, from the camera."""
-    distances = [Output(f"{face}-{side}", "depth") for face in FACES]
+    distances = [Output(f"{face}-{side}.depth") for face in FACES]
     draw = tested(
         (lit.PAINTED, "ch05_lighting/point_shadow.frag"),
         courtyard(),

@@ -46,7 +46,7 @@ def looked_at(name, texels, bias, radius=0, **target):
     """The courtyard with one map and one bias."""
     least, most = BIASES[bias]
     uniforms = {"leastBias": least, "mostBias": most, "radius": radius}
-    shadow_map = Output(f"map-{texels}", "depth")
+    shadow_map = Output(f"map-{texels}.depth")
     return courtyard.lit(name, shadow_map, LIGHT_SPACE, MODEL, CAMERA, uniforms, **target)
 
 

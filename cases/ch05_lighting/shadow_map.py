@@ -39,7 +39,7 @@ GREY = (0.5, 0.5, 0.5)
 
 def scene(name, camera=CAMERA, wrap=WHITE, uniforms=BIAS, **target):
     """The courtyard with the shadow map."""
-    shadow_map, view = Output("shadow", "depth", **wrap), tuple(camera.values())
+    shadow_map, view = Output("shadow.depth", **wrap), tuple(camera.values())
     return courtyard.lit(name, shadow_map, LIGHT_SPACE, MODEL, view, uniforms, **target)
 
 

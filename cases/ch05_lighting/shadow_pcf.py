@@ -39,7 +39,7 @@ def seen(name, radius, aspect=1.0, **target):
     """The edge of a shadow from nearby, with 1 or 9 texels asked."""
     near_by = tuple(camera(EYE, (0.55, 0.15, -0.5), 34.0, aspect, far=60.0).values())
     uniforms = {**(BIAS if radius else STEADY), "radius": radius}
-    shadow_map = Output("map", "depth", **WHITE)
+    shadow_map = Output("map.depth", **WHITE)
     return courtyard.lit(name, shadow_map, LIGHT_SPACE, MODEL, near_by, uniforms, **target)
 
 
@@ -53,7 +53,7 @@ def compared(name, filtering, bias):
         fragment="ch05_lighting/shadow_compare.frag",
         uniforms={**kept, **bias},
         textures={
-            "shadowMap": Output("map", "depth", filter=(filtering,) * 2, compare="lequal", **WHITE)
+            "shadowMap": Output("map.depth", filter=(filtering,) * 2, compare="lequal", **WHITE)
         },
     )
     return replace(made, draws=(own,))
@@ -134,7 +134,7 @@ case = Case(
         formula("compared-linear.shadow", COMPARED),
         exact(
             "compared-linear.place",
-            Output("compared-nearest", "place"),
+            Output("compared-nearest.place"),
             name="both filters see the same places",
         ),
         lit.picture_check(),

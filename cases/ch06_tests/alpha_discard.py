@@ -157,6 +157,6 @@ case = Case(
         coverage(kept(64), pass_name="behind", draw=0, name="the nearer leaf"),
         coverage(64 * 64 - kept(64), pass_name="behind", name="seen where the nearer one is cut"),
         formula("behind.FragColor", leaf_color, name="the farther leaf"),
-        exact("behind.FragColor", Output("whole", "FragColor"), name="two leaves that are one"),
+        exact("behind.FragColor", Output("whole.FragColor"), name="two leaves that are one"),
     ],
 )  # fmt: skip

@@ -53,7 +53,7 @@ def passes(equation):
     shown = panel(
         "ch06_tests/fields.frag",
         {"place": square(0.0, N)},
-        textures={"values": Output("float", "FragColor")},
+        textures={"values": Output("float.FragColor")},
     )
     return (
         table(equation, "float", "rgba32f", FLOATS),

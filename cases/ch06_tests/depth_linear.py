@@ -112,7 +112,7 @@ case = Case(
         formula("judged.gl_Position", clip_position),
         exact(
             "judged.FragColor",
-            Output("backwards", "FragColor"),
+            Output("backwards.FragColor"),
             name="the nearest is seen, in whichever order it is drawn",
         ),
         measure(

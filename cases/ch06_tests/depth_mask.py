@@ -71,7 +71,7 @@ case = Case(
                     fragment="ch06_tests/numbers.frag",
                     domain={"place": Ramp((0.0, 0.0), (COLUMNS, 0.0), (0.0, ROWS))},
                     uniforms={"group": 3.0, "whole": 100.0},
-                    textures={"values": Output("kept", "total")},
+                    textures={"values": Output("kept.total")},
                 ),
             ),
         ),

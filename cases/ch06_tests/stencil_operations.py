@@ -75,7 +75,7 @@ def table(write_mask):
         "ch06_tests/numbers.frag",
         {"place": rectangle((0.0, 0.0), SIZE)},
         {"group": float(len(STORED)), "whole": 255.0},
-        textures={"values": Output("table", "total")},
+        textures={"values": Output("table.total")},
     )
     formats = {"colors": {"total": "r32f"}, "depth": "depth24_stencil8"}
     return (picture(draws, SIZE, "table", **formats), picture([numbers], (960, 384)))

@@ -96,7 +96,7 @@ case = Case(
         formula("judged.gl_Position", clip_position, name="the larger box in clip space"),
         exact(
             "judged.FragColor",
-            Output("reordered", "FragColor"),
+            Output("reordered.FragColor"),
             name="boxes first, or floor first: the same",
         ),
         measure("pixels where outline ≠ larger − objects", wrong, reads=SETS, equals=0, digits=0),

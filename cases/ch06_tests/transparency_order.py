@@ -99,9 +99,7 @@ def shown(kind, which, cell=None):
         fragment="ch06_tests/transparency_order.frag",
         domain={"at": Ramp((0.0, 0.0), (SIZES[kind], 0.0), (0.0, SIZES[kind]))},
         uniforms={"shown": float(which)},
-        textures={
-            s: Output(f"{kind}_{n}", "FragColor") for s, n in zip(samplers, names, strict=True)
-        },
+        textures={s: Output(f"{kind}_{n}.FragColor") for s, n in zip(samplers, names, strict=True)},
         state=State(cell=cell),
     )
 

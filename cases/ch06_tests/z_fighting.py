@@ -225,7 +225,7 @@ case = Case(
                 Draw(
                     fragment="ch08_techniques/copy.frag",
                     domain={"TexCoords": Ramp((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))},
-                    textures={"screen": Output(name, "FragColor")},
+                    textures={"screen": Output(f"{name}.FragColor")},
                     state=State(cell=Cell(column=k, row=0, columns=len(PANELS), rows=1)),
                 )
                 for k, name in enumerate(PANELS)

@@ -172,7 +172,7 @@ case = Case(
         *fullscreen(
             "ch03_transforms/soften.frag",
             name="picture",
-            textures={"scene": Output("scene", "FragColor")},
+            textures={"scene": Output("scene.FragColor")},
             target=Target(size=(1024, 512)),
         ),
         Pass(name="small", target=Target(size=(96, 48), depth="depth24"), draws=tuple(SOLIDS)),
@@ -218,8 +218,8 @@ case = Case(
                 ("Normal", world_normal),
             )
         ),
-        exact("small.FragColor", Output("culled", "FragColor"), name="near sides hide far ones"),
-        exact("culled.FragColor", Output("small", "FragColor"), name="and need no depth for it"),
+        exact("small.FragColor", Output("culled.FragColor"), name="near sides hide far ones"),
+        exact("culled.FragColor", Output("small.FragColor"), name="and need no depth for it"),
         meets((2.0, 0.5, -1.0), (0.0, 0.75, 0.375), "(2, ½, −1) meets +X"),
         meets((-1.0, 0.0, 0.0), (1.0, 0.5, 0.5), "−X is the second face"),
         meets((0.0, 5.0, 0.0), (2.0, 0.5, 0.5), "+Y is the third"),

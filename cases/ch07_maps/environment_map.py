@@ -140,7 +140,7 @@ case = Case(
         *fullscreen(
             "ch03_transforms/soften.frag",
             name="picture",
-            textures={"scene": Output("scene", "FragColor")},
+            textures={"scene": Output("scene.FragColor")},
             target=Target(size=(768, 384)),
         ),
         Pass(
@@ -178,10 +178,10 @@ case = Case(
             formula("judged.Normal", world_normal, draw=k, name=f"normals of {name}")
             for k, name in enumerate(NAMES)
         ),
-        exact("judged.FragColor", Output("reversed", "FragColor"), name="the order of drawing"),
-        exact("reversed.FragColor", Output("judged", "FragColor"), name="the other order"),
-        exact("judged.depth", Output("reversed", "depth"), name="depths in either order"),
-        exact("reversed.depth", Output("judged", "depth"), name="depths in the other order"),
+        exact("judged.FragColor", Output("reversed.FragColor"), name="the order of drawing"),
+        exact("reversed.FragColor", Output("judged.FragColor"), name="the other order"),
+        exact("judged.depth", Output("reversed.depth"), name="depths in either order"),
+        exact("reversed.depth", Output("judged.depth"), name="depths in the other order"),
         ray("mirrored", mirrored, (3.0, 4.0, 0.0), (-0.6, 0.8, 0.0), "mirrored from (3, 4, 0)"),
         ray("bent", bent, (3.0, 4.0, 0.0), (-0.394737, -0.918794, 0.0), "into glass"),
         ray("bent", bent, (0.0, 2.0, 0.0), (0.0, -1.0, 0.0), "straight in, nothing is bent"),

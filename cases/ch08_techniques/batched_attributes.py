@@ -54,8 +54,8 @@ case = Case(
         *drawn("batched", "batched", "sub_data"),
     ),
     expect=[
-        exact("batched.FragColor", Output("interleaved", "FragColor"), name="111222 equals 123123"),
-        exact("batched.FragColor", Output("separate", "FragColor"), name="… and two buffers"),
+        exact("batched.FragColor", Output("interleaved.FragColor"), name="111222 equals 123123"),
+        exact("batched.FragColor", Output("separate.FragColor"), name="… and two buffers"),
         attribute_layout({"aPos": (0, 12), "aColor": (84, 12)}, name="batched: 111222"),
         attribute_layout(
             {"aPos": (0, 24), "aColor": (12, 24)},

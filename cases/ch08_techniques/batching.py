@@ -147,7 +147,7 @@ case = Case(
         *(
             exact(
                 f"{way} {count}.FragColor",
-                Output(f"one by one {count}", "FragColor"),
+                Output(f"one by one {count}.FragColor"),
                 name=f"{count} {way}: the same pixels",
             )
             for count in COUNTS

@@ -150,7 +150,7 @@ case = Case(
         ),
         exact(
             "cube, culled and tested.FragColor",
-            Output("cube, tested", "FragColor"),
+            Output("cube, tested.FragColor"),
             name="culling changes no pixel of a closed solid",
         ),
         computed(

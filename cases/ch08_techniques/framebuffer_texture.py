@@ -48,7 +48,7 @@ def screen(place):
             "model": standing @ turned(ANGLES[place]),
             **camera((0.0, 0.5, 5.0), (0.0, 0.0, 0.0), 38.0),
         },
-        textures={"screen": Output("scene", "FragColor")},
+        textures={"screen": Output("scene.FragColor")},
         state=State(depth=Depth()),
     )
 
@@ -75,12 +75,12 @@ case = Case(
         *fullscreen(
             "ch08_techniques/copy.frag",
             name="copy",
-            textures={"screen": Output("scene", "FragColor")},
+            textures={"screen": Output("scene.FragColor")},
         ),
     ),
     picture="wall.FragColor",
     expect=[
-        exact("copy.FragColor", Output("scene", "FragColor"), name="texel on pixel, bit for bit"),
+        exact("copy.FragColor", Output("scene.FragColor"), name="texel on pixel, bit for bit"),
         *(
             formula(f"wall.{output}", reference, draw=place, name=f"{word} {place}")
             for place in range(3)

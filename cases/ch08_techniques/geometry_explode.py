@@ -166,7 +166,7 @@ case = Case(
         formula("ball.FragColor", shaded),
         exact(
             "ball.FragColor",
-            Output("backwards", "FragColor"),
+            Output("backwards.FragColor"),
             name="the nearest triangle is seen, in whichever order they are drawn",
         ),
         query(

@@ -120,7 +120,7 @@ case = Case(
             "ch08_techniques/multiple_render_targets_tiles.frag",
             name="picture",
             textures={
-                name: Output("all", output) for name, output in zip(TILES, OUTPUTS, strict=True)
+                name: Output(f"all.{output}") for name, output in zip(TILES, OUTPUTS, strict=True)
             },
         ),
     ),
@@ -134,7 +134,7 @@ case = Case(
         formula("all.NormalColor", normal_color),
         formula("all.Luminance", luminance),
         *(
-            exact(f"all.{name}", Output(f"only {name}", name), name=f"{name} alone is the same")
+            exact(f"all.{name}", Output(f"only {name}.{name}"), name=f"{name} alone is the same")
             for name in OUTPUTS
         ),
         formula("picture.FragColor", tiles, name="four tiles"),

@@ -49,7 +49,7 @@ case = Case(
     title="Grey values",
     section="8.2.3",
     math=r"\bar c = \tfrac13 (R + G + B), \qquad Y = .2126\,R + .7152\,G + .0722\,B",
-    passes=(photographed(), *post("picture", Output("scene", "FragColor")), *post("patch", PATCH)),
+    passes=(photographed(), *post("picture", Output("scene.FragColor")), *post("patch", PATCH)),
     picture="picture.FragColor",
     expect=[
         formula("picture.average", average),

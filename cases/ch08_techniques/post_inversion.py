@@ -39,8 +39,8 @@ case = Case(
     math=r"c' = 1 - c",
     passes=(
         photographed(),
-        *post("picture", Output("scene", "FragColor")),
-        *post("twice", Output("picture", "FragColor")),
+        *post("picture", Output("scene.FragColor")),
+        *post("twice", Output("picture.FragColor")),
         *post("patch", Texture(image=assets.solid((*CORAL, 1.0)))),
     ),
     picture="picture.FragColor",

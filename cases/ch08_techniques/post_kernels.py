@@ -58,7 +58,7 @@ case = Case(
         *fullscreen(
             "ch08_techniques/post_kernels.frag",
             uniforms={"kernel": SHARPEN},
-            textures={"screenTexture": Output("scene", "FragColor")},
+            textures={"screenTexture": Output("scene.FragColor")},
         ),
         *fullscreen(
             "ch08_techniques/post_kernels.frag",

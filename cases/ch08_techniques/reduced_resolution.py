@@ -29,14 +29,14 @@ def enlarged(name, filter_):
     return fullscreen(
         "ch08_techniques/copy.frag",
         name=f"{name} {filter_}",
-        textures={"screen": Output(name, "FragColor", filter=(filter_, filter_))},
+        textures={"screen": Output(f"{name}.FragColor", filter=(filter_, filter_))},
         target=Target(size=(SIDE, SIDE)),
     )
 
 
 def shown(name, filter_):
     """The same as a texture, texel on pixel."""
-    return Output(f"{name} {filter_}", "FragColor")
+    return Output(f"{name} {filter_}.FragColor")
 
 
 def five_strips(name, target):
@@ -45,7 +45,7 @@ def five_strips(name, target):
         "ch08_techniques/reduced_resolution.frag",
         name=name,
         textures={
-            "whole": Output("full", "FragColor"),
+            "whole": Output("full.FragColor"),
             "halved": shown("half", "nearest"),
             "halvedSmooth": shown("half", "linear"),
             "quartered": shown("quarter", "nearest"),

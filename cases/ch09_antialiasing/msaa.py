@@ -95,7 +95,7 @@ case = Case(
             "ch09_antialiasing/msaa.frag",
             name="picture",
             domain={"at": rectangle((0.0, 0.0), (2.0, 1.0))},
-            textures={"one": Output("one", "lit"), "four": Output("four", "lit")},
+            textures={"one": Output("one.lit"), "four": Output("four.lit")},
             target=Target(size=(1024, 512)),
         ),
     ),

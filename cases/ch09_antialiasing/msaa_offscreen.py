@@ -48,7 +48,7 @@ def read(name, of, size):
         name=name,
         domain={"at": rectangle((0.0, 0.0), (float(SIZE[0]), float(SIZE[1])))},
         uniforms={"half_": SIZE[0] / 2.0},
-        textures={"resolved": Output(of, "FragColor"), "samples": Output(of, "FragColor")},
+        textures={"resolved": Output(f"{of}.FragColor"), "samples": Output(f"{of}.FragColor")},
         target=Target(size=size),
     )
 
@@ -79,7 +79,7 @@ case = Case(
         formula("judged.blitted", mean_of_samples, name="the resolve is the mean of the samples"),
         exact(
             "judged.mean",
-            Output("again", "mean"),
+            Output("again.mean"),
             name="every sample shows the nearest, in whichever order it is drawn",
         ),
         *each_draw("single.FragColor", studio_color, {k: f"colour of draw {k}" for k in range(3)}),
@@ -95,7 +95,7 @@ case = Case(
             },
             reference=studio_color,
         ),
-        exact("single.FragColor", Output("turned", "FragColor"), name="one sample, in any order"),
+        exact("single.FragColor", Output("turned.FragColor"), name="one sample, in any order"),
         formula("scene.gl_Position", clip_position),
         formula("scene.Normal", world_normal),
         formula("scene.Color", handed_on),

@@ -53,9 +53,9 @@ def shown(name, size):
         name=name,
         domain={"at": rectangle((0.0, 0.0), tuple(map(float, SIZE)))},
         textures={
-            "resolved": Output("edge", "lit"),
-            "samples": Output("edge", "lit"),
-            "places": Output("where", "place"),
+            "resolved": Output("edge.lit"),
+            "samples": Output("edge.lit"),
+            "places": Output("where.place"),
         },
         target=Target(size=size),
     )

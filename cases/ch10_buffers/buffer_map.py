@@ -53,7 +53,7 @@ case = Case(
     r"\text{map} \to \text{write} \to \text{unmap} = \mathtt{GL\_TRUE}",
     passes=(*drawn("copied", "data"), *drawn("mapped", "map")),
     expect=[
-        exact("mapped.FragColor", Output("copied", "FragColor"), name="same pixels as copied"),
+        exact("mapped.FragColor", Output("copied.FragColor"), name="same pixels as copied"),
         gl_call(*MAP, raises=REFUSED, name="map with buffer 0 bound: 0x0502"),
         gl_call(*MAP, before=BOUND, name="map with a buffer bound"),
         gl_call(*MAP, before=(*BOUND, call(*MAP)), raises=REFUSED, name="map what is mapped"),

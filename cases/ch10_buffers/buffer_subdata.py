@@ -53,7 +53,7 @@ case = Case(
         attribute_layout(
             {"aPos": (0, 12), "aColor": (84, 12)}, name="positions at 0, colours at 84"
         ),
-        exact("FragColor", Output("at once", "FragColor"), name="same as two buffers"),
+        exact("FragColor", Output("at once.FragColor"), name="same as two buffers"),
         formula("gl_Position", as_it_is),
         formula("ourColor", color_of),
         formula("FragColor", encoded),

@@ -79,7 +79,7 @@ case = Case(
         coverage(9360, pass_name="stream_draw", name="pixels of one rosette"),
         attribute_layout({"aPos": (0, 12), "aColor": (84, 12)}, pass_name="static_draw"),
         *(
-            exact(f"{usage}.FragColor", Output("stream_draw", "FragColor"), name=usage.upper())
+            exact(f"{usage}.FragColor", Output("stream_draw.FragColor"), name=usage.upper())
             for usage in USAGES[1:]
         ),
     ],

@@ -67,7 +67,7 @@ case = Case(
     ),
     picture="kept.FragColor",
     expect=[
-        exact("kept.FragColor", Output("made anew", "FragColor"), name="same as 16 meshes"),
+        exact("kept.FragColor", Output("made anew.FragColor"), name="same as 16 meshes"),
         attribute_layout(LAYOUT, pass_name="kept", draw=0, name="layout, first draw"),
         attribute_layout(LAYOUT, pass_name="kept", draw=-1, name="layout, last draw"),
         query("vertices_submitted", equals=18, pass_name="kept", name="vertices of one draw"),

@@ -63,7 +63,7 @@ case = Case(
     passes=(*points("arrays", None), *points("elements", EVERY_THIRD)),
     picture="arrays.FragColor",
     expect=[
-        exact("elements.FragColor", Output("arrays", "FragColor"), name="the same picture"),
+        exact("elements.FragColor", Output("arrays.FragColor"), name="the same picture"),
         query("vertices_submitted", equals=7, pass_name="arrays", name="vertices, arrays"),
         query("vertices_submitted", equals=7, name="vertices, elements"),
         query("samples_passed", equals=4032, name="7 squares of 24 × 24 pixels"),

@@ -53,7 +53,7 @@ def shown(name, front):
     screen = Draw(
         fragment="ch11_window/double_buffer_screen.frag",
         domain={},
-        textures={"front": Output(front, "FragColor")},
+        textures={"front": Output(f"{front}.FragColor")},
     )
     return Pass(name=name, target=SMALL, draws=(screen,))
 
@@ -92,7 +92,7 @@ def framed(column, row, name, edge):
         fragment="ch11_window/double_buffer_picture.frag",
         domain={"place": Ramp((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))},
         uniforms={"edge": edge},
-        textures={"seen": Output(name, "FragColor")},
+        textures={"seen": Output(f"{name}.FragColor")},
         state=State(cell=Cell(column=column, row=row, columns=2 * FRAMES - 1, rows=2)),
     )
 
@@ -180,7 +180,7 @@ case = Case(
         *(
             exact(
                 f"two seen {k}.FragColor",
-                Output(f"frame {k // 2}", "FragColor"),
+                Output(f"frame {k // 2}.FragColor"),
                 name=f"two buffers, refresh {k}: frame {k // 2}, whole",
             )
             for k in REFRESHES
@@ -188,7 +188,7 @@ case = Case(
         *(
             exact(
                 f"one seen {k}.FragColor",
-                Output(f"frame {k // 2}" if k % 2 == 0 else "sky alone", "FragColor"),
+                Output((f"frame {k // 2}" if k % 2 == 0 else "sky alone") + ".FragColor"),
                 name=f"one buffer, refresh {k}: " + ("half drawn" if k % 2 else "whole"),
             )
             for k in REFRESHES

@@ -89,7 +89,7 @@ def dots(name, hue, size, cell, ticks=False):
         fragment="ch11_window/fixed_timestep_picture.frag",
         mesh=Mesh(attributes={"frame": np.arange(FRAMES, dtype=float)}, primitive="points"),
         uniforms={"hue": hue, "ticks": ticks},
-        textures={"run": Output(name, "state")},
+        textures={"run": Output(f"{name}.state")},
         state=State(cell=cell, point_size=size),
     )
 

@@ -47,7 +47,7 @@ def enlarged(k, name):
     return Draw(
         fragment="ch11_window/window_origin_picture.frag",
         domain={"field": Ramp((0.0, 0.0), (WIDTH, 0.0), (0.0, HEIGHT))},
-        textures={"window": Output(name, "place")},
+        textures={"window": Output(f"{name}.place")},
         state=State(cell=Cell(column=k, row=0, columns=2, rows=1)),
     )
 

@@ -193,7 +193,7 @@ case = Case(
             (0.646373, 0.492882, 0.388432, 1.0),
         ),
         *stage.prop_checks(),
-        exact("judged.FragColor", Output("reversed", "FragColor"), name="the order of drawing"),
+        exact("judged.FragColor", Output("reversed.FragColor"), name="the order of drawing"),
         stage.soft_check(),
         bad("truncated.obj", "a face has 2 corners; it needs three", line=8),
         bad("out_of_range.obj", "a face names v 5, but there are 4", line=8),

@@ -159,7 +159,7 @@ case = Case(
         *fullscreen(
             "ch03_transforms/soften.frag",
             name="picture",
-            textures={"scene": Output("scene", "FragColor")},
+            textures={"scene": Output("scene.FragColor")},
             target=Target(size=(768, 384)),
         ),
         alone("here", HERE),
@@ -177,7 +177,7 @@ case = Case(
         formula("here.FragColor", along, name="the sky's colours"),
         exact("here.depth", 1.0, name="the sky's depth is 1"),
         exact("there.depth", 1.0, name="and 1 from elsewhere"),
-        exact("there.FragColor", Output("here", "FragColor"), name="a step changes no pixel"),
+        exact("there.FragColor", Output("here.FragColor"), name="a step changes no pixel"),
         measure(
             "pixels that a step changes, with the translation kept",
             changed,
@@ -204,16 +204,16 @@ case = Case(
         formula("kept-here.TexCoords", point, name="directions with the translation kept"),
         exact(
             "sky-first.FragColor",
-            Output("sky-last", "FragColor"),
+            Output("sky-last.FragColor"),
             name="sky first or last: the same pixels",
         ),
-        exact("sky-first.depth", Output("sky-last", "depth"), name="sky first or last: one depth"),
+        exact("sky-first.depth", Output("sky-last.depth"), name="sky first or last: one depth"),
         exact(
             "sky-last.FragColor",
-            Output("sky-first", "FragColor"),
+            Output("sky-first.FragColor"),
             name="the order of drawing changes no pixel",
         ),
-        exact("sky-last.depth", Output("sky-first", "depth"), name="nor any depth"),
+        exact("sky-last.depth", Output("sky-first.depth"), name="nor any depth"),
     ],
     errata=[
         Erratum(

@@ -174,8 +174,8 @@ case = Case(
         ),
         computed("text against binary", lambda: apart("ascii"), equals=0.0, digits=12),
         computed("packed against binary", lambda: apart("compressed"), equals=0.0, digits=12),
-        exact("judged.FragColor", Output("ascii", "FragColor"), name="the picture from text"),
-        exact("judged.FragColor", Output("compressed", "FragColor"), name="… from packed data"),
+        exact("judged.FragColor", Output("ascii.FragColor"), name="the picture from text"),
+        exact("judged.FragColor", Output("compressed.FragColor"), name="… from packed data"),
         formula("gl_Position", clip),
         formula("diameter", width),
         formula("warmth", handed_on),
@@ -211,6 +211,10 @@ case = Case(
             "promises 1000000000 points, 16000000000 bytes, but unpacks to 4294967295",
         ),
         bad("empty.pcd", "is no PCD file"),
-        bad("absent.pcd", "there is no such PCD file", "check the path and its spelling"),
+        bad(
+            "absent.pcd",
+            "there is no such file (a PCD file was asked for)",
+            "check the path and its spelling",
+        ),
     ],
 )

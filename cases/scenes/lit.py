@@ -165,7 +165,7 @@ def picture(
     return fullscreen(
         "ch05_lighting/finish.frag",
         name=name,
-        textures={"scene": Output(of, output)},
+        textures={"scene": Output(f"{of}.{output}")},
         target=target,
     )
 

@@ -116,6 +116,6 @@ def softened_pass(
         "ch03_transforms/soften.frag",
         name=name,
         domain=domain,
-        textures={"scene": Output(of, "FragColor")},
+        textures={"scene": Output(f"{of}.FragColor")},
         target=Target(size=size),
     )

@@ -200,7 +200,7 @@ def _numbers(arrays: Mapping[str, Array]) -> Mapping[str, Array]:
 def _read(description: Pass) -> Iterable[str]:
     """The earlier outputs that a pass reads, each once."""
     return dict.fromkeys(
-        f"{output.pass_name}.{output.name}"
+        output.path
         for draw in description.draws
         for source in draw.textures.values()
         for output in outputs_read(source)

@@ -40,7 +40,7 @@ def any_order(output: str) -> Exact:
     ('scene.FragColor', 'scene-backwards', 'FragColor')
     """
     pass_name, _, name = output.partition(".")
-    other = Output(pass_name + _SUFFIX, name)
+    other = Output(f"{pass_name}{_SUFFIX}.{name}")
     return exact(output, other, name=f"{output}: any order of drawing", pictured=False)
 
 

@@ -23,8 +23,8 @@ class Exact(OfOutput):
 
     `equals` is a number or vector, an array (height, width, components) with row 0 at the
     bottom (a smaller one is repeated in equal blocks, as a table's cells are), or an
-    `Output(pass, name)` to be compared with. Without `pictured` it is shown only if it fails: for
-    what each pass's own picture shows already.
+    `Output("pass.output")` to be compared with. Without `pictured` it is shown only if it fails,
+    for what each pass's own picture shows already.
     """
 
     kind = "exact"
@@ -49,8 +49,7 @@ class Exact(OfOutput):
         values = find_image(self.output, scene, frame).values
         expected = self.equals
         if isinstance(expected, Output):
-            name = f"{expected.pass_name}.{expected.name}"
-            expected = find_image(name, scene, frame).values
+            expected = find_image(expected.path, scene, frame).values
         wanted = laid_over(expected, values, self.name)
         same = (_bits(values) == _bits(wanted)).all(axis=2)
         outside = int((~same).sum())

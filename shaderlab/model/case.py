@@ -210,8 +210,8 @@ class Scene:
         """The output that the case names as its picture; None for the last pass's first one."""
         if not self.case.picture:
             return None
-        pass_name, _, name = self.case.picture.rpartition(".")
-        return Output(pass_name or self.passes[-1].name, name)
+        own = "." not in self.case.picture
+        return Output(f"{self.passes[-1].name}." * own + self.case.picture)
 
     def outputs_named(self) -> dict[str, set[str]]:
         """The outputs that textures, expectations and the picture name, by pass. Colours are read

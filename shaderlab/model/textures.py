@@ -111,21 +111,36 @@ class Texture(Sampling):
 
 @dataclass(frozen=True)
 class Output(Sampling):
-    """An output of an earlier pass, used as a texture: `Output("shadow", "FragColor")`.
+    """An output of an earlier pass, used as a texture: `Output("shadow.FragColor")`.
 
-    "depth" is the depth attachment of a pass whose target has one, unless a shader has an output
-    of that name. Read by a `sampler2DMS`, the output of a multisampled target gives its samples;
-    by any other sampler, their mean. `mipmaps=True` has the driver make the smaller levels.
+    "shadow.depth" is the depth attachment of a pass whose target has one, unless a shader has an
+    output of that name. Read by a `sampler2DMS`, the output of a multisampled target gives its
+    samples; by any other sampler, their mean. `mipmaps=True` has the driver make the smaller
+    levels.
     """
 
-    pass_name: str
-    name: str
+    path: str
     wrap: tuple[str, str] = field(default=("clamp_to_edge", "clamp_to_edge"), kw_only=True)
     mipmaps: bool = field(default=False, kw_only=True)
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if not self.pass_name or not self.name:
+            raise CaseError(
+                f"Output: {self.path!r} names no output of a pass",
+                remedy='the pass and the output: Output("shadow.FragColor")',
+            )
         self._check_levels(self.mipmaps)
+
+    @property
+    def pass_name(self) -> str:
+        """The pass: what stands before the last dot."""
+        return self.path.rpartition(".")[0]
+
+    @property
+    def name(self) -> str:
+        """The output's own name: what stands after the last dot."""
+        return self.path.rpartition(".")[2]
 
 
 Image = Pixels | Output

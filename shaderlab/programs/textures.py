@@ -77,8 +77,8 @@ def find_image(source: Output, images: Images) -> Image:
     if key not in images:
         known = [f"{p}.{n}" for p, n in images]
         raise CaseError(
-            f"no earlier pass gives {source.pass_name}.{source.name}",
-            remedy=nearest(f"{source.pass_name}.{source.name}", known),
+            f"no earlier pass gives {source.path}",
+            remedy=nearest(source.path, known),
         )
     return images[key]
 

@@ -42,7 +42,7 @@ def adds(name: str, level: float, onto: str = "", target: Target = SMALL) -> Pas
 
 
 def reads(name: str, source: str, onto: str = "") -> Pass:
-    textures = {"image": Output(source, "FragColor")}
+    textures = {"image": Output(f"{source}.FragColor")}
     draws = fullscreen("reads.frag", domain={}, textures=textures)[0].draws
     return Pass(name=name, target=SMALL, draws=draws, onto=onto)
 

@@ -81,7 +81,7 @@ def two_passes() -> Any:
     near = fullscreen(
         "step.frag", name="near", domain={"x": across(0.0, 1.0)}, uniforms={"edge": 0.25}
     )
-    return (*near, *fullscreen("half.frag", name="far", textures={"map": Output("near", "lit")}))
+    return (*near, *fullscreen("half.frag", name="far", textures={"map": Output("near.lit")}))
 
 
 def run(lab: Lab, folder: Path, passes: Any, *expect: Any) -> Any:

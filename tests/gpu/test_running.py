@@ -229,15 +229,15 @@ def test_an_earlier_pass_is_a_texture_of_a_later_one(lab: Lab, folder: Path) -> 
 
     passes = (
         *ramp(name="first"),
-        *fullscreen("copy.frag", textures={"image": Output("first", "FragColor")}),
+        *fullscreen("copy.frag", textures={"image": Output("first.FragColor")}),
     )
     record = run(
         lab, folder, passes,
-        exact("FragColor", Output("first", "FragColor")),
+        exact("FragColor", Output("first.FragColor")),
         formula("FragColor", copied),
     )  # fmt: skip
     assert record.status == "pass", record
-    late = fullscreen("copy.frag", textures={"image": Output("later", "FragColor")})
+    late = fullscreen("copy.frag", textures={"image": Output("later.FragColor")})
     assert "later.FragColor" in run(lab, folder, late, exact("FragColor", 0.0)).message
 
 

@@ -288,7 +288,7 @@ def test_an_output_that_another_is_compared_with_is_judged_as_well(folder: Path)
         Pass(name=name, target=Target(size=(16, 8)), draws=(draw(square()),))
         for name in ("one", "other", "third")
     )
-    same = exact("one.shown", Output("other", "shown"))
+    same = exact("one.shown", Output("other.shown"))
     scene = Case(title="t", id="t", file=str(folder / "t.py"), passes=passes, expect=[same]).scene(
         "default"
     )

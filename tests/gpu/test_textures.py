@@ -231,7 +231,7 @@ def test_a_depth_attachment_is_an_output(lab: Lab, folder: Path, format: str) ->
         "plain.frag",
         name="copy",
         domain={"p": Ramp((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))},
-        textures={"image": Output("shadow", "depth")},
+        textures={"image": Output("shadow.depth")},
     )
     record = run(
         lab,
@@ -239,7 +239,7 @@ def test_a_depth_attachment_is_an_output(lab: Lab, folder: Path, format: str) ->
         (shadow_pass(format), *copy),
         formula("shadow.depth", depth_of),
         formula("copy.FragColor", sampled),
-        exact("shadow.depth", Output("shadow", "depth")),
+        exact("shadow.depth", Output("shadow.depth")),
         value("shadow.depth", at=Pixel(0, 0), equals=0.07, digits=1),
     )
     assert record.status == "pass", record
@@ -256,7 +256,7 @@ def test_a_depth_attachment_is_sampled_as_a_shadow_map(lab: Lab, folder: Path) -
         return texture(image, p) * np.ones(4)
 
     for word in ("nearest", "linear"):
-        source = Output("shadow", "depth", compare="less", filter=(word, word))
+        source = Output("shadow.depth", compare="less", filter=(word, word))
         look = fullscreen(
             "shadow.frag",
             name="look",
@@ -297,7 +297,7 @@ def test_earlier_passes_fill_faces_and_layers(lab: Lab, folder: Path) -> None:
 
     names = [f"face{n}" for n in range(6)]
     parts = tuple(p for n, name in enumerate(names) for p in drawn(name, 0.1 * n))
-    outputs = [Output(name, "FragColor") for name in names]
+    outputs = [Output(f"{name}.FragColor") for name in names]
     cube = fullscreen(
         "cube.frag",
         name="cube",
@@ -323,7 +323,7 @@ def test_depths_of_earlier_passes_are_layers_of_a_shadow_array(lab: Lab, folder:
 
         return texture(image, vec4(p, 0.5)) * np.ones(4)
 
-    layers = [Output("shadow", "depth"), np.full((16, 16), 0.6)]
+    layers = [Output("shadow.depth"), np.full((16, 16), 0.6)]
     image = TextureArray(layers=layers, format="depth24", compare="less")
     look = fullscreen(
         "layers.frag",
@@ -345,7 +345,7 @@ def test_an_outputs_own_levels(lab: Lab, folder: Path) -> None:
     def at_level(image: Any, p: Any) -> Any:
         return textureLod(image, swizzle(p, "xy"), swizzle(p, "z"))
 
-    source = Output("drawn", "FragColor", filter=("linear_mipmap_linear", "linear"), mipmaps=True)
+    source = Output("drawn.FragColor", filter=("linear_mipmap_linear", "linear"), mipmaps=True)
     look = fullscreen(
         "level.frag",
         name="look",
@@ -372,7 +372,7 @@ def test_every_sample_of_a_multisampled_target(lab: Lab, folder: Path) -> None:
             "samples.frag",
             name=f"look{number}",
             domain={"p": Ramp((0.0, 0.0))},
-            textures={"image": Output("drawn", "FragColor")},
+            textures={"image": Output("drawn.FragColor")},
             uniforms={"number": number},
         )
 
@@ -381,7 +381,7 @@ def test_every_sample_of_a_multisampled_target(lab: Lab, folder: Path) -> None:
         lab, folder, passes, *(formula(f"look{n}.FragColor", one_sample) for n in range(4))
     )
     assert record.status == "pass", record
-    same = exact("look0.FragColor", Output("look3", "FragColor"))
+    same = exact("look0.FragColor", Output("look3.FragColor"))
     assert run(lab, folder, passes, same).status == "fail"
 
 

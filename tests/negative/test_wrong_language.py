@@ -130,7 +130,7 @@ def test_a_screen_that_reads_the_back_buffer_is_noticed() -> None:
     passes = []
     for made in case.passes:
         if made.name == "two seen 3":
-            draw = replace(made.draws[0], textures={"front": Output("two 2 half", "FragColor")})
+            draw = replace(made.draws[0], textures={"front": Output("two 2 half.FragColor")})
             made = replace(made, draws=(draw,))
         passes.append(made)
     (record,) = run(replace(case, passes=tuple(passes)))

@@ -165,7 +165,7 @@ def test_passes_read_as_faces_or_layers_are_drawn_with_their_reader(kind: str) -
     """Without them every mutant of the reader would end in an error, and count as killed."""
     plain = Draw(fragment="map.frag", domain={})
     maps = [Pass(name=f"map {k}", target=Target(), draws=(plain,)) for k in range(6)]
-    outputs = [Output(made.name, "FragColor") for made in maps]
+    outputs = [Output(f"{made.name}.FragColor") for made in maps]
     texture = CubeTexture(faces=outputs) if kind == "faces" else TextureArray(layers=outputs)
     draw = Draw(fragment="a.frag", domain={}, textures={"maps": texture})
     reader = Pass(name="reader", target=Target(), draws=(draw,))

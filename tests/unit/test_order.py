@@ -40,4 +40,4 @@ def test_of_one_draw_the_triangles_change_places_each_with_its_own_winding() -> 
 def test_what_is_compared() -> None:
     check = any_order("scene.FragColor")
     assert isinstance(check, Exact) and check.output == "scene.FragColor"
-    assert check.equals == Output("scene-backwards", "FragColor")
+    assert check.equals == Output("scene-backwards.FragColor")

@@ -230,7 +230,7 @@ def test_what_can_not_be_sampled(make: Any, says: str) -> None:
     [
         (lambda: Texture(image=np.zeros((1, 1, 4)), filter=("linear_mipmap_linear", "linear")),
          "incomplete"),
-        (lambda: Output("a", "b", filter=("linear_mipmap_linear", "linear")), "incomplete"),
+        (lambda: Output("a.b", filter=("linear_mipmap_linear", "linear")), "incomplete"),
         (lambda: Texture(image=np.zeros((1, 1, 4)), filter=("linear", "linear_mipmap_linear")),
          "magnifying"),
         (lambda: Texture(image=np.zeros((1, 1, 4)), format="r32ui", filter=("linear", "linear")),
