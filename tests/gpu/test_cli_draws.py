@@ -35,7 +35,7 @@ def results(file: Path) -> list[dict[str, Any]]:
 
 
 def test_shipped_cases_pass_and_say_so_in_json(call: Call, tmp_path: Path) -> None:
-    result = call("run", "attenuation", "orange-triangle", "--json", "out.json")
+    result = call("run", "attenuation", "orange-triangle", "--no-pictures", "--json", "out.json")
     assert result.exit_code == 0, result.output
     cases = results(tmp_path / "out.json")
     assert [case["id"] for case in cases].count("attenuation") == 12
@@ -48,7 +48,7 @@ def test_shipped_cases_pass_and_say_so_in_json(call: Call, tmp_path: Path) -> No
 
 
 def test_one_variant_by_its_name(call: Call, tmp_path: Path) -> None:
-    assert call("run", "attenuation[50]", "--json", "out.json").exit_code == 0
+    assert call("run", "attenuation[50]", "--no-pictures", "--json", "out.json").exit_code == 0
     (case,) = results(tmp_path / "out.json")
     assert case["variant"] == "50"
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 PACKAGE = "shaderlab"
@@ -41,8 +42,10 @@ def imports(tree: ast.AST, package: tuple[str, ...]) -> Iterator[Import]:
                 yield node.lineno, module, alias.name
 
 
-def sources(repository: Path) -> Iterator[tuple[str, Path, list[Import]]]:
+@cache
+def sources(repository: Path) -> list[tuple[str, Path, list[Import]]]:
     """Each module of the package: its room, its file, its imports."""
+    found = []
     for file in sorted((repository / PACKAGE).rglob("*.py*")):
         inside = file.relative_to(repository).with_suffix("").parts
         if "_data" in inside or file.suffix not in (".py", ".pyi"):
@@ -50,7 +53,8 @@ def sources(repository: Path) -> Iterator[tuple[str, Path, list[Import]]]:
         package = inside[:-1]
         tree = ast.parse(file.read_text(encoding="utf-8"))
         room = _room_of(package if inside[-1] == "__init__" else inside)
-        yield room, file, list(imports(tree, package))
+        found.append((room, file, list(imports(tree, package))))
+    return found
 
 
 def imported_room(module: str, name: str) -> str | None:
