@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from shaderlab.execution.dask_plugin import RemoteJob
 
 PATIENCE_SECONDS = 60.0
-_LOOK_SECONDS = 2.0
+LOOK_SECONDS = 2.0
 _GO_ON = "what was finished is kept: go on with shaderlab run --resume"
 
 
@@ -167,7 +167,7 @@ class DaskExecutor:
         problem = ""
         for folder, files in ((options.folder, result.files), (options.frames, result.frames)):
             if folder is not None:
-                problem = problem or _write_files(files, folder)
+                problem = problem or write_files(files, folder)
         if problem:
             record = replace(record, notices=(*record.notices, problem))
         return record
@@ -177,11 +177,11 @@ class DaskExecutor:
         without = 0.0
         while True:
             try:
-                return finished.get(timeout=_LOOK_SECONDS)
+                return finished.get(timeout=LOOK_SECONDS)
             except queue.Empty:
                 if self._client.status not in ("running", "connecting"):
                     raise self._gone("the scheduler is gone") from None
-                without = 0.0 if self._client.nthreads() else without + _LOOK_SECONDS
+                without = 0.0 if self._client.nthreads() else without + LOOK_SECONDS
                 if without >= self._patience:
                     raise self._gone("there are no workers left") from None
 
@@ -190,9 +190,9 @@ class DaskExecutor:
         without = 0.0
         while True:
             try:
-                return future.result(timeout=_LOOK_SECONDS)
+                return future.result(timeout=LOOK_SECONDS)
             except TimeoutError:
-                without = 0.0 if self._client.nthreads() else without + _LOOK_SECONDS
+                without = 0.0 if self._client.nthreads() else without + LOOK_SECONDS
                 if without >= self._patience:
                     raise self._gone("there are no workers left") from None
             except CancelledError:
@@ -261,7 +261,7 @@ def _shown(folder: Path) -> str:
     return display_path(folder / "x")[:-1]
 
 
-def _write_files(files: Mapping[str, bytes], folder: Path) -> str:
+def write_files(files: Mapping[str, bytes], folder: Path) -> str:
     """Write what was sent into the run's folder; returns what went wrong, or ""."""
     root = folder.resolve()
     try:
