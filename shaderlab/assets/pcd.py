@@ -140,7 +140,7 @@ def _header(data: bytes) -> _Header:
     if len({len(fields), len(counts), len(sizes), len(said["TYPE"])}) > 1:
         raise _no_pcd("its FIELDS, SIZE, TYPE and COUNT differ in length")
     if not set(types) <= _TYPES or min(counts) < 1:
-        raise _no_pcd("its SIZE, TYPE or COUNT is none that there is")
+        raise _no_pcd("its SIZE, TYPE or COUNT is unknown")
     missing = [axis for axis in "xyz" if axis not in fields]
     if missing:
         raise AssetError(f"has no field {' '.join(missing)}", remedy="it needs x, y and z")

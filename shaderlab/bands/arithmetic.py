@@ -5,11 +5,11 @@ that turns a·b + a·c into a·(b + c), or back, rounds at the size of the terms
 and rounds where the formula as written happens to be exact. So:
 
 - one sum or product of plain values (inputs, constants, what functions return) is rounded once;
-  nothing can be rearranged yet, but it has a `mag` from now on;
+  nothing can be rearranged yet, but the result has a `mag`;
 - a sum of two plain values remembers one step of `mag` as its `slack`, paid as soon as it is
   added to or multiplied with something (a·(b + c) may become a·b + a·c);
 - each further sum, product or quotient rounds by a step of its `mag` more, a product of two such
-  values by three (or as many as it has sums, once distributed);
+  values by three (or by the number of its sums, once distributed);
 - a sum of n terms may be added up in an order in which all n − 1 sums are as large as the largest
   of them, whatever they were as written.
 
@@ -129,7 +129,7 @@ def _safe_signs(
     lo: Floats, hi: Floats, terms: Terms, least: Floats | None = None
 ) -> tuple[Callable[[Flags], Flags], Callable[[Flags], Flags]]:
     """For `moved_out`: where a settled sum times or over a plain value keeps its sign, its terms
-    distributed; and where it is of the size `least` at least, if that is asked for."""
+    distributed; and where its size is at least `least`, if given."""
 
     def kept(crossed: Flags, sided: Flags, size: Floats) -> Flags:
         found: Flags = crossed & sided

@@ -152,8 +152,8 @@ class Band(Interval, Operators):
         """The flags of this band or of others."""
         flags = self.flags
         for other in others:
-            if other.flags is not _NOWHERE:
-                a, b = flags, other.flags
+            a, b = flags, other.flags
+            if not all(flag is _NO for flag in b):
                 flags = a[0] | b[0], a[1] | b[1], a[2] | b[2]
         return flags
 

@@ -104,7 +104,7 @@ def is_power_of_two(x: Floats) -> bool:
 def widened_by_ulps(
     lo: Floats, hi: Floats, ulps_lo: Floats | float, ulps_hi: Floats | float
 ) -> tuple[Floats, Floats]:
-    """Bounds moved out by so many ULP; a bound does not move past zero, and zero stays zero."""
+    """Bounds moved out by some ULP; a bound does not move past zero, and zero stays zero."""
     if lo.size and lo.min() > 2.0 * SMALLEST_NORMAL and hi.max() <= LARGEST:
         return _widened_normal(lo, hi, ulps_lo, ulps_hi)
     out_lo = ulps_lo * ulp(lo) + FLOAT64_ERROR * np.minimum(np.abs(lo), LARGEST)

@@ -1,4 +1,4 @@
-"""Which device a band allows for: the precision table, and what a compiler may do to a formula."""
+"""The precision rules of a band: a table of errors, and what a compiler may do to a formula."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ class Rules:
         rearrange: the compiler may reassociate, factor and distribute; `False` is GLSL's
             `precise`: the operations as written.
         trig_outside: sine and cosine have no stated bound outside [-π, π]: `"vacuous"` takes
-            anything and counts it, `"scaled"` allows |x|·2^-12 as the Vulkan conformance suite
+            anything, which is counted, `"scaled"` allows |x|·2^-12 as the Vulkan conformance suite
             does, `"error"` raises `FormulaError`.
         flush: denormals may be flushed to zero.
 
     A fused a·b+c needs no rule: its one rounding lies between the bounds of the two.
 
     Raises:
-        FormulaError: for a `spec` or a `trig_outside` that there is not.
+        FormulaError: `spec` or `trig_outside` is unknown.
     """
 
     spec: Spec = "vulkan"

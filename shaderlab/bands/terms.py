@@ -26,9 +26,9 @@ class Terms:
 
     Attributes:
         mag: the sum of the terms' absolute values.
-        slack: what is still to be paid before the value is added to or multiplied with something.
+        slack: an error still to be added before the value is added to or multiplied with another.
         count: how many terms there may be, once all is distributed.
-        reach: by how much a flushed partial product may have been multiplied; None where no term
+        reach: the factor by which a flushed partial product may be multiplied; None where no term
             is tiny.
         least: the smallest `mag`.
     """
@@ -71,7 +71,7 @@ class Terms:
         return SMALLEST_NORMAL * self.count * self.reach
 
     def mapped(self, moved: Callable[[Any], Any]) -> Terms:
-        """The same terms elsewhere: `moved` only moves array elements about."""
+        """The same terms, their arrays rearranged by `moved`."""
         return Terms(
             moved(self.mag),
             None if self.slack is None else moved(self.slack),
@@ -89,7 +89,7 @@ def reach_of(mag: Floats, terms: Terms | None) -> Floats:
 
 
 def least_of(mag: Floats) -> float:
-    """The smallest of some sizes; infinite of none."""
+    """The smallest size; infinite for an empty array."""
     return float(mag.min()) if mag.size else np.inf
 
 

@@ -1,4 +1,4 @@
-"""Telling bands from plain numbers, so that one function serves both."""
+"""Dispatch between bands and plain numbers, so that one function serves both."""
 
 from __future__ import annotations
 

@@ -178,7 +178,7 @@ def clamp(x: Value, minimum: Value, maximum: Value) -> Value:
 
 
 def mix(x: Value, y: Value, a: Value) -> Value:
-    """x·(1 - a) + y·a, or x + (y - x)·a, as the device likes; y where a boolean `a` holds.
+    """x·(1 - a) + y·a, or x + (y - x)·a: bands allow both; y where a boolean `a` holds.
 
     >>> float(mix(1.0, 3.0, 0.25))
     1.5

@@ -51,7 +51,7 @@ def distance(a: Value, b: Value) -> Value:
 
 
 def normalize(v: Value) -> Value:
-    """v / length(v), or v · inversesqrt(v·v), as the device likes; undefined for no length.
+    """v / length(v), or v · inversesqrt(v·v): bands allow both; undefined for length 0.
 
     >>> normalize(np.array([3.0, 4.0]))
     array([0.6, 0.8])

@@ -31,7 +31,7 @@ class Exact:
     show only the worst value.
 
     `shape` is that of the measured values, `format` their attachment's; `asked` is what `wanted`
-    says of the reference.
+    returns for the reference.
     """
 
     reference: Reference

@@ -22,7 +22,7 @@ def figure_row(
 def rounds_to(computed: Any, equals: Any, digits: int) -> bool:
     """Whether every component, rounded to `digits` decimals, is the printed figure.
 
-    A tie may have been rounded either way by whoever printed it.
+    A tie may be printed rounded either way.
     """
     difference = np.abs(np.asarray(computed, np.float64) - np.asarray(equals, np.float64))
     return bool(np.all(difference <= 0.5 * 10.0**-digits * (1.0 + 1e-6)))

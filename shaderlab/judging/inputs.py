@@ -27,7 +27,7 @@ _INDEXED = re.compile(r"\[(\d+)\]")
 
 @dataclass(frozen=True, kw_only=True)
 class Inputs:
-    """Everything a reference may ask for, by GLSL name.
+    """Everything that a reference may take as a parameter, by GLSL name.
 
     Attributes:
         shared: what is the same for all judged values, as the shader got it: uniforms and
@@ -54,7 +54,7 @@ class Inputs:
         decimal: Mapping[str, Array] | None = None,
     ) -> Inputs:
         """A draw's bindings, with what differs from value to value, and a check's own constants
-        (which win over uniforms that the same parameter would ask for)."""
+        (which override uniforms of the same parameter name)."""
 
         def kept(names: Mapping[str, Array]) -> dict[str, Array]:
             return {n: v for n, v in names.items() if parameter_name(n) not in given}
@@ -105,7 +105,7 @@ def parameter_name(glsl_name: str) -> str:
 
 
 def wanted(reference: Reference, inputs: Inputs) -> dict[str, list[str]]:
-    """The GLSL names that each of the reference's parameters asks for.
+    """The GLSL names that each of the reference's parameters stands for.
 
     Raises:
         FormulaError: a parameter without a default matches nothing; lists what there is.
@@ -136,10 +136,10 @@ def evaluate(
     """The reference's value: a Band under `rules`, or a float64 array without them.
 
     With `decimal`, inputs are taken as the case wrote them, before they became float32. `asked` is
-    what `wanted` said, for who asks for one part after the other.
+    the result of `wanted`, for callers that evaluate one part after the other.
 
     Raises:
-        FormulaError: the reference asks for something unknown, or fails; names its file and line.
+        FormulaError: a parameter matches nothing, or the reference fails; names its file and line.
     """
 
     exact = inputs.exact

@@ -57,7 +57,7 @@ def linear(texel: Texel, x: Span, y: Span, exact: bool, compared: bool = False) 
     low, high = _within_cell(texel, x, y, EVERYWHERE)
     crossing = (np.floor(x[0]) < np.floor(x[1])) | (np.floor(y[0]) < np.floor(y[1]))
     if crossing.any():
-        # Few places cross a texel centre's row or column: those are gone through piece by piece.
+        # Few places cross a texel centre's row or column: only those are split into pieces.
         x, y = ((start[crossing], end[crossing]) for start, end in (x, y))
         pieces = [_within_cell(texel, a, b, crossing) for a in _pieces(x) for b in _pieces(y)]
         low[crossing], high[crossing] = hull(pieces)

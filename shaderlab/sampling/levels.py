@@ -1,7 +1,7 @@
 """Mipmap levels: which of them a sample reads, and how two of them are mixed.
 
 Source: OpenGL 4.5 core profile specification, §8.14.3 (equations 8.18 to 8.22) and §8.15 (where
-minification ends: at a level of 0, or of 0.5 for some pairs of filters, as the driver likes).
+minification ends: at a level of 0, or of 0.5 for some pairs of filters, at the driver's choice).
 Direct3D 11.3 (functional specification, §7.18.10) asks for 8 bits of fraction in the level.
 """
 

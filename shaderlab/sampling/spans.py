@@ -1,4 +1,4 @@
-"""Coordinates as pairs of bounds: what a texture function was given, number or band."""
+"""Coordinates as pairs of bounds, of numbers and bands alike."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def components(span: Span) -> int:
 
 
 def widened(span: Span, amount: Any) -> Span:
-    """The span with so much more room on both sides."""
+    """The span extended by `amount` on both sides."""
     return span[0] - amount, span[1] + amount
 
 
