@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.gpu import faulty
+
 STAND_IN = """
 import dataclasses, os
 import shaderlab.evaluation
@@ -150,16 +152,16 @@ def broken(folder: Path, name: str, act: str, *, when: str = "draw") -> None:
         )
     text = (folder / "lamp.py").read_text().replace("lamp.frag", f"{name}.frag")
     (folder / f"{name}.py").write_text(
-        text.replace("\ncase =", f"\nimport os, time\n{act}\ncase =")
+        text.replace("\ncase =", f"\nimport os, signal\n{act}\ncase =")
     )
     (folder / f"{name}.frag").write_text((folder / "lamp.frag").read_text())
 
 
 def test_a_crash_and_a_hang_are_failed_tests(pytester: pytest.Pytester, case_folder: Path) -> None:
     broken(case_folder, "dies", "os.kill(os.getpid(), 11)")
-    broken(case_folder, "hangs", "time.sleep(60)")
+    broken(case_folder, "hangs", faulty.HANG)
     result = pytester.runpytest_subprocess(
-        case_folder, "-o", "shaderlab_timeout=5", "-k", "near or lamp"
+        case_folder, "-o", "shaderlab_timeout=60", "-k", "near or lamp"
     )
     result.assert_outcomes(passed=2, failed=2, deselected=2)
     result.stdout.fnmatch_lines(
@@ -168,7 +170,7 @@ def test_a_crash_and_a_hang_are_failed_tests(pytester: pytest.Pytester, case_fol
             "*crash: the process died: signal 11 (SIGSEGV)",
             "*last step: draw 0 of pass 'main', program dies.frag",
             "*hangs[[]near]*A lamp",
-            "*timeout: took longer than 5 s",
+            "*timeout: took longer than 60 s",
             "*last step: draw 0 of pass 'main', program hangs.frag",
         ]
     )
@@ -178,13 +180,13 @@ def test_a_file_that_crashes_or_hangs_on_import_costs_only_itself(
     pytester: pytest.Pytester, case_folder: Path
 ) -> None:
     broken(case_folder, "dies", "os._exit(3)", when="import")
-    broken(case_folder, "hangs", "time.sleep(60)", when="import")
+    broken(case_folder, "hangs", faulty.HANG, when="import")
     result = pytester.runpytest_subprocess(
-        case_folder, "-o", "shaderlab_timeout=1.5", "--continue-on-collection-errors"
+        case_folder, "-o", "shaderlab_timeout=60", "--continue-on-collection-errors"
     )
     result.assert_outcomes(passed=2, errors=2)
     result.stdout.fnmatch_lines(
-        ["*dies.py: importing the case file: *exit status 3*", "*hangs.py: *took longer than 1.5 s"]
+        ["*dies.py: importing the case file: *exit status 3*", "*hangs.py: *took longer than 60 s"]
     )
 
 
