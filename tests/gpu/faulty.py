@@ -78,7 +78,7 @@ def command(*args: str | Path) -> list[str]:
 
 
 def shaderlab(
-    *args: str | Path, cwd: Path, seconds: float = 60.0, **environment: str
+    *args: str | Path, cwd: Path, seconds: float = 120.0, **environment: str
 ) -> subprocess.CompletedProcess[str]:
     """Run the command to its end. Output goes to files' ends, never to a terminal."""
     return subprocess.run(
