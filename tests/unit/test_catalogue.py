@@ -200,3 +200,13 @@ def test_data_that_is_not_shipped_is_an_error_with_a_remedy() -> None:
     with pytest.raises(UsageError, match="no meshes folder") as caught:
         data_folder("meshes")
     assert caught.value.remedy
+
+
+def test_a_wrong_file_named_by_a_relative_path_is_named_with_its_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = saved(tmp_path, GOOD.replace("Case(", "Case(titel=1, "))
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(CaseError) as caught:
+        load_case(Path(path.name))
+    assert caught.value.line is not None and "title" in (caught.value.remedy or "")
