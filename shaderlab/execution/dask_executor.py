@@ -7,6 +7,7 @@ record is taken once, so it does not matter where or how often its scene was run
 from __future__ import annotations
 
 import contextlib
+import os
 import queue
 import uuid
 from collections.abc import Generator, Iterator, Mapping, Sequence
@@ -16,6 +17,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from shaderlab.discovery import tree_of
 from shaderlab.errors import ShaderlabError
 from shaderlab.execution.dask_bundles import (
     SHIPPED,
@@ -231,7 +233,9 @@ class DaskExecutor:
         if shipped is not None:
             address = Address(SHIPPED, shipped)
         else:
-            address = bundled(self._folder(file.parent), file.parent, file.name)
+            tree = tree_of(file)
+            inside = Path(os.path.abspath(file)).relative_to(tree).as_posix()
+            address = bundled(self._folder(tree), tree, inside)
         shaders = tuple(
             (name, bundled(packed({path.name: path.read_bytes()}), path.parent, path.name))
             for name, path in options.shaders.items()

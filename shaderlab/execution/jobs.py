@@ -102,6 +102,7 @@ def failed_record(
         driver: the renderer it ran on.
         seconds: how long it took until then.
     """
+    from shaderlab.discovery import chapter_title
     from shaderlab.records import Record  # not before the first worker is started
 
     lines = [message]
@@ -114,6 +115,7 @@ def failed_record(
         variant=job.variant,
         title=job.title,
         section=job.section,
+        chapter=chapter_title(job.file, job.section),
         lesson="",
         formula="",
         file=job.file,
