@@ -77,7 +77,7 @@ def lit(
         target: what `Target` takes.
 
     >>> from shaderlab.model import Output
-    >>> map = Output("shadow", "depth")
+    >>> map = Output("shadow.depth")
     >>> lit("lit", map, *[np.eye(4)] * 2, (np.eye(4), np.eye(4))).draws[0].uniforms["radius"]
     0
     """

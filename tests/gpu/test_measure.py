@@ -56,7 +56,7 @@ case = Case(
         *fullscreen(
             "step.frag", name="near", domain={"x": across(0.0, 1.0)}, uniforms={"edge": 0.25}
         ),
-        *fullscreen("half.frag", name="far", textures={"map": Output("near", "lit")}),
+        *fullscreen("half.frag", name="far", textures={"map": Output("near.lit")}),
     ),
     expect=[measure("lit", share, reads={"lit": "near.lit"}, between=(0.7, 0.8))],
 )

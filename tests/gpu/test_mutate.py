@@ -17,6 +17,7 @@ from shaderlab.evaluation import Lab
 from shaderlab.execution import ProcessExecutor
 from shaderlab.mutation import Campaign, MutationPlan, ShaderMutant, mutants_of_case, state_mutants
 from shaderlab.mutation.judging import Judge, PartError
+from shaderlab.mutation.mutants import Effect
 from shaderlab.options import Limits
 
 SHADER = """\
@@ -224,7 +225,8 @@ def test_an_error_of_the_mutant_alone_kills_it(
         judge = Judge(lab, case)
         mutant = next(m for m in state_mutants(case))
         wrong = replace(next(case.scenes()), passes=())
-        monkeypatch.setattr(type(mutant), "applied", lambda *_: wrong)
+        effect = Effect(wrong, {}, frozenset({mutant.pass_name}))
+        monkeypatch.setattr(type(mutant), "effect", lambda *_: effect)
         fate = judge.fate(mutant)
     assert fate.status == "killed" and "Error" in fate.by
 
@@ -262,12 +264,12 @@ def test_what_hangs_or_crashes_is_killed_and_the_rest_goes_on(folder: Path) -> N
     assert len(told) == campaign.total == len(result.tried) == len(expected)
     causes = {"max dropped": "timeout", "comparison": "SIGABRT", "operator": "SIGABRT"}
     for tried in result.tried:
-        if tried.operator in causes:
-            assert tried.fate.status == "killed" and causes[tried.operator] in tried.fate.by
+        mutant, fate = tried.mutant, tried.fate
+        if mutant.operator in causes:
+            assert fate.status == "killed" and causes[mutant.operator] in fate.by
         else:
-            was = expected[tried.operator, tried.before, tried.after]
-            assert tried.fate.status == was, tried.line_of_text
-    assert set(causes) <= {tried.operator for tried in result.tried}
+            assert fate.status == expected[mutant.operator, mutant.before, mutant.after], mutant
+    assert set(causes) <= {tried.mutant.operator for tried in result.tried}
 
 
 def test_a_case_that_dies_unmutated_is_not_opened_for_each_mutant(folder: Path) -> None:
