@@ -250,7 +250,7 @@ def test_durations_are_the_variants_own(cases: Cases) -> None:
     cases.run(*OUTCOMES, "-o", "shaderlab_timeout=60", "--junitxml=found.xml")
     found = ElementTree.parse(sleepy.parent / "found.xml").getroot().iter("testcase")
     seconds = {case.attrib["name"]: float(case.attrib["time"]) for case in found}
-    assert seconds["hangs"] == 60.0
+    assert seconds["hangs"] == pytest.approx(60.0, abs=1.0)  # the limit, not the clock
     assert seconds["sleepy"] >= 0.5
 
 

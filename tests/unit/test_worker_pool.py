@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import os
 import textwrap
+from collections import deque
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -167,18 +168,32 @@ def test_what_comes_after_a_lost_item_of_a_batch_is_sent_again(work: str) -> Non
     assert [r.status for r in results] == expected
 
 
-def test_a_worker_keeps_to_its_key(work: str) -> None:
-    """Two workers, two keys, items in turn: each worker gets the items of one key."""
-    items = [f"{number} {key} pid" for number in range(12) for key in "xy"]
+def test_a_worker_keeps_to_its_key(work: str, tmp_path: Path) -> None:
+    """Two workers, two keys: none of them leaves its key before all items of that are done."""
+    go = tmp_path / "go"
+
+    def items() -> Iterator[tuple[str, str]]:
+        yield from (("x", f"until {go}"), ("y", f"until {go}"))
+        yield from ((key, f"{number} pid") for number in range(12) for key in "xy")
+        go.touch()  # now all of them wait
+
+    keys: deque[str] = deque()
+
+    def texts() -> Iterator[str]:
+        for key, text in items():
+            keys.append(key)
+            yield text
+
     with WorkerPool(work, limits=LIMITS, jobs=2, batch=1) as pool:
-        list(pool.run(["pid"] * 40))  # both are there, or one does it all
-        pids: dict[str, list[int]] = {"x": [], "y": []}
-        for result in pool.run(items, key=lambda item: item.split()[1]):
-            pids[result.item.split()[1]].append(result.value)
-    # At the end a worker without items of its key helps the other one.
-    for found in pids.values():
-        changes = sum(a != b for a, b in itertools.pairwise(found))
-        assert changes <= 4
+        served: dict[int, list[str]] = {}
+        order = []
+        for result in pool.run(texts(), key=lambda text: keys[-1]):
+            order.append(keys[result.number])
+            if not result.item.startswith("until"):
+                served.setdefault(result.value, []).append(keys[result.number])
+    assert sorted(order) == ["x"] * 13 + ["y"] * 13
+    for found in served.values():
+        assert sum(a != b for a, b in itertools.pairwise(found)) <= 1
 
 
 def test_items_are_taken_as_they_are_needed(pool: WorkerPool) -> None:
