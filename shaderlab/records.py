@@ -232,6 +232,8 @@ class Record:
     `images` maps "picture" (and what else there is) to files relative to the run's folder,
     `captions` the same names to how they are to be read. `passes` are in the order they ran.
     `buffers` are those of uniform blocks, and of meshes that say how they lie in memory.
+    `unread` are the outputs that no expectation reads (see
+    `shaderlab.expectations.reads.unread_outputs`): whatever is drawn there, the record passes.
 
     `driver` (renderer and version), `size` and `picture_size` (sides in pixels of the judged frame
     and of the picture, where a pass has no size of its own) are what the values depend on besides
@@ -266,6 +268,7 @@ class Record:
     size: int = 0
     picture_size: int = 0
     chapter: str = ""
+    unread: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -332,6 +335,9 @@ class Run:
     `plots` show figures over all records, where these are the points of one case's sweep.
     With several drivers, `records` and `driver` are those of the first, `drivers`
     has every scene on every driver, and `disagreements` compares each two of them.
+
+    `replaced` are the files that stood in a shader's place, by the shader's name. `missing` is the
+    number of scenes that were asked for and have no record, as the run was interrupted.
     """
 
     driver: Mapping[str, str]
@@ -342,3 +348,5 @@ class Run:
     plots: tuple[Plot, ...] = ()
     drivers: tuple[DriverResult, ...] = ()
     disagreements: tuple[Disagreement, ...] = ()
+    replaced: Mapping[str, str] = field(default_factory=dict)
+    missing: int = 0

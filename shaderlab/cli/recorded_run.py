@@ -14,6 +14,7 @@ from shaderlab.cli.files import REPORTS, new_run_folder, report_folder, write_ou
 from shaderlab.cli.replacing import unread
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.execution.journal import FILE_NAME, Journal, RunPlan, read
+from shaderlab.files import display_path
 from shaderlab.options import Limits, RunOptions
 from shaderlab.records import Record, Run
 
@@ -92,6 +93,8 @@ def run_plan(
         started=plan.started,
         seconds=time.perf_counter() - clock,
         records=ordered,
+        replaced={name: display_path(file) for name, file in plan.options.shaders.items()},
+        missing=len(waiting),
     )
     assert plan.options.folder is not None
     ignored = () if waiting else unread(plan.options.shaders, ordered)

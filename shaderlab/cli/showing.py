@@ -19,7 +19,7 @@ from shaderlab.cli.rows import STYLES, case_table
 from shaderlab.execution.sweep_table import Row
 from shaderlab.files import display_path
 from shaderlab.records import Record, Run
-from shaderlab.report.plain_text import MARKS, failed, failure, label, summary
+from shaderlab.report.plain_text import MARKS, failed, failure, label, replacements, summary, unread
 
 HEARTBEAT = 10.0
 MOST_ROWS = 40
@@ -73,11 +73,15 @@ class Show:
                 for line in failure(record):
                     style = "red" if line.lstrip().startswith(MARKS["fail"]) else None
                     self.console.print(line, style=style)
+        notes = [*replacements(run), *unread(run.records)]
+        if notes:
+            self.console.print()
+        for line in notes[:MOST_ROWS]:
+            self.console.print(line, style="yellow")
+        if len(notes) > MOST_ROWS:
+            self.console.print(f"… and {len(notes) - MOST_ROWS} more", style="yellow")
         self.console.print()
-        bad = any(failed(record) for record in run.records)
-        self.console.print(
-            summary(run.records, run.seconds), style="bold red" if bad else "bold green"
-        )
+        self._summary(run, summary(run.records, run.seconds, run.missing))
         renderer = run.driver.get("renderer")
         if renderer:
             self.console.print(f"on {renderer}", style="dim")
@@ -109,12 +113,15 @@ class Show:
         messages = {str(row["message"]) for row in rows if row["message"]}
         for message in sorted(messages)[:MOST_MESSAGES]:
             self.console.print(message, style="red")
-        bad = any(failed(record) for record in run.records)
-        words = summary(run.records, run.seconds).partition(": ")[2]
-        self.console.print(
-            f"\n{len(rows)} points: {words}", style="bold red" if bad else "bold green"
-        )
+        words = summary(run.records, run.seconds, run.missing).partition(": ")[2]
+        self._summary(run, f"\n{len(rows)} points: {words}")
         self.console.print(f"on {run.driver.get('renderer')}", style="dim")
+
+    def _summary(self, run: Run, words: str) -> None:
+        """The line that sums up: red for a failure, green where all was run and passed."""
+        bad = any(failed(record) for record in run.records)
+        style = "bold red" if bad else "bold yellow" if run.missing else "bold green"
+        self.console.print(words, style=style)
 
     def where(self, page: Path) -> None:
         """The path of the page."""

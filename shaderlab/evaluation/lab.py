@@ -29,6 +29,7 @@ from shaderlab.evaluation.evaluation import Evaluation
 from shaderlab.evaluation.picture_writer import PictureFiles, PictureWriter
 from shaderlab.evaluation.record_builder import RecordBuilder
 from shaderlab.evaluation.search_path import shaders_of
+from shaderlab.expectations.reads import unread_outputs
 from shaderlab.glsl.compile import Compiled
 from shaderlab.glsl.compile_cache import cached_compiler
 from shaderlab.glsl.sources import Source
@@ -179,6 +180,7 @@ class Lab:
         _require_compiled(programs)
         for expectation in scene.expect:
             tuple(expectation.needs(scene, programs))  # raises for a name that is not there
+        builder.set_unread(unread_outputs(scene, programs))
         with doing("link"):
             builder.add_driver_verdicts(self._driver_verdict)
         picture_size = 0 if folder is None else self.options.picture_size

@@ -51,6 +51,7 @@ class RecordBuilder:
         self._curves: list[Curve] = []
         self._plots: list[Plot] = []
         self._notices: list[str] = []
+        self._unread: tuple[str, ...] = ()
         self._picture = PictureFiles()
         self._passes: tuple[PassRecord, ...] = ()
         self._buffers: tuple[BufferRecord, ...] = ()
@@ -87,6 +88,10 @@ class RecordBuilder:
         for sources, program in self._programs.items():
             verdicts = mark_disagreement((*program.verdicts, _for_display(verdict_of(sources))))
             self._programs[sources] = replace(program, verdicts=verdicts)
+
+    def set_unread(self, outputs: tuple[str, ...]) -> None:
+        """Set the outputs that no expectation reads."""
+        self._unread = outputs
 
     def add_notice(self, text: str) -> None:
         """Add a message that changes no verdict."""
@@ -151,6 +156,7 @@ class RecordBuilder:
             driver=self._driver,
             size=self._size,
             picture_size=self._picture_size,
+            unread=self._unread,
         )
 
     def _final_status(self, verdicts: Mapping[str, str]) -> Status:

@@ -87,8 +87,8 @@ class OfOutput(Expectation):
         return scene.split_output(self.output)[1]
 
     def reads(self, scene: Scene) -> Iterable[Read]:
-        pass_name, name = scene.split_output(self.output)
-        yield Read(scene.find_pass(pass_name).name, name)
+        pass_name, draw = self.key(scene)
+        yield Read(pass_name, self.own_name(scene), draw=draw)
 
     def passes(self, scene: Scene) -> frozenset[str]:
         return frozenset(read.pass_name for read in self.reads(scene))

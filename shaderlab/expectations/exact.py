@@ -38,7 +38,7 @@ class Exact(OfOutput):
         self.name_by_default(self.output)
 
     def reads(self, scene: Scene) -> Iterable[Read]:
-        yield from super().reads(scene)
+        yield Read(self.key(scene)[0], self.own_name(scene))
         if isinstance(self.equals, Output):
             yield Read(self.equals.pass_name, self.equals.name)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -51,7 +51,7 @@ class Value(OfReference):
     def reads(self, scene: Scene) -> Iterable[Read]:
         pixel = self.at if isinstance(self.at, Pixel) else None
         for read in super().reads(scene):
-            yield Read(read.pass_name, read.output, pixel)
+            yield replace(read, pixel=pixel)
 
     def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
         if not isinstance(self.at, Pixel):

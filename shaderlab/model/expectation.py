@@ -25,11 +25,12 @@ Programs = Mapping[str, tuple[Any, ...]]
 
 @dataclass(frozen=True)
 class Read:
-    """An output that an expectation reads: all of it, or one pixel."""
+    """An output that an expectation reads: all of it, what one draw covers of it, or one pixel."""
 
     pass_name: str
     output: str
     pixel: Pixel | None = None
+    draw: int | None = None
 
 
 class Need(ABC):

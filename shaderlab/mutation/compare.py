@@ -2,42 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 
 from shaderlab.evaluation import Evaluation
 from shaderlab.expectations.needs import CapturedFragments, CapturedVertices
+from shaderlab.expectations.reads import Named
 from shaderlab.frame import Array
-from shaderlab.model import Pixel, Scene, outputs_read
-
-Named = tuple[str, str]
-"""A pass and an output of one of its stages."""
-
+from shaderlab.model import Pixel
 
 Judged = Mapping[Named, "frozenset[Pixel] | None"]
 """What expectations read of each output: some pixels, or all of it (None)."""
-
-
-def judged_outputs(scenes: Iterable[Scene]) -> dict[Named, frozenset[Pixel] | None]:
-    """What any expectation of these scenes reads, directly or through a texture."""
-    found: dict[Named, frozenset[Pixel] | None] = {}
-
-    def add(output: Named, pixel: Pixel | None = None) -> None:
-        known = found.get(output, frozenset())
-        found[output] = None if pixel is None or known is None else known | {pixel}
-
-    for scene in scenes:
-        for expectation in scene.expect:
-            for read in expectation.reads(scene):
-                add((read.pass_name, read.output), read.pixel)
-        for description in reversed(scene.passes):
-            if any(name == description.name for name, _ in found):
-                for draw in description.draws:
-                    for texture in draw.textures.values():
-                        for source in outputs_read(texture):
-                            add((source.pass_name, source.name))
-    return found
 
 
 def is_read(output: Named, mutant: Evaluation, original: Evaluation, judged: Judged) -> bool:

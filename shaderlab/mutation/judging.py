@@ -8,6 +8,7 @@ from dataclasses import replace
 
 from shaderlab.errors import CaseError, ShaderError, UnsupportedError
 from shaderlab.evaluation import Evaluation, Lab
+from shaderlab.expectations.reads import Named, judged_outputs
 from shaderlab.frame import Array, PassDraw
 from shaderlab.model import Case, Scene
 from shaderlab.mutation import compare, wider
@@ -51,7 +52,7 @@ class Judge:
         scenes = list(case.scenes())
         self._scenes = [s for s in scenes if not variants or s.variant in variants]
         self._sources = sources_of(case)
-        self._judged = compare.judged_outputs(self._scenes)
+        self._judged = judged_outputs(self._scenes)
         self._originals = {s.variant: self._original(s) for s in self._scenes}
         self._wide: dict[tuple[str, PassDraw], Wide] = {}
         self._sound: set[tuple[str, tuple[str, ...], tuple[int, ...]]] = set()
@@ -160,7 +161,7 @@ class Judge:
                     read = self._judged.get(output, frozenset()) is None
                     seen.note(f"only on wider inputs: {'.'.join(output)}", read)
 
-    def _changed_wide(self, mutant: Evaluation, touched: set[str]) -> Iterator[compare.Named]:
+    def _changed_wide(self, mutant: Evaluation, touched: set[str]) -> Iterator[Named]:
         """Outputs that differ somewhere on inputs that the case does not have."""
         done: set[tuple[str | None, ...]] = set()
         for name in touched:

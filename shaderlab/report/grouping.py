@@ -51,7 +51,8 @@ class CaseGroup:
 
 @dataclass(frozen=True)
 class Totals:
-    """What was done, in numbers. `cases` and `variants` count statuses."""
+    """What was done, in numbers. `cases` and `variants` count statuses, `missing` the variants that
+    an interrupted run did not come to."""
 
     cases: Counter[Status]
     variants: Counter[Status]
@@ -61,11 +62,13 @@ class Totals:
     programs: int
     targets: tuple[str, ...]
     refused: int
+    missing: int
 
     @property
     def good(self) -> bool:
-        """Whether something was checked, and all that ran passed."""
-        return self.expectations > 0 and not self.bad and self.cases["pass"] > 0
+        """Whether something was checked, and all that was asked for ran and passed."""
+        passed = self.expectations > 0 and self.cases["pass"] > 0
+        return passed and not self.bad and not self.missing
 
     @property
     def bad(self) -> int:
@@ -116,4 +119,5 @@ def total(run: Run, cases: Sequence[CaseGroup]) -> Totals:
         programs=len(programs),
         targets=tuple(dict.fromkeys(verdict.target for verdict in verdicts)),
         refused=sum(not verdict.ok for verdict in verdicts),
+        missing=run.missing,
     )

@@ -12,6 +12,7 @@ from shaderlab.report.grouping import PASSABLE, CaseGroup, Totals, worst
 from shaderlab.report.inline import Numbers, Picture
 from shaderlab.report.listing import Listing
 from shaderlab.report.mutants import Mutants
+from shaderlab.report.plain_text import replacements
 from shaderlab.report.plot import PlotView
 from shaderlab.report.worst import WorstPanel
 
@@ -140,6 +141,11 @@ class Page:
     chapters: tuple[ChapterView, ...]
     cases: tuple[CaseView, ...]
     mutants: Mutants | None = None
+
+    @property
+    def notes(self) -> list[str]:
+        """What to know before anything else: files that stood in a shader's place."""
+        return list(replacements(self.run))
 
     @property
     def anchors(self) -> dict[tuple[str, str], str]:

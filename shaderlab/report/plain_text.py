@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from shaderlab.files import display_path
-from shaderlab.records import Diagnostic, Outcome, Record, Worst
+from shaderlab.records import Diagnostic, Outcome, Record, Run, Worst
 
 DEFAULT_VARIANT = "default"
 MARKS: Mapping[str, str] = {
@@ -132,8 +132,24 @@ def _indented(text: str, by: int) -> list[str]:
     return [" " * by + line for line in text.splitlines()]
 
 
-def summary(records: Iterable[Record], seconds: float) -> str:
-    """`12 cases: 40 passed, 2 failed in 3.1 s`, counting variants."""
+def unread(records: Iterable[Record]) -> Iterator[str]:
+    """A line for each case with outputs that no check reads."""
+    found: dict[str, dict[str, None]] = {}
+    for record in records:
+        if record.unread:
+            found.setdefault(record.id, {}).update(dict.fromkeys(record.unread))
+    for case_id, outputs in found.items():
+        yield printable(f"{case_id}: no check reads {', '.join(outputs)}")
+
+
+def replacements(run: Run) -> Iterator[str]:
+    """A line for each file that stood in a shader's place."""
+    for name, file in run.replaced.items():
+        yield printable(f"{file} was judged in place of {name}")
+
+
+def summary(records: Iterable[Record], seconds: float, missing: int = 0) -> str:
+    """`12 cases: 40 passed, 2 failed in 3.1 s`, counting variants; `missing` were not run."""
     counts: dict[str, int] = {}
     cases = set()
     for record in records:
@@ -141,5 +157,6 @@ def summary(records: Iterable[Record], seconds: float) -> str:
         counts[record.status] = counts.get(record.status, 0) + 1
     words = {"pass": "passed", "fail": "failed", "error": "in error", "crash": "crashed"}
     parts = [f"{counts[s]} {words.get(s, s)}" for s in MARKS if counts.get(s)]
+    parts += [f"{missing} not run"] if missing else []
     noun = "case" if len(cases) == 1 else "cases"
     return f"{len(cases)} {noun}: {', '.join(parts) or 'nothing run'} in {seconds:.1f} s"

@@ -38,6 +38,25 @@ def test_variants_that_pass_share_a_row_and_others_stand_alone(
     assert row(lines, "lamp[50]")[:5] == ["✗", "lamp[50]", "5.1", "0/1", ">"]
 
 
+def test_outputs_that_no_check_reads_are_named_once_a_case(
+    capsys: pytest.CaptureFixture[str], passing: Record
+) -> None:
+    records = [dataclasses.replace(passing, variant=v, unread=("main.a", "b.c")) for v in "12"]
+    lines = shown(capsys, *records)
+    assert lines.count("lamp: no check reads main.a, b.c") == 1
+    assert not [line for line in shown(capsys, passing) if "no check reads" in line]
+
+
+def test_a_replaced_shader_and_an_interrupted_run_are_told(
+    capsys: pytest.CaptureFixture[str], passing: Record
+) -> None:
+    run = dataclasses.replace(run_of(passing), replaced={"ch05/a.frag": "mine.frag"}, missing=3)
+    Show().outcomes(run)
+    out = capsys.readouterr().out
+    assert "mine.frag was judged in place of ch05/a.frag" in out
+    assert "1 case: 1 passed, 3 not run in" in out
+
+
 def test_targets_that_refuse_are_named(capsys: pytest.CaptureFixture[str], refused: Record) -> None:
     assert row(shown(capsys, refused), "lamp")[-3:] == ["not", "glsl,", "vulkan"]
 

@@ -69,6 +69,22 @@ def test_the_headline_never_promises_more_than_was_seen(
     assert ("is-pass" in heading) == headline.startswith(("All 2", "1 of 2 cases passed"))
 
 
+def test_an_interrupted_run_says_so_in_its_title_and_heading(tmp_path: Path) -> None:
+    words = "Interrupted: 2 cases passed, 3 variants not run"
+    page = Page(write(run(record("a"), record("b"), missing=3), tmp_path))
+    heading = page.source[page.source.index("<h1") : page.source.index("</h1>")]
+    assert words in " ".join(heading.split()) and "is-pass" not in heading
+    assert f"<title>{words}" in " ".join(page.source.split())
+
+
+def test_what_no_check_reads_and_what_was_replaced_is_on_the_page(tmp_path: Path) -> None:
+    changed = run(record(unread=("main.x",)), replaced={"a.frag": "mine.frag"})
+    words = Page(write(changed, tmp_path)).words()
+    assert "No check reads main.x : whatever is drawn there, the case passes." in words
+    front = words.index("Find a title") if "Find a title" in words else len(words)
+    assert words.index("mine.frag was judged in place of a.frag") < front
+
+
 def test_a_failure_shows_its_worst_value_and_where_it_comes_from(tmp_path: Path) -> None:
     shader = SourceText(file="a.frag", line=1, language="glsl", text="#version 330 core\nvoid\n")
     formula = SourceText(file="f.py", line=40, language="python", text="def f(x):\n    return x")

@@ -40,6 +40,17 @@ def counts(element: ET.Element) -> dict[str, int]:
     return {k: int(element.attrib[k]) for k in ("tests", "failures", "errors", "skipped")}
 
 
+def test_an_interrupted_run_is_an_error() -> None:
+    run = Run(
+        driver={}, versions={}, started="", seconds=1.0, missing=2,
+        records=(record("a", "pass", outcome()),),
+    )  # fmt: skip
+    root = ET.fromstring(render(run))
+    assert counts(root) == {"tests": 2, "failures": 0, "errors": 1, "skipped": 0}
+    (error,) = root.findall(".//error")
+    assert error.attrib["message"] == "the run was interrupted: 2 variants not run"
+
+
 def test_counts_add_up() -> None:
     root = junit(
         record("a", "pass", outcome(), outcome(name="n")),

@@ -175,6 +175,7 @@ def hostile() -> Run:
         errata=(ErratumNote(section=h, says=h, truth=h, proof=h),),
         inputs={h: h},
         notices=(h,),
+        unread=(h,),
         images={h: h},
         captions={h: h},
     )
@@ -183,6 +184,7 @@ def hostile() -> Run:
         replace(bad, variant=h + "2", programs=()),
         driver={"renderer": h, h: h},
         versions={h: h},
+        replaced={h: h},
         started=h,
         seconds=NAN,
     )

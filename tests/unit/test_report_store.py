@@ -104,6 +104,7 @@ def full_run() -> Run:
         errata=(ErratumNote(section="1", says="a", truth="b", proof="c"),),
         inputs={"k": "v"},
         notices=("n",),
+        unread=("main.a",),
         images={"picture": "p.png"},
         captions={"picture": "c"},
         passes=(
@@ -125,6 +126,8 @@ def full_run() -> Run:
         started="2026-11-21T10:33:00+00:00",
         seconds=3.5,
         records=(record, crashed),
+        replaced={"a.frag": "mine.frag"},
+        missing=2,
     )
 
 

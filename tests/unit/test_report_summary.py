@@ -37,6 +37,19 @@ def test_the_summary_leads_with_the_verdict_and_names_the_worst_value() -> None:
     assert "pixel (3, 5): measured 0.75, band 0.4999 … 0.5001 (12 ULP" in text
 
 
+def test_an_interrupted_run_is_no_success() -> None:
+    text = summary(run(record("a"), record("b"), missing=3))
+    assert text.startswith(
+        "## ⚠️ 2 of 2 cases passed, 3 variants not run: the run was interrupted\n"
+    )
+
+
+def test_the_summary_says_what_no_check_reads_and_what_was_replaced() -> None:
+    text = summary(run(record("a", unread=("main.x",)), replaced={"a.frag": "mine.frag"}))
+    assert "a: no check reads main.x" in text and "mine.frag was judged in place of a.frag" in text
+    assert "no check reads" not in summary(run(record("a")))
+
+
 def test_the_summary_of_a_good_run_is_short() -> None:
     text = summary(run(record("a"), record("b")))
     assert text.startswith("## ✅ 2 of 2 cases passed\n") and "did not pass" not in text

@@ -15,7 +15,7 @@ from shaderlab.report.store import plain
 
 _RECORD = (
     "id", "variant", "status", "message", "seconds", "timings", "driver", "size", "compile",
-    "expectations", "images",
+    "expectations", "images", "unread",
 )  # fmt: skip
 _OUTCOME = (
     "name", "kind", "status", "message", "worst", "vacuous", "undecided", "judged", "outside",
@@ -32,6 +32,8 @@ def render(run: Run) -> str:
         "cases": [_record(record) for record in whole["records"]],
         "drivers": whole["drivers"],
         "disagreements": whole["disagreements"],
+        "replaced": whole["replaced"],
+        "missing": whole["missing"],
     }
     return json.dumps(public, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 

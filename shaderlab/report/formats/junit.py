@@ -8,7 +8,7 @@ from xml.etree import ElementTree as ET
 from shaderlab.records import Record, Run
 from shaderlab.report.grouping import group_cases
 from shaderlab.report.plain_text import outcome_details
-from shaderlab.report.text import clean
+from shaderlab.report.text import clean, plural
 
 # What a status is called in the schema: nothing (passed), failure, error, or skipped.
 _TAGS = {
@@ -26,7 +26,7 @@ def render(run: Run) -> str:
 
     Each case is a `testsuite`, each expectation of each variant a `testcase`. A record whose
     status none of its expectations accounts for (it crashed, timed out, did not compile, or has
-    no expectations) gets a test of its own, "run".
+    no expectations) gets a test of its own, "run"; so does a run that was interrupted, in error.
     """
     root = ET.Element("testsuites", name="shaderlab", time=_seconds(run.seconds))
     totals = [0, 0, 0, 0]
@@ -37,6 +37,14 @@ def render(run: Run) -> str:
         counts = _count(suite)
         _set_counts(suite, counts)
         suite.set("time", _seconds(sum(record.seconds for record in case.records)))
+        totals = [a + b for a, b in zip(totals, counts, strict=True)]
+    if run.missing:
+        suite = ET.SubElement(root, "testsuite", name="shaderlab", time=_seconds(0.0))
+        test = ET.SubElement(suite, "testcase", classname="shaderlab", name="run", time="0")
+        message = f"the run was interrupted: {plural(run.missing, 'variant')} not run"
+        _verdict(test, "error", message, message)
+        counts = _count(suite)
+        _set_counts(suite, counts)
         totals = [a + b for a, b in zip(totals, counts, strict=True)]
     _set_counts(root, totals)
     ET.indent(root)

@@ -16,6 +16,7 @@ from shaderlab.report.grouping import (
     group_cases,
     total,
 )
+from shaderlab.report.plain_text import replacements, unread
 from shaderlab.report.text import clean, count, duration, figure, plural, short
 
 _SIGNS = {"pass": "✅", "unsupported": "➖"}
@@ -35,11 +36,15 @@ def render(run: Run) -> str:
         verdict = "Nothing was run"
     elif bad:
         verdict = f"{count(bad)} of {plural(len(cases), 'case')} did not pass"
-    elif totals.good:
+    elif totals.expectations and totals.cases["pass"]:
         verdict = f"{count(totals.cases['pass'])} of {plural(len(cases), 'case')} passed"
     else:
         verdict = "Nothing was checked"
-    lines = [f"## {'❌' if bad else '✅' if totals.good else '➖'} {verdict}", ""]
+    if run.missing:
+        verdict += f", {plural(run.missing, 'variant')} not run: the run was interrupted"
+    sign = "❌" if bad else "⚠️" if run.missing else "✅" if totals.good else "➖"
+    lines = [f"## {sign} {verdict}", ""]
+    lines += [f"{escape(line)}  " for line in replacements(run)]
     lines.append(
         f"{plural(totals.judged, 'value')} judged, {count(totals.outside)} outside their band · "
         f"{plural(totals.variants.total(), 'variant')} · {duration(run.seconds)} · "
@@ -54,6 +59,12 @@ def render(run: Run) -> str:
             lines += _failure(record)
         if len(failed) > _MOST_FAILURES:
             lines.append(f"- and {plural(len(failed) - _MOST_FAILURES, 'more variant')}")
+    unjudged = list(unread(run.records))
+    if unjudged:
+        lines += ["", "### What no check reads", ""]
+        lines += [f"- {escape(line)}" for line in unjudged[:_MOST_FAILURES]]
+        if len(unjudged) > _MOST_FAILURES:
+            lines.append(f"- and {plural(len(unjudged) - _MOST_FAILURES, 'more case')}")
     return "\n".join(lines) + "\n"
 
 
