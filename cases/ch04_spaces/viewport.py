@@ -131,7 +131,7 @@ case = Case(
     ),
     picture="picture.FragColor",
     expect=[
-        stage.soft_check(),
+        *stage.picture_checks("landed"),
         formula("judged.Window", by_hand),
         formula("judged.Ndc", unchanged("aPos")),
         formula("judged.gl_Position", device_place),

@@ -13,26 +13,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Depth,
-    Draw,
-    Mesh,
-    Output,
-    Pass,
-    State,
-    Target,
-    computed,
-    exact,
-    formula,
-    measure,
-)
+from shaderlab import Case, Mesh, computed, formula, measure
 from shaderlab.glslmath import mix, mul, swizzle, vec3, vec4, where
 from shaderlab.reference.depth import distance_of, window_depth
 from shaderlab.reference.transforms import clip_position
 
 from ..scenes import stage
 from ..scenes.cameras import camera
+from ..scenes.draws import tested
 from ..scenes.laws import unchanged
 from ..scenes.panels import cell
 from ..scenes.props import railway
@@ -49,12 +37,12 @@ WHITE = (1.0, 1.0, 1.0, 0.0)
 def halves(mesh):
     """The railway's depth on the left, its distance on the right."""
     return [
-        Draw(
-            vertex="ch06_tests/depth_linear.vert",
-            fragment="ch06_tests/depth_linear.frag",
-            mesh=mesh.only("aPos", "aColor"),
-            uniforms={"model": np.eye(4), **CAMERA, "near": NEAR, "far": FAR, "linearly": linearly},
-            state=State(depth=Depth(), cell=cell(column, 2)),
+        tested(
+            "ch06_tests/depth_linear",
+            mesh,
+            {"model": np.eye(4), **CAMERA, "near": NEAR, "far": FAR, "linearly": linearly},
+            only=("aPos", "aColor"),
+            cell=cell(column, 2),
         )
         for column, linearly in enumerate((0.0, 1.0))
     ]
@@ -87,17 +75,12 @@ case = Case(
     title="Distance out of depth",
     section="6.2.2",
     math=r"z = \frac{2\,n f}{f + n - d\,(f - n)}, \qquad d = 2F - 1",
-    passes=(
-        *stage.photographed(halves(RAILWAY), (1000, 500), clear=WHITE),
-        Pass(
-            name="backwards",
-            target=Target(size=(96, 48), depth="depth24", clear=WHITE),
-            draws=halves(BACKWARDS),
-        ),
+    passes=stage.photographed(
+        halves(RAILWAY), (1000, 500), clear=WHITE, reordered=halves(BACKWARDS)
     ),
     picture="picture.FragColor",
     expect=[
-        stage.soft_check(),
+        *stage.picture_checks("linear", "travelled"),
         *(
             check
             for draw, side in enumerate(("as it is", "as a distance"))
@@ -110,11 +93,6 @@ case = Case(
         formula("judged.Distance", seen_distance, name="distance of a vertex"),
         formula("judged.Color", handed_on),
         formula("judged.gl_Position", clip_position),
-        exact(
-            "judged.FragColor",
-            Output("backwards.FragColor"),
-            name="the nearest is seen, in whichever order it is drawn",
-        ),
         measure(
             "error of the distance",
             error,

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from shaderlab import Cell, Draw, Output, Pass, Ramp, State, Target, fullscreen
+import numpy.typing as npt
+
+from shaderlab import Cell, Draw, Output, Pass, Ramp, State, Target, fullscreen, measure
 
 WHOLE = {"TexCoords": Ramp((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))}
 """A texture's coordinates over all of a panel, as `fullscreen` has them by default."""
@@ -119,3 +121,33 @@ def softened_pass(
         textures={"scene": Output(f"{of}.FragColor")},
         target=Target(size=size),
     )
+
+
+def softened_check(of: str = "scene", name: str = "picture") -> Any:
+    """Each channel of `softened_pass` is the mean of four texels of the pass `of`.
+
+    The bound: three sums of floats, the largest of them at most 4, are rounded by less than 2⁻²³ of
+    themselves each, in whichever order they are added; a quarter of that is left.
+
+    >>> softened_check().name
+    'four texels a pixel'
+    """
+    return measure(
+        "four texels a pixel",
+        furthest_from_mean,
+        reads={"scene": f"{of}.FragColor", "picture": f"{name}.FragColor"},
+        at_most=3.0 * 2.0**-23,
+        note="the farthest that a channel is from the mean of its four texels",
+    )
+
+
+def furthest_from_mean(scene: npt.NDArray[Any], picture: npt.NDArray[Any]) -> float:
+    """How far a picture of half the size is, at most, from the mean of four texels.
+
+    >>> scene = np.arange(8.0).reshape(2, 4, 1)
+    >>> furthest_from_mean(scene, np.array([[[2.5], [5.0]]]))
+    0.5
+    """
+    rows = scene[0::2] + scene[1::2]
+    apart = rows[:, 0::2] + rows[:, 1::2] - 4.0 * picture
+    return float(max(apart.max(), -apart.min()) / 4.0)

@@ -7,6 +7,7 @@ multisampling, which not every driver has. The same draws go, small, into the pa
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,12 +16,11 @@ import numpy.typing as npt
 from shaderlab import Cell, Draw, Pass, Target, any_order, both_ways, formula
 from shaderlab.assets.meshes import Geometry
 from shaderlab.reference.transforms import clip_position, normal_matrix, world_normal
-from shaderlab.sampling import texture
 
 from .draws import tested
 from .figures import figure, figures
-from .panels import softened_pass
-from .studio import handed_on, softened, studio_color
+from .panels import softened_check, softened_pass
+from .studio import handed_on, studio_color
 
 Matrix = npt.NDArray[Any]
 Camera = Mapping[str, Any]
@@ -68,18 +68,16 @@ def subject(
     return tested(shaders, solid, uniforms, cell=cell, **state)
 
 
-def picture_checks() -> tuple[Any, ...]:
+def picture_checks(*outputs: str) -> tuple[Any, ...]:
     """What must hold of `photographed`: its smooth edges, and the same surfaces in any order.
 
-    >>> [check.name for check in picture_checks()][0]
-    'four texels a pixel'
+    Args:
+        outputs: of the pass "judged" beside FragColor.
+
+    >>> [check.name for check in picture_checks("box")][1:]
+    ['judged.FragColor: any order of drawing', 'judged.box: any order of drawing']
     """
-    return (soft_check(), any_order("judged.FragColor"))
-
-
-def soft_check() -> Any:
-    """The picture is the mean of four texels a pixel."""
-    return formula("soft.FragColor", softened(texture), name="four texels a pixel")
+    return (softened_check(), *(any_order(f"judged.{name}") for name in ("FragColor", *outputs)))
 
 
 def prop_checks(*, draw: int = 0, pass_name: str = "judged") -> list[Any]:
@@ -145,26 +143,26 @@ def photographed(
     size: tuple[int, int],
     clear: tuple[float, float, float, float] = SKY,
     depth: str = "depth24",
+    *,
+    reordered: Sequence[Draw] = (),
 ) -> tuple[Pass, ...]:
-    """Passes "scene" and "picture" for people, and "soft" and "judged" (`both_ways`) for checks.
+    """Passes "scene" and "picture" for people, and "judged" (`both_ways`) for checks.
 
     Args:
         draws: the same for all of them.
         size: of the picture in pixels; at least 256 each way, or it is shown enlarged.
         clear: the background.
         depth: format of the depth buffer, "depth24_stencil8" where the draws test the stencil.
+        reordered: the draws of "judged-backwards", if `both_ways` would draw another picture or
+            the same triangles in the same order.
     """
     width, height = size
-    small = (96, 2 * round(48 * height / width))
-
-    def drawn(name: str, size: tuple[int, int]) -> Pass:
-        return Pass(
-            name=name, target=Target(size=size, depth=depth, clear=clear), draws=tuple(draws)
-        )
-
+    small = Target(size=(96, 2 * round(48 * height / width)), depth=depth, clear=clear)
+    large = replace(small, size=(2 * width, 2 * height), colors={"FragColor": "rgba32f"})
+    backwards, judged = both_ways(Pass(name="judged", target=small, draws=tuple(draws)))
     return (
-        drawn("scene", (2 * width, 2 * height)),
+        Pass(name="scene", target=large, draws=tuple(draws)),
         *softened_pass("scene", size, domain={}),
-        *both_ways(drawn("judged", small)),
-        *softened_pass("judged", (small[0] // 2, small[1] // 2), "soft", domain={}),
+        replace(backwards, draws=tuple(reordered)) if reordered else backwards,
+        judged,
     )

@@ -43,32 +43,6 @@ def handed_on(aColor: Value) -> Value:
     return aColor
 
 
-def softened(texture: Callable[[Any, Value], Value]) -> Callable[..., Value]:
-    """The mean of the four texels that a pixel of half the resolution covers, as a formula.
-
-    Args:
-        texture: how the texture is read; `shaderlab.sampling.texture`.
-
-    >>> class Scene:
-    ...     texels = type("Texels", (), {"values": np.zeros((4, 4, 1))})
-    >>> softened(lambda scene, uv: vec4(uv, 0.0, 1.0))(Scene, np.array([1.5, 0.5, 0, 1])).tolist()
-    [0.75, 0.25, 0.0, 1.0]
-    """
-
-    def mean_of_four(scene: Any, frag_coord: Value) -> Value:
-        height, width = scene.texels.values.shape[:2]
-        corner = swizzle(frag_coord, "xy") * 2.0
-        texel = np.array([1.0 / width, 1.0 / height])
-        a, b, c, d = (
-            texture(scene, (corner + np.array([x, y])) * texel)
-            for y in (-0.5, 0.5)
-            for x in (-0.5, 0.5)
-        )
-        return (a + b + c + d) * 0.25
-
-    return mean_of_four
-
-
 def finished(texture: Callable[[Any, Value], Value]) -> Callable[..., Value]:
     """A picture of a scene drawn twice as large: the mean of four texels, encoded for a display.
 
