@@ -270,7 +270,8 @@ class Band(Interval, Operators):
             raise FormulaError(
                 "a condition is not a number", remedy="choose with glslmath.where(condition, a, b)"
             )
-        return Band.literal(other, self.rules)
+        literal: Band | None = getattr(other, "band", None)
+        return Band.literal(other, self.rules) if literal is None else self.lift(literal)
 
 
 @np.errstate(all="ignore")

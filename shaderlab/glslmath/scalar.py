@@ -13,7 +13,7 @@ import numpy as np
 
 from shaderlab.bands import Band, Truth, arithmetic, exact, functions
 from shaderlab.glslmath.choice import where
-from shaderlab.glslmath.dispatch import Value, applied, number
+from shaderlab.glslmath.dispatch import Value, applied, number, undefined
 
 _DEGREE = math.pi / 180.0
 
@@ -148,14 +148,17 @@ def fract(x: Value) -> Value:
 
 
 def mod(x: Value, y: Value) -> Value:
-    """x - y · floor(x / y).
+    """x - y · floor(x / y); undefined where y may be 0.
 
     >>> float(mod(-1.0, 3.0))
     2.0
     """
-    with np.errstate(all="ignore"):
-        x, y = number(x), number(y)
-        return x - y * floor(x / y)
+
+    def banded(x: Band, y: Band) -> Band:
+        result = x - y * floor(x / y)
+        return undefined(result, (y.lo <= 0.0) & (y.hi >= 0.0))
+
+    return applied(lambda x, y: x - y * np.floor(x / y), banded, x, y)
 
 
 def min(x: Value, y: Value) -> Value:
@@ -169,12 +172,19 @@ def max(x: Value, y: Value) -> Value:
 
 
 def clamp(x: Value, minimum: Value, maximum: Value) -> Value:
-    """min(max(x, minimum), maximum); exact.
+    """min(max(x, minimum), maximum); exact; undefined where minimum may exceed maximum.
 
     >>> float(clamp(1.5, 0.0, 1.0))
     1.0
     """
-    return min(max(x, minimum), maximum)
+
+    def banded(x: Band, minimum: Band, maximum: Band) -> Band:
+        result = exact.smaller(exact.larger(x, minimum), maximum)
+        if minimum is maximum:
+            return result
+        return undefined(result, minimum.hi > maximum.lo)
+
+    return applied(lambda x, a, b: np.minimum(np.maximum(x, a), b), banded, x, minimum, maximum)
 
 
 def mix(x: Value, y: Value, a: Value) -> Value:
@@ -199,15 +209,21 @@ def step(edge: Value, x: Value) -> Value:
 
 
 def smoothstep(edge0: Value, edge1: Value, x: Value) -> Value:
-    """t·t·(3 - 2·t) with t = clamp((x - edge0) / (edge1 - edge0), 0, 1); edge0 < edge1.
+    """t·t·(3 - 2·t) with t = clamp((x - edge0) / (edge1 - edge0), 0, 1); undefined where
+    edge0 may not be less than edge1.
 
     >>> float(smoothstep(0.0, 2.0, 1.0))
     0.5
     """
-    with np.errstate(all="ignore"):
-        x, edge0, edge1 = number(x), number(edge0), number(edge1)
+
+    def curve(edge0: Value, edge1: Value, x: Value) -> Value:
         t = clamp((x - edge0) / (edge1 - edge0), 0.0, 1.0)
         return t * t * (3.0 - 2.0 * t)
+
+    def banded(edge0: Band, edge1: Band, x: Band) -> Band:
+        return undefined(curve(edge0, edge1, x), edge0.hi >= edge1.lo)
+
+    return applied(curve, banded, edge0, edge1, x)
 
 
 def fma(a: Value, b: Value, c: Value) -> Value:

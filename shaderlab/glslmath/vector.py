@@ -7,9 +7,10 @@ from __future__ import annotations
 import numpy as np
 
 from shaderlab.bands import Band, arithmetic, exact, functions, sums
+from shaderlab.bands.rounding import SMALLEST_NORMAL
 from shaderlab.errors import FormulaError
 from shaderlab.glslmath.choice import where
-from shaderlab.glslmath.dispatch import Value, applied, number
+from shaderlab.glslmath.dispatch import Value, applied, number, undefined
 from shaderlab.glslmath.scalar import clamp, max, sqrt
 
 # What rounding may add to a component of a unit vector, in both of its expansions.
@@ -73,7 +74,7 @@ def _direction(v: Band) -> Band:
     quotient = arithmetic.divide(v, functions.sqrt(squared))
     product = arithmetic.multiply(v, functions.inversesqrt(squared))
     either: Band = clamp(exact.union(quotient, product), -_BEYOND_UNIT, _BEYOND_UNIT)
-    return either
+    return undefined(either, squared.lo < SMALLEST_NORMAL)
 
 
 def cross(a: Value, b: Value) -> Value:

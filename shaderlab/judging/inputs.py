@@ -18,6 +18,7 @@ from shaderlab.activity import doing
 from shaderlab.bands import Band, Rules
 from shaderlab.errors import FormulaError, ShaderlabError, nearest
 from shaderlab.frame import Array, Bindings, Texels
+from shaderlab.judging.as_written import as_written
 from shaderlab.records import SourceText
 from shaderlab.sampling import Sampler
 
@@ -160,7 +161,8 @@ def evaluate(
         arguments[parameter] = [convert(n) for n in names] if several else convert(names[0])
     try:
         with doing("reference"), np.errstate(all="ignore"):
-            return reference(**arguments)
+            formula = reference if rules is None else as_written(reference, rules)
+            return formula(**arguments)
     except ShaderlabError as error:
         place = source_of(reference)
         raise FormulaError(
