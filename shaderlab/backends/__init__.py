@@ -9,7 +9,7 @@ import functools
 import importlib
 import os
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 
@@ -164,6 +164,15 @@ class Backend(ABC):
         Raises:
             DriverError: the driver has no such stage.
         """
+
+    def storage(self, count: int) -> AbstractContextManager[Callable[[], Array]]:
+        """A storage buffer of `count` zeros (uint32), bound as binding 0 of all that is drawn
+        meanwhile; gives a function that reads it, (count,).
+
+        Raises:
+            UnsupportedError: there are no storage buffers.
+        """
+        raise UnsupportedError("storage buffers: this backend has none")
 
     @abstractmethod
     def close(self) -> None:

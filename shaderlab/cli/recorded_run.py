@@ -16,7 +16,7 @@ from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.execution.journal import FILE_NAME, Journal, RunPlan, read
 from shaderlab.files import display_path
 from shaderlab.options import Limits, RunOptions
-from shaderlab.records import Record, Run
+from shaderlab.records import CodeCoverage, Record, Run
 
 if TYPE_CHECKING:
     from shaderlab.cli.showing import Show
@@ -100,6 +100,34 @@ def run_plan(
     ignored = () if waiting else unread(plan.options.shaders, ordered)
     problems = [ShaderlabError(journal.problem)] if journal.problem else []
     return RecordedRun(run, plan.options.folder, not waiting, (*problems, *ignored))
+
+
+def with_coverage(
+    recorded: RecordedRun, executor: Executor, plan: RunPlan, show: Show
+) -> RecordedRun:
+    """The run with the code coverage of its cases that passed, measured now."""
+    from shaderlab.code_coverage.requests import CoverCase
+    from shaderlab.execution.executor import LocalExecutor, error_text
+
+    assert isinstance(executor, LocalExecutor)
+    passed = {(r.id, r.variant) for r in recorded.run.records if r.status == "pass"}
+    cases: dict[tuple[str, str], list[str]] = {}
+    for job in plan.jobs:
+        if job.key in passed:
+            cases.setdefault((job.id, job.file), []).append(job.variant)
+    ids = [case_id for case_id, _ in cases]
+    requests = [CoverCase(Path(f), tuple(v), plan.options) for (_, f), v in cases.items()]
+    found: dict[int, CodeCoverage] = {}
+    with show.progress(len(requests)) as progress, contextlib.suppress(KeyboardInterrupt):
+        for result in executor.perform(requests):
+            progress.advance()
+            if result.status == "done":
+                found[result.number] = result.value
+            else:
+                message = error_text(result) or result.status
+                found[result.number] = CodeCoverage(id=ids[result.number], message=message)
+    ordered = tuple(found[number] for number in sorted(found))
+    return replace(recorded, run=replace(recorded.run, code_coverage=ordered))
 
 
 def write_report(

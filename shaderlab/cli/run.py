@@ -73,6 +73,11 @@ if TYPE_CHECKING:
 @click.option(
     "--pictures/--no-pictures", default=True, help="Draw pictures for the report, or only judge."
 )
+@click.option(
+    "--coverage",
+    is_flag=True,
+    help="Also list what the judged pixels never exercise: branches, terms, clamps.",
+)
 @click.option("--profile", is_flag=True, help="Show where the time went.")
 @click.option("--open", "open_report", is_flag=True, help="Open the report in a browser.")
 def command(
@@ -90,6 +95,7 @@ def command(
     drivers: str | None,
     resume: str | None,
     pictures: bool,
+    coverage: bool,
     profile: bool,
     open_report: bool,
 ) -> int:
@@ -106,6 +112,7 @@ def command(
       shaderlab run ./my_case.py --open             a case of your own
       shaderlab run gamma --shader gamma.frag=mine.frag
       shaderlab run --all --drivers llvmpipe,softpipe
+      shaderlab run spotlight --coverage            what its inputs never exercise
       shaderlab run --resume                        after Ctrl-C or a power cut
       shaderlab run --all --scheduler tcp://host:8786
 
@@ -122,6 +129,8 @@ def command(
     compared = _compared_drivers(drivers)
     if compared and (driver is not None or resume is not None or workers == 0):
         raise UsageError("--drivers goes with neither --driver, --resume nor -j 0")
+    if coverage and scheduler is not None:
+        raise UsageError("--coverage is measured on this machine: leave out --scheduler")
     if resume is not None and (targets or every or variants or folder):
         raise UsageError("--resume runs what was asked for then: name nothing else")
     options = RunOptions(
@@ -139,7 +148,7 @@ def command(
 
     # Workers get ready while what follows is imported.
     with contextlib.closing(start(options.driver)) as executor:
-        from shaderlab.cli.recorded_run import new_plan, run_plan, write_report
+        from shaderlab.cli.recorded_run import new_plan, run_plan, with_coverage, write_report
         from shaderlab.cli.replacing import named, parsed
         from shaderlab.cli.selecting import choose
         from shaderlab.cli.showing import Show
@@ -158,7 +167,10 @@ def command(
                 recorded = _run_on_each(compared, executor, start, plan, journal, show)
             else:
                 recorded = run_plan(executor, plan, done, journal, show)
+            if coverage and recorded.complete:
+                recorded = with_coverage(recorded, executor, plan, show)
         show.outcomes(recorded.run)
+        show.coverage(recorded.run)
         show.disagreements(recorded.run)
         if profile:
             show.profile(recorded.run)

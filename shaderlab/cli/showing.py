@@ -19,7 +19,16 @@ from shaderlab.cli.rows import STYLES, case_table
 from shaderlab.execution.sweep_table import Row
 from shaderlab.files import display_path
 from shaderlab.records import Record, Run
-from shaderlab.report.plain_text import MARKS, failed, failure, label, replacements, summary, unread
+from shaderlab.report.plain_text import (
+    MARKS,
+    coverage_lines,
+    failed,
+    failure,
+    label,
+    replacements,
+    summary,
+    unread,
+)
 
 HEARTBEAT = 10.0
 MOST_ROWS = 40
@@ -35,6 +44,9 @@ class Reporter(Protocol):
 
     def ends(self, record: Record) -> None:
         """A scene is done."""
+
+    def advance(self) -> None:
+        """Something else is done."""
 
 
 class Show:
@@ -85,6 +97,16 @@ class Show:
         renderer = run.driver.get("renderer")
         if renderer:
             self.console.print(f"on {renderer}", style="dim")
+
+    def coverage(self, run: Run) -> None:
+        """What the judged pixels of each case never did."""
+        if run.code_coverage:
+            self.console.print()
+        for each in run.code_coverage:
+            line, *gaps = coverage_lines(each)
+            self.console.print(line, style="yellow" if gaps or each.message else None)
+            for gap in gaps:
+                self.console.print(f"  {gap}")
 
     def sweep(self, rows: Sequence[Row], run: Run) -> None:
         """A sweep's table; of a long one the worst points, and how many there are."""
@@ -195,6 +217,9 @@ class _Bar:
         self._progress.update(self._task, description=f"{label(case_id, variant):<32}")
 
     def ends(self, record: Record) -> None:
+        self.advance()
+
+    def advance(self) -> None:
         self._progress.advance(self._task)
 
 
@@ -211,9 +236,12 @@ class _Lines:
             self._say(f"{self._done} of {self._total} done; running {label(case_id, variant)}")
 
     def ends(self, record: Record) -> None:
-        self._done += 1
+        self.advance()
         if failed(record):
             self._say(f"{record.status}: {label(record.id, record.variant)}")
+
+    def advance(self) -> None:
+        self._done += 1
 
     def _say(self, line: str) -> None:
         self._console.print(line)

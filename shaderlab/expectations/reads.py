@@ -15,7 +15,7 @@ def judged_outputs(scenes: Iterable[Scene]) -> dict[Named, frozenset[Pixel] | No
     some pixels, or all of it (None)."""
     found: dict[Named, frozenset[Pixel] | None] = {}
     for scene in scenes:
-        for read in _all_reads(scene):
+        for read in all_reads(scene):
             name = (read.pass_name, read.output)
             known = found.get(name, frozenset())
             found[name] = None if read.pixel is None or known is None else known | {read.pixel}
@@ -28,7 +28,7 @@ def unread_outputs(scene: Scene, programs: Programs) -> tuple[str, ...]:
 
     An output that is read at single pixels alone is among them.
     """
-    read = {(r.pass_name, r.draw, r.output) for r in _all_reads(scene) if r.pixel is None}
+    read = {(r.pass_name, r.draw, r.output) for r in all_reads(scene) if r.pixel is None}
     found: list[str] = []
     for description in scene.passes:
         draws = [list(draw.interface.outputs) for draw in programs[description.name]]
@@ -47,7 +47,7 @@ def unread_outputs(scene: Scene, programs: Programs) -> tuple[str, ...]:
     return tuple(found)
 
 
-def _all_reads(scene: Scene) -> Iterator[Read]:
+def all_reads(scene: Scene) -> Iterator[Read]:
     """What expectations read, and what the passes that they read got from earlier ones."""
     used: dict[str, set[str]] = {}
     direct = [read for expectation in scene.expect for read in expectation.reads(scene)]

@@ -36,8 +36,13 @@ def build(run: Run, pictures: Pictures, mutants: Mapping[str, Mutants] | None = 
     shown: Shown = {}
     packed: Packed = {}
     known = mutants or {}
+    covered = {found.id: found for found in run.code_coverage}
     cases = tuple(
-        replace(_case(group, anchors, pictures, shown, packed), mutants=known.get(group.id))
+        replace(
+            _case(group, anchors, pictures, shown, packed),
+            mutants=known.get(group.id),
+            coverage=covered.get(group.id),
+        )
         for group in groups
     )
     if run.plots and cases:  # a sweep has one case

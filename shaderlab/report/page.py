@@ -5,7 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from shaderlab.records import Declared, ErratumNote, Outcome, Record, Row, Run, Status, Verdict
+from shaderlab.records import (
+    CodeCoverage,
+    Declared,
+    ErratumNote,
+    Outcome,
+    Record,
+    Row,
+    Run,
+    Status,
+    Verdict,
+)
 from shaderlab.report.assembly import Assembly
 from shaderlab.report.chart import Chart
 from shaderlab.report.grouping import PASSABLE, CaseGroup, Totals, worst
@@ -91,6 +101,7 @@ class CaseView:
     variants: tuple[VariantView, ...]
     passes: tuple[Step, ...] = ()
     mutants: Mutants | None = None
+    coverage: CodeCoverage | None = None
 
     @property
     def wide(self) -> bool:

@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from shaderlab.files import display_path
-from shaderlab.records import Diagnostic, Outcome, Record, Run, Worst
+from shaderlab.records import CodeCoverage, Diagnostic, Outcome, Record, Run, Worst
 
 DEFAULT_VARIANT = "default"
 MARKS: Mapping[str, str] = {
@@ -140,6 +140,16 @@ def unread(records: Iterable[Record]) -> Iterator[str]:
             found.setdefault(record.id, {}).update(dict.fromkeys(record.unread))
     for case_id, outputs in found.items():
         yield printable(f"{case_id}: no check reads {', '.join(outputs)}")
+
+
+def coverage_lines(found: CodeCoverage) -> Iterator[str]:
+    """How much of a case's shaders is exercised, then a line for each gap."""
+    if found.message:
+        yield printable(f"coverage of {found.id}: not measured, {found.message}")
+        return
+    yield printable(f"coverage of {found.id}: {found.items - len(found.gaps)} of {found.items}")
+    for gap in found.gaps:
+        yield printable(f"{gap.file}:{gap.line}: {gap.text} {gap.what}")
 
 
 def replacements(run: Run) -> Iterator[str]:

@@ -20,6 +20,7 @@ ORDER = (
     "bands", "sampling", "glslmath", "pictures", "model", "assets", "reference",
     "glsl", "programs", "backends", "judging", "expectations",
     "discovery", "catalogue", "evaluation", "report", "execution", "mutation",
+    "code_coverage",
     "doctor", "pytest_plugin", "cli", "__main__", "__init__",
 )  # fmt: skip
 

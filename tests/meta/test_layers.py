@@ -35,7 +35,7 @@ OWNERS: dict[str, set[str]] = {
     "trimesh": {"assets"},
     "pypcd4": {"assets"},
     "jinja2": {"report"},
-    "tree_sitter": {"mutation"},
+    "tree_sitter": {"code_coverage", "mutation"},
     "tree_sitter_glsl": {"mutation"},
     "click": {"cli"},
     "rich": {"cli"},

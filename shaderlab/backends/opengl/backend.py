@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 
 from shaderlab.backends import Backend, Drawn, Session, Size
-from shaderlab.backends.opengl import calls as api, capture, feedback, queries, verdict
+from shaderlab.backends.opengl import calls as api, capture, feedback, queries, storage, verdict
 from shaderlab.backends.opengl.device import Device
 from shaderlab.backends.opengl.drawing import Drawing
 from shaderlab.backends.opengl.linking import Linker
@@ -50,6 +50,9 @@ class OpenGLBackend(Backend):
     def driver_verdict(self, sources: Sequence[Source]) -> Verdict:
         with self.device.unchecked():
             return verdict.driver_verdict(self.device, sources)
+
+    def storage(self, count: int) -> AbstractContextManager[Callable[[], Array]]:
+        return storage.bound(self.device, count)
 
     def close(self) -> None:
         self.device.context.release()
