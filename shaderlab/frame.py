@@ -32,12 +32,15 @@ class Fragments:
     """What one draw's fragment shader got, at each pixel where it was the last to write.
 
     `covered` has shape (height, width); `inputs` and `frag_coord` (x, y, z, 1/w) have one more
-    axis and mean something only where `covered` is true.
+    axis and mean something only where `covered` is true; but 1/w is negative where another draw of
+    the pass is seen, and 0 where none is. `undiscarded` is what the shader would get if it kept
+    every fragment, at the depth that it comes with; None for one that does.
     """
 
     covered: npt.NDArray[np.bool_]
     frag_coord: Array
     inputs: Mapping[str, Array]
+    undiscarded: Fragments | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,12 +48,13 @@ class Samples:
     """Inputs and outputs of single invocations: vertices, or a program run on given inputs.
 
     All arrays have shape (count, components). `decimal` holds inputs as the case writes them,
-    in float64, before they were rounded to float32.
+    in float64, before they were rounded to float32. `discarded` is how many of them wrote nothing.
     """
 
     inputs: Mapping[str, Array]
     outputs: Mapping[str, Array]
     decimal: Mapping[str, Array] = field(default_factory=dict)
+    discarded: int = 0
 
 
 @dataclass(frozen=True)

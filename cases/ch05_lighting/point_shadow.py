@@ -107,6 +107,11 @@ def stored(FragPos, lightPos, farPlane):
     return length(FragPos - lightPos) / farPlane
 
 
+def beyond(FragPos, lightPos, farPlane):
+    """What the depth test keeps out: nothing lies behind the far plane."""
+    return length(FragPos - lightPos) >= farPlane
+
+
 def dark(FragPos, Normal, lightPos, farPlane, shadowMap, leastBias, mostBias):
     """What the cube says of a fragment."""
     ray = FragPos - lightPos
@@ -162,7 +167,10 @@ case = Case(
     ),
     picture="picture.FragColor",
     expect=[
-        *(formula(f"{name}-256.depth", stored, name=f"distances on {name}") for name in FACES),
+        *(
+            formula(f"{name}-256.depth", stored, discards=beyond, name=f"distances on {name}")
+            for name in FACES
+        ),
         *(any_order(f"{name}-512.depth") for name in FACES),
         formula("+x-256.gl_Position", light_position),
         formula("+x-256.FragPos", world_position),

@@ -52,6 +52,16 @@ def leaf_color(place):
     return vec4(mix(vec3(0.90, 0.90, 0.90), color, alpha), alpha)
 
 
+def cut(place, threshold):
+    """What is thrown away of the leaf."""
+    return leaf_alpha(place) < threshold
+
+
+def below(alpha):
+    """What is thrown away of the ramp."""
+    return alpha < THRESHOLD
+
+
 def ramp_color(alpha):
     """Green with the alpha that came in."""
     return vec4(0.2, 0.5, 0.2, alpha)
@@ -141,13 +151,15 @@ case = Case(
             reference=ramp_color,
             name="0.1 itself is kept",
         ),
-        formula("ramp.FragColor", ramp_color, name="what is kept of the ramp"),
+        formula(
+            "ramp.FragColor", ramp_color, discards=below, name="what is kept of the ramp"
+        ),
         value(
             "ramp.FragColor", at=Pixel(20, 4), equals=(0.2, 0.5, 0.2, 0.1025), digits=6,
             reference=ramp_color, name="α = 0.1025",
         ),
         coverage(kept(LEAVES), pass_name="leaf", name="the leaf's own pixels"),
-        formula("leaf.FragColor", leaf_color, name="the leaf"),
+        formula("leaf.FragColor", leaf_color, discards=cut, name="the leaf"),
         value(
             "leaf.FragColor", at={"place": (0.0, 0.0)}, equals=(0.636, 0.751, 0.398, 1.0), digits=6,
             reference=leaf_color, name="the middle of the rib",

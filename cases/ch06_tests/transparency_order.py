@@ -138,6 +138,12 @@ def written_panes(at):
     return layered(at, PANES[::-1], True)
 
 
+def outside(place, centre, radius):
+    """What is thrown away of a disc's square."""
+    away = place - centre
+    return dot(away, away) > radius * radius
+
+
 def own_color(color):
     """A pane's colour before it is blended."""
     return color
@@ -185,7 +191,7 @@ case = Case(
         value("judged_reversed.FragColor", at=MIDDLE, equals=(0.69, 0.3696, 0.2844, 0.612),
               digits=6, name="behind all three panes, near to far"),
         value("judged_sorted.FragColor", at={"place": (RADIUS, PANES[2][0][1])},
-              equals=PANES[2][1], digits=6, reference=own_color, draw=4,
+              equals=PANES[2][1], digits=6, reference=own_color, draw=4, discards=outside,
               name="a disc has its rim"),
         computed("all three, far to near", lambda: stack(PANES), digits=6,
                  equals=(0.375, 0.4776, 0.5714, 0.538)),

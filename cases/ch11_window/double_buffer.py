@@ -110,6 +110,12 @@ def ball(place, middle):
     return vec4(light * vec3(1.0, 0.86, 0.32), 1.0)
 
 
+def beside(place, middle):
+    """What is thrown away around the ball."""
+    off = (place - middle) / 0.3
+    return dot(off, off) > 1.0
+
+
 def disc(frame):
     """How many pixels' centres lie in the ball."""
     centres = (np.arange(96) + 0.5) / 48.0 - 1.0
@@ -146,7 +152,7 @@ case = Case(
     picture="picture.FragColor",
     expect=[
         *(
-            formula(f"frame {k}.FragColor", ball, name=f"the ball in frame {k}")
+            formula(f"frame {k}.FragColor", ball, discards=beside, name=f"the ball in frame {k}")
             for k in range(FRAMES)
         ),
         *(

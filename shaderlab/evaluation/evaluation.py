@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import functools
+from dataclasses import replace
 from typing import Any
 
 from shaderlab.activity import doing
 from shaderlab.backends import Backend, Session
 from shaderlab.errors import DriverError
+from shaderlab.expectations import discards
 from shaderlab.expectations.base import Context
 from shaderlab.frame import Frame
 from shaderlab.model import Expectation, Judgement, Need, error_name
@@ -55,6 +57,11 @@ class Evaluation:
             answers=self.answers,
         )
 
+    @functools.cached_property
+    def _discarding(self) -> discards.DiscardRules:
+        # A part of a scene may lack the expectation that has the rule.
+        return discards.rules_of(self.scene if self._like is None else self._like.scene)
+
     def gather(self, expectation: Expectation) -> None:
         """Ask for all that an expectation needs.
 
@@ -62,7 +69,8 @@ class Evaluation:
             ShaderlabError: it names what is not there, or there is no answer.
         """
         with doing("draw"):
-            for need in expectation.needs(self.scene, self.programs):
+            kept_out = discards.needed(expectation, self.scene, self.programs)
+            for need in (*expectation.needs(self.scene, self.programs), *kept_out):
                 if need not in self.answers:
                     self.answers[need] = self._answer(need)
 
@@ -70,7 +78,15 @@ class Evaluation:
         """Judge one of the scene's expectations; see `Expectation.judge` for what it raises."""
         self.gather(expectation)
         with doing("judge", f"judging {expectation.name!r}"):
-            return expectation.judge(self.scene, self.frame)
+            judgement = expectation.judge(self.scene, self.frame)
+            if judgement.outcome.status == "pass":
+                fault = discards.fault(
+                    expectation, self.scene, self.programs, self.frame, self._discarding
+                )
+                if fault:
+                    failed = replace(judgement.outcome, status="fail", message=fault)
+                    judgement = replace(judgement, outcome=failed)
+            return judgement
 
     def require_no_other_errors(self) -> None:
         """Raise DriverError for a GL error that no expectation is about."""

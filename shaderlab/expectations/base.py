@@ -6,6 +6,7 @@ import functools
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from shaderlab.backends import Session
 from shaderlab.errors import CaseError, nearest
@@ -73,10 +74,15 @@ class OfOutput(Expectation):
     `output` is named as the fragment shader spells it ("FragColor"), with its pass before it where
     there are several ("shadow.FragColor"; without, the last pass is meant), or as the vertex
     shader spells it ("gl_Position" or any of its `out` variables): then every vertex is judged.
+
+    `discards` says which fragments the draw's program throws away: a reference that is true for
+    those, a comparison of its inputs. It holds for all draws of that fragment shader. Without one,
+    a draw shows all that its geometry covers.
     """
 
     output: str
     draw: int = -1
+    discards: Callable[..., Any] | None = None
 
     def key(self, scene: Scene) -> PassDraw:
         """The pass and draw that the output comes from. Raises CaseError if there is none."""

@@ -140,4 +140,5 @@ def _joined(parts: Sequence[Samples]) -> Samples:
         inputs=join([p.inputs for p in parts]),
         outputs=join([p.outputs for p in parts]),
         decimal=join([p.decimal for p in parts]),
+        discarded=sum(p.discarded for p in parts),
     )

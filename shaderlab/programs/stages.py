@@ -60,6 +60,16 @@ def may_keep_out(text: str) -> bool:
     return any(word in text for word in _MAY_KEEP_OUT)
 
 
+def may_discard(text: str) -> bool:
+    """Whether a fragment shader may discard fragments."""
+    return "discard" in text
+
+
+def writes_depth(text: str) -> bool:
+    """Whether a fragment shader may give fragments another depth."""
+    return "gl_FragDepth" in text
+
+
 def changes_inputs(text: str) -> bool:
     """Whether a fragment shader may get other values than another one of the same inputs: in lower
     precision, or with another origin of window coordinates.
@@ -71,13 +81,18 @@ def changes_inputs(text: str) -> bool:
 
 
 def capture_fragment(
-    text: str, group: Sequence[Piece], unwanted: Mapping[str, Variable] | None = None
+    text: str,
+    group: Sequence[Piece],
+    unwanted: Mapping[str, Variable] | None = None,
+    *,
+    keep_all: bool = False,
 ) -> tuple[str, list[CapturedInput]]:
     """A fragment shader, unchanged but for a new ending that writes what it got.
 
     The author's main is renamed and called, so `discard` and depth writes happen as before; then
     gl_FragCoord goes to shaderlab_coord and each piece to an output of its own. `unwanted`
-    outputs become plain variables, to make room.
+    outputs become plain variables, to make room. With `keep_all` the author's main is not called:
+    every fragment is kept, with the depth that it comes with.
     """
     captured = [CapturedInput(piece, f"{PREFIX}out{i}") for i, piece in enumerate(group)]
     shader = Declared(text)
@@ -87,7 +102,9 @@ def capture_fragment(
     declared += [f"out {_padded_type(c.piece)} {c.output};" for c in captured]
     written = [f"    {COORD} = gl_FragCoord;"]
     written += [f"    {c.output} = {_padded_value(c.piece, shader)};" for c in captured]
-    return _with_ending(text, declared, written), captured
+    if keep_all and writes_depth(text):  # what names it has to write it
+        written.append("    gl_FragDepth = gl_FragCoord.z;")
+    return _with_ending(text, declared, written, calls=not keep_all), captured
 
 
 def counting_vertex(text: str) -> str:
@@ -97,11 +114,13 @@ def counting_vertex(text: str) -> str:
     )
 
 
-def _with_ending(text: str, declared: Sequence[str], written: Sequence[str]) -> str:
-    """The author's main renamed, and one that calls it and then goes on with `written`."""
+def _with_ending(
+    text: str, declared: Sequence[str], written: Sequence[str], *, calls: bool = True
+) -> str:
+    """The author's main renamed, and one that calls it (or not) and goes on with `written`."""
     version = VERSION.search(text)
     head, rest = ("", text) if version is None else (version.group(0), text[version.end() :])
-    body = ["void main() {", f"    {PREFIX}main();", *written, "}", ""]
+    body = ["void main() {", *([f"    {PREFIX}main();"] if calls else []), *written, "}", ""]
     renamed = [head, f"#define main {PREFIX}main", rest, "", "#undef main"]
     return "\n".join([*renamed, *declared, *body])
 

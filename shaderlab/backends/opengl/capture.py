@@ -21,7 +21,7 @@ from shaderlab.backends.opengl.target import RenderTarget
 from shaderlab.backends.opengl.vertices import vertex_array
 from shaderlab.errors import ShaderError, UnsupportedError
 from shaderlab.frame import Array, Bindings, Fragments, PassDraw, Samples
-from shaderlab.model import Mesh, State, Target
+from shaderlab.model import Mesh, State, Stencil, Target
 from shaderlab.programs import formats, stages, vertex_stages
 from shaderlab.programs.inputs import complete_inputs, piece_of
 from shaderlab.programs.prepare import PreparedDraw
@@ -35,32 +35,42 @@ def fragments(drawing: Drawing, key: PassDraw) -> Fragments:
     """Draw a pass once more, with draw `key` writing its inputs beside its colours.
 
     The pass's other draws run as well and wipe out what they cover, so `covered` is what is seen
-    of the draw in the end. Blending and colour masks are off.
+    of the draw in the end. Blending and colour masks are off. A shader that may keep fragments out
+    is captured a second time keeping them all; one that masks samples only where there are some.
 
     Raises:
         UnsupportedError: the fragment shader has so many outputs that none can be added, and they
             are declared in a way that leaves none out.
     """
+    text = drawing.programs[key[0]][key[1]].text("fragment") or ""
+    found = _captured(drawing, key, keep_all=False)
+    if not (stages.may_discard(text) or stages.writes_depth(text)):
+        return found
+    return replace(found, undiscarded=_captured(drawing, key, keep_all=True))
+
+
+def _captured(drawing: Drawing, key: PassDraw, *, keep_all: bool) -> Fragments:
     draw = drawing.programs[key[0]][key[1]]
     parts = stages.input_pieces(draw.text("fragment") or "", draw.interface.varyings.values())
     crowded = stages.crowded(draw.interface.outputs)
     room = stages.MOST_OUTPUTS - 1 - (0 if crowded else len(draw.interface.outputs))
     values: dict[Piece, Array] = {}
     for start in range(0, max(len(parts), 1), room):
-        coord, got = _capture_group(drawing, key, parts[start : start + room], crowded)
+        group = parts[start : start + room]
+        coord, got = _capture_group(drawing, key, group, crowded, keep_all)
         values.update(got)
     return Fragments(covered=coord[..., 3] > 0.0, frag_coord=coord, inputs=assembled(values))
 
 
 def _capture_group(
-    drawing: Drawing, key: PassDraw, group: Sequence[Piece], crowded: bool
+    drawing: Drawing, key: PassDraw, group: Sequence[Piece], crowded: bool, keep_all: bool
 ) -> tuple[Array, dict[Piece, Array]]:
     description = drawing.scene.find_pass(key[0])
     prepared = drawing.programs[key[0]]
     subject = prepared[key[1]]
     outputs = subject.interface.outputs
     text, captured = stages.capture_fragment(
-        subject.text("fragment") or "", group, outputs if crowded else None
+        subject.text("fragment") or "", group, outputs if crowded else None, keep_all=keep_all
     )
     colors = {n: formats.for_output(v.type) for n, v in outputs.items() if not crowded}
     colors[stages.COORD] = "rgba32f"
@@ -84,11 +94,13 @@ def _capture_group(
 
 
 def _blank(draw: PreparedDraw) -> str:
-    """The draw's fragment shader, its coordinate written as zero: another draw covers it."""
+    """The draw's fragment shader, 1/w written as −1: another draw is seen."""
     crowded = len(draw.interface.outputs) + 1 > stages.MOST_OUTPUTS
     unwanted = draw.interface.outputs if crowded else None
     text, _ = stages.capture_fragment(draw.text("fragment") or "", (), unwanted)
-    return text.replace(f"{stages.COORD} = gl_FragCoord;", f"{stages.COORD} = vec4(0.0);")
+    return text.replace(
+        f"{stages.COORD} = gl_FragCoord;", f"{stages.COORD} = vec4(0.0, 0.0, 0.0, -1.0);"
+    )
 
 
 def probe_fragments(
@@ -114,8 +126,12 @@ def probe_fragments(
     attributes = attributes or {stages.PREFIX + "nothing": np.zeros((count, 1), np.float32)}
     # There are no ramps to upload: the vertex stage is the probe's.
     own = draw if draw.draw.domain is None else replace(draw, draw=replace(draw.draw, domain={}))
-    with RenderTarget(drawing.device, Target(), colors, size) as target:
-        fixed.apply(State(), size)
+    # What is kept counts one up in the stencil buffer; a discarded point leaves its clear value.
+    discards = stages.may_discard(draw.text("fragment") or "")
+    plain = Target(depth="depth24_stencil8") if discards else Target()
+    counting = State(stencil=Stencil(depth_pass="incr")) if discards else State()
+    with RenderTarget(drawing.device, plain, colors, size) as target:
+        fixed.apply(counting, size)
         drawing.use(program, own, bindings)
         set_uniforms(program, {stages.PREFIX + "size": np.array(size, np.int32)})
         mesh = Mesh(attributes=attributes, primitive="points")
@@ -127,9 +143,10 @@ def probe_fragments(
             name: target.read(name).values.reshape(-1, formats.COLOR[word].components)
             for name, word in colors.items()
         }
+        kept = target.read("stencil").values.reshape(-1)[:count] if discards else np.ones(count)
     kinds = draw.interface.outputs
     outputs = {n: v[:count, : formats.components_of(kinds[n].type)] for n, v in outputs.items()}
-    return Samples(inputs=complete, outputs=outputs)
+    return Samples(inputs=complete, outputs=outputs, discarded=int((kept == 0).sum()))
 
 
 def _fed(drawing: Drawing, draw: PreparedDraw) -> tuple[Any, dict[Piece, str]]:
