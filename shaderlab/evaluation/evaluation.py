@@ -69,7 +69,7 @@ class Evaluation:
             ShaderlabError: it names what is not there, or there is no answer.
         """
         with doing("draw"):
-            kept_out = discards.needed(expectation, self.scene, self.programs)
+            kept_out = discards.needed(expectation, self.scene, self.programs, self._discarding)
             for need in (*expectation.needs(self.scene, self.programs), *kept_out):
                 if need not in self.answers:
                     self.answers[need] = self._answer(need)

@@ -21,6 +21,7 @@ from shaderlab.expectations.subject import inputs_of
 from shaderlab.frame import Array, Fragments, Frame, PassDraw
 from shaderlab.judging.inputs import evaluate, source_of
 from shaderlab.model import Expectation, Programs, Scene
+from shaderlab.programs.prepare import PreparedDraw
 from shaderlab.programs.stages import may_discard, writes_depth
 
 DiscardRules = Mapping[PassDraw | str, OfOutput]
@@ -38,9 +39,10 @@ def rules_of(scene: Scene) -> DiscardRules:
 
 
 def needed(
-    expectation: Expectation, scene: Scene, programs: Programs
+    expectation: Expectation, scene: Scene, programs: Programs, rules: DiscardRules
 ) -> Iterator[CapturedFragments]:
-    """The draws that may leave something out of the attachments that an expectation reads."""
+    """The draws that may leave something out of the attachments that an expectation reads, or
+    should by a rule."""
     for name in dict.fromkeys(read.pass_name for read in expectation.reads(scene)):
         draws = programs.get(name, ())
         kept = {"depth", "stencil"}.union(*(draw.interface.outputs for draw in draws))
@@ -48,7 +50,8 @@ def needed(
             continue
         for index, draw in enumerate(draws):
             text = draw.text("fragment") or ""
-            if may_discard(text) or writes_depth(text):
+            rule = _rule_of((name, index), draw, rules)
+            if rule is not None or may_discard(text) or writes_depth(text):
                 yield CapturedFragments((name, index))
 
 
@@ -72,11 +75,11 @@ def fault(
     samples = frame.answers.get(Probe(expectation)) if isinstance(expectation, OfOutput) else None
     if samples is not None and samples.discarded:
         return f"the shader discards {samples.discarded} of the samples, and gives no value there"
-    for need in needed(expectation, scene, programs):
+    for need in needed(expectation, scene, programs, rules):
         name, index = need.key
         draw = programs[name][index]
         by_depth = writes_depth(draw.text("fragment") or "")
-        rule = rules.get(need.key) or rules.get(draw.draw.fragment)
+        rule = _rule_of(need.key, draw, rules)
         missing, surplus = _faults(need.key, frame, by_depth, rule)
         of = f"of draw {index} of pass {name!r} ({draw.draw.fragment})"
         if missing.any():
@@ -90,21 +93,26 @@ def fault(
     return ""
 
 
+def _rule_of(key: PassDraw, draw: PreparedDraw, rules: DiscardRules) -> OfOutput | None:
+    """The rule of a draw, or else of another one of the same fragment shader."""
+    return rules.get(key) or rules.get(draw.draw.fragment)
+
+
 def _faults(
     key: PassDraw, frame: Frame, by_depth: bool, rule: OfOutput | None
 ) -> tuple[Array, Array]:
     """Where fragments are missing, and where some are seen that should be discarded."""
     found: Fragments = frame.answers[CapturedFragments(key)]
     everything = found.undiscarded
-    missing = surplus = np.zeros_like(found.covered)
-    if everything is None:
-        return missing, surplus
-    if by_depth:  # another order of the surfaces may be meant, but not that there is none
+    missing, surplus = (np.zeros_like(found.covered) for _ in range(2))
+    if everything is not None and by_depth:
+        # Another order of the surfaces may be meant, but not that none is seen.
         missing = everything.covered & (found.frag_coord[..., 3] == 0.0)
-    else:
+    elif everything is not None:
         missing = everything.covered & ~_seen_alike(found, everything)
     if rule is not None:
-        missing[missing] = _truth(rule, frame, key, everything, missing).all_false
+        if everything is not None:
+            missing[missing] = _truth(rule, frame, key, everything, missing).all_false
         surplus = found.covered.copy()
         surplus[surplus] = _truth(rule, frame, key, found, surplus).all_true
     return missing, surplus
