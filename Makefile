@@ -20,8 +20,10 @@ help: ## what there is to do
 run: .venv/.ready ## run every case and write the report
 	@$(PY) -m shaderlab run $(if $(CASE),$(CASE),--all) $(ARGS)
 
-# Nothing that was compiled at another time is taken for tested.
+# Shaders that were compiled at another time are not taken for tested. Python's own bytecode is made
+# first, as some set PYTHONDONTWRITEBYTECODE: tests start hundreds of processes.
 test: .venv/.ready ## run every test
+	@$(PY) -m compileall -q shaderlab cases
 	@SHADERLAB_CACHE_DIR= $(PY) -m pytest $(PARALLEL) $(ARGS)
 
 lint: .venv/.ready ## style and types

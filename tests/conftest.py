@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import atexit
 import dataclasses
 import os
+import shutil
+import tempfile
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -13,8 +16,12 @@ from hypothesis import HealthCheck, settings
 
 from shaderlab.records import Diagnostic, Outcome, ProgramRecord, Record, SourceText, Verdict, Worst
 
-# Tests ask the compilers themselves, and so do the processes that they start.
-os.environ["SHADERLAB_CACHE_DIR"] = ""
+# A session's tests, and the processes that they start, share a compile cache that is empty when
+# they begin: what was compiled at another time is not tested, and nothing is compiled twice.
+# Processes of pytest-xdist have the folder from the one that began them, which removes it.
+if "PYTEST_XDIST_WORKER" not in os.environ:
+    os.environ["SHADERLAB_CACHE_DIR"] = tempfile.mkdtemp(prefix="shaderlab-tests-")
+    atexit.register(shutil.rmtree, os.environ["SHADERLAB_CACHE_DIR"], ignore_errors=True)
 # As workers have it. Small matrices are computed 30 times slower by threads that share a processor.
 # NumPy reads this when it is first imported, which nothing does before this file.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")

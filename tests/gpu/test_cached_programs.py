@@ -17,20 +17,27 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from click.testing import CliRunner, Result
 
+from shaderlab.cli import cli
 from shaderlab.glsl import compile_cache, library
 from shaderlab.glsl.cache_store import Store
 from shaderlab.glsl.compile_cache import decode, encode
 from shaderlab.records import Diagnostic
 
-Call = Callable[..., subprocess.CompletedProcess[str]]
+Call = Callable[..., Result]
 SAID = "only the cache says so"
 PLAIN = ("-p", "no:cacheprovider", "-p", "no:hypothesispytest")
 
 
 @pytest.fixture(autouse=True)
-def settled() -> None:
-    """Compilers that have just been changed cache nothing; a developer may have done so."""
+def settled(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Compilers that have just been changed cache nothing; a developer may have done so, also after
+    this process started."""
+    digest = compile_cache.files_digest
+    monkeypatch.setattr(
+        compile_cache, "files_digest", lambda paths, store: digest(paths, store, time.time())
+    )
     code = Path(compile_cache.__file__).parent
     files = [*library.files(), *code.glob("*.py"), *code.parent.glob("*.py")]
     newest = max(os.stat(file).st_ctime for file in files)
@@ -44,19 +51,12 @@ def store(tmp_path: Path) -> Store:
 
 @pytest.fixture
 def call(case_folder: Path, store: Store, monkeypatch: pytest.MonkeyPatch) -> Call:
-    """Runs the command line beside the case, in a process of its own as people do; programs are
-    cached in `store`."""
+    """Runs the command line beside the case; programs are cached in `store`."""
     monkeypatch.chdir(case_folder)
 
-    def call(*words: str, cache: str | None = None) -> subprocess.CompletedProcess[str]:
+    def call(*words: str, cache: str | None = None) -> Result:
         named = str(store.folder.parent) if cache is None else cache
-        return subprocess.run(
-            [sys.executable, "-m", "shaderlab", *words],
-            env={**os.environ, "SHADERLAB_CACHE_DIR": named},
-            capture_output=True,
-            text=True,
-            timeout=120,
-        )
+        return CliRunner().invoke(cli, words, env={"SHADERLAB_CACHE_DIR": named})
 
     return call
 
@@ -126,10 +126,8 @@ def test_a_cached_program_is_used_until_the_shader_changes(
     shader.write_text(text.replace("min(reach", "min(raech"))
     for _ in range(2):
         refused = call("run", "lamp.py", "--variant", "near", "-j", "0")
-        assert refused.returncode == 1
-        assert (
-            "lamp.frag:8: error: 'raech' : undeclared identifier" in refused.stdout + refused.stderr
-        )
+        assert refused.exit_code == 1
+        assert "lamp.frag:8: error: 'raech' : undeclared identifier" in refused.output
     shader.write_text(text)
     assert ran(call)["compile"]["vulkan"] == "fail"  # the altered one again
 
@@ -149,7 +147,9 @@ def test_a_file_in_the_folders_place_is_ignored(call: Call, case_folder: Path) -
 @pytest.mark.usefixtures("call")
 def test_pytest_uses_the_cache(store: Store) -> None:
     def pytested() -> tuple[int, str]:
-        process = elsewhere(store, "pytest", "lamp.py::lamp[near]", *PLAIN)
+        process = elsewhere(
+            store, "pytest", "lamp.py::lamp[near]", "-o", "shaderlab_jobs=0", *PLAIN
+        )
         said, _ = process.communicate(timeout=120)
         return process.returncode, said
 
@@ -162,7 +162,7 @@ def test_pytest_uses_the_cache(store: Store) -> None:
 
 def test_mutants_are_cached_and_get_the_same_fate(call: Call, store: Store) -> None:
     def mutated(**more: str) -> dict[str, Any]:
-        words = ("mutate", "lamp.py", "--variant", "near", "--json", "-", "--limit", "9")
+        words = ("mutate", "lamp.py", "--variant", "near", "-j", "0", "--json", "-", "--limit", "9")
         (case,) = json.loads(call(*words, **more).stdout)["cases"]
         return {name: value for name, value in case.items() if name != "seconds"}
 
@@ -174,7 +174,7 @@ def test_mutants_are_cached_and_get_the_same_fate(call: Call, store: Store) -> N
 
 def test_the_compile_command_uses_no_cache(call: Call, store: Store) -> None:
     for _ in range(2):
-        assert call("compile", "lamp.frag").returncode == 0
+        assert call("compile", "lamp.frag").exit_code == 0
     assert not keys(store)
 
 

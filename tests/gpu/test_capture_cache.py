@@ -189,11 +189,8 @@ def test_the_least_recently_used_goes_when_there_is_no_room() -> None:
     assert [nothing.get("a", some) is not None for _ in range(2)] and nothing.made == 2
 
 
-def test_the_catalogue_gets_what_it_would_get_by_itself(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_catalogue_gets_what_it_would_get_by_itself() -> None:
     """Each of its scenes over a domain, with and without what others before it captured."""
-    monkeypatch.setenv("SHADERLAB_CACHE_DIR", str(tmp_path))  # each program is compiled once
     over = [
         one
         for one in (scene for case in shipped() for scene in case.scenes())

@@ -116,10 +116,7 @@ def shown(record: Record) -> list[Any]:
     ]
 
 
-def test_an_order_and_its_reverse_draw_the_same(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("SHADERLAB_CACHE_DIR", str(tmp_path))  # each program is compiled once
+def test_an_order_and_its_reverse_draw_the_same() -> None:
     found, outcomes = [], []
     order = scenes()
     for each in (order, order[::-1]):
