@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 import shutil
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -59,6 +60,13 @@ def lamp(tmp_path_factory: pytest.TempPathFactory) -> samples.Sample:
 @pytest.fixture
 def visit(browser: Any) -> Iterator[Callable[..., Any]]:
     """Call it with a page's path to open it; whatever the page complains of fails the test."""
+    with visiting(browser) as go:
+        yield go
+
+
+@contextmanager
+def visiting(browser: Any) -> Iterator[Callable[..., Any]]:
+    """Opens pages, and closes them in the end; what they complain of is an error then."""
     contexts: list[Any] = []
     complaints: list[str] = []
 

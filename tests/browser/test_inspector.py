@@ -2,20 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
 import pytest
 
+from tests.browser.conftest import visiting
 from tests.browser.samples import BROKEN, HEIGHT, WIDTH, WORST, Sample
 
 CHECK = "#case-lamp-bad-fragcolor"
 COLUMNS = ("measured", "exact", "low", "high")
 
 
+@pytest.fixture(scope="module")
+def page(browser: Any, lamp: Sample) -> Iterator[Any]:
+    """A page that tests share which only move the pointer."""
+    with visiting(browser) as visit:
+        yield inspected(visit, lamp)
+
+
 @pytest.fixture
-def page(visit: Callable[..., Any], lamp: Sample) -> Any:
+def fresh(visit: Callable[..., Any], lamp: Sample) -> Any:
+    """A page as it is opened."""
+    return inspected(visit, lamp)
+
+
+def inspected(visit: Callable[..., Any], lamp: Sample) -> Any:
     """The page at its failing check, the inspector running."""
     found = visit(lamp.page)
     found.locator(CHECK).scroll_into_view_if_needed()
@@ -80,50 +93,50 @@ def test_what_was_not_drawn_says_so(page: Any) -> None:
     assert "not drawn" in where(page) and cells(page) == []
 
 
-def test_a_failure_opens_at_its_worst_pixel_and_returns_there(page: Any) -> None:
-    assert where(page) == f"Pixel ({WORST[0]}, {WORST[1]}), the worst: outside its band"
-    hover(page, 3, 3)
-    assert where(page).startswith("Pixel (3, 3)")
-    page.mouse.move(2, 2)
-    assert where(page).startswith(f"Pixel ({WORST[0]}, {WORST[1]})")
+def test_a_failure_opens_at_its_worst_pixel_and_returns_there(fresh: Any) -> None:
+    assert where(fresh) == f"Pixel ({WORST[0]}, {WORST[1]}), the worst: outside its band"
+    hover(fresh, 3, 3)
+    assert where(fresh).startswith("Pixel (3, 3)")
+    fresh.mouse.move(2, 2)
+    assert where(fresh).startswith(f"Pixel ({WORST[0]}, {WORST[1]})")
 
 
-def test_arrow_keys_move_the_pixel(page: Any) -> None:
-    page.locator(f"{CHECK} .triple").focus()
+def test_arrow_keys_move_the_pixel(fresh: Any) -> None:
+    fresh.locator(f"{CHECK} .triple").focus()
     for key, expected in (
         ("ArrowRight", (14, 4)), ("ArrowUp", (14, 5)), ("Shift+ArrowLeft", (6, 5)),
         ("Shift+ArrowDown", (6, 0)), ("ArrowDown", (6, 0)), ("w", WORST),
     ):  # fmt: skip
-        page.keyboard.press(key)
-        assert where(page).startswith(f"Pixel ({expected[0]}, {expected[1]})"), key
-    assert "the worst" in page.locator(f"{CHECK} [data-part=spoken]").text_content()
+        fresh.keyboard.press(key)
+        assert where(fresh).startswith(f"Pixel ({expected[0]}, {expected[1]})"), key
+    assert "the worst" in fresh.locator(f"{CHECK} [data-part=spoken]").text_content()
 
 
-def test_zoom_keeps_texels_crisp_in_all_pictures(page: Any, lamp: Sample) -> None:
-    page.locator(f"{CHECK} [data-do=worst]").click()
-    assert page.locator(f"{CHECK} [data-part=zoom]").text_content() != "1×"
+def test_zoom_keeps_texels_crisp_in_all_pictures(fresh: Any, lamp: Sample) -> None:
+    fresh.locator(f"{CHECK} [data-do=worst]").click()
+    assert fresh.locator(f"{CHECK} [data-part=zoom]").text_content() != "1×"
     x, y = WORST
     rgb = tuple(int(np.rint(v * 255)) for v in lamp.arrays["exact"][y, x, :3])
     # Just inside the frame around the pixel in the middle: one colour, not a mixture.
-    zoom = float(page.locator(f"{CHECK} [data-part=zoom]").text_content().rstrip("×"))
+    zoom = float(fresh.locator(f"{CHECK} [data-part=zoom]").text_content().rstrip("×"))
     quarter = 0.25 * zoom / WIDTH
     for dx in (-quarter, 0, quarter):
-        assert texel(page, 0.5 + dx, 0.5, 1)[:3] == rgb
-    page.locator(f"{CHECK} [data-do=all]").click()
-    assert page.locator(f"{CHECK} [data-part=zoom]").text_content() == "1×"
+        assert texel(fresh, 0.5 + dx, 0.5, 1)[:3] == rgb
+    fresh.locator(f"{CHECK} [data-do=all]").click()
+    assert fresh.locator(f"{CHECK} [data-part=zoom]").text_content() == "1×"
 
 
-def test_channels_and_exposure_change_what_is_drawn(page: Any) -> None:
+def test_channels_and_exposure_change_what_is_drawn(fresh: Any) -> None:
     at = (7.5 / WIDTH, (HEIGHT - 5.5) / HEIGHT)
-    plain = texel(page, *at)
-    slider = page.locator(f"{CHECK} [data-part=exposure]")
+    plain = texel(fresh, *at)
+    slider = fresh.locator(f"{CHECK} [data-part=exposure]")
     slider.fill("3")
-    brighter = texel(page, *at)
+    brighter = texel(fresh, *at)
     assert all(b >= a for a, b in zip(plain, brighter, strict=True)) and brighter != plain
     slider.fill("0")
-    assert texel(page, *at) == plain
-    page.locator(f"{CHECK} [data-part=channels] button", has_text="g").click()
-    assert texel(page, *at) != plain
+    assert texel(fresh, *at) == plain
+    fresh.locator(f"{CHECK} [data-part=channels] button", has_text="g").click()
+    assert texel(fresh, *at) != plain
 
 
 def test_a_nan_is_marked(page: Any) -> None:

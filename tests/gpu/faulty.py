@@ -28,10 +28,8 @@ void main()
     FragColor = vec4(1.0, 0.5, 0.25, x < 9.0 ? 1.0 : x);
 }}
 """
-SPIN = "for (int {v} = 0; {v} < 1000; ++{v})"
 # Mesa ends a single loop of its own accord after 65535 rounds; loops inside one another go on.
 ENDLESS = "while (x < 2.0) while (x < 2.0) while (x < 2.0) while (x < 2.0) x = fract(x * 1.5 + .1);"
-BILLION = " ".join(SPIN.format(v=v) for v in "abc") + " x = fract(x * 1.5 + .1);"
 # A worker ends itself by an alarm where its parent does not do it; the lab takes both for a time
 # limit. So a hang takes no longer than this, and no limit has to be short for what does not hang.
 ALARM = "signal.setitimer(signal.ITIMER_REAL, 0.3)"

@@ -17,8 +17,9 @@ Call = Callable[..., Result]
 
 @pytest.fixture
 def call(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Call:
-    """Calls the command line in an empty folder."""
+    """Calls the command line in an empty folder; it draws in this process."""
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("SHADERLAB_JOBS", "0")
 
     def call(*args: str | Path) -> Result:
         return CliRunner().invoke(cli, [str(arg) for arg in args], catch_exceptions=False)

@@ -7,7 +7,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from click.testing import CliRunner
 
+from shaderlab.cli import cli
 from tests.gpu import faulty
 
 
@@ -54,9 +56,12 @@ def test_where_they_disagree_is_counted(compared: dict[str, Any]) -> None:
         ["--drivers", "llvmpipe,softpipe", "--driver", "llvmpipe"],
     ],
 )
-def test_a_wrong_choice_is_wrong_usage(options: list[str], tmp_path: Path) -> None:
-    done = faulty.shaderlab("orange-triangle", *options, cwd=tmp_path)
-    assert done.returncode == 2, done.stdout + done.stderr
+def test_a_wrong_choice_is_wrong_usage(
+    options: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    done = CliRunner().invoke(cli, ["run", "orange-triangle", *options])
+    assert done.exit_code == 2, done.output
     assert not (tmp_path / "reports").exists()
 
 

@@ -13,7 +13,6 @@ linux = pytest.mark.skipif(sys.platform != "linux", reason="signals and limits o
 
 FAULTS: dict[str, dict[str, str]] = {
     "endless": {"body": faulty.ENDLESS, "before": faulty.in_draw("endless", faulty.ALARM)},
-    "billion": {"body": faulty.BILLION, "before": faulty.in_draw("billion", faulty.ALARM)},
     "segfault": {
         "before": faulty.in_draw("segfault", "os.kill(os.getpid(), signal.SIGSEGV)"),
     },
@@ -29,7 +28,6 @@ FAULTS: dict[str, dict[str, str]] = {
 }
 EXPECTED = {
     "endless": "timeout",
-    "billion": None,  # a fast machine may get through it
     "segfault": "crash",
     "abort": "crash",
     "huge": "error",
@@ -71,9 +69,7 @@ def survived(tmp_path_factory: pytest.TempPathFactory) -> dict[str, dict[str, An
 @linux
 @pytest.mark.parametrize("name", FAULTS)
 def test_each_fault_ends_as_it_should(survived: dict[str, Any], name: str) -> None:
-    expected = EXPECTED[name]
-    status = survived[name]["status"]
-    assert status == expected if expected else status in ("timeout", "pass")
+    assert survived[name]["status"] == EXPECTED[name]
 
 
 @linux
