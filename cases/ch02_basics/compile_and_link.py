@@ -16,9 +16,11 @@ and in the driver's.
 import numpy as np
 
 from shaderlab import Case, Mesh, Pass, State, compile_fails, formula, mesh_pass
+from shaderlab.glslmath import abs, dot, max, min, swizzle, vec2, vec3, where
 
+from ..scenes.figures import each_draw
 from ..scenes.laws import device_place, opaque, unchanged
-from ..scenes.panels import cell, panel, picture, square
+from ..scenes.panels import cell, enlarged, enlarged_check, panel, square
 
 GOOD, BAD, NEVER = (0.30, 0.75, 0.40), (0.85, 0.25, 0.20), (0.20, 0.24, 0.30)
 PANELS = [
@@ -50,6 +52,22 @@ def corner_color(aPos):
     return 0.5 + aPos
 
 
+def lit_lamps(place, lamps):
+    """A panel: its frame, the outline of CORNERS, and three lamps on a wire."""
+    x, y = swizzle(place, "x"), swizzle(place, "y")
+    outer = max(abs(x), abs(y)) > 0.96
+    color = where(outer, vec3(0.05, 0.06, 0.08), vec3(0.10, 0.13, 0.18))
+    # From the base, and from the sides, which fall by 2 on the way of 1.
+    inside = min(y + 0.3, 0.7 - y - 2.0 * abs(x))
+    color = where((inside > 0.0) & (inside < 0.04), vec3(0.30, 0.36, 0.44), color)
+    wire = (abs(x) < 0.5) & (abs(y + 0.65) < 0.02)
+    color = where(wire, vec3(0.36, 0.42, 0.50), color)
+    for lamp, across in zip(lamps, (-0.5, 0.0, 0.5), strict=True):
+        away = place - vec2(across, -0.65)
+        color = where(dot(away, away) < 0.15 * 0.15, lamp, color)
+    return color
+
+
 def fails(file, line, message, name):
     """The program with one of the broken fragment shaders: glslang's words, file and line."""
     broken = f"ch02_basics/errata/{file}.frag"
@@ -61,7 +79,7 @@ case = Case(
     section="2.2.4",
     math=r"\text{compile}(v) \wedge \text{compile}(f) \wedge \text{link}(v, f)",
     passes=(
-        picture((*LAMPS, right(state=State(cell=CELLS[5]))), (768, 512)),
+        *enlarged((*LAMPS, right(state=State(cell=CELLS[5]))), (81, 54), 9),
         Pass(draws=(right(),)),
     ),
     picture="picture.FragColor",
@@ -93,6 +111,9 @@ case = Case(
             '    fragment stage: " vec4 color"',
             "an output and an input that differ in type",
         ),
+        enlarged_check(),
+        *each_draw("small.FragColor", opaque(lit_lamps), {k: f"panel {k + 1}" for k in range(6)}),
+        formula("small.FragColor", opaque(unchanged("color")), name="the triangle in its panel"),
         formula("gl_Position", device_place),
         formula("color", corner_color),
         formula("FragColor", opaque(unchanged("color")), name="the program that is right"),

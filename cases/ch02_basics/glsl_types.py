@@ -14,9 +14,21 @@ largest uint.
 
 import numpy as np
 
-from shaderlab import Case, Erratum, Target, Variant, compile_fails, exact, fullscreen
+from shaderlab import (
+    Case,
+    Erratum,
+    Output,
+    Target,
+    Variant,
+    compile_fails,
+    exact,
+    formula,
+    fullscreen,
+)
+from shaderlab.glslmath import floor, fract, max, min, mix, swizzle, vec3, vec4, where
+from shaderlab.sampling import texelFetch
 
-from ..scenes.panels import rectangle
+from ..scenes.panels import enlarged, enlarged_check, panel, rectangle
 
 TRUTHS = (True, False, False, True)
 REALS = (1.0, 2.0, -0.5, 0.1)
@@ -50,13 +62,42 @@ def bits():
     return table[::-1, :, None].astype(np.uint32)
 
 
-BITS = fullscreen(
-    "ch02_basics/glsl_types_bits.frag",
-    name="bits",
-    domain={"field": rectangle((0.0, 0.0), (32.0, 16.0))},
-    uniforms={"truths": TRUTHS, "reals": REALS, "integers": INTEGERS, "naturals": NATURALS},
-    target=Target(size=(1024, 512)),
+FIELD = {"field": rectangle((0.0, 0.0), (32.0, 16.0))}
+BITS = (
+    *fullscreen(
+        "ch02_basics/glsl_types_bits.frag",
+        name="bits",
+        domain=FIELD,
+        uniforms={"truths": TRUTHS, "reals": REALS, "integers": INTEGERS, "naturals": NATURALS},
+        target=Target(size=(32, 16)),
+    ),
+    *enlarged(
+        [
+            panel(
+                "ch02_basics/glsl_types_picture.frag", FIELD, textures={"bits": Output("bits.bit")}
+            )
+        ],
+        (224, 112),
+        5,
+    ),
 )
+RED, GREEN, BLUE = vec3(0.90, 0.35, 0.30), vec3(0.40, 0.75, 0.45), vec3(0.45, 0.60, 0.95)
+
+
+def painted(bits, field):
+    """Bright where a bit is 1: the four rows of each type in its own colours."""
+    x, y = swizzle(field, "x"), swizzle(field, "y")
+    real = where(x < 1.0, RED, where(x < 9.0, GREEN, BLUE))
+    whole = where(x < 1.0, RED, vec3(0.75, 0.55, 0.90))
+    hue = where(y > 12.0, vec3(0.95, 0.75, 0.30), real)
+    hue = where(y < 8.0, whole, hue)
+    hue = where(y < 4.0, vec3(0.35, 0.75, 0.80), hue)
+    bit = swizzle(texelFetch(bits, floor(field)), "r")
+    left, below = fract(x), fract(y)
+    gap = (min(left, below) < 0.08) | (max(left, below) > 0.92)
+    gap = gap | (y - 4.0 * floor(y / 4.0) < 0.16)
+    hue = hue * where(bit > 0.5, 1.0, 0.24)
+    return vec4(mix(vec3(0.07, 0.08, 0.10), hue, where(gap, 0.0, 1.0)), 1.0)
 
 
 def handed_through(kind, name, uniforms):
@@ -101,14 +142,17 @@ case = Case(
     section="2.3.2",
     math=r"(-1)^{s} \cdot 2^{e - 127} \cdot \left(1 + \tfrac{f}{2^{23}}\right)",
     passes=passes(TRUTHS, REALS, INTEGERS, NATURALS),
-    picture="bits.FragColor",
-    expect=[],
+    picture="picture.FragColor",
+    expect=[
+        exact("bits.bit", bits(), name="the bits of all sixteen words"),
+        formula("small.FragColor", painted, name="the bits on show"),
+        enlarged_check(),
+    ],
     variants=[
         Variant(
             "ones and extremes",
             expect=[
                 *unchanged(TRUTHS, REALS, INTEGERS, NATURALS),
-                exact("bits.bit", bits(), name="the bits of all sixteen words"),
                 compile_fails(
                     "ch02_basics/errata/double_in_330.frag",
                     (2, "'dvec2' : Reserved word."),

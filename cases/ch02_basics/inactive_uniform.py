@@ -11,22 +11,32 @@ brighter. In the third the right one, `unused`, was turned instead, all the way,
 as in the first, to the bit.
 """
 
-from shaderlab import (
-    Case,
-    Cell,
-    Draw,
-    Output,
-    Pass,
-    Ramp,
-    State,
-    Target,
-    exact,
-    formula,
-    fullscreen,
-    inactive_uniforms,
-    value,
+from shaderlab import Case, Output, exact, formula, fullscreen, inactive_uniforms, value
+from shaderlab.glslmath import (
+    abs,
+    cos,
+    cross,
+    dot,
+    exp,
+    length,
+    max,
+    mix,
+    radians,
+    sin,
+    smoothstep,
+    step,
+    swizzle,
+    vec2,
+    vec3,
+    vec4,
+    where,
 )
-from shaderlab.glslmath import vec4
+from shaderlab.sampling import texelFetch
+
+from ..scenes.drawing import encoded
+from ..scenes.figures import each_draw
+from ..scenes.laws import opaque
+from ..scenes.panels import cell, enlarged, enlarged_check, panel, square
 
 # name: strength, unused
 SETTINGS = {"first": (0.35, 0.2), "strength-turned": (0.9, 0.2), "unused-turned": (0.35, 1.0)}
@@ -47,20 +57,46 @@ def lit(name, strength, unused):
     )
 
 
-def panel(k, name, strength, unused):
+def shown(k, name, strength, unused):
     """A lamp in the colour that a pass drew, over two dials."""
-    return Draw(
-        fragment="ch02_basics/inactive_uniform_picture.frag",
-        domain={"place": Ramp((-1.0, -1.0), (2.0, 0.0), (0.0, 2.0))},
-        uniforms={"dials": (strength, unused), "turned": (k == 1, k == 2)},
+    return panel(
+        "ch02_basics/inactive_uniform_picture.frag",
+        {"place": square()},
+        {"dials": (strength, unused), "turned": (k == 1, k == 2)},
         textures={"lit": Output(f"{name}.FragColor")},
-        state=State(cell=Cell(column=k, row=0, columns=3, rows=1)),
+        cell=cell(k, 3),
     )
 
 
 def shines(tint, strength):
     """What the colour depends on, and all it depends on."""
     return vec4(strength * tint, 1.0)
+
+
+def dial(color, off, value, marked, hue):
+    """A dial over what was there: a dark disc, a needle, and a rim that tells whether it moved."""
+    radius, angle = length(off), radians(225.0 - 270.0 * value)
+    hand = vec2(cos(angle), sin(angle))
+    color = mix(mix(vec3(0.10), hue, 0.30), color, smoothstep(0.24, 0.25, radius))
+    # How far off the hand's line a place is: the length of a cross product.
+    aside = abs(swizzle(cross(vec3(hand, 0.0), vec3(off, 0.0)), "z"))
+    ink = where(dot(off, hand) > 0.0, 1.0 - smoothstep(0.0125, 0.0185, aside), 0.0)
+    color = where(radius <= 0.22, mix(color, vec3(0.95), ink), color)
+    rim = abs(radius - 0.27) <= mix(0.008, 0.022, marked)
+    return where(rim, mix(vec3(0.35), vec3(1.0, 0.85, 0.3), marked), color)
+
+
+def lamp_and_dials(place, lit, dials, turned):
+    """The picture: a lamp in the colour that was drawn, its glow, and both dials."""
+    glow = swizzle(texelFetch(lit, vec2(0.0, 0.0)), "rgb")
+    away = length(place - vec2(0.0, 0.36))
+    color = vec3(0.035, 0.045, 0.06) + 0.35 * exp(-5.0 * max(away - 0.34, 0.0)) * glow
+    color = mix(glow, color, smoothstep(0.34, 0.35, away))
+    for of, across, hue in (("x", -0.42, vec3(0.5, 0.8, 1.0)), ("y", 0.42, vec3(0.6))):
+        off = place - vec2(across, -0.5)
+        color = dial(color, off, swizzle(dials, of), swizzle(turned, of), hue)
+    frame = max(abs(swizzle(place, "x")), abs(swizzle(place, "y")))
+    return encoded(color * step(frame, 0.97))
 
 
 case = Case(
@@ -70,14 +106,14 @@ case = Case(
     r"\;\Rightarrow\; \text{location} = -1",
     passes=(
         *(p for name, values in SETTINGS.items() for p in lit(name, *values)),
-        Pass(
-            name="picture",
-            target=Target(size=(960, 320)),
-            draws=tuple(panel(k, n, *v) for k, (n, v) in enumerate(SETTINGS.items())),
-        ),
+        *enlarged((shown(k, n, *v) for k, (n, v) in enumerate(SETTINGS.items())), (138, 46), 7),
     ),
     picture="picture.FragColor",
     expect=[
+        enlarged_check(),
+        *each_draw(
+            "small.FragColor", opaque(lamp_and_dials), {k: f"panel {k + 1}" for k in range(3)}
+        ),
         inactive_uniforms("unused", "neverAsked", pass_name="first", name="location −1"),
         formula("first.FragColor", shines),
         formula("strength-turned.FragColor", shines, name="another strength"),

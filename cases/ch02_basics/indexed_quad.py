@@ -28,6 +28,8 @@ from shaderlab.reference.transforms import signed_area
 CORNERS = np.array([(0.5, 0.5, 0.0), (0.5, -0.5, 0.0), (-0.5, -0.5, 0.0), (-0.5, 0.5, 0.0)])
 INDICES = np.array([0, 1, 3, 1, 2, 3])
 
+CLEAR = (0.2, 0.3, 0.3, 1.0)
+
 INDEXED = Mesh(attributes={"aPos": CORNERS}, indices=INDICES)
 PLAIN = Mesh(attributes={"aPos": CORNERS[INDICES]})
 
@@ -39,7 +41,7 @@ def drawn(name, mesh, **state):
         "ch02_basics/indexed_quad.frag",
         mesh,
         name=name,
-        target=Target(size=(720, 720), clear=(0.2, 0.3, 0.3, 1.0)),
+        target=Target(size=(720, 720), clear=CLEAR),
         state=State(**state),
     )
 
@@ -69,6 +71,8 @@ case = Case(
     expect=[
         coverage(129600, pass_name="indexed", name="pixels covered"),
         formula("indexed.place", across_the_quad),
+        exact("cull-back.FragColor", CLEAR, name="culled, nothing is left"),
+        exact("cull-back-cw.FragColor", Output("indexed.FragColor"), name="clockwise is the front"),
         formula("indexed.FragColor", two_triangles, name="one colour a triangle"),
         exact("indexed.FragColor", Output("plain.FragColor"), name="same as six vertices"),
         coverage(0, pass_name="cull-back", name="culled when counter-clockwise is front"),

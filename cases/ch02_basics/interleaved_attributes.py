@@ -89,6 +89,7 @@ case = Case(
             note="interpolation is the driver's: OpenGL gives no bound, 24-bit floats leave 1e-7",
         ),
         exact("FragColor", Output("separate.FragColor"), name="same as three buffers"),
+        exact("share", Output("separate.share"), name="shares of corners, too", pictured=False),
         coverage(64800, name="pixels covered"),
         figure(
             "FragColor",

@@ -17,7 +17,7 @@ from shaderlab.expectations.gl_call import Object, call
 from shaderlab.sampling import textureLod
 
 from ..scenes.figures import each_draw, figure
-from ..scenes.panels import rectangle, table
+from ..scenes.panels import cell, enlarged, enlarged_check, panel, picture, rectangle
 
 SIDE = 32
 COLORS = (
@@ -42,14 +42,14 @@ NOISE = [np.random.default_rng(n).random((16 >> n, 16 >> n, 4)) for n in range(5
 RUNGS = [np.full((16 >> n, 16 >> n, 4), float(n)) for n in range(5)]
 
 
-def fields(name, levels, size, lods, extent):
+def fields(levels, lods, extent):
     """The four filters, in a field each: the level grows from below to above."""
     domain = {"TexCoords": rectangle((0.013, 0.027), extent), "lod": up(*lods)}
-    images = (
-        Texture(image=levels[0], mipmaps=levels[1:], filter=(word, "linear")) for word in FILTERS
-    )
-    textures = [{"textures": {"image": image}} for image in images]
-    return table("ch02_basics/mipmapped.frag", domain, textures, 2, size, name)
+    for k, word in enumerate(FILTERS):
+        image = Texture(image=levels[0], mipmaps=levels[1:], filter=(word, "linear"))
+        yield panel(
+            "ch02_basics/mipmapped.frag", domain, textures={"image": image}, cell=cell(k, 2, 2)
+        )
 
 
 def sampled(image, TexCoords, lod):
@@ -90,12 +90,16 @@ case = Case(
     r"\text{LINEAR: } \tau = (1 - \operatorname{frac}\lambda)\,\tau^{\lfloor\lambda\rfloor} + "
     r"\operatorname{frac}(\lambda)\,\tau^{\lfloor\lambda\rfloor + 1}",
     passes=(
-        fields("picture", LEVELS, (1024, 768), (-1.0, 5.4), (0.5, 0.375)),
-        fields("judged", NOISE, (74, 122), (-0.93, 4.61), (1.71, 1.13)),
-        fields("rungs", RUNGS, (8, 8), (-1.0, 5.0), (1.0, 1.0)),
+        *enlarged(fields(LEVELS, (-1.0, 5.4), (0.5, 0.375)), (146, 110), 7),
+        picture(fields(NOISE, (-0.93, 4.61), (1.71, 1.13)), (74, 122), "judged"),
+        picture(fields(RUNGS, (-1.0, 5.0), (1.0, 1.0)), (8, 8), "rungs"),
     ),
     picture="picture.FragColor",
     expect=[
+        enlarged_check(),
+        *each_draw(
+            "small.FragColor", sampled, {k: f"{word}, levels" for k, word in enumerate(WORDS)}
+        ),
         *each_draw("judged.FragColor", sampled, enumerate(WORDS)),
         rung(0, 1.4, 1.0),
         rung(0, 1.6, 2.0),

@@ -17,8 +17,6 @@ import numpy as np
 from shaderlab import (
     Case,
     Output,
-    Ramp,
-    Target,
     Texture,
     assets,
     exact,
@@ -28,8 +26,10 @@ from shaderlab import (
     sweep,
 )
 from shaderlab.expectations.gl_call import Location, Program, call
-from shaderlab.glslmath import mix, swizzle, vec4
+from shaderlab.glslmath import fract, max, min, mix, swizzle, vec4, where
 from shaderlab.sampling import texture
+
+from ..scenes.panels import enlarged, enlarged_check, panel, rectangle
 
 MAPS = {
     "BaseMap": Texture(image=assets.crate),
@@ -76,6 +76,17 @@ def mixture(BaseMap, ReflectMap, RefractMap, TexCoords, reflectance):
     return vec4(0.5 * of(BaseMap, TexCoords) + 0.5 * light, 1.0)
 
 
+def in_panels(BaseMap, ReflectMap, RefractMap, place, reflectance):
+    """The three textures side by side, then their mixture, each in a frame."""
+    at, x = fract(place), swizzle(place, "x")
+    color = mixture(BaseMap, ReflectMap, RefractMap, at, reflectance)
+    for panel_end, sampler in ((3.0, RefractMap), (2.0, ReflectMap), (1.0, BaseMap)):
+        color = where(x < panel_end, vec4(of(sampler, at), 1.0), color)
+    s, t = swizzle(at, "x"), swizzle(at, "y")
+    frame = (min(s, t) < 0.015) | (max(s, t) > 0.985)
+    return where(frame, vec4(0.0, 0.0, 0.0, 1.0), color)
+
+
 def at(sampler):
     """Where the program has one of its samplers."""
     return Location(sampler, PROGRAM)
@@ -92,13 +103,17 @@ case = Case(
     math=r"\text{sampler} = u \;\Rightarrow\; \text{texture}(\text{sampler}, st) "
     r"\text{ reads what is bound to GL\_TEXTURE0} + u",
     passes=(
-        *fullscreen(
-            "ch02_basics/sampler_units_picture.frag",
-            name="picture",
-            domain={"place": Ramp((0.0, 0.0), (4.0, 0.0), (0.0, 1.0))},
-            uniforms={"reflectance": 0.3},
-            textures=MAPS,
-            target=Target(size=(1152, 288)),
+        *enlarged(
+            [
+                panel(
+                    "ch02_basics/sampler_units_picture.frag",
+                    {"place": rectangle((0.003, 0.001), (4.0, 1.0))},
+                    {"reflectance": 0.3},
+                    textures=MAPS,
+                )
+            ],
+            (164, 41),
+            7,
         ),
         *drawn("other-units", reversed(SAMPLERS)),
         *drawn("units", SAMPLERS),
@@ -110,6 +125,12 @@ case = Case(
         formula("refracted", from_refract, name="RefractMap on unit 2"),
         formula("FragColor", mixture),
         exact("FragColor", Output("other-units.FragColor"), name="other units, same picture"),
+        *(
+            exact(of, Output(f"other-units.{of}"), name=f"{of}, other units", pictured=False)
+            for of in ("base", "reflected", "refracted")
+        ),
+        formula("small.FragColor", in_panels, name="the panels"),
+        enlarged_check(),
         sweep(
             "FragColor",
             mixture,

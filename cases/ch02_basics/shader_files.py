@@ -16,7 +16,11 @@ from pathlib import Path
 
 import numpy as np
 
-from shaderlab import Case, Output, Ramp, Target, Texture, exact, fullscreen, refused
+from shaderlab import Case, Output, Texture, exact, formula, fullscreen, refused
+from shaderlab.glslmath import floor, fract, max, min, mix, swizzle, vec3, vec4, where
+from shaderlab.sampling import texelFetch
+
+from ..scenes.panels import enlarged, enlarged_check, panel, rectangle
 
 FILES = "ch02_basics/errata/files"
 FOLDER = Path(__file__).parents[2] / "shaders" / FILES
@@ -25,6 +29,7 @@ MISSPELT = f"no shader '{FILES}/emtpy.frag' in shaders"
 NEAREST = f"{FILES}/empty.frag or {FILES}/bom.frag or {FILES}/utf16.frag"
 SHOWN = ("plain", "bom", "crlf", "latin1", "utf16", "nul", "empty")
 COLUMNS = 48
+SIZE = (7 * COLUMNS, 14 * len(SHOWN))
 PLAIN = Output("plain.FragColor")
 
 
@@ -63,25 +68,41 @@ def circle(name, other, line, back):
     return no(name, message, file=f"{FILES}/{other}.frag", line=back, **CYCLE)
 
 
-BYTES = fullscreen(
+BYTES = panel(
     "ch02_basics/shader_files.frag",
-    name="bytes",
-    domain={"field": Ramp((0.0, 0.0), (COLUMNS, 0.0), (0.0, len(SHOWN)))},
+    {"field": rectangle((0.0, 0.0), (COLUMNS, len(SHOWN)))},
     textures={"bytes": Texture(image=first_bytes, format="r32f")},
-    target=Target(size=(20 * COLUMNS, 40 * len(SHOWN))),
 )
+DARK, GREY, LIGHT = vec3(0.12, 0.14, 0.17), vec3(0.30, 0.38, 0.50), vec3(0.62, 0.70, 0.80)
+
+
+def painted(bytes, field):
+    """A colour for each kind of byte; characters are the lighter the higher their code is."""
+    byte = swizzle(texelFetch(bytes, floor(field)), "r")
+    color = mix(GREY, LIGHT, (byte - 33.0) / 94.0)
+    color = where(byte == 32.0, vec3(0.22, 0.26, 0.32), color)
+    color = where(byte > 127.0, vec3(0.88, 0.30, 0.25), color)
+    color = where(byte == 13.0, vec3(0.95, 0.70, 0.25), color)
+    color = where(byte == 10.0, vec3(0.35, 0.75, 0.45), color)
+    color = where(byte == 0.0, vec3(0.02), where(byte < 0.0, DARK, color))
+    left, below = swizzle(fract(field), "x"), swizzle(fract(field), "y")
+    gap = (min(left, below) < 0.08) | (max(left, below) > 0.92)
+    return vec4(mix(vec3(0.07, 0.08, 0.10), color, where(gap, 0.0, 1.0)), 1.0)
+
 
 case = Case(
     title="Shaders from files",
     section="2.3.5",
     math=r"\text{text} = \text{UTF-8}^{-1}(\text{bytes})",
-    passes=(*drawn("plain"), *drawn("bom"), *drawn("crlf"), *BYTES),
-    picture="bytes.FragColor",
+    passes=(*drawn("plain"), *drawn("bom"), *drawn("crlf"), *enlarged([BYTES], SIZE, 3)),
+    picture="picture.FragColor",
     expect=[
         exact("plain.FragColor", (0.25, 0.5, 0.75, 1.0), name="a plain file"),
         exact("bom.FragColor", PLAIN, name="a byte order mark is skipped"),
         exact("crlf.FragColor", PLAIN, name="carriage returns, in an included file as well"),
-        exact("bytes.kind", kinds(), name="what kind of byte each one is"),
+        formula("small.FragColor", painted, name="the bytes on show"),
+        enlarged_check(),
+        exact("small.kind", kinds(), name="what kind of byte each one is"),
         no("empty", "the shader is empty"),
         no("folder", "is a directory, not a shader", remedy="name a file in it"),
         no("latin1", "is not UTF-8: byte 23 is 0xfc", line=2, **UTF8),

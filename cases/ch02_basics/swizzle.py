@@ -12,19 +12,48 @@ exchanges two lamps. The white in the middle, where all three are equal, no orde
 
 import numpy as np
 
-from shaderlab import Case, Cell, Draw, Pass, Ramp, State, Target, Variant, exact, fullscreen
+from shaderlab import Case, Variant, exact, formula, fullscreen
+from shaderlab.glslmath import (
+    abs,
+    distance,
+    max,
+    mix,
+    smoothstep,
+    swizzle,
+    vec2,
+    vec3,
+    where,
+)
+
+from ..scenes.drawing import encoded
+from ..scenes.laws import opaque
+from ..scenes.panels import cell, enlarged, enlarged_check, panel, square
 
 ORDERS = ("rgb", "gbr", "brg", "rbg", "grb", "bgr")
 
 
 def field(order):
     """Three lamps in one order of their colours."""
-    return Draw(
-        fragment="ch02_basics/swizzle_picture.frag",
-        domain={"place": Ramp((-1.0, -1.0), (2.0, 0.0), (0.0, 2.0))},
-        uniforms={"order": order},
-        state=State(cell=Cell(column=order % 3, row=1 - order // 3, columns=3, rows=2)),
+    return panel(
+        "ch02_basics/swizzle_picture.frag",
+        {"place": square()},
+        {"order": order},
+        cell=cell(order, 3, 2, from_above=True),
     )
+
+
+def lamps(order):
+    """Red above, green at the lower left, blue at the lower right, then taken in an order."""
+
+    def seen(place):
+        light = {}
+        for name, x, y in (("r", 0.0, 0.30), ("g", -0.28, -0.18), ("b", 0.28, -0.18)):
+            light[name] = 1.0 - smoothstep(0.42, 0.48, distance(place, vec2(x, y)))
+        color = mix(vec3(0.004, 0.005, 0.008), vec3(1.0), vec3(*(light[name] for name in order)))
+        frame = max(abs(swizzle(place, "x")), abs(swizzle(place, "y")))
+        return encoded(where(frame <= 0.97, color, vec3(0.0)))
+
+    return opaque(seen)
 
 
 def components(x, y):
@@ -49,15 +78,17 @@ case = Case(
     math=r"(1, 2)_{xyxx} = (1, 2, 1, 1), \qquad "
     r"(1, 2)_{xxxx} + (1, 2, 1)_{yxzy} = (3, 2, 2, 3)",
     passes=(
-        Pass(
-            name="picture",
-            target=Target(size=(768, 512)),
-            draws=tuple(field(k) for k in range(len(ORDERS))),
-        ),
+        *enlarged((field(k) for k in range(len(ORDERS))), (81, 54), 9),
         *fullscreen("ch02_basics/swizzle.frag", domain={}, uniforms={"someVec": (1.0, 2.0)}),
     ),
     picture="picture.FragColor",
-    expect=[],
+    expect=[
+        enlarged_check(),
+        *(
+            formula("small.FragColor", lamps(order), draw=k, name=f".{order}, the lamps")
+            for k, order in enumerate(ORDERS)
+        ),
+    ],
     variants=[
         Variant(
             "(1, 2)",

@@ -16,9 +16,11 @@ time; the smooth night sky breaks into steps. BC7 is hard to tell from the origi
 import numpy as np
 
 from shaderlab import Case, CompressedTexture, Target, assets, exact, fullscreen, measure
+from shaderlab.sampling import texture as texel
 
 from ..scenes.block_codecs import compressed, decoded_blocks
-from ..scenes.panels import square, table
+from ..scenes.figures import each_draw
+from ..scenes.panels import cell, enlarged, enlarged_check, panel, square
 
 # A format's name: what made its blocks, what they are read as.
 FORMATS = {
@@ -97,24 +99,35 @@ def judged(kind):
     )
 
 
+def sampled(image, TexCoords):
+    """The texel that a place is in, as the format's blocks say."""
+    return texel(image, TexCoords)
+
+
+def shown(k, kind):
+    """A field of the picture: a part of the emblem in one format."""
+    domain, textures = (
+        {"TexCoords": square(0.171, 0.831)},
+        {"image": texture(kind, assets.emblem(96))},
+    )
+    return panel("ch02_basics/textured.frag", domain, textures=textures, cell=cell(k, 3, 2))
+
+
 case = Case(
     title="Compressed textures",
     section="2.4.5",
     math=r"\text{BC1: } c_k = \tfrac13\left((3 - k)\,c_0 + k\,c_1\right), \qquad "
     r"\frac{8\ \text{bytes}}{16\ \text{texels}} = 4\ \text{bits a texel}",
     passes=(
-        table(
-            "ch02_basics/textured.frag",
-            {"TexCoords": square(0.17, 0.83)},
-            [{"textures": {"image": texture(kind, assets.emblem(96))}} for kind in FORMATS],
-            3,
-            (1152, 768),
-            colors={"FragColor": "rgba8"},
-        ),
+        *enlarged((shown(k, kind) for k, kind in enumerate(FORMATS)), (129, 86), 9),
         *(one for kind in FORMATS for one in judged(kind)),
     ),
     picture="picture.FragColor",
     expect=[
+        enlarged_check(),
+        *each_draw(
+            "small.FragColor", sampled, {k: f"{kind}, on show" for k, kind in enumerate(FORMATS)}
+        ),
         *(
             exact(f"{name_of(kind)}.FragColor", decoded(kind), name=f"{kind}, another decoder")
             for kind in FORMATS

@@ -18,7 +18,7 @@ from shaderlab.glslmath import swizzle, vec2
 from shaderlab.reference.filtering import linear_sample
 from shaderlab.sampling import texture
 
-from ..scenes.figures import figure, figures
+from ..scenes.figures import each_draw, figure, figures
 from ..scenes.panels import WHOLE, cell, panel, picture
 
 FRUIT = (
@@ -146,6 +146,9 @@ case = Case(
             BEFORE_A_CENTRE,
             (0.9,) * 4,
             reference=sampled,
+        ),
+        *each_draw(
+            "picture.FragColor", sampled, {0: "five texels, NEAREST", 1: "five texels, LINEAR"}
         ),
         *(
             formula(

@@ -15,8 +15,8 @@ import numpy as np
 from shaderlab import Case, Erratum, Pixel, Target, Texture, assets, exact, formula, fullscreen
 from shaderlab.sampling import texture
 
-from ..scenes.figures import figure
-from ..scenes.panels import cell, panel, picture, square
+from ..scenes.figures import each_draw, figure
+from ..scenes.panels import cell, enlarged, enlarged_check, panel, square
 
 # Twelve texels that say their column and row; the first row in memory is row 0.
 COLUMN, ROW = np.meshgrid(np.arange(4.0), np.arange(3.0))
@@ -54,12 +54,16 @@ case = Case(
     math=r"\text{texel}(i, j) = \text{memory}[\,j \cdot \text{width} + i\,], \qquad "
     r"i = \lfloor s \cdot \text{width} \rfloor,\ j = \lfloor t \cdot \text{height} \rfloor",
     passes=(
-        picture((shown(0, assets.uv_grid), shown(1, lambda: assets.uv_grid()[::-1])), (1024, 512)),
+        *enlarged(
+            (shown(0, assets.uv_grid), shown(1, lambda: assets.uv_grid()[::-1])), (114, 57), 9
+        ),
         *numbered("lowest-first", NUMBERED),
         *numbered("topmost-first", NUMBERED[::-1]),
     ),
     picture="picture.FragColor",
     expect=[
+        enlarged_check(),
+        *each_draw("small.FragColor", sampled, {0: "as OpenGL wants it", 1: "top row first"}),
         formula("lowest-first.FragColor", sampled),
         exact("lowest-first.FragColor", NUMBERED, name="the first row in memory is the lowest"),
         exact("topmost-first.FragColor", NUMBERED[::-1], name="a top-first image is upside down"),

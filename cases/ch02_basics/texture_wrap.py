@@ -17,8 +17,8 @@ from shaderlab import Case, Target, Texture, assets, formula, fullscreen
 from shaderlab.reference.filtering import linear_sample
 from shaderlab.sampling import texture
 
-from ..scenes.figures import figure
-from ..scenes.panels import square, table
+from ..scenes.figures import each_draw, figure
+from ..scenes.panels import cell, enlarged, enlarged_check, panel, picture, square
 
 WRAPS = ("repeat", "mirrored_repeat", "clamp_to_edge", "clamp_to_border")
 FIELDS = [(word, wrap) for word in ("nearest", "linear") for wrap in WRAPS]
@@ -29,15 +29,12 @@ TEXELS = np.random.default_rng(24).random((3, 5, 4))
 BORDER = (0.93, 0.55, 0.20, 1.0)
 
 
-def wrapped(name, image, size):
+def wrapped(image):
     """Every wrap mode with every filter, in a field of its own."""
-    fields = [
-        Texture(image=image, wrap=(wrap, wrap), filter=(word, word), border=BORDER)
-        for word, wrap in FIELDS
-    ]
-    textures = [{"textures": {"image": field}} for field in fields]
-    domain = {"TexCoords": square(-1.5, 2.5)}
-    return table("ch02_basics/textured.frag", domain, textures, 4, size, name)
+    for k, (word, wrap) in enumerate(FIELDS):
+        texels = Texture(image=image, wrap=(wrap, wrap), filter=(word, word), border=BORDER)
+        domain, textures = {"TexCoords": square(-1.497, 2.503)}, {"image": texels}
+        yield panel("ch02_basics/textured.frag", domain, textures=textures, cell=cell(k, 4, 2))
 
 
 def sampled(image, TexCoords):
@@ -74,9 +71,9 @@ case = Case(
     r"\operatorname{mir}\bigl((i \bmod 2n) - n\bigr), \qquad "
     r"\text{edge: } \operatorname{clamp}(i, 0, n - 1)",
     passes=(
-        wrapped("picture", CHART, (1024, 512)),
+        *enlarged(wrapped(CHART), (116, 58), 9),
         # 40 and 32 pixels over 20 and 12 texels: none of them lies on a texel's edge or centre.
-        wrapped("judged", TEXELS, (160, 64)),
+        picture(wrapped(TEXELS), (160, 64), "judged"),
         *texels("repeat", "repeat", (0.25, 0.75)),
         *texels("mirror", "mirrored_repeat", (0.25, 0.75)),
         *texels("edge", "clamp_to_edge", (0.25, 0.75)),
@@ -84,6 +81,12 @@ case = Case(
     ),
     picture="picture.FragColor",
     expect=[
+        enlarged_check(),
+        *each_draw(
+            "small.FragColor",
+            sampled,
+            {k: f"the chart, {wrap}, {word}" for k, (word, wrap) in enumerate(FIELDS)},
+        ),
         *(
             formula(
                 "judged.FragColor",

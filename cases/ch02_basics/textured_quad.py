@@ -15,6 +15,9 @@ from shaderlab import Case, Draw, Mesh, Pass, Target, Texture, assets, coverage,
 from shaderlab.glslmath import vec4
 from shaderlab.sampling import texture
 
+from ..scenes.figures import each_draw
+from ..scenes.panels import enlarged, enlarged_check
+
 PLACES = np.array([(0.5, 0.5, 0.0), (0.5, -0.5, 0.0), (-0.5, -0.5, 0.0), (-0.5, 0.5, 0.0)])
 CORNERS = np.array([(1.0, 1.0), (1.0, 0.0), (0.0, 0.0), (0.0, 1.0)])
 TINTS = np.array([(1.0, 0.45, 0.4), (0.45, 1.0, 0.45), (0.45, 0.6, 1.0), (1.0, 1.0, 0.4)])
@@ -68,18 +71,21 @@ case = Case(
     section="2.4.6",
     math=r"\text{FragColor} = \tau(s, t) \cdot \text{ourColor}",
     passes=(
-        Pass(
-            name="picture",
-            target=Target(size=(1024, 512), clear=(0.16, 0.19, 0.22, 1.0)),
-            draws=(
+        *enlarged(
+            (
                 textured(square(TINTS * 0.0 + 1.0, (0.86, 1.72, 1.0), (-0.5, 0, 0)), assets.crate),
                 textured(square(TINTS, (0.86, 1.72, 1.0), (0.5, 0, 0)), assets.crate),
             ),
+            (112, 56),
+            9,
+            clear=(0.16, 0.19, 0.22, 1.0),
         ),
         Pass(name="judged", target=Target(size=(64, 64)), draws=(textured(square(TINTS), NOISE),)),
     ),
     picture="picture.FragColor",
     expect=[
+        enlarged_check(),
+        *each_draw("small.FragColor", tinted, {0: "in white light", 1: "in four colours"}),
         coverage(1024, pass_name="judged", name="the quad covers a quarter of 64 × 64"),
         formula("judged.gl_Position", in_place),
         formula("judged.ourColor", colors_handed_on),

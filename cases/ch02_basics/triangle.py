@@ -25,7 +25,7 @@ from shaderlab import (
     mesh_pass,
     value,
 )
-from shaderlab.glslmath import swizzle, vec4
+from shaderlab.glslmath import abs, fract, min, swizzle, vec3, vec4, where
 from shaderlab.reference.transforms import signed_area
 
 CORNERS = np.array([(-0.5, -0.5, 0.0), (0.5, -0.5, 0.0), (0.0, 0.5, 0.0)])
@@ -42,6 +42,24 @@ def triangle(fragment):
 def orange():
     """One colour everywhere."""
     return vec4(1.0, 0.5, 0.2, 1.0)
+
+
+def on_a_line(place, width):
+    """Whether a place is this near to one of the paper's lines, a quarter apart."""
+    off = abs(fract(4.0 * place + 0.5) - 0.5) / 4.0
+    return min(swizzle(off, "x"), swizzle(off, "y")) < width
+
+
+def paper(place):
+    """Lines a quarter apart, the two axes brighter."""
+    color = where(on_a_line(place, 0.0028), vec3(0.20, 0.27, 0.36), vec3(0.10, 0.14, 0.20))
+    axis = min(abs(swizzle(place, "x")), abs(swizzle(place, "y"))) < 0.0056
+    return vec4(where(axis, vec3(0.62, 0.70, 0.78), color), 1.0)
+
+
+def orange_on_paper(place):
+    """Orange, through which the lines are seen."""
+    return vec4(vec3(1.0, 0.5, 0.2) * where(on_a_line(place, 0.0028), 0.85, 1.0), 1.0)
 
 
 def as_it_is(aPos):
@@ -71,6 +89,8 @@ case = Case(
     ),
     picture="picture.FragColor",
     expect=[
+        formula("picture.FragColor", paper, draw=0, name="the paper"),
+        formula("picture.FragColor", orange_on_paper, name="the triangle on it"),
         coverage(64800, name="pixels covered"),
         formula("gl_Position", as_it_is),
         formula("place", flat),

@@ -12,8 +12,11 @@ from math import pi, sin
 
 import numpy as np
 
-from shaderlab import Case, Ramp, Rules, Variant, exact, formula, fullscreen, sweep, value
+from shaderlab import Case, Rules, Variant, exact, formula, fullscreen, sweep, value
+from shaderlab.glslmath import length, mix, swizzle, vec2, vec3, vec4, where
 
+from ..scenes.drawing import line, pixel_size
+from ..scenes.panels import rectangle
 from ..scenes.waves import pulse
 
 FRAMES = [
@@ -27,6 +30,7 @@ FRAMES = [
 
 # Past π the specification promises nothing of a sine; the conformance suite allows |t|·2⁻¹².
 LATER = Rules(trig_outside="scaled")
+START = (-0.4, -0.3)  # time and green in the picture's corner
 
 
 def our_color(time):
@@ -37,6 +41,33 @@ def our_color(time):
 def sent(ourColor):
     """What arrives is what was sent."""
     return ourColor
+
+
+def curve(place):
+    """How far a place is above the curve."""
+    return swizzle(place, "y") - pulse(swizzle(place, "x"))
+
+
+def painted(place, ourColor, time, frag_coord):
+    """The curve over the colour of each moment, and the bead on it, which is the uniform."""
+    x, y, size = swizzle(place, "x"), swizzle(place, "y"), pixel_size(place, START, frag_coord)
+    green = pulse(x)
+    past = vec3(0.0, green, 0.0) * where(x < time, 0.75, 0.30)
+    color = where((y < green) & (y > 0.0), past, vec3(0.07, 0.08, 0.10))
+
+    def bead(place):
+        return length((place - vec2(time, swizzle(ourColor, "g"))) * vec2(0.2254, 1.0)) - 0.075
+
+    def drawn(field, width):
+        return line(field, place, size, width)
+
+    level = drawn(lambda place: swizzle(place, "y"), 1.0)
+    level = level + drawn(lambda place: swizzle(place, "y") - 1.0, 1.0)
+    color = mix(color, vec3(0.30), level)
+    color = mix(color, vec3(0.85), drawn(curve, 2.0))
+    color = mix(color, vec3(0.85), 0.5 * drawn(lambda place: swizzle(place, "x") - time, 1.0))
+    color = where(bead(place) < 0.0, swizzle(ourColor, "rgb"), color)
+    return vec4(mix(color, vec3(1.0), drawn(bead, 2.5)), 1.0)
 
 
 def frame(name, time, green):
@@ -62,13 +93,14 @@ case = Case(
         *fullscreen(
             "ch02_basics/uniform_over_time_picture.frag",
             name="picture",
-            domain={"place": Ramp((-0.4, -0.3), (7.1, 0.0), (0.0, 1.6))},
+            domain={"place": rectangle(START, (7.1, 1.6))},
             uniforms=moment,
         ),
         *fullscreen("ch02_basics/uniform_over_time.frag", domain={}, uniforms=moment),
     ),
     picture="picture.FragColor",
     expect=[
+        formula("picture.FragColor", painted, rules=LATER, name="the curve and the bead"),
         formula("green", pulse, rules=LATER),
         value(
             "FragColor",

@@ -13,7 +13,30 @@ variant all of them have moved.
 
 import numpy as np
 
-from shaderlab import Case, Ramp, Target, Variant, exact, fullscreen
+from shaderlab import Case, Variant, exact, formula, fullscreen
+from shaderlab.glslmath import (
+    abs,
+    atan,
+    distance,
+    dot,
+    floor,
+    fract,
+    length,
+    max,
+    min,
+    mix,
+    normalize,
+    pow,
+    sqrt,
+    swizzle,
+    vec2,
+    vec3,
+    vec4,
+    where,
+)
+
+from ..scenes.drawing import encoded
+from ..scenes.panels import enlarged, enlarged_check, panel, rectangle
 
 FIRST = {
     "f": 0.7,
@@ -39,6 +62,86 @@ SECOND = {
 }
 
 
+BACK, MARK, WARM = vec3(0.04, 0.05, 0.065), vec3(0.75, 0.80, 0.85), vec3(1.0, 0.55, 0.12)
+BLUE, GREEN = vec3(0.2, 0.55, 0.9), vec3(0.25, 0.75, 0.45)
+
+
+def bars(x, y, heights, colors):
+    """Bars beside one another, each with a gap of its own, from −0.8 up to 1.6 times its height."""
+    n = len(heights)
+    cut = (x + 0.8) * (n / 1.6)
+    color = BACK
+    for k, (height, hue) in enumerate(zip(heights, colors, strict=True)):
+        bar = (abs(cut - (k + 0.5)) < 0.36) & (y > -0.8) & (y < 1.6 * height - 0.8)
+        color = where(bar, hue, color)
+    return color
+
+
+def instruments(sent):
+    """The eight instruments as they show what was sent."""
+
+    def needle(at):
+        off = at + vec2(0.0, 0.35)
+        x, y, r = swizzle(off, "x"), swizzle(off, "y"), length(off)
+        scale = (y > 0.0) & (r > 0.55) & (r < 0.85)
+        # From the left: a half turn less the angle.
+        color = where(1.0 - atan(y, x) / 3.14159265 < sent["f"], WARM, BACK * 3.0)
+        return where(scale, color, BACK)
+
+    def dots(at):
+        color = BACK
+        for k in range(16):  # row by row from above
+            centre = vec2(0.4 * (k % 4) - 0.6, 0.6 - 0.4 * (k // 4))
+            lit = (distance(at, centre) < 0.32 * 0.4) & (k < sent["i"])
+            color = where(lit, WARM, color)
+        return color
+
+    def low_byte(at):
+        x, color = (swizzle(at, "x") + 0.8) * 5.0, BACK
+        for k, bit in enumerate(format(sent["u"] & 0xFF, "08b")):
+            hue = MARK if bit == "1" else BACK * 3.0
+            color = where(abs(x - (k + 0.5)) < 0.42, hue, color)
+        return where(abs(swizzle(at, "y")) > 0.3, BACK, color)
+
+    def colored(at):
+        inside = max(abs(swizzle(at, "x")), abs(swizzle(at, "y"))) < 0.6
+        return where(inside, vec3(*sent["v3"]), BACK)
+
+    def places(at):
+        axes = min(abs(swizzle(at, "x")), abs(swizzle(at, "y"))) < 0.006
+        color = where(axes, mix(BACK, MARK, 0.25), BACK)
+        for place, hue in zip(sent["pairs"], (WARM, BLUE), strict=True):
+            color = where(distance(at, vec2(*place)) < 0.12, hue, color)
+        return color
+
+    def ball(at):
+        r = length(at) / 0.7
+        height = sqrt(max(1.0 - r * r, 0.0))
+        facing = max(dot(vec3(at / 0.7, height), normalize(vec3(-0.4, 0.5, 0.9))), 0.0)
+        lit = vec3(*sent["material.ambient"]) * (0.25 + 0.75 * height)
+        return where(r < 1.0, lit + 0.6 * pow(facing, sent["material.shininess"]), BACK)
+
+    def seen(place):
+        at = fract(place) * 2.0 - 1.0
+        x, y = swizzle(at, "x"), swizzle(at, "y")
+        columns = np.array(sent["m"]).T.ravel()
+        each = (
+            *(needle(at), dots(at), low_byte(at), colored(at)),
+            *(bars(x, y, sent["fv"], [BLUE] * 4), places(at), ball(at)),
+            bars(x, y, columns, [WARM] * 3 + [GREEN] * 3),
+        )
+        color = each[7]
+        for k in range(7):
+            column, row = (
+                swizzle(floor(place), "x") == k % 4,
+                swizzle(floor(place), "y") == 1 - k // 4,
+            )
+            color = where(column & row, each[k], color)
+        return vec4(encoded(where(max(abs(x), abs(y)) <= 0.96, color, vec3(0.0))), 1.0)
+
+    return seen
+
+
 def arrives(sent):
     """Every uniform comes out as it was sent."""
     m = np.float32(sent["m"])
@@ -52,7 +155,10 @@ def arrives(sent):
         "materialOut": np.float32((*sent["material.ambient"], sent["material.shininess"])),
         "mOut": np.float32((*m[:, 0], m[2, 1])),
     }
-    return [exact(name, expected) for name, expected in whole.items()]
+    return [
+        *(exact(name, expected) for name, expected in whole.items()),
+        formula("small.FragColor", instruments(sent), name="the instruments"),
+    ]
 
 
 case = Case(
@@ -61,17 +167,21 @@ case = Case(
     math=r"\text{glUniform}\{1,2,3,4\}\{f, i, ui\}[v], \qquad "
     r"\text{glUniformMatrix}\{2,3,4\}[\times\{2,3,4\}]fv",
     passes=(
-        *fullscreen(
-            "ch02_basics/uniform_types_picture.frag",
-            name="picture",
-            domain={"place": Ramp((0.0, 0.0), (4.0, 0.0), (0.0, 2.0))},
-            uniforms=FIRST,
-            target=Target(size=(1024, 512)),
+        *enlarged(
+            [
+                panel(
+                    "ch02_basics/uniform_types_picture.frag",
+                    {"place": rectangle((0.0, 0.0), (4.0, 2.0))},
+                    FIRST,
+                )
+            ],
+            (112, 56),
+            9,
         ),
         *fullscreen("ch02_basics/uniform_types.frag", domain={}, uniforms=FIRST),
     ),
     picture="picture.FragColor",
-    expect=[],
+    expect=[enlarged_check()],
     variants=[
         Variant("first", expect=arrives(FIRST)),
         Variant("second", SECOND, expect=arrives(SECOND)),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+import numpy as np
 import numpy.typing as npt
 
 from shaderlab import Cell, Draw, Output, Pass, Ramp, State, Target, fullscreen, measure
@@ -108,6 +109,64 @@ def table(
         for k, field in enumerate(fields)
     )
     return picture(draws, size, name, **target)
+
+
+def enlarged(
+    draws: Iterable[Draw], small: tuple[int, int], by: int, *, judged: str = "small", **target: Any
+) -> tuple[Pass, Pass]:
+    """The pass "picture" for people, and the same draws into a small pass for the checks.
+
+    Args:
+        draws: whose places go by cells of the target.
+        small: size of the small pass; its outputs are all kept, of the picture FragColor alone.
+        by: how much larger the picture is. Odd, so that each small pixel has the centre of a large
+            one.
+        judged: name of the small pass.
+        target: what else `Target` takes.
+
+    >>> [one.target.size for one in enlarged([panel("a.frag", {})], (8, 4), 3)]
+    [(24, 12), (8, 4)]
+    """
+    draws, size = tuple(draws), (by * small[0], by * small[1])
+    colors = {"colors": {"FragColor": "rgba32f"}, **target}
+    return picture(draws, size, **colors), picture(draws, small, judged, **target)
+
+
+def enlarged_check(judged: str = "small", *, edges: float = 0.0) -> Any:
+    """What a small pass shows, the picture shows: its pixels that have the same centres are alike.
+
+    Both are to differ by less than half a code of eight bits, which no eye sees: places are
+    interpolated in floats, and what is steep in them differs in more than a last bit.
+
+    Args:
+        judged: the small pass.
+        edges: the share of pixels that may differ, as meshes have edges there: corners are moved to
+            a grid within the pixels (OpenGL 3.3, 3.6.1), which is finer in the large picture.
+
+    >>> enlarged_check().name
+    'the picture is the judged one, enlarged'
+    """
+    return measure(
+        "the picture is the judged one, enlarged",
+        share_unlike,
+        reads={"large": "picture.FragColor", "small": f"{judged}.FragColor"},
+        at_most=edges,
+        note="the share of pixels that are half a code of eight bits apart, or more",
+    )
+
+
+def share_unlike(large: npt.NDArray[Any], small: npt.NDArray[Any]) -> float:
+    """The share of small pixels that the middles of blocks of large ones are not like.
+
+    >>> small = np.zeros((1, 2, 1))
+    >>> large = np.repeat(np.repeat(small, 3, axis=0), 3, axis=1)
+    >>> large[1, 4] = 0.5
+    >>> share_unlike(large, small)
+    0.5
+    """
+    by = len(large) // len(small)
+    apart = np.abs(large[by // 2 :: by, by // 2 :: by] - small).max(axis=-1)
+    return float(np.mean(apart >= 0.5 / 255.0))
 
 
 def softened_pass(

@@ -15,7 +15,8 @@ vec3 dial(vec3 color, vec2 off, float value, float marked, vec3 hue)
     float angle = radians(225.0 - 270.0 * value);
     vec2 hand = vec2(cos(angle), sin(angle));
     color = mix(color, mix(vec3(0.10), hue, 0.30), 1.0 - smoothstep(0.24, 0.25, radius));
-    float needle = dot(off, hand) > 0.0 ? line(dot(off, vec2(-hand.y, hand.x)), 5.0) : 0.0;
+    float aside = abs(dot(off, vec2(-hand.y, hand.x)));
+    float needle = dot(off, hand) > 0.0 ? 1.0 - smoothstep(0.0125, 0.0185, aside) : 0.0;
     color = mix(color, vec3(0.95), needle * step(radius, 0.22));
     float rim = abs(radius - 0.27) - mix(0.008, 0.022, marked);
     return mix(color, mix(vec3(0.35), vec3(1.0, 0.85, 0.3), marked), step(rim, 0.0));

@@ -47,7 +47,7 @@ vec3 instrument(int which, vec2 at)
         return bar && at.y < 1.6 * fv[int(clamp(x, 0.0, 3.0))] - 0.8 ? vec3(0.2, 0.55, 0.9) : back;
     }
     if (which == 5) {   // vec2[2]: two places
-        vec3 color = mix(back, mark, 0.25 * (line(at.x, 1.0) + line(at.y, 1.0)));
+        vec3 color = min(abs(at.x), abs(at.y)) < 0.006 ? mix(back, mark, 0.25) : back;
         color = length(at - pairs[0]) < 0.12 ? warm : color;
         return length(at - pairs[1]) < 0.12 ? vec3(0.2, 0.55, 0.9) : color;
     }

@@ -1,0 +1,94 @@
+"""What the strokes of lib/drawing.glsl give: lines of a width in pixels, fields, encoded light."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import reduce
+
+import numpy as np
+
+from shaderlab.glslmath import (
+    Value,
+    abs,
+    clamp,
+    either,
+    floor,
+    fract,
+    max,
+    pow,
+    smoothstep,
+    swizzle,
+    vec2,
+)
+
+AMBER, BLUE = (1.00, 0.72, 0.25), (0.45, 0.70, 1.00)
+"""The colours of lines in pictures."""
+
+Field = Callable[[Value], Value]
+
+
+def encoded(light: Value) -> Value:
+    """Light as the numbers a display expects, with a gamma of 2.2.
+
+    >>> encoded(np.array([0.0, 0.5, 2.0])).round(6).tolist()
+    [0.001874, 0.72974, 1.0]
+    """
+    return pow(clamp(light, 1.0e-6, 1.0), 1.0 / 2.2)
+
+
+def chessboard(place: Value) -> Value:
+    """0 and 1 on the fields of a chessboard of unit squares: whether the field's number is odd.
+
+    >>> chessboard(np.array([[0.5, 0.5], [1.5, 0.5], [-0.5, 0.5]])).ravel().tolist()
+    [0.0, 1.0, 1.0]
+    """
+    number = floor(swizzle(place, "x")) + floor(swizzle(place, "y"))
+    return 2.0 * fract(0.5 * number)
+
+
+def pixel_size(place: Value, corner: Value | Sequence[float], frag_coord: Value) -> Value:
+    """How far apart neighbouring pixels are, (…, 2): of two coordinates that grow evenly over the
+    target, to the right and upward, from the values that they have in its lower left corner.
+
+    >>> pixel_size(np.array([0.25, 3.0]), (0.0, 2.0), np.array([0.5, 2.5, 0.0, 1.0])).tolist()
+    [0.5, 0.4]
+    """
+    origin = np.asarray(corner) if isinstance(corner, Sequence) else corner
+    return (place - origin) / swizzle(frag_coord, "xy")
+
+
+def change(field: Field, place: Value, size: Value) -> Value:
+    """How much a field changes from pixel to pixel, to the right and upward together: fwidth.
+
+    GLSL may take the next pixel on either side, in this row or column or in one beside it (4.60,
+    8.14.1). A band allows them all.
+
+    Args:
+        field: a function of the place.
+        place: two coordinates that grow evenly over the target, to the right and upward.
+        size: how far apart neighbouring pixels are, from `pixel_size`.
+
+    >>> change(lambda place: place[..., :1] * 3.0, np.zeros((1, 2)), np.array([0.5, 0.1])).item()
+    1.5
+    """
+    right, up = vec2(swizzle(size, "x"), 0.0), vec2(0.0, swizzle(size, "y"))
+    reach = (0, -1, 1)
+    near = {(x, y): field(place + (x * right + y * up)) for x in reach for y in reach}
+    across = [near[k + 1, aside] - near[k, aside] for aside in reach for k in (0, -1)]
+    upward = [near[aside, k + 1] - near[aside, k] for aside in reach for k in (0, -1)]
+    return reduce(either, map(abs, across)) + reduce(either, map(abs, upward))
+
+
+def line(field: Field, place: Value, size: Value, width: float) -> Value:
+    """1 on the curve where a field is 0, `width` pixels wide, with soft edges.
+
+    Args:
+        field, place, size: as `change` takes them.
+        width: in pixels.
+
+    >>> size, across = np.array([0.1, 0.1]), lambda place: place[..., :1] - 1.0
+    >>> line(across, np.array([[1.0, 0.0], [1.1, 0.0], [1.3, 0.0]]), size, 2.0).ravel().tolist()
+    [1.0, 0.5, 0.0]
+    """
+    pixels = abs(field(place)) / max(change(field, place, size), 1.0e-12)
+    return 1.0 - smoothstep(0.5 * width - 0.5, 0.5 * width + 0.5, pixels)
