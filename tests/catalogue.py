@@ -2,12 +2,28 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 from shaderlab.catalogue import Catalogue
+from shaderlab.model import Case
+
+FOR_PEOPLE = {"scene", "picture"}
 
 
 @cache
 def shipped() -> Catalogue:
     """The catalogue. Cases can't be changed, so tests may share them."""
     return Catalogue.shipped()
+
+
+@cache
+def judged_only(case_id: str) -> Case:
+    """A case without its large pictures, and without what is expected of them in all variants."""
+    case = shipped().find(case_id)
+    scene = next(case.scenes())
+    kept = tuple(p for p in case.passes if p.name not in FOR_PEOPLE)
+    expect = [
+        e for e in case.expect if not FOR_PEOPLE & {read.pass_name for read in e.reads(scene)}
+    ]
+    return replace(case, passes=kept, expect=expect, picture="")

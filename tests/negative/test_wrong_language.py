@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cache
 
 import numpy as np
 import pytest
@@ -17,7 +16,7 @@ from shaderlab.expectations.refused import Refused
 from shaderlab.model import Case, Output
 from shaderlab.options import RunOptions
 from shaderlab.records import Record
-from tests.catalogue import shipped
+from tests.catalogue import judged_only
 
 CH2, CH11 = "ch02_basics", "ch11_window"
 
@@ -67,15 +66,6 @@ MISTAKES = [
     ("double-buffer", f"{CH11}/double_buffer_screen.frag", "gl_FragCoord.xy", "gl_FragCoord.yx"),
 ]  # fmt: skip
 MINE = {case_id for case_id, *_ in MISTAKES}
-FOR_PEOPLE = {"picture", "scene"}
-
-
-@cache
-def judged_only(case_id: str) -> Case:
-    """The case without its large pictures, which no expectation reads."""
-    case = shipped().find(case_id)
-    kept = tuple(p for p in case.passes if p.name not in FOR_PEOPLE)
-    return replace(case, passes=kept, picture="")
 
 
 def run(case: Case, shaders: dict[str, str] | None = None) -> list[Record]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import cache
 from typing import Any
 
 import pytest
@@ -12,10 +11,9 @@ import pytest
 from shaderlab import Case, CubeTexture, Texture
 from shaderlab.discovery import data_folder
 from shaderlab.evaluation import Lab
-from shaderlab.model import Expectation
 from shaderlab.options import RunOptions
 from shaderlab.records import Record
-from tests.catalogue import shipped
+from tests.catalogue import judged_only
 
 CH2, CH7, CH13 = "ch02_basics", "ch07_maps", "ch13_skybox"
 
@@ -64,20 +62,6 @@ MISTAKES = [
     ("skybox", f"{CH13}/skybox.vert", ".xyww", ""),
     ("skybox", f"{CH13}/skybox.frag", "skybox, TexCoords", "skybox, -TexCoords"),
 ]  # fmt: skip
-FOR_PEOPLE = {"scene", "picture"}
-
-
-@cache
-def judged_only(case_id: str) -> Case:
-    """The case without its large pictures, and what is expected of them."""
-    case = shipped().find(case_id)
-    kept = tuple(p for p in case.passes if p.name not in FOR_PEOPLE)
-    expect = [e for e in case.expect if _pass_of(e) not in FOR_PEOPLE]
-    return replace(case, passes=kept, expect=expect, picture="")
-
-
-def _pass_of(expectation: Expectation) -> str:
-    return str(getattr(expectation, "output", "")).partition(".")[0]
 
 
 def run(case: Case, shaders: dict[str, str]) -> Record:
@@ -149,7 +133,8 @@ def test_printed_figures_tell_the_filters() -> None:
 
 def test_an_image_upside_down() -> None:
     def turned(texture: Texture) -> Texture:
-        return replace(texture, image=texture.image[::-1])  # type: ignore[index]
+        image = texture.image() if callable(texture.image) else texture.image
+        return replace(texture, image=image[::-1])  # type: ignore[index]
 
     found = failed(run(with_textures(judged_only("texture-origin"), turned), {}))
     assert "the first row in memory is the lowest" in found

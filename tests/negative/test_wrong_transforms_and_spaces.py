@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cache
 
 import pytest
 
@@ -12,7 +11,7 @@ from shaderlab.evaluation import Lab
 from shaderlab.model import Case
 from shaderlab.options import RunOptions
 from shaderlab.records import Record
-from tests.catalogue import shipped
+from tests.catalogue import judged_only, shipped
 
 CH3, CH4 = "ch03_transforms", "ch04_spaces"
 
@@ -76,19 +75,6 @@ MINE = {
     "coordinate-spaces", "handedness", "look-at", "camera-orbit", "orthographic", "perspective",
     "viewport", "ten-cubes",
 }  # fmt: skip
-FOR_PEOPLE = {"scene", "picture"}
-
-
-@cache
-def judged_small(case_id: str) -> Case:
-    """The case without its large pictures and what is said of them."""
-    case = shipped().find(case_id)
-    scene = next(case.scenes())
-    kept = tuple(p for p in case.passes if p.name not in FOR_PEOPLE)
-    expect = tuple(
-        e for e in case.expect if not FOR_PEOPLE & {read.pass_name for read in e.reads(scene)}
-    )
-    return replace(case, passes=kept, expect=expect, picture="")
 
 
 def run(case: Case, shaders: dict[str, str]) -> Record:
@@ -108,7 +94,7 @@ def mistaken(shader: str, right: str, wrong: str) -> dict[str, str]:
     ids=[f"{case}-{wrong[:40]}" for case, _, _, wrong in MISTAKES],
 )
 def test_a_mistake_makes_its_case_fail(case_id: str, shader: str, right: str, wrong: str) -> None:
-    record = run(judged_small(case_id), mistaken(shader, right, wrong))
+    record = run(judged_only(case_id), mistaken(shader, right, wrong))
     assert record.status == "fail", record.message
     failures = [o for o in record.expectations if o.status == "fail"]
     worst = [o.worst for o in failures if o.worst is not None]
@@ -129,7 +115,7 @@ def test_every_case_is_broken_at_least_twice() -> None:
 
 def test_depth_testing_is_what_sorts_the_boxes() -> None:
     """Without it the last box drawn wins, and both the rays and the other order disagree."""
-    case = judged_small("ten-cubes")
+    case = judged_only("ten-cubes")
     undepthed = tuple(
         replace(p, draws=tuple(replace(d, state=replace(d.state, depth=None)) for d in p.draws))
         for p in case.passes
