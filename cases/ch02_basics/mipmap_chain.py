@@ -40,8 +40,7 @@ def size_of(level):
     """Half as wide and high with each level."""
 
     def extent(image):
-        size = textureSize(image, level)
-        return size if image.rules is None else vec2(*size)
+        return textureSize(image, level)
 
     return extent
 

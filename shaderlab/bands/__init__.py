@@ -7,8 +7,9 @@ inside, no device can be blamed. GLSL's functions for bands are in `shaderlab.gl
 
 from shaderlab.bands.allowed import Allowed
 from shaderlab.bands.band import Band
+from shaderlab.bands.integer import Integer
 from shaderlab.bands.literal import Literal
 from shaderlab.bands.rules import Rules
 from shaderlab.bands.truth import Truth
 
-__all__ = ["Allowed", "Band", "Literal", "Rules", "Truth"]
+__all__ = ["Allowed", "Band", "Integer", "Literal", "Rules", "Truth"]

@@ -14,6 +14,7 @@ from shaderlab.bands.allowed import Allowed, Interval
 from shaderlab.bands.operators import Operators
 from shaderlab.bands.rounding import LARGEST, Flags, Floats, down, outward, up
 from shaderlab.bands.rules import Rules
+from shaderlab.bands.swizzles import Swizzled
 from shaderlab.bands.terms import Terms
 from shaderlab.bands.truth import Truth
 from shaderlab.errors import FormulaError
@@ -26,11 +27,12 @@ Flagged = tuple[Any, Any, Any]
 """Where a value may be NaN, where it may be anything, where it is undecided; 0-d for nowhere."""
 
 
-class Band(Interval, Operators):
+class Band(Interval, Operators, Swizzled):
     """An interval for every value of an array, on the float32 grid, rounded outward.
 
     The last axis is the vector's components, always: a per-pixel float is (N, 1), a uniform
-    float (1,), a uniform vec3 (3,), a mat4 (4, 4) with m[row, column]. Arithmetic with plain
+    float (1,), a uniform vec3 (3,), a mat4 (4, 4) with m[row, column]; `v.xyz` are components by
+    GLSL's names. Arithmetic with plain
     numbers and arrays takes those as literals of the shader (see `literal`). GLSL's functions are
     in `shaderlab.glslmath`; NumPy's raise `FormulaError`, as do `if band` and `float(band)`.
 
@@ -270,8 +272,9 @@ class Band(Interval, Operators):
             raise FormulaError(
                 "a condition is not a number", remedy="choose with glslmath.where(condition, a, b)"
             )
-        literal: Band | None = getattr(other, "band", None)
-        return Band.literal(other, self.rules) if literal is None else self.lift(literal)
+        # Literals and integers know how.
+        as_band: Callable[[Rules], Band] | None = getattr(other, "as_band", None)
+        return Band.literal(other, self.rules) if as_band is None else as_band(self.rules)
 
 
 @np.errstate(all="ignore")

@@ -42,6 +42,10 @@ class Literal(float):
         made.band = band.opaque() if exact else union(band, Band.literal(value, band.rules))
         return made
 
+    def as_band(self, rules: Rules) -> Band:
+        """The band under these rules."""
+        return self.band if rules == self.band.rules else Band.literal(float(self), rules)
+
     def __pow__(self, other: Any, modulo: None = None) -> Any:
         return Literal.of(float(self) ** float(other), self.band.rules)
 

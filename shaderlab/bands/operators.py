@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from shaderlab.bands.band import Band
 
 # What NumPy calls for `array + band`, and the band's operator that answers.
-_REFLECTED = {
+REFLECTED = {
     np.add: "__radd__",
     np.subtract: "__rsub__",
     np.multiply: "__rmul__",
@@ -27,6 +27,12 @@ _REFLECTED = {
     np.greater_equal: "__le__",
     np.equal: "__eq__",
     np.not_equal: "__ne__",
+    np.remainder: "__rmod__",
+    np.bitwise_and: "__rand__",
+    np.bitwise_or: "__ror__",
+    np.bitwise_xor: "__rxor__",
+    np.left_shift: "__rlshift__",
+    np.right_shift: "__rrshift__",
 }
 _BOUNDS = "use shaderlab.glslmath's functions; the bounds are .lo and .hi"
 # What would take one number for a band: what the error calls it, and what to write instead.
@@ -91,9 +97,11 @@ class Operators:
     def __array_ufunc__(
         self: Any, ufunc: np.ufunc, method: str, *inputs: Any, **options: Any
     ) -> Any:
-        reflected = _REFLECTED.get(ufunc)
+        reflected = REFLECTED.get(ufunc)
         if reflected and method == "__call__" and not options and inputs[1] is self:
-            return getattr(self, reflected)(inputs[0])
+            operation = getattr(self, reflected, None)
+            if operation is not None:
+                return operation(inputs[0])
         name = f"numpy.{ufunc.__name__}" + ("" if method == "__call__" else f".{method}")
         if options.get("out"):
             _refuse(f"{name} into an array", "write a = a + band, not a += band")

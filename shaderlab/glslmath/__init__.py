@@ -23,6 +23,17 @@ from shaderlab.glslmath.choice import (
     where as where,
 )
 from shaderlab.glslmath.dispatch import Condition as Condition, Value as Value
+from shaderlab.glslmath.integer import (
+    float as float,
+    int as int,
+    ivec2 as ivec2,
+    ivec3 as ivec3,
+    ivec4 as ivec4,
+    uint as uint,
+    uvec2 as uvec2,
+    uvec3 as uvec3,
+    uvec4 as uvec4,
+)
 from shaderlab.glslmath.matrix import (
     determinant as determinant,
     inverse as inverse,

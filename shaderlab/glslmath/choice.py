@@ -7,9 +7,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from shaderlab.bands import Band, Truth, exact
+from shaderlab.bands import Band, Integer, Truth, exact
+from shaderlab.bands.swizzles import as_vector
 from shaderlab.bands.truth import as_truth
-from shaderlab.glslmath.dispatch import Condition, Value, applied, bands, number
+from shaderlab.glslmath import integer
+from shaderlab.glslmath.dispatch import Condition, Value, applied, bands, integers, number
 
 
 def where(condition: Condition, a: Value, b: Value) -> Value:
@@ -20,6 +22,11 @@ def where(condition: Condition, a: Value, b: Value) -> Value:
     >>> float(where(0.5 < 1.0, 2.0, 3.0))
     2.0
     """
+    whole = integers(a, b)
+    if isinstance(condition, Integer):
+        condition = notEqual(condition, 0)
+    if whole is not None:
+        return integer.select(condition, *whole)
     lifted = bands(a, b)
     if lifted is None and isinstance(condition, Truth) and condition.rules is not None:
         lifted = [Band.literal(a, condition.rules), Band.literal(b, condition.rules)]
@@ -27,7 +34,7 @@ def where(condition: Condition, a: Value, b: Value) -> Value:
         if isinstance(condition, Truth):
             condition = condition.all_true
         chosen: Value = np.where(condition, number(a), number(b))
-        return chosen[()]
+        return as_vector(chosen, condition, a, b)[()]
     return exact.select(as_truth(condition), *lifted)
 
 
@@ -84,12 +91,15 @@ def greaterThanEqual(x: Value, y: Value) -> Condition:
 
 def equal(x: Value, y: Value) -> Condition:
     """x == y, component by component."""
+    if isinstance(x, Truth) or isinstance(y, Truth):
+        x, y = as_truth(x), as_truth(y)
+        return (x & y) | (~x & ~y)
     return number(x) == number(y)
 
 
 def notEqual(x: Value, y: Value) -> Condition:
     """x != y, component by component."""
-    return number(x) != number(y)
+    return not_(equal(x, y))
 
 
 def any(x: Condition) -> Condition:

@@ -7,7 +7,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from shaderlab.bands import Band, Literal, Truth
+from shaderlab.bands import Band, Integer, Literal, Truth
 
 # A Python number, a float64 array whose last axis is the components, or a Band.
 Value: TypeAlias = Any
@@ -16,21 +16,36 @@ Condition: TypeAlias = Any
 
 
 def number(value: Value) -> Value:
-    """A band or a literal as it is, anything else as float64: dividing by zero then follows
-    IEEE 754."""
-    if isinstance(value, Band | Literal):
+    """A band, literal or integer as it is, anything else as float64: dividing by zero then
+    follows IEEE 754."""
+    if isinstance(value, Band | Literal | Integer):
         return value
-    return np.asarray(value, dtype=np.float64)[()]
+    return np.asanyarray(value, dtype=np.float64)[()]
 
 
 def bands(*values: Value) -> list[Band] | None:
-    """All values as bands if one of them is a band or a literal, else None."""
+    """All values as bands if one of them is a band, a literal or an integer of a band's rules,
+    else None."""
     for value in values:
         if isinstance(value, Band):
             return [value.lift(other) for other in values]
     for value in values:
         if isinstance(value, Literal):
             return [value.band.lift(other) for other in values]
+        if isinstance(value, Integer) and value.rules is not None:
+            band = value.as_band(value.rules)
+            return [band.lift(other) for other in values]
+    return None
+
+
+def integers(*values: Value) -> list[Integer] | None:
+    """All values as integers of one type if one is an `Integer` and no other is a float."""
+    for value in values:
+        if isinstance(value, Integer):
+            lifted = [value.lift(other) for other in values]
+            unsigned = any(n is not None and n.unsigned for n in lifted)
+            found = [n.converted(unsigned) for n in lifted if n is not None]
+            return found if len(found) == len(values) else None
     return None
 
 
@@ -42,15 +57,15 @@ def applied(plain: Callable[..., Any], banded: Callable[..., Band | Truth], *val
     for value in values:
         if isinstance(value, Band):
             return banded(*(value.lift(other) for other in values))
-    with np.errstate(all="ignore"):
-        result = plain(*(np.asarray(value, dtype=np.float64)[()] for value in values))
     lifted = bands(*values)
-    if lifted is None:
-        return result
-    band = banded(*lifted)
-    if isinstance(band, Band) and np.ndim(result) == 0:
-        return Literal.folded(float(result), band)
-    return band
+    band = None if lifted is None else banded(*lifted)
+    if band is not None and not all(isinstance(value, int | float) for value in values):
+        return band
+    with np.errstate(all="ignore"):
+        result = plain(*(np.asanyarray(value, dtype=np.float64)[()] for value in values))
+    if isinstance(band, Band):
+        return Literal.folded(float(result), band) if np.ndim(result) == 0 else band
+    return result if band is None else band
 
 
 def undefined(band: Band, where: Any) -> Band:

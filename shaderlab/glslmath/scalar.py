@@ -12,8 +12,9 @@ import math
 import numpy as np
 
 from shaderlab.bands import Band, Truth, arithmetic, exact, functions
+from shaderlab.glslmath import integer
 from shaderlab.glslmath.choice import where
-from shaderlab.glslmath.dispatch import Value, applied, number, undefined
+from shaderlab.glslmath.dispatch import Value, applied, integers, number, undefined
 
 _DEGREE = math.pi / 180.0
 
@@ -105,11 +106,17 @@ def inversesqrt(x: Value) -> Value:
 
 def abs(x: Value) -> Value:
     """|x|; exact."""
+    whole = integers(x)
+    if whole is not None:
+        return integer.absolute(*whole)
     return applied(np.abs, exact.absolute, x)
 
 
 def sign(x: Value) -> Value:
     """-1, 0 or 1; exact."""
+    whole = integers(x)
+    if whole is not None:
+        return integer.sign(*whole)
     return applied(np.sign, lambda a: exact.monotone(a, np.sign), x)
 
 
@@ -163,11 +170,17 @@ def mod(x: Value, y: Value) -> Value:
 
 def min(x: Value, y: Value) -> Value:
     """The smaller; exact. Where one may be NaN, either may come out."""
+    whole = integers(x, y)
+    if whole is not None:
+        return integer.smaller(*whole)
     return applied(np.minimum, exact.smaller, x, y)
 
 
 def max(x: Value, y: Value) -> Value:
     """The larger; exact. Where one may be NaN, either may come out."""
+    whole = integers(x, y)
+    if whole is not None:
+        return integer.larger(*whole)
     return applied(np.maximum, exact.larger, x, y)
 
 
@@ -177,6 +190,9 @@ def clamp(x: Value, minimum: Value, maximum: Value) -> Value:
     >>> float(clamp(1.5, 0.0, 1.0))
     1.0
     """
+    whole = integers(x, minimum, maximum)
+    if whole is not None:
+        return integer.clamped(*whole)
 
     def banded(x: Band, minimum: Band, maximum: Band) -> Band:
         result = exact.smaller(exact.larger(x, minimum), maximum)
@@ -193,7 +209,7 @@ def mix(x: Value, y: Value, a: Value) -> Value:
     >>> float(mix(1.0, 3.0, 0.25))
     1.5
     """
-    if isinstance(a, Truth) or np.asarray(a if not isinstance(a, Band) else 0.0).dtype == np.bool_:
+    if isinstance(a, Truth | bool | np.bool_) or getattr(a, "dtype", None) == np.bool_:
         return where(a, y, x)
 
     def banded(x: Band, y: Band, a: Band) -> Band:

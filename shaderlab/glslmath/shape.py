@@ -8,10 +8,9 @@ import numpy as np
 
 from shaderlab.bands import Band
 from shaderlab.bands.exact import concatenated, joined
+from shaderlab.bands.swizzles import SETS, as_vector, components
 from shaderlab.errors import FormulaError
 from shaderlab.glslmath.dispatch import Value, bands
-
-_SWIZZLES = ("xyzw", "rgba", "stpq")
 
 
 def stacked(parts: Sequence[Value], axis: int) -> Value:
@@ -19,7 +18,8 @@ def stacked(parts: Sequence[Value], axis: int) -> Value:
     lifted = bands(*parts)
     if lifted is not None:
         return joined(lifted, axis)
-    return concatenated([np.atleast_1d(np.asarray(part, np.float64)) for part in parts], axis)
+    arrays = [np.atleast_1d(np.asarray(part, np.float64)) for part in parts]
+    return as_vector(concatenated(arrays, axis), *parts)
 
 
 def _vector(size: int, parts: Sequence[Value]) -> Value:
@@ -69,19 +69,20 @@ def vec4(*parts: Value) -> Value:
 
 
 def swizzle(v: Value, names: str) -> Value:
-    """Components by GLSL's names: xyzw, rgba or stpq, of one set, any order, repeated or not.
+    """Components by GLSL's names: xyzw, rgba or stpq, of one set, any order, repeated or not;
+    the values that a reference gets have them as attributes, too: `v.yxx`.
 
     >>> swizzle(np.array([1.0, 2.0]), "yxx")
     array([2., 1., 1.])
     """
-    size = np.shape(v)[-1] if not isinstance(v, Band) else v.shape[-1]
-    for letters in _SWIZZLES:
-        if names and set(names) <= set(letters[:size]):
-            return v[..., [letters.index(name) for name in names]]
-    raise FormulaError(
-        f"no swizzle {names!r} of {size} components",
-        remedy=f"use the letters of one of {', '.join(s[:size] for s in _SWIZZLES)}",
-    )
+    size = v.shape[-1] if hasattr(v, "shape") else np.shape(v)[-1]
+    found = components(names, size)
+    if found is None:
+        raise FormulaError(
+            f"no swizzle {names!r} of {size} components",
+            remedy=f"use the letters of one of {', '.join(s[:size] for s in SETS)}",
+        )
+    return v[..., found]
 
 
 def _matrix(size: int, parts: Sequence[Value]) -> Value:

@@ -9,13 +9,14 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from shaderlab.bands import Band, Rules
+from shaderlab.bands import Band, Integer, Rules
 from shaderlab.bands.allowed import contains
 from shaderlab.errors import FormulaError
 from shaderlab.frame import Array
+from shaderlab.judging.chunks import chunks, quad_rows
 from shaderlab.judging.distance import Placed
 from shaderlab.judging.figures import plain, ulp_distance
-from shaderlab.judging.formats import FLOAT_FORMATS, in_format, stored
+from shaderlab.judging.formats import FLOAT_FORMATS, as_result, in_format, stored
 from shaderlab.judging.inputs import Inputs, Reference, evaluate, source_of, wanted
 from shaderlab.records import Row, SourceText, Worst
 
@@ -43,14 +44,17 @@ class Exact:
     def part(self, start: int, count: int = 1) -> Array:
         """Some rows, (count, components). Raises FormulaError."""
         stop = min(start + count, self.shape[0])
-        part = self.inputs.part(slice(start, stop))
+        rows = quad_rows(self.inputs, self.asked, start, stop)
+        part = self.inputs.part(rows)
         found = evaluate(self.reference, part, rules=None, decimal=False, asked=self.asked)
         values = np.asarray(found).astype(np.float64, copy=False)
-        return in_format(np.broadcast_to(values, (stop - start, self.shape[1])), self.format)
+        values = np.broadcast_to(values, (rows.stop - rows.start, self.shape[1]))
+        return in_format(values[start - rows.start : stop - rows.start], self.format)
 
     def whole(self) -> Array:
         """All rows, (count, components), a chunk at a time. Raises FormulaError."""
-        pieces = [self.part(start, CHUNK) for start in range(0, self.shape[0], CHUNK)]
+        rows = chunks(self.inputs, self.asked, self.shape[0], CHUNK)
+        pieces = [self.part(some.start, some.stop - some.start) for some in rows]
         return np.concatenate(pieces) if pieces else np.empty(self.shape)
 
 
@@ -93,6 +97,7 @@ class Banded(Placed):
             return None
         i, c = self.furthest()
         reference = self.exact.part(i)[0]
+        self._require_inside(i, reference)
         return Worst(
             pixel=None if covered is None else _pixel(covered, i),
             component=c,
@@ -104,6 +109,23 @@ class Banded(Placed):
             widths=self.widths_at(i, c),
             inputs=self.inputs.at(i, self.names),
         )
+
+    def _require_inside(self, i: int, reference: Array) -> None:
+        """Raise FormulaError where the reference leaves its own band, but for float64's roundings
+        and the format's: then one of the two is wrong, whatever the shader does."""
+        low, high = self.low[i].astype(np.float64), self.high[i].astype(np.float64)
+        give = (self.unit or 0.0) + 2.0**-40 * np.maximum(1.0, np.abs(reference))
+        outside = (reference < low - give) | (reference > high + give)
+        if outside.any():
+            c = int(np.argmax(outside))
+            raise FormulaError(
+                f"the reference's float64 value lies outside its band: {reference[c]:.9g} is not "
+                f"in [{low[c]:.9g}, {high[c]:.9g}]",
+                file=self.source.file,
+                line=self.source.line,
+                remedy="the formula gives arrays and bands different values, or the lab is wrong; "
+                "in the latter case please report it",
+            )
 
     def verdict(self) -> tuple[str, str]:
         """("pass" or "fail", what to say about it)."""
@@ -141,28 +163,28 @@ def judge_band(
     """
     shape = measured.shape
     chosen = rules or Rules()
+    if measured.dtype.kind in "iu" and format in FLOAT_FORMATS:
+        format = "r32i" if measured.dtype.kind == "i" else "r32ui"
     asked = wanted(reference, inputs)
     exact = Exact(reference=reference, inputs=inputs, shape=shape, format=format, asked=asked)
     bounds = np.float32 if format in FLOAT_FORMATS else np.float64
     low, high, inside = np.empty(shape, bounds), np.empty(shape, bounds), np.empty(shape, np.bool_)
     unit, vacuous, undecided = None, 0, 0
-    for start in range(0, max(len(measured), 1), CHUNK):
-        rows = slice(start, start + CHUNK)
+    for rows in chunks(inputs, asked, len(measured), CHUNK):
         some = measured[rows]
         try:
             band = evaluate(reference, inputs.part(rows), rules=chosen, decimal=False, asked=asked)
         except FormulaError:
             exact.part(0, CHUNK)  # an error of plain numbers is easier to read
             raise
-        if not isinstance(band, Band):
-            band = Band.literal(np.asarray(band, np.float64), chosen)
+        band = as_result(band, format, chosen)
         _check_shape(reference, band, some)
         allowed = stored(band, format, shape[1])
         unit = None if isinstance(allowed, Band) else float(allowed.unit) or None
         low[rows], high[rows] = allowed.lo, allowed.hi
         inside[rows] = contains(low[rows], high[rows], allowed.nan, some)
-        vacuous += _count(band.vacuous, some)
-        undecided += _count(band.undecided, some)
+        vacuous += _count(allowed.vacuous, some)
+        undecided += _count(allowed.undecided, some)
     return Banded(
         measured=measured,
         low=low,
@@ -206,7 +228,7 @@ def independent_references(banded: Banded, also: Mapping[str, Reference]) -> lis
     return rows
 
 
-def _check_shape(reference: Reference, band: Band, measured: Array) -> None:
+def _check_shape(reference: Reference, band: Band | Integer, measured: Array) -> None:
     rows, components = measured.shape
     got = band.shape[-1] if band.shape else 1
     if got not in (1, components):

@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 
 from shaderlab.activity import doing
-from shaderlab.bands import Band, Rules
+from shaderlab.bands import Band, Integer, Rules
+from shaderlab.bands.swizzles import Vector
 from shaderlab.errors import FormulaError, ShaderlabError, nearest
 from shaderlab.frame import Array, Bindings, Texels
 from shaderlab.judging.as_written import as_written
@@ -149,11 +150,14 @@ def evaluate(
         if name in inputs.textures:
             return Sampler(inputs.textures[name], rules)
         values = (inputs.decimal if decimal and name in inputs.decimal else exact)[name]
+        whole = exact[name].dtype.kind in "iu"
+        if whole:
+            values = exact[name]
         if name not in inputs.arrays:
-            return _number(values, rules)
+            return _number(values, rules, whole=whole)
         # What differs from value to value has the array's own axis behind theirs.
         pieces = np.moveaxis(values, 1, 0) if name in inputs.each else values
-        return [_number(piece, rules) for piece in pieces]
+        return [_number(piece, rules, whole=whole) for piece in pieces]
 
     arguments = {}
     for parameter, names in (asked or wanted(reference, inputs)).items():
@@ -205,5 +209,8 @@ def located(reference: Reference, error: Exception, remedy: str) -> FormulaError
     )
 
 
-def _number(values: Array, rules: Rules | None) -> Any:
-    return values.astype(np.float64) if rules is None else Band.exact(values, rules)
+def _number(values: Array, rules: Rules | None, *, whole: bool) -> Any:
+    """A value as formulas take it; `whole` for what is an integer in the shader."""
+    if whole:
+        return Integer(values, unsigned=values.dtype.kind == "u", rules=rules)
+    return values.astype(np.float64).view(Vector) if rules is None else Band.exact(values, rules)

@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.bands import Band
+from shaderlab.bands import Band, Integer
+from shaderlab.bands.swizzles import Vector
 from shaderlab.errors import FormulaError
 from shaderlab.frame import Array
 from shaderlab.sampling import cube, filters, levels, reading
@@ -73,7 +74,7 @@ def texelFetch(sampler: Sampler, p: Any, lod: Any = 0) -> Any:
     if not np.array_equal(np.rint(low), np.rint(high)):
         raise FormulaError("texelFetch(): a band holds several texels")
     place = np.rint(low).astype(np.int64)
-    number = int(np.ravel(np.asarray(lod))[0])
+    number = int(span_of(lod)[0].flat[0])
     level, layer = (0, number) if texels.kind == "2DMS" else (number, 0)
     if not 0 <= level <= len(texels.smaller):
         raise FormulaError(f"texelFetch(): there is no level {level}")
@@ -90,17 +91,17 @@ def texelFetch(sampler: Sampler, p: Any, lod: Any = 0) -> Any:
     return _value(sampler, reading.stored(sampler, level, *(place[..., k] for k in range(3))))
 
 
-def textureSize(sampler: Sampler, lod: int = 0) -> Array:
+def textureSize(sampler: Sampler, lod: Any = 0) -> Integer:
     """GLSL's `textureSize`: (width, height) of a level in texels, then the layers of an array.
 
     >>> from shaderlab.frame import Texels
     >>> image = Texels(np.zeros((2, 4, 1)), ("nearest",) * 2, ("repeat",) * 2, (0.0,) * 4)
     >>> textureSize(Sampler(image))
-    array([4., 2.])
+    Integer(int, [4, 2] … [4, 2])
     """
-    count, height, width, _ = reading.level_values(sampler, int(lod)).shape
+    count, height, width, _ = reading.level_values(sampler, int(span_of(lod)[0].flat[0])).shape
     size = (width, height, count) if sampler.texels.kind == "2DArray" else (width, height)
-    return np.array(size, np.float64)
+    return Integer(np.array(size), rules=sampler.rules)
 
 
 def textureQueryLevels(sampler: Sampler) -> int:
@@ -200,6 +201,10 @@ def _compared(sampler: Sampler, reference: Span | None, found: Span, at: Any) ->
 
 
 def _value(sampler: Sampler, span: Span) -> Any:
+    integers = np.dtype(sampler.texels.values.dtype).kind in "iu" and "32" in sampler.texels.format
+    if integers:
+        unsigned = sampler.texels.format.endswith("ui")
+        return Integer(*map(np.rint, span), unsigned=unsigned, rules=sampler.rules)
     if sampler.rules is None:
-        return span[0]
+        return span[0].view(Vector)
     return Band.between(span[0], span[1], sampler.rules)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.bands import Band
+from shaderlab.bands import Band, Integer
 from shaderlab.errors import FormulaError
 from shaderlab.frame import Array
 
@@ -19,6 +19,9 @@ def span_of(value: Any) -> Span:
     if isinstance(value, Band):
         low, high = value.settled()
         return (low, low) if value.lo is value.hi and low is value.lo else (low, high)
+    if isinstance(value, Integer):
+        low = value.lo.astype(np.float64)
+        return (low, low) if value.known else (low, value.hi.astype(np.float64))
     number = np.atleast_1d(np.asarray(value, np.float64))
     return number, number
 

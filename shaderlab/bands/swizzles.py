@@ -1,0 +1,45 @@
+"""Components by GLSL's names, as attributes: `v.xyz`, `color.rgb`, `uv.st`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+SETS = ("xyzw", "rgba", "stpq")
+
+
+def components(names: str, size: int) -> list[int] | None:
+    """The components that GLSL's letters name, of one set and of `size`; None for other words."""
+    for letters in SETS:
+        if names and set(names) <= set(letters[:size]):
+            return [letters.index(name) for name in names]
+    return None
+
+
+class Swizzled:
+    """A value whose components have GLSL's names: read-only, any order, repeated or not."""
+
+    __slots__ = ()
+
+    def __getattr__(self: Any, names: str) -> Any:
+        # Words that can't be a swizzle don't ask for the shape, which may be what is missing.
+        found = None if components(names, 4) is None else components(names, self.shape[-1])
+        if found is None:
+            raise AttributeError(f"{type(self).__name__} has no attribute {names!r}")
+        return self[..., found]
+
+
+class Vector(Swizzled, np.ndarray):
+    """A float64 array whose last axis is a vector's components.
+
+    >>> np.array([1.0, 2.0, 3.0]).view(Vector).zx.tolist()
+    [3.0, 1.0]
+    """
+
+
+def as_vector(result: Any, *values: Any) -> Any:
+    """The result of a function that forgets it, as a `Vector` if one of its values is one."""
+    if isinstance(result, np.ndarray) and any(isinstance(value, Vector) for value in values):
+        return result.view(Vector)
+    return result
