@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 from shaderlab.code_coverage.points import ITEMS, Point, wrapped
@@ -11,6 +11,7 @@ from shaderlab.errors import ShaderError, UnsupportedError
 from shaderlab.evaluation import Lab
 from shaderlab.expectations.reads import all_reads
 from shaderlab.files import display_path
+from shaderlab.glsl.compile import Compiled
 from shaderlab.glsl.sources import Source
 from shaderlab.model import Scene
 from shaderlab.programs.prepare import PreparedDraw
@@ -105,4 +106,8 @@ def _watch(scene: Scene, key: tuple[str, int], draw: PreparedDraw, every: _Watch
         every.stage(source) if source in draw.authored and source.stage in judged else source
         for source in draw.sources
     )
-    return replace(draw, sources=tuple(sources))
+
+    def compiled_as_it_was(_: Sequence[Source], targets: Sequence[str]) -> Compiled:
+        return draw.compiling(draw.sources[:1], targets)
+
+    return replace(draw, sources=tuple(sources), compiling=compiled_as_it_was)

@@ -9,12 +9,14 @@ import importlib
 import inspect
 import pkgutil
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from types import FunctionType, ModuleType
 
 import shaderlab.glslmath
 import shaderlab.reference
+import tests.independent
+from tests.independent import against
 
 _MADE = "<!-- Made by `python -m tests.meta.indexes`; do not edit. -->"
 _REFERENCE = """\
@@ -24,6 +26,10 @@ The formulas in `shaderlab.reference` by topic: `from shaderlab.reference.attenu
 Each takes numbers, float64 arrays or bands; its docstring gives symbols, units, domain and a worked
 value. You write references of your own the same way, with the [functions of GLSL](glslmath.md)
 ([writing cases](cases.md)).
+
+A formula that transcribes its shader can share its mistake. So each is also held against something
+that is not: another library, a derivation of another kind, a printed table. The last column says
+what; the tests are in `tests/independent`.
 """
 _GLSLMATH = """\
 # GLSL's functions in references
@@ -56,7 +62,7 @@ def _reference() -> str:
     for module in modules:
         own = [f for _, f in _functions(module) if f.__module__ == module.__name__]
         source = re.search(r"^Sources?: .*?(?=\n\n|\Z)", module.__doc__ or "", re.M | re.S)
-        parts += [f"## {_topic(module)}", f"{_title(module)}.", _table(own)]
+        parts += [f"## {_topic(module)}", f"{_title(module)}.", _table(own, _held_against())]
         parts += [_line(source.group())] if source else []
     return "\n\n".join(parts) + "\n"
 
@@ -82,11 +88,26 @@ def _functions(module: ModuleType) -> Iterator[tuple[str, FunctionType]]:
     return iter(sorted(found, key=lambda n: (n[1].__module__, n[1].__code__.co_firstlineno)))
 
 
-def _table(functions: list[FunctionType]) -> str:
+def _held_against() -> Mapping[tuple[str, str], list[str]]:
+    """What each reference formula is held against, by its module and name."""
+    for file in sorted(Path(tests.independent.__path__[0]).glob("test_*.py")):
+        importlib.import_module(f"tests.independent.{file.stem}")
+    return against.SOURCES
+
+
+def _table(
+    functions: list[FunctionType], sources: Mapping[tuple[str, str], list[str]] | None = None
+) -> str:
     rows = ["| function | gives |", "|---|---|"]
+    if sources is not None:
+        rows = ["| function | gives | held against |", "|---|---|---|"]
     for function in functions:
         says = (inspect.getdoc(function) or "").partition("\n\n")[0]
-        rows.append(f"| `{_call(function)}` | {_line(says).replace('|', chr(92) + '|')} |")
+        cells = [f"`{_call(function)}`", _line(says)]
+        if sources is not None:
+            held = sources.get((function.__module__, function.__name__), ())
+            cells.append("; ".join(dict.fromkeys(held)))
+        rows.append("| " + " | ".join(cell.replace("|", chr(92) + "|") for cell in cells) + " |")
     return "\n".join(rows)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from types import FunctionType
 
@@ -22,6 +23,14 @@ def test_every_function_of_glsl_is_on_its_page() -> None:
     names = [n for n, value in vars(shaderlab.glslmath).items() if isinstance(value, FunctionType)]
     missing = {name for name in names if f"| `{name}(" not in text}
     assert missing == set() and len(names) > 60
+
+
+def test_every_formula_is_held_against_something_else() -> None:
+    text = pages()["docs/guide/reference.md"]
+    empty = re.findall(r"^\| `(\w+).*\|\s+\|$", text, re.M)
+    assert text.count("| held against |") > 20 and empty == [], (
+        "say in tests/independent what these are held against"
+    )
 
 
 def test_every_topic_has_functions_and_a_source() -> None:

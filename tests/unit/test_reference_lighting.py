@@ -85,16 +85,6 @@ def test_a_soft_spot_is_a_point_light_inside_and_ambient_outside() -> None:
     assert away == pytest.approx(left * 0.2 * CORAL)
 
 
-def test_several_points_are_the_sum_of_each() -> None:
-    places = [LAMP, LAMP + 1.0, 2.0 * LAMP]
-    rest = [[1.0] * 3, [0.1, 0.2, 0.3], [0.03] * 3, [0.1 * WHITE] * 3, [CORAL] * 3, [WHITE] * 3]
-    one_by_one = sum(
-        light_sources.point(*SURFACE, place, *(column[k] for column in rest))
-        for k, place in enumerate(places)
-    )
-    assert light_sources.points(*SURFACE, places, *rest) == pytest.approx(one_by_one)
-
-
 @given(st.floats(0.0, 1e6), st.floats(0.01, 10.0))
 def test_tone_curves_stay_below_one_and_keep_the_order(light: float, exposure: float) -> None:
     brighter = 1.01 * light + 1e-9
@@ -104,18 +94,6 @@ def test_tone_curves_stay_below_one_and_keep_the_order(light: float, exposure: f
     # x/(1+x) is undone by y/(1−y), so nothing was lost.
     y = tone_mapping.reinhard(light)
     assert y / (1.0 - y) == pytest.approx(light, rel=1e-6, abs=1e-9)
-
-
-@given(st.floats(0.0, 1.5), st.floats(0.05, 1.0))
-def test_the_well_conditioned_distribution_is_the_printed_one(tilt: float, rough: float) -> None:
-    half = np.array([math.sin(tilt), 0.0, math.cos(tilt)])
-    better = microfacets.distribution_of(UP, half, rough).item()
-    assert better == pytest.approx(microfacets.distribution(math.cos(tilt), rough), rel=1e-6)
-
-
-@pytest.mark.parametrize("roughness", [0.1, 0.3, 0.5, 0.8, 1.0])
-def test_the_mirrors_cover_the_surface_once(roughness: float) -> None:
-    assert microfacets.facing_share(roughness) == pytest.approx(1.0, abs=1e-9)
 
 
 def test_fresnel_and_geometry_run_between_their_limits() -> None:

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from math import radians
 from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, strategies as st
 
 from shaderlab.bands import Band
 from shaderlab.reference import depth, filtering, shadows
-from shaderlab.reference.transforms import look_at, orthographic, perspective
+from shaderlab.reference.transforms import look_at, orthographic
 
 
 def holds(formula: Any, *inputs: Any) -> Band:
@@ -22,16 +20,6 @@ def holds(formula: Any, *inputs: Any) -> Band:
     assert band.contains(np.asarray(exact, np.float32)).all()
     assert not band.vacuous.any()
     return band
-
-
-@pytest.mark.parametrize("near", [0.1, 1.0])
-@given(share=st.floats(0.0, 1.0))
-def test_window_depth_is_what_the_projection_gives(near: float, share: float) -> None:
-    z = near + share * (100.0 - near)
-    clip = perspective(radians(45.0), 1.0, near, 100.0) @ (0.0, 0.0, -z, 1.0)
-    assert depth.window_depth(z, near, 100.0) == pytest.approx(
-        0.5 * clip[2] / clip[3] + 0.5, abs=1e-12
-    )
 
 
 @pytest.mark.parametrize(
@@ -46,20 +34,6 @@ def test_window_depth_is_what_the_projection_gives(near: float, share: float) ->
 def test_share_of_the_depth_buffer(start: float, stop: float, near: float, share: float) -> None:
     got = depth.window_depth(stop, near, 100.0) - depth.window_depth(start, near, 100.0)
     assert got == pytest.approx(share, abs=5e-7)
-
-
-@given(st.floats(0.0, 1.0))
-def test_distance_is_the_inverse(value: float) -> None:
-    z = depth.distance_of(value, 0.5, 80.0)
-    assert depth.window_depth(z, 0.5, 80.0) == pytest.approx(value, abs=1e-12)
-
-
-@pytest.mark.parametrize("near", [0.1, 1.0])
-def test_a_step_is_one_code(near: float) -> None:
-    z = 50.0
-    step = depth.depth_step(z, near, 100.0)
-    codes = depth.window_depth(np.array([z, z + step]), near, 100.0) * 2.0**24
-    assert np.diff(codes).item() == pytest.approx(1.0, rel=1e-4)
 
 
 def test_depth_over_bands() -> None:
@@ -89,15 +63,6 @@ def test_a_bias_lets_a_surface_out_of_its_own_shadow() -> None:
     assert shadows.shadow(1.0001, stored) == 0.0
 
 
-def test_the_slope_bias_grows_as_light_grazes() -> None:
-    normal = np.array([0.0, 1.0, 0.0])
-    angles = np.radians([0.0, 30.0, 60.0, 85.0])
-    lights = np.stack([np.sin(angles), np.cos(angles), 0.0 * angles], axis=1)
-    bias = shadows.slope_bias(normal, lights, 0.005, 0.05)[:, 0]
-    assert bias[0] == 0.005 and (np.diff(bias) >= 0.0).all()
-    np.testing.assert_allclose(bias[2:], 0.05 * (1.0 - np.cos(angles[2:])), atol=1e-15)
-
-
 def test_shadows_over_bands() -> None:
     rng = np.random.default_rng(2)
     current, closest = rng.random((2, 64, 1))
@@ -111,30 +76,6 @@ def test_shadows_over_bands() -> None:
     band = shadows.filtered_shadow(Band.exact(current), nine)
     ninths = band.lo * 9.0
     assert np.abs(ninths - np.rint(ninths)).max() < 1e-4
-
-
-def test_linear_filtering_in_numpy() -> None:
-    """Against mixing written out with indices, wrapping round, over a texture of 5 × 3."""
-    rng = np.random.default_rng(1)
-    texels = rng.random((3, 5, 4))
-    uv = rng.uniform(-1.0, 2.0, (200, 2))
-    x, y = (filtering.first_texel(uv[:, k], n).astype(int) for k, n in enumerate((5.0, 3.0)))
-    across, up = (filtering.weight(uv[:, k : k + 1], n) for k, n in enumerate((5.0, 3.0)))
-
-    def texel(dx: int, dy: int) -> np.ndarray:
-        return texels[(y + dy) % 3, (x + dx) % 5]
-
-    got = filtering.bilinear(texel(0, 0), texel(1, 0), texel(0, 1), texel(1, 1), across, up)
-    wide = np.pad(texels, ((3, 6), (5, 10), (0, 0)), mode="wrap")
-    position = uv * (5.0, 3.0) - 0.5
-    low = np.floor(position).astype(int)
-    f = position - low
-    expected = np.zeros_like(got)
-    for dy in (0, 1):
-        for dx in (0, 1):
-            share = np.where(dx, f[:, 0], 1 - f[:, 0]) * np.where(dy, f[:, 1], 1 - f[:, 1])
-            expected += share[:, None] * wide[low[:, 1] + dy + 3, low[:, 0] + dx + 5]
-    np.testing.assert_allclose(got, expected, atol=1e-14)
 
 
 def test_weights_are_as_precise_as_hardware_keeps_them() -> None:
