@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from typing import Any
 
 import pytest
+from click.testing import CliRunner
+
+from shaderlab.cli import cli
 
 # Light left at d, and where 5 % and 1 % are left.
 ATTENUATION = {
@@ -32,11 +33,9 @@ GAMMA = (0.729740,)
 def out(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     folder = tmp_path_factory.mktemp("json")
     ids = ["attenuation", "spotlight", "gamma", "blinn-phong"]
-    done = subprocess.run(
-        [sys.executable, "-m", "shaderlab", "run", *ids, "--json", "out.json", "--report", "out"],
-        cwd=folder, capture_output=True, text=True, timeout=300,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stdout + done.stderr
+    files = ["--json", str(folder / "out.json"), "--report", str(folder / "out")]
+    done = CliRunner().invoke(cli, ["run", *ids, *files, "--no-pictures", "-j", "0"])
+    assert done.exit_code == 0, done.output
     read: dict[str, Any] = json.loads((folder / "out.json").read_text())
     return read
 
