@@ -18,8 +18,7 @@ from shaderlab.errors import UsageError
 from shaderlab.execution import WorkerPool
 from shaderlab.execution.sizing import cores
 from shaderlab.glsl.engines import ENGINES
-from shaderlab.glsl.harness import compile_found, time_limit
-from shaderlab.glsl.jobs import WORK, CompileOptions, FileResult
+from shaderlab.glsl.harness import WORK, CompileOptions, FileResult, compile_found, time_limit
 from shaderlab.glsl.shader_files import find_shaders
 from shaderlab.glsl.targets import ALL_TARGETS, TARGETS
 from shaderlab.glsl.text import STAGES
@@ -97,7 +96,7 @@ def command(
     programs = [shaders] if link else [[shader] for shader in shaders]
     options = CompileOptions(
         targets=tuple(dict.fromkeys(targets)) or TARGETS,
-        roots=tuple(map(str, [*includes, shipped])),
+        include=tuple(map(str, [*includes, shipped])),
         defines=dict(map(_macro, defines)),
         stage=stage,
         engine=engine,

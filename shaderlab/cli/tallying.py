@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from typing import Any
 
 from ..glsl.driver_verdict import DRIVER
-from ..glsl.jobs import FileResult
+from ..glsl.harness import FileResult
 from ..report.plain_text import diagnostic_line
 
 _WIDTH = 30

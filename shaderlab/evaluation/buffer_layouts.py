@@ -31,13 +31,12 @@ def _uniform_buffers(prepared: Mapping[str, tuple[PreparedDraw, ...]]) -> Iterat
         interface = draw.compiled.interface
         block = None if interface is None else blocks.uniform_blocks(interface).get(name)
         if block is not None:
-            layout = blocks.layout_of(block)
             parts = tuple(
-                BufferPart(name=member, offset=slot.offset, stride=slot.array_stride)
-                for member, slot in layout.slots.items()
+                BufferPart(name=member.name, offset=member.offset, stride=member.array_stride)
+                for member in block.members.values()
             )
             yield BufferRecord(
-                name=name, kind="uniform", size=layout.size, used=len(uses), parts=parts
+                name=name, kind="uniform", size=block.size, used=len(uses), parts=parts
             )
 
 

@@ -13,8 +13,7 @@ from shaderlab.errors import CaseError, nearest
 from shaderlab.expectations.base import Context, OfOutput
 from shaderlab.frame import Array, Bindings, Fragments, PassDraw, Samples
 from shaderlab.model import Need, Programs
-from shaderlab.programs.bind import declared, uniform_arrays
-from shaderlab.programs.inputs import exact_inputs
+from shaderlab.programs.bind import declared, exact_inputs, uniform_arrays
 from shaderlab.programs.prepare import PreparedDraw
 from shaderlab.programs.stages import may_keep_out
 from shaderlab.programs.varyings import elements

@@ -6,7 +6,11 @@ package loads no shared library.
 """
 
 from shaderlab.glsl.compile import Compiled as Compiled, compile_program as compile_program
-from shaderlab.glsl.harness import compile_glsl as compile_glsl
+from shaderlab.glsl.harness import (
+    WORK as WORK,
+    FileResult as FileResult,
+    compile_glsl as compile_glsl,
+)
 from shaderlab.glsl.interface import (
     Block as Block,
     Interface as Interface,
@@ -14,8 +18,6 @@ from shaderlab.glsl.interface import (
     SpecConstant as SpecConstant,
     Variable as Variable,
 )
-from shaderlab.glsl.jobs import WORK as WORK, FileResult as FileResult
-from shaderlab.glsl.library import versions as versions
 from shaderlab.glsl.reflection import reflect as reflect
 from shaderlab.glsl.sources import Shaders as Shaders, Source as Source
 from shaderlab.glsl.spirv_tools import disassemble as disassemble, validate as validate

@@ -173,15 +173,10 @@ def _names(sources: Sequence[Source]) -> list[str]:
 
 def _sections(output: str, names: Sequence[str]) -> list[str]:
     """The command's output for each file, which starts with the file's name on its own line."""
-    sections = []
-    rest = output
-    for name, after in zip(names, [*names[1:], None], strict=True):
-        rest = rest.partition(f"{name}\n")[2]
-        section, mark, _ = rest.partition(f"\n{after}\n") if after else (rest, "", "")
-        if after and not mark:
-            section = "" if rest.startswith(f"{after}\n") else rest
-        sections.append(f"{section.strip()}\n" if section.strip() else "")
-    return sections
+    parts = re.split(rf"^({_STEM}\d+\.\w+)\n", output, flags=re.M)[1:]
+    by_name = dict(zip(parts[::2], parts[1::2], strict=True))
+    texts = [by_name.get(name, "").strip() for name in names]
+    return [f"{text}\n" if text else "" for text in texts]
 
 
 def _split(section: str) -> tuple[str, str]:

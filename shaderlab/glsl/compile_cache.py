@@ -35,7 +35,6 @@ from shaderlab.records import Diagnostic, Verdict
 FOLDER_VARIABLE = "SHADERLAB_CACHE_DIR"
 
 _LARGEST = 64 << 20  # bytes that an entry may inflate to
-_VARIABLES = ("attributes", "varyings", "vertex_outputs", "outputs", "uniforms")
 # A file written after this process started may differ from what the process has loaded.
 _STARTED = time.time()
 _CLOCK_TICK = 2.0  # seconds; coarser than any file system's clock
@@ -165,10 +164,7 @@ def files_digest(paths: Sequence[Path], store: Store, started: float = _STARTED)
     remembered = store.get(key)
     if remembered is not None:
         return remembered.decode("ascii", "replace")
-    contents = []
-    for path in paths:
-        with open(path, "rb") as file:
-            contents.append(hashlib.file_digest(file, "sha256").hexdigest())
+    contents = [hashlib.sha256(path.read_bytes()).hexdigest() for path in paths]
     digest = _digest([sys.byteorder, sys.implementation.cache_tag, contents])
     store.put(key, digest.encode("ascii"))
     return digest
@@ -189,7 +185,7 @@ class Entry:
 
 
 def encode(entry: Entry) -> bytes:
-    """The entry as deflated JSON, with modules in hexadecimal."""
+    """The entry as deflated JSON: each value of `_KINDS` with its kind's name."""
     return zlib.compress(json.dumps(entry, default=_plain).encode("ascii"), 1)
 
 
@@ -200,51 +196,31 @@ def decode(data: bytes) -> Entry:
         ValueError: the bytes are not an entry.
     """
     try:
-        fields = json.loads(zlib.decompressobj().decompress(data, _LARGEST))
-        return Entry(
-            verdicts=tuple(map(_verdict, fields["verdicts"])),
-            spirv={
-                target: {stage: bytes.fromhex(module) for stage, module in modules.items()}
-                for target, modules in fields["spirv"].items()
-            },
-            logs=fields["logs"],
-            interface=_interface(fields["interface"]),
-        )
-    except (
-        zlib.error,
-        ArithmeticError,
-        AttributeError,
-        LookupError,
-        RecursionError,
-        TypeError,
-    ) as error:
+        text = zlib.decompressobj().decompress(data, _LARGEST)
+        entry = json.loads(text, object_hook=_made)
+    except (zlib.error, ArithmeticError, LookupError, RecursionError, TypeError) as error:
         raise ValueError(f"not a compile cache entry: {error}") from error
+    if not isinstance(entry, Entry):
+        raise ValueError("not a compile cache entry")
+    return entry
 
 
-def _plain(value: Any) -> Any:
-    return value.hex() if isinstance(value, bytes) else vars(value)
+_KINDS: Mapping[str, Callable[..., Any]] = {
+    kind.__name__: kind
+    for kind in (Entry, Verdict, Diagnostic, Interface, Variable, Block, Member, SpecConstant)
+}
+_KIND = "%"  # no field's name
 
 
-def _verdict(fields: Mapping[str, Any]) -> Verdict:
-    diagnostics = tuple(Diagnostic(**one) for one in fields["diagnostics"])
-    return Verdict(**{**fields, "diagnostics": diagnostics})
+def _plain(value: Any) -> dict[str, Any]:
+    fields = {"hex": value.hex()} if isinstance(value, bytes) else vars(value)
+    return {_KIND: type(value).__name__, **fields}
 
 
-def _interface(fields: Mapping[str, Any] | None) -> Interface | None:
-    if fields is None:
-        return None
-    size = fields["local_size"]
-    blocks = {
-        name: Block(**{**block, "members": _by_name(Member, block["members"])})
-        for name, block in fields["blocks"].items()
-    }
-    return Interface(
-        **{kind: _by_name(Variable, fields[kind]) for kind in _VARIABLES},
-        blocks=blocks,
-        constants=_by_name(SpecConstant, fields["constants"]),
-        local_size=None if size is None else (size[0], size[1], size[2]),
-    )
-
-
-def _by_name(kind: Callable[..., Any], entries: Mapping[str, Any]) -> dict[str, Any]:
-    return {name: kind(**fields) for name, fields in entries.items()}
+def _made(fields: dict[str, Any]) -> Any:
+    kind = fields.pop(_KIND, None)
+    if kind is None:
+        return fields
+    if kind == "bytes":
+        return bytes.fromhex(fields["hex"])
+    return _KINDS[kind](**{k: tuple(v) if isinstance(v, list) else v for k, v in fields.items()})

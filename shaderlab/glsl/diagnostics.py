@@ -17,15 +17,8 @@ _LINKING = re.compile(r"^Linking (?P<stages>.+?) stages?: (?P<message>.*)$", re.
 _COUNT = re.compile(r"^\d+ compilation errors\.  No code generated\.$")
 _TERMINATED = "compilation terminated"
 _SEVERITIES: dict[str, Severity] = {"WARNING": "warning", "NOTE": "info"}
+VERSION = r"^[ \t]*#[ \t]*version\b"
 _LAYOUT = re.compile(r"\blayout\s*\([^)]*\)")
-_STAGE_WORDS = {
-    "vertex": "vertex",
-    "tessellation control": "tess_control",
-    "tessellation evaluation": "tess_evaluation",
-    "geometry": "geometry",
-    "fragment": "fragment",
-    "compute": "compute",
-}
 
 
 def of_stage(log: str, source: Source) -> tuple[Diagnostic, ...]:
@@ -36,18 +29,15 @@ def of_stage(log: str, source: Source) -> tuple[Diagnostic, ...]:
         if _COUNT.match(rest):
             continue
         if placed is None:
-            found[_unplaced(severity, rest.strip(), source)] = None
-        elif placed["message"].strip() != _TERMINATED:
-            file, line = source.place(int(placed["line"]))
-            found[
-                Diagnostic(
-                    file=file,
-                    line=line,
-                    severity=severity,
-                    message=_worded(placed["token"] or "", placed["message"]),
-                    token=placed["token"] or "",
-                )
-            ] = None
+            # One about the version is about the line of `#version`.
+            at = line_of(VERSION, source) if "version" in rest else None
+            message = rest.strip().removeprefix("#version: ")
+            found[source.diagnostic(message, at, severity=severity)] = None
+        elif (message := placed["message"].strip()) != _TERMINATED:
+            token = placed["token"] or ""
+            worded = f"'{token}' : {message}" if token else message
+            at = int(placed["line"])
+            found[source.diagnostic(worded, at, severity=severity, token=token)] = None
     return tuple(found)
 
 
@@ -60,30 +50,26 @@ def of_link(log: str, sources: Sequence[Source]) -> tuple[Diagnostic, ...]:
     found: dict[Diagnostic, None] = {}
     for severity, rest in _entries(log):
         linking = _LINKING.match(rest)
-        stages = _stages(linking["stages"]) if linking else ()
+        stages = linking["stages"].replace("tessellation ", "tess_") if linking else ""
         involved = [s for s in sources if s.stage in stages] or list(sources)
-        token, (file, line) = _declared_in(rest, involved)
-        found[
-            Diagnostic(file=file, line=line, severity=severity, message=rest.strip(), token=token)
-        ] = None
+        source, at, token = _declared_in(rest, involved)
+        found[source.diagnostic(rest.strip(), at, severity=severity, token=token)] = None
     return tuple(found)
 
 
 def of_validator(message: str, source: Source) -> Diagnostic:
     """SPIRV-Tools' message as an error, at the declaration it is about if that is known."""
     text = " ".join(message.split())
-    file, line, token = source.path, None, ""
+    at, token = None, ""
     named = re.search(r"%(\w+) = OpTypeStruct", text)
     if "must not contain an opaque type" in text and named:
         token = named.group(1)
-        file, line = _place_of(rf"\bstruct\s+{re.escape(token)}\b", source)
+        at = line_of(rf"\bstruct\s+{re.escape(token)}\b", source)
         text = (
             f"'{token}' : Vulkan has no samplers inside structs; declare the sampler as a uniform "
             f"of its own [{text}]"
         )
-    return Diagnostic(
-        file=file, line=line, severity="error", message=f"invalid SPIR-V: {text}", token=token
-    )
+    return source.diagnostic(f"invalid SPIR-V: {text}", at, token=token)
 
 
 def declaration(source: Source, name: str, kind: str = "") -> tuple[int, str] | None:
@@ -126,39 +112,19 @@ def _entries(log: str) -> Iterator[tuple[Severity, str]]:
         rows = [start["rest"]]
 
 
-def _unplaced(severity: Severity, rest: str, source: Source) -> Diagnostic:
-    """A message without a line; one about the version goes to the line of `#version`."""
-    file, line = source.path, None
-    if "version" in rest:
-        file, line = _place_of(r"^[ \t]*#[ \t]*version\b", source)
-    message = rest.removeprefix("#version: ")
-    return Diagnostic(file=file, line=line, severity=severity, message=message, token="")
-
-
-def _place_of(pattern: str, source: Source) -> tuple[str, int | None]:
+def line_of(pattern: str, source: Source) -> int | None:
+    """The line, counted from 1, where the source's code first has the pattern."""
     match = re.search(pattern, source.code, re.MULTILINE)
-    if match is None:
-        return source.path, None
-    return source.place(source.code.count("\n", 0, match.start()) + 1)
+    return None if match is None else source.code.count("\n", 0, match.start()) + 1
 
 
-def _worded(token: str, message: str) -> str:
-    text = message.strip()
-    return f"'{token}' : {text}" if token else text
-
-
-def _stages(words: str) -> tuple[str, ...]:
-    return tuple(stage for word, stage in _STAGE_WORDS.items() if word in words)
-
-
-def _declared_in(message: str, sources: Sequence[Source]) -> tuple[str, tuple[str, int | None]]:
-    """The name that a link message is about, and the place of its declaration."""
+def _declared_in(message: str, sources: Sequence[Source]) -> tuple[Source, int | None, str]:
+    """The declaration that a link message is about: its source, line and name."""
     shown = re.findall(r'"[^"]*?(\w+)(?:\[[^"]*)?"', message)
     listed = re.findall(r"^\s+(\w+)[(:]", message, re.MULTILINE)
     for name in [*reversed(shown), *listed]:
         for source in reversed(sources):
             found = declaration(source, name)
             if found:
-                return name, source.place(found[0])
-    last: str = sources[-1].path
-    return "", (last, None)
+                return source, found[0], name
+    return sources[-1], None, ""

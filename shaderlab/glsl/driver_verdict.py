@@ -33,17 +33,14 @@ def parse_driver_log(log: str, source: Source, *, ok: bool) -> tuple[Diagnostic,
     for row in filter(None, map(str.strip, log.split("\n"))):
         match = next(filter(None, (form.match(row) for form in _FORMS)), None)
         severity: Severity = "info"
-        file, line, message = source.path, None, row
+        at, message = None, row
         if match:
             severity = "error" if match["severity"].lower() == "error" else "warning"
-            message = match["message"]
-            if match["line"]:
-                file, line = source.place(int(match["line"]))
-        found[Diagnostic(file=file, line=line, severity=severity, message=message)] = None
+            at, message = int(match["line"] or 0) or None, match["message"]
+        found[source.diagnostic(message, at, severity=severity)] = None
     if not ok and not any(d.severity == "error" for d in found):
         message = "the driver refuses it" + ("" if found else " and does not say why")
-        error = Diagnostic(file=source.path, line=None, severity="error", message=message)
-        return (error, *found)
+        return (source.diagnostic(message), *found)
     return tuple(found)
 
 
@@ -53,25 +50,15 @@ def mark_disagreement(verdicts: Iterable[Verdict]) -> tuple[Verdict, ...]:
     The first diagnostic says so. It is a warning, since the side that refuses the program has
     reported its errors already.
     """
-    every = tuple(verdicts)
-    plain = next((v for v in every if v.target == "glsl" and not v.status), None)
-    return tuple(
-        _disagreeing(v, plain)
-        if plain and v.target == DRIVER and not v.status and v.ok != plain.ok
-        else v
-        for v in every
-    )
-
-
-def _disagreeing(driver: Verdict, plain: Verdict) -> Verdict:
-    refusing = plain if driver.ok else driver
-    first = next(d for d in refusing.diagnostics if d.severity == "error")
-    accepts, refuses = ("the driver", "glslang") if driver.ok else ("glslang", "the driver")
-    note = Diagnostic(
-        file=first.file,
-        line=first.line,
-        severity="warning",
-        message=f"disagreement: {accepts} accepts what {refuses} refuses: {first.message}",
-        token=first.token,
-    )
-    return replace(driver, status="disagrees", diagnostics=(note, *driver.diagnostics))
+    by_target = {verdict.target: verdict for verdict in verdicts}
+    plain, driver = by_target.get("glsl"), by_target.get(DRIVER)
+    if plain and driver and not (plain.status or driver.status) and plain.ok != driver.ok:
+        refusing = plain if driver.ok else driver
+        first = next(d for d in refusing.diagnostics if d.severity == "error")
+        accepts, refuses = ("the driver", "glslang") if driver.ok else ("glslang", "the driver")
+        message = f"disagreement: {accepts} accepts what {refuses} refuses: {first.message}"
+        note = replace(first, severity="warning", message=message)
+        by_target[DRIVER] = replace(
+            driver, status="disagrees", diagnostics=(note, *driver.diagnostics)
+        )
+    return tuple(by_target.values())

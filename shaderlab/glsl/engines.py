@@ -75,21 +75,22 @@ class Engine(Protocol):
         """Versions by "glslang" and "SPIRV-Tools", and the path of each file in use."""
 
 
-def choose(name: str | None = None) -> Engine:
+def choose(name: str | None = None, seconds: float | None = None) -> Engine:
     """The engine to use.
 
     Args:
         name: one of ENGINES. By default the command that SHADERLAB_GLSLANG names, else the
             libraries, else the system's commands.
+        seconds: time limit for each command; a library can't be stopped.
 
     Raises:
         ShaderError: no such engine, or it is not installed; the remedy says what to install.
     """
-    return _chosen(name, os.environ.get(COMMAND_VARIABLE) or None)
+    return _chosen(name, os.environ.get(COMMAND_VARIABLE) or None, seconds)
 
 
 @functools.cache
-def _chosen(name: str | None, command: str | None) -> Engine:
+def _chosen(name: str | None, command: str | None, seconds: float | None) -> Engine:
     # Imported late: commands need subprocess and tempfile, which the library does without.
     from shaderlab.glsl.commands import Commands, locate
     from shaderlab.glsl.library_engine import Library
@@ -97,23 +98,16 @@ def _chosen(name: str | None, command: str | None) -> Engine:
     if name == "library":
         return Library()
     if name == "process" or (name is None and command):
-        return Commands(locate(command))
+        return Commands(locate(command), seconds)
     if name is not None:
         raise ShaderError(f"no such engine: {name!r}", remedy=nearest(name, ENGINES))
     try:
         return choose("library")
     except ShaderError as error:
         try:
-            return Commands(locate(None))
+            return Commands(locate(None), seconds)
         except ShaderError:
             raise error from None
-
-
-def limited(engine: Engine, seconds: float) -> Engine:
-    """The engine with a time limit for each of its commands; a library can't be stopped."""
-    from shaderlab.glsl.commands import Commands
-
-    return Commands(engine.executables, seconds) if isinstance(engine, Commands) else engine
 
 
 def warm_up() -> Callable[[], None]:
@@ -126,16 +120,16 @@ def warm_up() -> Callable[[], None]:
     """
     if os.environ.get(COMMAND_VARIABLE):
         return lambda: None
-    thread = threading.Thread(target=_compile_smallest, daemon=True)
+
+    def compile_smallest() -> None:
+        text = "#version 330 core\nvoid main() {}\n"
+        source = Shaders([]).from_text(text, "vertex", "smallest.vert")
+        with suppress(ShaderError):
+            engine = choose("library")
+            engine.check(source)
+            for target in ("opengl", "vulkan"):
+                engine.link([source], target)
+
+    thread = threading.Thread(target=compile_smallest, daemon=True)
     thread.start()
     return thread.join
-
-
-def _compile_smallest() -> None:
-    text = "#version 330 core\nvoid main() {}\n"
-    source = Shaders([]).from_text(text, "vertex", "smallest.vert")
-    with suppress(ShaderError):
-        engine = choose("library")
-        engine.check(source)
-        for target in ("opengl", "vulkan"):
-            engine.link([source], target)

@@ -11,6 +11,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from shaderlab.glsl.diagnostics import VERSION, line_of
 from shaderlab.glsl.engines import Engine
 from shaderlab.glsl.sources import Source
 from shaderlab.glsl.targets import SETTINGS
@@ -39,8 +40,7 @@ def fatal(source: Source, engine: Engine) -> Diagnostic | None:
     if found is None:
         return None
     token, message, line = found
-    file, place = source.place(line)
-    return Diagnostic(file=file, line=place, severity="error", message=message, token=token)
+    return source.diagnostic(message, line, token=token)
 
 
 def too_old(source: Source, target: str) -> Diagnostic | None:
@@ -53,11 +53,9 @@ def too_old(source: Source, target: str) -> Diagnostic | None:
     version, profile = source.version
     if version >= minimum or profile == "es" or version == 100:
         return None
-    rows = source.code.split("\n")
-    at = next((i for i, row in enumerate(rows, start=1) if re.match(r"\s*#\s*version\b", row)), 1)
-    file, line = source.place(at)
+    at = line_of(VERSION, source) or 1
     message = f"Desktop shaders for {name} SPIR-V require version {minimum} or higher"
-    return Diagnostic(file=file, line=line, severity="error", message=message)
+    return source.diagnostic(message, at)
 
 
 def _crashing_block(code: str) -> tuple[str, str, int] | None:
@@ -91,13 +89,14 @@ def _blocks(code: str) -> Iterator[tuple[str, int]]:
 
 def _too_deep(code: str) -> tuple[str, str, int] | None:
     for line, nesting, operators in _depths(code):
-        if nesting > MAX_NESTING:
-            what = f"nests deeper than {MAX_NESTING} levels"
-        elif operators > MAX_OPERATORS:
-            what = f"has a statement of more than {MAX_OPERATORS} operators"
-        else:
-            continue
-        return "", f"{what}, which overflows the compiler's stack", line
+        if nesting > MAX_NESTING or operators > MAX_OPERATORS:
+            deep = f"nests deeper than {MAX_NESTING} levels"
+            what = (
+                deep
+                if nesting > MAX_NESTING
+                else (f"has a statement of more than {MAX_OPERATORS} operators")
+            )
+            return "", f"{what}, which overflows the compiler's stack", line
     return None
 
 

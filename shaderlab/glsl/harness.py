@@ -2,19 +2,28 @@
 
 from __future__ import annotations
 
+import importlib
 import itertools
 import os
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Literal, Protocol
 
-from shaderlab.errors import ShaderError, nearest
-from shaderlab.glsl.engines import COMMAND_VARIABLE, ENGINES
-from shaderlab.glsl.jobs import CompileJob, CompileOptions, FileResult, died, work
+from shaderlab.errors import DriverError, ShaderError, nearest
+from shaderlab.glsl.compile import compile_program
+from shaderlab.glsl.driver_verdict import mark_disagreement
+from shaderlab.glsl.engines import COMMAND_VARIABLE, ENGINES, CompilerDiedError, Engine, choose
 from shaderlab.glsl.shader_files import ShaderFile, find_shaders
+from shaderlab.glsl.sources import Shaders, Source
 from shaderlab.glsl.targets import ALL_TARGETS, TARGETS
-from shaderlab.glsl.text import STAGES
+from shaderlab.glsl.text import STAGES, stage_of
+from shaderlab.records import Diagnostic, Verdict
+
+WORK = "shaderlab.glsl.harness:work"
+"""What a pool of processes runs, by name: takes `CompileJob`s, yields `FileResult`s."""
 
 _BATCH = 128
 # One check, then for each of three SPIR-V targets the compiler and the validator; rounded up.
@@ -22,25 +31,92 @@ _COMMANDS_PER_FILE = 8
 
 
 class Workers(Protocol):
-    """A pool of processes, such as `shaderlab.execution.WorkerPool(jobs.WORK)`."""
+    """A pool of processes, such as `shaderlab.execution.WorkerPool(WORK)`."""
 
     def run(self, items: Iterable[Any]) -> Iterator[Any]:
         """The jobs' results as they complete; see `shaderlab.execution.pool.ItemResult`."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class CompileOptions:
+    """How to compile files.
+
+    Attributes:
+        targets: some of `ALL_TARGETS`.
+        include: folders to include from, after a file's own root.
+        defines: macros to put after each `#version` line.
+        stage: every file's stage; by default its extension or `#pragma shader_stage` says it.
+        engine: "library", "process", or None for the default.
+        seconds: time limit for one file, enforced by worker processes and by the "process" engine;
+            a library in this process can't be stopped.
+        driver: the function that returns a driver's verdict on a program, as "module:function".
+        keep: whether to return SPIR-V modules.
+
+    Raises:
+        ShaderError: unknown target, stage or engine.
+    """
+
+    targets: Sequence[str] = TARGETS
+    include: Sequence[str | Path] = ()
+    defines: Mapping[str, str] = field(default_factory=dict)
+    stage: str | None = None
+    engine: str | None = None
+    seconds: float = 10.0
+    driver: str = ""
+    keep: bool = False
+
+    def __post_init__(self) -> None:
+        for what, words, known in (
+            ("compile target", self.targets, ALL_TARGETS),
+            ("stage", filter(None, [self.stage]), STAGES),
+            ("engine", filter(None, [self.engine]), ENGINES),
+        ):
+            for word in words:
+                if word not in known:
+                    raise ShaderError(f"no such {what}: {word!r}", remedy=nearest(word, known))
+
+
+@dataclass(frozen=True)
+class CompileJob:
+    """Files to compile as one program."""
+
+    files: Sequence[ShaderFile]
+    options: CompileOptions
+
+    @property
+    def path(self) -> str:
+        """The files' paths, joined by " + "."""
+        return " + ".join(file.path for file in self.files)
+
+
+@dataclass(frozen=True, kw_only=True)
+class FileResult:
+    """Every target's verdict on one file, or on the files of one program.
+
+    Attributes:
+        path: as it was named; of a program, its files' paths joined by " + ".
+        stage: one of `STAGES`; of a program, its stages joined by " + "; "" if unknown.
+        verdicts: one for each target, in the order they were given, then the driver's if any.
+        spirv: each target's modules by stage, if they were requested.
+    """
+
+    path: str
+    stage: str
+    verdicts: tuple[Verdict, ...]
+    spirv: Mapping[str, Mapping[str, bytes]] = field(default_factory=dict)
+
+    @property
+    def ok(self) -> bool:
+        """Whether all targets accept it."""
+        return all(verdict.ok for verdict in self.verdicts)
+
+
 def compile_glsl(
     paths: Sequence[str | Path],
     *,
-    targets: Sequence[str] = TARGETS,
-    include: Sequence[str | Path] = (),
-    defines: Mapping[str, str] | None = None,
-    stage: str | None = None,
-    engine: str | None = None,
-    seconds: float = 10.0,
     link: bool = False,
-    driver: str = "",
-    keep: bool = False,
     workers: Workers | None = None,
+    **options: Any,
 ) -> Iterator[FileResult]:
     """Compiles shader files and yields one result for each, sorted by path.
 
@@ -48,40 +124,20 @@ def compile_glsl(
 
     Args:
         paths: files, and folders to search; see `find_shaders`.
-        targets: some of `ALL_TARGETS`.
-        include: more folders that `#include` may read from.
-        defines: macros put after each `#version` line.
-        stage: every file's stage; by default its extension or `#pragma shader_stage` says it.
-        engine: "library", "process", or None for the default.
-        seconds: time limit for one file, enforced by `workers` and by the "process" engine; a
-            library in this process can't be stopped.
         link: whether the files are the stages of one program.
-        driver: a function that returns a driver's verdict on a program, as "module:function".
-        keep: whether to return each result's SPIR-V modules.
         workers: processes to compile in. A file that crashes a compiler, hangs it or fills the
             memory is then reported as such and does not affect the others. By default this
             process compiles.
+        options: attributes of `CompileOptions`.
 
     Raises:
         UsageError: a path does not exist, or a folder holds no shader.
         ShaderError: unknown target, stage or engine, or no compiler is installed. What is wrong
             with a file never raises; it is in the file's result.
     """
-    _check(targets, ALL_TARGETS, "compile target")
-    _check([stage] if stage else [], STAGES, "stage")
-    _check([engine] if engine else [], ENGINES, "engine")
-    options = CompileOptions(
-        targets=tuple(targets),
-        roots=tuple(map(str, include)),
-        defines=dict(defines or {}),
-        stage=stage,
-        engine=engine,
-        seconds=seconds,
-        driver=driver,
-        keep=keep,
-    )
-    shaders = find_shaders(paths, [Path(folder) for folder in include], stage=stage)
-    return compile_found([shaders] if link else [[one] for one in shaders], options, workers)
+    how = CompileOptions(**options)
+    shaders = find_shaders(paths, [Path(folder) for folder in how.include], stage=how.stage)
+    return compile_found([shaders] if link else [[one] for one in shaders], how, workers)
 
 
 def compile_found(
@@ -90,34 +146,46 @@ def compile_found(
     workers: Workers | None = None,
 ) -> Iterator[FileResult]:
     """As `compile_glsl`, for files that `find_shaders` found; each sequence is one program."""
-    jobs = (
-        CompileJob(
-            " + ".join(s.path for s in files), tuple((s.root, s.name) for s in files), options
-        )
-        for files in programs
-    )
+    jobs = (CompileJob(files, options) for files in programs)
     if workers is None:
-        for batch in iter(lambda: list(itertools.islice(jobs, _BATCH)), []):
+        while batch := list(itertools.islice(jobs, _BATCH)):
             yield from work(batch)
         return
-    for result in _in_order(workers.run(jobs)):
-        if result.status == "done":
-            yield result.value
-        elif result.status == "error":
-            raise result.value
-        else:
-            yield died(result.item, result.status, result.message)
-
-
-def _in_order(results: Iterator[Any]) -> Iterator[Any]:
-    """Results in their jobs' order, each as soon as all before it are there."""
     waiting: dict[int, Any] = {}
     following = 0
-    for result in results:
+    for result in workers.run(jobs):
         waiting[result.number] = result
-        while following in waiting:
-            yield waiting.pop(following)
+        while following in waiting:  # yielded in their jobs' order
+            yield _value(waiting.pop(following))
             following += 1
+
+
+def _value(result: Any) -> FileResult:
+    if result.status == "error":
+        raise result.value
+    if result.status == "done":
+        value: FileResult = result.value
+        return value
+    return _died(result.item, result.status, result.message)
+
+
+def work(jobs: Sequence[CompileJob]) -> Iterator[FileResult]:
+    """Compiles jobs of one set of options, in order. What is wrong with a file is in its result."""
+    options = jobs[0].options if jobs else CompileOptions()
+    engine = choose(options.engine, options.seconds)
+    shaders: dict[str, Shaders] = {}
+    loaded = [_load(job, shaders) for job in jobs]
+    engine.prepare([source for stages in loaded if isinstance(stages, list) for source in stages])
+    for job, stages in zip(jobs, loaded, strict=True):
+        try:
+            if isinstance(stages, ShaderError):
+                raise stages
+            yield _compile(job, stages, engine)
+        except CompilerDiedError as error:
+            yield _died(job, error.status, error.message)
+        except ShaderError as error:
+            message = error.message + (f" ({error.remedy})" if error.remedy else "")
+            yield _failed(job, message, error.file, error.line)
 
 
 def time_limit(engine: str | None, seconds: float) -> float:
@@ -131,7 +199,56 @@ def time_limit(engine: str | None, seconds: float) -> float:
     return seconds * _COMMANDS_PER_FILE if commands else seconds
 
 
-def _check(words: Sequence[str], known: Sequence[str], what: str) -> None:
-    for word in words:
-        if word not in known:
-            raise ShaderError(f"no such {what}: {word!r}", remedy=nearest(word, known))
+def _died(job: CompileJob, status: str, message: str) -> FileResult:
+    """The result of a job whose compiler crashed or timed out."""
+    if status == "crash":
+        return _failed(job, f"crash: took the compiler down: {message}", status="crash")
+    return _failed(job, f"{status}: took the compiler too long: {message}", status="timeout")
+
+
+def _failed(
+    job: CompileJob,
+    message: str,
+    file: str | None = None,
+    line: int | None = None,
+    status: Literal["", "crash", "timeout"] = "",
+) -> FileResult:
+    """The same error as every target's verdict."""
+    error = Diagnostic(file=file or job.path, line=line, severity="error", message=message)
+    try:
+        stage = " + ".join(job.options.stage or stage_of(one.name, "") for one in job.files)
+    except ShaderError:
+        stage = ""
+    verdicts = (
+        Verdict(target=target, ok=False, diagnostics=(error,), status=status)
+        for target in job.options.targets
+    )
+    return FileResult(path=job.path, stage=stage, verdicts=tuple(verdicts))
+
+
+def _load(job: CompileJob, shaders: dict[str, Shaders]) -> list[Source] | ShaderError:
+    """The job's sources; `shaders` holds what loads them, by root, for all jobs."""
+    options = job.options
+    try:
+        for root in {file.root for file in job.files} - shaders.keys():
+            folders = dict.fromkeys([root, *map(str, options.include)])
+            shaders[root] = Shaders(list(map(Path, folders)), defines=options.defines)
+        return [shaders[file.root].load(file.name, options.stage) for file in job.files]
+    except ShaderError as error:
+        return error
+
+
+def _compile(job: CompileJob, stages: Sequence[Source], engine: Engine) -> FileResult:
+    compiled = compile_program(stages, job.options.targets, engine=engine)
+    verdicts = compiled.verdicts
+    module, _, function = job.options.driver.partition(":")
+    if module:
+        with suppress(DriverError):  # there is no driver, or it lacks such a stage
+            verdict = getattr(importlib.import_module(module), function)(stages)
+            verdicts = mark_disagreement([*verdicts, verdict])
+    return FileResult(
+        path=job.path,
+        stage=" + ".join(source.stage for source in compiled.sources),
+        verdicts=verdicts,
+        spirv=compiled.spirv if job.options.keep else {},
+    )

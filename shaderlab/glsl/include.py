@@ -67,18 +67,7 @@ class LineMap:
         raise IndexError(f"no line {index} in a text of {len(self)}")
 
 
-@dataclass(frozen=True)
-class Expanded:
-    """A text with includes expanded, the same without its comments, each line's origin, and the
-    path and own text of each file it is made of."""
-
-    text: str
-    code: str
-    lines: LineMap
-    parts: tuple[tuple[str, str], ...]
-
-
-def expand(file: File, roots: Roots, defines: Mapping[str, str]) -> Expanded:
+def expand(file: File, roots: Roots, defines: Mapping[str, str]) -> Expansion:
     """The file's text with every `#include` replaced by the included file's text.
 
     Args:
@@ -92,19 +81,15 @@ def expand(file: File, roots: Roots, defines: Mapping[str, str]) -> Expanded:
     """
     code = without_comments(file.text)
     version = version_of(code)
-    expansion = _Expansion(roots, defines, version[0] if version else 110)
+    expansion = Expansion(roots, defines, version[0] if version else 110)
     expansion.append(file, code, ())
     expansion.define_first()
-    return Expanded(
-        "\n".join(expansion.rows),
-        "\n".join(expansion.codes),
-        LineMap.of(expansion.spans),
-        tuple(expansion.parts.items()),
-    )
+    return expansion
 
 
-class _Expansion:
-    """The text so far: its rows, the same without comments, their origin, the files."""
+class Expansion:
+    """The text so far: its rows, the same without comments (`codes`), runs of each file's lines
+    (as in `LineMap`), and the path and own text of each file it is made of."""
 
     def __init__(self, roots: Roots, defines: Mapping[str, str], version: int) -> None:
         self._roots, self._version, self._includes = roots, version, 0
@@ -186,15 +171,18 @@ class _Expansion:
         for start in dict.fromkeys([folder, ""]):
             try:
                 name = inside(path, start)
-                open_files = [file for file, _ in trail if file.name == name]
-                if open_files and not _ONCE.search(without_comments(open_files[0].text)):
-                    raise _error(f"{path!r} includes itself", trail, "break the cycle of includes")
                 file = self._roots.find(name)
             except OutsideError as error:
                 outside = outside or error
                 continue
             except ShaderError as error:
-                raise _error_in(error, trail) from None
+                chain = f"{error.message} (included by {_chain(trail)})"
+                raise ShaderError(
+                    chain, file=error.file, line=error.line, remedy=error.remedy
+                ) from None
+            open_files = [one for one, _ in trail if one.name == name]
+            if open_files and not _ONCE.search(without_comments(open_files[0].text)):
+                raise _error(f"{path!r} includes itself", trail, "break the cycle of includes")
             if file is not None and len(trail) > MAX_DEPTH:
                 raise _error(f"includes nest deeper than {MAX_DEPTH}", trail, "include less deeply")
             if file is not None:
@@ -218,14 +206,6 @@ def _error(message: str, trail: _Trail, remedy: str) -> ShaderError:
     *outer, (file, line) = trail
     chain = f" (included by {_chain(outer)})" if outer else ""
     return ShaderError(message + chain, file=file.path, line=line, remedy=remedy)
-
-
-def _error_in(error: ShaderError, trail: _Trail) -> ShaderError:
-    """An error of reading an included file, with the chain that led to it."""
-    if "included by" in error.message or "includes itself" in error.message:
-        return error
-    message = f"{error.message} (included by {_chain(trail)})"
-    return ShaderError(message, file=error.file, line=error.line, remedy=error.remedy)
 
 
 def _chain(trail: Iterable[tuple[File, int]]) -> str:

@@ -6,17 +6,16 @@ even if it links the stages together. The lab makes stages agree by name, as GLS
 
 from __future__ import annotations
 
-import math
 import struct
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 from shaderlab.glsl.diagnostics import declaration
-from shaderlab.glsl.module import MAGIC, Decoration, Module, Op, Storage, parse
+from shaderlab.glsl.module import Decoration, Module, Op, Storage, parse
 from shaderlab.glsl.sources import Source
 from shaderlab.glsl.text import STAGES
-from shaderlab.glsl.types import is_opaque, leaves_count, slots, unwrap
+from shaderlab.glsl.types import OPAQUE, elements_of, leaves_count, slots, unwrap
 from shaderlab.glsl.variables import stage_variables
 from shaderlab.records import Diagnostic
 
@@ -56,7 +55,9 @@ def match_locations(modules: Mapping[str, bytes], sources: Sequence[Source]) -> 
     for uses_by_name in _namespaces(parsed):
         _renumber(uses_by_name, words, sources)
     return {
-        stage: data if tuple(words[stage]) == parsed[stage].words else _pack(words[stage], data)
+        stage: data
+        if tuple(words[stage]) == parsed[stage].words
+        else struct.pack(f"{len(words[stage])}I", *words[stage])
         for stage, data in modules.items()
     }
 
@@ -87,10 +88,8 @@ def unwritten_inputs(
                     f"'{name}' : {variable.type} at location {variable.location}, where the "
                     f"{writer} stage writes the {other.type} '{other.name}'"
                 )
-            file, line = source.place(declared[0]) if declared else (source.path, None)
-            found.append(
-                Diagnostic(file=file, line=line, severity="error", message=message, token=name)
-            )
+            at_line = declared[0] if declared else None
+            found.append(source.diagnostic(message, at_line, token=name))
     return tuple(found)
 
 
@@ -165,16 +164,15 @@ def _numbers(module: Module, id_: int, storage: int) -> Iterator[tuple[object, s
         yield "location", "location", leaves_count(module, pointee)
     if module.number(id_, Decoration.BINDING) is None:
         return
-    count = math.prod(max(length, 1) for length in lengths)
     descriptor_set = module.number(id_, Decoration.DESCRIPTOR_SET)
     if descriptor_set is not None:
         yield ("set", descriptor_set), "binding", 1
     elif storage != Storage.UNIFORM_CONSTANT:
         stored = module.decorated(element, Decoration.BUFFER_BLOCK) is not None
-        yield "storage" if stored else "uniform", "binding", count
-    elif is_opaque(module, pointee):
+        yield "storage" if stored else "uniform", "binding", elements_of(lengths)
+    elif module.types[element].op in OPAQUE:
         image = module.types[element].op == Op.TYPE_IMAGE
-        yield "image" if image else "unit", "binding", count
+        yield "image" if image else "unit", "binding", elements_of(lengths)
 
 
 def _renumber(
@@ -211,9 +209,4 @@ def _by_author(name: str, uses: Sequence[_Use], sources: Sequence[Source]) -> bo
     """Whether the author wrote the name's number in one of the stages that use it."""
     stages = {use.stage for use in uses}
     declared = (declaration(s, name) for s in sources if s.stage in stages and name)
-    return any(found is not None and uses[0].qualifier in found[1] for found in declared)
-
-
-def _pack(words: Sequence[int], like: bytes) -> bytes:
-    order = "<" if like[:4] == struct.pack("<I", MAGIC) else ">"
-    return struct.pack(f"{order}{len(words)}I", *words)
+    return any(found and uses[0].qualifier in found[1] for found in declared)

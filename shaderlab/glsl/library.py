@@ -194,24 +194,6 @@ def files() -> tuple[Path, ...]:
     return tuple(find(*library) for library in (_FRONT, _BACK, _RESOURCE, _SPIRV_TOOLS))
 
 
-def versions() -> Mapping[str, str]:
-    """The versions of "glslang" and "SPIRV-Tools", and the path of each library.
-
-    Raises:
-        ShaderError: a wheel is missing; the remedy names it.
-    """
-    from importlib.metadata import version  # costs 20 ms, and only `doctor` needs it
-
-    tools = spirv_tools()
-    glslang()
-    return {
-        "glslang": version(GLSLANG_WHEEL),
-        "glslang library": str(find(*_FRONT)),
-        "SPIRV-Tools": tools.spvSoftwareVersionString().decode().removeprefix("SPIRV-Tools "),
-        "SPIRV-Tools library": str(find(*_SPIRV_TOOLS)),
-    }
-
-
 def _load(named: tuple[str, str], functions: _Signatures, mode: int) -> c.CDLL:
     wheel, name = named
     path = find(wheel, name)

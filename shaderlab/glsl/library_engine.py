@@ -12,7 +12,7 @@ import sys
 from collections.abc import Mapping, Sequence
 
 from shaderlab.glsl.engines import Checked, Linked
-from shaderlab.glsl.library import Glslang, Input, glslang, spirv_tools, versions
+from shaderlab.glsl.library import GLSLANG_WHEEL, Glslang, Input, files, glslang, spirv_tools
 from shaderlab.glsl.sources import Source
 from shaderlab.glsl.spirv_tools import validate
 from shaderlab.glsl.targets import SETTINGS, TargetSettings
@@ -86,7 +86,16 @@ class Library:
                 front.glslang_shader_delete(handle)
 
     def versions(self) -> Mapping[str, str]:
-        return versions()
+        from importlib.metadata import version  # costs 20 ms, and only `doctor` needs it
+
+        tools = spirv_tools().spvSoftwareVersionString().decode()
+        front, *_, back = files()
+        return {
+            "glslang": version(GLSLANG_WHEEL),
+            "glslang library": str(front),
+            "SPIRV-Tools": tools.removeprefix("SPIRV-Tools "),
+            "SPIRV-Tools library": str(back),
+        }
 
     def _check(self, source: Source) -> Checked:
         front = self._glslang.front

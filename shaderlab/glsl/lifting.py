@@ -9,8 +9,8 @@ program stays as it is, with SPIRV-Tools' verdict.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import replace
 
 from shaderlab.glsl.engines import Engine
 from shaderlab.glsl.sources import Source
@@ -20,22 +20,6 @@ _STRUCT = re.compile(r"\bstruct\s+(?P<name>\w+)\s*\{(?P<body>[^{}]*)\}")
 _MEMBER = re.compile(r"(?P<all>[^;]*?\b(?P<type>[iu]?(?:sampler|image)\w+)\s+(?P<names>[^;]+);)")
 _OPAQUE = re.compile(r"\b[iu]?(?:sampler|image)")
 _DECLARATOR = re.compile(r"\s*(?P<name>\w+)\s*(?P<array>\[[^\]]*\])?\s*")
-
-
-@dataclass(frozen=True)
-class _Edit:
-    start: int
-    end: int
-    text: str
-
-
-@dataclass(frozen=True)
-class _Opaque:
-    """A member that can't be in a Vulkan struct: its type, name and array suffix."""
-
-    type: str
-    name: str
-    array: str
 
 
 def lift_samplers(
@@ -59,70 +43,37 @@ def _lift(source: Source) -> tuple[Source, list[Diagnostic]]:
     code = source.code
     if "struct" not in code or not _OPAQUE.search(code):
         return source, []
-    edits: list[_Edit] = []
+    edits: list[tuple[int, int, str]] = []  # start and end in the text, and what comes there
     notes = []
     for struct in _STRUCT.finditer(code):
-        opaque, removals = _opaque_members(struct)
-        uniforms = list(_uniforms(code, struct["name"])) if opaque else []
-        if not uniforms:
+        members = list(_MEMBER.finditer(code, *struct.span("body")))
+        uniforms = list(re.finditer(rf"\buniform\s+{struct['name']}\s+([^;=]+);", code))
+        if not (members and uniforms):
             continue
-        edits += removals
-        for at, variables in uniforms:
-            edits.append(_Edit(at, at, _declarations(variables, opaque)))
-            for variable, _ in variables:
-                edits += _uses(code, variable, opaque)
+        opaque = [(m["type"], *own) for m in members for own in _declarators(m["names"])]
+        for member in members:
+            edits.append((*member.span(), re.sub(r"[^\n]", " ", member["all"])))
+        if not _MEMBER.sub("", struct["body"]).strip():
+            edits.append((struct.end("body"), struct.end("body"), "float lifted;"))
+        for uniform in uniforms:
+            declared = ""
+            for variable, array in _declarators(uniform[1]):
+                for kind, member_name, suffix in opaque:
+                    declared += f"uniform {kind} {variable}_{member_name}{array}{suffix}; "
+                    pattern = rf"\b{variable}\s*(\[[^\[\]]*\])?\s*\.\s*{member_name}\b"
+                    for use in re.finditer(pattern, code):
+                        edits.append((*use.span(), f"{variable}_{member_name}{use[1] or ''}"))
+            edits.append((uniform.start(), uniform.start(), declared))
         line = code.count("\n", 0, struct.start()) + 1
-        notes.append(_note(source, line, struct["name"], opaque))
+        name, lifted = struct["name"], ", ".join(own[1] for own in opaque)
+        message = f"'{name}' : Vulkan has no samplers in structs; compiled with {lifted} lifted out"
+        notes.append(source.diagnostic(message, line, severity="info", token=name))
     text = source.text
-    for edit in sorted(edits, key=lambda edit: edit.start, reverse=True):
-        text = text[: edit.start] + edit.text + text[edit.end :]
+    for start, end, new in sorted(edits, key=lambda edit: edit[0], reverse=True):
+        text = text[:start] + new + text[end:]
     return replace(source, text=text, stripped=None), notes
 
 
-def _opaque_members(struct: re.Match[str]) -> tuple[list[_Opaque], list[_Edit]]:
-    """The struct's samplers and images, and the edits that remove them."""
-    found: list[_Opaque] = []
-    edits = []
-    start = struct.start("body")
-    for member in _MEMBER.finditer(struct["body"]):
-        for declarator in _DECLARATOR.finditer(member["names"]):
-            found.append(_Opaque(member["type"], declarator["name"], declarator["array"] or ""))
-        blank = re.sub(r"[^\n]", " ", member["all"])
-        edits.append(_Edit(start + member.start(), start + member.end(), blank))
-    rest = _MEMBER.sub("", struct["body"])
-    if found and not rest.strip():
-        # A struct needs a member.
-        edits.append(_Edit(struct.end("body"), struct.end("body"), "float lifted;"))
-    return found, edits
-
-
-def _uniforms(code: str, struct: str) -> Iterator[tuple[int, list[tuple[str, str]]]]:
-    """Declarations of the struct's uniforms: the place, and each one's name and array suffix."""
-    for match in re.finditer(rf"\buniform\s+{struct}\s+([^;=]+);", code):
-        declared = [
-            (declarator["name"], declarator["array"] or "")
-            for declarator in _DECLARATOR.finditer(match[1])
-        ]
-        yield match.start(), declared
-
-
-def _declarations(variables: Sequence[tuple[str, str]], opaque: Sequence[_Opaque]) -> str:
-    return "".join(
-        f"uniform {member.type} {name}_{member.name}{array}{member.array}; "
-        for name, array in variables
-        for member in opaque
-    )
-
-
-def _uses(code: str, variable: str, opaque: Sequence[_Opaque]) -> Iterator[_Edit]:
-    for member in opaque:
-        pattern = rf"\b{variable}\s*(\[[^\[\]]*\])?\s*\.\s*{member.name}\b"
-        for use in re.finditer(pattern, code):
-            yield _Edit(use.start(), use.end(), f"{variable}_{member.name}{use[1] or ''}")
-
-
-def _note(source: Source, line: int, struct: str, opaque: Sequence[_Opaque]) -> Diagnostic:
-    file, place = source.place(line)
-    names = ", ".join(member.name for member in opaque)
-    message = f"'{struct}' : Vulkan has no samplers in structs; compiled with {names} lifted out"
-    return Diagnostic(file=file, line=place, severity="info", message=message, token=struct)
+def _declarators(names: str) -> list[tuple[str, str]]:
+    """The declared names, each with its array suffix or ""."""
+    return [(found["name"], found["array"] or "") for found in _DECLARATOR.finditer(names)]

@@ -103,12 +103,11 @@ def parse(data: bytes) -> Module:
     """The declarations of a module.
 
     Raises:
-        ShaderError: the bytes are not a SPIR-V module.
+        ShaderError: the bytes are not a SPIR-V module in this machine's byte order.
     """
     if len(data) < 20 or len(data) % 4:
         raise ShaderError(f"not a SPIR-V module: {len(data)} bytes")
-    order = "<" if data[:4] == struct.pack("<I", MAGIC) else ">"
-    words = struct.unpack(f"{order}{len(data) // 4}I", data)
+    words = struct.unpack(f"{len(data) // 4}I", data)
     if words[0] != MAGIC:
         raise ShaderError(f"not a SPIR-V module: it begins with 0x{words[0]:08x}")
     module = Module(words)

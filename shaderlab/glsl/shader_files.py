@@ -6,8 +6,8 @@ import functools
 import os
 import posixpath
 import re
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from shaderlab.errors import ShaderError, UsageError, nearest
@@ -29,13 +29,16 @@ class OutsideError(ValueError):
     """A name that leads out of the shader roots; the message says how."""
 
 
-@dataclass(frozen=True)
 class Roots:
-    """Shader folders in search order, with other texts or files for some names."""
+    """Shader folders in search order, with other texts or files for some names.
 
-    folders: tuple[Path, ...]
-    overrides: Mapping[str, str | Path]
-    _real_parents: dict[str, str] = field(default_factory=dict, repr=False, compare=False)
+    Attributes:
+        folders: the root folders, in search order.
+    """
+
+    def __init__(self, folders: Sequence[Path], overrides: Mapping[str, str | Path]) -> None:
+        self.folders = tuple(Path(folder) for folder in folders)
+        self._overrides = dict(overrides)
 
     def shader(self, name: str) -> File:
         """The named shader.
@@ -64,29 +67,31 @@ class Roots:
             OutsideError: a symbolic link leads out of the roots.
             ShaderError: the file can't be read.
         """
-        if name in self.overrides:
-            new = self.overrides[name]
+        if name in self._overrides:
+            new = self._overrides[name]
             if isinstance(new, Path):
                 return File(name, str(new), read_shader(new))
             return File(name, name, normalise(new, name))
         for folder in self._named_folders:
             path = os.path.join(folder, name)
             if os.path.lexists(path):
-                self._refuse_escape(path)
+                real = os.path.realpath(path) if os.path.islink(path) else self._real(path)
+                if not real.startswith(self._real_folders):
+                    raise OutsideError(
+                        f"a symbolic link leads out of the shader folders, to {real}"
+                    )
                 return File(name, path, read_shader(path))
         return None
 
     def names(self) -> tuple[str, ...]:
-        """All shader files below the roots, sorted, and all overridden names."""
+        """All shader files below the roots, sorted, and all overridden names, as `load` and
+        `#include` take them."""
         found = {name for folder in self.folders for name in _below(folder)}
-        return tuple(sorted(found | set(self.overrides)))
+        return tuple(sorted(found | set(self._overrides)))
 
-    def _real(self, path: str) -> str:
-        """The file's path without symbolic links in its folder; resolves each folder once."""
-        parent, name = os.path.split(path)
-        if parent not in self._real_parents:
-            self._real_parents[parent] = os.path.realpath(parent)
-        return os.path.join(self._real_parents[parent], name)
+    @functools.cached_property
+    def _real(self) -> Callable[[str], str]:
+        return _resolver()
 
     @functools.cached_property
     def _named_folders(self) -> tuple[str, ...]:
@@ -98,10 +103,17 @@ class Roots:
         """The folders without symbolic links, each with a separator at its end."""
         return tuple(os.path.join(os.path.realpath(folder), "") for folder in self.folders)
 
-    def _refuse_escape(self, path: str) -> None:
-        real = os.path.realpath(path) if os.path.islink(path) else self._real(path)
-        if not real.startswith(self._real_folders):
-            raise OutsideError(f"a symbolic link leads out of the shader folders, to {real}")
+
+def _resolver() -> Callable[[str], str]:
+    """A function of a file's path without symbolic links in its folder; resolves each folder
+    once."""
+    realpath = functools.cache(os.path.realpath)
+
+    def real(path: str) -> str:
+        parent, name = os.path.split(path)
+        return os.path.join(realpath(parent), name)
+
+    return real
 
 
 def inside(name: str, folder: str = "") -> str:
@@ -154,7 +166,7 @@ def find_shaders(
         UsageError: a path does not exist, or a folder holds no shader.
     """
     real_roots = [(os.path.join(os.path.realpath(root), ""), str(root)) for root in roots]
-    real_folders: dict[str, str] = {}  # each folder is resolved once
+    real = _resolver()
     found: dict[str, ShaderFile] = {}
     for path in map(Path, paths):
         if not path.exists():
@@ -172,21 +184,16 @@ def find_shaders(
                 )
         for file in files:
             key = os.path.abspath(file) if len(paths) > 1 else file
-            found.setdefault(key, _placed(file, folder, real_roots, real_folders))
+            found.setdefault(key, _placed(file, folder, real_roots, real))
     return sorted(found.values(), key=lambda shader: shader.path)
 
 
 def _placed(
-    file: str, folder: str, roots: Sequence[tuple[str, str]], real_folders: dict[str, str]
+    file: str, folder: str, roots: Sequence[tuple[str, str]], real: Callable[[str], str]
 ) -> ShaderFile:
-    if roots:
-        parent, name = os.path.split(file)
-        if parent not in real_folders:
-            real_folders[parent] = os.path.realpath(parent)
-        real = os.path.join(real_folders[parent], name)
-        for real_root, root in roots:
-            if real.startswith(real_root):
-                return ShaderFile(file, root, _slashes(real[len(real_root) :]))
+    for real_root, root in roots:
+        if real(file).startswith(real_root):
+            return ShaderFile(file, root, _slashes(real(file)[len(real_root) :]))
     start = os.path.join(folder, "")
     name = file[len(start) :] if file.startswith(start) else os.path.relpath(file, folder)
     return ShaderFile(file, folder, _slashes(name))

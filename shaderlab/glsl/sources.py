@@ -16,6 +16,7 @@ from shaderlab.errors import ShaderError, nearest
 from shaderlab.glsl.include import LineMap, expand
 from shaderlab.glsl.shader_files import File, Roots
 from shaderlab.glsl.text import STAGES, normalise, stage_of, version_of, without_comments
+from shaderlab.records import Diagnostic, Severity
 
 
 @dataclass(frozen=True)
@@ -56,8 +57,15 @@ class Source:
             return self.path, line
         return self.lines[min(max(line, 1), len(self.lines)) - 1]
 
+    def diagnostic(
+        self, message: str, at: int | None = None, *, severity: Severity = "error", token: str = ""
+    ) -> Diagnostic:
+        """A message about a line of `text` (counted from 1), or about the file as a whole."""
+        file, line = (self.path, None) if at is None else self.place(at)
+        return Diagnostic(file=file, line=line, severity=severity, message=message, token=token)
 
-class Shaders:
+
+class Shaders(Roots):
     """Loads shaders by name from a list of root folders.
 
     Args:
@@ -74,16 +82,11 @@ class Shaders:
         overrides: Mapping[str, str | Path] | None = None,
         defines: Mapping[str, str] | None = None,
     ) -> None:
-        self._roots = Roots(tuple(Path(root) for root in roots), dict(overrides or {}))
+        super().__init__(roots, overrides or {})
         self._defines = dict(defines or {})
         for word in self._defines:
             if not re.fullmatch(r"[A-Za-z_]\w*(\([\w, ]*\))?", word):
                 raise ShaderError(f"can't define {word!r}: it is not a GLSL name")
-
-    @property
-    def folders(self) -> tuple[Path, ...]:
-        """The root folders, in search order."""
-        return self._roots.folders
 
     def load(self, name: str, stage: str | None = None) -> Source:
         """The named shader with its includes expanded.
@@ -97,7 +100,7 @@ class Shaders:
             ShaderError: there is no such file in the roots, it or one of its includes can't be
                 used, or the stage is unknown.
         """
-        file = self._roots.shader(name)
+        file = self.shader(name)
         return self._source(file, name, stage or stage_of(name, file.text, file.path))
 
     def from_text(self, text: str, stage: str, name: str) -> Source:
@@ -108,14 +111,18 @@ class Shaders:
         """
         return self._source(File(name, name, normalise(text, name)), name, stage)
 
-    def names(self) -> tuple[str, ...]:
-        """All shader files below the roots, as names that `load` and `#include` take."""
-        return self._roots.names()
-
     def _source(self, file: File, name: str, stage: str) -> Source:
         if stage not in STAGES:
             raise ShaderError(
                 f"no such stage: {stage!r}", file=file.path, remedy=nearest(stage, STAGES)
             )
-        out = expand(file, self._roots, self._defines)
-        return Source(name, file.path, stage, out.text, out.lines, out.parts, out.code)
+        out = expand(file, self, self._defines)
+        return Source(
+            name,
+            file.path,
+            stage,
+            "\n".join(out.rows),
+            LineMap.of(out.spans),
+            tuple(out.parts.items()),
+            "\n".join(out.codes),
+        )

@@ -38,8 +38,8 @@ def validate(module: bytes, env: str) -> str | None:
         )
     tools = spirv_tools()
     message = c.POINTER(SpirvDiagnostic)()
-    binary = _Binary(module)
-    status = tools.spvValidateBinary(_context(env), binary.words, binary.count, c.byref(message))
+    words = len(module) // 4
+    status = tools.spvValidateBinary(_context(env), module, words, c.byref(message))
     try:
         if status == 0:
             return None
@@ -58,15 +58,9 @@ def disassemble(module: bytes) -> str:
         raise ShaderError(f"not a SPIR-V module: {len(module)} bytes are no whole words")
     tools = spirv_tools()
     text, message = c.POINTER(SpirvText)(), c.POINTER(SpirvDiagnostic)()
-    binary = _Binary(module)
-    status = tools.spvBinaryToText(
-        _context("spv1.0"),
-        binary.words,
-        binary.count,
-        _NO_HEADER | _INDENT | _FRIENDLY_NAMES,
-        c.byref(text),
-        c.byref(message),
-    )
+    options = _NO_HEADER | _INDENT | _FRIENDLY_NAMES
+    context, words = _context("spv1.0"), len(module) // 4
+    status = tools.spvBinaryToText(context, module, words, options, c.byref(text), c.byref(message))
     try:
         if status != 0:
             why = message.contents.error.decode() if message else f"status {status}"
@@ -95,15 +89,6 @@ def instruction_count(module: bytes) -> int:
         at += lengths[at]
     # An instruction of length 0: the loop did not advance.
     raise ShaderError(f"not a SPIR-V module: broken instruction at word {at}")
-
-
-class _Binary:
-    """A module's words for a C function; an incomplete last word is dropped."""
-
-    def __init__(self, module: bytes) -> None:
-        self.count = len(module) // 4
-        self._pointer = c.c_char_p(module)  # points into the bytes and keeps them alive
-        self.words = c.cast(self._pointer, c.c_void_p)
 
 
 @functools.cache

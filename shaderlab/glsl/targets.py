@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 _SPV_RULES, _VULKAN_RULES = 1 << 3, 1 << 4
 _MAP_BINDINGS, _MAP_LOCATIONS, _RELAXED = 1 << 0, 1 << 1, 1 << 2
@@ -34,6 +34,17 @@ class TargetSettings:
     minimum: int = 0
 
 
+_VULKAN = TargetSettings(
+    flags=("-d", "-V", "-R", "--aml", "--amb"),
+    client=1,
+    client_version=1 << 22,
+    messages=_SPV_RULES | _VULKAN_RULES,
+    options=_MAP | _RELAXED,
+    environment="vulkan1.0",
+    api="Vulkan",
+    minimum=140,
+)
+
 SETTINGS: Mapping[str, TargetSettings] = {
     "glsl": TargetSettings(flags=("-d", "-l")),
     "opengl": TargetSettings(
@@ -46,26 +57,8 @@ SETTINGS: Mapping[str, TargetSettings] = {
         api="OpenGL",
         minimum=330,
     ),
-    "vulkan": TargetSettings(
-        flags=("-d", "-V", "-R", "--aml", "--amb"),
-        client=1,
-        client_version=1 << 22,
-        messages=_SPV_RULES | _VULKAN_RULES,
-        options=_MAP | _RELAXED,
-        environment="vulkan1.0",
-        api="Vulkan",
-        minimum=140,
-    ),
-    "vulkan-strict": TargetSettings(
-        flags=("-d", "-V", "--aml", "--amb"),
-        client=1,
-        client_version=1 << 22,
-        messages=_SPV_RULES | _VULKAN_RULES,
-        options=_MAP,
-        environment="vulkan1.0",
-        api="Vulkan",
-        minimum=140,
-    ),
+    "vulkan": _VULKAN,
+    "vulkan-strict": replace(_VULKAN, flags=("-d", "-V", "--aml", "--amb"), options=_MAP),
 }
 
 TARGETS = ("glsl", "opengl", "vulkan")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import os
 import posixpath
 import re
@@ -35,8 +36,6 @@ _COMMENT = re.compile(r'"[^"\n]*"|//(?:\\\n|[^\n])*|/\*.*?(?:\*/|\Z)', re.DOTALL
 _VERSION = re.compile(r"#[ \t]*version[ \t]+(\d+)[ \t]*(\w*)")
 MAX_BYTES = 4 << 20
 """The largest file accepted as a shader."""
-
-_WIDE = {b"\xff\xfe": "UTF-16", b"\xfe\xff": "UTF-16"}
 
 
 def read_shader(path: str | Path) -> str:
@@ -78,12 +77,12 @@ def decode(data: bytes, path: str | Path) -> str:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         offset = error.start
-        guess = _WIDE.get(data[:2])
+        wide = data[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
         raise ShaderError(
             f"is not UTF-8: byte {offset} is 0x{data[offset]:02x}"
-            + (f" (it looks like {guess})" if guess else ""),
+            + (" (it looks like UTF-16)" if wide else ""),
             file=path,
-            line=None if guess else data.count(b"\n", 0, offset) + 1,
+            line=None if wide else data.count(b"\n", 0, offset) + 1,
             remedy="save the file as UTF-8",
         ) from None
 
@@ -119,8 +118,6 @@ def _blank(match: re.Match[str]) -> str:
     comment = match.group()
     if comment[0] == '"':
         return comment
-    if "\n" not in comment:
-        return " " * len(comment)
     return "\n".join(" " * len(row) for row in comment.split("\n"))
 
 

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable
+
 from shaderlab.glsl.module import Module, Op
 
+OPAQUE = (Op.TYPE_IMAGE, Op.TYPE_SAMPLER, Op.TYPE_SAMPLED_IMAGE)
 _DIMENSIONS = {0: "1D", 1: "2D", 2: "3D", 3: "Cube", 4: "2DRect", 5: "Buffer"}
 
 
@@ -57,17 +61,6 @@ def component_count(module: Module, id_: int) -> int:
     return 0
 
 
-def is_struct(module: Module, id_: int) -> bool:
-    """Whether the type's element is a struct or a block."""
-    return module.types[unwrap(module, id_)[1]].op == Op.TYPE_STRUCT
-
-
-def is_opaque(module: Module, id_: int) -> bool:
-    """Whether the type's element is a sampler or an image."""
-    op = module.types[unwrap(module, id_)[1]].op
-    return op in (Op.TYPE_IMAGE, Op.TYPE_SAMPLER, Op.TYPE_SAMPLED_IMAGE)
-
-
 def slots(module: Module, id_: int) -> int:
     """The locations that a varying of the type takes between shader stages."""
     lengths, element = unwrap(module, id_)
@@ -80,9 +73,7 @@ def slots(module: Module, id_: int) -> int:
         one = 2 if _scalar(module, words[0]) == "double" and words[1] > 2 else 1
     else:
         one = 1
-    for length in lengths:
-        one *= max(length, 1)
-    return one
+    return one * elements_of(lengths)
 
 
 def leaves_count(module: Module, id_: int) -> int:
@@ -91,9 +82,12 @@ def leaves_count(module: Module, id_: int) -> int:
     count = 1
     if module.types[element].op == Op.TYPE_STRUCT:
         count = sum(leaves_count(module, member) for member in module.types[element].words)
-    for length in lengths:
-        count *= max(length, 1)
-    return count
+    return count * elements_of(lengths)
+
+
+def elements_of(lengths: Iterable[int]) -> int:
+    """The elements of an array of arrays; a length known at run time only counts as one."""
+    return math.prod(max(length, 1) for length in lengths)
 
 
 def _scalar(module: Module, id_: int) -> str:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 from shaderlab.glsl.interface import Interpolation, Variable
 from shaderlab.glsl.module import Decoration, Instruction, Module, Op, Storage
-from shaderlab.glsl.types import component_count, is_struct, slots, type_name, unwrap
+from shaderlab.glsl.types import component_count, slots, type_name, unwrap
 
 Path = tuple[int, ...]
 """Indices from a variable to a part of it; `ANY` if computed at run time."""
@@ -40,40 +40,27 @@ def stage_variables(module: Module, storage: int) -> Iterator[Variable]:
             member = leaf.path[len(lengths)] if is_block else None
             own = {} if member is None else module.member(element, member)
             location = own[Decoration.LOCATION][0] if Decoration.LOCATION in own else at
-            yield _variable(
-                module,
-                leaf,
-                location=location,
-                interpolation=_interpolation({**module.decorations.get(id_, {}), **own}),
-                used=is_used(paths.get(id_, ()), leaf.path),
-            )
-            at = None if at is None else _after(location, slots(module, leaf.type))
+            decorations = {**module.decorations.get(id_, {}), **own}
+            yield _variable(module, leaf, location, paths.get(id_, ()), decorations)
+            if at is not None and location is not None:
+                at = location + slots(module, leaf.type)
 
 
 def leaves(module: Module, type_: int, name: str, path: Path = ()) -> Iterator[Leaf]:
     """The parts of a variable that have names, in declaration order."""
     lengths, element = unwrap(module, type_)
-    if is_struct(module, type_):
-        if lengths:
-            for index in range(max(lengths[0], 1)):
-                inner = module.types[type_].words[0]
-                yield from leaves(module, inner, f"{name}[{index}]", (*path, index))
-        else:
-            for index, member in enumerate(module.types[element].words):
-                own = module.member_names.get((element, index), f"_{index}")
-                full = f"{name}.{own}" if name else own
-                yield from leaves(module, member, full, (*path, index))
-    elif len(lengths) > 1:
+    is_struct = module.types[element].op == Op.TYPE_STRUCT
+    if len(lengths) > 1 or (lengths and is_struct):
+        inner = module.types[type_].words[0]
         for index in range(max(lengths[0], 1)):
-            inner = module.types[type_].words[0]
             yield from leaves(module, inner, f"{name}[{index}]", (*path, index))
+    elif is_struct:
+        for index, member in enumerate(module.types[element].words):
+            own = module.member_names.get((element, index), f"_{index}")
+            full = f"{name}.{own}" if name else own
+            yield from leaves(module, member, full, (*path, index))
     else:
         yield Leaf(name, type_, path)
-
-
-def _after(location: int | None, count: int) -> int | None:
-    """The location `count` places after this one."""
-    return None if location is None else location + count
 
 
 def own_variables(module: Module, storage: int) -> Iterator[int]:
@@ -91,12 +78,16 @@ def own_variables(module: Module, storage: int) -> Iterator[int]:
 def _variable(
     module: Module,
     leaf: Leaf,
-    *,
     location: int | None,
-    interpolation: Interpolation = "smooth",
-    used: bool,
+    paths: Iterable[Path],
+    decorations: Mapping[int, tuple[int, ...]],
 ) -> Variable:
     lengths, element = unwrap(module, leaf.type)
+    interpolation: Interpolation = "smooth"
+    if Decoration.FLAT in decorations:
+        interpolation = "flat"
+    elif Decoration.NO_PERSPECTIVE in decorations:
+        interpolation = "noperspective"
     return Variable(
         name=leaf.name,
         type=type_name(module, element),
@@ -104,14 +95,8 @@ def _variable(
         array=lengths[0] if lengths else None,
         interpolation=interpolation,
         components=component_count(module, element),
-        used=used,
+        used=is_used(paths, leaf.path),
     )
-
-
-def _interpolation(decorations: Mapping[int, tuple[int, ...]]) -> Interpolation:
-    if Decoration.FLAT in decorations:
-        return "flat"
-    return "noperspective" if Decoration.NO_PERSPECTIVE in decorations else "smooth"
 
 
 def uniform_variables(module: Module) -> Iterator[Variable]:
@@ -122,12 +107,12 @@ def uniform_variables(module: Module) -> Iterator[Variable]:
             pointee, _ = module.variables[id_]
             at = module.number(id_, Decoration.LOCATION)
             for leaf in leaves(module, pointee, module.names.get(id_, "")):
-                used = is_used(paths.get(id_, ()), leaf.path)
-                variable = _variable(module, leaf, location=at, used=used)
+                variable = _variable(module, leaf, at, paths.get(id_, ()), {})
                 if storage == Storage.ATOMIC_COUNTER:
                     variable = replace(variable, type="atomic_uint", location=None)
                 yield variable
-                at = _after(at, max(unwrap(module, leaf.type)[0] or (1,)))
+                if at is not None:
+                    at += max(unwrap(module, leaf.type)[0] or (1,))
 
 
 @functools.lru_cache(maxsize=8)  # called once for each storage class

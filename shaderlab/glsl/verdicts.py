@@ -132,7 +132,4 @@ def _consistent(
     if ok or has_errors(diagnostics):
         return diagnostics
     message = "the compiler rejects the shader and does not say why"
-    return (
-        *diagnostics,
-        Diagnostic(file=source.path, line=None, severity="error", message=message),
-    )
+    return (*diagnostics, source.diagnostic(message))

@@ -233,34 +233,29 @@ class Scene:
 
 
 def _changed(passes: tuple[Pass, ...], variant: Variant) -> tuple[Pass, ...]:
-    unused = set(variant.changes)
-    known: list[str] = []
+    known: dict[str, None] = {}
     # A buffer that several draws share is changed once, and stays shared.
     buffers: dict[tuple[str, int], UniformBuffer] = {}
 
+    def changes_of(present: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+        names = {prefix + name: name for name in present}
+        known.update(dict.fromkeys(names))
+        return {names[name]: v for name, v in variant.changes.items() if name in names}
+
     def change_block(name: str, buffer: UniformBuffer) -> UniformBuffer:
         if (name, id(buffer)) not in buffers:
-            present = {f"{name}.{member}": member for member in buffer.values}
-            known.extend(present)
-            hits = {present[k]: v for k, v in variant.changes.items() if k in present}
-            unused.difference_update(f"{name}.{member}" for member in hits)
+            hits = changes_of(buffer.values, f"{name}.")
             changed = UniformBuffer(values={**buffer.values, **hits}) if hits else buffer
             buffers[name, id(buffer)] = changed
         return buffers[name, id(buffer)]
 
     def change(draw: Draw) -> Draw:
-        slots: dict[str, Mapping[str, Any]] = {
-            "uniforms": draw.uniforms,
-            "textures": draw.textures,
-            "domain": draw.domain or {},
-        }
         edits: dict[str, Any] = {}
-        for slot, present in slots.items():
-            hits = {k: v for k, v in variant.changes.items() if k in present}
+        for slot in ("uniforms", "textures", "domain"):
+            present = getattr(draw, slot) or {}
+            hits = changes_of(present)
             if slot == "domain":
                 hits = {k: v if isinstance(v, Ramp) else Ramp(v) for k, v in hits.items()}
-            known.extend(present)
-            unused.difference_update(hits)
             if hits:
                 edits[slot] = {**present, **hits}
         blocks = {name: change_block(name, buffer) for name, buffer in draw.blocks.items()}
@@ -269,7 +264,7 @@ def _changed(passes: tuple[Pass, ...], variant: Variant) -> tuple[Pass, ...]:
         return replace(draw, **edits) if edits else draw
 
     changed = tuple(replace(p, draws=tuple(change(d) for d in p.draws)) for p in passes)
-    for name in sorted(unused):
+    for name in sorted(variant.changes.keys() - known):
         raise CaseError(
             f"variant {variant.name!r} changes {name!r}, which no draw has",
             remedy=nearest(name, known),

@@ -7,6 +7,7 @@ for what it needs beyond the pictures (`needs`), and judges the frame that holds
 
 from __future__ import annotations
 
+import functools
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
@@ -75,13 +76,7 @@ class LazyArrays(Mapping[str, Array]):
     """Arrays that are made when the first of them is looked at: most runs look at none."""
 
     def __init__(self, make: Callable[[], Mapping[str, Array]]) -> None:
-        self._make = make
-        self._made: Mapping[str, Array] | None = None
-
-    def _arrays(self) -> Mapping[str, Array]:
-        if self._made is None:
-            self._made = self._make()
-        return self._made
+        self._arrays = functools.cache(make)
 
     def __getitem__(self, name: str) -> Array:
         return self._arrays()[name]

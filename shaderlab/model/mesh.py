@@ -11,12 +11,10 @@ from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from shaderlab.errors import CaseError, nearest
+from shaderlab.frame import Array
 from shaderlab.model.state import one_of
-
-Array = npt.NDArray[Any]
 
 PRIMITIVES = ("points", "lines", "line_strip", "triangles", "triangle_strip", "triangle_fan")
 LAYOUTS = ("separate", "interleaved", "batched")
@@ -82,15 +80,13 @@ class Mesh:
         for name in instances:
             if name in vertices:
                 raise CaseError(f"Mesh: {name!r} is an attribute of vertices and of instances")
-        if self.indices is not None:
-            self._check_indices(self.vertices)
-
-    def _check_indices(self, vertices: int) -> None:
+        if self.indices is None:
+            return
         indices = np.asarray(self.indices).ravel()
-        if indices.size and (indices.min() < 0 or indices.max() >= vertices):
+        if indices.size and (indices.min() < 0 or indices.max() >= self.vertices):
             raise CaseError(
                 f"Mesh: indices run from {indices.min()} to {indices.max()}, "
-                f"but there are {vertices} vertices"
+                f"but there are {self.vertices} vertices"
             )
         object.__setattr__(self, "indices", indices.astype(np.uint32))
 
@@ -203,16 +199,14 @@ def _placed(
     """The attributes of one group, in buffers that count from `first`."""
     found = {}
     sizes = {n: a.itemsize * int(np.prod(a.shape[1:])) for n, a in group.items()}
-    offset = 0
-    for index, (name, size) in enumerate(sizes.items()):
+    buffer, offset = first, 0
+    for name, size in sizes.items():
+        stride = sum(sizes.values()) if layout == "interleaved" else size
+        found[name] = Placement(buffer, offset, stride, divisor)
         if layout == "separate":
-            found[name] = Placement(first + index, 0, size, divisor)
-        elif layout == "interleaved":
-            found[name] = Placement(first, offset, sum(sizes.values()), divisor)
-            offset += size
+            buffer += 1
         else:
-            found[name] = Placement(first, offset, size, divisor)
-            offset += group[name].nbytes
+            offset += size if layout == "interleaved" else group[name].nbytes
     return found
 
 

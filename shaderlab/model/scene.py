@@ -7,14 +7,13 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from shaderlab.errors import CaseError
+from shaderlab.frame import Array
 from shaderlab.model.mesh import Mesh
 from shaderlab.model.state import State, one_of
 from shaderlab.model.textures import COLOR_FORMATS, DEPTH_FORMATS, TextureSource
 
-Array = npt.NDArray[Any]
 Number = float | int | bool
 UniformValue = Number | Sequence[Any] | Array
 

@@ -195,36 +195,30 @@ class State:
                 remedy="give stencil= for front faces as well; one test is on for both or neither",
             )
         for field in ("viewport", "scissor"):
-            self._check_rectangle(field, getattr(self, field))
-        self._check_numbers()
+            box = getattr(self, field)
+            if box is not None:
+                _check_rectangle(field, box)
+            if box is not None and self.cell is not None:
+                raise CaseError(f"State: {field} and cell both confine the draw; give one of them")
+        if isinstance(self.point_size, str):
+            one_of("State", "point_size", self.point_size, ("program",))
+        elif self.point_size is not None and not 0.0 < self.point_size < math.inf:
+            raise CaseError(f"State: point_size must be above 0, not {self.point_size}")
+        _check_shares("depth_range", self.depth_range)
+        _check_pair("depth_range", self.depth_range)
+        _check_shares("sample_shading", (self.sample_shading or 0.0,))
+        if self.polygon_offset is not None:
+            _check_pair("polygon_offset", self.polygon_offset)
 
     @property
     def in_pixels(self) -> str:
         """The first field that counts pixels from the target's corner; "" if there is none."""
         return next((f for f in ("viewport", "scissor") if getattr(self, f) is not None), "")
 
-    def _check_rectangle(self, field: str, box: Rectangle | None) -> None:
-        if box is None:
-            return
-        if len(box) != 4 or not all(isinstance(n, int) for n in box) or min(box[2:]) < 0:
-            raise CaseError(
-                f"State: {field} is {box!r}", remedy="whole pixels: (x, y, width, height)"
-            )
-        if self.cell is not None:
-            raise CaseError(f"State: {field} and cell both confine the draw; give one of them")
 
-    def _check_numbers(self) -> None:
-        if isinstance(self.point_size, str):
-            one_of("State", "point_size", self.point_size, ("program",))
-        elif self.point_size is not None and not 0.0 < self.point_size < math.inf:
-            raise CaseError(f"State: point_size must be above 0, not {self.point_size}")
-        if self.depth_range != (0.0, 1.0):
-            _check_shares("depth_range", self.depth_range)
-            _check_pair("depth_range", self.depth_range)
-        if self.sample_shading is not None:
-            _check_shares("sample_shading", (self.sample_shading,))
-        if self.polygon_offset is not None:
-            _check_pair("polygon_offset", self.polygon_offset)
+def _check_rectangle(field: str, box: Rectangle) -> None:
+    if len(box) != 4 or not all(isinstance(n, int) for n in box) or min(box[2:]) < 0:
+        raise CaseError(f"State: {field} is {box!r}", remedy="whole pixels: (x, y, width, height)")
 
 
 def _check_shares(field: str, values: tuple[float, ...]) -> None:

@@ -5,15 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from shaderlab.errors import CaseError
+from shaderlab.frame import Array
 from shaderlab.model.state import COMPARISONS, one_of
-
-Array = npt.NDArray[Any]
 
 COLOR_FORMATS = (
     "r8", "rg8", "rgba8", "srgb8_alpha8", "r16f", "rg16f", "rgba16f", "r32f", "rg32f", "rgba32f",
@@ -225,9 +222,7 @@ TextureSource = Texture | TextureArray | CubeTexture | CompressedTexture | Outpu
 
 def outputs_read(source: TextureSource) -> Iterator[Output]:
     """The outputs of earlier passes that a texture is or is made of."""
-    if isinstance(source, Output):
-        yield source
-    parts: Sequence[Image] = ()
+    parts: Sequence[object] = (source,)
     if isinstance(source, TextureArray):
         parts = source.layers
     elif isinstance(source, CubeTexture):

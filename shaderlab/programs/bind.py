@@ -19,6 +19,7 @@ from shaderlab.model.scene import UNIT_SQUARE
 from shaderlab.programs import blocks
 from shaderlab.programs.formats import numpy_type, shape_of
 from shaderlab.programs.stages import PREFIX
+from shaderlab.programs.varyings import Piece, elements
 
 Contents = Callable[[str, Variable, TextureSource], Texels]
 """Gives a texture's contents to a sampler of a program, once it has checked that they fit."""
@@ -38,11 +39,8 @@ def bind(draw: Draw, interface: Interface, texels: Contents) -> Bindings:
             type or shape.
     """
     samplers = {n: v for n, v in interface.uniforms.items() if "sampler" in v.type}
-    plain = {
-        n: v
-        for n, v in interface.uniforms.items()
-        if n not in samplers and not n.startswith(PREFIX)
-    }
+    uniforms = interface.uniforms.items()
+    plain = {n: v for n, v in uniforms if n not in samplers and not n.startswith(PREFIX)}
     _compare("uniform", draw, draw.uniforms, plain, other={"texture": samplers})
     _compare("texture", draw, draw.textures, samplers, other={"uniform": plain})
     known = declared(interface)
@@ -147,6 +145,55 @@ def ramp_uniforms(draw: Draw, inputs: Mapping[str, Variable]) -> dict[str, Array
             probe = Variable(name=f"{PREFIX}{name}_{part}", type=variable.type, location=None)
             values[probe.name] = uniform_arrays(probe, given)[0]
     return values
+
+
+def exact_inputs(variables: Mapping[str, Variable], values: Mapping[str, Any]) -> dict[str, Array]:
+    """Given input values as arrays (1, components), matrices (1, rows, columns), of the type that
+    the shader gets."""
+    known = {v.name: v for v in elements(variables.values())}
+    return {
+        name: uniform_arrays(known[name], value)[0][None]
+        for name, value in values.items()
+        if name in known
+    }
+
+
+def complete_inputs(
+    draw: Draw, varyings: Mapping[str, Variable], inputs: Mapping[str, Array]
+) -> dict[str, Array]:
+    """All fragment inputs of a draw, (count, components): those given, and for the others the
+    value that the draw's domain has at the centre of the screen.
+
+    Raises:
+        CaseError: an input has no value, or is none of the shader's.
+    """
+    variables = {v.name: v for v in elements(varyings.values())}
+    count = max((len(v) for v in inputs.values()), default=1)
+    for name in inputs:
+        if name not in variables:
+            raise CaseError(f"{draw.fragment} reads no {name!r}", remedy=nearest(name, variables))
+    complete = {}
+    for name, variable in variables.items():
+        if name in inputs:
+            value = inputs[name]
+        elif draw.domain is None:
+            raise CaseError(
+                f"{draw.fragment} also reads {name!r} ({variable.type})",
+                remedy=f"give it a value: at={{…, {name!r}: …}}",
+            )
+        else:
+            ramp = draw.domain[name]
+            origin, dx, dy = (np.asarray(v, np.float64) for v in (ramp.origin, ramp.dx, ramp.dy))
+            value = np.atleast_1d(origin + 0.5 * dx + 0.5 * dy)[None]
+        shaped = np.broadcast_to(value, (count, *shape_of(variable.type)))
+        complete[name] = np.ascontiguousarray(shaped.astype(numpy_type(variable.type)))
+    return complete
+
+
+def piece_of(values: Mapping[str, Array], piece: Piece) -> Array:
+    """The part of the inputs that goes into one attribute: a vector, or a matrix's column."""
+    whole = values[piece.name]
+    return np.ascontiguousarray(whole[..., int(piece.path[1:-1])]) if piece.path else whole
 
 
 def _ramps(draw: Draw, inputs: Mapping[str, Variable]) -> Mapping[str, Ramp]:

@@ -1,8 +1,11 @@
-"""Uniform blocks: their members' values, and the bytes that a buffer holds of them."""
+"""Uniform blocks: their members' values, and the bytes that a buffer holds of them.
+
+A block's members lie where glslang puts them, by the std140 rules.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -10,7 +13,6 @@ import numpy as np
 from shaderlab.errors import CaseError, UnsupportedError, nearest
 from shaderlab.frame import Array
 from shaderlab.glsl.interface import Block, Interface, Member, Variable
-from shaderlab.glsl.layout import Layout, Slot, declared, layout
 from shaderlab.model import Draw
 
 
@@ -76,34 +78,19 @@ def given(draw: Draw, interface: Interface) -> dict[str, Any]:
     return values
 
 
-def layout_of(block: Block) -> Layout:
-    """Where the lab puts a uniform block's members: by the std140 rules."""
-    return layout(declared(block.members.values()))
-
-
 def packed(block: Block, uniforms: Mapping[str, Array]) -> bytes:
     """A block's bytes, all gaps zero; `uniforms` are its members' values as shaders get them."""
-    places = layout_of(block)
-    data = np.zeros(places.size, np.uint8)
-    for name, slot in places.slots.items():
-        member = block.members[name]
-        values = uniforms[spelt(block, name)]
-        elements = values if member.array is not None else values[None]
-        for index, element in enumerate(elements):
-            for at, vector in _vectors(element, member, slot):
-                start = slot.offset + index * slot.array_stride + at
+    data = np.zeros(block.size, np.uint8)
+    for member in block.members.values():
+        values = uniforms[spelt(block, member.name)]
+        for index, element in enumerate(values if member.array is not None else values[None]):
+            # A matrix is an array of its columns, or of its rows.
+            turned = element.T if element.ndim == 2 and not member.row_major else element
+            for number, vector in enumerate(np.atleast_2d(turned)):
+                at = member.offset + index * member.array_stride + number * member.matrix_stride
                 raw = np.ascontiguousarray(vector).view(np.uint8)
-                data[start : start + raw.size] = raw
+                data[at : at + raw.size] = raw
     return data.tobytes()
-
-
-def _vectors(element: Array, member: Member, slot: Slot) -> Iterator[tuple[int, Array]]:
-    """One element's vectors with their offsets: a matrix's columns, or its rows."""
-    if element.ndim < 2:
-        yield 0, element
-        return
-    for index, vector in enumerate(element if member.row_major else element.T):
-        yield index * slot.matrix_stride, vector
 
 
 def _variable(name: str, member: Member) -> Variable:

@@ -52,8 +52,7 @@ def read_dds(path: Path) -> Blocks:
         raise AssetError(f"can't read it ({error.strerror})", file=str(path)) from error
     if len(data) < _HEADER or data[:4] != b"DDS ":
         raise AssetError("this is no DDS file", file=str(path), remedy="it must begin with 'DDS '")
-    height, width = struct.unpack_from("<2I", data, 12)
-    (count,) = struct.unpack_from("<I", data, 28)
+    height, width, count = struct.unpack_from("<2I8xI", data, 12)
     code = data[84:88]
     start, format = _HEADER, _FOUR_CC.get(code)
     if code == b"DX10" and len(data) >= _HEADER + _EXTENDED:

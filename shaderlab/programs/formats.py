@@ -10,6 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from shaderlab.model.textures import DEPTH_FORMATS
+
 
 @dataclass(frozen=True)
 class Format:
@@ -30,35 +32,16 @@ class Format:
         return np.dtype(self.numpy).kind if self.integer else ""
 
 
-COLOR: dict[str, Format] = {
-    "r8": Format(1, np.uint8),
-    "rg8": Format(2, np.uint8),
-    "rgb8": Format(3, np.uint8),
-    "rgba8": Format(4, np.uint8),
-    "srgb8_alpha8": Format(4, np.uint8),
-    "r16f": Format(1, np.float16),
-    "rg16f": Format(2, np.float16),
-    "rgba16f": Format(4, np.float16),
-    "r32f": Format(1, np.float32),
-    "rg32f": Format(2, np.float32),
-    "rgb32f": Format(3, np.float32),
-    "rgba32f": Format(4, np.float32),
-    "r32i": Format(1, np.int32),
-    "rg32i": Format(2, np.int32),
-    "rgba32i": Format(4, np.int32),
-    "r32ui": Format(1, np.uint32),
-    "rg32ui": Format(2, np.uint32),
-    "rgba32ui": Format(4, np.uint32),
-}
+_CHANNELS = {"r": 1, "rg": 2, "rgb": 3, "rgba": 4}
+_NUMBERS = {"8": np.uint8, "16f": np.float16, "32f": np.float32, "32i": np.int32, "32ui": np.uint32}
+COLOR = {
+    f"{channels}{numbers}": Format(count, kind)
+    for channels, count in _CHANNELS.items()
+    for numbers, kind in _NUMBERS.items()
+} | {"srgb8_alpha8": Format(4, np.uint8)}
 
 # Depths are uploaded and read as floats, whatever their format.
-DEPTH: dict[str, Format] = {
-    "depth16": Format(1, np.float32),
-    "depth24": Format(1, np.float32),
-    "depth32f": Format(1, np.float32),
-    "depth24_stencil8": Format(1, np.float32, stencil=True),
-    "depth32f_stencil8": Format(1, np.float32, stencil=True),
-}
+DEPTH = {word: Format(1, np.float32, stencil="stencil" in word) for word in DEPTH_FORMATS}
 
 
 def format_of(word: str) -> Format:
@@ -101,10 +84,5 @@ def shape_of(glsl_type: str) -> tuple[int, ...]:
 
 def numpy_type(glsl_type: str) -> Any:
     """The NumPy type a uniform or attribute of this GLSL type is uploaded as."""
-    if glsl_type in ("int", "bool") or glsl_type.startswith(("ivec", "bvec")):
-        return np.int32
-    if glsl_type == "uint" or glsl_type.startswith("uvec"):
-        return np.uint32
-    if glsl_type == "double" or glsl_type.startswith(("dvec", "dmat")):
-        return np.float64
-    return np.float32
+    letters = {"i": np.int32, "b": np.int32, "u": np.uint32, "d": np.float64}
+    return letters.get(glsl_type[0], np.float32)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import functools
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 
 from shaderlab.errors import CaseError, ShaderError, UnsupportedError, nearest
 from shaderlab.frame import PassDraw
@@ -57,7 +56,7 @@ class PreparedDraw:
 
     def text(self, stage: str) -> str | None:
         """One stage's text after includes, or None where the program has no such stage."""
-        return next((s.text for s in self.sources if s.stage == stage), None)
+        return self.texts.get(stage)
 
 
 Programs = Mapping[str, tuple[PreparedDraw, ...]]
@@ -68,16 +67,16 @@ class Preparer:
     """Prepares draws, reading each file and compiling each program once.
 
     Args:
-        shaders: where shader files are found.
+        shaders: where shader files are found, in its `folders`.
         compiling: what compiles a program for some targets.
     """
 
     def __init__(self, shaders: Shaders, compiling: Compile = compile_program) -> None:
         self._shaders = shaders
         self._compiling = compiling
-        self._loaded: dict[str, Source] = {}
-        self._compiled: dict[tuple[Source, ...], Compiled] = {}
-        self._interfaces: dict[tuple[Source, ...], Interface | None] = {}
+        self._load = functools.cache(shaders.load)
+        self._compile = functools.cache(compiling)
+        self.folders = shaders.folders
 
     def prepare(self, draw: Draw) -> PreparedDraw:
         """Read, complete and compile a draw's program for every target.
@@ -94,11 +93,13 @@ class Preparer:
         authored = tuple(self._load(name) for name in draw.shaders)
         sources = authored
         if draw.domain is not None:
-            interface = self._declared(authored)
+            # One target is enough to read what the files of a program declare.
+            interface = self._compile(authored, ("glsl", "opengl")).interface
             if interface is not None:
                 bind.check_domain(draw, interface.varyings)
-                sources = (self._domain_stage(authored[0], interface), *authored)
-        compiled = self.compile(sources)
+                text = vertex_stages.domain_vertex(authored[0].text, interface.varyings.values())
+                sources = (self._shaders.from_text(text, "vertex", "<domain>"), *authored)
+        compiled = self._compile(sources, TARGETS)
         if compiled.interface is None and sources is not authored:
             raise UnsupportedError(
                 f"a domain for {authored[0].path}: no vertex stage can be written that declares "
@@ -115,11 +116,6 @@ class Preparer:
             compiling=self._compiling,
         )
 
-    @property
-    def folders(self) -> tuple[Path, ...]:
-        """Where shader files are found."""
-        return self._shaders.folders
-
     def source(self, name: str) -> Source:
         """One shader file with its includes. Raises ShaderError if it can't be read."""
         return self._load(name)
@@ -128,28 +124,6 @@ class Preparer:
         """Some shader files as one program, and what the plain GLSL compiler says of it."""
         sources = tuple(self._load(name) for name in names)
         return sources, self._compiling(sources, ("glsl",))
-
-    def compile(self, sources: tuple[Source, ...]) -> Compiled:
-        """A program's verdicts for every target, from memory if it was compiled before."""
-        if sources not in self._compiled:
-            self._compiled[sources] = self._compiling(sources, TARGETS)
-        return self._compiled[sources]
-
-    def _declared(self, authored: tuple[Source, ...]) -> Interface | None:
-        """What the files of a program declare: one target is enough to read that from."""
-        if authored not in self._interfaces:
-            compiled = self._compiling(authored, ("glsl", "opengl"))
-            self._interfaces[authored] = compiled.interface
-        return self._interfaces[authored]
-
-    def _load(self, name: str) -> Source:
-        if name not in self._loaded:
-            self._loaded[name] = self._shaders.load(name)
-        return self._loaded[name]
-
-    def _domain_stage(self, fragment: Source, interface: Interface) -> Source:
-        text = vertex_stages.domain_vertex(fragment.text, interface.varyings.values())
-        return self._shaders.from_text(text, "vertex", "<domain>")
 
 
 def output_types(draws: Iterable[PreparedDraw]) -> dict[str, str]:

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping, Sequence, Sized
-from dataclasses import dataclass
 
 from shaderlab.errors import UnsupportedError
 from shaderlab.glsl.interface import Variable
@@ -22,20 +21,6 @@ _MAY_KEEP_OUT = ("discard", "gl_FragDepth", "gl_SampleMask")
 # Words that change the value of an input, or of gl_FragCoord, in the shader that has them.
 _CHANGE_INPUTS = ("mediump", "lowp", "origin_upper_left", "pixel_center_integer")
 _BUILT_IN = {"gl_FrontFacing": "float", "gl_PointCoord": "vec2", "gl_PrimitiveID": "int"}
-
-
-@dataclass(frozen=True)
-class CapturedInput:
-    """A piece of a fragment input and the extra output that holds it, padded to four."""
-
-    piece: Piece
-    output: str
-
-    @property
-    def format(self) -> str:
-        """The attachment format that holds it without loss."""
-        kind = {"i": "rgba32i", "b": "rgba32i", "u": "rgba32ui"}
-        return kind.get(self.piece.type[0], "rgba32f")
 
 
 def input_pieces(text: str, inputs: Iterable[Variable]) -> list[Piece]:
@@ -86,22 +71,25 @@ def capture_fragment(
     unwanted: Mapping[str, Variable] | None = None,
     *,
     keep_all: bool = False,
-) -> tuple[str, list[CapturedInput]]:
+) -> tuple[str, dict[Piece, str]]:
     """A fragment shader, unchanged but for a new ending that writes what it got.
 
     The author's main is renamed and called, so `discard` and depth writes happen as before; then
     gl_FragCoord goes to shaderlab_coord and each piece to an output of its own. `unwanted`
     outputs become plain variables, to make room. With `keep_all` the author's main is not called:
     every fragment is kept, with the depth that it comes with.
+
+    Returns:
+        Its text, and the output of each piece, of the type `padded_type`.
     """
-    captured = [CapturedInput(piece, f"{PREFIX}out{i}") for i, piece in enumerate(group)]
+    captured = {piece: f"{PREFIX}out{i}" for i, piece in enumerate(group)}
     shader = Declared(text)
     for variable in (unwanted or {}).values():
         text = _demoted(text, variable)
     declared = [f"out vec4 {COORD};"]
-    declared += [f"out {_padded_type(c.piece)} {c.output};" for c in captured]
+    declared += [f"out {padded_type(piece)} {name};" for piece, name in captured.items()]
     written = [f"    {COORD} = gl_FragCoord;"]
-    written += [f"    {c.output} = {_padded_value(c.piece, shader)};" for c in captured]
+    written += [f"    {name} = {_padded_value(p, shader)};" for p, name in captured.items()]
     if keep_all and writes_depth(text):  # what names it has to write it
         written.append("    gl_FragDepth = gl_FragCoord.z;")
     return _with_ending(text, declared, written, calls=not keep_all), captured
@@ -171,7 +159,8 @@ def _demoted(text: str, variable: Variable) -> str:
     return changed
 
 
-def _padded_type(piece: Piece) -> str:
+def padded_type(piece: Piece) -> str:
+    """The type of four components that holds a piece: the renderable formats have no three."""
     return {"i": "ivec4", "u": "uvec4"}.get(piece.type[0], "vec4")
 
 
@@ -180,4 +169,4 @@ def _padded_value(piece: Piece, shader: Declared) -> str:
     value = f"{shader.spelt(piece.name)}{piece.path}"
     if piece.name == "gl_FrontFacing":
         value = "gl_FrontFacing ? 1.0 : 0.0"  # as an integer it is 0 on softpipe, in front too
-    return f"{_padded_type(piece)}({value}{', 0' * (4 - size)})"
+    return f"{padded_type(piece)}({value}{', 0' * (4 - size)})"

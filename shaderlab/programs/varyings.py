@@ -16,8 +16,8 @@ import numpy as np
 from shaderlab.errors import UnsupportedError
 from shaderlab.frame import Array
 from shaderlab.glsl.interface import Variable
+from shaderlab.glsl.text import without_comments
 
-_COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
 _BLOCK = re.compile(r"\bin\s+(\w+)\s*\{([^{}]*)\}\s*(\w*)\s*((?:\[[^\]]*\]\s*)*);")
 _STRUCT = re.compile(r"\bstruct\s+(\w+)\s*\{[^{}]*\}\s*;")
 _QUALIFIERS = r"(?:layout\s*\([^)]*\)\s*|flat\s+|smooth\s+|noperspective\s+|centroid\s+|sample\s+)*"
@@ -35,12 +35,7 @@ class Block:
     @property
     def members(self) -> tuple[str, ...]:
         """The members' names."""
-        found = []
-        for statement in self.body.split(";"):
-            for word in statement.split(","):
-                names = re.findall(r"\b([A-Za-z_]\w*)\s*(?:\[[^\]]*\]\s*)*$", word)
-                found.extend(names)
-        return tuple(found)
+        return tuple(re.findall(r"\b([A-Za-z_]\w*)\s*(?:\[[^\]]*\]\s*)*[;,]", self.body))
 
 
 @dataclass(frozen=True)
@@ -62,7 +57,7 @@ class Declared:
     """The input declarations in a fragment shader's text (after includes)."""
 
     def __init__(self, text: str) -> None:
-        self._text = _COMMENT.sub(" ", text)
+        self._text = without_comments(text)
         self.blocks = {b[0]: Block(*b) for b in _BLOCK.findall(self._text)}
 
     def spelt(self, name: str) -> str:
@@ -71,11 +66,9 @@ class Declared:
         >>> Declared("in VS_OUT { vec3 FragPos; } fs_in;").spelt("VS_OUT.FragPos")
         'fs_in.FragPos'
         """
-        head = re.match(r"\w*", name)
-        block = self.blocks.get(head.group(0)) if head and "." in name else None
-        if block is None or head is None:
-            return name
-        return block.instance + name[head.end() :]
+        head, rest = re.fullmatch(r"(\w*)(.*)", name).groups()  # type: ignore[union-attr]
+        block = self.blocks.get(head) if "." in name else None
+        return name if block is None else block.instance + rest
 
     def block_of(self, name: str) -> Block | None:
         """The block that an input is a member of."""

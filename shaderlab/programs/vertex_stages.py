@@ -24,7 +24,7 @@ def domain_vertex(text: str, inputs: Iterable[Variable]) -> str:
     Raises:
         UnsupportedError: an input is an array.
     """
-    variables = list(inputs)
+    variables, shader = list(inputs), Declared(text)
     written = []
     ramps: dict[str, list[str]] = {}
     for variable in variables:
@@ -40,8 +40,8 @@ def domain_vertex(text: str, inputs: Iterable[Variable]) -> str:
         ramps.setdefault(owner, []).extend(f"{kind} {own}_{part};" for part in parts)
         origin, *steps = (f"{PREFIX}{owner}{dot}{own}_{part}" for part in parts)
         value = origin if integer else f"{origin} + st.x * {steps[0]} + st.y * {steps[1]}"
-        written.append(f"    {_given(name, text)} = {value};")
-    declared = _outputs(text, variables)
+        written.append(f"    {_given(name, shader)} = {value};")
+    declared = _outputs(shader, variables)
     for owner, members in ramps.items():
         if not owner:
             declared += [f"uniform {m.replace(' ', f' {PREFIX}', 1)}" for m in members]
@@ -65,15 +65,15 @@ def probe_vertex(text: str, inputs: Iterable[Variable]) -> tuple[str, dict[Piece
     Returns:
         Its text, and the attribute of each piece.
     """
-    variables = list(inputs)
+    variables, shader = list(inputs), Declared(text)
     parts = [piece for variable in elements(variables) for piece in pieces(variable)]
     attributes = {piece: f"{PREFIX}in{i}" for i, piece in enumerate(parts)}
     declared = ["uniform ivec2 shaderlab_size;"]
     declared += [f"in {piece.type} {name};" for piece, name in attributes.items()]
-    declared += _outputs(text, variables)
+    declared += _outputs(shader, variables)
     body = [
         "void main() {",
-        *(f"    {_given(p.name, text)}{p.path} = {name};" for p, name in attributes.items()),
+        *(f"    {_given(p.name, shader)}{p.path} = {name};" for p, name in attributes.items()),
         "    vec2 pixel = vec2(gl_VertexID % shaderlab_size.x, gl_VertexID / shaderlab_size.x);",
         "    gl_Position = vec4((pixel + 0.5) / vec2(shaderlab_size) * 2.0 - 1.0, 0.0, 1.0);",
         "    gl_PointSize = 1.0;",
@@ -82,10 +82,9 @@ def probe_vertex(text: str, inputs: Iterable[Variable]) -> tuple[str, dict[Piece
     return "\n".join([version_line(text), *declared, *body, ""]), attributes
 
 
-def _outputs(text: str, variables: Sequence[Variable]) -> list[str]:
+def _outputs(shader: Declared, variables: Sequence[Variable]) -> list[str]:
     """Declarations of outputs that fit a fragment shader's inputs; blocks and structs to the
     letter, as the stages must agree on them."""
-    shader = Declared(text)
     lines: dict[str, None] = {}
     for variable in variables:
         name = variable.name
@@ -99,25 +98,19 @@ def _outputs(text: str, variables: Sequence[Variable]) -> list[str]:
             lines[f"{shader.qualifiers(head)}out {kind} {head}{array};"] = None
         else:
             array = "" if variable.array is None else f"[{variable.array}]"
-            given = shader.qualifiers(name) or _qualifier(variable)
-            lines[f"{given}out {variable.type} {name}{array};"] = None
+            own = "" if variable.interpolation == "smooth" else f"{variable.interpolation} "
+            lines[f"{shader.qualifiers(name) or own}out {variable.type} {name}{array};"] = None
     structs = shader.structs() if any("." in v.name for v in variables) else []
     return [*structs, *lines]
 
 
-def _given(name: str, text: str) -> str:
+def _given(name: str, shader: Declared) -> str:
     """An input's name in the vertex stage that `_outputs` declares it in."""
-    block = Declared(text).block_of(name)
-    if block is None or not block.instance:
-        return name
-    return f"{PREFIX}to_{name}"
+    block = shader.block_of(name)
+    return f"{PREFIX}to_{name}" if block is not None and block.instance else name
 
 
 def version_line(text: str) -> str:
     """A shader's own #version line, or the oldest that generated stages can be written in."""
     found = VERSION.search(text)
     return found.group(0).strip() if found else "#version 330 core"
-
-
-def _qualifier(variable: Variable) -> str:
-    return "" if variable.interpolation == "smooth" else f"{variable.interpolation} "

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from shaderlab.errors import ShaderError
-from shaderlab.glsl import Shaders, Source, compile_program, disassemble, validate, versions
+from shaderlab.glsl import Shaders, Source, compile_program, disassemble, validate
 from shaderlab.glsl.engines import choose
 from shaderlab.glsl.guards import MAX_NESTING, MAX_OPERATORS, fatal
 from shaderlab.glsl.interstage import interface_name
@@ -393,7 +393,7 @@ def test_a_broken_module_is_refused_not_misread(cut: int) -> None:
 
 
 def test_versions_name_the_libraries() -> None:
-    told = versions()
+    told = choose("library").versions()
     assert told["glslang"].count(".") == 2
     assert told["SPIRV-Tools"].startswith("v20")
     for library in ("glslang library", "SPIRV-Tools library"):

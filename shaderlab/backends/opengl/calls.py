@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import ctypes
 import importlib
+import os
+import pkgutil
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from functools import cache
-from itertools import takewhile
 from typing import Any, TypeGuard
 
 import numpy as np
@@ -27,8 +28,6 @@ from shaderlab.model import Call, Location, Object, Program
 Texts = Callable[[Program], Mapping[str, str]]
 """The stages' text of one of a case's programs, by stage."""
 
-_VERSIONS = ("1_0", "1_1", "1_2", "1_3", "1_4", "1_5", "2_0", "2_1", "3_0", "3_1", "3_2", "3_3",
-             "4_0", "4_1", "4_2", "4_3", "4_4", "4_5", "4_6")  # fmt: skip
 _ARRAYS: Mapping[str, type[np.generic]] = {
     "GLint": np.int32, "GLsizei": np.int32, "GLuint": np.uint32, "GLenum": np.uint32,
     "GLfloat": np.float32, "GLdouble": np.float64, "GLboolean": np.uint8, "GLubyte": np.uint8,
@@ -220,13 +219,15 @@ def _function(name: str) -> Any:
 @cache
 def _functions() -> Mapping[str, Any]:
     """Each C function by its name, from the first version that has it."""
-    found: dict[str, Any] = {}
-    for version in _VERSIONS:
-        module = importlib.import_module(f"OpenGL.raw.GL.VERSION.GL_{version}")
+    from OpenGL.raw.GL import VERSION
+
+    functions: dict[str, Any] = {}
+    for version in sorted(found.name for found in pkgutil.iter_modules(VERSION.__path__)):
+        module = importlib.import_module(f"{VERSION.__name__}.{version}")
         for name, function in vars(module).items():
             if name.startswith("gl") and name[2:3].isupper():
-                found.setdefault(name, function)
-    return found
+                functions.setdefault(name, function)
+    return functions
 
 
 @cache
@@ -241,12 +242,9 @@ def _is_constant(word: Any) -> TypeGuard[str]:
 def _name_of(number: int, like: str) -> str:
     """The name of a number among those that begin as another one does, or ""."""
     found = [name for name, value in _constants().items() if value == number]
-    if like in found:
-        return like
 
     def alike(name: str) -> tuple[int, int]:
-        pairs = zip(name, like, strict=False)
-        return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], pairs)), -len(name)
+        return len(os.path.commonprefix([name, like])), -len(name)  # noqa: RUF071 - these are words
 
     return max(found, key=alike, default="")
 

@@ -22,8 +22,7 @@ from shaderlab.backends.opengl.vertices import vertex_array
 from shaderlab.errors import ShaderError, UnsupportedError
 from shaderlab.frame import Array, Bindings, Fragments, PassDraw, Samples
 from shaderlab.model import Mesh, State, Stencil, Target
-from shaderlab.programs import formats, stages, vertex_stages
-from shaderlab.programs.inputs import complete_inputs, piece_of
+from shaderlab.programs import bind, formats, stages, vertex_stages
 from shaderlab.programs.prepare import PreparedDraw
 from shaderlab.programs.varyings import Piece, assembled
 
@@ -65,6 +64,7 @@ def _captured(drawing: Drawing, key: PassDraw, *, keep_all: bool) -> Fragments:
 def _capture_group(
     drawing: Drawing, key: PassDraw, group: Sequence[Piece], crowded: bool, keep_all: bool
 ) -> tuple[Array, dict[Piece, Array]]:
+    """`gl_FragCoord` and some of the inputs."""
     description = drawing.scene.find_pass(key[0])
     prepared = drawing.programs[key[0]]
     subject = prepared[key[1]]
@@ -74,7 +74,8 @@ def _capture_group(
     )
     colors = {n: formats.for_output(v.type) for n, v in outputs.items() if not crowded}
     colors[stages.COORD] = "rgba32f"
-    colors.update({c.output: c.format for c in captured})
+    for piece, name in captured.items():
+        colors[name] = formats.for_output(stages.padded_type(piece))
     plain = replace(description.target, colors=colors, clear=(0.0,) * 4, samples=0)
     with RenderTarget(drawing.device, plain, colors, drawing.extent(description)) as target:
         for index, draw in enumerate(prepared):
@@ -87,8 +88,8 @@ def _capture_group(
             drain_errors()
         coord = target.read(stages.COORD).values
         got = {
-            c.piece: target.read(c.output).values[..., : formats.components_of(c.piece.type)]
-            for c in captured
+            piece: target.read(name).values[..., : formats.components_of(piece.type)]
+            for piece, name in captured.items()
         }
     return coord, got
 
@@ -116,13 +117,13 @@ def probe_fragments(
         UnsupportedError: the lab can't write a vertex stage that feeds the shader.
     """
     draw = drawing.programs[key[0]][key[1]]
-    complete = complete_inputs(draw, inputs)
+    complete = bind.complete_inputs(draw.draw, draw.interface.varyings, inputs)
     count = max((len(v) for v in inputs.values()), default=1)
     width = min(count, PROBE_WIDTH)
     size = (width, -(-count // width))
     program, columns = _fed(drawing, draw)
     colors = {n: formats.for_output(v.type) for n, v in draw.interface.outputs.items()}
-    attributes = {name: piece_of(complete, piece) for piece, name in columns.items()}
+    attributes = {name: bind.piece_of(complete, piece) for piece, name in columns.items()}
     attributes = attributes or {stages.PREFIX + "nothing": np.zeros((count, 1), np.float32)}
     # There are no ramps to upload: the vertex stage is the probe's.
     own = draw if draw.draw.domain is None else replace(draw, draw=replace(draw.draw, domain={}))

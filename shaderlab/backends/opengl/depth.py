@@ -7,9 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.backends.opengl.formats import depth_storage
 from shaderlab.backends.opengl.pyopengl import GL, GL_1_0
-from shaderlab.backends.opengl.textures import DeviceTexture, address, tightly_packed
+from shaderlab.backends.opengl.textures import DeviceTexture, address, depth_storage, tightly_packed
 from shaderlab.errors import UnsupportedError
 from shaderlab.frame import Image
 from shaderlab.model import Target

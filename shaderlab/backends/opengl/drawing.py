@@ -6,7 +6,7 @@ from contextlib import ExitStack
 from typing import Any
 
 from shaderlab.activity import doing
-from shaderlab.backends import Drawn, Size
+from shaderlab.backends import Drawn, Session, Size
 from shaderlab.backends.opengl import state
 from shaderlab.backends.opengl.bound_textures import BoundTextures
 from shaderlab.backends.opengl.device import Device
@@ -24,7 +24,7 @@ from shaderlab.programs.passes import check_continues, check_reads
 from shaderlab.programs.prepare import PreparedDraw, Programs, output_types, pass_colors, step
 
 
-class Drawing:
+class Drawing(Session):
     """One scene on the device: its targets and textures, kept until the session ends.
 
     Args:
@@ -45,33 +45,27 @@ class Drawing:
         size: Size,
         stack: ExitStack,
     ) -> None:
+        super().__init__(scene, programs)
         self.device = device
         self.linker = linker
-        self.scene = scene
-        self.programs = programs
         self.size = size
         self.bindings: dict[PassDraw, Bindings] = {}
-        self._images: dict[tuple[str, str], Image] = {}
+        self.images: dict[tuple[str, str], Image] = {}
         self._sample_positions: dict[str, Array] = {}
-        self._stack = stack
-        self._targets: dict[str, RenderTarget] = {}
-        self._textures = BoundTextures(device, scene, self._images, self._targets, stack)
+        self.stack = stack
+        self.targets: dict[str, RenderTarget] = {}
+        self._textures = BoundTextures(self)
         self._blocks = UniformBuffers(device, stack)
         self._arrays: dict[tuple[int, int], tuple[Any, Mesh | None, VertexArray]] = {}
         self._gl_errors: dict[PassDraw, tuple[int, ...]] = {}
         self._inactive: set[str] = set()
         self._named = scene.outputs_named()
 
-    def run(self) -> Drawn:
-        """Draw all passes in order.
-
-        Raises:
-            CaseError, ShaderError, UnsupportedError: see the modules that find them.
-        """
+    def draw(self) -> Drawn:
         for description in self.scene.passes:
             self._run_pass(description)
         return Drawn(
-            images=self._images,
+            images=self.images,
             bindings=self.bindings,
             gl_errors=self._gl_errors,
             inactive=frozenset(self._inactive),
@@ -89,19 +83,19 @@ class Drawing:
         extent = self.extent(description)
         with doing("draw", f"making the target of pass {description.name!r}"):
             if description.onto:
-                earlier = {name: target.colors for name, target in self._targets.items()}
+                earlier = {name: target.colors for name, target in self.targets.items()}
                 check_continues(self.scene, description, colors, earlier)
-                target = self._targets[description.onto]
+                target = self.targets[description.onto]
             else:
                 target = RenderTarget(self.device, description.target, colors, extent)
-                self._stack.callback(target.release)
+                self.stack.callback(target.release)
                 target.clear()
-            self._targets[description.name] = target
+            self.targets[description.name] = target
             if description.target.samples:
                 self._sample_positions[description.name] = target.sample_positions()
         for index, draw in enumerate(draws):
             key = (description.name, index)
-            check_reads(self.scene, description, draw.draw, self._targets)
+            check_reads(self.scene, description, draw.draw, self.targets)
             with doing("draw", step(key, draw)):
                 self.bindings[key] = self.bind(draw)
                 self._draw(key, draw, target)
@@ -120,10 +114,10 @@ class Drawing:
                 # There is no three-component attachment: drop what the shader never wrote.
                 count = components_of(kinds[name])
                 image = Image(image.values[..., :count], image.format)
-            self._images[description.name, name] = image
+            self.images[description.name, name] = image
         for name in self._named.get(description.name, ()):
             if name in target.attached and name not in target.colors:
-                self._images[description.name, name] = target.read(name)
+                self.images[description.name, name] = target.read(name)
 
     def bind(self, draw: PreparedDraw) -> Bindings:
         """The draw's uniforms and textures as the shader will get them."""

@@ -13,29 +13,25 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.backends.opengl import state as fixed
 from shaderlab.backends.opengl.drawing import Drawing, drain_errors, submit
 from shaderlab.backends.opengl.pyopengl import GL
 from shaderlab.backends.opengl.target import RenderTarget
 from shaderlab.backends.opengl.vertices import vertex_array
 from shaderlab.errors import DriverError
 from shaderlab.frame import Array, Bindings, PassDraw, Samples
-from shaderlab.glsl.interface import Interface
-from shaderlab.model import Mesh, State, Target
+from shaderlab.model import Mesh, Target
 from shaderlab.programs import stages
 from shaderlab.programs.formats import components_of, numpy_type
 from shaderlab.programs.prepare import PreparedDraw
 from shaderlab.programs.varyings import Piece, assembled
-from shaderlab.programs.vertices import corners, vertex_inputs, vertex_pieces
+from shaderlab.programs.vertices import corners, probed_mesh, vertex_inputs, vertex_pieces
 
 # What every OpenGL 3.3 driver can write of one vertex at once.
 MAX_COMPONENTS = 64
 
 
-def vertices(
-    drawing: Drawing, key: PassDraw, bindings: Bindings | None = None, mesh: Mesh | None = None
-) -> Samples:
-    """Every vertex that a draw (or a mesh in place of its own) hands to rasterisation.
+def vertices(drawing: Drawing, key: PassDraw) -> Samples:
+    """Every vertex that a draw hands to rasterisation.
 
     Outputs are gl_Position and every `out` variable, arrays and matrices as their elements and
     columns ("v[1]"). Inputs of a vertex stage are the attributes, gl_VertexID and gl_InstanceID.
@@ -48,25 +44,30 @@ def vertices(
         DriverError: the driver writes down fewer vertices than it says there are.
     """
     draw = drawing.programs[key[0]][key[1]]
-    bound = bindings or drawing.bindings[key]
-    one_mesh = mesh or draw.draw.mesh
-    assert one_mesh is not None
-    if draw.draw.geometry is None or mesh is not None:
-        count = draw.draw.instances if mesh is None else 1
-        return _stored(drawing, draw, bound, one_mesh, count, draw.interface)
-    return _emitted(drawing, draw, bound, one_mesh)
+    mesh = draw.draw.mesh
+    assert mesh is not None
+    if draw.draw.geometry is None:
+        return _stored(drawing, draw, drawing.bindings[key], mesh, draw.draw.instances)
+    return _emitted(drawing, draw, drawing.bindings[key], mesh)
+
+
+def probe_vertices(
+    drawing: Drawing, key: PassDraw, bindings: Bindings, inputs: Mapping[str, Array]
+) -> Samples:
+    """Run the vertex stage on given inputs, each an array (count, components).
+
+    Raises:
+        UnsupportedError: a geometry stage follows, which takes whole primitives.
+    """
+    draw = drawing.programs[key[0]][key[1]]
+    return _stored(drawing, draw, bindings, probed_mesh(draw.draw, inputs), 1)
 
 
 def _stored(
-    drawing: Drawing,
-    draw: PreparedDraw,
-    bindings: Bindings,
-    mesh: Mesh,
-    instances: int,
-    interface: Interface,
+    drawing: Drawing, draw: PreparedDraw, bindings: Bindings, mesh: Mesh, instances: int
 ) -> Samples:
     text = {"vertex": draw.text("vertex") or ""}
-    parts = vertex_pieces(text["vertex"], interface)
+    parts = vertex_pieces(text["vertex"], draw.vertex_interface)
     points = replace(draw, draw=replace(
         draw.draw, mesh=replace(mesh.made(), indices=None, primitive="points"), instances=instances
     ))  # fmt: skip
@@ -77,8 +78,7 @@ def _stored(
 
 
 def _emitted(drawing: Drawing, draw: PreparedDraw, bindings: Bindings, mesh: Mesh) -> Samples:
-    instances = draw.draw.instances
-    given = _stored(drawing, draw, bindings, mesh, instances, draw.vertex_interface)
+    given = _stored(drawing, draw, bindings, mesh, draw.draw.instances)
     texts = {
         "vertex": stages.counting_vertex(draw.text("vertex") or ""),
         "geometry": stages.counting_geometry(draw.text("geometry") or ""),
@@ -168,7 +168,6 @@ def _draw(
     queries = np.atleast_1d(GL.glGenQueries(2))
     try:
         target.clear()
-        fixed.apply(State(), (1, 1))
         drawing.use(program, draw, bindings)
         vao = vertex_array(device, program, draw.draw.mesh)
         GL.glUseProgram(program.glo)

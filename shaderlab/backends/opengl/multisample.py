@@ -5,11 +5,13 @@ from __future__ import annotations
 import moderngl
 import numpy as np
 
+from shaderlab.backends.opengl import state
 from shaderlab.backends.opengl.device import Device
 from shaderlab.backends.opengl.pyopengl import GL
 from shaderlab.backends.opengl.textures import DeviceTexture
 from shaderlab.errors import UnsupportedError
 from shaderlab.frame import Array
+from shaderlab.model import State
 
 _CORNERS = """#version 330 core
 void main() {
@@ -43,13 +45,7 @@ def read_samples(
     corners = context.vertex_array(program, [])
     values = np.empty((samples, size[1], size[0], 4), np.float32)
     framebuffer.use()
-    for capability in (
-        GL.GL_DEPTH_TEST, GL.GL_STENCIL_TEST, GL.GL_BLEND, GL.GL_CULL_FACE, GL.GL_SCISSOR_TEST,
-        GL.GL_FRAMEBUFFER_SRGB,
-    ):  # fmt: skip
-        GL.glDisable(capability)
-    GL.glColorMask(True, True, True, True)
-    GL.glViewport(0, 0, *size)
+    state.apply(State(), size)
     GL.glActiveTexture(GL.GL_TEXTURE0)
     GL.glBindTexture(texture.target, texture.glo)
     GL.glUseProgram(program.glo)

@@ -7,22 +7,11 @@ from __future__ import annotations
 
 from shaderlab.backends.opengl import environment
 
-__all__ = [
-    "ERROR_CHECKER",
-    "GL",
-    "GL_1_0",
-    "GL_1_2",
-    "GL_1_3",
-    "GLError",
-    "NullFunctionError",
-    "named",
-]
-
 with environment():
-    from OpenGL import GL
-    from OpenGL.error import GLError, NullFunctionError
+    from OpenGL import GL as GL
+    from OpenGL.error import GLError as GLError, NullFunctionError as NullFunctionError
     from OpenGL.raw.GL import _errors
-    from OpenGL.raw.GL.VERSION import GL_1_0, GL_1_2, GL_1_3
+    from OpenGL.raw.GL.VERSION import GL_1_0 as GL_1_0, GL_1_2 as GL_1_2, GL_1_3 as GL_1_3
 
 ERROR_CHECKER = _errors._error_checker
 """What PyOpenGL asks for errors after each call, or None in a process without such checks."""

@@ -12,7 +12,7 @@ import numpy as np
 from shaderlab.backends.opengl import state
 from shaderlab.backends.opengl.drawing import Drawing, drain_errors, submit
 from shaderlab.backends.opengl.linking import output_locations
-from shaderlab.backends.opengl.pyopengl import GL
+from shaderlab.backends.opengl.pyopengl import GL, named
 from shaderlab.backends.opengl.target import RenderTarget
 from shaderlab.backends.opengl.uniform_buffers import read_block
 from shaderlab.backends.opengl.vertices import read_layout
@@ -23,18 +23,7 @@ from shaderlab.programs.prepare import PreparedDraw, pass_colors
 from shaderlab.programs.stages import PREFIX
 
 # Source: OpenGL 4.6 core profile specification, tables 4.1 and 4.2; ARB_pipeline_statistics_query.
-NUMBERS = {
-    "samples_passed": 0x8914,
-    "primitives_generated": 0x8C87,
-    "vertices_submitted": 0x82EE,
-    "primitives_submitted": 0x82EF,
-    "vertex_shader_invocations": 0x82F0,
-    "geometry_shader_invocations": 0x887F,
-    "geometry_primitives_emitted": 0x82F3,
-    "fragment_shader_invocations": 0x82F4,
-    "clipping_input_primitives": 0x82F6,
-    "clipping_output_primitives": 0x82F7,
-}
+_SPELT = {"geometry_primitives_emitted": "geometry_shader_primitives_emitted"}
 _ALWAYS = ("samples_passed", "primitives_generated")
 _STATISTICS = "GL_ARB_pipeline_statistics_query"
 
@@ -48,17 +37,15 @@ def counted(drawing: Drawing, key: PassDraw, counter: str) -> int:
     device = drawing.device
     if counter not in _ALWAYS and _STATISTICS not in device.context.extensions:
         raise UnsupportedError(f"counting {counter}: the driver has no {_STATISTICS}")
-    made = np.atleast_1d(GL.glGenQueries(1))
+    made, what = np.atleast_1d(GL.glGenQueries(1)), named(_SPELT.get(counter, counter))
     try:
         with _again(drawing, key[0]) as target:
-            for index, draw in enumerate(drawing.programs[key[0]]):
+            for index, draw in enumerate(drawing.programs[key[0]][: key[1] + 1]):
                 program, vao = drawing.ready(draw, drawing.bindings[key[0], index], target)
                 if index == key[1]:
-                    GL.glBeginQuery(NUMBERS[counter], made[0])
+                    GL.glBeginQuery(what, made[0])
                 submit(vao, program, draw)
-                if index == key[1]:
-                    GL.glEndQuery(NUMBERS[counter])
-                    break
+            GL.glEndQuery(what)
             result = int(GL.glGetQueryObjectuiv(made[0], GL.GL_QUERY_RESULT))
     finally:
         GL.glDeleteQueries(1, made)

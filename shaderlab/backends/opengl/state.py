@@ -14,21 +14,43 @@ from shaderlab.model import Blend, Cell, Depth, State, Stencil
 
 def apply(state: State, size: tuple[int, int]) -> None:
     """Make the current context's state what `state` says, for a target of `size` pixels."""
-    _confine(state, size)
-    _depth(state.depth)
+    whole = (0, 0, *size)
+    cell = None if state.cell is None else rectangle(state.cell, size)
+    scissor = cell or state.scissor
+    switches = {
+        GL.GL_SCISSOR_TEST: scissor is not None,
+        GL.GL_DEPTH_TEST: state.depth is not None,
+        GL.GL_POLYGON_OFFSET_FILL: state.polygon_offset is not None,
+        GL.GL_POLYGON_OFFSET_LINE: state.polygon_offset is not None,
+        GL.GL_STENCIL_TEST: state.stencil is not None,
+        GL.GL_BLEND: state.blend is not None,
+        GL.GL_CULL_FACE: state.cull is not None,
+        GL.GL_FRAMEBUFFER_SRGB: state.srgb,
+        GL.GL_PROGRAM_POINT_SIZE: isinstance(state.point_size, str),
+        GL.GL_MULTISAMPLE: state.multisample,
+        GL.GL_SAMPLE_ALPHA_TO_COVERAGE: state.alpha_to_coverage,
+    }
+    if int(GL.glGetIntegerv(GL.GL_MAJOR_VERSION)) >= 4:
+        switches[GL.GL_SAMPLE_SHADING] = state.sample_shading is not None
+        GL.glMinSampleShading(state.sample_shading or 0.0)
+    elif state.sample_shading is not None:
+        raise UnsupportedError("shading each sample (sample_shading): it takes OpenGL 4.0")
+    for capability, on in switches.items():
+        (GL.glEnable if on else GL.glDisable)(capability)
+    GL.glViewport(*(cell or state.viewport or whole))
+    GL.glScissor(*(scissor or whole))
+    depth = state.depth or Depth()
+    GL.glDepthFunc(named(depth.func))
+    GL.glDepthMask(depth.write)
     GL.glDepthRange(*state.depth_range)
-    _polygon_offset(state.polygon_offset)
-    _stencil(state.stencil, state.stencil_back or state.stencil)
-    _blend(state.blend)
-    _switch(GL.GL_CULL_FACE, state.cull is not None)
-    if state.cull is not None:
-        GL.glCullFace(named(state.cull))
+    GL.glPolygonOffset(*(state.polygon_offset or (0.0, 0.0)))
+    _stencil(GL.GL_FRONT, state.stencil or Stencil())
+    _stencil(GL.GL_BACK, state.stencil_back or state.stencil or Stencil())
+    _blend(state.blend or Blend())
+    GL.glCullFace(named(state.cull or "back"))
     GL.glFrontFace(named(state.front_face))
     GL.glColorMask(*state.color_mask)
-    _switch(GL.GL_FRAMEBUFFER_SRGB, state.srgb)
-    _switch(GL.GL_PROGRAM_POINT_SIZE, isinstance(state.point_size, str))
     GL.glPointSize(state.point_size if isinstance(state.point_size, int | float) else 1.0)
-    _multisample(state)
 
 
 def rectangle(cell: Cell, size: tuple[int, int]) -> tuple[int, int, int, int]:
@@ -42,60 +64,14 @@ def rectangle(cell: Cell, size: tuple[int, int]) -> tuple[int, int, int, int]:
     return x, y, right - x, top - y
 
 
-def _switch(capability: int, on: bool) -> None:
-    (GL.glEnable if on else GL.glDisable)(capability)
+def _stencil(face: int, stencil: Stencil) -> None:
+    GL.glStencilFuncSeparate(face, named(stencil.func), stencil.reference, stencil.mask)
+    operations = (stencil.fail, stencil.depth_fail, stencil.depth_pass)
+    GL.glStencilOpSeparate(face, *(named(word) for word in operations))
+    GL.glStencilMaskSeparate(face, stencil.write_mask)
 
 
-def _confine(state: State, size: tuple[int, int]) -> None:
-    whole = (0, 0, *size)
-    cell = None if state.cell is None else rectangle(state.cell, size)
-    scissor = state.scissor if cell is None else cell
-    GL.glViewport(*(cell or state.viewport or whole))
-    GL.glScissor(*(scissor or whole))
-    _switch(GL.GL_SCISSOR_TEST, scissor is not None)
-
-
-def _depth(depth: Depth | None) -> None:
-    _switch(GL.GL_DEPTH_TEST, depth is not None)
-    if depth is not None:
-        GL.glDepthFunc(named(depth.func))
-    GL.glDepthMask(depth is None or depth.write)
-
-
-def _polygon_offset(offset: tuple[float, float] | None) -> None:
-    for primitive in (GL.GL_POLYGON_OFFSET_FILL, GL.GL_POLYGON_OFFSET_LINE):
-        _switch(primitive, offset is not None)
-    GL.glPolygonOffset(*(offset or (0.0, 0.0)))
-
-
-def _stencil(front: Stencil | None, back: Stencil | None) -> None:
-    _switch(GL.GL_STENCIL_TEST, front is not None)
-    for face, stencil in ((GL.GL_FRONT, front), (GL.GL_BACK, back)):
-        if stencil is None:
-            GL.glStencilMaskSeparate(face, 0xFF)
-            continue
-        func = named(stencil.func)
-        GL.glStencilFuncSeparate(face, func, stencil.reference, stencil.mask)
-        operations = (stencil.fail, stencil.depth_fail, stencil.depth_pass)
-        GL.glStencilOpSeparate(face, *(named(word) for word in operations))
-        GL.glStencilMaskSeparate(face, stencil.write_mask)
-
-
-def _multisample(state: State) -> None:
-    _switch(GL.GL_MULTISAMPLE, state.multisample)
-    _switch(GL.GL_SAMPLE_ALPHA_TO_COVERAGE, state.alpha_to_coverage)
-    if int(GL.glGetIntegerv(GL.GL_MAJOR_VERSION)) < 4:
-        if state.sample_shading is not None:
-            raise UnsupportedError("shading each sample (sample_shading): it takes OpenGL 4.0")
-        return
-    _switch(GL.GL_SAMPLE_SHADING, state.sample_shading is not None)
-    GL.glMinSampleShading(state.sample_shading or 0.0)
-
-
-def _blend(blend: Blend | None) -> None:
-    _switch(GL.GL_BLEND, blend is not None)
-    if blend is None:
-        return
+def _blend(blend: Blend) -> None:
     GL.glBlendFuncSeparate(
         named(blend.source),
         named(blend.destination),

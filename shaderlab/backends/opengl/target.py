@@ -8,15 +8,15 @@ from typing import Any, Self
 import moderngl
 import numpy as np
 
+from shaderlab.backends.opengl import state
 from shaderlab.backends.opengl.depth import UNREADABLE, Attached, attach_depth, read_depth
 from shaderlab.backends.opengl.device import Device
-from shaderlab.backends.opengl.formats import moderngl_internal, moderngl_type
 from shaderlab.backends.opengl.multisample import read_samples
-from shaderlab.backends.opengl.pyopengl import GL
+from shaderlab.backends.opengl.pyopengl import GL, named
 from shaderlab.backends.opengl.textures import DeviceTexture
 from shaderlab.errors import UnsupportedError
 from shaderlab.frame import Array, Image
-from shaderlab.model import Target
+from shaderlab.model import State, Target
 from shaderlab.programs.formats import COLOR, DEPTH
 
 
@@ -107,23 +107,17 @@ class RenderTarget:
     def clear(self) -> None:
         """Bind the target and set every attachment to its clear value, unmasked."""
         self.bind({name: index for index, name in enumerate(self.colors)})
-        GL.glDisable(GL.GL_SCISSOR_TEST)
-        GL.glDisable(GL.GL_FRAMEBUFFER_SRGB)
-        GL.glColorMask(True, True, True, True)
-        GL.glDepthMask(True)
-        GL.glStencilMask(0xFF)
+        state.apply(State(), self.size)
         for index, word in enumerate(self.colors.values()):
             if COLOR[word].integer:
                 values = np.array(self._target.clear, np.int32)
                 GL.glClearBufferiv(GL.GL_COLOR, index, values)
             else:
                 GL.glClearBufferfv(GL.GL_COLOR, index, np.array(self._target.clear, np.float32))
-        if self._target.depth is not None:
-            depth = np.array([self._target.clear_depth], np.float32)
-            GL.glClearBufferfv(GL.GL_DEPTH, 0, depth)
-            if DEPTH[self._target.depth].stencil:
-                stencil = np.array([self._target.clear_stencil], np.int32)
-                GL.glClearBufferiv(GL.GL_STENCIL, 0, stencil)
+        if "depth" in self.attached:
+            GL.glClearBufferfv(GL.GL_DEPTH, 0, np.array([self._target.clear_depth], np.float32))
+        if "stencil" in self.attached:
+            GL.glClearBufferiv(GL.GL_STENCIL, 0, np.array([self._target.clear_stencil], np.int32))
 
     def bind(self, locations: Mapping[str, int]) -> None:
         """Draw into this target from now on, with a program that writes its outputs at these
@@ -186,11 +180,12 @@ class RenderTarget:
         return found[..., : kind.components]
 
     def _texture(self, word: str, samples: int = 0) -> Any:
-        internal = moderngl_internal(word)
+        # moderngl's own word for the type of a component; sRGB is another format of the same.
+        dtype = np.dtype(COLOR[word].numpy).str[1:].replace("u1", "f1")
+        internal = {"internal_format": named(word)} if word == "srgb8_alpha8" else {}
         texture = self._device.context.texture(
-            self.size, COLOR[word].components, dtype=moderngl_type(word), samples=samples,
-            **({} if internal is None else {"internal_format": internal}),
-        )  # fmt: skip
+            self.size, COLOR[word].components, dtype=dtype, samples=samples, **internal
+        )
         if not samples:
             texture.filter = (self._device.context.NEAREST,) * 2
             texture.repeat_x = texture.repeat_y = False  # later passes read its edge beyond it

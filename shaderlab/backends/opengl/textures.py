@@ -14,18 +14,21 @@ from dataclasses import dataclass
 import numpy as np
 
 from shaderlab.backends.opengl.device import Device
-from shaderlab.backends.opengl.formats import transfer
-from shaderlab.backends.opengl.pyopengl import GL, GL_1_0, GL_1_2, GL_1_3
+from shaderlab.backends.opengl.pyopengl import GL, GL_1_0, GL_1_2, GL_1_3, named
 from shaderlab.errors import UnsupportedError
 from shaderlab.frame import Array
 from shaderlab.model.textures import level_sizes
 from shaderlab.programs.compressed import Blocks
-from shaderlab.programs.formats import format_of
+from shaderlab.programs.formats import DEPTH, format_of
 from shaderlab.programs.textures import Contents
 
-# OpenGL 4.5 core profile: the binding points, and the first of a cube's six images.
-TARGETS = {"2D": 0x0DE1, "2DArray": 0x8C1A, "Cube": 0x8513, "2DMS": 0x9100}
-_FIRST_FACE = 0x8515
+# The binding points, as OpenGL has their names, by what GLSL's samplers end in.
+_TARGETS = {
+    "2D": "texture_2d",
+    "2DArray": "texture_2d_array",
+    "Cube": "texture_cube_map",
+    "2DMS": "texture_2d_multisample",
+}
 # OpenGL's number, the extension that brings it, and the version that has it without.
 _COMPRESSED = {
     "etc2_rgb8": (0x9274, "GL_ARB_ES3_compatibility", 430),
@@ -34,6 +37,47 @@ _COMPRESSED = {
     "bc3": (0x83F3, "GL_EXT_texture_compression_s3tc", 10**6),
     "bc7": (0x8E8C, "GL_ARB_texture_compression_bptc", 420),
 }
+
+# Source: OpenGL 4.5 core profile specification, tables 8.10 to 8.13 (sized internal formats).
+_COMPONENTS = ("red", "rg", "rgb", "rgba")
+_TYPES = {
+    np.uint8: "unsigned_byte", np.float16: "half_float", np.float32: "float", np.int32: "int",
+    np.uint32: "unsigned_int",
+}  # fmt: skip
+_PACKED = {
+    "depth24_stencil8": "unsigned_int_24_8", "depth32f_stencil8": "float_32_unsigned_int_24_8_rev",
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Transfer:
+    """A format's internal number, and the components and type of the pixels that it comes in."""
+
+    internal: int
+    components: int
+    type: int
+
+
+def transfer(word: str) -> Transfer:
+    """How a colour or depth format is uploaded and read; depths as floats.
+
+    >>> hex(transfer("rgba8").internal), hex(transfer("depth24").components)
+    ('0x8058', '0x1902')
+    """
+    kind = format_of(word)
+    components = _COMPONENTS[kind.components - 1] + "_integer" * kind.integer
+    internal = word
+    if word in DEPTH:
+        components = "depth_component"
+        internal = word if kind.stencil else word.replace("depth", "depth_component")
+    return Transfer(named(internal), named(components), named(_TYPES[kind.numpy]))
+
+
+def depth_storage(word: str) -> Transfer:
+    """How an empty depth texture is made: with its stencil packed beside each depth."""
+    if word in _PACKED:
+        return Transfer(named(word), named("depth_stencil"), named(_PACKED[word]))
+    return transfer(word)
 
 
 @dataclass(frozen=True)
@@ -53,7 +97,7 @@ class DeviceTexture:
     @property
     def target(self) -> int:
         """The binding point."""
-        return TARGETS[self.kind]
+        return named(_TARGETS[self.kind])
 
     def release(self) -> None:
         """Release its memory."""
@@ -81,15 +125,15 @@ def upload(device: Device, kind: str, format: str, images: Contents) -> DeviceTe
             )  # fmt: skip
     elif kind == "Cube":
         for face, image in enumerate(images.layers):
-            set_image(_FIRST_FACE + face, 0, format, image)
+            _set_image(GL.GL_TEXTURE_CUBE_MAP_POSITIVE_X + face, 0, format, image)
     else:
         for level, image in enumerate((*images.layers, *images.smaller)):
-            set_image(made.target, level, format, image)
+            _set_image(made.target, level, format, image)
     GL.glBindTexture(made.target, 0)
     return made
 
 
-def set_image(target: int, level: int, format: str, image: Array) -> None:
+def _set_image(target: int, level: int, format: str, image: Array) -> None:
     """Fill one level of the texture that is bound."""
     form = transfer(format)
     height, width = image.shape[:2]
@@ -147,7 +191,7 @@ def read_level(
     GL.glBindTexture(texture.target, texture.glo)
     with tightly_packed():
         for number, part in enumerate(values if cube else [values]):
-            target = _FIRST_FACE + number if cube else texture.target
+            target = GL.GL_TEXTURE_CUBE_MAP_POSITIVE_X + number if cube else texture.target
             GL_1_0.glGetTexImage(target, level, form.components, form.type, address(part))
     GL.glBindTexture(texture.target, 0)
     return values[0] if texture.kind == "2D" else values

@@ -6,6 +6,7 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -15,11 +16,11 @@ from shaderlab.backends.opengl.pyopengl import GL
 from shaderlab.errors import CaseError, DriverError
 from shaderlab.frame import Array, BlockReading
 from shaderlab.glsl.interface import Block
-from shaderlab.glsl.layout import Slot
 from shaderlab.model import UniformBuffer
 from shaderlab.programs import blocks
 from shaderlab.programs.prepare import PreparedDraw
 
+_PLACE = attrgetter("offset", "size", "array_stride", "matrix_stride")
 _NONE = 0xFFFFFFFF  # GL_INVALID_INDEX
 
 
@@ -35,7 +36,7 @@ class UniformBuffers:
         self._device = device
         self._stack = stack
         self._active: dict[int, tuple[Any, dict[str, bool]]] = {}
-        self._shared: dict[int, tuple[UniformBuffer, Block, Mapping[str, Slot]]] = {}
+        self._shared: dict[int, tuple[UniformBuffer, Block]] = {}
         self._made: dict[tuple[int, bytes], Any] = {}
 
     def bind(
@@ -61,10 +62,12 @@ class UniformBuffers:
 
     def _buffer(self, source: UniformBuffer, block: Block, data: bytes) -> Any:
         """The one buffer of a UniformBuffer; a probe with other values gets one of its own."""
-        places = blocks.layout_of(block).slots
-        _, first, known = self._shared.setdefault(id(source), (source, block, places))
-        for name in (*places, *known):
-            if places.get(name) != known.get(name):
+        _, first = self._shared.setdefault(id(source), (source, block))
+        ours, theirs = (
+            {name: _PLACE(member) for name, member in one.members.items()} for one in (block, first)
+        )
+        for name in (*ours, *theirs):
+            if ours.get(name) != theirs.get(name):
                 raise CaseError(
                     f"one UniformBuffer serves the blocks {first.name} and {block.name}, "
                     f"but {name} does not lie at the same place in both",
@@ -79,7 +82,6 @@ class UniformBuffers:
 
 def read_block(program: Any, block: Block) -> BlockReading:
     """Where the driver has a block's members, and where the lab has them."""
-    ours = blocks.layout_of(block)
     size = np.zeros(1, np.int32)
     offsets: dict[str, int | None] = {}
     index = int(GL.glGetUniformBlockIndex(program.glo, block.name.encode()))
@@ -89,8 +91,8 @@ def read_block(program: Any, block: Block) -> BlockReading:
     return BlockReading(
         offsets={name: at for name, at in offsets.items() if at is not None},
         size=int(size[0]),
-        placed={name: slot.offset for name, slot in ours.slots.items()},
-        placed_size=ours.size,
+        placed={name: member.offset for name, member in block.members.items()},
+        placed_size=block.size,
     )
 
 

@@ -6,24 +6,15 @@ from collections.abc import Sequence
 from contextlib import suppress
 
 from shaderlab.backends.opengl.device import Device
-from shaderlab.backends.opengl.pyopengl import GL, GLError
+from shaderlab.backends.opengl.pyopengl import GL, GLError, named
 from shaderlab.errors import DriverError
 from shaderlab.glsl.driver_verdict import DRIVER, parse_driver_log
 from shaderlab.glsl.sources import Source
 from shaderlab.records import Diagnostic, Verdict
 
-_KINDS = {
-    "vertex": 0x8B31,
-    "tess_control": 0x8E88,
-    "tess_evaluation": 0x8E87,
-    "geometry": 0x8DD9,
-    "fragment": 0x8B30,
-    "compute": 0x91B9,
-}
 _NEEDS = {"tess_control": 400, "tess_evaluation": 400, "compute": 430}
 # A driver links a program only from a stage that begins one.
 _BEGIN = ("vertex", "compute")
-_COMPILED, _LINKED = 0x8B81, 0x8B82
 
 
 def driver_verdict(device: Device, sources: Sequence[Source]) -> Verdict:
@@ -48,19 +39,19 @@ def driver_verdict(device: Device, sources: Sequence[Source]) -> Verdict:
         found: list[Diagnostic] = []
         ok = True
         for source in sources:
-            shader = GL.glCreateShader(_KINDS[source.stage])
+            shader = GL.glCreateShader(named(f"{source.stage}_shader"))
             shaders.append(shader)
             GL.glShaderSource(shader, source.text)
             with suppress(GLError):  # the status says it
                 GL.glCompileShader(shader)
-            good = bool(GL.glGetShaderiv(shader, _COMPILED))
+            good = bool(GL.glGetShaderiv(shader, GL.GL_COMPILE_STATUS))
             found += parse_driver_log(_text(GL.glGetShaderInfoLog(shader)), source, ok=good)
             ok = ok and good
             GL.glAttachShader(program, shader)
         if ok and any(source.stage in _BEGIN for source in sources):
             with suppress(GLError):
                 GL.glLinkProgram(program)
-            ok = bool(GL.glGetProgramiv(program, _LINKED))
+            ok = bool(GL.glGetProgramiv(program, GL.GL_LINK_STATUS))
             found += parse_driver_log(_text(GL.glGetProgramInfoLog(program)), sources[-1], ok=ok)
         return Verdict(target=DRIVER, ok=ok, diagnostics=tuple(dict.fromkeys(found)))
     finally:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from shaderlab.backends.opengl.device import Device
-from shaderlab.backends.opengl.pyopengl import GL
+from shaderlab.backends.opengl.pyopengl import GL, named
 from shaderlab.errors import DriverError
 from shaderlab.frame import Array, AttributeReading
 from shaderlab.model import Mesh, Placement
@@ -84,11 +84,8 @@ def _filled(device: Device, parts: list[tuple[int, bytes]], mesh: Mesh) -> Any:
     whole = b"".join(piece for _, piece in parts)
     buffer = device.context.buffer(reserve=max(len(whole), 1))
     GL.glBindBuffer(GL.GL_ARRAY_BUFFER, buffer.glo)
-    usage = getattr(GL, f"GL_{mesh.usage.upper()}")
-    GL.glBufferData(
-        GL.GL_ARRAY_BUFFER, max(len(whole), 1), whole if mesh.upload == "data" and whole else None,
-        usage,
-    )  # fmt: skip
+    given = whole if mesh.upload == "data" and whole else None
+    GL.glBufferData(GL.GL_ARRAY_BUFFER, max(len(whole), 1), given, named(mesh.usage))
     if mesh.upload == "sub_data":
         for offset, piece in parts:
             GL.glBufferSubData(GL.GL_ARRAY_BUFFER, offset, len(piece), piece)
