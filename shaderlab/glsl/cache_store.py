@@ -76,16 +76,12 @@ class Store:
             return
         path = self._path(key)
         folder = os.path.dirname(path)
-        try:
-            try:
-                write_bytes(path, data)
-            except FileNotFoundError:
+        with suppress(OSError):
+            if not os.path.isdir(folder):
                 self._make(folder)
-                write_bytes(path, data)
+            write_bytes(path, data)
             if key[1:3] == "00":  # one time in 256, since it looks at every file of the folder
                 self._trim(folder)
-        except OSError:
-            return
 
     def usage(self) -> Usage:
         """What is stored now; looks at every file."""

@@ -89,13 +89,12 @@ def _blocks(code: str) -> Iterator[tuple[str, int]]:
 
 def _too_deep(code: str) -> tuple[str, str, int] | None:
     for line, nesting, operators in _depths(code):
-        if nesting > MAX_NESTING or operators > MAX_OPERATORS:
-            deep = f"nests deeper than {MAX_NESTING} levels"
-            what = (
-                deep
-                if nesting > MAX_NESTING
-                else (f"has a statement of more than {MAX_OPERATORS} operators")
-            )
+        what = ""
+        if nesting > MAX_NESTING:
+            what = f"nests deeper than {MAX_NESTING} levels"
+        elif operators > MAX_OPERATORS:
+            what = f"has a statement of more than {MAX_OPERATORS} operators"
+        if what:
             return "", f"{what}, which overflows the compiler's stack", line
     return None
 

@@ -108,13 +108,12 @@ def _invalid(
     modules: Mapping[str, bytes], sources: Sequence[Source], target: str, engine: Engine
 ) -> list[Diagnostic]:
     """SPIRV-Tools' errors."""
-    found = []
-    for source in sources:
-        if source.stage in modules:
-            message = engine.validate(modules[source.stage], SETTINGS[target].environment)
-            if message is not None:
-                found.append(of_validator(message, source))
-    return found
+    environment = SETTINGS[target].environment
+    made = [source for source in sources if source.stage in modules]
+    messages = [engine.validate(modules[source.stage], environment) for source in made]
+    return [
+        of_validator(m, source) for m, source in zip(messages, made, strict=True) if m is not None
+    ]
 
 
 def _of_linked(linked: Linked, sources: Sequence[Source]) -> tuple[Diagnostic, ...]:

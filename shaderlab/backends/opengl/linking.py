@@ -44,23 +44,21 @@ class Linker:
         if program is None and self._first is not None:
             program = self._first._linked.get(key)
         if program is None:
-            with doing("link"):
-                program = self._link(stages, feedback)
+            try:
+                with doing("link"):
+                    program = self._device.context.program(
+                        vertex_shader=stages["vertex"],
+                        fragment_shader=stages.get("fragment"),
+                        geometry_shader=stages.get("geometry"),
+                        varyings=tuple(feedback),
+                    )
+            except moderngl.Error as error:
+                message = f"the driver refuses the program: {str(error).strip()}"
+                raise ShaderError(message) from error
         self._linked[key] = program
         if len(self._linked) > CAPACITY:
             del self._linked[next(iter(self._linked))]
         return program
-
-    def _link(self, stages: Mapping[str, str], feedback: Sequence[str]) -> Any:
-        try:
-            return self._device.context.program(
-                vertex_shader=stages["vertex"],
-                fragment_shader=stages.get("fragment"),
-                geometry_shader=stages.get("geometry"),
-                varyings=tuple(feedback),
-            )
-        except moderngl.Error as error:
-            raise ShaderError(f"the driver refuses the program: {str(error).strip()}") from error
 
 
 def output_locations(program: Any, names: Iterable[str]) -> dict[str, int]:
