@@ -7,6 +7,18 @@ float (1,) broadcast against a per-pixel vec3 (N, 3); matrices are (…, row, co
 Source: the OpenGL Shading Language 4.60 (Khronos), chapter 8 "Built-In Functions".
 """
 
+from shaderlab.glslmath.bits import (
+    bitCount as bitCount,
+    bitfieldExtract as bitfieldExtract,
+    bitfieldInsert as bitfieldInsert,
+    bitfieldReverse as bitfieldReverse,
+    findLSB as findLSB,
+    findMSB as findMSB,
+    imulExtended as imulExtended,
+    uaddCarry as uaddCarry,
+    umulExtended as umulExtended,
+    usubBorrow as usubBorrow,
+)
 from shaderlab.glslmath.choice import (
     all as all,
     any as any,
@@ -22,7 +34,26 @@ from shaderlab.glslmath.choice import (
     notEqual as notEqual,
     where as where,
 )
+from shaderlab.glslmath.derivatives import (
+    dFdx as dFdx,
+    dFdxCoarse as dFdxCoarse,
+    dFdxFine as dFdxFine,
+    dFdy as dFdy,
+    dFdyCoarse as dFdyCoarse,
+    dFdyFine as dFdyFine,
+    fwidth as fwidth,
+    fwidthCoarse as fwidthCoarse,
+    fwidthFine as fwidthFine,
+)
 from shaderlab.glslmath.dispatch import Condition as Condition, Value as Value
+from shaderlab.glslmath.hyperbolic import (
+    acosh as acosh,
+    asinh as asinh,
+    atanh as atanh,
+    cosh as cosh,
+    sinh as sinh,
+    tanh as tanh,
+)
 from shaderlab.glslmath.integer import (
     float as float,
     int as int,
@@ -42,6 +73,27 @@ from shaderlab.glslmath.matrix import (
     mul as mul,
     outerProduct as outerProduct,
     transpose as transpose,
+)
+from shaderlab.glslmath.packing import (
+    packHalf2x16 as packHalf2x16,
+    packSnorm2x16 as packSnorm2x16,
+    packSnorm4x8 as packSnorm4x8,
+    packUnorm2x16 as packUnorm2x16,
+    packUnorm4x8 as packUnorm4x8,
+    unpackHalf2x16 as unpackHalf2x16,
+    unpackSnorm2x16 as unpackSnorm2x16,
+    unpackSnorm4x8 as unpackSnorm4x8,
+    unpackUnorm2x16 as unpackUnorm2x16,
+    unpackUnorm4x8 as unpackUnorm4x8,
+)
+from shaderlab.glslmath.parts import (
+    floatBitsToInt as floatBitsToInt,
+    floatBitsToUint as floatBitsToUint,
+    frexp as frexp,
+    intBitsToFloat as intBitsToFloat,
+    ldexp as ldexp,
+    modf as modf,
+    uintBitsToFloat as uintBitsToFloat,
 )
 from shaderlab.glslmath.scalar import (
     abs as abs,

@@ -15,8 +15,10 @@ from types import FunctionType, ModuleType
 
 import shaderlab.glslmath
 import shaderlab.reference
+import shaderlab.sampling
 import tests.independent
 from tests.independent import against
+from tests.meta.builtins import CHAPTER_8, SPELT, WHY_NOT
 
 _MADE = "<!-- Made by `python -m tests.meta.indexes`; do not edit. -->"
 _REFERENCE = """\
@@ -38,6 +40,11 @@ What `shaderlab.glslmath` has: GLSL's built-in functions, by their names and in 
 order, over numbers, float64 arrays and bands. The precision given is that of bands
 ([how they are derived](bands.md)). The last axis of an array holds a vector's components.
 References also use `+ - * /`, comparisons, and `&`, `|` and `~` of their results.
+"""
+_BUILTINS = """\
+Each function of the specification's chapter 8, and where references find it. What GLSL returns in
+`out` arguments is returned in a tuple; derivatives take `frag_coord` as well, and functions of
+textures take the level that GLSL derives by itself.
 """
 
 
@@ -75,7 +82,25 @@ def _glslmath() -> str:
     for name, functions in by_module.items():
         module = importlib.import_module(name)
         parts += [f"## {_topic(module)}", f"{_title(module)}.", _table(functions)]
+    parts += ["## All of GLSL 4.50", _BUILTINS.strip(), _builtins()]
     return "\n\n".join(parts) + "\n"
+
+
+def _builtins() -> str:
+    rows = ["| chapter | function | in references |", "|---|---|---|"]
+    for chapter, names in CHAPTER_8.items():
+        for name in names.split():
+            rows.append(f"| {chapter} | `{name}` | {_where(name)} |")
+    return "\n".join(rows)
+
+
+def _where(builtin: str) -> str:
+    """The room of the function of this name, or why there is none."""
+    name = SPELT.get(builtin, builtin)
+    for room in (shaderlab.glslmath, shaderlab.sampling):
+        if hasattr(room, name):
+            return f"`{room.__name__.partition('.')[2]}.{name}`"
+    return f"no: {WHY_NOT[builtin]}"
 
 
 def _functions(module: ModuleType) -> Iterator[tuple[str, FunctionType]]:

@@ -9,6 +9,8 @@ from types import FunctionType
 import pytest
 
 import shaderlab.glslmath
+import shaderlab.sampling
+from tests.meta.builtins import CHAPTER_8, SPELT, WHY_NOT
 from tests.meta.indexes import pages
 
 
@@ -38,3 +40,15 @@ def test_every_topic_has_functions_and_a_source() -> None:
     assert len(topics) > 20
     for topic in topics:
         assert "\n| `" in topic and "\nSource" in topic, topic.partition("\n")[0]
+
+
+def test_each_function_of_the_specification_has_a_reference_or_a_reason() -> None:
+    names = [name for names in CHAPTER_8.values() for name in names.split()]
+    assert len(names) == len(set(names)) == 161
+    for name in names:
+        python = SPELT.get(name, name)
+        there = hasattr(shaderlab.glslmath, python) or hasattr(shaderlab.sampling, python)
+        assert there != (name in WHY_NOT), name
+    assert set(WHY_NOT) <= set(names)
+    table = pages()["docs/guide/glslmath.md"].partition("## All of GLSL 4.50")[2]
+    assert all(f"| `{name}` |" in table for name in names)
