@@ -6,32 +6,30 @@ from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 
-from shaderlab.errors import CaseError, ShaderError, UnsupportedError
+from shaderlab.errors import CaseError, ShaderError, ShaderlabError, UnsupportedError
 from shaderlab.evaluation import Evaluation, Lab
-from shaderlab.expectations.reads import Named, judged_outputs
-from shaderlab.frame import Array, PassDraw
-from shaderlab.model import Case, Scene
-from shaderlab.mutation import compare, wider
+from shaderlab.expectations.reads import judged_outputs
+from shaderlab.model import Case, Draw, Scene
+from shaderlab.mutation import compare, proof, wider
 from shaderlab.mutation.mutants import Mutant
 from shaderlab.mutation.results import Fate
-from shaderlab.mutation.subjects import (
-    downstream,
-    sources_of,
-    with_what_they_read,
-)
-from shaderlab.mutation.tasks import Seen, Task, part_of
-from shaderlab.programs.prepare import Programs
+from shaderlab.mutation.subjects import downstream, scenes_of, with_what_they_read
+from shaderlab.mutation.tasks import Task, part_of
+from shaderlab.programs.prepare import PreparedDraw, Programs
 
 
 class PartError(CaseError):
     """A part of a case that mutants are judged by does not run unmutated."""
 
 
+_Known = tuple[wider.Round, set[str], wider.Values]
+"""Other inputs, the passes that are drawn with them, and what the case's own shaders make of it."""
+
+_MOST_ROUNDS = 48  # that are kept, each with the pictures of a scene
+_UNREAD = "which no expectation reads"
+
 Pair = tuple[Evaluation, Evaluation]
 """The evaluation of a mutant's scene, and that of the same scene unmutated."""
-
-Wide = tuple[list[wider.Round], dict[tuple[str, int], Array]]
-"""Wider inputs of a draw, and what the case's own shaders make of them."""
 
 
 class Judge:
@@ -48,13 +46,10 @@ class Judge:
 
     def __init__(self, lab: Lab, case: Case, variants: tuple[str, ...] = ()) -> None:
         self._lab = lab
-        self._case = case
-        scenes = list(case.scenes())
-        self._scenes = [s for s in scenes if not variants or s.variant in variants]
-        self._sources = sources_of(case)
+        self._scenes = scenes_of(case, variants)
         self._judged = judged_outputs(self._scenes)
         self._originals = {s.variant: self._original(s) for s in self._scenes}
-        self._wide: dict[tuple[str, PassDraw], Wide] = {}
+        self._rounds: dict[tuple[str, frozenset[str], int], _Known | None] = {}
         self._sound: set[tuple[str, tuple[str, ...], tuple[int, ...]]] = set()
 
     def fate(self, mutant: Mutant) -> Fate:
@@ -81,11 +76,11 @@ class Judge:
         """The scenes that a mutant changes, and the expectations that may fail there."""
         tasks = []
         for scene in self._scenes:
-            effect = mutant.effect(scene, self._sources)
+            effect = mutant.effect(scene)
             if effect is not None:
                 touched = downstream(scene, effect.passes)
                 about = self._concerned(scene, touched, effect.vertex_passes)
-                tasks.append(Task(scene, effect.scene, effect.texts, touched, about))
+                tasks.append(Task(scene, effect, touched, about))
         return tasks
 
     @contextmanager
@@ -102,23 +97,21 @@ class Judge:
             yield mutant, original
 
     def _fate_of(self, tasks: list[Task]) -> Fate:
-        if not any(task.about for task in tasks):
-            for task in tasks[:1]:
-                self._prepared(task, task.changed)  # it has to compile all the same
-            return Fate(status="unjudged", by="no expectation reads what it draws")
-        seen = Seen()
+        seen = ""
         for task in tasks:
             if task.about:
-                by = self._noticed(task, seen)
-                if by:
-                    return Fate(status="killed", by=by)
-        if not seen.read:
-            self._look_wider(tasks[0], seen)
-        if seen.read:
-            return Fate(status="survived", by=seen.read)
-        if seen.elsewhere:
-            return Fate(status="unjudged", by=seen.elsewhere)
-        return Fate(status="equivalent")
+                killed, unread = self._noticed(task)
+                if killed:
+                    return Fate(status="killed", by=killed)
+                seen = seen or unread
+        if not seen and tasks:
+            if self._is_proved_same(tasks[0]):
+                return Fate(status="equivalent", by="its optimised SPIR-V is the original's")
+            with self.evaluation(tasks[0], everything=True) as (mutant, original):
+                seen = self._seen(mutant, original)
+        if seen:
+            return Fate(status="survived", by=seen)
+        return self._tried_wider(tasks)
 
     def _concerned(self, scene: Scene, touched: set[str], vertex: Collection[str]) -> list[int]:
         """The expectations that may fail when the `touched` passes draw something else; those of
@@ -131,74 +124,102 @@ class Judge:
             & set(vertex if expectation.judges_vertices(scene, programs) else touched)
         ]
 
-    def _noticed(self, task: Task, seen: Seen) -> str:
-        """The first expectation that fails, or ""; then `seen` has what changed all the same."""
+    def _noticed(self, task: Task) -> tuple[str, str]:
+        """The first expectation that fails, and what has changed all the same; "" for nothing."""
         with self.evaluation(task) as (mutant, original):
             part = mutant.scene
             drawn = {p.name for p in part.passes}
             errors = {k: v for k, v in original.drawn.gl_errors.items() if k[0] in drawn}
             if mutant.drawn.gl_errors != errors:
-                return f"{part.variant} · another GL error"
+                return f"{part.variant} · another GL error", ""
             for expectation in part.expect:
                 if mutant.judge(expectation).outcome.status != "pass":
-                    return f"{part.variant} · {expectation.name}"
-            self._look(mutant, original, seen)
-        return ""
+                    return f"{part.variant} · {expectation.name}", ""
+            return "", self._seen(mutant, original)
 
-    def _look(self, mutant: Evaluation, original: Evaluation, seen: Seen) -> None:
-        """Compare everything that a mutant drew and captured with the original, bit for bit."""
-        for output in sorted(compare.changed(mutant, original)):
-            read = compare.is_read(output, mutant, original, self._judged)
-            seen.note(f"seen in {mutant.scene.variant}: {'.'.join(output)}", read)
+    def _seen(self, mutant: Evaluation, original: Evaluation) -> str:
+        """What differs in any bit of all that a mutant drew and captured; what expectations read
+        comes first."""
+        found = sorted(compare.changed(mutant, original))
+        read = [each for each in found if compare.is_read(each, mutant, original, self._judged)]
+        where = f"seen in {mutant.scene.variant}"
+        if read:
+            return f"{where}: {'.'.join(read[0])}"
+        return f"{where}: {'.'.join(found[0])}, {_UNREAD}" if found else ""
 
-    def _look_wider(self, task: Task, seen: Seen) -> None:
-        """Look at the passes that no expectation needs as well; and, if shaders were changed, run
-        them on inputs that the case does not have."""
-        with self.evaluation(task, everything=True) as (mutant, original):
-            self._look(mutant, original, seen)
-            if task.texts:
-                for output in self._changed_wide(mutant, task.touched):
-                    read = self._judged.get(output, frozenset()) is None
-                    seen.note(f"only on wider inputs: {'.'.join(output)}", read)
+    def _is_proved_same(self, task: Task) -> bool:
+        """Whether the compiler makes the same modules of a mutant and the original."""
+        effect = task.effect
+        if not effect.program:
+            return False
+        part = part_of(effect.scene, set(effect.passes), [])
+        programs, original = self._prepared(task, part), self._originals[part.variant].programs
+        name, index = next(
+            (name, index)
+            for name, draws in programs.items()
+            for index, draw in enumerate(draws)
+            if draw.draw.shaders == effect.program
+        )
+        return proof.same_module(programs[name][index], original[name][index])
 
-    def _changed_wide(self, mutant: Evaluation, touched: set[str]) -> Iterator[Named]:
-        """Outputs that differ somewhere on inputs that the case does not have."""
-        done: set[tuple[str | None, ...]] = set()
-        for name in touched:
-            for index, draw in enumerate(mutant.programs[name]):
-                key = (name, index)
-                program = tuple(draw.text(stage) for stage in ("vertex", "fragment"))
-                if program in done:
-                    continue
-                done.add(program)
-                try:
-                    some, expected = self._wide_of(mutant.scene.variant, key)
-                except UnsupportedError:
-                    continue  # stages that can't be run on given inputs
-                for (output, number), got in wider.outputs(mutant, key, some):
-                    if compare.differ(got, expected[output, number]):
-                        yield name, output
+    def _tried_wider(self, tasks: list[Task]) -> Fate:
+        """The fate of a mutant that nothing tells from the original: on inputs that the case does
+        not have."""
+        tried = 0
+        for number in range(wider.ROUNDS if tasks else 0):
+            task = tasks[number % len(tasks)]
+            passes = frozenset(task.effect.passes)
+            known = self._round(task.scene.variant, passes, number)
+            if known is None:
+                continue
+            given, names, expected = known
+            part = part_of(task.effect.scene, names, [])
+            scene, programs = given.applied(part, self._prepared(task, part))
+            original = self._originals[scene.variant]
+            run = self._lab.evaluation(scene, programs, like=original)
+            with _sound_part(part), run as mutant:
+                got = wider.outputs(mutant, given, passes)
+            for (output, stage), values in expected.items():
+                if compare.differ(values, got[output, stage]):
+                    unread = "" if output in self._judged else f", {_UNREAD}"
+                    where = f"only on other inputs: {'.'.join(output)}{unread}"
+                    return Fate(status="survived", by=where)
+            tried += wider.count(expected)
+        return Fate(status="no difference", by=f"no difference found in {tried} inputs")
 
-    def _wide_of(self, variant: str, key: PassDraw) -> Wide:
-        """Wider inputs of a draw, and what the case's own shaders make of them."""
-        if (variant, key) not in self._wide:
-            original = self._originals[variant]
-            part = part_of(original.scene, with_what_they_read(original.scene, {key[0]}), [])
-            programs = {p.name: original.programs[p.name] for p in part.passes}
-            some = wider.rounds(original, key, seed=key[1])
-            with _sound_part(part), self._lab.evaluation(part, programs) as unmutated:
-                self._wide[variant, key] = (some, dict(wider.outputs(unmutated, key, some)))
-        return self._wide[variant, key]
+    def _round(self, variant: str, passes: frozenset[str], number: int) -> _Known | None:
+        """Other inputs for some passes; None where they can't be drawn."""
+        key = (variant, passes, number)
+        if key not in self._rounds:
+            if len(self._rounds) >= _MOST_ROUNDS:
+                del self._rounds[next(iter(self._rounds))]
+            self._rounds[key] = self._new_round(*key)
+        return self._rounds[key]
+
+    def _new_round(self, variant: str, passes: frozenset[str], number: int) -> _Known | None:
+        original = self._originals[variant]
+        needed = with_what_they_read(original.scene, passes)
+        given = wider.other_inputs(original, needed, number)
+        part = part_of(original.scene, needed, [])
+        scene, programs = given.applied(part, {n: original.programs[n] for n in needed})
+        names = with_what_they_read(scene, passes)
+        programs = {name: programs[name] for name in names}
+        with _sound_part(part):
+            try:
+                run = self._lab.evaluation(part_of(scene, names, []), programs, like=original)
+                with run as unmutated:
+                    return given, names, wider.outputs(unmutated, given, passes)
+            except ShaderlabError:
+                return None
 
     def _require_sound(self, task: Task) -> None:
         """Run the parts of the scene that a task may need as they are, once each."""
-        unmutated = replace(task, changed=task.scene, texts={})
         for everything in (False, True):
-            part = unmutated.part(everything)
+            part = task.unmutated.part(everything)
             key = (part.variant, tuple(p.name for p in part.passes), tuple(task.about))
             if key in self._sound:
                 continue
-            run = self.evaluation(unmutated, everything=everything)
+            run = self.evaluation(task.unmutated, everything=everything)
             with _sound_part(part), run as (evaluation, _):
                 for expectation in part.expect:
                     evaluation.judge(expectation)
@@ -221,11 +242,26 @@ class Judge:
         return evaluation
 
     def _prepared(self, task: Task, part: Scene) -> Programs:
-        """Programs of the touched passes made anew, the others' as they are."""
-        mine = replace(part, passes=tuple(p for p in part.passes if p.name in task.touched))
-        original = self._originals[part.variant].programs
-        anew = self._lab.prepare_for_opengl(mine, task.texts)
-        return {p.name: anew.get(p.name) or original[p.name] for p in part.passes}
+        """The draws of a part that the mutant changes, made anew; all others as they are."""
+        known = self._originals[part.variant].programs
+
+        def is_changed(draw: Draw, before: PreparedDraw) -> bool:
+            return draw.shaders == task.effect.program or draw.state != before.draw.state
+
+        pairs = {p.name: list(zip(p.draws, known[p.name], strict=True)) for p in part.passes}
+        anew = {
+            name: tuple(replace(b.draw, state=d.state) for d, b in both if is_changed(d, b))
+            for name, both in pairs.items()
+        }
+        scene = replace(
+            part, passes=tuple(replace(p, draws=anew[p.name]) for p in part.passes if anew[p.name])
+        )
+        programs = self._lab.prepare_for_opengl(scene, task.effect.texts)
+        made = {name: iter(draws) for name, draws in programs.items()}
+        return {
+            name: tuple(next(made[name]) if is_changed(d, b) else b for d, b in both)
+            for name, both in pairs.items()
+        }
 
 
 @contextmanager

@@ -1,20 +1,19 @@
-"""A mutant: one small, realistic mistake; and all those of a shader file."""
+"""A mutant: one small, realistic mistake; and all those of a shader."""
 
 from __future__ import annotations
 
 import re
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
 
 from tree_sitter import Node
 
 from shaderlab.files import display_path
 from shaderlab.glsl.sources import Source
-from shaderlab.glsl.text import STAGES
 from shaderlab.model import Scene
 from shaderlab.mutation.names import Names, names_of
-from shaderlab.mutation.syntax import Syntax, name_of, walk
+from shaderlab.mutation.syntax import Syntax, name_of, reachable, walk
 
 Change = tuple[str, Node, Node, str]
 """What an operator proposes: its name, the node to show, the node to replace, the new text."""
@@ -22,6 +21,10 @@ Change = tuple[str, Node, Node, str]
 Operator = Callable[[Node, Syntax, Names], Iterator[Change]]
 
 _SHOWN = 72
+_CONDITIONAL = ("preproc_if", "preproc_ifdef", "preproc_elif", "preproc_else")
+_CONDITION = ("condition", "name")  # the fields of #if, and of #ifdef
+# An initialised array's declarator holds its size alone: `float w[3]`.
+_NO_CODE = ("layout_specification", "struct_specifier", "array_declarator")
 
 
 @dataclass(frozen=True)
@@ -30,15 +33,17 @@ class Effect:
 
     Attributes:
         scene: the scene with the mistake, if that is one of its data.
-        texts: the shaders that are replaced, by name.
         passes: the passes that run what was changed.
         vertex_passes: those of them in which it is a vertex or geometry shader.
+        program: the shaders of the program whose text is changed.
+        texts: the texts to take in place of some of its shaders', by name.
     """
 
     scene: Scene
-    texts: Mapping[str, str]
     passes: frozenset[str]
     vertex_passes: frozenset[str] = frozenset()
+    program: tuple[str, ...] = ()
+    texts: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,6 +54,7 @@ class Mutant(ABC):
         file, line: the place in the author's file, the line counted from 1; 0 for none.
         operator: the kind of mistake, such as "constant + 1 %".
         before, after: the expression or statement that shows it.
+        program: the shaders of the program that has it; none for a mistake in a case's state.
     """
 
     file: str
@@ -56,59 +62,49 @@ class Mutant(ABC):
     operator: str
     before: str
     after: str
+    program: tuple[str, ...] = ()
 
     @abstractmethod
-    def effect(self, scene: Scene, sources: Mapping[str, Source]) -> Effect | None:
-        """What it changes in a scene; None for nothing. `sources` are the case's shaders."""
+    def effect(self, scene: Scene) -> Effect | None:
+        """What it changes in a scene; None for nothing."""
 
     def __str__(self) -> str:
         place = display_path(self.file, self.line or None)
-        return f"{place}  {self.operator}: {self.before} → {self.after}"
+        alone = len(self.program) == 1 and self.file.endswith(self.program)
+        where = f"  in {' + '.join(self.program)}" if self.program and not alone else ""
+        return f"{place}  {self.operator}: {self.before} → {self.after}{where}"
 
 
 @dataclass(frozen=True, kw_only=True)
 class ShaderMutant(Mutant):
-    """A mistake in one shader file: `shader` is its name inside the shader roots, `text` its whole
-    text with the mistake."""
+    """A mistake in one stage of one program: `shader` is the stage's name inside the shader roots,
+    `text` its whole text with includes expanded and with the mistake."""
 
     shader: str
+    stage: str
     text: str
 
-    def effect(self, scene: Scene, sources: Mapping[str, Source]) -> Effect:
-        def passes(stages: Collection[str]) -> frozenset[str]:
-            running = {
-                name
-                for name, source in sources.items()
-                if source.stage in stages and any(self.file == path for path, _ in source.parts)
-            }
-            return frozenset(
-                description.name
-                for description in scene.passes
-                if any(running & set(draw.shaders) for draw in description.draws)
-            )
-
-        texts = {self.shader: self.text}
-        return Effect(scene, texts, passes(STAGES), passes(("vertex", "geometry")))
+    def effect(self, scene: Scene) -> Effect | None:
+        passes = frozenset(
+            description.name
+            for description in scene.passes
+            if any(draw.shaders == self.program for draw in description.draws)
+        )
+        if not passes:
+            return None
+        before = frozenset[str]() if self.stage == "fragment" else passes
+        return Effect(scene, passes, before, self.program, {self.shader: self.text})
 
 
 def mutants_of(
-    file: Syntax,
-    *,
-    shader: str,
-    path: str,
-    others: Iterable[Syntax] = (),
-    functions: set[str] | None = None,
-    operators: Iterable[Operator] | None = None,
+    source: Source, program: tuple[str, ...], operators: Iterable[Operator] | None = None
 ) -> list[ShaderMutant]:
-    """Every mutant of one file, in the order of its text; two ways to the same text count once.
+    """Every mutant of one stage of a program, in the order of its text; two ways to the same text
+    count once. Functions that its `main` does not reach are left alone.
 
     Args:
-        file: the file itself.
-        shader: its name inside the shader roots.
-        path: where it is on disk.
-        others: what it is compiled with, for the types of structs.
-        functions: only the bodies of these are mutated, and what stands outside of functions;
-            None for all of them.
+        source: the stage, with includes expanded.
+        program: the names of the program's shaders.
         operators: kinds of mistakes; all of `shaderlab.mutation.operators.all_operators` by
             default.
     """
@@ -116,57 +112,54 @@ def mutants_of(
         from shaderlab.mutation.operators import all_operators
 
         operators = all_operators()
-    names = names_of(file, others)
-    chosen = tuple(operators)
+    file = Syntax(source.text, source.stage)
+    names, functions, chosen = names_of(file), reachable(file), tuple(operators)
     found: dict[str, ShaderMutant] = {}
     for node in walk(file.root):
         if _is_left_alone(node, file, functions):
             continue
         for operator in chosen:
-            for change in operator(node, file, names):
-                mutant = _mutant(change, file, shader, path)
-                if mutant.text != file.text:
-                    found.setdefault(mutant.text, mutant)
+            for kind, shown, old, new in operator(node, file, names):
+                text = _with(file, old, new)
+                if text == file.text or text in found:
+                    continue
+                left = file.bytes[shown.start_byte : old.start_byte].decode()
+                right = file.bytes[old.end_byte : shown.end_byte].decode()
+                path, line = source.place(old.start_point[0] + 1)
+                found[text] = ShaderMutant(
+                    file=path,
+                    line=line,
+                    operator=kind,
+                    before=_short(left, file.of(old), right),
+                    after=_short(left, new, right) or "nothing",
+                    program=program,
+                    shader=source.name,
+                    stage=source.stage,
+                    text=text,
+                )
     return list(found.values())
 
 
-def _mutant(change: Change, file: Syntax, shader: str, path: str) -> ShaderMutant:
-    kind, shown, old, new = change
-    head, tail = file.bytes[: old.start_byte], file.bytes[old.end_byte :]
-    inside = (
-        file.bytes[shown.start_byte : old.start_byte].decode(),
-        file.bytes[old.end_byte : shown.end_byte].decode(),
-    )
-    return ShaderMutant(
-        shader=shader,
-        file=path,
-        line=old.start_point[0] + 1,
-        operator=kind,
-        before=_short(inside[0], file.of(old), inside[1]),
-        after=_short(inside[0], new, inside[1]) or "nothing",
-        text=(head + new.encode() + tail).decode(),
-    )
+def _with(file: Syntax, node: Node, text: str) -> str:
+    head, tail = file.bytes[: node.start_byte], file.bytes[node.end_byte :]
+    return (head + text.encode() + tail).decode()
 
 
-def _is_left_alone(node: Node, file: Syntax, functions: set[str] | None) -> bool:
+def _is_left_alone(node: Node, file: Syntax, functions: set[str]) -> bool:
     """Whether a node is no code that runs: layouts, array sizes, directives, unused functions."""
-    around: Node | None = node
-    while around is not None:
-        if around.type.startswith("preproc") or around.type in (
-            "layout_specification",
-            "struct_specifier",
-            "array_declarator",
-        ):
-            # An initialised array's declarator holds its size alone: `float w[3]`.
+    inner, around = node, node.parent
+    while True:
+        if inner.type == "function_definition" and file.of(name_of(inner)) not in functions:
             return True
-        if (
-            around.type == "function_definition"
-            and functions is not None
-            and file.of(name_of(around)) not in functions
-        ):
+        directive = inner.type.startswith("preproc") and inner.type not in _CONDITIONAL
+        if directive or inner.type in _NO_CODE:
             return True
-        around = around.parent
-    return False
+        if around is None:
+            return False
+        # What stands between #if and #endif is code.
+        if around.type in _CONDITIONAL and inner in map(around.child_by_field_name, _CONDITION):
+            return True
+        inner, around = around, around.parent
 
 
 def _short(left: str, middle: str, right: str) -> str:

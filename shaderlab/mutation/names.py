@@ -25,13 +25,10 @@ class Name:
 
 @dataclass(frozen=True)
 class Names:
-    """All variables of one file, and the members of every struct of the program.
-
-    `shared` are the uniforms, inputs and constants that an including file declares; a law file
-    takes what it needs as parameters, so there are usually none.
-    """
+    """All variables of one shader, its outputs (type by name), and the members of its structs."""
 
     variables: tuple[Name, ...]
+    outputs: Mapping[str, str]
     members: Mapping[str, tuple[tuple[str, str], ...]]
 
     def like(self, name: str, at: int) -> list[str]:
@@ -60,15 +57,17 @@ class Names:
         return list(found)
 
 
-def names_of(file: Syntax, others: Iterable[Syntax] = ()) -> Names:
-    """The variables of `file`; structs of the `others` that it is compiled with count as well."""
-    members: dict[str, tuple[tuple[str, str], ...]] = {}
-    for part in (file, *others):
-        for node in walk(part.root):
-            if node.type == "struct_specifier" and node.child_by_field_name("name") is not None:
-                members[part.of(field(node, "name"))] = tuple(_members(part, node))
-    variables = [found for node in walk(file.root) for found in _declared(file, node)]
-    return Names(tuple(variables), members)
+def names_of(file: Syntax) -> Names:
+    """The variables, outputs and structs of a shader with its includes expanded."""
+    members = {
+        file.of(field(node, "name")): tuple(_members(file, node))
+        for node in walk(file.root)
+        if node.type == "struct_specifier" and node.child_by_field_name("name") is not None
+    }
+    variables = tuple(found for node in walk(file.root) for found in _declared(file, node))
+    end = file.root.end_byte
+    outputs = {n.name: n.type for n in variables if n.end == end and not n.readable}
+    return Names(variables, outputs, members)
 
 
 def _members(file: Syntax, struct: Node) -> list[tuple[str, str]]:

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 
 from tree_sitter import Node
 
-from shaderlab.mutation import calls, statements, swaps
+from shaderlab.mutation import calls, coverage, statements, swaps
 from shaderlab.mutation.mutants import Change, Operator
 from shaderlab.mutation.names import Names
 from shaderlab.mutation.syntax import Syntax, field, operator_of, walk
@@ -47,6 +47,7 @@ def all_operators() -> tuple[Operator, ...]:
         statements.removed,
         statements.condition,
         statements.branches,
+        *coverage.ALL,
     )
 
 

@@ -83,13 +83,13 @@ class JudgeMutant:
 
 
 def mutants_of_case(case: Case, plan: MutationPlan) -> list[Mutant]:
-    """The mutants of a case in the order of its files, after `limit`."""
+    """The mutants of a case in the order of its programs, after `limit`."""
     from shaderlab.mutation.states import state_mutants
     from shaderlab.mutation.subjects import glsl_mutants
 
-    found: list[Mutant] = [*glsl_mutants(case)]
+    found: list[Mutant] = [*glsl_mutants(case, plan.variants)]
     if plan.state:
-        found += state_mutants(case, plan.seed)
+        found += state_mutants(case, plan.seed, plan.variants)
     if plan.limit and plan.limit < len(found):
         chosen = random.Random(plan.seed).sample(range(len(found)), plan.limit)
         found = [found[i] for i in sorted(chosen)]

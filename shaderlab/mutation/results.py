@@ -9,7 +9,7 @@ from typing import Any, Literal
 from shaderlab.mutation.mutants import Mutant
 from shaderlab.mutation.states import STATE
 
-Status = Literal["killed", "survived", "equivalent", "unjudged", "invalid"]
+Status = Literal["killed", "survived", "equivalent", "no difference", "invalid"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -17,10 +17,10 @@ class Fate:
     """The fate of one mutant.
 
     Attributes:
-        status: "killed" by an expectation, a crash or a time limit; "survived" where a judged
-            output changed and every expectation passed; "equivalent" where no output changes;
-            "unjudged" where only outputs change that no expectation reads, as in pictures for
-            people; "invalid" where a compiler refuses it.
+        status: "killed" by an expectation, a crash or a time limit; "survived" where an output
+            changes, be it on other inputs than the case's, and every expectation passes;
+            "equivalent" where the compiler makes the same program of it; "no difference" where no
+            input was found that tells it from the original; "invalid" where a compiler refuses it.
         by: the variant and expectation that killed it, or what else there is to say.
     """
 
@@ -52,12 +52,16 @@ class CaseResult:
 
     def count(self, status: Status) -> int:
         """How many mutants ended like this."""
-        return sum(t.fate.status == status for t in self.tried)
+        return len(self.with_status(status))
 
     @property
     def survivors(self) -> list[Tried]:
-        """Mutants that changed a judged output and passed all the same."""
-        return [t for t in self.tried if t.fate.status == "survived"]
+        """Mutants that changed an output and passed all the same."""
+        return self.with_status("survived")
+
+    def with_status(self, status: Status) -> list[Tried]:
+        """The mutants that ended like this."""
+        return [t for t in self.tried if t.fate.status == status]
 
     @property
     def score(self) -> float | None:
@@ -65,20 +69,16 @@ class CaseResult:
         return score([self])
 
 
-def score(
-    results: Iterable[CaseResult], *, state: bool = False, unjudged: bool = False
-) -> float | None:
+def score(results: Iterable[CaseResult], *, state: bool = False) -> float | None:
     """Share of mutants killed, of those killed and survived; None of nothing.
 
     Args:
         results: of one case or several.
         state: the score of the mutants of fixed-function state, not of the shaders' ones.
-        unjudged: count those that only a picture shows as missed.
     """
-    missing = ("survived", "unjudged") if unjudged else ("survived",)
     mine = [t.fate.status for r in results for t in r.tried if t.of_state == state]
-    killed, missed = mine.count("killed"), sum(status in missing for status in mine)
-    return killed / (killed + missed) if killed + missed else None
+    killed, survived = mine.count("killed"), mine.count("survived")
+    return killed / (killed + survived) if killed + survived else None
 
 
 def as_json(results: Sequence[CaseResult]) -> dict[str, Any]:
@@ -91,9 +91,8 @@ def as_json(results: Sequence[CaseResult]) -> dict[str, Any]:
                 "survived": [_entry(t) for t in result.survivors],
                 "invalid": result.count("invalid"),
                 "equivalent": result.count("equivalent"),
-                "unjudged": result.count("unjudged"),
+                "no_difference": [_entry(t) for t in result.with_status("no difference")],
                 "score": result.score,
-                "score_with_unjudged": score([result], unjudged=True),
                 "state_score": score([result], state=True),
                 "killed_in_state": sum(
                     t.of_state and t.fate.status == "killed" for t in result.tried
@@ -104,7 +103,6 @@ def as_json(results: Sequence[CaseResult]) -> dict[str, Any]:
             for result in results
         ],
         "score": score(results),
-        "score_with_unjudged": score(results, unjudged=True),
         "state_score": score(results, state=True),
     }
 
@@ -130,5 +128,6 @@ def _entry(tried: Tried) -> dict[str, Any]:
         "operator": tried.mutant.operator,
         "before": tried.mutant.before,
         "after": tried.mutant.after,
+        "program": list(tried.mutant.program),
         **({"note": tried.fate.by} if tried.fate.by else {}),
     }

@@ -10,13 +10,13 @@ from shaderlab.mutation.mutants import Change
 from shaderlab.mutation.names import Names
 from shaderlab.mutation.syntax import Syntax, field
 
-_REMOVABLE = ("expression_statement", "if_statement", "for_statement", "while_statement",
+REMOVABLE = ("expression_statement", "if_statement", "for_statement", "while_statement",
               "return_statement", "break_statement", "continue_statement")  # fmt: skip
 
 
 def removed(node: Node, file: Syntax, names: Names) -> Iterator[Change]:
     """A statement that is not there: an assignment, a whole `if` or loop, an early `return`."""
-    if node.type not in _REMOVABLE:
+    if node.type not in REMOVABLE:
         return
     # A lone `;` keeps the grammar happy where the statement is a branch's only one.
     yield "statement removed", node, node, ";"

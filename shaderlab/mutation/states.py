@@ -5,13 +5,13 @@ off, a depth range or an offset the other way round, a test forgotten."""
 from __future__ import annotations
 
 import random
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
-from shaderlab.glsl.sources import Source
-from shaderlab.model import Blend, Case, Draw, Scene, State, Stencil
+from shaderlab.model import Blend, Case, Scene, State, Stencil
 from shaderlab.mutation.mutants import Effect, Mutant
+from shaderlab.mutation.subjects import scenes_of
 
 MOST_ALIKE = 4  # of many draws with the very same change, so many are tried
 
@@ -51,7 +51,7 @@ class StateMutant(Mutant):
     old: Any
     new: Any
 
-    def effect(self, scene: Scene, sources: Mapping[str, Source]) -> Effect | None:
+    def effect(self, scene: Scene) -> Effect | None:
         passes = list(scene.passes)
         for index, description in enumerate(passes):
             if description.name == self.pass_name and self.draw < len(description.draws):
@@ -62,18 +62,19 @@ class StateMutant(Mutant):
                 draws[self.draw] = replace(draw, state=_set(draw.state, self.path, self.new))
                 passes[index] = replace(description, draws=tuple(draws))
                 changed = replace(scene, passes=tuple(passes))
-                return Effect(changed, {}, frozenset({self.pass_name}))
+                return Effect(changed, frozenset({self.pass_name}))
         return None
 
 
-def state_mutants(case: Case, seed: int = 0) -> list[StateMutant]:
-    """The case's state mutants. Where many draws share a change, as in a table of draws, a few
-    of them stand for all."""
+def state_mutants(case: Case, seed: int = 0, variants: Collection[str] = ()) -> list[StateMutant]:
+    """The case's state mutants, or those in some of its variants. Where many draws share a
+    change, as in a table of draws, a few of them stand for all."""
     alike: dict[tuple[Any, ...], list[StateMutant]] = {}
-    for scene in case.scenes():
+    for scene in scenes_of(case, variants):
         for description in scene.passes:
             for index, draw in enumerate(description.draws):
-                for path, old, new in _changes(draw):
+                changes = [c for c in _fields(draw.state) if c[1] != c[2]]
+                for path, old, new in changes:
                     mutant = StateMutant(
                         file=case.file,
                         line=0,
@@ -94,13 +95,6 @@ def state_mutants(case: Case, seed: int = 0) -> list[StateMutant]:
         some = random.Random(f"{seed}{key}").sample(same, min(MOST_ALIKE, len(same)))
         chosen += sorted(some, key=lambda m: m.draw)
     return chosen
-
-
-def _changes(draw: Draw) -> Iterator[tuple[str, Any, Any]]:
-    state = draw.state
-    for path, before, after in _fields(state):
-        if before != after:
-            yield path, before, after
 
 
 def _fields(state: State) -> Iterator[tuple[str, Any, Any]]:

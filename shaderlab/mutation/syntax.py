@@ -10,14 +10,15 @@ from tree_sitter import Language, Node, Parser
 
 
 class Syntax:
-    """One shader file's text, parsed. Includes are not expanded: each file is a tree of its own.
+    """One shader's text, parsed; `stage` is its stage, "" where that does not matter.
 
-    Parsing never fails: what the grammar does not know becomes an error node, which `nodes`
+    Parsing never fails: what the grammar does not know becomes an error node, which `walk`
     leaves out together with everything below it.
     """
 
-    def __init__(self, text: str) -> None:
+    def __init__(self, text: str, stage: str = "") -> None:
         self.text = text
+        self.stage = stage
         self.bytes = text.encode()
         with warnings.catch_warnings():
             # The grammar's wheel hands its address over as a number, which tree-sitter regrets.
@@ -91,19 +92,14 @@ def arguments_of(call: Node) -> list[Node]:
     return [n for n in field(call, "arguments").named_children if n.type != "comment"]
 
 
-def reachable(files: list[Syntax]) -> set[str]:
-    """Names of the functions that `main` reaches in a program made of these files."""
-    bodies: dict[str, list[tuple[Syntax, Node]]] = {}
-    for file in files:
-        for name, nodes in file.functions.items():
-            bodies.setdefault(name, []).extend((file, node) for node in nodes)
+def reachable(file: Syntax) -> set[str]:
+    """Names of the functions that a shader's `main` reaches, its own included."""
     found: set[str] = set()
     open_ends = ["main"]
     while open_ends:
         name = open_ends.pop()
-        if name in found or name not in bodies:
-            continue
-        found.add(name)
-        for file, node in bodies[name]:
-            open_ends += file.calls(node)
+        if name not in found and name in file.functions:
+            found.add(name)
+            for node in file.functions[name]:
+                open_ends += file.calls(node)
     return found

@@ -1,11 +1,11 @@
-"""A mutant's way through one scene: what has to be drawn, who may notice, what was seen."""
+"""A mutant's way through one scene: what has to be drawn, and who may notice."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from shaderlab.model import Scene
+from shaderlab.mutation.mutants import Effect
 from shaderlab.mutation.subjects import with_what_they_read
 
 
@@ -14,15 +14,14 @@ class Task:
     """One scene to try a mutant on.
 
     Attributes:
-        scene, changed: the scene as it is, and with the mistake if that is one of state.
-        texts: shaders to be replaced, by name.
+        scene: the scene as it is.
+        effect: what the mutant changes in it.
         touched: passes that may draw something else.
         about: the expectations that may notice, by their place.
     """
 
     scene: Scene
-    changed: Scene
-    texts: Mapping[str, str]
+    effect: Effect
     touched: set[str]
     about: list[int]
 
@@ -30,22 +29,12 @@ class Task:
         """As much of the changed scene as these expectations need, or `everything` touched."""
         names = {name for i in self.about for name in self.scene.expect[i].passes(self.scene)}
         names |= self.touched if everything else set()
-        return part_of(self.changed, with_what_they_read(self.scene, names), self.about)
+        return part_of(self.effect.scene, with_what_they_read(self.scene, names), self.about)
 
-
-@dataclass
-class Seen:
-    """Where an unnoticed mutant shows: in what an expectation reads, or only elsewhere."""
-
-    read: str = ""
-    elsewhere: str = ""
-
-    def note(self, where: str, read: bool) -> None:
-        """Note a change; the first one of each kind is kept."""
-        if read:
-            self.read = self.read or where
-        else:
-            self.elsewhere = self.elsewhere or where
+    @property
+    def unmutated(self) -> Task:
+        """The same part of the scene as it is."""
+        return replace(self, effect=Effect(self.scene, self.effect.passes))
 
 
 def part_of(scene: Scene, passes: set[str], expect: list[int]) -> Scene:

@@ -1,82 +1,122 @@
 """Inputs far beyond a case's own, to tell mutants that change nothing from those that nobody saw.
 
-A mutant that passes every expectation is run on random inputs and uniforms: numbers around zero,
-numbers of every size, the case's own values changed, and numbers at which formulas turn: 0, ±1
-and each constant of the shader.
+A mutant that passes every expectation is drawn with other textures (every channel random, beyond
+0…1 where the format allows), clear colours, sizes, ramps and uniforms of every draw, and its stages
+are run on random numbers: around zero, of every size, and those at which formulas turn: 0, ±1 and
+each constant of the shader.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any
 
 import numpy as np
 
+from shaderlab.errors import UnsupportedError
 from shaderlab.evaluation import Evaluation
-from shaderlab.frame import Array, PassDraw
+from shaderlab.expectations.reads import Named
+from shaderlab.frame import Array, PassDraw, Texels
+from shaderlab.model import (
+    CompressedTexture,
+    CubeTexture,
+    Ramp,
+    Scene,
+    Texture,
+    TextureArray,
+    UniformBuffer,
+)
+from shaderlab.model.scene import UNIT_SQUARE, Target
+from shaderlab.model.textures import TEXTURE_FORMATS, Sampling, TextureSource
 from shaderlab.programs.bind import declared
-from shaderlab.programs.formats import shape_of
+from shaderlab.programs.formats import format_of, shape_of
+from shaderlab.programs.prepare import PreparedDraw, Programs
 from shaderlab.programs.varyings import elements
 
 SAMPLES = 1024
 ROUNDS = 6
+_SIZES = ((48, 80), (96, 40), (64, 64), (40, 96), (80, 48), (57, 71))
 _NUMBER = re.compile(r"(?<![\w.])\d+\.\d*(?:e[-+]?\d+)?", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
 class Round:
-    """Inputs of one draw's stages, and the uniforms to run them with."""
+    """Other inputs of a scene: what is replaced in each draw, each pass's target, and the inputs
+    to run the stages of some draws on."""
 
-    fragments: Mapping[str, Array]
-    vertices: Mapping[str, Array]
-    uniforms: Mapping[str, Array]
+    draws: Mapping[PassDraw, Mapping[str, Any]]
+    targets: Mapping[str, Target]
+    fragments: Mapping[PassDraw, Mapping[str, Array]]
+    vertices: Mapping[PassDraw, Mapping[str, Array]]
 
-
-def rounds(original: Evaluation, key: PassDraw, seed: int) -> list[Round]:
-    """Random inputs for a draw; the first round keeps the case's own uniforms.
-
-    They follow from the unmutated shader, so that every mutant gets the same ones.
-    """
-    draw = original.programs[key[0]][key[1]]
-    random = np.random.default_rng(seed)
-    turns = _turning_points((draw.text("vertex") or "") + (draw.text("fragment") or ""))
-    own = original.drawn.bindings[key].uniforms
-    kinds = {n: v.type for n, v in declared(draw.interface).items()}
-    varyings = {
-        v.name: (shape_of(v.type), v.type) for v in elements(draw.interface.varyings.values())
-    }
-    mesh = draw.draw.mesh
-    attributes: dict[str, tuple[tuple[int, ...], str]] = {}
-    if mesh is not None and draw.draw.geometry is None:
-        kinds_of = {n: v.type for n, v in draw.interface.attributes.items()}
-        attributes = {n: (a.shape[1:], kinds_of[n]) for n, a in mesh.inputs.items()}
-    return [
-        Round(
-            fragments=_inputs(random, varyings, turns),
-            vertices=_inputs(random, attributes, turns),
-            uniforms={n: _like(random, v, turns, kinds.get(n, "float")) for n, v in own.items()}
-            if number
-            else {},
+    def applied(self, scene: Scene, programs: Programs) -> tuple[Scene, Programs]:
+        """A scene, mutated or not, and its programs with these inputs in place of its own."""
+        prepared = {
+            name: tuple(
+                replace(draw, draw=replace(draw.draw, **self.draws[name, index]))
+                for index, draw in enumerate(draws)
+            )
+            for name, draws in programs.items()
+        }
+        passes = tuple(
+            replace(p, target=self.targets[p.name], draws=tuple(d.draw for d in prepared[p.name]))
+            for p in scene.passes
         )
-        for number in range(ROUNDS)
-    ]
+        return replace(scene, passes=passes, expect=()), prepared
 
 
-def outputs(
-    evaluation: Evaluation, key: PassDraw, some: Iterable[Round]
-) -> Iterator[tuple[tuple[str, int], Array]]:
-    """Each output of a draw's stages by name and round, as the pass's target stores it."""
-    session, bindings = evaluation.session, evaluation.drawn.bindings[key]
-    for number, given in enumerate(some):
-        changed = replace(bindings, uniforms={**bindings.uniforms, **given.uniforms})
-        fragments = session.probe_fragments(key, changed, given.fragments)
-        for name, values in fragments.outputs.items():
-            image = evaluation.drawn.images.get((key[0], name))
-            yield (name, number), values if image is None else stored(values, image.format)
-        if given.vertices:
-            vertices = session.probe_vertices(key, changed, given.vertices)
-            yield from (((name, number), values) for name, values in vertices.outputs.items())
+def other_inputs(original: Evaluation, names: Collection[str], number: int) -> Round:
+    """Round `number` of other inputs of the passes `names`; the first one keeps uniforms and ramps.
+
+    They follow from the unmutated scene, so that every mutant gets the same ones.
+    """
+    maker = _Maker(original, number)
+    draws, fragments, vertices = {}, {}, {}
+    for name in (p.name for p in original.scene.passes if p.name in names):
+        for index, draw in enumerate(original.programs[name]):
+            key = (name, index)
+            draws[key] = maker.draw(key, draw)
+            fragments[key], vertices[key] = maker.stages(draw)
+    return Round(draws, maker.targets(), fragments, vertices)
+
+
+Values = Mapping[tuple[Named, int], Array]
+"""What was drawn (−1), and what the fragment (2i) or vertex stage (2i + 1) of draw i made of its
+inputs, by pass and output."""
+
+
+def outputs(evaluation: Evaluation, given: Round, passes: Collection[str]) -> Values:
+    """What some passes draw, and what the stages of each of their programs make of their inputs, as
+    the target stores it."""
+    session, drawn = evaluation.session, evaluation.drawn
+    found = {(o, -1): image.values for o, image in drawn.images.items() if o[0] in passes}
+    programs = {
+        draw.draw.shaders: (name, index)
+        for name in passes
+        for index, draw in enumerate(evaluation.programs[name])
+    }
+    for number, key in enumerate(programs.values()):
+        bindings = drawn.bindings[key]
+        try:
+            made = session.probe_fragments(key, bindings, given.fragments[key]).outputs
+        except UnsupportedError:
+            continue  # stages that can't be run on given inputs
+        for name, values in made.items():
+            image = drawn.images.get((key[0], name))
+            kept = values if image is None else stored(values, image.format)
+            found[(key[0], name), 2 * number] = kept
+        if given.vertices[key]:
+            made = session.probe_vertices(key, bindings, given.vertices[key]).outputs
+            found |= {((key[0], n), 2 * number + 1): values for n, values in made.items()}
+    return found
+
+
+def count(values: Values) -> int:
+    """How many inputs gave these values: pixels, and runs of a stage."""
+    runs = {(name, number): v[..., 0].size for ((name, _), number), v in values.items()}
+    return sum(runs.values())
 
 
 def stored(values: Array, format: str) -> Array:
@@ -88,34 +128,130 @@ def stored(values: Array, format: str) -> Array:
     return values.astype(np.float16) if format.endswith("16f") else values
 
 
-def _inputs(
-    random: np.random.Generator,
-    variables: Mapping[str, tuple[tuple[int, ...], str]],
-    turns: Array,
-) -> dict[str, Array]:
-    return {
-        name: _spread(random, (SAMPLES, *shape), turns, kind)
-        for name, (shape, kind) in variables.items()
-    }
+class _Maker:
+    """Makes the other inputs of one round. What draws share, they go on sharing."""
 
+    def __init__(self, original: Evaluation, number: int) -> None:
+        self._original = original
+        self._keeps = number == 0
+        self._size = _SIZES[number % len(_SIZES)]
+        self._random = np.random.default_rng(number)
+        self._shared: dict[int, Any] = {}
+        self._turns = np.zeros(1, np.float32)
 
-def _like(random: np.random.Generator, value: Array, turns: Array, kind: str) -> Array:
-    """A uniform's value changed: often by a factor, sometimes altogether."""
-    if value.dtype.kind in "iu":
-        return random.integers(0, 2 if kind == "bool" else 8, value.shape).astype(value.dtype)
-    if random.random() < 0.5:
-        return (value * random.uniform(0.4, 2.5, value.shape)).astype(value.dtype)
-    return _spread(random, value.shape, turns, kind).astype(value.dtype)
+    def targets(self) -> dict[str, Target]:
+        made: dict[str, Target] = {}
+        for p in self._original.scene.passes:
+            width, height = self._size
+            if any(d.state.in_pixels for d in p.draws) and p.target.size:
+                width, height = p.target.size[0] + width // 8, p.target.size[1] + height // 8
+            clear = tuple(self._random.uniform(0.0, 1.0, 4).tolist())
+            if any(i.values.dtype.kind in "iu" for i in self._images(p.name)):
+                clear = p.target.clear
+            made[p.name] = made.get(p.onto) or replace(p.target, size=(width, height), clear=clear)
+        return made
 
+    def _images(self, name: str) -> list[Any]:
+        return [i for (owner, _), i in self._original.drawn.images.items() if owner == name]
 
-def _spread(random: np.random.Generator, shape: tuple[int, ...], turns: Array, kind: str) -> Array:
-    if kind[0] in "iub" and not kind.startswith("bool"):
-        return random.integers(0, 8, shape).astype(np.uint32 if kind[0] == "u" else np.int32)
-    near = random.uniform(-2.0, 2.0, shape)
-    sizes = 10.0 ** random.uniform(-4.0, 4.0, shape) * random.choice([-1.0, 1.0], shape)
-    choice = random.random(shape)
-    numbers = np.where(choice < 0.45, near, np.where(choice < 0.8, sizes, 0.0))
-    return np.where(choice < 0.8, numbers, random.choice(turns, shape)).astype(np.float32)
+    def draw(self, key: PassDraw, prepared: PreparedDraw) -> Mapping[str, Any]:
+        """The fields of a draw that are replaced."""
+        draw, texels = prepared.draw, self._original.drawn.bindings[key].textures
+        self._turns = _turning_points("".join(prepared.texts.values()))
+        changes: dict[str, Any] = {
+            "textures": {
+                n: self._once(s, self._texture, texels[n]) for n, s in draw.textures.items()
+            }
+        }
+        if not self._keeps:
+            kinds = {n: v.type for n, v in declared(prepared.interface).items()}
+            changes["uniforms"] = {
+                n: self._number(v, kinds.get(n, "float")) for n, v in draw.uniforms.items()
+            }
+            changes["blocks"] = {n: self._once(b, self._buffer) for n, b in draw.blocks.items()}
+            if draw.domain is not None and draw.domain != UNIT_SQUARE:
+                changes["domain"] = {n: self._ramp(r) for n, r in draw.domain.items()}
+        return changes
+
+    def stages(self, prepared: PreparedDraw) -> tuple[dict[str, Array], dict[str, Array]]:
+        """Random inputs of the fragment stage, and of the vertex stage where it can be run."""
+        draw, interface = prepared.draw, prepared.interface
+        varyings = {
+            v.name: (shape_of(v.type), v.type) for v in elements(interface.varyings.values())
+        }
+        attributes = {}
+        if draw.mesh is not None and draw.geometry is None:
+            types = {n: v.type for n, v in interface.attributes.items()}
+            attributes = {n: (a.shape[1:], types[n]) for n, a in draw.mesh.inputs.items()}
+        return self._inputs(varyings), self._inputs(attributes)
+
+    def _inputs(self, variables: Mapping[str, tuple[tuple[int, ...], str]]) -> dict[str, Array]:
+        return {n: self._spread((SAMPLES, *s), kind) for n, (s, kind) in variables.items()}
+
+    def _once(self, thing: Any, make: Any, *more: Any) -> Any:
+        """What stands for a thing that several draws may share; kept alive with its identity."""
+        if id(thing) not in self._shared:
+            self._shared[id(thing)] = (thing, make(thing, *more))
+        return self._shared[id(thing)][1]
+
+    def _texture(self, source: TextureSource, texels: Texels) -> TextureSource:
+        shape, format = texels.values.shape, texels.format
+        if isinstance(source, CubeTexture):
+            return replace(source, faces=[self._texels(shape[1:], format) for _ in range(6)])
+        if isinstance(source, TextureArray):
+            return replace(source, layers=[self._texels(shape[1:], format) for _ in source.layers])
+        if isinstance(source, Texture):
+            levels: Any = source.mipmaps
+            if not isinstance(levels, bool):
+                levels = [self._texels(level.shape, format) for level in texels.smaller]
+            return replace(source, image=self._texels(shape, format), mipmaps=levels)
+        if isinstance(source, CompressedTexture):
+            format = "rgba8"
+        if texels.kind != "2D" or format not in TEXTURE_FORMATS:
+            return source  # samples, or a stencil: only drawing makes these
+        sampling = {f.name: getattr(source, f.name) for f in fields(Sampling)}
+        image = self._texels((*shape[:2], format_of(format).components), format)
+        return Texture(image=image, format=format, mipmaps="mipmap" in source.filter[0], **sampling)
+
+    def _texels(self, shape: Sequence[int], format: str) -> Array:
+        known = format_of(format)
+        size = (*shape[:2], known.components)
+        if known.integer:
+            return self._random.integers(0, 8, size).astype(known.numpy)
+        if format.endswith("8") or format.startswith("depth"):
+            return self._random.random(size, np.float32)
+        return self._spread(size, "float")
+
+    def _buffer(self, buffer: UniformBuffer) -> UniformBuffer:
+        return UniformBuffer(values={n: self._number(v, "") for n, v in buffer.values.items()})
+
+    def _ramp(self, ramp: Ramp) -> Ramp:
+        numbers = (ramp.origin, ramp.dx, ramp.dy)
+        return Ramp(*(self._number(number, "float").tolist() for number in numbers))
+
+    def _number(self, given: Any, kind: str) -> Array:
+        """Another value: often the same one, or it times a factor, sometimes another altogether."""
+        value = np.asarray(given)
+        whole = kind[:1] in ("i", "u", "b") if kind else value.dtype.kind in "iub"
+        choice = self._random.random()
+        if choice < 0.25:
+            return value
+        if whole:
+            both = kind.startswith("b") or value.dtype.kind == "b"
+            return self._random.integers(0, 2 if both else 8, value.shape)
+        if choice < 0.65:
+            return (value * self._random.uniform(0.4, 2.5, value.shape)).astype(np.float32)
+        return self._spread(value.shape, "float")
+
+    def _spread(self, shape: Sequence[int], kind: str) -> Array:
+        random, size = self._random, tuple(shape)
+        if kind[0] in "iub" and not kind.startswith("bool"):
+            return random.integers(0, 8, size).astype(np.uint32 if kind[0] == "u" else np.int32)
+        near = random.uniform(-2.0, 2.0, size)
+        sizes = 10.0 ** random.uniform(-4.0, 4.0, size) * random.choice([-1.0, 1.0], size)
+        choice = random.random(size)
+        numbers = np.where(choice < 0.45, near, np.where(choice < 0.8, sizes, 0.0))
+        return np.where(choice < 0.8, numbers, random.choice(self._turns, size)).astype(np.float32)
 
 
 def _turning_points(text: str) -> Array:

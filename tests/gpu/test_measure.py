@@ -131,7 +131,7 @@ def test_a_mutant_that_breaks_a_bound_is_killed(folder: Path) -> None:
     assert turned and all(fate.status == "killed" and "lit" in fate.by for fate in turned)
     # What only the second pass draws, no expectation reads.
     others = [fate for text, fate in fates.items() if "texture(" in text]
-    assert others and all(fate.status in ("unjudged", "equivalent", "invalid") for fate in others)
+    assert others and not any(fate.status == "killed" for fate in others)
 
 
 def test_an_array_given_to_a_value_reaches_its_reference_as_a_list(lab: Lab, folder: Path) -> None:

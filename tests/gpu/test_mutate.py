@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -15,7 +16,14 @@ from shaderlab.catalogue import load_case
 from shaderlab.cli import cli
 from shaderlab.evaluation import Lab
 from shaderlab.execution import ProcessExecutor
-from shaderlab.mutation import Campaign, MutationPlan, ShaderMutant, mutants_of_case, state_mutants
+from shaderlab.mutation import (
+    Campaign,
+    Fate,
+    MutationPlan,
+    ShaderMutant,
+    mutants_of_case,
+    state_mutants,
+)
 from shaderlab.mutation.judging import Judge, PartError
 from shaderlab.mutation.mutants import Effect
 from shaderlab.options import Limits
@@ -138,31 +146,31 @@ def test_what_is_noticed_and_what_gets_by(folder: Path) -> None:
     assert found["constant + 1 %", "gain * 0.25", "gain * 0.2525"] == "killed"
     assert found["max dropped", "max(sum * x, 0.0)", "(sum * x)"] == "killed"
     assert found["operator", "max(sum * x, 0.0) + 0.5", "max(sum * x, 0.0) - 0.5"] == "killed"
-    # Only the colour for people changes, which no expectation reads.
+    # Only the colour for people changes, which no expectation reads: that is missed.
     shown = ("vec4(factor, 0.5, 0.25, 1.0)", "vec4(factor, 0.505, 0.25, 1.0)")
-    assert found["constant + 1 %", *shown] == "unjudged"
+    assert found["constant + 1 %", *shown] == "survived"
     # Where the case's inputs are all positive, a forgotten max gets by.
     assert weak["max dropped", "max(sum * x, 0.0)", "(sum * x)"] == "survived"
     assert not any("-x" in before for _, before, _ in found), "law.glsl's unused function"
 
 
-def trial(folder: Path, right: str, wrong: str) -> str:
-    """The fate of law.glsl with `wrong` in place of `right`."""
-    assert right in LAW
-    text = LAW.replace(right, wrong)
+def trial(file: Path, flat: str, right: str, wrong: str) -> Fate:
+    """The fate of law.frag, `flat` with its includes, with `wrong` in place of `right`."""
+    assert right in flat
     mutant = ShaderMutant(
-        shader="law.glsl", file=str(folder / "law.glsl"), line=1, operator="by hand",
-        before=right, after=wrong, text=text,
+        file="law.frag", line=1, operator="by hand", before=right, after=wrong,
+        program=("law.frag",), shader="law.frag", stage="fragment", text=flat.replace(right, wrong),
     )  # fmt: skip
     with Lab() as lab:
-        return Judge(lab, load_case(folder / "law.py")).fate(mutant).status
+        return Judge(lab, load_case(file)).fate(mutant)
 
 
 @pytest.mark.parametrize(
     ("right", "wrong", "status"),
     [
-        ("gain * 0.25", "0.25 * gain", "equivalent"),
-        ("max(sum * x, 0.0)", "max(0.0, sum * x)", "equivalent"),
+        ("gain * 0.25", "0.25 * gain", "no difference"),
+        ("max(sum * x, 0.0)", "max(0.0, sum * x)", "no difference"),
+        ("sum * x", "(float(1 - 1) + sum) * x", "equivalent"),
         ("sum * x", "sum * y", "invalid"),
         ("float sum = 0.0", "float sum = 0", "equivalent"),
         ("float sum = 0.0", "bool sum = 0.0", "invalid"),
@@ -172,7 +180,158 @@ def trial(folder: Path, right: str, wrong: str) -> str:
     ],
 )
 def test_a_mutant_of_every_fate(folder: Path, right: str, wrong: str, status: str) -> None:
-    assert trial(folder, right, wrong) == status
+    flat = SHADER.replace('#include "law.glsl"\n', LAW)
+    fate = trial(folder / "law.py", flat, right, wrong)
+    assert fate.status == status
+    if status == "no difference":
+        assert re.fullmatch(r"no difference found in \d{5} inputs", fate.by)
+
+
+GREY = """\
+#version 330 core
+in vec2 TexCoords;
+uniform sampler2D image;
+uniform float bias;
+out vec4 FragColor;
+
+void main()
+{
+    vec3 texel = texture(image, TexCoords).rgb;
+    FragColor = vec4(texel.r, texel.g, min(texel.b, 4.0), clamp(bias, 0.0, 0.5));
+}
+"""
+GREY_CASE = '''\
+"""A grey picture."""
+import numpy as np
+from shaderlab import Case, Output, Texture, formula, fullscreen
+from shaderlab.glslmath import vec4
+from shaderlab.sampling import texture
+
+
+def shown(image, TexCoords, bias):
+    return vec4(texture(image, TexCoords)[..., :3], bias)
+
+
+GREYS = np.full((4, 4, 3), 0.25)
+case = Case(
+    title="Grey",
+    passes=FIRST + fullscreen("law.frag", uniforms={"bias": 0.25},
+                              textures={"image": SOURCE}),
+    expect=[formula("FragColor", shown)],
+)
+'''
+FLAT = """\
+#version 330 core
+out vec4 grey;
+void main() { grey = vec4(0.25); }
+"""
+SOURCES = {
+    "given": ("()", 'Texture(image=GREYS, format="rgb32f")'),
+    "8 bits": ("()", 'Texture(image=GREYS, format="rgb8")'),
+    "drawn": ('fullscreen("flat.frag", domain={}, name="first")', 'Output("first.grey")'),
+}
+
+
+@pytest.mark.parametrize("source", SOURCES)
+@pytest.mark.parametrize(
+    ("right", "wrong"),
+    [
+        ("vec4(texel.r, texel.g,", "vec4(texel.g, texel.r,"),  # a grey texture has no colours
+        ("min(texel.b, 4.0)", "texel.b"),  # no texel is so large
+        ("clamp(bias, 0.0, 0.5)", "bias"),  # the case's bias is 0.25
+        ("clamp(bias, 0.0, 0.5)", "min(bias, 0.5)"),
+    ],
+)
+def test_what_no_input_of_the_case_shows_is_not_called_equivalent(
+    tmp_path: Path, source: str, right: str, wrong: str
+) -> None:
+    first, image = SOURCES[source]
+    (tmp_path / "law.frag").write_text(GREY)
+    (tmp_path / "flat.frag").write_text(FLAT)
+    file = tmp_path / "grey.py"
+    file.write_text(GREY_CASE.replace("FIRST", first).replace("SOURCE", image))
+    fate = trial(file, GREY, right, wrong)
+    if source == "8 bits" and "4.0" in right:
+        assert fate.status == "no difference"  # eight bits hold nothing above 1
+    else:
+        assert fate == Fate(status="survived", by="only on other inputs: main.FragColor")
+
+
+UNREAD = """\
+#version 330 core
+in vec2 TexCoords;
+layout (location = 0) out float judged;
+layout (location = 1) out vec4 shown;
+
+void main()
+{
+    judged = TexCoords.x;
+    shown = vec4(TexCoords, 0.5, 1.0);
+}
+"""
+UNREAD_CASE = '''\
+"""Two outputs, of which one is read, and a pass that nothing reads."""
+from shaderlab import Case, Draw, Pass, formula, fullscreen
+
+(main,) = fullscreen("law.frag")
+case = Case(
+    title="Unread",
+    passes=(main, *fullscreen("flat.frag", domain={}, name="picture")),
+    expect=[formula("main.judged", lambda TexCoords: TexCoords[..., :1])],
+)
+'''
+
+
+def test_what_no_expectation_reads_is_missed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "law.frag").write_text(UNREAD)
+    (tmp_path / "flat.frag").write_text(FLAT)
+    (tmp_path / "unread.py").write_text(UNREAD_CASE)
+    monkeypatch.chdir(tmp_path)
+    code, output = mutate("./unread.py", "--json", "out.json", "--fail-under", 90, "--jobs", 1)
+    (case,) = json.loads((tmp_path / "out.json").read_text())["cases"]
+    notes = {s["note"] for s in case["survived"]}
+    assert code == 1 and case["score"] < 0.9, output
+    assert "seen in default: main.shown, which no expectation reads" in notes
+    assert "seen in default: picture.grey, which no expectation reads" in notes
+
+
+LAW_TWICE = '''\
+"""One law in two programs; the second is drawn where the factor does not matter."""
+from shaderlab import Case, across, formula, fullscreen
+from shaderlab.glslmath import max
+
+
+def law(d, gain):
+    return max(gain * d, 0.0) + 0.5
+
+
+def drawn(shader, name, end):
+    domain = {"d": across(-1.0, end)}
+    return fullscreen(shader, domain=domain, uniforms={"gain": 3.0}, name=name)
+
+
+case = Case(
+    title="Twice",
+    passes=(*drawn("law.frag", "first", 2.0), *drawn("again.frag", "second", 0.0)),
+    expect=[formula("first.factor", law), formula("second.factor", law)],
+)
+'''
+
+
+def test_a_mutant_is_one_place_in_one_program(folder: Path) -> None:
+    (folder / "again.frag").write_text(SHADER)
+    (folder / "twice.py").write_text(LAW_TWICE)
+    found = {}
+    with Lab() as lab:
+        case = load_case(folder / "twice.py")
+        judge = Judge(lab, case)
+        for m in mutants_of_case(case, MutationPlan(state=False)):
+            if (m.before, m.after) == ("gain * 0.25", "gain * 0.2525"):
+                assert (m.file, m.line) == (str(folder / "law.glsl"), 6)
+                found[m.program] = judge.fate(m).status
+    assert found == {("law.frag",): "killed", ("again.frag",): "survived"}
 
 
 def test_state_is_mutated_too(folder: Path) -> None:
@@ -181,9 +340,9 @@ def test_state_is_mutated_too(folder: Path) -> None:
         judge = Judge(lab, case)
         found = {(m.path, m.new): judge.fate(m).status for m in state_mutants(case)}
     assert found == {
-        ("depth", None): "equivalent",  # nothing is there to be hidden by
-        ("depth.write", False): "equivalent",
-        ("depth.func", "lequal"): "equivalent",
+        ("depth", None): "no difference",  # nothing is there to be hidden by
+        ("depth.write", False): "no difference",
+        ("depth.func", "lequal"): "no difference",
         ("depth.func", "greater"): "killed",
     }
 
@@ -225,7 +384,7 @@ def test_an_error_of_the_mutant_alone_kills_it(
         judge = Judge(lab, case)
         mutant = next(m for m in state_mutants(case))
         wrong = replace(next(case.scenes()), passes=())
-        effect = Effect(wrong, {}, frozenset({mutant.pass_name}))
+        effect = Effect(wrong, frozenset({mutant.pass_name}))
         monkeypatch.setattr(type(mutant), "effect", lambda *_: effect)
         fate = judge.fate(mutant)
     assert fate.status == "killed" and "Error" in fate.by
@@ -335,8 +494,8 @@ def test_a_sample_and_a_score_to_reach(folder: Path, monkeypatch: pytest.MonkeyP
         data["cases"][0].pop("seconds")
     assert (code, again, one) == (0, 0, other)
     case = one["cases"][0]
-    kinds = ("killed", "equivalent", "unjudged", "invalid")
-    assert sum(case[k] for k in kinds) + len(case["survived"]) == 6
+    counted = sum(case[k] for k in ("killed", "equivalent", "invalid"))
+    assert counted + len(case["survived"]) + len(case["no_difference"]) == 6
     code, _ = mutate("./weak.py", "--no-state", "--limit", 6, "--seed", 3, "--fail-under", 100)
     assert code == (0 if one["score"] == 1.0 else 1)
 

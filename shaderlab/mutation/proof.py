@@ -1,0 +1,59 @@
+"""Whether a mutant is proved to be the same program: once optimised, its SPIR-V is the same."""
+
+from __future__ import annotations
+
+import functools
+import shutil
+import subprocess
+import tempfile
+from pathlib import Path
+
+from shaderlab.errors import ShaderError
+from shaderlab.glsl.compile import compile_program
+from shaderlab.glsl.library import SPIRV_TOOLS_WHEEL, find
+from shaderlab.programs.prepare import PreparedDraw
+
+_PASSES = ("--strip-debug", "-O", "--compact-ids")
+
+
+def same_module(mutant: PreparedDraw, original: PreparedDraw) -> bool:
+    """Whether the optimiser makes the same modules of both programs. False where there is none."""
+    one, other = _modules(mutant), _modules(original)
+    return one == other or (
+        one.keys() == other.keys()
+        and all(
+            one[stage] == other[stage]
+            or _optimised(one[stage]) == (_optimised(other[stage]) or None)
+            for stage in one
+        )
+    )
+
+
+def _modules(draw: PreparedDraw) -> dict[str, bytes]:
+    """Each stage's module for OpenGL."""
+    return dict(compile_program(draw.sources, ("glsl", "opengl")).spirv.get("opengl", {}))
+
+
+@functools.lru_cache(maxsize=64)
+def _optimised(module: bytes) -> bytes:
+    """The module after spirv-opt; nothing if that can't be run or refuses it."""
+    command = _optimiser()
+    if command is None:
+        return b""
+    with tempfile.TemporaryDirectory() as folder:
+        given, made = Path(folder, "given.spv"), Path(folder, "made.spv")
+        given.write_bytes(module)
+        run = subprocess.run(
+            [command, *_PASSES, str(given), "-o", str(made)],
+            capture_output=True, timeout=20.0, check=False,
+        )  # fmt: skip
+        return made.read_bytes() if run.returncode == 0 else b""
+
+
+@functools.cache
+def _optimiser() -> str | None:
+    """The command spirv-opt: the wheel's, or the one on the PATH."""
+    try:
+        return str(find(SPIRV_TOOLS_WHEEL, "spirv-opt", "bin"))
+    except ShaderError:
+        return shutil.which("spirv-opt")
