@@ -9,8 +9,9 @@ mutate`; those of fixed-function state left out) and judges each by four rules:
 
 All get the same measured values and the same float64 reference: everything that the cases'
 `formula`, `value` and `sweep` expectations look at. `exact` and `coverage` need no tolerance and
-count alike for all four. Equivalent, invalid and unjudged mutants are left out. Then the cases'
-own, correct shaders are judged by the same rules on each driver: how many cases are rejected?
+count alike for all four. Mutants that do not count (equivalent, no difference, invalid) are left
+out, and so are those that change only what no expectation reads. Then the cases' own, correct
+shaders are judged by the same rules on each driver: how many cases are rejected?
 """
 
 from __future__ import annotations
@@ -115,7 +116,7 @@ def mutation(cases: Sequence[Case]) -> dict[str, dict[str, int]]:
             counts = dict.fromkeys(("mutants", *RULES), 0)
             for mutant in glsl_mutants(case):
                 fate = own.fate(mutant)
-                if fate.status not in ("killed", "survived"):
+                if fate.status not in ("killed", "survived") or fate.unread:
                     continue
                 try:
                     found = noticed(own, mutant)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 import sys
 import tomllib
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -19,7 +20,7 @@ FOLDER = REPOSITORY / "docs" / "internals"
 PAGE = FOLDER / "mutation-scores.md"
 SCORES = FOLDER / "mutation-scores.json"
 SURVIVORS = FOLDER / "mutation-survivors.toml"
-_KILLED, _SURVIVED = "killed", "survived"
+_KILLED, _SURVIVED, _UNREAD = "killed", "survived", "unread"
 _STATE_KILLED, _STATE_SURVIVED = "killed in state", "survived in state"
 
 Row = dict[str, int]
@@ -33,7 +34,7 @@ def main(files: Sequence[str]) -> int:
     for file in files:
         data = json.loads(Path(file).read_text(encoding="utf-8"))
         for case in data["cases"]:
-            scores[case["id"]] = row_of(case, int(data.get("limit", 0)))
+            scores[case["id"]] = row_of(case, int(data["limit"]), int(data["seed"]))
             unknown += [
                 "{id}: {file}:{line}  {operator}: {before} → {after}".format(id=case["id"], **s)
                 for s in case["survived"]
@@ -59,16 +60,17 @@ def load_survivors() -> list[Entry]:
     return entries
 
 
-def row_of(case: Mapping[str, Any], limit: int) -> Row:
+def row_of(case: Mapping[str, Any], limit: int, seed: int) -> Row:
     """A case's counts from what `mutate` says of it; state apart, where it has any."""
-    of_state = sum(s["operator"] == "state" for s in case["survived"])
-    killed = case["killed_in_state"]
-    row = {_KILLED: case["killed"] - killed, _SURVIVED: len(case["survived"]) - of_state}
+    survived, killed = case["survived"], case["killed_in_state"]
+    of_state = sum(s["operator"] == "state" for s in survived)
+    row = {_KILLED: case["killed"] - killed, _SURVIVED: len(survived) - of_state}
+    row[_UNREAD] = sum(s.get("unread", False) for s in survived)
     if killed or of_state:
         row |= {_STATE_KILLED: killed, _STATE_SURVIVED: of_state}
-    counts = (case[name] for name in ("killed", "equivalent", "unjudged", "invalid"))
-    if limit and sum(counts) + len(case["survived"]) == limit:
-        row["sample"] = limit
+    others = case["equivalent"] + len(case["no_difference"]) + case["invalid"]
+    if limit and case["killed"] + len(survived) + others == limit:
+        row |= {"sample": limit, "seed": seed}
     return row
 
 
@@ -94,23 +96,27 @@ def page(text: str, scores: Mapping[str, Row], known: Sequence[Entry]) -> str:
 
 
 def score_table(scores: Mapping[str, Row]) -> str:
-    """A row for each case, the sum, and what shares that is."""
+    """A row for each case, the sum, what shares that is, and which samples rows are of."""
     lines = [
-        "| case | shaders: killed | survived | state: killed | survived |",
-        "|---|---|---|---|---|",
+        "| case | shaders: killed | survived | state: killed | survived | of survivors, unread |",
+        "|---|---|---|---|---|---|",
     ]
-    total = {name: 0 for name in (_KILLED, _SURVIVED, _STATE_KILLED, _STATE_SURVIVED)}
+    names = (_KILLED, _SURVIVED, _STATE_KILLED, _STATE_SURVIVED, _UNREAD)
     for case, row in scores.items():
-        star = "*" if "sample of state" in row else ""
-        sample = f" (of {row['sample']})" if "sample" in row else ""
-        lines.append(f"| {case}{star}{sample} | {_cells(row, total)} |")
-        for name in total:
-            total[name] += row.get(name, 0)
+        cells = " | ".join(str(row.get(name, "–")) for name in names)
+        lines.append(f"| {case} | {cells} |")
+    total = {name: sum(row.get(name, 0) for row in scores.values()) for name in names}
     sums = " | ".join(f"**{count}**" for count in total.values())
     lines.append(f"| **all {len(scores)}** | {sums} |")
     shaders = _share(total[_KILLED], total[_SURVIVED])
     state = _share(total[_STATE_KILLED], total[_STATE_SURVIVED])
-    return "\n".join([*lines, "", f"That is {shaders} in shaders and {state} in state."])
+    lines += ["", f"That is {shaders} in shaders and {state} in state."]
+    samples = Counter((r["sample"], r.get("seed", 0)) for r in scores.values() if "sample" in r)
+    for (limit, seed), count in samples.items():
+        lines.append(
+            f"{count} rows are of a sample: `--limit {limit} --seed {seed}`, for each case."
+        )
+    return "\n".join(lines)
 
 
 def survivor_table(known: Sequence[Entry]) -> str:
@@ -139,12 +145,9 @@ def _lines(entry: Entry) -> Iterator[tuple[str, str]]:
     yield from entry.get("lines", ())
 
 
-def _cells(row: Row, names: Mapping[str, int]) -> str:
-    return " | ".join(str(row.get(name, "–")) for name in names)
-
-
 def _share(killed: int, survived: int) -> str:
-    return f"{100 * killed / (killed + survived):.1f} % of {killed + survived} mistakes"
+    share = 100 * killed / max(killed + survived, 1)
+    return f"{share:.1f} % of {killed + survived} mistakes"
 
 
 def _between(text: str, name: str, table: str) -> str:

@@ -16,6 +16,5 @@ from shaderlab.mutation.results import (
     Tried as Tried,
     as_json as as_json,
     score as score,
-    summary_rows as summary_rows,
 )
 from shaderlab.mutation.states import StateMutant as StateMutant, state_mutants as state_mutants

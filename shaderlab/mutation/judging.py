@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from shaderlab.errors import CaseError, ShaderError, ShaderlabError, UnsupportedError
 from shaderlab.evaluation import Evaluation, Lab
-from shaderlab.expectations.reads import judged_outputs
+from shaderlab.expectations.reads import Named, judged_outputs
 from shaderlab.model import Case, Draw, Scene
 from shaderlab.mutation import compare, proof, wider
 from shaderlab.mutation.mutants import Mutant
@@ -26,7 +26,6 @@ _Known = tuple[wider.Round, set[str], wider.Values]
 """Other inputs, the passes that are drawn with them, and what the case's own shaders make of it."""
 
 _MOST_ROUNDS = 48  # that are kept, each with the pictures of a scene
-_UNREAD = "which no expectation reads"
 
 Pair = tuple[Evaluation, Evaluation]
 """The evaluation of a mutant's scene, and that of the same scene unmutated."""
@@ -97,21 +96,19 @@ class Judge:
             yield mutant, original
 
     def _fate_of(self, tasks: list[Task]) -> Fate:
-        seen = ""
+        seen: Fate | None = None
         for task in tasks:
             if task.about:
-                killed, unread = self._noticed(task)
-                if killed:
-                    return Fate(status="killed", by=killed)
-                seen = seen or unread
-        if not seen and tasks:
+                fate = self._noticed(task)
+                if fate is not None and fate.status == "killed":
+                    return fate
+                seen = fate if seen is None or (fate is not None and seen.unread) else seen
+        if seen is None and tasks:
             if self._is_proved_same(tasks[0]):
                 return Fate(status="equivalent", by="its optimised SPIR-V is the original's")
             with self.evaluation(tasks[0], everything=True) as (mutant, original):
                 seen = self._seen(mutant, original)
-        if seen:
-            return Fate(status="survived", by=seen)
-        return self._tried_wider(tasks)
+        return seen or self._tried_wider(tasks)
 
     def _concerned(self, scene: Scene, touched: set[str], vertex: Collection[str]) -> list[int]:
         """The expectations that may fail when the `touched` passes draw something else; those of
@@ -124,28 +121,26 @@ class Judge:
             & set(vertex if expectation.judges_vertices(scene, programs) else touched)
         ]
 
-    def _noticed(self, task: Task) -> tuple[str, str]:
-        """The first expectation that fails, and what has changed all the same; "" for nothing."""
+    def _noticed(self, task: Task) -> Fate | None:
+        """Killed by the first expectation that fails, else survived if anything has changed."""
         with self.evaluation(task) as (mutant, original):
             part = mutant.scene
             drawn = {p.name for p in part.passes}
             errors = {k: v for k, v in original.drawn.gl_errors.items() if k[0] in drawn}
             if mutant.drawn.gl_errors != errors:
-                return f"{part.variant} · another GL error", ""
+                return Fate(status="killed", by=f"{part.variant} · another GL error")
             for expectation in part.expect:
                 if mutant.judge(expectation).outcome.status != "pass":
-                    return f"{part.variant} · {expectation.name}", ""
-            return "", self._seen(mutant, original)
+                    return Fate(status="killed", by=f"{part.variant} · {expectation.name}")
+            return self._seen(mutant, original)
 
-    def _seen(self, mutant: Evaluation, original: Evaluation) -> str:
-        """What differs in any bit of all that a mutant drew and captured; what expectations read
-        comes first."""
+    def _seen(self, mutant: Evaluation, original: Evaluation) -> Fate | None:
+        """Survived if any bit differs of all that a mutant drew and captured; what expectations
+        read comes first."""
         found = sorted(compare.changed(mutant, original))
         read = [each for each in found if compare.is_read(each, mutant, original, self._judged)]
         where = f"seen in {mutant.scene.variant}"
-        if read:
-            return f"{where}: {'.'.join(read[0])}"
-        return f"{where}: {'.'.join(found[0])}, {_UNREAD}" if found else ""
+        return _survived(where, (read or found)[0], unread=not read) if found else None
 
     def _is_proved_same(self, task: Task) -> bool:
         """Whether the compiler makes the same modules of a mutant and the original."""
@@ -181,9 +176,8 @@ class Judge:
                 got = wider.outputs(mutant, given, passes)
             for (output, stage), values in expected.items():
                 if compare.differ(values, got[output, stage]):
-                    unread = "" if output in self._judged else f", {_UNREAD}"
-                    where = f"only on other inputs: {'.'.join(output)}{unread}"
-                    return Fate(status="survived", by=where)
+                    unread = output not in self._judged
+                    return _survived("only on other inputs", output, unread=unread)
             tried += wider.count(expected)
         return Fate(status="no difference", by=f"no difference found in {tried} inputs")
 
@@ -262,6 +256,11 @@ class Judge:
             name: tuple(next(made[name]) if is_changed(d, b) else b for d, b in both)
             for name, both in pairs.items()
         }
+
+
+def _survived(where: str, output: Named, *, unread: bool) -> Fate:
+    note = f"{where}: {'.'.join(output)}" + (", which no expectation reads" if unread else "")
+    return Fate(status="survived", by=note, unread=unread)
 
 
 @contextmanager

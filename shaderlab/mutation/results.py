@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -22,10 +22,12 @@ class Fate:
             "equivalent" where the compiler makes the same program of it; "no difference" where no
             input was found that tells it from the original; "invalid" where a compiler refuses it.
         by: the variant and expectation that killed it, or what else there is to say.
+        unread: whether it survived because no expectation reads what changes.
     """
 
     status: Status
     by: str = ""
+    unread: bool = False
 
 
 @dataclass(frozen=True)
@@ -107,20 +109,6 @@ def as_json(results: Sequence[CaseResult]) -> dict[str, Any]:
     }
 
 
-def summary_rows(results: Sequence[CaseResult]) -> list[Mapping[str, Any]]:
-    """One row a case for a table, survivors as lines of text."""
-    return [
-        {
-            "id": result.id,
-            "killed": result.count("killed"),
-            "judged": result.count("killed") + result.count("survived"),
-            "score": result.score,
-            "survivors": [str(t.mutant) for t in result.survivors],
-        }
-        for result in results
-    ]
-
-
 def _entry(tried: Tried) -> dict[str, Any]:
     return {
         "file": tried.mutant.file,
@@ -130,4 +118,5 @@ def _entry(tried: Tried) -> dict[str, Any]:
         "after": tried.mutant.after,
         "program": list(tried.mutant.program),
         **({"note": tried.fate.by} if tried.fate.by else {}),
+        **({"unread": True} if tried.fate.unread else {}),
     }

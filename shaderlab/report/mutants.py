@@ -15,13 +15,14 @@ FILE_NAME = "mutation.json"
 
 @dataclass(frozen=True)
 class Survivor:
-    """A mistake that no expectation noticed."""
+    """A mistake that no expectation noticed, in a program or (none) in a case's own state."""
 
     file: str
     line: int
     operator: str
     before: str
     after: str
+    program: str = ""
 
     @property
     def place(self) -> str:
@@ -39,7 +40,7 @@ class Mutants:
 
     @property
     def judged(self) -> int:
-        """How many mutants changed an output that an expectation reads."""
+        """How many mutants changed an output."""
         return self.killed + len(self.survivors)
 
     @property
@@ -85,5 +86,8 @@ def merged(old: Mapping[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
 
 def _mutants(case: Mapping[str, Any]) -> Mutants:
     fields = ("file", "line", "operator", "before", "after")
-    survivors = tuple(Survivor(*(each[name] for name in fields)) for each in case["survived"])
+    survivors = tuple(
+        Survivor(**{n: each[n] for n in fields}, program=" + ".join(each.get("program", ())))
+        for each in case["survived"]
+    )
     return Mutants(int(case["killed"]), survivors)

@@ -31,12 +31,22 @@ def test_every_case_has_a_row() -> None:
 
 
 def test_counts_of_a_file_become_a_row() -> None:
-    case = {"killed": 7, "survived": [SURVIVOR, SURVIVOR | {"operator": "state"}],
-            "killed_in_state": 3, "equivalent": 0, "unjudged": 1, "invalid": 0}  # fmt: skip
-    row = {"killed": 4, "survived": 1, "killed in state": 3, "survived in state": 1}
-    assert made.row_of(case, 0) == row
-    assert made.row_of(case, 10) == row | {"sample": 10}
-    assert made.row_of(case, 11) == row
+    unread = SURVIVOR | {"unread": True}
+    case = {"killed": 7, "survived": [SURVIVOR, unread, SURVIVOR | {"operator": "state"}],
+            "killed_in_state": 3, "equivalent": 0, "no_difference": [SURVIVOR],
+            "invalid": 0}  # fmt: skip
+    row = {"killed": 4, "survived": 2, "unread": 1, "killed in state": 3, "survived in state": 1}
+    assert made.row_of(case, 0, 0) == row
+    assert made.row_of(case, 11, 3) == row | {"sample": 11, "seed": 3}
+    assert made.row_of(case, 12, 3) == row
+
+
+def test_the_table_says_which_rows_are_samples() -> None:
+    row = {"killed": 3, "survived": 1, "unread": 1}
+    table = made.score_table({"a": row, "b": row | {"sample": 4, "seed": 7}})
+    assert "| **all 2** | **6** | **2** | **0** | **0** | **2** |" in table
+    assert "75.0 % of 8 mistakes in shaders" in table
+    assert "1 rows are of a sample of a case: `--limit 4 --seed 7`" in table
 
 
 def test_a_survivor_finds_its_explanation_and_no_other() -> None:

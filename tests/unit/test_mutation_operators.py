@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from shaderlab.mutation.mutants import ShaderMutant, mutants_of
-from shaderlab.mutation.syntax import Syntax, reachable
+from shaderlab.glsl.include import LineMap
+from shaderlab.glsl.sources import Source
+from shaderlab.mutation.coverage import ALL as COVERAGE
+from shaderlab.mutation.mutants import Operator, ShaderMutant, mutants_of
+from shaderlab.mutation.operators import all_operators
 
 LAW = """\
 struct Light { vec3 position; float linear; float quadratic; };
@@ -26,8 +29,13 @@ def made(body: str, kind: str | None = None) -> list[tuple[str, str, str]]:
     return [(m.operator, m.before, m.after) for m in found if kind is None or m.operator == kind]
 
 
-def mutants(text: str) -> list[ShaderMutant]:
-    return mutants_of(Syntax(text), shader="law.frag", path="/lab/law.frag")
+def mutants(
+    text: str, *, stage: str = "fragment", operators: tuple[Operator, ...] = ()
+) -> list[ShaderMutant]:
+    """The mutants of a text by some kinds of mistakes; by all but those in coverage by default."""
+    source = Source("law.frag", "/lab/law.frag", stage, text, LineMap(), ())
+    chosen = operators or tuple(o for o in all_operators() if o not in COVERAGE)
+    return mutants_of(source, ("law.vert", "law.frag"), chosen)
 
 
 @pytest.mark.parametrize(
@@ -97,6 +105,7 @@ def test_a_mutant_knows_the_author_s_line_and_the_whole_text() -> None:
     found = {m.operator: m for m in mutants(text)}
     assert (found["operator"].line, found["constant + 1 %"].line) == (10, 10)
     assert str(found["operator"]).startswith("/lab/law.frag:10  operator: ")
+    assert str(found["operator"]).endswith("  in law.vert + law.frag")
     assert found["operator"].text == text.replace("+ 1.5;", "- 1.5;")
 
 
@@ -113,13 +122,104 @@ def test_two_ways_to_one_text_count_once() -> None:
     assert len(texts) == len(set(texts))
 
 
-def test_functions_that_nothing_calls_are_left_alone() -> None:
-    law = Syntax("float used(float x) { return -x; }\nfloat unused(float x) { return -x; }\n")
-    main = Syntax("void main() { color = used(1.0); }")
-    names = reachable([law, main])
-    assert names == {"main", "used"}
-    found = mutants_of(law, shader="l", path="l", functions=names)
-    assert {m.line for m in found} == {1}
+def test_functions_that_main_does_not_reach_are_left_alone() -> None:
+    text = """\
+float inner(float x) { return -x; }
+float used(float x) { return inner(x); }
+float unused(float x) { return -x; }
+void main() { color = used(1.0); }
+"""
+    assert {m.line for m in mutants(text)} == {1, 2, 4}
+
+
+def test_code_between_directives_is_code_and_directives_are_none() -> None:
+    text = """\
+#ifndef GUARD
+#define GUARD
+float used(float x) { return -x; }
+#endif
+#if defined(GUARD) && 1 < 2
+void main() { color = used(d); }
+#endif
+"""
+    assert {m.line for m in mutants(text)} == {3, 6}
+
+
+def test_a_place_in_an_included_file_is_named_by_that_file() -> None:
+    text = "float law(float x) { return -x; }\nvoid main() { color = law(d); }\n"
+    lines = LineMap.of([("/lab/lib/law.glsl", 7, 1), ("/lab/law.frag", 2, 1)])
+    source = Source("law.frag", "/lab/law.frag", "fragment", text, lines, ())
+    found = {m.operator: m for m in mutants_of(source, ("law.vert", "law.frag"))}
+    dropped = found["minus dropped"]
+    assert (dropped.file, dropped.line) == ("/lab/lib/law.glsl", 7)
+    assert str(dropped) == "/lab/lib/law.glsl:7  minus dropped: -x → x  in law.vert + law.frag"
+
+
+OUTPUTS = """\
+layout (location = 0) out float light;
+layout (location = 1) out vec4 color;
+out ivec2 cell;
+out vec3 many[2];
+in vec2 at;
+void main()
+{
+    color.rgb = vec3(at, 0.0);
+    color.a = 1.0;
+    light = at.x;
+    cell = ivec2(at);
+    if (at.x > 2.0) { light = 0.0; }
+}
+"""
+
+
+def coverage_of(text: str, stage: str = "fragment") -> list[tuple[str, int, str]]:
+    found = mutants(text, stage=stage, operators=COVERAGE)
+    return [(m.operator, m.line, m.after) for m in found]
+
+
+def test_mistakes_in_what_is_written_at_all() -> None:
+    assert coverage_of(OUTPUTS) == [
+        (
+            "every second pixel discarded", 13,
+            "if ((int(gl_FragCoord.x) + int(gl_FragCoord.y)) % 2 == 1) discard; }",
+        ),
+        ("bright pixels discarded", 13, "if (light > 0.25) discard; }"),
+        ("bright pixels discarded", 13, "if (color.x > 0.25) discard; }"),
+        ("early return", 7, "{ return;"),
+        ("output halved", 13, "light *= 0.5; }"),
+        ("output halved", 13, "color *= 0.5; }"),
+        ("output halved", 13, "cell /= 2; }"),
+        # One assignment alone is a statement removed, which another kind makes.
+        ("output never written", 7, "{ float light;"),
+        ("output never written", 7, "{ vec4 color;"),
+    ]  # fmt: skip
+
+
+def test_a_vertex_stage_discards_nothing_and_a_geometry_stage_is_left_out() -> None:
+    text = "in vec3 aPos; out vec3 place; void main() { place = aPos; gl_PointSize = 2.0; }"
+    assert coverage_of(text, "vertex") == [
+        ("early return", 1, "{ return;"),
+        ("output halved", 1, "place *= 0.5; }"),
+        ("output halved", 1, "gl_PointSize *= 0.5; }"),
+    ]
+    assert coverage_of(text, "geometry") == []
+
+
+def test_a_return_before_a_last_statement_that_can_t_be_removed() -> None:
+    text = "out vec4 c; void main() { c = vec4(1.0); { c.x = 0.0; } }"
+    returns = [after for kind, _, after in coverage_of(text) if kind == "early return"]
+    assert returns == ["{ return;", "return; { c.x = 0.0; }"]
+    assert coverage_of("void main() {}") == [
+        (
+            "every second pixel discarded", 1,
+            "if ((int(gl_FragCoord.x) + int(gl_FragCoord.y)) % 2 == 1) discard; }",
+        )
+    ]  # fmt: skip
+
+
+def test_an_output_that_a_function_writes_too_is_not_shadowed() -> None:
+    text = "out vec4 c; void more() { c.x = 0.0; } void main() { c = vec4(1.0); more(); c.y = 0.; }"
+    assert "output never written" not in [kind for kind, _, _ in coverage_of(text)]
 
 
 def test_a_broken_text_is_no_obstacle() -> None:

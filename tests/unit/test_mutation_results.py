@@ -30,7 +30,6 @@ from shaderlab.mutation import (
     as_json,
     score,
     state_mutants,
-    summary_rows,
 )
 from shaderlab.mutation.results import Status
 from shaderlab.mutation.states import STATE
@@ -40,7 +39,7 @@ from shaderlab.mutation.subjects import downstream, with_what_they_read
 def tried(status: Status, operator: str = "operator", line: int = 7) -> Tried:
     mutant = ShaderMutant(
         file="shaders/lamp.frag", line=line, operator=operator, before="a + b", after="a - b",
-        shader="lamp.frag", text="",
+        program=("lamp.frag",), shader="lamp.frag", stage="fragment", text="",
     )  # fmt: skip
     return Tried(mutant, Fate(status=status, by="default · factor"))
 
@@ -50,9 +49,8 @@ def result(*statuses: Status) -> CaseResult:
 
 
 def test_the_score_leaves_out_what_nobody_could_notice() -> None:
-    one = result("killed", "killed", "killed", "survived", "equivalent", "invalid", "unjudged")
+    one = result("killed", "killed", "killed", "survived", "equivalent", "invalid", "no difference")
     assert one.score == 0.75
-    assert score([one], unjudged=True) == 0.6
     assert score([one], state=True) is None
     assert result("equivalent", "invalid").score is None
 
@@ -65,23 +63,17 @@ def test_state_has_a_score_of_its_own() -> None:
 
 
 def test_json_names_each_survivor_s_place() -> None:
-    data = json.loads(json.dumps(as_json([result("killed", "survived", "unjudged", "invalid")])))
+    one = result("killed", "survived", "no difference", "invalid")
+    data = json.loads(json.dumps(as_json([one])))
     assert data["score"] == 0.5
     (case,) = data["cases"]
-    assert {k: case[k] for k in ("id", "killed", "invalid", "equivalent", "unjudged", "score")} == {
-        "id": "lamp", "killed": 1, "invalid": 1, "equivalent": 0, "unjudged": 1, "score": 0.5,
+    assert {k: case[k] for k in ("id", "killed", "invalid", "equivalent", "score")} == {
+        "id": "lamp", "killed": 1, "invalid": 1, "equivalent": 0, "score": 0.5,
     }  # fmt: skip
     assert case["seconds"] == 1.5
-    assert case["survived"] == [
-        {"file": "shaders/lamp.frag", "line": 7, "operator": "operator",
-         "before": "a + b", "after": "a - b", "note": "default · factor"}
-    ]  # fmt: skip
-
-
-def test_rows_for_a_report() -> None:
-    (row,) = summary_rows([result("killed", "survived")])
-    assert row["survivors"] == ["shaders/lamp.frag:7  operator: a + b → a - b"]
-    assert (row["killed"], row["judged"]) == (1, 2)
+    entry = {"file": "shaders/lamp.frag", "line": 7, "operator": "operator", "before": "a + b",
+             "after": "a - b", "program": ["lamp.frag"], "note": "default · factor"}  # fmt: skip
+    assert case["survived"] == case["no_difference"] == [entry]
 
 
 def case_of(state: State, draws: int = 1) -> Case:
@@ -144,7 +136,7 @@ def test_a_state_mutant_changes_its_own_draw_alone() -> None:
     case = case_of(State(depth=Depth()), draws=3)
     mutant = next(m for m in state_mutants(case) if m.path == "depth.func" and m.draw == 1)
     (scene,) = case.scenes()
-    effect = mutant.effect(scene, {})
+    effect = mutant.effect(scene)
     assert effect is not None and effect.passes == {"main"}
     changed = effect.scene
     functions = [draw.state.depth and draw.state.depth.func for draw in changed.passes[0].draws]

@@ -13,6 +13,7 @@ from tests.unit.test_report_samples import record, run
 
 SURVIVOR = {
     "file": "lamp.frag", "line": 3, "operator": "constant", "before": "1.0", "after": "<b>1.01",
+    "program": ["post.vert", "lamp.frag"],
 }  # fmt: skip
 
 
@@ -43,7 +44,7 @@ def test_results_are_counted_together_and_survivors_shown_at_their_lines(tmp_pat
     assert "<b>45</b> of 46 mistakes" in page and "1 mistake that no check notices" in page
     assert "&lt;b&gt;1.01" in page and "<b>1.01" not in page
     row = page[page.index("lamp.frag:3") - 200 :][:260]
-    assert 'href="#' in row and "-L3" in row
+    assert 'href="#' in row and "-L3" in row and "<td>post.vert + lamp.frag</td>" in row
 
 
 def test_of_a_case_in_two_campaigns_the_later_stands() -> None:
