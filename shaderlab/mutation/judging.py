@@ -48,7 +48,7 @@ class Judge:
         self._scenes = scenes_of(case, variants)
         self._judged = judged_outputs(self._scenes)
         self._originals = {s.variant: self._original(s) for s in self._scenes}
-        self._rounds: dict[tuple[str, frozenset[str], int], _Known | None] = {}
+        self._rounds: dict[tuple[str, frozenset[str], tuple[str, ...], int], _Known | None] = {}
         self._sound: set[tuple[str, tuple[str, ...], tuple[int, ...]]] = set()
 
     def fate(self, mutant: Mutant) -> Fate:
@@ -163,8 +163,7 @@ class Judge:
         tried = 0
         for number in range(wider.ROUNDS if tasks else 0):
             task = tasks[number % len(tasks)]
-            passes = frozenset(task.effect.passes)
-            known = self._round(task.scene.variant, passes, number)
+            known = self._round(task, number)
             if known is None:
                 continue
             given, names, expected = known
@@ -173,27 +172,29 @@ class Judge:
             original = self._originals[scene.variant]
             run = self._lab.evaluation(scene, programs, like=original)
             with _sound_part(part), run as mutant:
-                got = wider.outputs(mutant, given, passes)
-            for (output, stage), values in expected.items():
-                if compare.differ(values, got[output, stage]):
+                got = wider.outputs(mutant, given, task.effect.passes)
+            for (output, kind), values in expected.items():
+                if (output, kind) not in got or compare.differ(values, got[output, kind]):
                     unread = output not in self._judged
                     return _survived("only on other inputs", output, unread=unread)
             tried += wider.count(expected)
         return Fate(status="no difference", by=f"no difference found in {tried} inputs")
 
-    def _round(self, variant: str, passes: frozenset[str], number: int) -> _Known | None:
-        """Other inputs for some passes; None where they can't be drawn."""
-        key = (variant, passes, number)
+    def _round(self, task: Task, number: int) -> _Known | None:
+        """Other inputs for what a mutant changes; None where it can't be drawn with them."""
+        key = (task.scene.variant, task.effect.passes, task.effect.program, number)
         if key not in self._rounds:
             if len(self._rounds) >= _MOST_ROUNDS:
                 del self._rounds[next(iter(self._rounds))]
             self._rounds[key] = self._new_round(*key)
         return self._rounds[key]
 
-    def _new_round(self, variant: str, passes: frozenset[str], number: int) -> _Known | None:
+    def _new_round(
+        self, variant: str, passes: frozenset[str], program: tuple[str, ...], number: int
+    ) -> _Known | None:
         original = self._originals[variant]
         needed = with_what_they_read(original.scene, passes)
-        given = wider.other_inputs(original, needed, number)
+        given = wider.other_inputs(original, needed, program, number)
         part = part_of(original.scene, needed, [])
         scene, programs = given.applied(part, {n: original.programs[n] for n in needed})
         names = with_what_they_read(scene, passes)

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
@@ -43,13 +44,14 @@ _NUMBER = re.compile(r"(?<![\w.])\d+\.\d*(?:e[-+]?\d+)?", re.IGNORECASE)
 
 @dataclass(frozen=True)
 class Round:
-    """Other inputs of a scene: what is replaced in each draw, each pass's target, and the inputs
-    to run the stages of some draws on."""
+    """Other inputs of a scene: what is replaced in each draw, and each pass's target; and, if a
+    program is to be run on numbers, a draw of it and its stages' inputs."""
 
     draws: Mapping[PassDraw, Mapping[str, Any]]
     targets: Mapping[str, Target]
-    fragments: Mapping[PassDraw, Mapping[str, Array]]
-    vertices: Mapping[PassDraw, Mapping[str, Array]]
+    probed: PassDraw | None
+    fragments: Mapping[str, Array]
+    vertices: Mapping[str, Array]
 
     def applied(self, scene: Scene, programs: Programs) -> tuple[Scene, Programs]:
         """A scene, mutated or not, and its programs with these inputs in place of its own."""
@@ -67,55 +69,54 @@ class Round:
         return replace(scene, passes=passes, expect=()), prepared
 
 
-def other_inputs(original: Evaluation, names: Collection[str], number: int) -> Round:
+def other_inputs(
+    original: Evaluation, names: Collection[str], program: tuple[str, ...], number: int
+) -> Round:
     """Round `number` of other inputs of the passes `names`; the first one keeps uniforms and ramps.
 
-    They follow from the unmutated scene, so that every mutant gets the same ones.
+    They follow from the unmutated scene, so that every mutant of `program` gets the same ones.
     """
     maker = _Maker(original, number)
-    draws, fragments, vertices = {}, {}, {}
-    for name in (p.name for p in original.scene.passes if p.name in names):
-        for index, draw in enumerate(original.programs[name]):
-            key = (name, index)
-            draws[key] = maker.draw(key, draw)
-            fragments[key], vertices[key] = maker.stages(draw)
-    return Round(draws, maker.targets(), fragments, vertices)
+    draws = {
+        (p.name, index): draw
+        for p in original.scene.passes
+        if p.name in names
+        for index, draw in enumerate(original.programs[p.name])
+    }
+    changes = {key: maker.draw(key, draw) for key, draw in draws.items()}
+    targets = maker.targets()
+    probed = next((key for key, draw in draws.items() if draw.draw.shaders == program), None)
+    stages = maker.stages(draws[probed]) if probed else ({}, {})
+    return Round(changes, targets, probed, *stages)
 
 
-Values = Mapping[tuple[Named, int], Array]
-"""What was drawn (−1), and what the fragment (2i) or vertex stage (2i + 1) of draw i made of its
-inputs, by pass and output."""
+Values = Mapping[tuple[Named, str], Array]
+"""What was "drawn" and what the "fragment" and "vertex" stage made of numbers, by output."""
 
 
 def outputs(evaluation: Evaluation, given: Round, passes: Collection[str]) -> Values:
-    """What some passes draw, and what the stages of each of their programs make of their inputs, as
-    the target stores it."""
-    session, drawn = evaluation.session, evaluation.drawn
-    found = {(o, -1): image.values for o, image in drawn.images.items() if o[0] in passes}
-    programs = {
-        draw.draw.shaders: (name, index)
-        for name in passes
-        for index, draw in enumerate(evaluation.programs[name])
-    }
-    for number, key in enumerate(programs.values()):
-        bindings = drawn.bindings[key]
-        try:
-            made = session.probe_fragments(key, bindings, given.fragments[key]).outputs
-        except UnsupportedError:
-            continue  # stages that can't be run on given inputs
+    """What some passes draw, and what the stages of the round's program make of its numbers, as the
+    target stores it."""
+    session, drawn, key = evaluation.session, evaluation.drawn, given.probed
+    found = {(o, "drawn"): image.values for o, image in drawn.images.items() if o[0] in passes}
+    if key is None:
+        return found
+    bindings = drawn.bindings[key]
+    with suppress(UnsupportedError):  # stages that can't be run on given inputs
+        made = session.probe_fragments(key, bindings, given.fragments).outputs
         for name, values in made.items():
             image = drawn.images.get((key[0], name))
             kept = values if image is None else stored(values, image.format)
-            found[(key[0], name), 2 * number] = kept
-        if given.vertices[key]:
-            made = session.probe_vertices(key, bindings, given.vertices[key]).outputs
-            found |= {((key[0], n), 2 * number + 1): values for n, values in made.items()}
+            found[(key[0], name), "fragment"] = kept
+        if given.vertices:
+            made = session.probe_vertices(key, bindings, given.vertices).outputs
+            found |= {((key[0], name), "vertex"): values for name, values in made.items()}
     return found
 
 
 def count(values: Values) -> int:
     """How many inputs gave these values: pixels, and runs of a stage."""
-    runs = {(name, number): v[..., 0].size for ((name, _), number), v in values.items()}
+    runs = {(name, kind): v[..., 0].size for ((name, _), kind), v in values.items()}
     return sum(runs.values())
 
 

@@ -46,7 +46,7 @@ def test_the_table_says_which_rows_are_samples() -> None:
     table = made.score_table({"a": row, "b": row | {"sample": 4, "seed": 7}})
     assert "| **all 2** | **6** | **2** | **0** | **0** | **2** |" in table
     assert "75.0 % of 8 mistakes in shaders" in table
-    assert "1 rows are of a sample of a case: `--limit 4 --seed 7`" in table
+    assert "1 rows are of a sample: `--limit 4 --seed 7`" in table
 
 
 def test_a_survivor_finds_its_explanation_and_no_other() -> None:
