@@ -56,7 +56,7 @@ def wrapped(text: str) -> tuple[str, list[Point]]:
     and the points; its main becomes `shaderlab_body`. Functions that main does not reach are left
     alone."""
     file = Syntax(text)
-    functions = reachable([file])
+    functions = reachable(file)
     points: list[Point] = []
     bits = itertools.count()
 

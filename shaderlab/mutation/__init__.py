@@ -18,3 +18,4 @@ from shaderlab.mutation.results import (
     score as score,
 )
 from shaderlab.mutation.states import StateMutant as StateMutant, state_mutants as state_mutants
+from shaderlab.mutation.subjects import glsl_mutants as glsl_mutants

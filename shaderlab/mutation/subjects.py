@@ -8,7 +8,7 @@ from pathlib import Path
 
 from shaderlab.evaluation.search_path import shaders_of
 from shaderlab.model import Case, Pass, Scene, outputs_read
-from shaderlab.mutation.mutants import ShaderMutant, mutants_of
+from shaderlab.mutation.mutants import Operator, ShaderMutant, mutants_of
 
 
 def scenes_of(case: Case, variants: Collection[str] = ()) -> list[Scene]:
@@ -16,11 +16,18 @@ def scenes_of(case: Case, variants: Collection[str] = ()) -> list[Scene]:
     return [s for s in case.scenes() if not variants or s.variant in variants]
 
 
-def glsl_mutants(case: Case, variants: Collection[str] = ()) -> list[ShaderMutant]:
+def glsl_mutants(
+    case: Case, variants: Collection[str] = (), operators: Iterable[Operator] | None = None
+) -> list[ShaderMutant]:
     """Every mutant of every program of a case, in the order in which programs first appear.
 
     A mutant is one place in one program: what two programs include is mutated in each of them. A
     program that several draws, passes or variants share counts once.
+
+    Args:
+        case: the case.
+        variants: names of those whose programs are mutated; all of them if empty.
+        operators: kinds of mistakes; all of them by default.
 
     Raises:
         ShaderError: a shader can't be read.
@@ -37,7 +44,7 @@ def glsl_mutants(case: Case, variants: Collection[str] = ()) -> list[ShaderMutan
     for program in programs:
         for name in program:
             if name not in made:
-                made[name] = mutants_of(shaders.load(name), program)
+                made[name] = mutants_of(shaders.load(name), program, operators)
             found += (replace(mutant, program=program) for mutant in made[name])
     return found
 
