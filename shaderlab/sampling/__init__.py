@@ -13,15 +13,51 @@ from shaderlab.sampling.functions import (
     textureQueryLevels,
     textureSize,
 )
+from shaderlab.sampling.gathering import (
+    textureGather,
+    textureGatherOffset,
+    textureGatherOffsets,
+    textureQueryLod,
+    textureSamples,
+)
+from shaderlab.sampling.lookups import (
+    texelFetchOffset,
+    textureGrad,
+    textureGradOffset,
+    textureLodOffset,
+    textureOffset,
+    textureProj,
+    textureProjGrad,
+    textureProjGradOffset,
+    textureProjLod,
+    textureProjLodOffset,
+    textureProjOffset,
+)
 from shaderlab.sampling.reading import Sampler, wrap_index
 
 __all__ = [
     "Sampler",
     "cube_face",
     "texelFetch",
+    "texelFetchOffset",
     "texture",
+    "textureGather",
+    "textureGatherOffset",
+    "textureGatherOffsets",
+    "textureGrad",
+    "textureGradOffset",
     "textureLod",
+    "textureLodOffset",
+    "textureOffset",
+    "textureProj",
+    "textureProjGrad",
+    "textureProjGradOffset",
+    "textureProjLod",
+    "textureProjLodOffset",
+    "textureProjOffset",
     "textureQueryLevels",
+    "textureQueryLod",
+    "textureSamples",
     "textureSize",
     "wrap_index",
 ]

@@ -14,6 +14,7 @@ from shaderlab.sampling import cube, filters, levels, reading
 from shaderlab.sampling.reading import Integers, Sampler
 from shaderlab.sampling.spans import Span, component, components, hull, span_of
 
+Offset = tuple[int, int]
 _COORDINATES = {"2D": 2, "2DArray": 3, "Cube": 3}
 
 
@@ -35,6 +36,11 @@ def texture(sampler: Sampler, p: Any, lod: Any = None) -> Any:
         FormulaError: `p` has another number of components, the filters need a level and none is
             given, or a band reaches over several texels.
     """
+    return sampled(sampler, p, None if lod is None else component(span_of(lod), 0))
+
+
+def sampled(sampler: Sampler, p: Any, level: Span | None, offset: Offset = (0, 0)) -> Any:
+    """`texture` at a level, in texels of each level `offset` further to the right and up."""
     texels = sampler.texels
     wanted = _COORDINATES.get(texels.kind, 0) + (texels.compare is not None)
     if texels.kind not in _COORDINATES:
@@ -45,9 +51,11 @@ def texture(sampler: Sampler, p: Any, lod: Any = None) -> Any:
         raise FormulaError(
             f"texture(): a sampler{texels.kind}{shadow} takes {wanted} coordinates, not {given}"
         )
-    level = None if lod is None else component(span_of(lod), 0)
-    sampled = _of_cube if texels.kind == "Cube" else _of_plane
-    return _value(sampler, sampled(sampler, p, level))
+    if texels.kind != "Cube":
+        return value_of(sampler, _of_plane(sampler, p, level, offset))
+    if offset != (0, 0):
+        raise FormulaError("GLSL has no offsets on cubes")
+    return value_of(sampler, _of_cube(sampler, p, level))
 
 
 def textureLod(sampler: Sampler, p: Any, lod: Any) -> Any:
@@ -88,7 +96,7 @@ def texelFetch(sampler: Sampler, p: Any, lod: Any = 0) -> Any:
             f"texelFetch(): a texel outside {width} × {height}"
             + (f" × {count}" if count > 1 else "")
         )
-    return _value(sampler, reading.stored(sampler, level, *(place[..., k] for k in range(3))))
+    return value_of(sampler, reading.stored(sampler, level, *(place[..., k] for k in range(3))))
 
 
 def textureSize(sampler: Sampler, lod: Any = 0) -> Integer:
@@ -109,9 +117,9 @@ def textureQueryLevels(sampler: Sampler) -> int:
     return 1 + len(sampler.texels.smaller)
 
 
-def _of_plane(sampler: Sampler, p: Any, lod: Span | None) -> Span:
+def _of_plane(sampler: Sampler, p: Any, lod: Span | None, offset: Offset) -> Span:
     texels = sampler.texels
-    reference = _reference(sampler, p)
+    reference = reference_of(sampler, p)
     layers: list[Array] = [np.zeros(span_of(p)[0].shape[:-1])]
     if texels.kind == "2DArray":
         count = reading.level_values(sampler, 0).shape[0]
@@ -129,8 +137,9 @@ def _of_plane(sampler: Sampler, p: Any, lod: Span | None) -> Span:
             number = layer.astype(np.int64)
 
             def texel(column: Array, row: Array, at: Any, number: Integers = number) -> Span:
+                column, row = column + offset[0], row + offset[1]
                 found = reading.wrapped(sampler, level, column, row, number[at])
-                return _compared(sampler, reference, found, at)
+                return compared(sampler, reference, found, at)
 
             if word == "nearest":
                 found.append(filters.nearest(texel, x, y))
@@ -142,7 +151,7 @@ def _of_plane(sampler: Sampler, p: Any, lod: Span | None) -> Span:
 
 
 def _of_cube(sampler: Sampler, p: Any, lod: Span | None) -> Span:
-    reference = _reference(sampler, p)
+    reference = reference_of(sampler, p)
     bounds = span_of(p)
     shorter = bounds[0][..., :3]
     direction = (shorter,) * 2 if bounds[0] is bounds[1] else (shorter, bounds[1][..., :3])
@@ -159,7 +168,7 @@ def _of_cube(sampler: Sampler, p: Any, lod: Span | None) -> Span:
                 if word == "nearest":
                     column, row = np.clip(column, 0, size - 1), np.clip(row, 0, size - 1)
                 found = cube.across_edges(sampler, level, column, row, number[at])
-                return _compared(sampler, reference, found, at)
+                return compared(sampler, reference, found, at)
 
             x, y = (
                 (e[0] * size,) * 2 if e[0] is e[1] else (e[0] * size, e[1] * size) for e in (s, t)
@@ -180,7 +189,7 @@ def _linear(sampler: Sampler, texel: filters.Texel, x: Span, y: Span) -> Span:
     return filters.linear(texel, x, y, exact=sampler.rules is None, compared=compared)
 
 
-def _reference(sampler: Sampler, p: Any) -> Span | None:
+def reference_of(sampler: Sampler, p: Any) -> Span | None:
     """What a shadow sampler compares with, (count, 1); clamped as fixed-point depths are."""
     if sampler.texels.compare is None:
         return None
@@ -192,7 +201,7 @@ def _reference(sampler: Sampler, p: Any) -> Span | None:
     return bounds[0], bounds[1]
 
 
-def _compared(sampler: Sampler, reference: Span | None, found: Span, at: Any) -> Span:
+def compared(sampler: Sampler, reference: Span | None, found: Span, at: Any) -> Span:
     """What a shadow sampler answers for the texels found at an index into all places."""
     if reference is None or sampler.texels.compare is None:
         return found
@@ -200,7 +209,8 @@ def _compared(sampler: Sampler, reference: Span | None, found: Span, at: Any) ->
     return reading.compared(sampler.texels.compare, (reference[0][at], reference[1][at]), depth)
 
 
-def _value(sampler: Sampler, span: Span) -> Any:
+def value_of(sampler: Sampler, span: Span) -> Any:
+    """What a sampler gives: a band, float64 values, or integers."""
     integers = np.dtype(sampler.texels.values.dtype).kind in "iu" and "32" in sampler.texels.format
     if integers:
         unsigned = sampler.texels.format.endswith("ui")

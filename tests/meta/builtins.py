@@ -81,11 +81,5 @@ WHY_NOT: dict[str, str] = {
     "barrier": _NOTHING,
     **dict.fromkeys(CHAPTER_8["8.17 Shader memory control"].split(), _NOTHING),
 }
-_NOT_YET = (
-    "textureQueryLod textureSamples textureProj textureOffset texelFetchOffset textureProjOffset "
-    "textureLodOffset textureProjLod textureProjLodOffset textureGrad textureGradOffset "
-    "textureProjGrad textureProjGradOffset textureGather textureGatherOffset textureGatherOffsets"
-)
-WHY_NOT |= dict.fromkeys(_NOT_YET.split(), "not written yet")
 # What Python has another word for.
 SPELT = {"not": "not_"}
