@@ -154,15 +154,13 @@ def test_what_is_noticed_and_what_gets_by(folder: Path) -> None:
     assert not any("-x" in before for _, before, _ in found), "law.glsl's unused function"
 
 
-def trial(file: Path, flat: str, right: str, wrong: str) -> Fate:
-    """The fate of law.frag, `flat` with its includes, with `wrong` in place of `right`."""
-    assert right in flat
-    mutant = ShaderMutant(
+def by_hand(text: str, right: str, wrong: str) -> ShaderMutant:
+    """law.frag, which is `text` with its includes, with `wrong` in place of `right`."""
+    assert right in text
+    return ShaderMutant(
         file="law.frag", line=1, operator="by hand", before=right, after=wrong,
-        program=("law.frag",), shader="law.frag", stage="fragment", text=flat.replace(right, wrong),
+        program=("law.frag",), shader="law.frag", stage="fragment", text=text.replace(right, wrong),
     )  # fmt: skip
-    with Lab() as lab:
-        return Judge(lab, load_case(file)).fate(mutant)
 
 
 @pytest.mark.parametrize(
@@ -181,7 +179,8 @@ def trial(file: Path, flat: str, right: str, wrong: str) -> Fate:
 )
 def test_a_mutant_of_every_fate(folder: Path, right: str, wrong: str, status: str) -> None:
     flat = SHADER.replace('#include "law.glsl"\n', LAW)
-    fate = trial(folder / "law.py", flat, right, wrong)
+    with Lab() as lab:
+        fate = Judge(lab, load_case(folder / "law.py")).fate(by_hand(flat, right, wrong))
     assert fate.status == status
     if status == "no difference":
         assert re.fullmatch(r"no difference found in \d{5} inputs", fate.by)
@@ -232,29 +231,52 @@ SOURCES = {
 }
 
 
+UNSEEN = {
+    "vec4(texel.r, texel.g,": "vec4(texel.g, texel.r,",  # a grey texture has no colours
+    "min(texel.b, 4.0)": "texel.b",  # no texel is so large
+    "clamp(bias, 0.0, 0.5)": "min(bias, 0.5)",  # the case's bias is 0.25
+    "vec3 texel =": "if (gl_FragCoord.x > 70.0) return; vec3 texel =",  # its frame has 64 pixels
+}
+
+
 @pytest.mark.parametrize("source", SOURCES)
-@pytest.mark.parametrize(
-    ("right", "wrong"),
-    [
-        ("vec4(texel.r, texel.g,", "vec4(texel.g, texel.r,"),  # a grey texture has no colours
-        ("min(texel.b, 4.0)", "texel.b"),  # no texel is so large
-        ("clamp(bias, 0.0, 0.5)", "bias"),  # the case's bias is 0.25
-        ("clamp(bias, 0.0, 0.5)", "min(bias, 0.5)"),
-    ],
-)
 def test_what_no_input_of_the_case_shows_is_not_called_equivalent(
-    tmp_path: Path, source: str, right: str, wrong: str
+    tmp_path: Path, source: str
 ) -> None:
     first, image = SOURCES[source]
     (tmp_path / "law.frag").write_text(GREY)
     (tmp_path / "flat.frag").write_text(FLAT)
     file = tmp_path / "grey.py"
     file.write_text(GREY_CASE.replace("FIRST", first).replace("SOURCE", image))
-    fate = trial(file, GREY, right, wrong)
-    if source == "8 bits" and "4.0" in right:
-        assert fate.status == "no difference"  # eight bits hold nothing above 1
-    else:
-        assert fate == Fate(status="survived", by="only on other inputs: main.FragColor")
+    with Lab() as lab:
+        judge = Judge(lab, load_case(file))
+        found = {right: judge.fate(by_hand(GREY, right, wrong)) for right, wrong in UNSEEN.items()}
+    if source == "8 bits":  # which hold nothing above 1
+        assert found.pop("min(texel.b, 4.0)").status == "no difference"
+    missed = Fate(status="survived", by="only on other inputs: main.FragColor")
+    assert found == dict.fromkeys(found, missed)
+
+
+BLENDED_CASE = '''\
+"""Light on a black ground."""
+from shaderlab import Blend, Case, State, exact, fullscreen
+
+case = Case(
+    title="Blended",
+    passes=fullscreen("flat.frag", domain={}, state=State(blend=Blend(source="one", destination="one"))),
+    expect=[exact("grey", 0.25)],
+)
+'''
+
+
+def test_a_black_ground_hides_a_mistake_in_blending(tmp_path: Path) -> None:
+    (tmp_path / "flat.frag").write_text(FLAT)
+    (tmp_path / "blended.py").write_text(BLENDED_CASE)
+    case = load_case(tmp_path / "blended.py")
+    (wrong,) = (m for m in state_mutants(case) if (m.path, m.new) == ("blend.destination", "zero"))
+    with Lab() as lab:
+        fate = Judge(lab, case).fate(wrong)
+    assert fate == Fate(status="survived", by="only on other inputs: main.grey")
 
 
 UNREAD = """\
