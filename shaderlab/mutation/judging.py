@@ -6,26 +6,17 @@ from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 
-from shaderlab.errors import CaseError, ShaderError, ShaderlabError, UnsupportedError
+from shaderlab.errors import CaseError, ShaderError
 from shaderlab.evaluation import Evaluation, Lab
 from shaderlab.expectations.reads import Named, judged_outputs
 from shaderlab.model import Case, Draw, Scene
-from shaderlab.mutation import compare, proof, wider
+from shaderlab.mutation import compare, proof
 from shaderlab.mutation.mutants import Mutant
 from shaderlab.mutation.results import Fate
-from shaderlab.mutation.subjects import downstream, scenes_of, with_what_they_read
-from shaderlab.mutation.tasks import Task, part_of
+from shaderlab.mutation.subjects import downstream, scenes_of
+from shaderlab.mutation.tasks import PartError, Task, part_of, sound_part
+from shaderlab.mutation.wider import WiderInputs
 from shaderlab.programs.prepare import PreparedDraw, Programs
-
-
-class PartError(CaseError):
-    """A part of a case that mutants are judged by does not run unmutated."""
-
-
-_Known = tuple[wider.Round, set[str], wider.Values]
-"""Other inputs, the passes that are drawn with them, and what the case's own shaders make of it."""
-
-_MOST_ROUNDS = 48  # that are kept, each with the pictures of a scene
 
 Pair = tuple[Evaluation, Evaluation]
 """The evaluation of a mutant's scene, and that of the same scene unmutated."""
@@ -48,7 +39,7 @@ class Judge:
         self._scenes = scenes_of(case, variants)
         self._judged = judged_outputs(self._scenes)
         self._originals = {s.variant: self._original(s) for s in self._scenes}
-        self._rounds: dict[tuple[str, frozenset[str], tuple[str, ...], int], _Known | None] = {}
+        self._wider = WiderInputs(lab, self._originals)
         self._sound: set[tuple[str, tuple[str, ...], tuple[int, ...]]] = set()
 
     def fate(self, mutant: Mutant) -> Fate:
@@ -108,7 +99,12 @@ class Judge:
                 return Fate(status="equivalent", by="its optimised SPIR-V is the original's")
             with self.evaluation(tasks[0], everything=True) as (mutant, original):
                 seen = self._seen(mutant, original)
-        return seen or self._tried_wider(tasks)
+        if seen is not None:
+            return seen
+        output, tried = self._wider.difference(tasks, self._prepared)
+        if output is None:
+            return Fate(status="no difference", by=f"no difference found in {tried} inputs")
+        return _survived("only on other inputs", output, unread=output not in self._judged)
 
     def _concerned(self, scene: Scene, touched: set[str], vertex: Collection[str]) -> list[int]:
         """The expectations that may fail when the `touched` passes draw something else; those of
@@ -157,56 +153,6 @@ class Judge:
         )
         return proof.same_module(programs[name][index], original[name][index])
 
-    def _tried_wider(self, tasks: list[Task]) -> Fate:
-        """The fate of a mutant that nothing tells from the original: on inputs that the case does
-        not have."""
-        tried = 0
-        for number in range(wider.ROUNDS if tasks else 0):
-            task = tasks[number % len(tasks)]
-            known = self._round(task, number)
-            if known is None:
-                continue
-            given, names, expected = known
-            part = part_of(task.effect.scene, names, [])
-            scene, programs = given.applied(part, self._prepared(task, part))
-            original = self._originals[scene.variant]
-            run = self._lab.evaluation(scene, programs, like=original)
-            with _sound_part(part), run as mutant:
-                got = wider.outputs(mutant, given, task.effect.passes)
-            for (output, kind), values in expected.items():
-                if (output, kind) not in got or compare.differ(values, got[output, kind]):
-                    unread = output not in self._judged
-                    return _survived("only on other inputs", output, unread=unread)
-            tried += wider.count(expected)
-        return Fate(status="no difference", by=f"no difference found in {tried} inputs")
-
-    def _round(self, task: Task, number: int) -> _Known | None:
-        """Other inputs for what a mutant changes; None where it can't be drawn with them."""
-        key = (task.scene.variant, task.effect.passes, task.effect.program, number)
-        if key not in self._rounds:
-            if len(self._rounds) >= _MOST_ROUNDS:
-                del self._rounds[next(iter(self._rounds))]
-            self._rounds[key] = self._new_round(*key)
-        return self._rounds[key]
-
-    def _new_round(
-        self, variant: str, passes: frozenset[str], program: tuple[str, ...], number: int
-    ) -> _Known | None:
-        original = self._originals[variant]
-        needed = with_what_they_read(original.scene, passes)
-        given = wider.other_inputs(original, needed, program, number)
-        part = part_of(original.scene, needed, [])
-        scene, programs = given.applied(part, {n: original.programs[n] for n in needed})
-        names = with_what_they_read(scene, passes)
-        programs = {name: programs[name] for name in names}
-        with _sound_part(part):
-            try:
-                run = self._lab.evaluation(part_of(scene, names, []), programs, like=original)
-                with run as unmutated:
-                    return given, names, wider.outputs(unmutated, given, passes)
-            except ShaderlabError:
-                return None
-
     def _require_sound(self, task: Task) -> None:
         """Run the parts of the scene that a task may need as they are, once each."""
         for everything in (False, True):
@@ -215,7 +161,7 @@ class Judge:
             if key in self._sound:
                 continue
             run = self.evaluation(task.unmutated, everything=everything)
-            with _sound_part(part), run as (evaluation, _):
+            with sound_part(part), run as (evaluation, _):
                 for expectation in part.expect:
                     evaluation.judge(expectation)
             self._sound.add(key)
@@ -262,20 +208,3 @@ class Judge:
 def _survived(where: str, output: Named, *, unread: bool) -> Fate:
     note = f"{where}: {'.'.join(output)}" + (", which no expectation reads" if unread else "")
     return Fate(status="survived", by=note, unread=unread)
-
-
-@contextmanager
-def _sound_part(part: Scene) -> Iterator[None]:
-    """What goes wrong here goes wrong without any mutant."""
-    try:
-        yield
-    except UnsupportedError:
-        raise
-    except Exception as error:
-        raise PartError(
-            f"{part.case.id}[{part.variant}]: the passes "
-            f"{', '.join(p.name for p in part.passes)} do not run by themselves "
-            f"({type(error).__name__}: {error}), so that mutants of them can't be judged",
-            file=part.case.file or None,
-            remedy="this is a fault of shaderlab, not of the case: please report it",
-        ) from error

@@ -1,12 +1,19 @@
-"""A mutant's way through one scene: what has to be drawn, and who may notice."""
+"""A mutant's way through one scene: what has to be drawn, and what may notice."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
+from shaderlab.errors import CaseError, UnsupportedError
 from shaderlab.model import Scene
 from shaderlab.mutation.mutants import Effect
 from shaderlab.mutation.subjects import with_what_they_read
+
+
+class PartError(CaseError):
+    """A part of a case that mutants are judged by does not run unmutated."""
 
 
 @dataclass(frozen=True)
@@ -44,3 +51,20 @@ def part_of(scene: Scene, passes: set[str], expect: list[int]) -> Scene:
         passes=tuple(p for p in scene.passes if p.name in passes),
         expect=tuple(scene.expect[i] for i in expect),
     )
+
+
+@contextmanager
+def sound_part(part: Scene) -> Iterator[None]:
+    """What goes wrong here goes wrong without any mutant."""
+    try:
+        yield
+    except UnsupportedError:
+        raise
+    except Exception as error:
+        raise PartError(
+            f"{part.case.id}[{part.variant}]: the passes "
+            f"{', '.join(p.name for p in part.passes)} do not run by themselves "
+            f"({type(error).__name__}: {error}), so that mutants of them can't be judged",
+            file=part.case.file or None,
+            remedy="this is a fault of shaderlab, not of the case: please report it",
+        ) from error

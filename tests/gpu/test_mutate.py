@@ -263,7 +263,8 @@ from shaderlab import Blend, Case, State, exact, fullscreen
 
 case = Case(
     title="Blended",
-    passes=fullscreen("flat.frag", domain={}, state=State(blend=Blend(source="one", destination="one"))),
+    passes=fullscreen("flat.frag", domain={},
+                      state=State(blend=Blend(source="one", destination="one"))),
     expect=[exact("grey", 0.25)],
 )
 '''

@@ -1,0 +1,218 @@
+"""Inputs far beyond a case's own: textures (every channel random, beyond 0…1 where the format
+allows), clear colours, sizes, ramps and uniforms of every draw, and numbers for a program's stages:
+around zero, of every size, and those at which formulas turn: 0, ±1 and each constant of the shader.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+
+from shaderlab.evaluation import Evaluation
+from shaderlab.frame import Array, PassDraw, Texels
+from shaderlab.model import (
+    CompressedTexture,
+    CubeTexture,
+    Ramp,
+    Scene,
+    Texture,
+    TextureArray,
+    UniformBuffer,
+)
+from shaderlab.model.scene import UNIT_SQUARE, Target
+from shaderlab.model.textures import TEXTURE_FORMATS, Sampling, TextureSource
+from shaderlab.programs.bind import declared
+from shaderlab.programs.formats import format_of, shape_of
+from shaderlab.programs.prepare import PreparedDraw, Programs
+from shaderlab.programs.varyings import elements
+
+SAMPLES = 1024
+_SIZES = ((48, 80), (96, 40), (64, 64), (40, 96), (80, 48), (57, 71))
+_NUMBER = re.compile(r"(?<![\w.])\d+\.\d*(?:e[-+]?\d+)?", re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class Round:
+    """Other inputs of a scene: what is replaced in each draw, and each pass's target; and, if a
+    program is to be run on numbers, a draw of it and its stages' inputs."""
+
+    draws: Mapping[PassDraw, Mapping[str, Any]]
+    targets: Mapping[str, Target]
+    probed: PassDraw | None
+    fragments: Mapping[str, Array]
+    vertices: Mapping[str, Array]
+
+    def applied(self, scene: Scene, programs: Programs) -> tuple[Scene, Programs]:
+        """A scene, mutated or not, and its programs with these inputs in place of its own."""
+        prepared = {
+            name: tuple(
+                replace(draw, draw=replace(draw.draw, **self.draws[name, index]))
+                for index, draw in enumerate(draws)
+            )
+            for name, draws in programs.items()
+        }
+        passes = tuple(
+            replace(p, target=self.targets[p.name], draws=tuple(d.draw for d in prepared[p.name]))
+            for p in scene.passes
+        )
+        return replace(scene, passes=passes, expect=()), prepared
+
+
+def other_inputs(
+    original: Evaluation, names: Collection[str], program: tuple[str, ...], number: int
+) -> Round:
+    """Round `number` of other inputs of the passes `names`; the first one keeps uniforms and ramps.
+
+    They follow from the unmutated scene, so that every mutant of `program` gets the same ones.
+    """
+    maker = _Maker(original, number)
+    draws = {
+        (p.name, index): draw
+        for p in original.scene.passes
+        if p.name in names
+        for index, draw in enumerate(original.programs[p.name])
+    }
+    changes = {key: maker.draw(key, draw) for key, draw in draws.items()}
+    targets = maker.targets()
+    probed = next((key for key, draw in draws.items() if draw.draw.shaders == program), None)
+    stages = maker.stages(draws[probed]) if probed else ({}, {})
+    return Round(changes, targets, probed, *stages)
+
+
+class _Maker:
+    """Makes the other inputs of one round. What draws share, they go on sharing."""
+
+    def __init__(self, original: Evaluation, number: int) -> None:
+        self._original = original
+        self._keeps = number == 0
+        self._size = _SIZES[number % len(_SIZES)]
+        self._random = np.random.default_rng(number)
+        self._shared: dict[int, Any] = {}
+        self._turns = np.zeros(1, np.float32)
+
+    def targets(self) -> dict[str, Target]:
+        made: dict[str, Target] = {}
+        for p in self._original.scene.passes:
+            width, height = self._size
+            if any(d.state.in_pixels for d in p.draws) and p.target.size:
+                width, height = p.target.size[0] + width // 8, p.target.size[1] + height // 8
+            clear = tuple(self._random.uniform(0.0, 1.0, 4).tolist())
+            if any(i.values.dtype.kind in "iu" for i in self._images(p.name)):
+                clear = p.target.clear
+            made[p.name] = made.get(p.onto) or replace(p.target, size=(width, height), clear=clear)
+        return made
+
+    def _images(self, name: str) -> list[Any]:
+        return [i for (owner, _), i in self._original.drawn.images.items() if owner == name]
+
+    def draw(self, key: PassDraw, prepared: PreparedDraw) -> Mapping[str, Any]:
+        """The fields of a draw that are replaced."""
+        draw, texels = prepared.draw, self._original.drawn.bindings[key].textures
+        self._turns = _turning_points("".join(prepared.texts.values()))
+        changes: dict[str, Any] = {
+            "textures": {
+                n: self._once(s, self._texture, texels[n]) for n, s in draw.textures.items()
+            }
+        }
+        if not self._keeps:
+            kinds = {n: v.type for n, v in declared(prepared.interface).items()}
+            changes["uniforms"] = {
+                n: self._number(v, kinds.get(n, "float")) for n, v in draw.uniforms.items()
+            }
+            changes["blocks"] = {n: self._once(b, self._buffer) for n, b in draw.blocks.items()}
+            if draw.domain is not None and draw.domain != UNIT_SQUARE:
+                changes["domain"] = {n: self._ramp(r) for n, r in draw.domain.items()}
+        return changes
+
+    def stages(self, prepared: PreparedDraw) -> tuple[dict[str, Array], dict[str, Array]]:
+        """Random inputs of the fragment stage, and of the vertex stage where it can be run."""
+        draw, interface = prepared.draw, prepared.interface
+        varyings = {
+            v.name: (shape_of(v.type), v.type) for v in elements(interface.varyings.values())
+        }
+        attributes = {}
+        if draw.mesh is not None and draw.geometry is None:
+            types = {n: v.type for n, v in interface.attributes.items()}
+            attributes = {n: (a.shape[1:], types[n]) for n, a in draw.mesh.inputs.items()}
+        return self._inputs(varyings), self._inputs(attributes)
+
+    def _inputs(self, variables: Mapping[str, tuple[tuple[int, ...], str]]) -> dict[str, Array]:
+        return {n: self._spread((SAMPLES, *s), kind) for n, (s, kind) in variables.items()}
+
+    def _once(self, thing: Any, make: Any, *more: Any) -> Any:
+        """What stands for a thing that several draws may share; kept alive with its identity."""
+        if id(thing) not in self._shared:
+            self._shared[id(thing)] = (thing, make(thing, *more))
+        return self._shared[id(thing)][1]
+
+    def _texture(self, source: TextureSource, texels: Texels) -> TextureSource:
+        shape, format = texels.values.shape, texels.format
+        if isinstance(source, CubeTexture):
+            return replace(source, faces=[self._texels(shape[1:], format) for _ in range(6)])
+        if isinstance(source, TextureArray):
+            return replace(source, layers=[self._texels(shape[1:], format) for _ in source.layers])
+        if isinstance(source, Texture):
+            levels: Any = source.mipmaps
+            if not isinstance(levels, bool):
+                levels = [self._texels(level.shape, format) for level in texels.smaller]
+            return replace(source, image=self._texels(shape, format), mipmaps=levels)
+        if isinstance(source, CompressedTexture):
+            format = "rgba8"
+        if texels.kind != "2D" or format not in TEXTURE_FORMATS:
+            return source  # samples, or a stencil: only drawing makes these
+        sampling = {f.name: getattr(source, f.name) for f in fields(Sampling)}
+        image = self._texels((*shape[:2], format_of(format).components), format)
+        return Texture(image=image, format=format, mipmaps="mipmap" in source.filter[0], **sampling)
+
+    def _texels(self, shape: Sequence[int], format: str) -> Array:
+        known = format_of(format)
+        size = (*shape[:2], known.components)
+        if known.integer:
+            return self._random.integers(0, 8, size).astype(known.numpy)
+        if format.endswith("8") or format.startswith("depth"):
+            return self._random.random(size, np.float32)
+        return self._spread(size, "float")
+
+    def _buffer(self, buffer: UniformBuffer) -> UniformBuffer:
+        return UniformBuffer(values={n: self._number(v, "") for n, v in buffer.values.items()})
+
+    def _ramp(self, ramp: Ramp) -> Ramp:
+        numbers = (ramp.origin, ramp.dx, ramp.dy)
+        return Ramp(*(self._number(number, "float").tolist() for number in numbers))
+
+    def _number(self, given: Any, kind: str) -> Array:
+        """Another value: often the same one, or it times a factor, sometimes another altogether."""
+        value = np.asarray(given)
+        whole = kind[:1] in ("i", "u", "b") if kind else value.dtype.kind in "iub"
+        choice = self._random.random()
+        if choice < 0.25:
+            return value
+        if whole:
+            both = kind.startswith("b") or value.dtype.kind == "b"
+            return self._random.integers(0, 2 if both else 8, value.shape)
+        if choice < 0.65:
+            return (value * self._random.uniform(0.4, 2.5, value.shape)).astype(np.float32)
+        return self._spread(value.shape, "float")
+
+    def _spread(self, shape: Sequence[int], kind: str) -> Array:
+        random, size = self._random, tuple(shape)
+        if kind[0] in "iub" and not kind.startswith("bool"):
+            return random.integers(0, 8, size).astype(np.uint32 if kind[0] == "u" else np.int32)
+        near = random.uniform(-2.0, 2.0, size)
+        sizes = 10.0 ** random.uniform(-4.0, 4.0, size) * random.choice([-1.0, 1.0], size)
+        choice = random.random(size)
+        numbers = np.where(choice < 0.45, near, np.where(choice < 0.8, sizes, 0.0))
+        return np.where(choice < 0.8, numbers, random.choice(self._turns, size)).astype(np.float32)
+
+
+def _turning_points(text: str) -> Array:
+    """0, ±1, and each constant of the shader with its float32 neighbours."""
+    values: list[np.float32 | float] = [0.0, 1.0, -1.0, 0.5]
+    for word in dict.fromkeys(_NUMBER.findall(text)):
+        number = np.float32(word)
+        values += [number, -number, np.nextafter(number, np.float32(0)), number * np.float32(1.005)]
+    return np.array(values, np.float32)
