@@ -12,6 +12,7 @@ shows a larger quad from the same place; the numbers are the notes' own.
 from math import radians
 
 from shaderlab import Case, Depth, Mesh, State, Target, assets, formula, mesh_pass, value
+from shaderlab.glslmath import abs, clamp, fract, min, mix, smoothstep, swizzle, vec3
 from shaderlab.reference.transforms import (
     clip_position,
     device_position,
@@ -21,8 +22,11 @@ from shaderlab.reference.transforms import (
     translate,
 )
 
+from ..scenes.drawing import chessboard
+from ..scenes.laws import opaque
 
-def tilted(name, size):
+
+def tilted(name, size, pixels):
     """A quad scaled to `size`, tilted away from a camera three units off."""
     return mesh_pass(
         "ch03_transforms/mvp.vert",
@@ -34,9 +38,19 @@ def tilted(name, size):
             "view": translate((0.0, 0.0, -3.0)),
             "projection": perspective(radians(45.0), 4.0 / 3.0, 0.1, 100.0),
         },
-        target=Target(size=(640, 480), depth="depth24", clear=(0.55, 0.65, 0.75, 1.0)),
+        target=Target(size=pixels, depth="depth24", clear=(0.55, 0.65, 0.75, 1.0)),
         state=State(depth=Depth()),
     )
+
+
+def floor_tiles(TexCoords, frag_coord):
+    """Fields, the lines between them, and the air before what is far away; w is 1 / distance."""
+    place, away = 8.0 * TexCoords, 1.0 / swizzle(frag_coord, "w")
+    color = mix(vec3(0.16, 0.22, 0.30), vec3(0.86, 0.80, 0.68), chessboard(place))
+    off = abs(fract(place + 0.5) - 0.5)
+    to_line = min(swizzle(off, "x"), swizzle(off, "y"))
+    color = mix(vec3(0.95, 0.55, 0.20), color, smoothstep(0.0, 0.008 * away, to_line))
+    return mix(color, vec3(0.55, 0.65, 0.75), 0.6 * clamp((away - 2.1) / 1.8, 0.0, 1.0))
 
 
 case = Case(
@@ -44,9 +58,10 @@ case = Case(
     section="3.4",
     math=r"\mathbf{c} = P\,V\,M\,(x, y, z, 1)^{\mathsf T}, \qquad "
     r"\mathbf{n} = (c_x, c_y, c_z)\,/\,c_w",
-    passes=(*tilted("picture", 2.2), *tilted("notes", 0.5)),
+    passes=(*tilted("picture", 2.2, (640, 480)), *tilted("notes", 0.5, (64, 48))),
     picture="picture.FragColor",
     expect=[
+        *(formula(f"{name}.FragColor", opaque(floor_tiles)) for name in ("picture", "notes")),
         formula("gl_Position", clip_position),
         formula("Ndc", device_position),
         formula("picture.gl_Position", clip_position),

@@ -61,7 +61,7 @@ def through(name, q):
         mesh=Mesh(**letter_f()).only("aPos"),
         uniforms={"q": q},
     )
-    return Pass(name=name, target=Target(size=(16, 16)), draws=(draw,))
+    return Pass(name=name, target=Target(size=(64, 64)), draws=(draw,))
 
 
 def orientation(t):
@@ -153,7 +153,7 @@ case = Case(
         *stage.prop_checks(),
         formula("tilted.Turned", by_quaternion, also=BY_GLM, name="110° around (1,2,2)"),
         formula("locked.Turned", by_quaternion, also=BY_GLM, name="the locked pose"),
-        formula("tilted.FragColor", one_color),
+        *(formula(f"{name}.FragColor", one_color) for name in ("locked", "tilted")),
         formula("tilted.gl_Position", half_size),
         *(
             formula("judged.Turned", at_place, draw=step + 1, name=f"place {step} of the formation")

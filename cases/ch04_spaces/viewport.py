@@ -82,7 +82,7 @@ def closeup(name, corner, side):
         "ch04_spaces/viewport.frag",
         name=name,
         domain={"Ndc": Ramp((*corner, 0.0), (side, 0.0, 0.0), (0.0, side, 0.0))},
-        target=Target(size=(96, 96)),
+        target=Target(size=(96, 96), colors={"FragColor": "rgba32f"}),
     )
 
 
@@ -143,6 +143,11 @@ case = Case(
         formula("chart.FragColor", chart, name="axes and lines from near by"),
         formula("disc.FragColor", chart, name="the disc from near by"),
         formula("judged.landed", where_it_is),
+        *(
+            formula(f"{name}.{output}", reference)
+            for name in ("patch", "middle", "turned")
+            for output, reference in (("landed", where_it_is), ("FragColor", chart))
+        ),
         *figures(
             "judged.Window",
             {

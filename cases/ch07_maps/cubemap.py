@@ -16,37 +16,17 @@ from math import radians
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Cell,
-    CubeTexture,
-    Depth,
-    Draw,
-    Mesh,
-    Output,
-    Pass,
-    Ramp,
-    State,
-    Target,
-    assets,
-    exact,
-    formula,
-    fullscreen,
-    measure,
-    value,
-)
+from shaderlab import Case, CubeTexture, Ramp, State, assets, measure
 from shaderlab.glslmath import dot, max, normalize, swizzle, vec4
 from shaderlab.reference.cube_maps import face_coordinates
-from shaderlab.reference.transforms import (
-    clip_position,
-    look_at,
-    perspective,
-    rotate,
-    translate,
-    world_normal,
-    world_position,
-)
+from shaderlab.reference.transforms import look_at, perspective, rotate, translate
 from shaderlab.sampling import textureLod
+
+from ..scenes import stage
+from ..scenes.draws import tested
+from ..scenes.figures import each_draw, figures
+from ..scenes.lit import vertex_stage_checks
+from ..scenes.panels import cell, panel, picture
 
 COLORS = (
     (1.0, 0.45, 0.38), (0.38, 0.85, 0.88), (0.58, 0.86, 0.42),
@@ -85,18 +65,17 @@ def looking(index, name):
     """One of six fields, with directions of very different lengths."""
     right, above, forward = (np.array(axis, float) for axis in VIEWS[name])
     size = 0.5 + 0.75 * index
-    return Draw(
-        fragment="ch07_maps/cubemap.frag",
-        domain={
-            "direction": Ramp(
-                tuple(size * (forward - REACH * right - REACH * above)),
-                tuple(size * 2.0 * REACH * right),
-                tuple(size * 2.0 * REACH * above),
-            )
-        },
-        uniforms={"stretch": 3.0},
+    direction = Ramp(
+        tuple(size * (forward - REACH * right - REACH * above)),
+        tuple(size * 2.0 * REACH * right),
+        tuple(size * 2.0 * REACH * above),
+    )
+    return panel(
+        "ch07_maps/cubemap.frag",
+        {"direction": direction},
+        {"stretch": 3.0},
         textures={"faces": NUMBERED},
-        state=State(cell=Cell(column=index % 3, row=index // 3, columns=3, rows=2)),
+        cell=cell(index, 3, 2),
     )
 
 
@@ -116,17 +95,15 @@ PROJECTION = perspective(radians(33.0), 2.0, 0.1, 100.0)
 
 def wrapped(geometry, model):
     """A solid around the origin, coloured by the direction of each of its points."""
-    return Draw(
-        vertex="ch07_maps/placed.vert",
-        fragment="ch07_maps/cubemap_ball.frag",
-        mesh=Mesh(**geometry).only("aPos", "aNormal"),
-        uniforms={
-            "model": model, "view": VIEW @ translate((-1.45 if model is BALL else 1.45, 0, 0)),
-            "projection": PROJECTION, "normalMatrix": model[:3, :3], "light": LIGHT,
-        },
+    view = VIEW @ translate((-1.45 if model is BALL else 1.45, 0, 0))
+    uniforms = {"view": view, "projection": PROJECTION, "normalMatrix": model[:3, :3]}
+    return tested(
+        ("ch07_maps/placed.vert", "ch07_maps/cubemap_ball.frag"),
+        geometry,
+        {"model": model, "light": LIGHT, **uniforms},
+        only=("aPos", "aNormal"),
         textures={"faces": CHARTS},
-        state=State(depth=Depth()),
-    )  # fmt: skip
+    )
 
 
 # The ball is turned, which nothing shows: colours go by directions in the world.
@@ -146,61 +123,34 @@ def painted(faces, FragPos, Normal, light):
     return vec4(shade * swizzle(textureLod(faces, FragPos, 0.0), "rgb"), 1.0)
 
 
-def meets(place, equals, name):
-    """The face, s and t of one direction."""
-    return value(
-        "main.byHand",
-        at={"direction": place},
-        equals=equals,
-        digits=6,
-        name=name,
-        reference=face_coordinates,
-    )
-
-
 case = Case(
     title="A cube map",
     section="7.4",
     math=r"s = \tfrac12\left(\frac{s_c}{|m_a|} + 1\right), \qquad t = \tfrac12\left("
     r"\frac{t_c}{|m_a|} + 1\right), \qquad m_a = \text{the component of the largest size}",
     passes=(
-        Pass(
-            name="scene",
-            target=Target(size=(2048, 1024), depth="depth24", clear=(0.93, 0.93, 0.92, 1.0)),
-            draws=tuple(SOLIDS),
-        ),
-        *fullscreen(
-            "ch03_transforms/soften.frag",
-            name="picture",
-            textures={"scene": Output("scene.FragColor")},
-            target=Target(size=(1024, 512)),
-        ),
-        Pass(name="small", target=Target(size=(96, 48), depth="depth24"), draws=tuple(SOLIDS)),
         # Both solids are convex: without a depth test, too, it is enough to leave out far sides.
-        Pass(
-            name="culled",
-            target=Target(size=(96, 48)),
-            draws=tuple(replace(solid, state=State(cull="back")) for solid in SOLIDS),
+        *stage.photographed(
+            SOLIDS,
+            (1024, 512),
+            clear=(0.93, 0.93, 0.92, 1.0),
+            reordered=[replace(solid, state=State(cull="back")) for solid in SOLIDS],
         ),
-        Pass(
-            name="main",
-            target=Target(size=(120, 80)),
-            draws=tuple(looking(k, name) for k, name in enumerate(NAMES)),
-        ),
+        picture((looking(k, name) for k, name in enumerate(NAMES)), (120, 80), "main"),
     ),
     picture="picture.FragColor",
     expect=[
+        *stage.picture_checks(),
         *(
-            formula("main.FragColor", texel, draw=k, name=f"texels around {name}")
-            for k, name in enumerate(NAMES)
-        ),
-        *(
-            formula("main.byHand", face_coordinates, draw=k, name=f"the table around {name}")
-            for k, name in enumerate(NAMES)
-        ),
-        *(
-            formula("main.onceMore", stretched, draw=k, name=f"three times as long, around {name}")
-            for k, name in enumerate(NAMES)
+            check
+            for output, reference, what in (
+                ("FragColor", texel, "texels"),
+                ("byHand", face_coordinates, "the table"),
+                ("onceMore", stretched, "three times as long"),
+            )
+            for check in each_draw(
+                f"main.{output}", reference, {k: f"{what} around {n}" for k, n in enumerate(NAMES)}
+            )
         ),
         measure(
             "the texel's face is the table's",
@@ -208,29 +158,40 @@ case = Case(
             reads={"texels": "main.FragColor", "table": "main.byHand"},
             at_least=1.0,
         ),
-        formula("small.FragColor", painted, draw=0, name="the ball's colours"),
-        formula("small.FragColor", painted, draw=1, name="the cube's colours"),
-        *(
-            formula(f"small.{output}", reference, draw=0, name=f"{output} of the turned ball")
-            for output, reference in (
-                ("gl_Position", clip_position),
-                ("FragPos", world_position),
-                ("Normal", world_normal),
-            )
+        *each_draw("judged.FragColor", painted, {0: "the ball's colours", 1: "the cube's colours"}),
+        *vertex_stage_checks(pass_name="judged", draw=0),
+        *figures(
+            "main.byHand",
+            {
+                "(2, ½, −1) meets +X": ({"direction": (2.0, 0.5, -1.0)}, (0.0, 0.75, 0.375)),
+                "−X is the second face": ({"direction": (-1.0, 0.0, 0.0)}, (1.0, 0.5, 0.5)),
+                "+Y is the third": ({"direction": (0.0, 5.0, 0.0)}, (2.0, 0.5, 0.5)),
+                "(¼, −1, ½) meets −Y": ({"direction": (0.25, -1.0, 0.5)}, (3.0, 0.625, 0.25)),
+                "x goes before y where both are as large": (
+                    {"direction": (1.0, -1.0, 0.5)},
+                    (0.0, 0.25, 1.0),
+                ),
+                "+X, very short": ({"direction": (0.005, 0.0, 0.0)}, (0.0, 0.5, 0.5)),
+                "+Y, very short": ({"direction": (0.0, 0.005, 0.0)}, (2.0, 0.5, 0.5)),
+                "+Z, very short": ({"direction": (0.001, 0.0, 0.005)}, (4.0, 0.6, 0.5)),
+                "an upward direction, very short": (
+                    {"direction": (0.001, 0.005, 0.002)},
+                    (2.0, 0.6, 0.7),
+                ),
+                "a sideward direction, very short": (
+                    {"direction": (0.005, 0.002, 0.001)},
+                    (0.0, 0.4, 0.3),
+                ),
+                "+Z is the fifth, however short": (
+                    {"direction": (0.0, 0.0, 0.01)},
+                    (4.0, 0.5, 0.5),
+                ),
+                "−Z is the last, however long": (
+                    {"direction": (0.0, 0.0, -900.0)},
+                    (5.0, 0.5, 0.5),
+                ),
+            },
+            reference=face_coordinates,
         ),
-        exact("small.FragColor", Output("culled.FragColor"), name="near sides hide far ones"),
-        exact("culled.FragColor", Output("small.FragColor"), name="and need no depth for it"),
-        meets((2.0, 0.5, -1.0), (0.0, 0.75, 0.375), "(2, ½, −1) meets +X"),
-        meets((-1.0, 0.0, 0.0), (1.0, 0.5, 0.5), "−X is the second face"),
-        meets((0.0, 5.0, 0.0), (2.0, 0.5, 0.5), "+Y is the third"),
-        meets((0.25, -1.0, 0.5), (3.0, 0.625, 0.25), "(¼, −1, ½) meets −Y"),
-        meets((1.0, -1.0, 0.5), (0.0, 0.25, 1.0), "x goes before y where both are as large"),
-        meets((0.005, 0.0, 0.0), (0.0, 0.5, 0.5), "+X, very short"),
-        meets((0.0, 0.005, 0.0), (2.0, 0.5, 0.5), "+Y, very short"),
-        meets((0.001, 0.0, 0.005), (4.0, 0.6, 0.5), "+Z, very short"),
-        meets((0.001, 0.005, 0.002), (2.0, 0.6, 0.7), "an upward direction, very short"),
-        meets((0.005, 0.002, 0.001), (0.0, 0.4, 0.3), "a sideward direction, very short"),
-        meets((0.0, 0.0, 0.01), (4.0, 0.5, 0.5), "+Z is the fifth, however short"),
-        meets((0.0, 0.0, -900.0), (5.0, 0.5, 0.5), "−Z is the last, however long"),
     ],
 )

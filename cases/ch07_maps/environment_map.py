@@ -15,45 +15,29 @@ from math import radians, tan
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    CubeTexture,
-    Depth,
-    Draw,
-    Mesh,
-    Output,
-    Pass,
-    Ramp,
-    State,
-    Target,
-    assets,
-    exact,
-    formula,
-    fullscreen,
-    value,
-)
+from shaderlab import Case, CubeTexture, Ramp, any_order, assets
 from shaderlab.glslmath import mix
 from shaderlab.reference.cube_maps import bent, fresnel, mirrored
 from shaderlab.reference.transforms import (
-    clip_position,
-    look_at,
     normal_matrix,
-    perspective,
     rotate,
     scale,
     translate,
     world_normal,
-    world_position,
 )
 from shaderlab.sampling import textureLod
 
+from ..scenes.cameras import camera
+from ..scenes.draws import tested, twins
+from ..scenes.figures import each_draw, figure
+from ..scenes.lit import vertex_stage_checks
+from ..scenes.panels import panel, picture, softened_check, softened_pass
 from ..scenes.pottery import vase
 from ..scenes.sky import sky_face
 
 EYE, AIM = (0.0, 0.35, 6.4), (0.0, 0.0, 0.0)
-VIEW = look_at(EYE, AIM)
-FOVY, ASPECT = radians(30.0), 2.0
-PROJECTION = perspective(FOVY, ASPECT, 0.1, 100.0)
+FOVY, ASPECT = 30.0, 2.0
+CAMERA = camera(EYE, AIM, FOVY, ASPECT, far=100.0)
 GLASS, METAL = 0.04, 0.85
 SMOOTH = ("linear", "linear")
 
@@ -73,32 +57,23 @@ THINGS = [
 
 def thing(geometry, model, base, sky):
     """One thing under this sky."""
-    return Draw(
-        vertex="ch07_maps/placed.vert",
-        fragment="ch07_maps/environment_map.frag",
-        mesh=Mesh(**geometry).only("aPos", "aNormal"),
-        uniforms={
-            "model": model, "normalMatrix": normal_matrix(model), "view": VIEW,
-            "projection": PROJECTION, "cameraPos": EYE, "ratio": 1.0 / 1.52, "base": base,
-        },
+    placed = {"model": model, "normalMatrix": normal_matrix(model), **CAMERA}
+    return tested(
+        ("ch07_maps/placed.vert", "ch07_maps/environment_map.frag"),
+        geometry,
+        {**placed, "cameraPos": EYE, "ratio": 1.0 / 1.52, "base": base},
+        only=("aPos", "aNormal"),
         textures={"sky": sky},
-        state=State(depth=Depth()),
-    )  # fmt: skip
+    )
 
 
 def behind():
     """The sky itself, seen along each pixel's ray."""
-    turn = VIEW[:3, :3].T
-    right, above = tan(FOVY / 2.0) * ASPECT * turn[:, 0], tan(FOVY / 2.0) * turn[:, 1]
-    return Draw(
-        fragment="ch13_skybox/skybox.frag",
-        domain={
-            "TexCoords": Ramp(
-                tuple(-turn[:, 2] - right - above), tuple(2.0 * right), tuple(2.0 * above)
-            )
-        },
-        textures={"skybox": MORNING},
-    )
+    turn = CAMERA["view"][:3, :3].T
+    half = tan(radians(FOVY) / 2.0)
+    right, above = half * ASPECT * turn[:, 0], half * turn[:, 1]
+    rays = Ramp(tuple(-turn[:, 2] - right - above), tuple(2.0 * right), tuple(2.0 * above))
+    return panel("ch13_skybox/skybox.frag", {"TexCoords": rays}, textures={"skybox": MORNING})
 
 
 def seen(FragPos, Normal, cameraPos, ratio, base, sky):
@@ -111,16 +86,10 @@ def seen(FragPos, Normal, cameraPos, ratio, base, sky):
 STRAIGHT = {"FragPos": (0.0, 0.0, 0.0), "Normal": (0.0, 2.0, 0.0)}
 
 
-def ray(output, reference, camera, equals, name, **changes):
+def ray(output, reference, eye, equals, name, **changes):
     """One ray that meets a level surface in the origin."""
-    return value(
-        f"judged.{output}",
-        at={**STRAIGHT, "cameraPos": camera, **changes},
-        equals=equals,
-        digits=6,
-        reference=reference,
-        name=name,
-    )
+    at = {**STRAIGHT, "cameraPos": eye, **changes}
+    return figure(f"judged.{output}", name, at, equals, reference=reference)
 
 
 NAMES = ("the ring", "the ball", "the vase")
@@ -132,56 +101,37 @@ case = Case(
     r"\mathbf t = \eta\,\mathbf i - \left(\eta\,\mathbf n \cdot \mathbf i + \sqrt{1 - \eta^2"
     r"\left(1 - (\mathbf n \cdot \mathbf i)^2\right)}\right)\mathbf n",
     passes=(
-        Pass(
-            name="scene",
-            target=Target(size=(1536, 768), depth="depth24", colors={"FragColor": "rgba8"}),
-            draws=(behind(), *(thing(*one, MORNING) for one in THINGS)),
+        picture(
+            (behind(), *(thing(*one, MORNING) for one in THINGS)),
+            (1536, 768),
+            "scene",
+            colors={"FragColor": "rgba32f"},
+            depth="depth24",
         ),
-        *fullscreen(
-            "ch03_transforms/soften.frag",
-            name="picture",
-            textures={"scene": Output("scene.FragColor")},
-            target=Target(size=(768, 384)),
-        ),
-        Pass(
-            name="judged",
-            target=Target(size=(112, 56), depth="depth24"),
-            draws=tuple(thing(*one, NOISE) for one in THINGS),
-        ),
-        Pass(
-            name="reversed",
-            target=Target(size=(112, 56), depth="depth24"),
-            draws=tuple(thing(*one, NOISE) for one in reversed(THINGS)),
+        *softened_pass("scene", (768, 384), domain={}),
+        *twins(
+            picture((thing(*one, NOISE) for one in THINGS), (112, 56), "judged", depth="depth24")
         ),
     ),
     picture="picture.FragColor",
     expect=[
+        softened_check(),
+        any_order("judged.FragColor"),
+        any_order("judged.depth"),
         *(
-            formula("judged.mirrored", mirrored, draw=k, name=f"mirrored in {name}")
-            for k, name in enumerate(NAMES)
+            check
+            for output, reference, what in (
+                ("mirrored", mirrored, "mirrored in"),
+                ("bent", bent, "bent by"),
+                ("share", fresnel, "the share mirrored by"),
+                ("FragColor", seen, "the colour of"),
+                ("Normal", world_normal, "normals of"),
+            )
+            for check in each_draw(
+                f"judged.{output}", reference, {k: f"{what} {n}" for k, n in enumerate(NAMES)}
+            )
         ),
-        *(
-            formula("judged.bent", bent, draw=k, name=f"bent by {name}")
-            for k, name in enumerate(NAMES)
-        ),
-        *(
-            formula("judged.share", fresnel, draw=k, name=f"the share that {name} mirrors")
-            for k, name in enumerate(NAMES)
-        ),
-        *(
-            formula("judged.FragColor", seen, draw=k, name=f"the colour of {name}")
-            for k, name in enumerate(NAMES)
-        ),
-        formula("judged.gl_Position", clip_position),
-        formula("judged.FragPos", world_position),
-        *(
-            formula("judged.Normal", world_normal, draw=k, name=f"normals of {name}")
-            for k, name in enumerate(NAMES)
-        ),
-        exact("judged.FragColor", Output("reversed.FragColor"), name="the order of drawing"),
-        exact("reversed.FragColor", Output("judged.FragColor"), name="the other order"),
-        exact("judged.depth", Output("reversed.depth"), name="depths in either order"),
-        exact("reversed.depth", Output("judged.depth"), name="depths in the other order"),
+        *vertex_stage_checks("gl_Position", "FragPos", pass_name="judged"),
         ray("mirrored", mirrored, (3.0, 4.0, 0.0), (-0.6, 0.8, 0.0), "mirrored from (3, 4, 0)"),
         ray("bent", bent, (3.0, 4.0, 0.0), (-0.394737, -0.918794, 0.0), "into glass"),
         ray("bent", bent, (0.0, 2.0, 0.0), (0.0, -1.0, 0.0), "straight in, nothing is bent"),

@@ -12,13 +12,13 @@ and their product on the right: the colour of each lamp, and the dark between th
 
 import numpy as np
 
-from shaderlab import Case, Texture, assets, formula
+from shaderlab import Case, Texture, assets
 from shaderlab.glslmath import mix, swizzle, vec4
 from shaderlab.reference.light_maps import baked
 from shaderlab.sampling import texture
 
 from ..scenes.figures import each_draw, figures, results
-from ..scenes.panels import rectangle, square, table
+from ..scenes.panels import cell, enlarged, enlarged_check, panel, picture, rectangle, square
 
 # On a wall of 1 × 1: where each lamp is, how far in front of it, and its colour.
 LAMPS = [
@@ -45,7 +45,7 @@ PAIR = np.array([[(0.8, 0.6, 0.4, 1.0)]]), np.array([[(0.5, 0.5, 1.0, 1.0)]])
 WAYS = [(1.0, 0.0), (0.0, 1.0), (1.0, 1.0)]
 
 
-def walls(name, size, diffuse, baked_light, ways=WAYS):
+def walls(diffuse, baked_light, ways=WAYS):
     """A wall with a texture that repeats twice and a light map that does not, in each way."""
     smooth = {"filter": ("linear", "linear")}
     textures = {
@@ -53,8 +53,9 @@ def walls(name, size, diffuse, baked_light, ways=WAYS):
         "lightMap": Texture(image=baked_light, wrap=("clamp_to_edge",) * 2, **smooth),
     }
     domain = {"TexCoords": rectangle((0.02, 0.01), (2.02, 2.04)), "LightCoords": square(0.0, 1.0)}
-    fields = [{"uniforms": {"shown": shown}, "textures": textures} for shown in ways]
-    return table("ch07_maps/light_map.frag", domain, fields, len(ways), size, name)
+    for k, shown in enumerate(ways):
+        place, fragment = cell(k, len(ways)), "ch07_maps/light_map.frag"
+        yield panel(fragment, domain, {"shown": shown}, textures=textures, cell=place)
 
 
 def lit(diffuseMap, lightMap, TexCoords, LightCoords, shown):
@@ -70,14 +71,19 @@ case = Case(
     math=r"\text{FragColor} = \text{diffuse}(s, t) \cdot \text{light}(u, v), \qquad "
     r"\text{light} = \sum_k c_k\,\frac{h_k}{\left(d^2 + h_k^2\right)^{3/2}}",
     passes=(
-        walls("picture", (1152, 384), lambda: assets.brick_wall(512), light),
-        walls("judged", (111, 41), TEXELS, LIGHT),
-        walls("pair", (8, 8), *PAIR, WAYS[2:]),
+        *enlarged(walls(lambda: assets.brick_wall(512), light), (129, 43), 9),
+        picture(walls(TEXELS, LIGHT), (111, 41), "judged"),
+        picture(walls(*PAIR, WAYS[2:]), (8, 8), "pair"),
     ),
     picture="picture.FragColor",
     expect=[
-        *each_draw("judged.FragColor", lit, {0: "the texture alone", 1: "the light alone"}),
-        formula("judged.FragColor", lit, draw=2, name="their product"),
+        enlarged_check(),
+        *each_draw("small.FragColor", lit, enumerate(("bricks", "light", "lit bricks"))),
+        *each_draw(
+            "judged.FragColor",
+            lit,
+            enumerate(("the texture alone", "the light alone", "their product")),
+        ),
         *figures(
             "pair.FragColor",
             {

@@ -11,9 +11,11 @@ returns every half a wall, but the hole in the plaster does not: the mask is str
 
 import numpy as np
 
-from shaderlab import Case, Ramp, Target, Texture, assets, formula, fullscreen, value
+from shaderlab import Case, Texture, assets, formula, value
 from shaderlab.glslmath import mix, swizzle
 from shaderlab.sampling import texture
+
+from ..scenes.panels import enlarged, enlarged_check, panel, picture, rectangle
 
 SMOOTH = ("linear", "linear")
 RANDOM = np.random.default_rng(71)
@@ -28,18 +30,15 @@ def holes():
     return np.concatenate([alpha, 0.0 * alpha, 0.0 * alpha, 1.0 + 0.0 * alpha], axis=-1)
 
 
-def wall(name, size, repeat, bricks, plaster, mask):
+def wall(bricks, plaster, mask, filter=("nearest", "nearest")):
     """One wall with its three textures; the surfaces are repeated, the mask is not."""
-    return fullscreen(
-        "ch07_maps/multitexture.frag",
-        name=name,
-        domain={
-            "TexCoords": Ramp((0.01, 0.02), (repeat * 1.03, 0.0), (0.0, repeat * 0.53)),
-            "MaskCoords": Ramp((0.0, 0.0), (1.0, 0.0), (0.0, 0.5)),
-        },
-        textures={"bricks": bricks, "plaster": plaster, "mask": mask},
-        target=Target(size=size),
-    )
+    images = {"bricks": bricks, "plaster": plaster, "mask": mask}
+    domain = {
+        "TexCoords": rectangle((0.01, 0.02), (2.06, 1.06)),
+        "MaskCoords": rectangle((0.0, 0.0), (1.0, 0.5)),
+    }
+    textures = {name: Texture(image=image, filter=filter) for name, image in images.items()}
+    return [panel("ch07_maps/multitexture.frag", domain, textures=textures)]
 
 
 def masked(bricks, plaster, mask, TexCoords, MaskCoords):
@@ -65,33 +64,18 @@ case = Case(
     section="7.1",
     math=r"\text{FragColor} = a(s, t)\,(1 - m(u, v)) + b(s, t)\,m(u, v)",
     passes=(
-        *wall(
-            "picture",
-            (1024, 512),
-            2.0,
-            Texture(image=lambda: assets.brick_wall(512), filter=SMOOTH),
-            Texture(image=lambda: assets.plaster(512), filter=SMOOTH),
-            Texture(image=holes, filter=SMOOTH),
+        *enlarged(
+            wall(lambda: assets.brick_wall(512), lambda: assets.plaster(512), holes, SMOOTH),
+            (114, 57),
+            9,
         ),
-        *wall(
-            "judged",
-            (67, 61),
-            2.0,
-            Texture(image=FIRST),
-            Texture(image=SECOND),
-            Texture(image=PARTS),
-        ),
-        *wall(
-            "smooth",
-            (67, 61),
-            2.0,
-            Texture(image=FIRST, filter=SMOOTH),
-            Texture(image=SECOND, filter=SMOOTH),
-            Texture(image=PARTS, filter=SMOOTH),
-        ),
+        picture(wall(FIRST, SECOND, PARTS), (67, 61), "judged"),
+        picture(wall(FIRST, SECOND, PARTS, SMOOTH), (67, 61), "smooth"),
     ),
     picture="picture.FragColor",
     expect=[
+        enlarged_check(),
+        formula("small.FragColor", masked, name="the wall"),
         formula("judged.FragColor", masked, name="texel by texel"),
         formula("smooth.FragColor", masked, name="with linear filters"),
         part(0, 0.0),

@@ -1,11 +1,12 @@
-"""Draws of meshes with a depth test, the pair of shaders by one name where they share it."""
+"""Draws of meshes with a depth test, and passes of them in either order."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
-from shaderlab import Cell, Depth, Draw, Mesh, State
+from shaderlab import Cell, Depth, Draw, Mesh, Pass, State, both_ways
 
 
 def tested(
@@ -41,3 +42,17 @@ def tested(
         textures=textures or {},
         state=State(**{"depth": Depth(), "cell": cell, **state}),
     )
+
+
+def twins(description: Pass, output: str = "FragColor") -> tuple[Pass, Pass]:
+    """`both_ways`, the backwards one with this output alone: depth decides on all of them together.
+
+    >>> ball = tested("ball", Mesh(attributes={"aPos": [[0, 0, 0]] * 3}), {})
+    >>> backwards, same = twins(Pass(name="scene", draws=[ball]))
+    >>> backwards.name, dict(backwards.target.colors), same.target.colors
+    ('scene-backwards', {'FragColor': 'rgba32f'}, None)
+    """
+    backwards, same = both_ways(description)
+    format = (same.target.colors or {}).get(output, "rgba32f")
+    target = replace(same.target, colors={output: format})
+    return replace(backwards, target=target), same

@@ -9,8 +9,10 @@ void main()
 {
     vec2 place = TexCoords * 8.0;
     vec3 color = mix(vec3(0.16, 0.22, 0.30), vec3(0.86, 0.80, 0.68), chessboard(place));
-    vec2 wave = sin(3.14159265 * place);   // 0 on the grid's lines
-    float grid = max(line(wave.x, 1.5), line(wave.y, 1.5));
+    // Lines between the fields, with edges that are about a pixel soft at any distance.
+    vec2 off = abs(fract(place + 0.5) - 0.5);
+    float soft = 0.008 / gl_FragCoord.w;
+    float grid = 1.0 - smoothstep(0.0, soft, min(off.x, off.y));
     color = mix(color, vec3(0.95, 0.55, 0.20), grid);
 
     // The farther away, the more of the air between.

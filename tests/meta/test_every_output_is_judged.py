@@ -23,10 +23,6 @@ from tests.catalogue import shipped
 OUTPUT = re.compile(r"^(?:layout *\([^)]*\) *)?(?:flat +)?out +\w+ +(\w+) *;", re.MULTILINE)
 # Cases of each chapter that still draw what no expectation reads.
 NOT_YET = {
-
-
-    "mvp", "quaternion",
-    "viewport",
     "attenuation", "blinn-phong", "cascaded-shadows", "colour-product", "deferred-shading",
     "diffuse", "directional-light", "gamma", "lighting-maps", "multiple-lights", "normal-map",
     "pbr", "pbr-furnace", "phong-vs-blinn", "point-light", "point-shadow", "shadow-acne",
@@ -34,7 +30,6 @@ NOT_YET = {
     "alpha-discard", "blend-equation", "blend-factors", "depth-functions", "depth-mask",
     "depth-precision", "stencil-functions", "stencil-operations", "stencil-outline",
     "transparency-order", "z-fighting",
-    "cubemap", "environment-map", "light-map", "multitexture",
     "face-culling", "geometry-houses", "geometry-normals", "post-grayscale", "post-inversion",
     "msaa", "msaa-offscreen", "multisample-coverage",
     "buffer-usage",
