@@ -19,19 +19,18 @@ from shaderlab import (
     Output,
     Pass,
     Pixel,
-    Ramp,
     State,
     Target,
     across,
     coverage,
     exact,
     formula,
-    fullscreen,
     value,
 )
 from shaderlab.glslmath import abs, clamp, mix, swizzle, vec3, vec4
 
-SQUARE = Ramp((-1.0, -1.0), (2.0, 0.0), (0.0, 2.0))
+from ..scenes.panels import enlarged_check, panel, picture, square
+
 THRESHOLD = 0.1
 CLEAR = (0.82, 0.87, 0.92, 1.0)
 LEAVES = 64  # side of the judged leaf in pixels
@@ -72,16 +71,24 @@ def leaf(threshold, depth, box):
     state = State(depth=Depth(), viewport=box, depth_range=(depth, depth))
     return Draw(
         fragment="ch06_tests/leaf.frag",
-        domain={"place": SQUARE},
+        domain={"place": square()},
         uniforms={"threshold": threshold},
         state=state,
     )
 
 
-def bunch(left, threshold):
-    """Five leaves, the nearest first."""
-    boxes = [(left + 30 + 74 * k, 8 + 42 * (k * 2 % 3), 190, 300) for k in range(5)]
-    return [leaf(threshold, 0.1 + 0.1 * k, box) for k, box in enumerate(boxes)]
+def bunch(left, threshold, by):
+    """Five leaves, the nearest first; `by` times as large as in the judged picture."""
+    boxes = [(left + 6 + 15 * k, 2 + 8 * (k * 2 % 3), 38, 60) for k in range(5)]
+    return [
+        leaf(threshold, 0.1 + 0.1 * k, tuple(by * n for n in box)) for k, box in enumerate(boxes)
+    ]
+
+
+def bunches(name, by):
+    """Leaves whose corners hide others on the left, and cut out on the right."""
+    draws = (*bunch(0, 0.0, by), *bunch(108, THRESHOLD, by))
+    return picture(draws, (216 * by, 80 * by), name, depth="depth24", clear=CLEAR)
 
 
 def kept(size):
@@ -91,32 +98,18 @@ def kept(size):
     return int(np.count_nonzero(leaf_alpha(place) >= THRESHOLD))
 
 
-(alone,) = fullscreen(
-    "ch06_tests/leaf.frag",
-    name="leaf",
-    domain={"place": SQUARE},
-    uniforms={"threshold": THRESHOLD},
-    target=Target(size=(LEAVES, LEAVES)),
-)
-(whole,) = fullscreen(
-    "ch06_tests/leaf.frag",
-    name="whole",
-    domain={"place": SQUARE},
-    uniforms={"threshold": 0.0},
-    target=Target(size=(LEAVES, LEAVES)),
-)
-(ramp,) = fullscreen(
-    "ch06_tests/alpha_discard.frag",
-    name="ramp",
-    domain={"alpha": across(0.0, 1.0)},
-    target=Target(size=(200, 8)),
-)
-(edge,) = fullscreen(
-    "ch06_tests/alpha_discard.frag",
-    name="edge",
-    domain={"alpha": across(0.0999, 0.1001)},
-    target=Target(size=(200, 8)),
-)
+def alone(name, threshold):
+    """One leaf over all of a small target."""
+    size = (LEAVES, LEAVES)
+    return Pass(name=name, target=Target(size=size), draws=(leaf(threshold, 0.5, (0, 0, *size)),))
+
+
+def ramp(name, low, high):
+    """Every alpha between two, from left to right."""
+    draw = panel("ch06_tests/alpha_discard.frag", {"alpha": across(low, high)})
+    return picture([draw], (200, 8), name)
+
+
 # Two leaves on the same pixels, the nearer one first: the second shows where the first was cut.
 behind = Pass(
     name="behind",
@@ -129,18 +122,18 @@ case = Case(
     section="6.3.1",
     math=r"\alpha < 0.1 \implies \text{neither colour nor depth is written}",
     passes=(
-        ramp,
-        edge,
-        alone,
-        whole,
+        bunches("picture", 5),
+        bunches("small", 1),
+        ramp("ramp", 0.0, 1.0),
+        ramp("edge", 0.0999, 0.1001),
+        alone("leaf", THRESHOLD),
+        alone("whole", 0.0),
         behind,
-        Pass(
-            name="picture",
-            target=Target(size=(1080, 400), depth="depth24", clear=CLEAR),
-            draws=(*bunch(0, 0.0), *bunch(540, THRESHOLD)),
-        ),
     ),
+    picture="picture.FragColor",
     expect=[
+        enlarged_check(),
+        formula("small.FragColor", leaf_color, discards=cut, name="the last leaf on the right"),
         coverage(180 * 8, pass_name="ramp", name="180 of 200 columns are kept"),
         coverage(100 * 8, pass_name="edge", name="from 0.0999 to 0.1001, the upper half is kept"),
         value(

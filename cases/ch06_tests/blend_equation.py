@@ -9,42 +9,25 @@ overlap is the figure above; elsewhere the paper shows through, and its alpha si
 it was opaque before. Drawn over red with every α from 0 to 1, each pixel obeys the same equation.
 """
 
-from shaderlab import (
-    Blend,
-    Case,
-    Draw,
-    Pass,
-    Pixel,
-    Ramp,
-    State,
-    Target,
-    across,
-    exact,
-    formula,
-    value,
-)
-from shaderlab.glslmath import vec4
+from shaderlab import Blend, Case, Pass, Pixel, Ramp, Target, across, exact, formula
+from shaderlab.glslmath import distance, mix, smoothstep, vec2, vec3, vec4
 from shaderlab.reference.blending import over
+
+from ..scenes.drawing import chessboard
+from ..scenes.figures import figure
+from ..scenes.panels import panel, square
 
 RED, GREEN = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
 OVER = Blend(source="src_alpha", destination="one_minus_src_alpha")
-SQUARE = Ramp((-1.0, -1.0), (2.0, 0.0), (0.0, 2.0))
+SQUARE = {"place": square()}
+# Centre, colour and alpha.
+DISCS = (((-0.25, 0.15), RED, 1.0), ((0.25, -0.15), GREEN, 0.6))
 
 
-def layer(color, alpha, **state):
-    """One draw over the whole target in one colour."""
-    return Draw(
-        fragment="ch06_tests/blend_equation.frag",
-        domain={"alpha": alpha},
-        uniforms={"color": color},
-        state=State(**state),
-    )
-
-
-def green_over_red(name, alpha, target=None):
-    """An opaque red layer and a green one blended onto it."""
-    layers = (layer(RED, Ramp(1.0)), layer(GREEN, alpha, blend=OVER))
-    return Pass(name=name, target=target or Target(), draws=layers)
+def green_over_red(name, alpha, **target):
+    """A green layer, blended onto opaque red."""
+    layer = panel("ch06_tests/blend_equation.frag", {"alpha": alpha}, {"color": GREEN}, blend=OVER)
+    return Pass(name=name, target=Target(clear=(*RED, 1.0), **target), draws=(layer,))
 
 
 def blended(color, alpha):
@@ -54,24 +37,30 @@ def blended(color, alpha):
 
 def disc(centre, color, alpha):
     """A disc of one colour, blended."""
-    return Draw(
-        fragment="ch06_tests/blend_disc.frag",
-        domain={"place": SQUARE},
-        uniforms={"centre": centre, "color": color, "alpha": alpha},
-        state=State(blend=OVER),
-    )
+    uniforms = {"centre": centre, "color": color, "alpha": alpha}
+    return panel("ch06_tests/blend_disc.frag", SQUARE, uniforms, blend=OVER)
 
 
-picture = Pass(
-    name="picture",
-    draws=(
-        Draw(fragment="ch06_tests/blend_backdrop.frag", domain={"place": SQUARE}),
-        disc((-0.25, 0.15), RED, 1.0),
-        disc((0.25, -0.15), GREEN, 0.6),
-    ),
+def laid_over(n):
+    """The paper with the first discs over it, each softly cut."""
+
+    def seen(place):
+        color = vec4(mix(vec3(0.75), vec3(0.95), chessboard(6.0 * place)), 1.0)
+        for centre, hue, alpha in DISCS[:n]:
+            away = distance(place, vec2(*centre)) - 0.55
+            color = over(vec4(vec3(*hue), alpha * (1.0 - smoothstep(0.0, 0.008, away))), color)
+        return color
+
+    return seen
+
+
+# Each layer is a pass of its own, so that each is seen before the next one covers it.
+LAYERS = (
+    Pass(name="paper", draws=(panel("ch06_tests/blend_backdrop.frag", SQUARE),)),
+    Pass(name="red", draws=(disc(*DISCS[0]),), onto="paper"),
+    Pass(name="picture", draws=(disc(*DISCS[1]),), onto="red"),
 )
-
-FIGURE = {"equals": (0.4, 0.6, 0.0, 0.76), "digits": 6, "reference": blended}
+FIGURE = (0.4, 0.6, 0.0, 0.76)
 
 case = Case(
     title="The blend equation",
@@ -79,17 +68,30 @@ case = Case(
     math=r"C = C_s\,\alpha_s + C_d\,(1 - \alpha_s), \qquad "
     r"A = \alpha_s^2 + A_d\,(1 - \alpha_s)",
     passes=(
-        picture,
+        *LAYERS,
         green_over_red("ramp", across(0.0, 1.0)),
-        green_over_red("float", Ramp(0.6), Target(size=(16, 16))),
-        green_over_red("bytes", Ramp(0.6), Target(size=(16, 16), colors={"FragColor": "rgba8"})),
+        green_over_red("float", Ramp(0.6), size=(16, 16)),
+        green_over_red("bytes", Ramp(0.6), size=(16, 16), colors={"FragColor": "rgba8"}),
     ),
     picture="picture.FragColor",
     expect=[
+        *(
+            formula(f"{layer.name}.FragColor", laid_over(n), name=name)
+            for n, (layer, name) in enumerate(
+                zip(LAYERS, ("paper", "red over paper", "green over both"), strict=True)
+            )
+        ),
         formula("ramp.FragColor", blended, name="every alpha"),
-        value("picture.FragColor", at=Pixel(32, 32), **FIGURE, name="where the discs overlap"),
-        value("float.FragColor", at=Pixel(8, 8), **FIGURE, name="green 0.6 over red"),
-        value("bytes.FragColor", at=Pixel(8, 8), **FIGURE, name="the same in eight bits"),
+        formula("float.FragColor", blended, name="green 0.6 over red, every pixel"),
+        figure(
+            "picture.FragColor",
+            "where the discs overlap",
+            Pixel(32, 32),
+            FIGURE,
+            reference=laid_over(2),
+        ),
+        figure("float.FragColor", "green 0.6 over red", Pixel(8, 8), FIGURE, reference=blended),
+        figure("bytes.FragColor", "the same in eight bits", Pixel(8, 8), FIGURE, reference=blended),
         exact("bytes.FragColor", (102, 153, 0, 194), name="the bytes themselves"),
     ],
 )

@@ -16,10 +16,11 @@ no code is more than one from the formula's: half a code for each of the two pro
 
 import numpy as np
 
-from shaderlab import Blend, Case, Output, Ramp, Variant, exact, measure
+from shaderlab import Blend, Case, Ramp, Variant, exact, measure
 from shaderlab.reference.blending import EQUATIONS, FACTORS, blended
 
-from ..scenes.panels import cell, panel, picture, square
+from ..scenes.panels import cell, panel, picture
+from ..scenes.tables import shown, shown_checks
 
 # Sums of a few powers of two: products and sums of them are exact in 32-bit floats.
 FLOATS = ((0.75, 0.3125, 0.9375, 0.625), (0.25, 0.5, 0.125, 0.8125), (0.5625, 0.875, 0.1875, 0.375))
@@ -50,15 +51,10 @@ def table(equation, name, format, colors):
 
 def passes(equation):
     """The table in floats and in bytes, and its picture."""
-    shown = panel(
-        "ch06_tests/fields.frag",
-        {"place": square(0.0, N)},
-        textures={"values": Output("float.FragColor")},
-    )
     return (
         table(equation, "float", "rgba32f", FLOATS),
         table(equation, "bytes", "rgba8", BYTES),
-        picture([shown], (720, 720)),
+        *shown("fields", "float.FragColor", (N, N), (9, 9), 5),
     )
 
 
@@ -99,5 +95,5 @@ case = Case(
     passes=passes("add"),
     variants=[variant(equation) for equation in EQUATIONS],
     picture="picture.FragColor",
-    expect=[],
+    expect=shown_checks("fields"),
 )

@@ -12,45 +12,39 @@ which the depth test lets through or not.
 
 import numpy as np
 
-from shaderlab import Case, Cell, Depth, Draw, Mesh, Pass, State, Target, assets, exact
+from shaderlab import Case, Depth, exact
 from shaderlab.reference.depth_stencil import FUNCTIONS, depth_passes
 
-NEARER, EQUAL, FARTHER = -0.5, 0.0, 0.5  # z in device coordinates: 0 is a depth of ½
-DEPTHS = (NEARER, EQUAL, FARTHER)
-COLUMNS, ROWS = len(FUNCTIONS), len(DEPTHS)
+from ..scenes.panels import cell, panel, picture
+from ..scenes.tables import shown, shown_checks
 
-SQUARE = Mesh(**assets.quad()).only("aPos")
-
-
-def field(depth, verdict, state, fields=(1, 1)):
-    """A draw that writes `verdict` wherever the state lets it through."""
-    return Draw(
-        vertex="ch06_tests/truth_table.vert",
-        fragment="ch06_tests/truth_table.frag",
-        mesh=SQUARE,
-        uniforms={"depth": depth, "fields": fields, "verdict": verdict, "block": 72.0},
-        state=state,
-    )
+STORED = 0.5
+DEPTHS = (0.25, 0.5, 0.75)  # nearer, equal, farther
+FIELDS = [(func, depth) for depth in DEPTHS for func in FUNCTIONS]
+SIZE = (len(FUNCTIONS), len(DEPTHS))
 
 
-stored = field(EQUAL, 0.0, State(depth=Depth(func="always")), fields=(COLUMNS, ROWS))
-tests = [
-    field(
-        depth,
-        1.0,
-        State(
-            depth=Depth(func=func), cell=Cell(column=column, row=row, columns=COLUMNS, rows=ROWS)
-        ),
-    )
-    for column, func in enumerate(FUNCTIONS)
-    for row, depth in enumerate(DEPTHS)
-]
-truth = np.array([[[depth_passes(f, z, EQUAL)] for f in FUNCTIONS] for z in DEPTHS], np.float32)
+def field(verdict, depth, func, **state):
+    """A draw at one depth that writes `verdict` wherever the test lets it through."""
+    state = {"depth": Depth(func=func), "depth_range": (depth, depth), **state}
+    return panel("ch06_tests/count.frag", {}, {"worth": verdict}, **state)
+
+
+stored = field(0.0, STORED, "always")
+tests = [field(1.0, depth, func, cell=cell(k, *SIZE)) for k, (func, depth) in enumerate(FIELDS)]
+truth = np.array([[[depth_passes(f, z, STORED)] for f in FUNCTIONS] for z in DEPTHS], np.float32)
 
 case = Case(
     title="The depth functions",
     section="6.2.1",
     math=r"\text{pass} \iff z_{\text{incoming}}\ \mathit{func}\ z_{\text{stored}}",
-    passes=(Pass(target=Target(size=(576, 216), depth="depth24"), draws=(stored, *tests)),),
-    expect=[exact("passed", truth, name="8 functions × nearer, equal, farther")],
+    passes=(
+        picture((stored, *tests), SIZE, "table", colors={"total": "r32f"}, depth="depth32f"),
+        *shown("verdicts", "table.total", SIZE, (24, 24), 3, group=1.0),
+    ),
+    picture="picture.FragColor",
+    expect=[
+        exact("table.total", truth, name="8 functions × nearer, equal, farther"),
+        *shown_checks("verdicts"),
+    ],
 )

@@ -13,8 +13,11 @@ same three with the mask open. The lower half never changes.
 
 import numpy as np
 
-from shaderlab import Blend, Case, Cell, Depth, Draw, Output, Pass, Ramp, State, Target, exact
+from shaderlab import Blend, Case, Depth, Pass, Target, exact
 from shaderlab.reference.depth_stencil import FUNCTIONS, depth_after, depth_passes
+
+from ..scenes.panels import cell, panel
+from ..scenes.tables import shown, shown_checks
 
 STORED = 0.5
 DEPTHS = (0.25, 0.5, 0.75)  # exact in a depth buffer of 32-bit floats
@@ -24,9 +27,9 @@ COLUMNS, ROWS = len(FUNCS), len(FIELDS)
 ADDED = Blend(source="one", destination="one")
 
 
-def draw(state, worth):
+def draw(worth, **state):
     """A draw over the state's cell, or over the whole table."""
-    return Draw(fragment="ch06_tests/count.frag", domain={}, uniforms={"worth": worth}, state=state)
+    return panel("ch06_tests/count.frag", {}, {"worth": worth}, **state)
 
 
 def tried(column, row):
@@ -34,21 +37,21 @@ def tried(column, row):
     write, depth = FIELDS[row]
     func = FUNCS[column]
     test = None if func is None else Depth(func=func, write=write)
-    cell = Cell(column=column, row=row, columns=COLUMNS, rows=ROWS)
-    return draw(State(depth=test, cell=cell, depth_range=(depth, depth)), 1.0)
+    place = cell(row * COLUMNS + column, COLUMNS, ROWS)
+    return draw(1.0, depth=test, cell=place, depth_range=(depth, depth))
 
 
 def found(depth):
     """Adds up a depth, in hundredths, wherever it is the stored one."""
     test = Depth(func="equal", write=False)
-    return draw(State(depth=test, depth_range=(depth, depth), blend=ADDED), 100.0 * depth)
+    return draw(100.0 * depth, depth=test, depth_range=(depth, depth), blend=ADDED)
 
 
 fields = [tried(column, row) for row in range(ROWS) for column in range(COLUMNS)]
 target = Target(
     size=(COLUMNS, ROWS), colors={"total": "r32f"}, depth="depth32f", clear_depth=STORED
 )
-nothing = State(blend=Blend(source="zero", destination="zero"))
+wiped = draw(0.0, blend=Blend(source="zero", destination="zero"))
 
 case = Case(
     title="The depth mask",
@@ -61,23 +64,13 @@ case = Case(
         Pass(
             name="kept",
             target=target,
-            draws=(*fields, draw(nothing, 0.0), *(found(depth) for depth in DEPTHS)),
+            draws=(*fields, wiped, *(found(depth) for depth in DEPTHS)),
         ),
-        Pass(
-            name="picture",
-            target=Target(size=(864, 384)),
-            draws=(
-                Draw(
-                    fragment="ch06_tests/numbers.frag",
-                    domain={"place": Ramp((0.0, 0.0), (COLUMNS, 0.0), (0.0, ROWS))},
-                    uniforms={"group": 3.0, "whole": 100.0},
-                    textures={"values": Output("kept.total")},
-                ),
-            ),
-        ),
+        *shown("numbers", "kept.total", (COLUMNS, ROWS), (18, 12), 5, group=3.0, whole=100.0),
     ),
     picture="picture.FragColor",
     expect=[
+        *shown_checks("numbers"),
         exact(
             "drawn.total",
             np.array(

@@ -15,13 +15,10 @@ import numpy as np
 
 from shaderlab import (
     Case,
-    Cell,
     Depth,
-    Draw,
     Erratum,
     Mesh,
     Pass,
-    State,
     Target,
     across,
     assets,
@@ -36,6 +33,9 @@ from shaderlab.glslmath import abs, floor, min, mix, mod, pow, vec3, vec4, where
 from shaderlab.reference.depth import depth_step, window_depth
 from shaderlab.reference.transforms import perspective
 
+from ..scenes.draws import tested
+from ..scenes.panels import cell, enlarged, enlarged_check, panel
+
 FAR = 100.0
 NEARS = {"n = 0.1": 0.1, "n = 1": 1.0}
 PLACES = (2.0, 5.0, 10.0, 20.0, 50.0, 90.0)
@@ -48,31 +48,22 @@ LINES = {"the line at z = 1": 0.0, "the line at z = 10": 1.0, "just inside a lin
 
 def chart(row, near):
     """F over the distance in one half of the picture."""
-    return Draw(
-        fragment="ch06_tests/depth_ruler.frag",
-        domain={"decade": across(-1.0, 2.0), "height": up(0.0, 1.0)},
-        uniforms={"near": near, "far": FAR},
-        state=State(cell=Cell(column=0, row=row, columns=1, rows=2)),
-    )
+    domain = {"decade": across(-1.0, 2.0), "height": up(0.0, 1.0)}
+    uniforms = {"near": near, "far": FAR}
+    return panel("ch06_tests/depth_ruler.frag", domain, uniforms, cell=cell(row, 1, 2))
 
 
 def strip(row, near):
     """A strip of the depth buffer around one distance."""
-    return Draw(
-        vertex="ch06_tests/depth_strip.vert",
-        fragment="ch06_tests/depth_strip.frag",
-        mesh=SQUARE,
-        uniforms={
-            "projection": perspective(1.0, 1.0, near, FAR),
-            "middle": PLACES[row],
-            "slope": AROUND * PLACES[row],
-            "near": near,
-            "far": FAR,
-        },
-        state=State(
-            depth=Depth(func="always"), cell=Cell(column=0, row=row, columns=1, rows=len(PLACES))
-        ),
-    )
+    uniforms = {
+        "projection": perspective(1.0, 1.0, near, FAR),
+        "middle": PLACES[row],
+        "slope": AROUND * PLACES[row],
+        "near": near,
+        "far": FAR,
+    }
+    state = {"depth": Depth(func="always"), "cell": cell(row, 1, len(PLACES))}
+    return tested("ch06_tests/depth_strip", SQUARE, uniforms, **state)
 
 
 def strips(name, near):
@@ -148,19 +139,11 @@ case = Case(
     passes=(
         strips("tenth", 0.1),
         strips("one", 1.0),
-        Pass(
-            name="judged",
-            target=Target(size=(96, 96)),
-            draws=(chart(0, 0.1), chart(1, 1.0)),
-        ),
-        Pass(
-            name="picture",
-            target=Target(size=(960, 480)),
-            draws=(chart(0, 0.1), chart(1, 1.0)),
-        ),
+        *enlarged((chart(0, 0.1), chart(1, 1.0)), (108, 54), 9, judged="judged"),
     ),
     picture="picture.FragColor",
     expect=[
+        enlarged_check("judged"),
         formula("judged.depth", charted, draw=0, name="F with n = 0.1"),
         formula("judged.depth", charted, draw=1, name="F with n = 1"),
         formula("judged.FragColor", painted, draw=0, name="the lower chart"),

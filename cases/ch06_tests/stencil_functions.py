@@ -12,32 +12,27 @@ is a triangle and EQUAL the diagonal.
 
 import numpy as np
 
-from shaderlab import Case, Cell, Draw, Erratum, Mesh, Pass, State, Stencil, Target, assets, exact
+from shaderlab import Case, Cell, Erratum, Stencil, exact
 from shaderlab.reference.depth_stencil import FUNCTIONS, stencil_passes
+
+from ..scenes.panels import panel, picture
+from ..scenes.tables import shown, shown_checks
 
 VALUES = range(4)  # references, stored values and masks: all there are in two bits
 FUNCS = tuple(FUNCTIONS)
 COLUMNS, ROWS = len(FUNCS) * len(VALUES), len(VALUES) * len(VALUES)
+FORMATS = {"colors": {"total": "r32f"}, "depth": "depth24_stencil8"}
 
-SQUARE = Mesh(**assets.quad()).only("aPos")
 
-
-def strip(fields, verdict, stencil, cell):
+def strip(verdict, stencil, cell):
     """A draw over a strip of fields that writes `verdict` where the stencil test passes."""
-    return Draw(
-        vertex="ch06_tests/truth_table.vert",
-        fragment="ch06_tests/truth_table.frag",
-        mesh=SQUARE,
-        uniforms={"depth": 0.0, "fields": fields, "verdict": verdict, "block": 96.0},
-        state=State(stencil=stencil, cell=cell),
-    )
+    return panel("ch06_tests/count.frag", {}, {"worth": verdict}, stencil=stencil, cell=cell)
 
 
 # First every column gets its stored value, and a red field; then each function, mask and
 # reference draws one row of its block in green, over all four stored values at once.
 stored = [
     strip(
-        (1, ROWS),
         0.0,
         Stencil(reference=column % len(VALUES), depth_pass="replace"),
         Cell(column=column, row=0, columns=COLUMNS, rows=1),
@@ -46,7 +41,6 @@ stored = [
 ]
 tests = [
     strip(
-        (len(VALUES), 1),
         1.0,
         Stencil(func=func, reference=reference, mask=mask),
         Cell(column=block, row=mask * len(VALUES) + reference, columns=len(FUNCS), rows=ROWS),
@@ -75,9 +69,14 @@ case = Case(
     math=r"\text{pass} \iff (\mathit{ref} \mathbin{\&} \mathit{mask})\ \mathit{func}\ "
     r"(\mathit{stored} \mathbin{\&} \mathit{mask})",
     passes=(
-        Pass(target=Target(size=(768, 384), depth="depth24_stencil8"), draws=(*stored, *tests)),
+        picture((*stored, *tests), (COLUMNS, ROWS), "table", **FORMATS),
+        *shown("verdicts", "table.total", (COLUMNS, ROWS), (8, 8), 3, group=float(len(VALUES))),
     ),
-    expect=[exact("passed", truth, name="8 functions × 4 references × 4 stored × 4 masks")],
+    picture="picture.FragColor",
+    expect=[
+        exact("table.total", truth, name="8 functions × 4 references × 4 stored × 4 masks"),
+        *shown_checks("verdicts"),
+    ],
     errata=[
         Erratum(
             section="6.1.1",

@@ -14,10 +14,11 @@ the stencil test itself: eight draws, each let through by one bit and worth 1, 2
 
 import numpy as np
 
-from shaderlab import Blend, Case, Cell, Depth, Output, Stencil, Variant, exact
+from shaderlab import Blend, Case, Cell, Depth, Stencil, Variant, exact
 from shaderlab.reference.depth_stencil import OPERATIONS, stencil_after
 
-from ..scenes.panels import cell, panel, picture, rectangle
+from ..scenes.panels import cell, panel, picture
+from ..scenes.tables import shown, shown_checks
 
 NAMES = tuple(OPERATIONS)
 FARES = ("fail", "depth_fail", "depth_pass")
@@ -71,14 +72,12 @@ def table(write_mask):
         *(change(k, write_mask) for k in range(COLUMNS * ROWS)),
         *(read(bit) for bit in range(8)),
     )
-    numbers = panel(
-        "ch06_tests/numbers.frag",
-        {"place": rectangle((0.0, 0.0), SIZE)},
-        {"group": float(len(STORED)), "whole": 255.0},
-        textures={"values": Output("table.total")},
-    )
     formats = {"colors": {"total": "r32f"}, "depth": "depth24_stencil8"}
-    return (picture(draws, SIZE, "table", **formats), picture([numbers], (960, 384)))
+    group = {"group": float(len(STORED)), "whole": 255.0}
+    return (
+        picture(draws, SIZE, "table", **formats),
+        *shown("numbers", "table.total", SIZE, (12, 10), 5, **group),
+    )
 
 
 def holds(write_mask):
@@ -101,5 +100,6 @@ case = Case(
         Variant("every bit", expect=holds(0xFF)),
         Variant("write mask 0x3C", passes=table(0x3C), expect=holds(0x3C)),
     ],
-    expect=[],
+    picture="picture.FragColor",
+    expect=shown_checks("numbers"),
 )

@@ -57,7 +57,7 @@ OUTLINED = [single(k, MODELS[k] @ GROWN, AROUND) for k in range(2)]
 def silhouette(name, models):
     """A pass of nothing but the boxes' silhouettes, by no test at all."""
     draws = tuple(single(k, model, State()) for k, model in enumerate(models))
-    return Pass(name=name, target=Target(size=JUDGED), draws=draws)
+    return Pass(name=name, target=Target(size=JUDGED, colors={"outline": "r32f"}), draws=draws)
 
 
 def reached():

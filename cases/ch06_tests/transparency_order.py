@@ -16,24 +16,21 @@ import numpy as np
 from shaderlab import (
     Blend,
     Case,
-    Cell,
     Depth,
-    Draw,
     Output,
     Pass,
     Pixel,
-    Ramp,
-    State,
     Target,
     computed,
     formula,
     measure,
     value,
 )
-from shaderlab.glslmath import dot, vec4, where
+from shaderlab.glslmath import dot, max, min, swizzle, vec3, vec4, where
 from shaderlab.reference.blending import over
 
-SQUARE = Ramp((-1.0, -1.0), (2.0, 0.0), (0.0, 2.0))
+from ..scenes.panels import cell, enlarged_check, panel, picture, square
+
 OVER = Blend(source="src_alpha", destination="one_minus_src_alpha")
 WALL = (0.90, 0.88, 0.82, 1.0)
 DARK, DARK_DEPTH = (0.16, 0.18, 0.22, 1.0), 0.4
@@ -45,17 +42,15 @@ PANES = (
 )
 RADIUS = 0.55
 DARK_CENTRE, DARK_RADIUS = (0.62, 0.50), 0.3
-SIZES = {"judged": 64.0, "seen": 360.0}
+SIZES = {"judged": 72.0, "seen": 360.0}
+WAYS = ("sorted", "reversed", "written")
 
 
 def disc(centre, radius, color, depth, state):
     """A disc at one depth."""
-    return Draw(
-        fragment="ch06_tests/glass.frag",
-        domain={"place": SQUARE},
-        uniforms={"centre": centre, "radius": radius, "color": color},
-        state=State(depth_range=(depth, depth), **state),
-    )
+    uniforms = {"centre": centre, "radius": radius, "color": color}
+    state = {"depth_range": (depth, depth), **state}
+    return panel("ch06_tests/glass.frag", {"place": square()}, uniforms, **state)
 
 
 def opaque():
@@ -91,17 +86,19 @@ def scenes(kind, size):
     )
 
 
-def shown(kind, which, cell=None):
-    """All three side by side in outputs, and one of them for people."""
-    names = ("sorted", "reversed", "written")
-    samplers = ("far_to_near", "near_to_far", "depth_written")
-    return Draw(
-        fragment="ch06_tests/transparency_order.frag",
-        domain={"at": Ramp((0.0, 0.0), (SIZES[kind], 0.0), (0.0, SIZES[kind]))},
-        uniforms={"shown": float(which)},
-        textures={s: Output(f"{kind}_{n}.FragColor") for s, n in zip(samplers, names, strict=True)},
-        state=State(cell=cell),
+def shown(name, kind):
+    """The three ways side by side, each in a frame."""
+    side = int(SIZES[kind])
+    panels = (
+        panel(
+            "ch06_tests/transparency_order.frag",
+            {"at": square(0.0, 1.0)},
+            textures={"scene": Output(f"{kind}_{way}.FragColor")},
+            cell=cell(k, 3),
+        )
+        for k, way in enumerate(WAYS)
     )
+    return picture(panels, (3 * side, side), name)
 
 
 def inside(place, centre, radius):
@@ -112,7 +109,7 @@ def inside(place, centre, radius):
 
 def layered(at, order, hides):
     """Wall, dark disc, and the panes over them in an order; with `hides`, only the first one."""
-    place = at / (0.5 * SIZES["judged"]) - 1.0
+    place = 2.0 * at - 1.0
     dark = inside(place, DARK_CENTRE, DARK_RADIUS)
     color = where(dark, vec4(*DARK), vec4(*WALL))
     free = where(dark, DARK_DEPTH, 1.0)
@@ -123,19 +120,16 @@ def layered(at, order, hides):
     return color
 
 
-def sorted_panes(at):
-    """From far to near: over, over, over."""
-    return layered(at, PANES, False)
+def framed(order, hides):
+    """What `layered` gives, in a frame."""
 
+    def seen(at):
+        x, y = swizzle(at, "x"), swizzle(at, "y")
+        frame = (min(x, y) < 0.01) | (max(x, y) > 0.99)
+        color = swizzle(layered(at, order, hides), "rgb")
+        return vec4(where(frame, vec3(0.97), color), 1.0)
 
-def reversed_panes(at):
-    """What blending makes of the other order."""
-    return layered(at, PANES[::-1], False)
-
-
-def written_panes(at):
-    """The nearest pane alone."""
-    return layered(at, PANES[::-1], True)
+    return seen
 
 
 def outside(place, centre, radius):
@@ -162,7 +156,7 @@ def order_error(right, other):
     return np.abs(right[..., :3] - other[..., :3]).max()
 
 
-MIDDLE = Pixel(32, 30)
+MIDDLE = Pixel(36, 34)
 
 case = Case(
     title="Transparent things in order",
@@ -171,21 +165,23 @@ case = Case(
     r"\mathbin{\text{over}} B)), \qquad S \mathbin{\text{over}} D = \alpha S + (1 - \alpha) D",
     passes=(
         *scenes("judged", SIZES["judged"]),
-        Pass(name="table", target=Target(size=(64, 64)), draws=(shown("judged", 0),)),
         *scenes("seen", SIZES["seen"]),
-        Pass(
-            name="picture",
-            target=Target(size=(1080, 360)),
-            draws=tuple(
-                shown("seen", k, Cell(column=k, row=0, columns=3, rows=1)) for k in range(3)
-            ),
-        ),
+        shown("picture", "seen"),
+        shown("small", "judged"),
     ),
     picture="picture.FragColor",
     expect=[
-        formula("table.sorted", sorted_panes, name="far to near is over, over, over"),
-        formula("table.reversed_", reversed_panes, name="near to far"),
-        formula("table.written", written_panes, name="near to far, depth written"),
+        *(
+            formula("small.FragColor", framed(order, hides), draw=k, name=name)
+            for k, (order, hides, name) in enumerate(
+                (
+                    (PANES, False, "far to near is over, over, over"),
+                    (PANES[::-1], False, "near to far"),
+                    (PANES[::-1], True, "near to far, depth written"),
+                )
+            )
+        ),
+        enlarged_check(),
         value("judged_sorted.FragColor", at=MIDDLE, equals=(0.375, 0.4776, 0.5714, 0.538),
               digits=6, name="behind all three panes, far to near"),
         value("judged_reversed.FragColor", at=MIDDLE, equals=(0.69, 0.3696, 0.2844, 0.612),

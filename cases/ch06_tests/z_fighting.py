@@ -16,23 +16,12 @@ from itertools import pairwise, product
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Cell,
-    Depth,
-    Draw,
-    Mesh,
-    Output,
-    Pass,
-    Ramp,
-    State,
-    Target,
-    formula,
-    measure,
-    reading,
-)
+from shaderlab import Case, Mesh, Pass, Target, formula, measure, reading
 from shaderlab.glslmath import swizzle, vec4
 from shaderlab.reference.depth import same_code_share
+
+from ..scenes.draws import tested
+from ..scenes.panels import cell, picture
 
 FAR, MIDDLE, SLANT = 100.0, 10.0, 1.0
 NEARS = (0.01, 0.1, 1.0)
@@ -69,29 +58,16 @@ def strips(gaps, edges, half):
     return Mesh(attributes=attributes, indices=quads.ravel())
 
 
-def wall(near, mesh, nearer, offset=None, rise=0.0):
-    """One of the two walls."""
-    return Draw(
-        vertex="ch06_tests/z_fighting.vert",
-        fragment="ch06_tests/z_fighting.frag",
-        mesh=mesh,
-        uniforms={
-            "near": near,
-            "far": FAR,
-            "middle": MIDDLE,
-            "slant": SLANT,
-            "rise": rise,
-            "color": TEAL if nearer else ORANGE,
-            "number": 1.0 if nearer else 2.0,
-        },
-        state=State(depth=Depth(), polygon_offset=offset),
-    )
-
-
-def both(near, gaps, edges, offset=None, rise=0.0, half=1.0):
+def both(near, gaps, edges, offset=None, rise=0.0, half=1.0, cell=None):
     """The wall behind, then the wall in front, which lacks the margin on the left."""
-    behind, front = strips(gaps, edges, half), strips([0.0] * len(gaps), edges[1:], half)
-    return (wall(near, behind, False, rise=rise), wall(near, front, True, offset, rise))
+    walls = (
+        (strips(gaps, edges, half), ORANGE, 2.0, None),
+        (strips([0.0] * len(gaps), edges[1:], half), TEAL, 1.0, offset),
+    )
+    place = {"near": near, "far": FAR, "middle": MIDDLE, "slant": SLANT, "rise": rise}
+    for mesh, color, number, moved in walls:
+        uniforms = {**place, "color": color, "number": number}
+        yield tested("ch06_tests/z_fighting", mesh, uniforms, polygon_offset=moved, cell=cell)
 
 
 def step(near, bits):
@@ -114,18 +90,14 @@ def trials(format, near, offset=None, prefix=""):
     return Pass(
         name=prefix + name_of(format, near),
         target=Target(size=SIZE, depth=format, colors={"winner": "r32f"}),
-        draws=both(near, gaps(near, BITS[format]), (-1.0, CUT, 1.0), offset),
+        draws=tuple(both(near, gaps(near, BITS[format]), (-1.0, CUT, 1.0), offset)),
     )
 
 
-def panel(name, near, offset):
-    """One panel of the picture, with a margin of the background around it."""
-    clear = (0.93, 0.93, 0.91, 1.0)
-    return Pass(
-        name=name,
-        target=Target(size=(PANEL, PANEL), depth="depth16", clear=clear),
-        draws=both(near, [GAP], (-0.9, -0.8, 0.9), offset, 0.6, half=0.9),
-    )
+def panels():
+    """The picture's panels, with a margin of the background around each."""
+    for k, (near, offset) in enumerate(PANELS.values()):
+        yield from both(near, [GAP], (-0.9, -0.8, 0.9), offset, 0.6, 0.9, cell(k, len(PANELS)))
 
 
 def wrong_winners(winner, row):
@@ -140,19 +112,31 @@ def seen_behind(winner):
     return (winner[:, : SIZE[0] // 20] == 2.0).mean()
 
 
-def orange(winner):
+def panel_of(winner, k):
+    """The winners of one panel of the picture."""
+    return winner[:, PANEL * int(k) : PANEL * (int(k) + 1)]
+
+
+def orange(winner, k):
     """The share of a panel's front wall where the wall behind is seen."""
     edge = PANEL // 20
-    return (winner[edge:-edge, 2 * edge : -edge] == 2.0).mean()
+    return (panel_of(winner, k)[edge:-edge, 2 * edge : -edge] == 2.0).mean()
 
 
-def orange_beside(winner):
+def orange_beside(winner, k):
     """The share of a panel's margin that shows the wall behind, and of the rest that does not."""
-    edge = PANEL // 20
-    behind = winner[edge:-edge, edge : 2 * edge] == 2.0
-    rim = winner.copy()
+    edge, panel = PANEL // 20, panel_of(winner, k)
+    behind = panel[edge:-edge, edge : 2 * edge] == 2.0
+    rim = panel.copy()
     rim[edge:-edge, edge:-edge] = 0.0
     return behind.mean() - ((rim == 1.0) | (rim == 2.0)).mean()
+
+
+def in_other_colors(color, winner):
+    """Pixels of the picture in another colour than their winner's, or the background's."""
+    walls = np.float32([(*TEAL, 1.0), (*ORANGE, 1.0)])
+    wanted = np.where(winner == 1.0, walls[0], np.where(winner == 2.0, walls[1], np.float32(CLEAR)))
+    return np.count_nonzero((color != wanted).any(axis=-1))
 
 
 def allowed(near, bits, gap):
@@ -199,14 +183,15 @@ def clip(aPos, aGap, near, far, middle, slant, rise):
     return vec4(aPos * z, depth, z)
 
 
-def one_color(color):
-    """A wall's colour."""
-    return vec4(color, 1.0)
-
-
 PANEL = 360  # pixels
-PANELS = {"near_001": (0.01, None), "near_01": (0.1, None), "offset": (0.01, (-1.0, -1.0))}
+CLEAR = (0.93, 0.93, 0.91, 1.0)
+PANELS = {
+    "n = 0.01": (0.01, None),
+    "n = 0.1": (0.1, None),
+    "with an offset": (0.01, (-1.0, -1.0)),
+}
 GAP = 0.5 * step(0.01, 16)
+SHOWN = {"winner": "picture.winner"}
 ALL = tuple(product(BITS, NEARS))
 
 case = Case(
@@ -217,29 +202,22 @@ case = Case(
     passes=(
         *(trials(format, near) for format, near in ALL),
         *(trials(format, NEARS[0], (-1.0, -1.0), "offset_") for format in BITS),
-        *(panel(name, near, offset) for name, (near, offset) in PANELS.items()),
-        Pass(
-            name="picture",
-            target=Target(size=(PANEL * len(PANELS), PANEL)),
-            draws=tuple(
-                Draw(
-                    fragment="ch08_techniques/copy.frag",
-                    domain={"TexCoords": Ramp((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))},
-                    textures={"screen": Output(f"{name}.FragColor")},
-                    state=State(cell=Cell(column=k, row=0, columns=len(PANELS), rows=1)),
-                )
-                for k, name in enumerate(PANELS)
-            ),
-        ),
+        picture(panels(), (PANEL * len(PANELS), PANEL), depth="depth16", clear=CLEAR),
     ),
     picture="picture.FragColor",
     expect=[
         *(
             formula(f"{of}.gl_Position", clip, draw=draw, name=f"the {color} wall, {where}")
-            for of, where in (("near_001", "n = 0.01"), ("depth24_1", "n = 1"))
+            for of, where in (("picture", "n = 0.01"), ("depth24_1", "n = 1"))
             for draw, color in enumerate(("orange", "teal"))
         ),
-        formula("near_001.FragColor", one_color, name="what is seen of the teal wall"),
+        measure(
+            "pixels in another colour than their wall's",
+            in_other_colors,
+            reads={"color": "picture.FragColor", "winner": "picture.winner"},
+            equals=0.0,
+            digits=9,
+        ),
         measure(
             "share of wrong winners",
             wrong_winners,
@@ -257,7 +235,6 @@ case = Case(
             x_label="distance of the walls",
             log_x=True,
         ),
-        formula("near_001.FragColor", one_color, draw=0, name="what is seen of the orange wall"),
         measure(
             "margin in which the wall behind is seen",
             seen_behind,
@@ -278,17 +255,17 @@ case = Case(
             "orange in the picture",
             orange,
             readings=[
-                reading("n = 0.01", reads={"winner": "near_001.winner"}, between=(0.4, 0.6)),
-                *(
-                    reading(label, reads={"winner": f"{name}.winner"}, equals=0.0, digits=9)
-                    for label, name in (("n = 0.1", "near_01"), ("with an offset", "offset"))
-                ),
+                reading("n = 0.01", reads=SHOWN, given={"k": 0.0}, between=(0.4, 0.6)),
+                reading("n = 0.1", reads=SHOWN, given={"k": 1.0}, equals=0.0, digits=9),
+                reading("with an offset", reads=SHOWN, given={"k": 2.0}, equals=0.0, digits=9),
             ],
         ),
         measure(
             "orange beside the teal wall",
             orange_beside,
-            readings=[reading(name, reads={"winner": f"{name}.winner"}) for name in PANELS],
+            readings=[
+                reading(name, reads=SHOWN, given={"k": float(k)}) for k, name in enumerate(PANELS)
+            ],
             equals=1.0,
             digits=9,
         ),

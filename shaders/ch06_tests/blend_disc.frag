@@ -10,6 +10,6 @@ out vec4 FragColor;
 void main()
 {
     float away = length(place - centre) - 0.55;
-    float inside = 1.0 - smoothstep(0.0, fwidth(away), away);
+    float inside = 1.0 - smoothstep(0.0, 0.008, away);
     FragColor = vec4(color, alpha * inside);
 }

@@ -1,0 +1,161 @@
+"""Tables as pictures: a pass of one texel a field, shown as verdicts, numbers or colours."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from shaderlab import Output, Pass, formula
+from shaderlab.glslmath import (
+    Value,
+    abs,
+    clamp,
+    distance,
+    dot,
+    floor,
+    fract,
+    max,
+    min,
+    mix,
+    smoothstep,
+    swizzle,
+    vec2,
+    vec3,
+    vec4,
+    where,
+)
+from shaderlab.sampling import Sampler, texelFetch
+
+from .panels import enlarged, enlarged_check, panel, rectangle
+
+DIGITS = (
+    "### .#. ### ### #.# ### ### ### ### ###",
+    "#.# ##. ..# ..# #.# #.. #.. ..# #.# #.#",
+    "#.# .#. ### ### ### ### ### ..# ### ###",
+    "#.# .#. #.. ..# ..# ..# #.# .#. #.# ..#",
+    "### ### ### ### ..# ### ### .#. ### ###",
+)
+"""The ten figures in dots, row by row from above."""
+WIDE, HIGH, PITCH = 0.18, 0.42, 0.25
+"""A figure's size and the distance of two, in fields."""
+
+
+def shown(
+    kind: str,
+    values: str,
+    fields: tuple[int, int],
+    pixels: tuple[int, int],
+    by: int,
+    **uniforms: float,
+) -> tuple[Pass, Pass]:
+    """A table's picture, and the same small, as `enlarged` makes them.
+
+    Args:
+        kind: of LAWS; the shader has this name, in chapter 6.
+        values: the output that has the table, "pass.name".
+        fields: of the table, across and up.
+        pixels: of a field in the small pass.
+        by: how much larger the picture is.
+        uniforms: what else the shader asks for.
+
+    >>> shown("fields", "table.total", (3, 2), (8, 8), 3)[0].target.size
+    (72, 48)
+    """
+    domain, textures = {"place": rectangle((0.0, 0.0), fields)}, {"values": Output(values)}
+    draw = panel(f"ch06_tests/{kind}.frag", domain, uniforms, textures=textures)
+    return enlarged([draw], (fields[0] * pixels[0], fields[1] * pixels[1]), by)
+
+
+def shown_checks(kind: str) -> tuple[Any, ...]:
+    """What must hold of `shown`.
+
+    >>> [check.name for check in shown_checks("numbers")][0]
+    'the table on show'
+    """
+    return formula("small.FragColor", LAWS[kind], name="the table on show"), enlarged_check()
+
+
+def numbers(values: Sampler, place: Value, group: Value, whole: Value) -> Value:
+    """Each field's number on a ground that is brighter the larger it is, up to `whole`; lines
+    between the fields, wider ones between groups of columns."""
+    value = swizzle(texelFetch(values, floor(place)), "r")
+    color = mix(vec3(0.09, 0.13, 0.22), vec3(0.98, 0.86, 0.55), value / whole)
+    ink = where(value < 0.5 * whole, vec3(0.95), vec3(0.08))
+    at, column = fract(place), swizzle(place, "x") / group
+    color = mix(color, ink, _written(at, value))
+    seam = abs(fract(column + 0.5) - 0.5) * group < 0.06
+    line = min(swizzle(at, "x"), swizzle(at, "y")) < 0.03
+    return vec4(where(line | seam, vec3(0.5), color), 1.0)
+
+
+def fields(values: Sampler, place: Value) -> Value:
+    """Each field's colour, cut to 0…1, and its alpha as grey in the lower right half."""
+    value, at = texelFetch(values, floor(place)), fract(place)
+    x, y = swizzle(at, "x"), swizzle(at, "y")
+    color = clamp(where(y - x > 0.02, swizzle(value, "rgb"), swizzle(value, "aaa")), 0.0, 1.0)
+    return vec4(where(min(x, y) < 0.06, vec3(0.25), color), 1.0)
+
+
+def verdicts(values: Sampler, place: Value, group: Value) -> Value:
+    """A green field with a tick for each 1, a red one with a cross for each 0; gaps between
+    groups."""
+    passed = swizzle(texelFetch(values, floor(place)), "r") > 0.5
+    at = 2.0 * fract(place) - 1.0
+    tick = min(
+        _to_stroke(at, (-0.42, 0.02), (-0.12, -0.32)), _to_stroke(at, (-0.12, -0.32), (0.42, 0.36))
+    )
+    cross = min(
+        _to_stroke(at, (-0.32, -0.32), (0.32, 0.32)), _to_stroke(at, (-0.32, 0.32), (0.32, -0.32))
+    )
+    ground = where(passed, vec3(0.16, 0.55, 0.34), vec3(0.62, 0.20, 0.20))
+    color = mix(vec3(0.97), ground, smoothstep(0.07, 0.13, where(passed, tick, cross)))
+    outer = max(abs(swizzle(at, "x")), abs(swizzle(at, "y")))
+    color = mix(color, vec3(0.08, 0.09, 0.11), smoothstep(0.90, 0.94, outer))
+    off = abs(fract(place / group + 0.5) - 0.5)
+    gap = min(swizzle(off, "x"), swizzle(off, "y")) <= 0.025
+    return vec4(mix(color, vec3(0.08, 0.09, 0.11), where(gap, 1.0, 0.0)), 1.0)
+
+
+LAWS: dict[str, Callable[..., Value]] = {
+    "numbers": numbers,
+    "fields": fields,
+    "verdicts": verdicts,
+}
+
+
+def _to_stroke(at: Value, start: tuple[float, float], end: tuple[float, float]) -> Value:
+    """How far a place is from a straight stroke."""
+    along = vec2(end[0] - start[0], end[1] - start[1])
+    off = at - vec2(*start)
+    part = clamp(dot(off, along) / dot(along, along), 0.0, 1.0)
+    return distance(off, part * along)
+
+
+def _written(at: Value, number: Value) -> Value:
+    """1 on the dots of a number of up to three figures in the middle of a field."""
+    ink: Value = 0.0
+    for count, least in ((1, -1.0), (2, 9.5), (3, 99.5)):
+        here: Value = 0.0
+        for k in range(count):
+            left = 0.5 - 0.5 * (PITCH * (count - 1) + WIDE) + PITCH * k
+            dots = (at - vec2(left, 0.5 - 0.5 * HIGH)) * vec2(3.0 / WIDE, 5.0 / HIGH)
+            tens = floor((number + 0.5) / 10.0 ** (count - 1 - k))
+            here = max(here, _lit(floor(dots), tens - 10.0 * floor((tens + 0.5) / 10.0)))
+        ink = where(number > least, here, ink)
+    return ink
+
+
+def _lit(dot_: Value, digit: Value) -> Value:
+    """1 where a figure has a dot in this column from the left and row from below."""
+    x, y = swizzle(dot_, "x"), swizzle(dot_, "y")
+    whole: Value = 0.0  # all dots of the figure: the bit 3·row + column of each
+    for number in range(10):
+        rows = [line.split()[number] for line in reversed(DIGITS)]
+        bits = sum(1 << k for k, mark in enumerate("".join(rows)) if mark == "#")
+        whole = where(digit == number, float(bits), whole)
+    bit: Value = 1.0
+    for k in range(1, 15):
+        bit = where(3.0 * y + x == k, float(1 << k), bit)
+    half = floor((whole + 0.5) / bit)
+    inside = (x >= 0.0) & (x <= 2.0) & (y >= 0.0) & (y <= 4.0)
+    return where(inside & (half - 2.0 * floor(0.5 * half + 0.25) > 0.5), 1.0, 0.0)
