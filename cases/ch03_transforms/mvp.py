@@ -49,7 +49,7 @@ def floor_tiles(TexCoords, frag_coord):
     color = mix(vec3(0.16, 0.22, 0.30), vec3(0.86, 0.80, 0.68), chessboard(place))
     off = abs(fract(place + 0.5) - 0.5)
     to_line = min(swizzle(off, "x"), swizzle(off, "y"))
-    color = mix(vec3(0.95, 0.55, 0.20), color, smoothstep(0.0, 0.008 * away, to_line))
+    color = mix(vec3(0.95, 0.55, 0.20), color, smoothstep(0.004 * away, 0.012 * away, to_line))
     return mix(color, vec3(0.55, 0.65, 0.75), 0.6 * clamp((away - 2.1) / 1.8, 0.0, 1.0))
 
 

@@ -122,7 +122,7 @@ case = Case(
     section="6.3.1",
     math=r"\alpha < 0.1 \implies \text{neither colour nor depth is written}",
     passes=(
-        bunches("picture", 5),
+        bunches("picture", 3),
         bunches("small", 1),
         ramp("ramp", 0.0, 1.0),
         ramp("edge", 0.0999, 0.1001),

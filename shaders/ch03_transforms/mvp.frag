@@ -12,7 +12,7 @@ void main()
     // Lines between the fields, with edges that are about a pixel soft at any distance.
     vec2 off = abs(fract(place + 0.5) - 0.5);
     float soft = 0.008 / gl_FragCoord.w;
-    float grid = 1.0 - smoothstep(0.0, soft, min(off.x, off.y));
+    float grid = 1.0 - smoothstep(0.5 * soft, 1.5 * soft, min(off.x, off.y));
     color = mix(color, vec3(0.95, 0.55, 0.20), grid);
 
     // The farther away, the more of the air between.
