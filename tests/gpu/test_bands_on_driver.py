@@ -66,6 +66,15 @@ UNIT: dict[str, Formula] = {
     ),
     "a * 2.0 - 1.0": lambda a, b: a * 2.0 - 1.0,
     "(a - b) / 0.01": lambda a, b: (a - b) / 0.01,
+    # Rewrites that docs/guide/bands.md names: the shader's, and the reference's.
+    "mix(a, b, step(vec4(0.5), a.yzwx))": lambda a, b: g.either(
+        g.where(a.yzwx < 0.5, a, b), g.mix(a, b, g.step(0.5, a.yzwx))
+    ),
+    "a.y < 0.5 ? a : b": lambda a, b: g.mix(a, b, g.step(0.5, a.y)),
+    "pow(a, vec4(5.0))": lambda a, b: g.either(a * a * a * a * a, g.pow(a, 5.0)),
+    "a * a * a * a * a": lambda a, b: g.pow(a, 5.0),
+    "(a * a) * (a * a) * a": lambda a, b: a * a * a * a * a,
+    "a * inversesqrt(a + 0.5)": lambda a, b: a / g.sqrt(a + 0.5),
     "pow((a + 0.055) / 1.055, vec4(2.4))": lambda a, b: g.pow((a + 0.055) / 1.055, 2.4),
 }
 ANGLES: dict[str, Formula] = {
