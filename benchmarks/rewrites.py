@@ -1,0 +1,88 @@
+"""How many right rewrites of the catalogue's shaders are rejected, and how many wrong ones pass.
+
+    python -m benchmarks.rewrites [--driver softpipe] [--only right|wrong]
+
+`rewrites.toml` has the rewrites: each replaces one piece of one shipped shader or library file, and
+is judged by one case. A right one that fails is a false alarm, a wrong one that passes a miss.
+"""
+
+from __future__ import annotations
+
+import argparse
+import tomllib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from shaderlab.catalogue import Catalogue
+from shaderlab.discovery import data_folder
+from shaderlab.evaluation import Lab
+from shaderlab.model import Case
+from shaderlab.options import RunOptions
+
+
+@dataclass(frozen=True)
+class Rewrite:
+    """A piece of a shader, and what is written in its place."""
+
+    file: str
+    case: str
+    old: str
+    new: str
+
+    def text(self) -> str:
+        """The file with the piece replaced. Raises ValueError unless it is there."""
+        before = (data_folder("shaders") / self.file).read_text(encoding="utf-8")
+        if self.old not in before:
+            raise ValueError(f"{self.file} does not have {self.old!r}")
+        return before.replace(self.old, self.new)
+
+    def __str__(self) -> str:
+        old, new = (" ".join(part.split()) for part in (self.old, self.new))
+        return f"{self.case}, {self.file}: {old} → {new}"
+
+
+def rewrites(kind: str) -> list[Rewrite]:
+    """The "right" or the "wrong" ones."""
+    data = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
+    return [Rewrite(*row) for row in data[kind]]
+
+
+def noticed(lab: Lab, case: Case, rewrite: Rewrite) -> str:
+    """What fails with the rewritten shader, or ""."""
+    lab.configure(RunOptions(texts={rewrite.file: rewrite.text()}, driver=lab.options.driver))
+    for scene in case.scenes():
+        record = lab.run(scene)
+        if record.status != "pass":
+            failing = [o.name for o in record.expectations if o.status != "pass"]
+            return f"{scene.variant}: {', '.join(failing) or record.message}"
+    return ""
+
+
+def surprises(lab: Lab, kind: str) -> Iterator[tuple[Rewrite, str]]:
+    """Right rewrites that fail, with what fails, or wrong ones that do not."""
+    catalogue = Catalogue.shipped()
+    for rewrite in rewrites(kind):
+        found = noticed(lab, catalogue.find(rewrite.case), rewrite)
+        if bool(found) == (kind == "right"):
+            yield rewrite, found
+
+
+def main() -> None:
+    """Judge, and print what is surprising."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--driver")
+    parser.add_argument("--only", choices=("right", "wrong"))
+    options = parser.parse_args()
+    with Lab(RunOptions(driver=options.driver)) as lab:
+        for kind in ("right", "wrong") if options.only is None else (options.only,):
+            count = 0
+            for rewrite, found in surprises(lab, kind):
+                count += 1
+                print(f"  {rewrite}{f'  [{found}]' if found else ''}", flush=True)
+            verb = "rejected" if kind == "right" else "unnoticed"
+            print(f"{count} of {len(rewrites(kind))} {kind} ones {verb}", flush=True)
+
+
+if __name__ == "__main__":
+    main()
