@@ -49,13 +49,18 @@ def rewrites(kind: str) -> list[Rewrite]:
 
 
 def noticed(lab: Lab, case: Case, rewrite: Rewrite) -> str:
-    """What fails with the rewritten shader, or ""."""
+    """What fails with the rewritten shader, or "". Raises ValueError where the case has no such
+    shader."""
+    used: set[str] = set()
     lab.configure(RunOptions(texts={rewrite.file: rewrite.text()}, driver=lab.options.driver))
     for scene in case.scenes():
         record = lab.run(scene)
+        used.update(file for program in record.programs for file in program.files)
         if record.status != "pass":
             failing = [o.name for o in record.expectations if o.status != "pass"]
             return f"{scene.variant}: {', '.join(failing) or record.message}"
+    if not any(file.endswith(rewrite.file) for file in used):
+        raise ValueError(f"{rewrite.case} does not use {rewrite.file}")
     return ""
 
 
