@@ -25,6 +25,8 @@ from shaderlab import (
 from shaderlab.glslmath import swizzle, vec4, where
 from shaderlab.reference.transforms import signed_area
 
+from ..scenes.laws import device_place
+
 CORNERS = np.array([(0.5, 0.5, 0.0), (0.5, -0.5, 0.0), (-0.5, -0.5, 0.0), (-0.5, 0.5, 0.0)])
 INDICES = np.array([0, 1, 3, 1, 2, 3])
 
@@ -70,6 +72,7 @@ case = Case(
     picture="indexed.FragColor",
     expect=[
         coverage(129600, pass_name="indexed", name="pixels covered"),
+        formula("indexed.gl_Position", device_place, name="corners are device coordinates"),
         formula("indexed.place", across_the_quad),
         exact("cull-back.FragColor", CLEAR, name="culled, nothing is left"),
         exact("cull-back-cw.FragColor", Output("indexed.FragColor"), name="clockwise is the front"),

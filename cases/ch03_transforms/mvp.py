@@ -23,7 +23,7 @@ from shaderlab.reference.transforms import (
 )
 
 from ..scenes.drawing import chessboard
-from ..scenes.laws import opaque
+from ..scenes.laws import opaque, unchanged
 
 
 def tilted(name, size, pixels):
@@ -65,6 +65,7 @@ case = Case(
         formula("gl_Position", clip_position),
         formula("Ndc", device_position),
         formula("picture.gl_Position", clip_position),
+        formula("TexCoords", unchanged("aTexCoords")),
         value(
             "gl_Position",
             at={"aPos": (0.5, 0.5, 0.0)},

@@ -29,7 +29,7 @@ from shaderlab import (
     up,
     value,
 )
-from shaderlab.glslmath import abs, floor, min, mix, mod, pow, vec3, vec4, where
+from shaderlab.glslmath import abs, floor, min, mix, mod, mul, pow, swizzle, vec3, vec4, where
 from shaderlab.reference.depth import depth_step, window_depth
 from shaderlab.reference.transforms import perspective
 
@@ -101,6 +101,13 @@ def distance(aPos, middle, slope):
     return middle + slope * aPos[..., 0:1]
 
 
+def on_the_screen(aPos, projection, middle, slope):
+    """A corner in clip space: where it is on the screen has nothing to do with its distance."""
+    away = distance(aPos, middle, slope)
+    depth = swizzle(mul(projection, vec4(0.0, 0.0, -away, 1.0)), "zw")
+    return vec4(swizzle(aPos, "xy") * swizzle(depth, "y"), depth)
+
+
 def counted_step(depth, row):
     """How far a step of the buffer reaches: the strip's length over the codes that it takes."""
     codes = np.round(depth[2 * int(row), :, 0] * (2.0**24 - 1.0))
@@ -162,6 +169,7 @@ case = Case(
         formula("tenth.F", of_distance, name="F of a strip, n = 0.1"),
         formula("one.F", of_distance, name="F of a strip, n = 1"),
         formula("one.Distance", distance, name="the strip's distance"),
+        formula("one.gl_Position", on_the_screen, name="the strip in clip space"),
         value(
             "one.Distance", at={"aPos": (0.5, 0.0, 0.0), "middle": 10.0, "slope": 4.0}, equals=12.0,
             digits=6, reference=distance, name="the distance between its middle and its edge",
