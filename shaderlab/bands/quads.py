@@ -15,6 +15,10 @@ from shaderlab.bands.band import Band
 from shaderlab.bands.exact import negative, union
 from shaderlab.errors import FormulaError
 
+# A device that cuts a triangle in two, as llvmpipe does with those that reach beyond the target,
+# continues each part beyond the cut: an input is then off by its interpolation's roundings, of the
+# largest value that it takes.
+CONTINUED = 4 * 2.0**-23
 # The pixels to subtract, as y · 2 + x within the quad: by direction, and row or column.
 _PAIRS = {"x": ((0, 1), (2, 3)), "y": ((0, 2), (1, 3))}
 
@@ -55,7 +59,9 @@ def difference(p: Any, frag_coord: Any, direction: str, *, own: bool) -> Any:
         return nearest.view(type(p))
     result = nearest if own else union(differences[0], differences[1])
     unknown = lost if own else missing[0] | missing[1]
-    return result.made(result.lo, result.hi, anything=unknown)
+    largest = np.where(np.isfinite(p.mag), p.mag, 0.0).max(axis=0)
+    give = CONTINUED * largest
+    return result.made(result.lo - give, result.hi + give, anything=unknown)
 
 
 def _own(values: list[Any], missing: list[Any], second: Any) -> tuple[Any, Any]:

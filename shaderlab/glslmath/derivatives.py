@@ -4,7 +4,8 @@ A reference has the values of all pixels at once and no screen, so these functio
 pixels are as well: `dFdx(TexCoord, frag_coord)`. A band allows the difference along either row
 (or column) of the quad, the `Fine` functions that of the pixel's own. Next to what the draw does
 not cover nothing is known, and anything is allowed. All pixels have to be of one primitive: on an
-edge between two, a device continues each of them beyond it.
+edge between two, a device continues each of them beyond it. Where it cuts one itself, that is off
+by 4 ULP of the largest value of p at most.
 """
 
 from __future__ import annotations
