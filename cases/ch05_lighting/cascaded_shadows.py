@@ -41,7 +41,7 @@ from ..scenes.courtyard_light import seen_place, unit_normal
 from ..scenes.draws import tested
 from ..scenes.figures import figure
 from ..scenes.panels import cell
-from ..scenes.shadow_stage import PICTURED, PLACES, reads
+from ..scenes.shadow_stage import PICTURED, SHADOW, reads
 from ..scenes.shadow_truth import blocked
 
 SUN = (2.6, 3.0, 1.4)
@@ -59,6 +59,8 @@ WRONG = {
     "logarithmic": ((0.0018, 0.0033), (0.0030, 0.0045)),
 }
 EYE, AIM = (3.0, 4.4, 5.2), (-0.9, 0.0, -11.0)
+# The scheme whose pass keeps all outputs: the others show the same surfaces.
+WHOLE, KEPT = "practical", {**SHADOW, "cascade": "r32f"}
 LIGHT_VIEW = look_at(SUN, (0.0, 0.0, 0.0))
 # Along the light, everything that can be seen or throw a shadow there.
 DEPTHS = (-40.0, 80.0)
@@ -167,25 +169,28 @@ def color(
     return vec4((0.15 + (1.0 - told) * lambert) * mix(Color, own, tint), 1.0)
 
 
-def wrong(FragColor, shadow, place, upright, within):
+def depth_of(place, view=VIEW):
+    """How far in front of the camera places are."""
+    return -(place @ view[:3, :3].T + view[:3, 3])[..., 2]
+
+
+def wrong(shadow, place, upright, within):
     """The share of places that face the sun of which the maps tell something else than rays."""
-    depth = -(place @ VIEW[:3, :3].T + VIEW[:3, 3])[..., 2]
-    there = shadow_stage.faces(FragColor, upright, SUN) & (depth < within)
+    there = shadow_stage.faces(upright, SUN) & (depth_of(place) < within)
     return np.mean((shadow[..., 0] > 0.5)[there] != blocked(place, SUN, BOXES)[there])
 
 
-def wrong_in_picture(FragColor, shadow, place, upright):
-    """The same of every eighth pixel both ways."""
-    color, told = FragColor[::8, ::8], shadow[::8, ::8]
-    return wrong(color, told, place[::8, ::8, :3], upright[::8, ::8, :3], FAR)
+def wrong_in_picture(FragColor, shadow, place):
+    """The same of every eighth pixel both ways, whichever way it faces."""
+    drawn, told, place = FragColor[::8, ::8, 3] > 0.0, shadow[::8, ::8, 0], place[::8, ::8, :3]
+    return np.mean((told > 0.5)[drawn] != blocked(place, SUN, BOXES)[drawn])
 
 
-def wrong_cascade(FragColor, cascade, place, view, splits):
+def wrong_cascade(cascade, upright, place, view, splits):
     """The share of pixels whose cascade is not the one that their place has in float64."""
-    depth = -(place @ view[:3, :3].T + view[:3, 3])[..., 2]
-    right = (depth[..., None] >= splits[:-1]).sum(axis=-1)
-    there = FragColor[..., 3] > 0.0
-    return np.mean(cascade[..., 0][there] != right[there])
+    right = (depth_of(place, view)[..., None] >= splits[:-1]).sum(axis=-1)
+    drawn = upright.any(axis=-1)
+    return np.mean(cascade[..., 0][drawn] != right[drawn])
 
 
 def split_figures(scheme, equals):
@@ -195,7 +200,8 @@ def split_figures(scheme, equals):
 
 def judged(scheme):
     """The avenue with one scheme, small."""
-    target = Target(size=(96, 96), depth="depth24")
+    colors = None if scheme == WHOLE else KEPT
+    target = Target(size=(96, 96), depth="depth24", colors=colors)
     return Pass(name=scheme, target=target, draws=[drawn(scheme, tint=0.3)])
 
 
@@ -212,15 +218,14 @@ case = Case(
     r"\frac{i}{N}(f - n)\right)",
     passes=(
         *(one for made in maps("practical", 2.0) for one in both_ways(made)),
-        shadow_stage.large(
+        *shadow_stage.photographed(
             (
                 drawn("practical", 2.0, 0.7, cell(1, 1, 2)),
                 drawn("practical", 2.0, 0.0, cell(0, 1, 2)),
             ),
-            colors={"FragColor": "rgba16f", "cascade": "r8", **PICTURED},
+            colors={**PICTURED, "shadow": "r8"},
             clear=(0.30, 0.40, 0.52, 0.0),
         ),
-        *lit.picture(),
         *(one for scheme in SPLITS for made in maps(scheme, 1.0) for one in both_ways(made)),
         *(judged(scheme) for scheme in SPLITS),
     ),
@@ -234,11 +239,10 @@ case = Case(
         ),
         formula("practical.place", seen_place),
         formula("practical.upright", unit_normal),
-        *(formula(f"{scheme}.cascade", index) for scheme in BLENDS),
-        *(formula(f"{scheme}.shadow", dark) for scheme in BLENDS),
+        *(formula(f"{scheme}.cascade", index) for scheme in SPLITS),
+        *(formula(f"{scheme}.shadow", dark) for scheme in SPLITS),
         formula("practical.FragColor", color),
         formula("practical.bias", own_bias),
-        lit.picture_check(),
         figure(
             "practical.bias", "the least bias, where the sun falls straight down", FACING, LEAST
         ),
@@ -247,30 +251,29 @@ case = Case(
         measure(
             "shadows told wrongly, in the large picture",
             wrong_in_picture,
-            reads=reads("scene"),
+            reads=reads("scene", "FragColor", "shadow", "place"),
             at_most=0.01,
         ),
-        shadow_stage.drawn(at_least=0.7),
         *(
             measure(
                 f"{scheme}: pixels in a wrong cascade",
                 wrong_cascade,
-                reads=reads(scheme, "FragColor", "cascade", "place"),
+                reads=reads(WHOLE, "upright", "place", cascade=f"{scheme}.cascade"),
                 pass_name=scheme,
                 equals=0.0,
                 digits=9,
             )
             for scheme in BLENDS
         ),
-        shadow_stage.hidden(EYE, BOXES, SPLITS),
-        shadow_stage.hidden_in_picture(EYE, BOXES),
+        *shadow_stage.surface_checks(EYE, BOXES, WHOLE, [s for s in SPLITS if s != WHOLE]),
+        *shadow_stage.picture_checks(EYE, BOXES, drawn=0.7),
         measure(
             "shadows told wrongly",
             wrong,
             readings=[
                 reading(
                     f"{scheme}, {where}",
-                    reads=reads(scheme, *PLACES),
+                    reads=reads(WHOLE, "place", "upright", shadow=f"{scheme}.shadow"),
                     given={"within": within},
                     between=bounds[n],
                 )

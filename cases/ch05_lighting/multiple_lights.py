@@ -20,7 +20,6 @@ from shaderlab import (
     Pass,
     Target,
     any_order,
-    both_ways,
     compile_fails,
     formula,
 )
@@ -28,6 +27,7 @@ from shaderlab.reference import light_sources
 from shaderlab.reference.transforms import clip_position
 
 from ..scenes import lit, plaza
+from ..scenes.draws import twins
 from ..scenes.figures import figure
 from ..scenes.laws import opaque, renamed, summed
 
@@ -122,12 +122,12 @@ case = Case(
     section="5.6",
     math=r"C = C_{\text{dir}} + \sum_{i=1}^{4} C_{\text{point},i} + C_{\text{spot}}",
     passes=(
-        *both_ways(
+        *twins(
             lit.large_scene((*GLOWING, lit_by(ALL, small=False)), clear=(0.002, 0.003, 0.006, 1.0))
         ),
         *lit.picture(),
         Pass(name="bulbs", target=Target(depth="depth24"), draws=GLOWING[:1]),
-        *both_ways(Pass(name="together", target=Target(depth="depth24"), draws=(lit_by(ALL),))),
+        *twins(Pass(name="together", target=Target(depth="depth24"), draws=(lit_by(ALL),))),
         Pass(
             name="added",
             target=Target(colors={"FragColor": "rgba32f"}, depth="depth24"),

@@ -15,18 +15,20 @@ on the walls that light grazes; lower right one that grows with the slope.
 from shaderlab import Case, Output, formula, measure, reading
 from shaderlab.sampling import texture
 
-from ..scenes import lit, shadow_stage as courtyard
+from ..scenes import shadow_stage as courtyard
 from ..scenes.cameras import camera
 from ..scenes.courtyard_light import courtyard_references
 from ..scenes.panels import cell
-from ..scenes.shadow_stage import BOXES, EYE, LIGHT_SPACE, MODEL, SUN, reads
+from ..scenes.shadow_stage import BOXES, EYE, LIGHT_SPACE, MODEL, SHADOW, SUN, reads
 from ..scenes.shadow_truth import blocked, wrongly_bright, wrongly_dark
 
 CAMERA = tuple(camera(EYE, (0.0, 0.4, 0.1), 36.0, far=60.0).values())
 SIZES = (256, 512, 1024, 2048)
 # The least bias, and the one at grazing light, in depth of the map: 0.001 is 8 mm of 8 m.
 BIASES = {"none": (0.0, 0.0), "constant": (0.0012, 0.0), "slope": (0.0012, 0.012)}
-PASSES = [f"{bias}-{size}" for bias in BIASES for size in SIZES]
+# The pass that keeps all outputs: the others show the same surfaces.
+WHOLE = "slope-256"
+PASSES = {f"{bias}-{size}": (size, bias) for bias in BIASES for size in SIZES}
 LAWS = courtyard_references(texture)
 SERIES = {"none": "no bias", "constant": "constant", "slope": "growing with the slope"}
 # Between what the shares lie, at each of the sizes.
@@ -53,15 +55,20 @@ def looked_at(name, texels, bias, radius=0, **target):
 def table(label, statistic, shares, of):
     """One statistic of the places that face the sun, by rays, at every size and with every bias."""
 
-    def share(FragColor, shadow, place, upright):
-        there = courtyard.faces(FragColor, upright, SUN)
+    def share(shadow, place, upright):
+        there = courtyard.faces(upright, SUN)
         return statistic(shadow[..., 0], blocked(place, SUN, BOXES), there)
 
     return measure(
         label,
         share,
         readings=[
-            reading(size, reads=reads(f"{bias}-{size}"), series=SERIES[bias], between=bounds)
+            reading(
+                size,
+                reads=reads(WHOLE, "place", "upright", shadow=f"{bias}-{size}.shadow"),
+                series=SERIES[bias],
+                between=bounds,
+            )
             for bias in BIASES
             for size, bounds in zip(SIZES, shares[bias], strict=True)
         ],
@@ -81,29 +88,27 @@ case = Case(
     math=r"b = \max\left(b_1 (1 - N \cdot L),\ b_0\right)",
     passes=(
         *(courtyard.cast(f"map-{size}", LIGHT_SPACE, MODEL, size) for size in SIZES),
-        courtyard.large(
+        *courtyard.photographed(
             courtyard.in_cell(looked_at("", *QUARTERS[k]), cell(k, 2, 2)) for k in (2, 3, 0, 1)
         ),
-        *lit.picture(),
-        looked_at("filtered", 256, "slope", radius=2, size=(48, 48)),
+        looked_at("filtered", 256, "slope", radius=2, size=(48, 48), colors=SHADOW),
+        looked_at(WHOLE, *PASSES[WHOLE], size=(128, 128)),
         *(
-            looked_at(f"{bias}-{size}", size, bias, size=(128, 128))
-            for bias in BIASES
-            for size in SIZES
+            looked_at(name, *settings, size=(128, 128), colors=SHADOW)
+            for name, settings in PASSES.items()
+            if name != WHOLE
         ),
     ),
     picture="picture.FragColor",
     expect=[
         *courtyard.map_checks("map-256"),
-        *(formula(f"slope-256.{output}", law) for output, law in LAWS.items()),
+        *(formula(f"{WHOLE}.{output}", law) for output, law in LAWS.items()),
         *(formula(f"{bias}-512.shadow", LAWS["shadow"]) for bias in BIASES),
-        lit.picture_check(),
-        *courtyard.single_points("slope-256"),
+        *courtyard.single_points(WHOLE),
         formula("filtered.shadow", LAWS["shadow"]),
-        courtyard.past_far_plane("slope-256"),
-        courtyard.hidden(EYE, BOXES, ("filtered", *PASSES)),
-        courtyard.drawn(at_least=0.99),
-        courtyard.hidden_in_picture(EYE, BOXES),
+        courtyard.past_far_plane(WHOLE),
+        *courtyard.surface_checks(EYE, BOXES, WHOLE, [name for name in PASSES if name != WHOLE]),
+        *courtyard.picture_checks(EYE, BOXES),
         table("wrongly dark", wrongly_dark, DARK, "lit"),
         table("wrongly bright", wrongly_bright, BRIGHT, "shadowed"),
     ],

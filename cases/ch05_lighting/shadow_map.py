@@ -19,11 +19,11 @@ from shaderlab.reference.shadows import shadow_coordinates
 from shaderlab.reference.transforms import look_at, orthographic
 from shaderlab.sampling import texture
 
-from ..scenes import lit, shadow_stage as courtyard
+from ..scenes import shadow_stage as courtyard
 from ..scenes.cameras import camera
 from ..scenes.courtyard_light import courtyard_references
 from ..scenes.figures import figure, results
-from ..scenes.shadow_stage import BOXES, EYE, LIGHT_VIEW, MODEL, PICTURED, SUN, WHITE, reads
+from ..scenes.shadow_stage import BOXES, EYE, LIGHT_VIEW, MODEL, SHADOW, SUN, WHITE, reads
 from ..scenes.shadow_truth import blocked
 
 LIGHT_PROJECTION = orthographic(-10.0, 10.0, -10.0, 10.0, 1.0, 7.5)
@@ -34,6 +34,7 @@ CAMERA = camera(EYE, (0.0, 0.4, 0.1), 42.0, far=60.0)
 FROM_ABOVE = camera((0.0, 46.0, 0.1), (0.0, 0.0, 0.0), 58.0, far=90.0)
 BIAS = {"leastBias": 0.004, "mostBias": 0.02}
 STEADY = {"leastBias": 0.02, "mostBias": 0.0}
+REPEATED = {"wrap": ("repeat", "repeat")}
 GREY = (0.5, 0.5, 0.5)
 
 
@@ -53,17 +54,21 @@ def notes_ambient():
     return 0.15 * GREY[0] * GREY[0]
 
 
-def wrong(FragColor, shadow, place, upright):
+def wrong(shadow, place, upright):
     """The share of places in the sun's sight or out of it that the map tells wrongly."""
-    there = courtyard.faces(FragColor, upright, SUN)
+    there = courtyard.faces(upright, SUN)
     return np.mean((shadow[..., 0] > 0.5)[there] != blocked(place, SUN, BOXES)[there])
 
 
-def dark_outside(FragColor, shadow, place, upright):
+def dark_outside(shadow, place):
     """The share of dark places among those that the map does not cover."""
     seen = place @ LIGHT_SPACE[:3, :3].T + LIGHT_SPACE[:3, 3]
-    outside = courtyard.faces(FragColor, upright, SUN) & (np.abs(seen) > 1.001).any(axis=-1)
-    return np.mean(shadow[..., 0][outside])
+    return np.mean(shadow[..., 0][(np.abs(seen) > 1.001).any(axis=-1)])
+
+
+def outside(name):
+    """What of two passes tells it: they look from the same place."""
+    return reads("wide", "place", shadow=f"{name}.shadow")
 
 
 LAWS = courtyard_references(texture)
@@ -81,33 +86,37 @@ case = Case(
     r"\qquad c = \left(a + (1 - s)(d + h)\right) c_0",
     passes=(
         courtyard.cast("shadow", LIGHT_SPACE, MODEL, size=1024),
-        scene("large", size=(1024, 1024), colors=PICTURED, clear=(0.30, 0.40, 0.52, 0.0)),
-        *lit.picture("large"),
+        *courtyard.photographed(scene("").draws, clear=(0.30, 0.40, 0.52, 0.0)),
         scene("judged", size=(96, 96)),
-        scene("wide", FROM_ABOVE, uniforms={**BIAS, "radius": 2}, size=(72, 72)),
-        scene("repeated", FROM_ABOVE, {"wrap": ("repeat", "repeat")}, STEADY, size=(96, 96)),
+        scene("wide", FROM_ABOVE, uniforms={**BIAS, "radius": 2}, size=(96, 96)),
+        scene("repeated", FROM_ABOVE, REPEATED, STEADY, size=(96, 96), colors=SHADOW),
     ),
     picture="picture.FragColor",
     expect=[
         *courtyard.map_checks("shadow"),
-        *(formula(f"judged.{output}", law) for output, law in LAWS.items()),
-        formula("wide.shadow", LAWS["shadow"]),
+        *(
+            formula(f"{name}.{output}", law)
+            for name in ("judged", "wide")
+            for output, law in LAWS.items()
+        ),
         formula("repeated.shadow", LAWS["shadow"]),
-        lit.picture_check(),
         *courtyard.single_points("judged"),
-        courtyard.hidden(EYE, BOXES, ["judged"]),
-        courtyard.hidden_in_picture(EYE, BOXES, "large"),
+        *courtyard.surface_checks(EYE, BOXES, "judged"),
+        courtyard.same_surfaces("repeated", "wide"),
+        *courtyard.picture_checks(EYE, BOXES),
         measure(
             "shadows told wrongly",
             wrong,
-            readings=[reading("map of 1024², seen from near", reads=reads("judged"), at_most=0.02)],
+            reads=reads("judged", "shadow", "place", "upright"),
+            at_most=0.02,
+            note="a map of 1024², seen from near",
         ),
         measure(
             "dark outside the map",
             dark_outside,
             readings=[
-                reading("a border of 1", reads=reads("wide"), equals=0.0, digits=6),
-                reading("GL_REPEAT", reads=reads("repeated"), at_least=0.0005),
+                reading("a border of 1", reads=outside("wide"), equals=0.0, digits=6),
+                reading("GL_REPEAT", reads=outside("repeated"), at_least=0.0005),
             ],
         ),
         *results(

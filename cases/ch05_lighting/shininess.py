@@ -23,7 +23,6 @@ from shaderlab import (
     across,
     any_order,
     assets,
-    both_ways,
     computed,
     formula,
     fullscreen,
@@ -37,6 +36,7 @@ from shaderlab.sampling import texture
 
 from ..scenes import lit
 from ..scenes.cameras import camera, turned
+from ..scenes.draws import twins
 from ..scenes.figures import each_draw, figure, figures
 from ..scenes.panels import cell, panel
 from ..scenes.studio import finished
@@ -81,7 +81,7 @@ def strip(name, mesh, size, **target):
     """Eight balls, and their lobes below them."""
     draws = [draw for k, s in enumerate(SHININESS) for draw in (ball(mesh, k, s), profile(k, s))]
     target = Target(size=size, depth="depth24", clear=(0.012, 0.014, 0.02, 1.0), **target)
-    return both_ways(Pass(name=name, target=target, draws=draws))
+    return twins(Pass(name=name, target=target, draws=draws))
 
 
 def lobe(slope, shininess):

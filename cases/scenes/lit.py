@@ -19,7 +19,6 @@ from shaderlab import (
     Target,
     any_order,
     assets,
-    both_ways,
     formula,
     fullscreen,
 )
@@ -33,7 +32,7 @@ from shaderlab.reference.transforms import (
 )
 from shaderlab.sampling import texture
 
-from .draws import tested
+from .draws import tested, twins
 from .laws import Law, unchanged
 from .studio import finished, handed_on
 
@@ -129,7 +128,7 @@ def photographed(
     name: str = "judged",
     size: tuple[int, int] | None = None,
 ) -> tuple[Pass, ...]:
-    """Passes "scene" and "picture" for people, and one for the checks; both scenes `both_ways`.
+    """Passes "scene" and "picture" for people, and one for the checks; both scenes as `twins`.
 
     Args:
         draws: of the large scene, 1024 × 1024.
@@ -142,9 +141,9 @@ def photographed(
     large = large_scene(draws, clear=clear, output=output)
     target = Target(size=size, depth="depth24", clear=large.target.clear)
     return (
-        *both_ways(large),
+        *twins(large, output),
         *picture(output=output),
-        *both_ways(Pass(name=name, target=target, draws=tuple(judged or draws))),
+        *twins(Pass(name=name, target=target, draws=tuple(judged or draws)), output),
     )
 
 

@@ -9,24 +9,38 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from shaderlab import Cell, Depth, Draw, Mesh, Pass, State, Target, formula, measure, reading, value
+from shaderlab import (
+    Cell,
+    Depth,
+    Draw,
+    Mesh,
+    Output,
+    Pass,
+    State,
+    Target,
+    exact,
+    formula,
+    measure,
+    value,
+)
 from shaderlab.model import Expectation, TextureSource, UniformValue
 from shaderlab.reference.transforms import look_at, orthographic
 
 from .cameras import turned
 from .courtyard import boxes, courtyard
 from .courtyard_light import light_position, stored_depth
-from .draws import tested
+from .draws import tested, twins
 from .figures import figure
+from .lit import picture, picture_check
 from .shadow_truth import hidden_share
 
 Matrix = npt.NDArray[Any]
 SUN = (-2.0, 4.0, -1.0)
 EYE = (1.9, 3.3, -4.9)
-PICTURED = {"FragColor": "rgba16f", "shadow": "r8", "place": "rgba32f", "upright": "rgba16f"}
-"""What a large picture keeps of its light and of what rays need to check its shadows."""
-PLACES = ("FragColor", "shadow", "place", "upright")
-"""The outputs that statistics about shadows read."""
+PICTURED = {"FragColor": "rgba16f", "place": "rgba32f"}
+"""What a large picture keeps: its light, and what rays need to check it."""
+SHADOW = {"shadow": "r32f"}
+"""What a pass keeps whose surfaces another one has already."""
 MODEL = turned(6.0)
 BOXES = [MODEL @ box for box in boxes()]
 LIGHT_VIEW = look_at(SUN, (0.0, 0.0, 0.0))
@@ -150,55 +164,94 @@ def in_cell(description: Pass, cell: Cell) -> Draw:
     return replace(draw, state=replace(draw.state, cell=cell))
 
 
-def large(draws: Iterable[Draw], **target: Any) -> Pass:
-    """The pass "scene" for people, with what rays need to check it."""
+def photographed(draws: Iterable[Draw], **target: Any) -> tuple[Pass, ...]:
+    """Passes "scene" for people, with the places that rays need to check it, and "picture"; and
+    "scene-backwards", the triangles of each draw from last to first."""
     target = {"size": (1024, 1024), "colors": PICTURED, "depth": "depth24", **target}
-    return Pass(name="scene", target=Target(**target), draws=tuple(draws))
+    scene = Pass(name="scene", target=Target(**target), draws=tuple(draws))
+    twin, _ = twins(scene)
+    draws = [twins(replace(scene, draws=(draw,)))[0].draws[0] for draw in scene.draws]
+    return replace(twin, draws=draws), scene, *picture()
 
 
-def reads(name: str, *outputs: str) -> dict[str, str]:
-    """Outputs of one pass by their own names, those of PLACES unless others are given.
+def picture_checks(
+    eye: Any, models: Any, *, drawn: float = 0.99, hidden: float = 0.002
+) -> tuple[Any, ...]:
+    """The large picture is drawn, the nearest surfaces in front, and encoded for a display.
 
-    >>> reads("judged", "place")
-    {'place': 'judged.place'}
+    Args:
+        eye: the camera's place.
+        models: the boxes' matrices, from the unit box around the origin.
+        drawn: the least share of it that shows anything but the background.
+        hidden: the largest share of places in it that a box hides from the eye; of every eighth
+            pixel, both ways.
+
+    >>> [check.name for check in picture_checks((0.0, 0.0, 2.0), [])][:2]
+    ['the picture', 'pixels of the large picture that the order of drawing changes']
     """
-    return {output: f"{name}.{output}" for output in outputs or PLACES}
+    return (
+        picture_check(),
+        measure(
+            "pixels of the large picture that the order of drawing changes",
+            _changed_share,
+            reads=reads("scene", "FragColor", backwards="scene-backwards.FragColor"),
+            at_most=1e-5,
+            note="where two faces meet, they are equally near",
+        ),
+        measure(
+            "share of the large picture that is drawn",
+            _drawn_share,
+            reads=reads("scene", "FragColor"),
+            at_least=drawn,
+        ),
+        measure(
+            "places hidden from the eye, in the large picture",
+            hidden_share(eye, models, step=8),
+            reads=reads("scene", "FragColor", "place"),
+            at_most=hidden,
+        ),
+    )
 
 
-def hidden(eye: Any, models: Any, names: Iterable[str]) -> Any:
-    """A depth test that works leaves next to no place that a box hides from the eye."""
-    return measure(
+def surface_checks(eye: Any, models: Any, name: str, others: Iterable[str] = ()) -> list[Any]:
+    """Next to no place of a pass is hidden from the eye by a box, and other passes that look from
+    the same place see the same surfaces.
+
+    >>> [check.name for check in surface_checks((0.0, 0.0, 2.0), [], "one", ["two"])]
+    ['places hidden from the eye', 'two: the same surfaces']
+    """
+    hidden = measure(
         "places hidden from the eye",
         hidden_share(eye, models, step=1),
-        readings=[reading(name, reads=reads(name, "FragColor", "place")) for name in names],
+        reads=reads(name, "FragColor", "place"),
         at_most=0.002,
     )
+    return [hidden, *(same_surfaces(other, name) for other in others)]
 
 
-def hidden_in_picture(eye: Any, models: Any, name: str = "scene", *, at_most: float = 0.002) -> Any:
-    """The same of every eighth pixel of the large picture, both ways."""
-    return measure(
-        "places hidden from the eye, in the large picture",
-        hidden_share(eye, models, step=8),
-        reads=reads(name, "FragColor", "place"),
-        at_most=at_most,
-    )
+def same_surfaces(one: str, other: str) -> Any:
+    """Two passes from the same place have the same depths, bit for bit."""
+    depth, name = Output(f"{other}.depth"), f"{one}: the same surfaces"
+    return exact(f"{one}.depth", depth, name=name, pictured=False)
 
 
-def drawn(at_least: float) -> Any:
-    """How much of the large picture shows anything but the background."""
-    return measure(
-        "share of the large picture that is drawn",
-        _drawn_share,
-        reads={"FragColor": "scene.FragColor"},
-        at_least=at_least,
-    )
+def reads(name: str, *outputs: str, **of_others: str) -> dict[str, str]:
+    """Outputs of one pass by their own names, and outputs of others as they are given.
+
+    >>> reads("judged", "place", shadow="large.shadow")
+    {'place': 'judged.place', 'shadow': 'large.shadow'}
+    """
+    return {**{output: f"{name}.{output}" for output in outputs}, **of_others}
 
 
-def faces(FragColor: Matrix, upright: Matrix, to_light: Any) -> npt.NDArray[np.bool_]:
-    """The places that are drawn and face the light."""
+def faces(upright: Matrix, to_light: Any) -> npt.NDArray[np.bool_]:
+    """The places that face the light, of normals that are 0 where nothing is drawn."""
     facing: npt.NDArray[np.bool_] = (upright * to_light).sum(axis=-1) > 0.0
-    return (FragColor[..., 3] > 0.0) & facing
+    return facing
+
+
+def _changed_share(FragColor: Matrix, backwards: Matrix) -> float:
+    return float((FragColor != backwards).any(axis=-1).mean())
 
 
 def _drawn_share(FragColor: Matrix) -> float:

@@ -98,4 +98,4 @@ def wrongly_bright(shadow: ArrayLike, truth: ArrayLike, lit: ArrayLike) -> float
     0.3333333333333333
     """
     there = np.asarray(lit) & np.asarray(truth)
-    return float(np.mean(np.asarray(shadow)[there] < 0.5))
+    return float(np.mean(np.asarray(shadow)[there] <= 0.5))

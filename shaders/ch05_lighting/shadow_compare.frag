@@ -1,7 +1,6 @@
 #version 330 core
 #include "lib/shadow.glsl"
 
-in vec3 FragPos;
 in vec3 Normal;
 in vec4 FragPosLightSpace;
 
@@ -10,8 +9,7 @@ uniform vec3 lightPos;               // a sun in this direction
 uniform float leastBias;
 uniform float mostBias;
 
-layout (location = 0) out float shadow;
-layout (location = 1) out vec3 place;
+out float shadow;
 
 void main()
 {
@@ -19,5 +17,4 @@ void main()
     float bias = slopeBias(normalize(Normal), normalize(lightPos), leastBias, mostBias);
     float bright = texture(shadowMap, vec3(at.xy, at.z - bias));
     shadow = at.z > 1.0 ? 0.0 : 1.0 - bright;
-    place = FragPos;
 }
