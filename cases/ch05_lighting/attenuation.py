@@ -13,8 +13,10 @@ that it is dark beyond, some 1.1 to 1.3 % is always left.
 import numpy as np
 
 from shaderlab import Case, Erratum, Ramp, Variant, across, formula, fullscreen, sweep, up
+from shaderlab.glslmath import length, mix, vec3, vec4
 from shaderlab.reference.attenuation import attenuation, crossover, reach
 
+from ..scenes.drawing import AMBER, BLUE, chessboard, encoded, line, pixel_size
 from ..scenes.figures import figure, results
 from ..scenes.panels import square
 
@@ -39,6 +41,25 @@ UNSET = {"light.constant": 1.0, "light.linear": 0.0, "light.quadratic": 0.0}
 def left_at_d():
     """The light left at each row's own d, in per cent."""
     return [100.0 * attenuation(d, 1.0, kl, kq) for d, kl, kq, *_ in TABLE]
+
+
+def floor_in_light(
+    FragPos, frag_coord, light_constant, light_linear, light_quadratic, coverage
+):  # fmt: skip
+    """The picture: the lamp's light on a chessboard, and rings at three distances."""
+    light = (light_constant, light_linear, light_quadratic)
+    size = pixel_size(FragPos, -1.25 * coverage, frag_coord)
+    fields = mix(vec3(0.55), vec3(0.75), chessboard(FragPos * 10.0 / coverage))
+    color = encoded(fields * vec3(1.0, 0.87, 0.66) * attenuation(length(FragPos), *light))
+    rings = (
+        (reach(0.05, *light), 2.0, AMBER, 1.0),
+        (reach(0.01, *light), 2.0, BLUE, 1.0),
+        (coverage, 1.0, (1.0, 1.0, 1.0), 0.6),
+    )
+    for radius, width, hue, strength in rings:
+        ring = line(lambda place, radius=radius: length(place) - radius, FragPos, size, width)
+        color = mix(color, vec3(*hue), strength * ring)
+    return vec4(color, 1.0)
 
 
 def row(d, kl, kq, at_d, five, one, takes_over):
@@ -90,6 +111,7 @@ case = Case(
     expect=[
         formula("factor", attenuation),
         formula("reach", reach),
+        formula("picture.FragColor", floor_in_light, name="the picture"),
         *results(
             {
                 "least light left at d, %": (lambda: min(left_at_d()), 1.06),

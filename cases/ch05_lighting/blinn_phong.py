@@ -16,66 +16,43 @@ import numpy as np
 
 from shaderlab import (
     Case,
-    Cell,
-    Depth,
-    Draw,
-    Mesh,
     Pass,
-    State,
     Target,
     Variant,
     across,
     any_order,
     assets,
-    both_ways,
     formula,
     fullscreen,
     sweep,
-    value,
 )
-from shaderlab.glslmath import clamp, dot, max, normalize, pow, swizzle, vec3, vec4, where
+from shaderlab.glslmath import dot, max, normalize, swizzle, vec3, vec4, where
 from shaderlab.reference import lighting as lobes
-from shaderlab.reference.transforms import (
-    clip_position,
-    look_at,
-    normal_matrix,
-    perspective,
-    rotate,
-    translate,
-    world_normal,
-    world_position,
-)
+from shaderlab.reference.transforms import rotate, translate
+
+from ..scenes import lit
+from ..scenes.cameras import camera
+from ..scenes.drawing import encoded
+from ..scenes.draws import twins
+from ..scenes.figures import figure
+from ..scenes.panels import cell
 
 EYE, LAMP = (0.0, 1.5, 4.6), (0.0, 1.1, 0.4)
+CAMERA = camera(EYE, (0.0, 0.0, 0.9), 42.0, 0.5, far=20.0)
 # The still life is built along x, and a quarter turn has it face the viewer.
 MODEL = rotate(radians(90.0), (0.0, 1.0, 0.0))
-STILL_LIFE = Mesh(
-    **assets.joined(
-        assets.plane(size=12.0),
-        assets.moved(assets.torus(0.34, 0.15), translate((-1.5, 0.15, 0.0))),
-        assets.moved(assets.sphere(0.3), translate((1.2, 0.42, 0.0))),
-    )
-).only("aPos", "aNormal")
+STILL_LIFE = assets.joined(
+    assets.plane(size=12.0),
+    assets.moved(assets.torus(0.34, 0.15), translate((-1.5, 0.15, 0.0))),
+    assets.moved(assets.sphere(0.3), translate((1.2, 0.42, 0.0))),
+)
 
 
 def half(column, blinn):
     """One half of the picture: the still life with one of the two lobes."""
-    return Draw(
-        vertex="ch05_lighting/blinn_phong.vert",
-        fragment="ch05_lighting/blinn_phong.frag",
-        mesh=STILL_LIFE,
-        uniforms={
-            "model": MODEL,
-            "normalMatrix": normal_matrix(MODEL),
-            "view": look_at(EYE, (0.0, 0.0, 0.9)),
-            "projection": perspective(radians(42.0), 0.5, 0.1, 20.0),
-            "lightPos": LAMP,
-            "viewPos": EYE,
-            "shininess": 8.0,
-            "blinn": blinn,
-        },
-        state=State(depth=Depth(), cell=Cell(column=column, row=0, columns=2, rows=1)),
-    )
+    uniforms = {"lightPos": LAMP, "viewPos": EYE, "shininess": 8.0, "blinn": blinn}
+    shader = "ch05_lighting/blinn_phong.frag"
+    return lit.thing(shader, STILL_LIFE, MODEL, CAMERA, uniforms, cell=cell(column, 2))
 
 
 def mirrored(FragPos, Normal, lightPos, viewPos, shininess):
@@ -92,8 +69,7 @@ def shaded(FragPos, Normal, lightPos, lobe):
     """The picture's colour: an ambient and a diffuse part, the lobe, and the display's gamma."""
     cosine = max(dot(normalize(Normal), normalize(lightPos - FragPos)), 0.0)
     surface = where(swizzle(FragPos, "y") > 0.001, vec3(0.55, 0.16, 0.12), vec3(0.10, 0.14, 0.20))
-    light = surface * (0.06 + 0.9 * cosine) + vec3(0.55) * lobe
-    return vec4(pow(clamp(light, 1.0e-6, 1.0), 1.0 / 2.2), 1.0)
+    return vec4(encoded(surface * (0.06 + 0.9 * cosine) + vec3(0.55) * lobe), 1.0)
 
 
 def shaded_mirrored(FragPos, Normal, lightPos, viewPos, shininess):
@@ -126,19 +102,13 @@ def past_the_edge(blinn):
     """Light 60° and viewer 45° off the normal on one side: mirrored ray and viewer 105° apart."""
     at = {"slope": tan(radians(45.0))}
     return [
-        value("phong", at=at, equals=0.0, digits=6, name="Phong past 90°"),
-        value("blinn", at=at, equals=blinn, digits=6, name="Blinn past 90°"),
+        figure("phong", "Phong past 90°", at, 0.0),
+        figure("blinn", "Blinn past 90°", at, blinn),
     ]
 
 
-def out_of_the_plane():
-    """A light that is not in one plane with viewer and normal, nor given as a unit vector."""
-    at = {"slope": 0.5, "lightDir": (-0.6, 1.2, 0.4), "shininess": 8.0}
-    return [
-        value("phong", at=at, equals=0.711321, digits=6, name="Phong, light from aside"),
-        value("blinn", at=at, equals=0.899891, digits=6, name="Blinn, light from aside"),
-    ]
-
+# A light that is not in one plane with viewer and normal, nor given as a unit vector.
+ASIDE = {"slope": 0.5, "lightDir": (-0.6, 1.2, 0.4), "shininess": 8.0}
 
 case = Case(
     title="Blinn–Phong beside Phong",
@@ -146,7 +116,7 @@ case = Case(
     math=r"H = \frac{L + V}{\lVert L + V \rVert}, \qquad "
     r"\text{Blinn} = (N \cdot H)^s, \quad \text{Phong} = (R \cdot V)^s",
     passes=(
-        *both_ways(
+        *twins(
             Pass(
                 name="picture",
                 target=Target(depth="depth24", clear=(0.16, 0.20, 0.26, 1.0)),
@@ -162,9 +132,7 @@ case = Case(
     ),
     picture="picture.FragColor",
     expect=[
-        formula("picture.gl_Position", clip_position),
-        formula("picture.FragPos", world_position),
-        formula("picture.Normal", world_normal),
+        *lit.vertex_stage_checks(pass_name="picture"),
         formula("picture.specular", mirrored, draw=0, name="Phong, left half"),
         formula("picture.specular", halfway, draw=1, name="Blinn, right half"),
         formula("picture.FragColor", shaded_mirrored, draw=0, name="colour, left half"),
@@ -174,7 +142,8 @@ case = Case(
         formula("blinn", blinn_over_slope),
         sweep("phong", phong_over_slope, over="slope", values=SLOPES),
         sweep("blinn", blinn_over_slope, over="slope", values=SLOPES),
-        *out_of_the_plane(),
+        figure("phong", "Phong, light from aside", ASIDE, 0.711321),
+        figure("blinn", "Blinn, light from aside", ASIDE, 0.899891),
     ],
     variants=[
         Variant("shininess 0.5", {"shininess": 0.5}, expect=past_the_edge(0.780232)),

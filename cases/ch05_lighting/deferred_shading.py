@@ -31,7 +31,7 @@ from shaderlab import (
     reading,
     value,
 )
-from shaderlab.glslmath import dot, length, max, normalize, swizzle, vec4
+from shaderlab.glslmath import dot, fract, length, max, normalize, swizzle, vec2, vec4, where
 from shaderlab.reference.lighting import lobe
 from shaderlab.reference.transforms import (
     clip_position,
@@ -44,6 +44,7 @@ from shaderlab.reference.transforms import (
 )
 from shaderlab.sampling import texture
 
+from ..scenes.drawing import encoded
 from ..scenes.plaza import plaza
 
 EYE = (0.0, 4.6, 7.4)
@@ -129,6 +130,22 @@ def deferred(gPosition, gNormal, gAlbedoSpec, TexCoords, viewPos, lamps_position
     )  # fmt: skip
 
 
+def shown(gPosition, gNormal, gAlbedoSpec, lit, TexCoords):
+    """The picture: a quarter each, as colours or encoded; the mean of four texels."""
+    right, above = (swizzle(TexCoords, axis) > 0.5 for axis in "xy")
+    height, width = lit.texels.values.shape[:2]
+
+    def read(x, y):
+        at = fract(2.0 * TexCoords) + vec2(0.25 * x / width, 0.25 * y / height)
+        place, normal, albedo, light = (
+            swizzle(texture(buffer, at), "rgb") for buffer in (gPosition, gNormal, gAlbedoSpec, lit)
+        )
+        raw = where(right, 0.5 + 0.5 * normal, 0.5 + 0.14 * place)
+        return where(above, raw, encoded(where(right, light, albedo)))
+
+    return vec4(0.25 * (read(-1, -1) + read(1, 1) + read(-1, 1) + read(1, -1)), 1.0)
+
+
 def place_of(FragPos):
     """The first attachment."""
     return FragPos
@@ -183,6 +200,7 @@ case = Case(
         formula("buffer.gNormal", normal_of),
         formula("buffer.gAlbedoSpec", surface_of),
         formula("lit.FragColor", deferred, name="deferred"),
+        formula("picture.FragColor", shown, name="the picture"),
         formula("forward.FragColor", forward, name="forward"),
         measure(
             "largest difference from forward shading",

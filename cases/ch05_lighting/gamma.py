@@ -29,7 +29,7 @@ from shaderlab import (
     sweep,
     up,
 )
-from shaderlab.glslmath import vec4
+from shaderlab.glslmath import abs, floor, fract, step, swizzle, vec3, vec4, where
 from shaderlab.reference.gamma import gamma_encode, srgb_decode, srgb_encode
 
 from ..scenes.colour_science import srgb_by_colour_science
@@ -73,6 +73,27 @@ def around(threshold):
     return np.sort(np.concatenate([np.geomspace(0.0005, 1.0, 64), near]))
 
 
+def threshold(frag_coord):
+    """Bayer's 8 × 8 matrix of thresholds: D₂ₙ = (4 Dₙ, 4 Dₙ + 2; 4 Dₙ + 3, 4 Dₙ + 1), from D₁ = 0
+    (B. E. Bayer, 1973), over dots of 2 × 2 pixels."""
+    dot = floor(0.5 * swizzle(frag_coord, "xy"))
+    level = 1.0 / 128.0
+    for bit in range(3):
+        odd = 2.0 * fract(0.5 * floor(dot * 0.5**bit))
+        x, y = swizzle(odd, "x"), swizzle(odd, "y")
+        level = level + (2.0 * abs(x - y) + y) * 0.25 ** (bit + 1)
+    return level
+
+
+def stripes(linear, stripe, frag_coord):
+    """The picture: light in sixteen steps, raw outside, encoded in the middle, dithered between."""
+    light = (floor(linear * 16.0) + 0.5) / 16.0
+    band = abs(floor(stripe) - 2.0)
+    dithered = step(threshold(frag_coord), light)
+    shown = where(band < 0.5, srgb_encode(light), where(band < 1.5, dithered, light))
+    return vec4(vec3(1.0) * shown, 1.0)
+
+
 def half_of_the_light():
     """A chessboard of black and white, from far away."""
     return vec4(0.5, 0.5, 0.5, 1.0)
@@ -93,6 +114,7 @@ case = Case(
     ),
     picture="picture.FragColor",
     expect=[
+        formula("picture.FragColor", stripes, name="the picture"),
         formula("power", gamma_encode),
         formula("srgb", srgb_encode, also={"colour-science": srgb_by_colour_science}),
         formula("decoded", decode),

@@ -20,7 +20,6 @@ from shaderlab import (
     Draw,
     Mesh,
     Pass,
-    Pixel,
     State,
     Target,
     Texture,
@@ -228,6 +227,7 @@ case = Case(
         formula("corners.upright", world_normal),
         formula("corners.uv", unchanged("aTexCoords")),
         formula("corners.gl_Position", world),
+        formula("corners.FragColor", lit.glowing),
         formula("mapped.TexCoords", uv_of, name="mapped: texture coordinates"),
         *checks("mapped"),
         *checks("mirrored"),
@@ -237,7 +237,7 @@ case = Case(
         figure(
             "bytes.normal",
             "what bytes 128, 127 and 255 stand for",
-            Pixel(0, 0),
+            {"TexCoords": (0.5, 0.5)},
             (0.003922, -0.003922, 1.0),
         ),
         computed(

@@ -26,10 +26,24 @@ from shaderlab import (
     up,
     value,
 )
-from shaderlab.glslmath import sqrt, vec3
+from shaderlab.glslmath import (
+    clamp,
+    floor,
+    fract,
+    length,
+    max,
+    mix,
+    sqrt,
+    swizzle,
+    vec2,
+    vec3,
+    vec4,
+    where,
+)
 from shaderlab.reference import microfacets
 
 from ..scenes import furnace
+from ..scenes.drawing import change, encoded, pixel_size
 
 LEVELS = 16
 RING = np.cos((np.arange(8) + 0.5) / 8.0 * np.pi)
@@ -59,6 +73,33 @@ def facing(t, roughness):
     halfway = vec3(sine, 0.0, sqrt(1.0 - sine * sine))
     d = microfacets.distribution_of(vec3(0.0, 0.0, 1.0), halfway, roughness)
     return 6.0 * microfacets.PI * (t * t * t * t * t) * d
+
+
+def balls(TexCoords, frag_coord, ring, light):
+    """The picture: what each ball sends back of the light around it, encoded."""
+
+    def of_row(place):
+        return clamp(floor(swizzle(place, "y") / 1.66), 0.0, 2.0)
+
+    def outwards(at):
+        place = 6.0 * at - vec2(0.0, 0.51)
+        up = swizzle(place, "y") - 1.66 * (of_row(place) + 0.5)
+        return length(vec2(fract(swizzle(place, "x")) - 0.5, up) / 0.46)
+
+    place, off = 6.0 * TexCoords - vec2(0.0, 0.51), outwards(TexCoords)
+    rough = 0.15 + 0.17 * floor(swizzle(place, "x"))
+    cosine = max(sqrt(max(1.0 - off * off, 0.0)), 0.02)
+    row = of_row(place)
+
+    def half_of_g(cosine, roughness):
+        direct, sky, smith = (form(cosine, roughness) for form in FORMS.values())
+        return where(row > 1.5, smith, where(row > 0.5, sky, direct))
+
+    of_ball = share(half_of_g)(cosine, rough, ring)
+    size = pixel_size(TexCoords, (0.0, 0.0), frag_coord)
+    edge = clamp((1.0 - off) / change(outwards, TexCoords, size) + 0.5, 0.0, 1.0)
+    seen = mix(1.0, where(off < 1.05, of_ball, 1.0), edge)
+    return vec4(encoded(light * vec3(1.0, 0.95, 0.87) * seen), 1.0)
 
 
 def covered(facing, row):
@@ -148,6 +189,7 @@ case = Case(
     picture="picture.FragColor",
     expect=[
         formula("facing.facing", facing),
+        formula("picture.FragColor", balls, name="the picture"),
         *(formula(f"table.{output}", share(form)) for output, form in FORMS.items()),
         measure(
             "∫ D (n·h) dω",

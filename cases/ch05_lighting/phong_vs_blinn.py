@@ -124,7 +124,7 @@ case = Case(
     ),
     picture="picture.FragColor",
     expect=[
-        formula("phong", phong, name="Phong's lobe"),
+        *each_draw("phong", phong, {0: "Phong's lobe, below", 1: "Phong's lobe, above"}),
         formula("blinn", blinn, name="Blinn's lobe, matched"),
         formula("blinn", blinn, draw=0, name="Blinn's lobe, same exponent"),
         formula("FragColor", drawing, name="the matched drawing"),

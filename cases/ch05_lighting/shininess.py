@@ -32,14 +32,12 @@ from shaderlab import (
 from shaderlab.glslmath import vec3, vec4, where
 from shaderlab.reference.lighting import half_power_angle, phong, phong_color, specular_factor
 from shaderlab.reference.transforms import translate
-from shaderlab.sampling import texture
 
 from ..scenes import lit
 from ..scenes.cameras import camera, turned
 from ..scenes.draws import twins
 from ..scenes.figures import each_draw, figure, figures
 from ..scenes.panels import cell, panel
-from ..scenes.studio import finished
 
 SHININESS = (2, 4, 8, 16, 32, 64, 128, 256)
 HALF_POWER = (45.0, 32.765100, 23.508050, 16.743653, 11.882461, 8.417365, 5.957353, 4.214387)
@@ -127,8 +125,7 @@ case = Case(
     passes=(
         *strip("scene", BALL, (2048, 512), colors={"FragColor": "rgba16f"}),
         *lit.picture(target=Target(size=(1024, 256))),
-        *lit.picture(name="small"),
-        *strip("balls", SMALL_BALL, (192, 48)),
+        *strip("balls", SMALL_BALL, (192, 48), colors={"FragColor": "rgba32f", "spec": "r32f"}),
         *fullscreen(
             "ch05_lighting/shininess_profile.frag",
             domain={"slope": across(-1.2, 1.2), "level": up(-0.05, 1.2)},
@@ -141,14 +138,14 @@ case = Case(
         *each_draw(
             "balls.spec",
             specular_factor,
-            {2 * k: f"lobe of {SHININESS[k]} on its ball" for k in (0, 4, 7)},
+            {2 * k: f"lobe of {s} on its ball" for k, s in enumerate(SHININESS)},
         ),
         *each_draw(
             "balls.FragColor", phong_color, {2 * k: f"ball of {SHININESS[k]}" for k in (0, 4, 7)}
         ),
         formula("lobe", lobe),
         formula("FragColor", profile_color, name="the lobe, filled"),
-        formula("small.FragColor", finished(texture), name="the picture, small"),
+        lit.picture_check(),
         any_order("scene.FragColor"),
         any_order("balls.FragColor"),
         *(e for row in zip(SHININESS, HALF_POWER, strict=True) for e in half_power(*row)),

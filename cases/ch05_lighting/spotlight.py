@@ -14,9 +14,10 @@ from math import cos, radians, sin, tan
 import numpy as np
 
 from shaderlab import Case, Erratum, Ramp, Variant, across, computed, formula, fullscreen, sweep
-from shaderlab.glslmath import vec3
+from shaderlab.glslmath import dot, length, mix, step, swizzle, vec2, vec3, vec4
 from shaderlab.reference.spotlight import ratio_of_cosines, spot_intensity, spot_ratio
 
+from ..scenes.drawing import AMBER, BLUE, encoded, line, pixel_size
 from ..scenes.figures import figure
 
 # The lamp hangs at the origin and points along −z; the picture is a slice with z upward.
@@ -40,6 +41,37 @@ def below(tangent, light_position, light_direction, light_cutOff, light_outerCut
     """The intensity along a straight line one unit below the lamp."""
     place = light_position + vec3(tangent, 0.0, -1.0)
     return spot_intensity(place, light_position, light_direction, light_cutOff, light_outerCutOff)
+
+
+def dusty_air(
+    FragPos, frag_coord, light_position, light_direction, light_cutOff, light_outerCutOff
+):  # fmt: skip
+    """The picture: the beam in a slice of air, both cones, and an arc one unit from the lamp."""
+    cone = (light_position, light_direction, light_cutOff, light_outerCutOff)
+    across = vec2(swizzle(FragPos, "x"), swizzle(FragPos, "z"))
+    size = pixel_size(across, (-0.8, -1.45), frag_coord)
+
+    def place_of(across):
+        return vec3(swizzle(across, "x"), swizzle(FragPos, "y"), swizzle(across, "y"))
+
+    def ratio(across):
+        return spot_ratio(place_of(across), *cone)
+
+    def distance(across):
+        return length(light_position - place_of(across))
+
+    ray = light_position - FragPos
+    beam = 0.55 * spot_intensity(FragPos, *cone) / (0.4 + dot(ray, ray))
+    color = encoded(vec3(0.02, 0.03, 0.05) + vec3(1.0, 0.93, 0.75) * beam)
+    in_front = step(0.05, length(ray))
+    lines = (
+        (lambda at: ratio(at) - 1.0, 1.5, AMBER, in_front),
+        (ratio, 1.5, BLUE, in_front),
+        (lambda at: distance(at) - 1.0, 1.0, (0.85, 0.85, 0.85), 0.35),
+    )
+    for field, width, hue, strength in lines:
+        color = mix(color, vec3(*hue), strength * line(field, across, size, width))
+    return vec4(color, 1.0)
 
 
 def row(degrees, notes, ratio, intensity):
@@ -91,6 +123,7 @@ case = Case(
     expect=[
         formula("ratio", spot_ratio),
         formula("intensity", spot_intensity),
+        formula("picture.FragColor", dusty_air, name="the picture"),
         sweep("edge.intensity", below, over="tangent", values=TANGENTS, name="from edge to edge"),
     ],
     variants=[
