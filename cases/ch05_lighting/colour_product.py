@@ -44,6 +44,11 @@ def room(row, lamp):
         yield thing(BALL, translate((column - 1.5, y, 0.0)), lamp, color)
 
 
+NAMES = [
+    f"{what} in {light} light"
+    for light in ("white", "red", "green", "blue")
+    for what in ("white", "coral", "lemon", "green", "sky blue")
+]
 PRODUCT = opaque(reflected_color)
 
 
@@ -72,13 +77,11 @@ case = Case(
             {"aNormal": (1.0, 2.0, 3.0), "normalMatrix": [[1, 2, 2], [0, 1, 2], [2, 0, 1]]},
             (11.0, 8.0, 5.0),
         ),
-        *each_draw(
-            "FragColor", PRODUCT, {1: "coral in white light", 14: "sky blue in green light"}
-        ),
+        *each_draw("FragColor", PRODUCT, {k: f"product, {name}" for k, name in enumerate(NAMES)}),
         *each_draw(
             "shaded",
             rounded,
-            {1: "rounded, coral in white light", 13: "rounded, green in green light"},
+            {k: f"rounded, {NAMES[k]}" for k in (1, 13)},
         ),
         *lit.picture_checks("shaded", judged="rooms"),
         *figures(

@@ -23,7 +23,7 @@ from shaderlab.reference.transforms import normal_matrix, scale, translate
 
 from ..scenes import lit, normal_rods
 from ..scenes.cameras import camera, turned
-from ..scenes.figures import figure, results
+from ..scenes.figures import each_draw, figure, results
 from ..scenes.laws import unchanged
 from ..scenes.panels import cell
 
@@ -121,7 +121,7 @@ case = Case(
         formula("Normal", unchanged("aNormal"), draw=1, name="normals as they are"),
         formula("Normal", like_a_point, draw=2, name="normals like points"),
         formula("Normal", inverse_transposed, draw=3, name="normals by the inverse transpose"),
-        formula("diff", diffuse_factor),
+        *each_draw("diff", diffuse_factor, ((k, f"diffuse factor, ball {k}") for k in range(4))),
         formula("FragColor", diffuse_color, draw=1, name="colour, normals as they are"),
         formula("FragColor", diffuse_color, name="colour, normals by the inverse transpose"),
         *lit.picture_checks(),

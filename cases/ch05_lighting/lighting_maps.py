@@ -135,8 +135,11 @@ case = Case(
         formula("judged.gl_Position", clip_position, draw=0, name="where the lantern is"),
         formula("judged.FragColor", lit.glowing, draw=0, name="colour of the lantern"),
         *lit.vertex_stage_checks("FragPos", "Normal", "TexCoords", pass_name="judged"),
-        formula("judged.highlight", highlight, name="highlight with a map"),
-        formula("judged.highlight", highlight, draw=2, name="highlight without"),
+        *each_draw(
+            "judged.highlight",
+            highlight,
+            {1: "highlight of the floor", 2: "highlight without a map", 3: "highlight with one"},
+        ),
         *each_draw(
             "judged.FragColor",
             color,

@@ -12,6 +12,8 @@ colours mix, and the spot's white circle washes them out. In the corners only th
 
 from math import cos, radians
 
+import numpy as np
+
 from shaderlab import (
     Blend,
     Case,
@@ -22,6 +24,7 @@ from shaderlab import (
     any_order,
     compile_fails,
     formula,
+    measure,
 )
 from shaderlab.reference import light_sources
 from shaderlab.reference.transforms import clip_position
@@ -107,6 +110,12 @@ by_moon = renamed(light_sources.directional, light="dirLight")
 by_spot = renamed(light_sources.soft_spot, light="spotLight")
 by_all = opaque(summed(by_moon, light_sources.points, by_spot))
 
+
+def largest_difference(one, other):
+    """Of any pixel and channel."""
+    return np.abs(one - other).max()
+
+
 ASIDE = {
     **lit.CORAL_POINT,
     "viewPos": lit.ASIDE,
@@ -142,6 +151,13 @@ case = Case(
         formula("together.spot", by_spot, name="the spot"),
         formula("together.FragColor", by_all, name="all six at once"),
         formula("added.FragColor", by_all, given=ALL, name="one by one, added"),
+        measure(
+            "one by one against all at once",
+            largest_difference,
+            reads={"one": "added.FragColor", "other": "together.FragColor"},
+            at_most=16 * 2.0**-22,
+            note="16 sums of light below 4, each rounded by 2⁻²² at most",
+        ),
         formula("bulbs.gl_Position", clip_position, name="where a bulb is"),
         formula("bulbs.FragColor", lit.glowing, name="colour of a bulb"),
         lit.picture_check(),

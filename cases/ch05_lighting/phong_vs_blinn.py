@@ -17,26 +17,13 @@ from math import cos, radians, sin
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Cell,
-    Draw,
-    Output,
-    Pass,
-    Ramp,
-    State,
-    Target,
-    computed,
-    formula,
-    fullscreen,
-    sweep,
-    value,
-)
+from shaderlab import Case, Ramp, sweep
 from shaderlab.glslmath import abs, dot, length, swizzle, vec2, vec3, vec4, where
 from shaderlab.reference import lighting
-from shaderlab.sampling import texture
 
-from ..scenes.studio import finished
+from ..scenes import lit
+from ..scenes.figures import each_draw, figures, results
+from ..scenes.panels import cell, panel, picture
 
 LIGHT = (-sin(radians(40.0)), cos(radians(40.0)), 0.0)
 UP = np.array([0.0, 1.0, 0.0])
@@ -44,19 +31,18 @@ UP = np.array([0.0, 1.0, 0.0])
 DRAWING = Ramp((-1.1, -0.05), (2.2, 0.0), (0.0, 1.1))
 
 
-def lobes(row, blinn):
-    """One of the two drawings."""
-    return Draw(
-        fragment="ch05_lighting/phong_vs_blinn.frag",
-        domain={"place": DRAWING},
-        uniforms={"lightDir": LIGHT, "shininess": 8.0, "blinnExponent": blinn},
-        state=State(cell=Cell(column=0, row=row, columns=1, rows=2)),
-    )
-
-
-def drawings(name, **target):
+def drawings(name, size, **target):
     """Equal exponents below, matched lobes above."""
-    return Pass(name=name, target=Target(**target), draws=(lobes(0, 8.0), lobes(1, 32.0)))
+    draws = [
+        panel(
+            "ch05_lighting/phong_vs_blinn.frag",
+            {"place": DRAWING},
+            {"lightDir": LIGHT, "shininess": 8.0, "blinnExponent": exponent},
+            cell=cell(row, 1, 2),
+        )
+        for row, exponent in enumerate((8.0, 32.0))
+    ]
+    return picture(draws, size, name, **target)
 
 
 def phong(place, lightDir, shininess):
@@ -106,6 +92,8 @@ def largest_gap(factor):
 
 
 NARROW = {"place": (0.35, 0.20), "blinnExponent": 256.0}
+LAMP_ASIDE = {"place": (0.6, 0.8), "lightDir": (-0.48, 0.6, 0.64), "shininess": 2.0}
+ALONG_GROUND = {"place": (0.8074, -0.59), "lightDir": (0.0, 0.6, 0.8), "blinnExponent": 0.5}
 AT_20 = past_the_mirrored_ray(20.0)
 
 case = Case(
@@ -114,64 +102,61 @@ case = Case(
     math=r"\angle(N, H) = \tfrac12\,\angle(R, V), \qquad "
     r"\cos^{4n}\tfrac{\alpha}{2} \approx \cos^n \alpha",
     passes=(
-        drawings("drawing", size=(1024, 1024), colors={"FragColor": "rgba16f"}),
-        *fullscreen(
-            "ch05_lighting/finish.frag",
-            name="picture",
-            textures={"scene": Output("drawing.FragColor")},
-        ),
-        drawings("judged", size=(96, 96)),
+        drawings("drawing", (1024, 1024), colors={"FragColor": "rgba16f"}),
+        *lit.picture("drawing"),
+        drawings("judged", (96, 96)),
     ),
     picture="picture.FragColor",
     expect=[
         *each_draw("phong", phong, {0: "Phong's lobe, below", 1: "Phong's lobe, above"}),
-        formula("blinn", blinn, name="Blinn's lobe, matched"),
-        formula("blinn", blinn, draw=0, name="Blinn's lobe, same exponent"),
-        formula("FragColor", drawing, name="the matched drawing"),
-        formula("FragColor", drawing, draw=0, name="the drawing with the same exponent"),
-        formula("picture.FragColor", finished(texture), name="the picture"),
-        value("phong", at=AT_20, equals=0.607976, digits=6, name="Phong, 20° off"),
-        value(
-            "blinn",
-            at={**AT_20, "blinnExponent": 8.0},
-            equals=0.884732,
-            digits=6,
-            name="Blinn with the same exponent, 20° off",
-        ),
-        value(
-            "blinn", at=AT_20, equals=0.612698, digits=6, name="Blinn with four times it, 20° off"
-        ),
-        value(
+        *each_draw("blinn", blinn, {0: "Blinn's lobe, same exponent", 1: "… matched"}),
+        *each_draw("FragColor", drawing, {0: "the drawing below", 1: "the drawing above"}),
+        lit.picture_check(),
+        *figures(
             "phong",
-            at={"place": (0.6, 0.8), "lightDir": (-0.48, 0.6, 0.64), "shininess": 2.0},
-            equals=0.589824,
-            digits=6,
-            name="Phong, the lamp beside the drawing's plane",
+            {
+                "Phong, 20° off": (AT_20, 0.607976),
+                "Phong, the lamp beside the drawing's plane": (LAMP_ASIDE, 0.589824),
+                "Phong's peak": (past_the_mirrored_ray(0.0), 1.0),
+            },
         ),
-        value(
+        *figures(
             "blinn",
-            at={"place": (0.8074, -0.59), "lightDir": (0.0, 0.6, 0.8), "blinnExponent": 0.5},
-            equals=0.093789,
-            digits=6,
-            name="Blinn, halfway along the ground",
+            {
+                "Blinn with the same exponent, 20° off": (
+                    {**AT_20, "blinnExponent": 8.0},
+                    0.884732,
+                ),
+                "Blinn, 20° off, four times it": (AT_20, 0.612698),
+                "Blinn, halfway along the ground": (ALONG_GROUND, 0.093789),
+                "Blinn's peak": (past_the_mirrored_ray(0.0), 1.0),
+            },
         ),
-        value("phong", at=past_the_mirrored_ray(0.0), equals=1.0, digits=6, name="Phong's peak"),
-        value("blinn", at=past_the_mirrored_ray(0.0), equals=1.0, digits=6, name="Blinn's peak"),
-        *(
-            value("FragColor", at=at, equals=(*color, 1.0), digits=6, name=name)
-            for name, color, at in (
-                ("on the normal", (0.30, 0.32, 0.36), {"place": (0.00597, 0.5)}),
-                ("beside the normal", (0.012, 0.015, 0.022), {"place": (0.00603, 0.5)}),
-                ("red, if Blinn's is too narrow", (0.75, 0.05, 0.03), NARROW),
-                ("in the middle, above the ground", (0.30, 0.32, 0.36), {"place": (0.003, 0.004)}),
-                ("where the ground begins", (0.95, 0.85, 0.45), {"place": (-0.003, 0.0)}),
-                ("beyond both", (0.012, 0.015, 0.022), {**NARROW, "place": (0.87, 0.48)}),
-            )
+        *figures(
+            "FragColor",
+            {
+                name: (at, (*color, 1.0))
+                for name, color, at in (
+                    ("on the normal", (0.30, 0.32, 0.36), {"place": (0.00597, 0.5)}),
+                    ("beside the normal", (0.012, 0.015, 0.022), {"place": (0.00603, 0.5)}),
+                    ("red, if Blinn's is too narrow", (0.75, 0.05, 0.03), NARROW),
+                    (
+                        "in the middle, above the ground",
+                        (0.3, 0.32, 0.36),
+                        {"place": (0.003, 0.004)},
+                    ),
+                    ("where the ground begins", (0.95, 0.85, 0.45), {"place": (-0.003, 0.0)}),
+                    ("beyond both", (0.012, 0.015, 0.022), {**NARROW, "place": (0.87, 0.48)}),
+                )
+            },
         ),
-        computed(
-            "largest gap with the same exponent", lambda: largest_gap(1), equals=0.4904, digits=4
+        *results(
+            {
+                "largest gap with the same exponent": (lambda: largest_gap(1), 0.4904),
+                "largest gap with four times it": (lambda: largest_gap(4), 0.0180),
+            },
+            digits=4,
         ),
-        computed("largest gap with four times it", lambda: largest_gap(4), equals=0.0180, digits=4),
         sweep(
             "phong",
             phong,

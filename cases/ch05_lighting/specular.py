@@ -10,7 +10,7 @@ In the middle is the specular part alone, a few points of light on black. Below 
 the chalk has become glazed clay.
 """
 
-from shaderlab import Case, assets, formula, sweep
+from shaderlab import Case, assets, sweep
 from shaderlab.reference.lighting import phong_color, specular_factor
 from shaderlab.reference.transforms import translate
 
@@ -45,6 +45,8 @@ def thing(geometry, model, row):
     return lit.thing(shader, geometry, model, CAMERA, uniforms, cell=cell(row, 1, 3))
 
 
+PARTS = ("all parts", "specular part", "ambient and diffuse part")
+NAMES = dict(enumerate(f"{what}, {part}" for part in PARTS for what in ("ball", "ring")))
 POINT = {
     "lightColor": lit.WHITE,
     "FragPos": (0.0, 0.0, 0.0),
@@ -73,11 +75,8 @@ case = Case(
     picture="picture.FragColor",
     expect=[
         *lit.vertex_stage_checks(),
-        formula("spec", specular_factor, name="lobe on the ring"),
-        formula("spec", specular_factor, draw=0, name="lobe on the ball"),
-        *each_draw("FragColor", phong_color, {0: "ball, all parts", 1: "ring, all parts"}),
-        formula("FragColor", phong_color, draw=3, name="ring, specular part"),
-        formula("FragColor", phong_color, draw=5, name="ring, ambient and diffuse part"),
+        *each_draw("spec", specular_factor, {k: f"lobe, {name}" for k, name in NAMES.items()}),
+        *each_draw("FragColor", phong_color, {k: NAMES[k] for k in (0, 1, 3, 5)}),
         *lit.picture_checks(),
         figure("spec", "cosine at the point", {**POINT, "shininess": 1.0}, 0.788110),
         figure("spec", "its 32nd power", {**POINT, "shininess": 32.0}, 0.000490666, digits=9),
