@@ -170,7 +170,7 @@ def photographed(draws: Iterable[Draw], **target: Any) -> tuple[Pass, ...]:
     target = {"size": (1024, 1024), "colors": PICTURED, "depth": "depth24", **target}
     scene = Pass(name="scene", target=Target(**target), draws=tuple(draws))
     twin, _ = twins(scene)
-    draws = [twins(replace(scene, draws=(draw,)))[0].draws[0] for draw in scene.draws]
+    draws = tuple(twins(replace(scene, draws=(draw,)))[0].draws[0] for draw in scene.draws)
     return replace(twin, draws=draws), scene, *picture()
 
 
