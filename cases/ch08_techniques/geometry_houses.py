@@ -16,6 +16,7 @@ import numpy as np
 from shaderlab import Case, Draw, Mesh, Pass, Target, compile_fails, formula, query
 from shaderlab.glslmath import vec2, vec3, vec4, where
 
+from ..scenes.figures import each_draw
 from ..scenes.laws import opaque, unchanged
 
 POINTS = Mesh(
@@ -100,6 +101,9 @@ def as_it_is(aPos):
     return vec4(aPos, 0.0, 1.0)
 
 
+PAINT = opaque(unchanged("fColor"))
+
+
 def emitted(number, kind, name):
     """So many primitives leave the geometry shader."""
     return query("geometry_primitives_emitted", equals=number, pass_name=kind, name=name)
@@ -124,7 +128,8 @@ case = Case(
         formula("windows.gl_Position", standing(WINDOWS), name="points: places"),
         formula("windows.gl_PointSize", size_of, name="points: size"),
         formula("windows.fColor", lit, name="points: colours"),
-        formula("walls.FragColor", opaque(unchanged("fColor")), name="pixels"),
+        *(formula(f"{kind}.FragColor", PAINT, name=f"{kind}: pixels") for kind in KINDS),
+        *each_draw("street.FragColor", PAINT, {k: f"street: {w}" for k, w in enumerate(KINDS)}),
         formula("points.gl_Position", as_it_is, name="points as they go in"),
         formula("points.wall", unchanged("aColor"), name="their colours"),
         formula("points.FragColor", opaque(unchanged("wall")), name="their pixels"),

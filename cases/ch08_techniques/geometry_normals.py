@@ -23,6 +23,7 @@ from shaderlab.reference.transforms import normal_matrix, translate
 from ..scenes import stage
 from ..scenes.cameras import camera, turned
 from ..scenes.figures import figure
+from ..scenes.studio import studio_color
 
 CAMERA = camera((0.5, 1.7, 4.2), (0.0, 0.0, 0.0), 38.0)
 VIEW, PROJECTION = CAMERA["view"], CAMERA["projection"]
@@ -127,11 +128,16 @@ case = Case(
             target=Target(depth="depth24", clear=stage.SKY),
             draws=(*SURFACES, normals("box"), normals("ring")),
         ),
-        Pass(name="plain", draws=(without_geometry(normals("ring")),)),
+        Pass(
+            name="plain",
+            target=Target(colors={}, depth="depth24"),
+            draws=(without_geometry(normals("ring")),),
+        ),
     ),
     picture="judged.FragColor",
     expect=[
         *stage.prop_checks(),
+        formula("judged.FragColor", studio_color, draw=1, name="the ring in the light"),
         *(
             formula(f"judged.{output}", reference, draw=draw, name=f"{solid}: {what}")
             for draw, solid in ((2, "box"), (3, "ring"))

@@ -10,7 +10,7 @@ box, nearly as dark as each other on the left, part on the right: blue turns alm
 of the ball (1, .5, .31) is .603333 on the one side and .592582 on the other.
 """
 
-from shaderlab import Case, Output, Pixel, Texture, assets, computed, formula, fullscreen
+from shaderlab import Case, Output, Texture, assets, computed, formula, fullscreen
 from shaderlab.glslmath import swizzle, vec4, where
 from shaderlab.reference import post_processing
 from shaderlab.sampling import texture
@@ -45,6 +45,8 @@ def grey(screenTexture, TexCoords):
     return vec4(both, both, both, 1.0)
 
 
+MIDDLE = {"TexCoords": (0.5, 0.5)}
+
 case = Case(
     title="Grey values",
     section="8.2.3",
@@ -63,8 +65,8 @@ case = Case(
             },
             reference=grey,
         ),
-        figure("patch.average", "average of coral", Pixel(3, 3), 0.603333, reference=average),
-        figure("patch.luminance", "luminance of coral", Pixel(3, 3), 0.592582, reference=luminance),
+        figure("patch.average", "average of coral", MIDDLE, 0.603333, reference=average),
+        figure("patch.luminance", "luminance of coral", MIDDLE, 0.592582, reference=luminance),
         computed(
             "weights of Rec. 709 together",
             lambda: post_processing.luminance((1.0, 1.0, 1.0)),

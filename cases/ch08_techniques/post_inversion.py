@@ -7,7 +7,7 @@ Look at: the negative. The sky, nearly white, is nearly black, the coral ball li
 shadows are bright.
 """
 
-from shaderlab import Case, Output, Pixel, Texture, assets, formula, fullscreen, measure, value
+from shaderlab import Case, Output, Texture, assets, formula, fullscreen, measure, value
 from shaderlab.glslmath import swizzle, vec4
 from shaderlab.reference import post_processing
 from shaderlab.sampling import texture
@@ -56,7 +56,7 @@ case = Case(
         ),
         value(
             "patch.FragColor",
-            at=Pixel(3, 3),
+            at={"TexCoords": (0.5, 0.5)},
             equals=(0.0, 0.5, 0.69, 1.0),
             digits=6,
             reference=negative,

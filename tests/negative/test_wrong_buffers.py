@@ -195,7 +195,7 @@ def test_culling_the_wrong_side_is_noticed() -> None:
             state = replace(state, cull="front")
         return replace(draw, state=state)
 
-    assert "culling changes no pixel of a closed solid" in failed(with_draws(case, change))
+    assert "cube, culled and tested: its front" in failed(with_draws(case, change))
 
 
 def test_more_draws_than_said_are_noticed() -> None:
