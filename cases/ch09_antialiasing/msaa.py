@@ -78,6 +78,15 @@ def covered_area(lit):
     return lit.sum() / true_area().sum()
 
 
+def furthest_shown(one, four, FragColor):
+    """How far the picture is, at most, from both wheels enlarged eightfold, their light encoded."""
+    lit = np.concatenate([one, four], axis=1).repeat(8, axis=0).repeat(8, axis=1)
+    dark, light = np.array([0.11, 0.14, 0.22]), np.array([0.96, 0.93, 0.84])
+    shown = dark + (light - dark) * np.maximum(lit, 1e-6) ** (1.0 / 2.2)
+    shown[:, 510:514] = 0.95, 0.55, 0.10
+    return np.abs(FragColor - np.dstack([shown, np.ones_like(lit)])).max()
+
+
 LIT = {1: "one.lit", 4: "four.lit"}
 BOTH = [
     reading(f"{n} a pixel", reads={"lit": f"{name}.lit"}) for n, name in ((1, "one"), (4, "four"))
@@ -110,6 +119,13 @@ case = Case(
             ],
             x_label="samples",
             y_label="mean |k/n − area| along the edges",
+        ),
+        measure(
+            "the picture",
+            furthest_shown,
+            reads={"one": LIT[1], "four": LIT[4], "FragColor": "picture.FragColor"},
+            at_most=2.0**-20,
+            note="pow may err by 6 ULP of a number below 1, and mix rounds three times",
         ),
         measure("largest error away from edges", inner_error, readings=BOTH, equals=0.0, digits=9),
         measure("covered, over the area", covered_area, readings=BOTH, between=(0.98, 1.02)),

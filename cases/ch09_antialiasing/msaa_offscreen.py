@@ -12,7 +12,7 @@ first of each pixel's four samples, on the right the mean of all four.
 
 from shaderlab import Case, Output, Pass, Target, exact, formula, fullscreen
 from shaderlab.assets import solids
-from shaderlab.glslmath import floor
+from shaderlab.glslmath import abs, floor, swizzle, vec4, where
 from shaderlab.reference.transforms import clip_position, translate, world_normal
 from shaderlab.sampling import texelFetch
 
@@ -41,16 +41,24 @@ def scene(name, draws, samples=4):
     return Pass(name=name, target=target, draws=draws)
 
 
-def read(name, of, size):
-    """The samples, their mean, and what the resolve made of them."""
+def read(name, of, size, *outputs):
+    """The samples, their mean, and what the resolve made of them; some of it."""
     return fullscreen(
         "ch09_antialiasing/mean_of_samples.frag",
         name=name,
         domain={"at": rectangle((0.0, 0.0), (float(SIZE[0]), float(SIZE[1])))},
-        uniforms={"half_": SIZE[0] / 2.0},
+        uniforms={"half_": SIZE[0] / 2.0 + 0.5},
         textures={"resolved": Output(f"{of}.FragColor"), "samples": Output(f"{of}.FragColor")},
-        target=Target(size=size),
+        target=Target(size=size, colors=dict.fromkeys(outputs, "rgba32f")),
     )
+
+
+def shown(at, samples, half):
+    """The first sample on the left, the mean on the right, orange between."""
+    x = swizzle(at, "x")
+    scene = where(x < half, texelFetch(samples, floor(at), 0), mean_of_samples(at, samples))
+    line = vec4(0.95, 0.55, 0.10, 1.0)
+    return vec4(swizzle(where(abs(x - half) < 0.5, line, scene), "xyz"), 1.0)
 
 
 def mean_of_samples(at, samples):
@@ -69,12 +77,16 @@ case = Case(
         scene("reordered", DRAWS[::-1]),
         scene("single", DRAWS, samples=0),
         scene("turned", DRAWS[::-1], samples=0),
-        *read("judged", "scene", SIZE),
-        *read("again", "reordered", SIZE),
-        *read("picture", "scene", (960, 640)),
+        *read("judged", "scene", SIZE, "FragColor", "mean", "blitted"),
+        *read("again", "reordered", SIZE, "mean"),
+        *read("picture", "scene", (960, 640), "FragColor"),
     ),
     picture="picture.FragColor",
     expect=[
+        formula("judged.FragColor", shown, name="one sample, and all of them"),
+        exact(
+            "picture.FragColor", Output("judged.FragColor"), name="the picture, enlarged tenfold"
+        ),
         formula("judged.mean", mean_of_samples, name="the shader's mean of the samples"),
         formula("judged.blitted", mean_of_samples, name="the resolve is the mean of the samples"),
         exact(

@@ -21,7 +21,8 @@ from ..scenes.laws import pixel_place
 from ..scenes.panels import rectangle
 
 SIZE = (12, 8)
-COVERAGE, LEVELS = {"coverage": "table.coverage"}, "0, ¼, ½, ¾ and 1"
+SAMPLES = ("each", "placesX", "placesY")
+READ = {name: f"table.{name}" for name in ("coverage", *SAMPLES)}
 # The edge, from lower right to upper left: between whole pixels, and no sample lies on it.
 FOOT, HEAD = (9.0, 0.0), (2.0, 8.0)
 SHAPE, WHOLE = (
@@ -46,8 +47,8 @@ def drawn(name, fragment, mesh, output, **state):
     )
 
 
-def shown(name, size):
-    """Everything that is in the samples, read out."""
+def shown(name, size, **outputs):
+    """Everything that is in the samples, read out, or some of it."""
     return fullscreen(
         "ch09_antialiasing/multisample_coverage.frag",
         name=name,
@@ -57,7 +58,7 @@ def shown(name, size):
             "samples": Output("edge.lit"),
             "places": Output("where.place"),
         },
-        target=Target(size=size),
+        target=Target(size=size, colors=outputs),
     )
 
 
@@ -83,6 +84,24 @@ def places(axis):
     return lambda edge_sample_positions: vec4(*(swizzle(p, axis) for p in edge_sample_positions))
 
 
+def furthest_drawn(FragColor, coverage, each, placesX, placesY):
+    """How far any channel is from the drawing: greys, a grid, and the samples in their places."""
+
+    def enlarged(table):
+        return table.repeat(80, axis=0).repeat(80, axis=1)
+
+    dark, light = np.array([0.10, 0.13, 0.20]), np.array([0.93, 0.90, 0.80])
+    picture = dark + (light - dark) * enlarged(coverage)
+    inside = (np.arange(80) + 0.5) / 80.0
+    x, y = np.tile(inside, SIZE[0])[None], np.tile(inside, SIZE[1])[:, None]
+    picture[np.minimum(np.minimum(x, y), np.minimum(1.0 - x, 1.0 - y)) < 0.02] = 0.45
+    for k in range(4):
+        lit, across, up = (enlarged(table[..., k]) for table in (each, placesX, placesY))
+        near = np.hypot(x - across, y - up) < 0.07
+        picture[near] = np.where(lit[near, None] > 0.5, (0.95, 0.55, 0.10), (0.30, 0.55, 0.75))
+    return np.abs(FragColor[..., :3] - picture).max()
+
+
 def levels(coverage):
     """How many different values there are."""
     return len(np.unique(coverage))
@@ -95,8 +114,8 @@ case = Case(
     passes=(
         *drawn("edge", "lit", SHAPE, {"lit": "r32f"}),
         *drawn("where", "sample_place", WHOLE, {"place": "rg32f"}, sample_shading=1.0),
-        *shown("table", SIZE),
-        *shown("picture", (960, 640)),
+        *shown("table", SIZE, coverage="r32f", **dict.fromkeys(SAMPLES, "rgba32f")),
+        *shown("picture", (960, 640), FragColor="rgba32f"),
     ),
     picture="picture.FragColor",
     expect=[
@@ -105,6 +124,20 @@ case = Case(
         formula("table.placesX", places("x"), name="where samples are, to the right"),
         formula("table.placesY", places("y"), name="where samples are, upward"),
         formula("edge.gl_Position", pixel_place),
-        measure("levels along the edge", levels, reads=COVERAGE, equals=5, digits=0, note=LEVELS),
+        measure(
+            "the picture",
+            furthest_drawn,
+            reads={**READ, "FragColor": "picture.FragColor"},
+            at_most=2.0**-22,
+            note="greys are mixed in three roundings of numbers below 1",
+        ),
+        measure(
+            "levels along the edge",
+            levels,
+            reads={"coverage": READ["coverage"]},
+            equals=5,
+            digits=0,
+            note="0, ¼, ½, ¾ and 1",
+        ),
     ],
 )
