@@ -183,7 +183,7 @@ def wrong(shadow, place, upright, within):
 def wrong_in_picture(FragColor, shadow, place):
     """The same of every eighth pixel both ways, whichever way it faces."""
     drawn, told, place = FragColor[::8, ::8, 3] > 0.0, shadow[::8, ::8, 0], place[::8, ::8, :3]
-    return np.mean(told[drawn] != blocked(place, SUN, BOXES)[drawn])
+    return np.mean(np.abs(told - blocked(place, SUN, BOXES))[drawn] > 0.25)
 
 
 def wrong_cascade(cascade, upright, place, view, splits):
