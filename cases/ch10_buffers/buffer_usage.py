@@ -26,6 +26,7 @@ from shaderlab import (
     value,
 )
 
+from ..scenes.figures import each_draw
 from ..scenes.rosette import as_it_is, color_of, encoded, rosette
 
 OFTEN = ("stream", "static", "dynamic")
@@ -75,6 +76,9 @@ case = Case(
             at={"ourColor": (0.25, 1.0, 0.0)},
             equals=(0.5, 1.0, 0.0, 1.0),
             digits=6,
+        ),
+        *each_draw(
+            "picture.FragColor", encoded, {k: f"picture, {u}" for k, u in enumerate(USAGES)}
         ),
         coverage(9360, pass_name="stream_draw", name="pixels of one rosette"),
         attribute_layout({"aPos": (0, 12), "aColor": (84, 12)}, pass_name="static_draw"),

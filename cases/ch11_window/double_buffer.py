@@ -15,19 +15,21 @@ import numpy as np
 
 from shaderlab import (
     Case,
-    Cell,
     Draw,
     Output,
     Pass,
     Ramp,
-    State,
     Target,
     coverage,
     exact,
     formula,
     value,
 )
-from shaderlab.glslmath import dot, mix, swizzle, vec3, vec4, where
+from shaderlab.glslmath import abs, dot, max, mix, swizzle, vec3, vec4, where
+from shaderlab.sampling import texture
+
+from ..scenes.figures import each_draw
+from ..scenes.panels import cell, enlarged, enlarged_check, panel, square
 
 FRAMES = 4
 SMALL = Target(size=(96, 96))
@@ -86,15 +88,23 @@ def two_buffers():
     return passes
 
 
-def framed(column, row, name, edge):
+def framed(place, name, edge):
     """A refresh as part of the strip."""
-    return Draw(
-        fragment="ch11_window/double_buffer_picture.frag",
-        domain={"place": Ramp((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))},
-        uniforms={"edge": edge},
+    return panel(
+        "ch11_window/double_buffer_picture.frag",
+        {"place": square(0.0, 1.0)},
+        {"edge": edge},
         textures={"seen": Output(f"{name}.FragColor")},
-        state=State(cell=Cell(column=column, row=row, columns=2 * FRAMES - 1, rows=2)),
+        cell=cell(place, 2 * FRAMES - 1, 2),
     )
+
+
+def copied(place, seen, edge):
+    """A refresh in its frame."""
+    off = abs(place - 0.5)
+    shown = swizzle(texture(seen, (place - 0.5) / 0.92 + 0.5), "xyz")
+    outside = max(swizzle(off, "x"), swizzle(off, "y")) > 0.46
+    return vec4(where(outside, edge, shown), 1.0)
 
 
 def sky(place):
@@ -125,6 +135,8 @@ def disc(frame):
 
 
 REFRESHES = range(2 * FRAMES - 1)
+STRIP = [f"{buffers} {k}" for buffers in ("two", "one") for k in REFRESHES]
+HALF_DRAWN = [f"one {k}" for k in REFRESHES if k % 2]
 DARK, RED = (0.07, 0.08, 0.10), (0.85, 0.20, 0.15)
 
 case = Case(
@@ -139,18 +151,19 @@ case = Case(
         ),
         *one_buffer(),
         *two_buffers(),
-        Pass(
-            name="picture",
-            target=Target(size=(1050, 300)),
-            draws=tuple(
-                framed(k, row, f"{name} seen {k}", RED if row and k % 2 else DARK)
-                for row, name in ((1, "one"), (0, "two"))
-                for k in REFRESHES
-            ),
+        *enlarged(
+            [
+                framed(k, f"{seen[:3]} seen {seen[4:]}", RED if seen in HALF_DRAWN else DARK)
+                for k, seen in enumerate(STRIP)
+            ],
+            (210, 60),
+            5,
         ),
     ),
     picture="picture.FragColor",
     expect=[
+        *each_draw("small.FragColor", copied, {k: f"shown: {s}" for k, s in enumerate(STRIP)}),
+        enlarged_check(edges=0.001),
         *(
             formula(f"frame {k}.FragColor", ball, discards=beside, name=f"the ball in frame {k}")
             for k in range(FRAMES)

@@ -11,34 +11,22 @@ normals are the gradient's; on the right they are the globe's, stretched along w
 light falls as if on something rounder: the brightest place is too far down the side.
 """
 
-from math import radians
-
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Cell,
-    Depth,
-    Draw,
-    Mesh,
-    Output,
-    Pass,
-    Ramp,
-    State,
-    Target,
-    assets,
-    computed,
-    formula,
-    fullscreen,
-    value,
-)
+from shaderlab import Case, Output, Pass, Target, assets, formula, fullscreen
 from shaderlab.glslmath import abs, dot, fract, max, mul, normalize, swizzle, vec3, vec4, where
-from shaderlab.reference.transforms import normal_matrix, orthographic, rotate
+from shaderlab.reference.transforms import normal_matrix, orthographic
 from shaderlab.sampling import texture
+
+from ..scenes.cameras import turned
+from ..scenes.draws import tested
+from ..scenes.figures import each_draw, figure, results
+from ..scenes.laws import unchanged
+from ..scenes.panels import cell, rectangle, softened_check, softened_pass
 
 AXES = (1.0, 0.45, 0.7)
 SOLID = assets.ellipsoid(AXES, segments=64, rings=32)
-MODEL = rotate(radians(25.0), (0.0, 0.0, 1.0)) @ rotate(radians(35.0), (0.0, 1.0, 0.0))
+MODEL = turned(25.0, (0.0, 0.0, 1.0)) @ turned(35.0)
 # The view plane, 2.1 by 1.68 of the half axes' units, seen straight on.
 PROJECTION = orthographic(-1.05, 1.05, -0.84, 0.84, -2.0, 3.0)
 LIGHT = np.array([-0.36, 0.80, 0.48])
@@ -46,20 +34,15 @@ LIGHT = np.array([-0.36, 0.80, 0.48])
 
 def ball(stretched, **state):
     """The ellipsoid with one kind of normals or the other."""
-    return Draw(
-        vertex="ch11_window/ellipsoid.vert",
-        fragment="ch11_window/ellipsoid.frag",
-        mesh=Mesh(**SOLID).only("aPos"),
-        uniforms={
-            "model": MODEL,
-            "normalMatrix": normal_matrix(MODEL),
-            "projection": PROJECTION,
-            "axes": AXES,
-            "lightDir": LIGHT,
-            "stretched": stretched,
-        },
-        state=State(depth=Depth(), **state),
-    )
+    uniforms = {
+        "model": MODEL,
+        "normalMatrix": normal_matrix(MODEL),
+        "projection": PROJECTION,
+        "axes": AXES,
+        "lightDir": LIGHT,
+        "stretched": stretched,
+    }
+    return tested("ch11_window/ellipsoid", SOLID, uniforms, only=("aPos",), **state)
 
 
 def quadric():
@@ -100,11 +83,6 @@ def clip(aPos, model, projection):
     return mul(projection, mul(model, vec4(aPos, 1.0)))
 
 
-def same(aPos):
-    """The point itself."""
-    return aPos
-
-
 def gradient(aPos, axes):
     """The gradient of (x/a)² + (y/b)² + (z/c)²."""
     return 2.0 * aPos / (axes * axes)
@@ -137,14 +115,14 @@ def stored():
     return np.max(np.abs(found["aNormal"] - exact))
 
 
-def two(name, size):
-    """Both kinds of normals side by side."""
-    sides = (Cell(column=k, row=0, columns=2, rows=1) for k in (0, 1))
-    return Pass(
-        name=name,
-        target=Target(size=size, depth="depth24", clear=(0.10, 0.12, 0.15, 1.0)),
-        draws=tuple(ball(k == 1, cell=cell) for k, cell in enumerate(sides)),
-    )
+NAMES = ("the gradient's", "the globe's, stretched")
+SIDES = [ball(k == 1, cell=cell(k, 2)) for k in range(2)]
+
+
+def drawn(name, size, draws, colors=None, clear=(0.0, 0.0, 0.0, 0.0)):
+    """Draws in a pass, depth tested."""
+    target = Target(size=size, colors=colors, depth="depth24", clear=clear)
+    return Pass(name=name, target=target, draws=draws)
 
 
 case = Case(
@@ -153,47 +131,50 @@ case = Case(
     math=r"n \propto \nabla\!\left(\frac{x^2}{a^2} + \frac{y^2}{b^2} + \frac{z^2}{c^2}\right) = "
     r"2\left(\frac{x}{a^2},\ \frac{y}{b^2},\ \frac{z}{c^2}\right)",
     passes=(
-        two("scene", (2000, 800)),
-        *fullscreen(
-            "ch03_transforms/soften.frag",
-            name="picture",
-            domain={},
-            textures={"scene": Output("scene.FragColor")},
-            target=Target(size=(1000, 400)),
-        ),
-        two("both", (120, 48)),
-        Pass(name="mesh", target=Target(size=(240, 192), depth="depth24"), draws=(ball(False),)),
+        drawn("scene", (2000, 800), SIDES, {"FragColor": "rgba32f"}, clear=(0.10, 0.12, 0.15, 1.0)),
+        *softened_pass("scene", (1000, 400), domain={}),
+        drawn("both", (120, 48), SIDES),
+        drawn("mesh", (240, 192), [ball(False)], {"covered": "r32f", "facing": "r32f"}),
         *fullscreen(
             "ch11_window/ellipsoid_silhouette.frag",
             name="silhouette",
-            domain={"plane": Ramp((-1.05, -0.84), (2.1, 0.0), (0.0, 1.68))},
+            domain={"plane": rectangle((-1.05, -0.84), (2.1, 1.68))},
             textures={"covered": Output("mesh.covered")},
             target=Target(size=(240, 192)),
         ),
     ),
     picture="picture.FragColor",
     expect=[
+        softened_check(),
         formula("mesh.gl_Position", clip),
-        formula("mesh.Local", same),
+        formula("mesh.Local", unchanged("aPos")),
         formula("mesh.gradient", gradient),
-        formula("both.normal", surface_normal, draw=0, name="the gradient's normals"),
-        formula("both.normal", surface_normal, draw=1, name="the globe's, stretched"),
-        formula("both.FragColor", lit, draw=0, name="light on the left"),
-        formula("both.FragColor", lit, draw=1, name="light on the right"),
         *(
-            formula(f"{name}.facing", outer, draw=k, name=f"the outer side is seen: {name} {k}")
-            for name, k in (("both", 0), ("both", 1), ("mesh", 0))
+            check
+            for output, law, what in (
+                ("normal", surface_normal, "normals"),
+                ("FragColor", lit, "light"),
+                ("facing", outer, "the outer side is seen"),
+                ("covered", outer, "there it is"),
+            )
+            for check in each_draw(
+                f"both.{output}", law, {k: f"{what}, {side}" for k, side in enumerate(NAMES)}
+            )
         ),
+        formula("mesh.facing", outer, name="the outer side of the mesh is seen"),
         formula("silhouette.inside", outline, name="the outline against the true one"),
-        value(
+        figure(
             "mesh.normal",
-            at={"Local": (1.0, 1.0, 1.0), "axes": (1.0, 2.0, 0.5), "normalMatrix": 2.0 * np.eye(3)},
-            equals=(0.242091, 0.060523, 0.968364),
-            digits=6,
+            "(1, 1/4, 4) made unit length",
+            {"Local": (1.0, 1.0, 1.0), "axes": (1.0, 2.0, 0.5), "normalMatrix": 2.0 * np.eye(3)},
+            (0.242091, 0.060523, 0.968364),
             reference=surface_normal,
-            name="(1, 1/4, 4) made unit length",
         ),
-        computed("the mesh's normals are the gradient's", stored, equals=0.0, digits=6),
-        computed("the flattest triangle's distance", flattest, equals=0.997595, digits=6),
+        *results(
+            {
+                "the mesh's normals are the gradient's": (stored, 0.0),
+                "the flattest triangle's distance": (flattest, 0.997595),
+            }
+        ),
     ],
 )

@@ -17,13 +17,9 @@ import numpy as np
 
 from shaderlab import (
     Case,
-    Cell,
-    Draw,
     Mesh,
     Output,
-    Pass,
     Pixel,
-    State,
     Target,
     computed,
     exact,
@@ -31,6 +27,13 @@ from shaderlab import (
     up,
     value,
 )
+from shaderlab.glslmath import length, swizzle, vec2, vec3, vec4, where
+from shaderlab.sampling import texelFetch
+
+from ..scenes.drawing import encoded
+from ..scenes.draws import tested
+from ..scenes.figures import each_draw
+from ..scenes.panels import cell, enlarged_check, panel, picture
 
 FRAMES = 64
 STEP = 1.0 / 64.0
@@ -82,32 +85,59 @@ def run(name):
     )
 
 
-def dots(name, hue, size, cell, ticks=False):
+def dots(name, hue, size, place, ticks=False):
     """A run's frames as points over time."""
-    return Draw(
-        vertex="ch11_window/fixed_timestep_picture.vert",
-        fragment="ch11_window/fixed_timestep_picture.frag",
-        mesh=Mesh(attributes={"frame": np.arange(FRAMES, dtype=float)}, primitive="points"),
-        uniforms={"hue": hue, "ticks": ticks},
+    return tested(
+        "ch11_window/fixed_timestep_picture",
+        Mesh(attributes={"frame": np.arange(FRAMES, dtype=float)}, primitive="points"),
+        {"hue": hue, "ticks": ticks},
         textures={"run": Output(f"{name}.state")},
-        state=State(cell=cell, point_size=size),
+        cell=place,
+        depth=None,
+        point_size=size,
     )
 
 
-def strip(k, name):
-    """A run as dots over time, the even one's in grey behind them, and ticks for its frames."""
-    cell = Cell(column=0, row=2 - k, columns=1, rows=3)
-    floor = Draw(
-        fragment="ch11_window/fixed_timestep_floor.frag",
-        domain={"height": up(-0.15, 1.1)},
-        state=State(cell=cell),
-    )
-    return (
-        floor,
-        dots("even", (0.16, 0.18, 0.21), 12.0, cell),
-        dots(name, HUES[name], 10.0, cell),
-        dots(name, (0.6, 0.6, 0.6), 5.0, cell, ticks=True),
-    )
+def strips(name, size, pixel):
+    """All three runs as dots over time, the even one's in grey behind them, and ticks for frames.
+
+    Points are so many pixels large as `pixel` is.
+    """
+    draws = []
+    for k, run in enumerate(RUNS):
+        place = cell(k, 1, 3, from_above=True)
+        floor = "ch11_window/fixed_timestep_floor.frag"
+        draws += [
+            panel(floor, {"height": up(-0.15, 1.1)}, cell=place),
+            dots("even", (0.16, 0.18, 0.21), 2.4 * pixel, place),
+            dots(run, HUES[run], 2.0 * pixel, place),
+            dots(run, (0.6, 0.6, 0.6), 1.0 * pixel, place, ticks=True),
+        ]
+    return picture(draws, size, name)
+
+
+def ground(height):
+    """Darker above the floor than below it."""
+    below, above = vec3(0.10, 0.11, 0.13), vec3(0.025, 0.032, 0.045)
+    return vec4(encoded(where(height < 0.0, below, above)), 1.0)
+
+
+def dot_color(hue):
+    """A dot of one colour."""
+    return vec4(encoded(hue), 1.0)
+
+
+def outside(gl_PointCoord):
+    """Only the disc in each point's square is kept."""
+    return length(gl_PointCoord - 0.5) > 0.5
+
+
+def frame_place(frame, run, ticks):
+    """A frame's time to the right and its height upward, or a mark below the floor."""
+    seen = texelFetch(run, vec2(frame, 0.0), 0)
+    height = where(ticks > 0.5, -0.075, swizzle(seen, "y"))
+    x, y = (swizzle(seen, "x") + 0.03) / 2.08, (height + 0.15) / 1.25
+    return vec4(2.0 * x - 1.0, 2.0 * y - 1.0, 0.0, 1.0)
 
 
 def at_common_times():
@@ -123,6 +153,12 @@ def rounded(name):
     return np.abs(exactly - exactly.astype(np.float32)).max()
 
 
+PARTS = {
+    4 * k + n: f"{part} of strip {k}"
+    for k in range(3)
+    for n, part in enumerate(("even dots", "dots", "ticks"), 1)
+}
+
 case = Case(
     title="A fixed time step",
     section="11.3",
@@ -130,14 +166,15 @@ case = Case(
     r"k = \lfloor t / \Delta t \rfloor",
     passes=(
         *(p for name in RUNS for p in run(name)),
-        Pass(
-            name="picture",
-            target=Target(size=(1000, 600)),
-            draws=tuple(d for k, name in enumerate(RUNS) for d in strip(k, name)),
-        ),
+        strips("picture", (600, 360), 3.0),
+        strips("small", (200, 120), 1.0),
     ),
     picture="picture.FragColor",
     expect=[
+        enlarged_check(edges=0.01),
+        *each_draw("small.FragColor", ground, {4 * k: f"strip {k}" for k in range(3)}),
+        *each_draw("small.FragColor", dot_color, PARTS, discards=outside),
+        *each_draw("small.gl_Position", frame_place, PARTS),
         *(
             exact(
                 f"{name}.state",

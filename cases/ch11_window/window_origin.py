@@ -15,20 +15,18 @@ import numpy as np
 
 from shaderlab import (
     Case,
-    Cell,
-    Draw,
     Output,
-    Pass,
     Pixel,
-    Ramp,
-    State,
     Target,
     exact,
     formula,
     fullscreen,
+    measure,
     value,
 )
 from shaderlab.glslmath import swizzle
+
+from ..scenes.panels import cell, panel, picture, rectangle
 
 WIDTH, HEIGHT = 16, 12
 X, Y = np.meshgrid(np.arange(WIDTH) + 0.5, np.arange(HEIGHT) + 0.5)
@@ -44,12 +42,32 @@ def window(name, shader):
 
 def enlarged(k, name):
     """One of the windows, each of its pixels as a square."""
-    return Draw(
-        fragment="ch11_window/window_origin_picture.frag",
-        domain={"field": Ramp((0.0, 0.0), (WIDTH, 0.0), (0.0, HEIGHT))},
+    return panel(
+        "ch11_window/window_origin_picture.frag",
+        {"field": rectangle((0.0, 0.0), (WIDTH, HEIGHT))},
         textures={"window": Output(f"{name}.place")},
-        state=State(cell=Cell(column=k, row=0, columns=2, rows=1)),
+        cell=cell(k, 2),
     )
+
+
+def shown(place):
+    """A window enlarged, each of its pixels as 32 × 32: colours by place, dots, and a grid."""
+    height, width, _ = place.shape
+    x, y = np.moveaxis(place / (width, height), 2, 0)
+    first = (place == 0.5).all(axis=-1, keepdims=True)
+    color = np.stack([0.04 + 0.55 * x, 0.06 + 0.45 * y, 0.16 + 0.16 * (1.0 - x)], axis=-1)
+    color = np.where(first, (1.0, 0.75, 0.12), color).repeat(32, axis=0).repeat(32, axis=1)
+    ink = np.where(first, 0.05, 0.75).repeat(32, axis=0).repeat(32, axis=1)
+    off = np.abs((np.arange(32) + 0.5) / 32.0 - 0.5)
+    across, up = np.tile(off, width)[None, :, None], np.tile(off, height)[:, None, None]
+    soft = np.clip((np.hypot(across, up) - 0.07) / 0.03, 0.0, 1.0)
+    color = ink + (color - ink) * soft * soft * (3.0 - 2.0 * soft)
+    return np.clip(color * (np.maximum(across, up) <= 0.475), 1e-6, 1.0) ** (1.0 / 2.2)
+
+
+def furthest_shown(FragColor, lower, upper):
+    """How far any channel of the picture is from both windows side by side."""
+    return np.abs(FragColor[..., :3] - np.hstack([shown(lower), shown(upper)])).max()
 
 
 def centre(frag_coord):
@@ -64,16 +82,23 @@ case = Case(
     passes=(
         *window("lower", "window_origin"),
         *window("upper", "window_origin_upper"),
-        Pass(
-            name="picture",
-            target=Target(size=(1024, 384)),
-            draws=(enlarged(0, "lower"), enlarged(1, "upper")),
-        ),
+        picture([enlarged(0, "lower"), enlarged(1, "upper")], (1024, 384)),
     ),
     picture="picture.FragColor",
     expect=[
         exact("lower.place", FROM_BELOW, name="every centre, from the lower left"),
         exact("upper.place", FROM_ABOVE, name="every centre, from the upper left"),
+        measure(
+            "the picture",
+            furthest_shown,
+            reads={
+                "FragColor": "picture.FragColor",
+                "lower": "lower.place",
+                "upper": "upper.place",
+            },
+            at_most=0.5 / 255.0,
+            note="half a code of eight bits, which no eye sees: edges of dots are steep",
+        ),
         formula("lower.place", centre, name="what the capture says of itself"),
         *(
             value(

@@ -31,7 +31,6 @@ from shaderlab import (
     assets,
     exact,
     formula,
-    fullscreen,
     measure,
     value,
 )
@@ -40,6 +39,7 @@ from shaderlab.reference.spaces import sky_clip
 from shaderlab.reference.transforms import clip_position, look_at, perspective, rotate, translate
 from shaderlab.sampling import texture
 
+from ..scenes.panels import softened_check, softened_pass
 from ..scenes.sky import sky_face
 from ..scenes.studio import studio_color
 
@@ -149,19 +149,14 @@ case = Case(
     passes=(
         Pass(
             name="scene",
-            target=Target(size=(1536, 768), depth="depth24", colors={"FragColor": "rgba8"}),
+            target=Target(size=(1536, 768), depth="depth24", colors={"FragColor": "rgba16f"}),
             draws=tuple(
                 draw
                 for view, cell in zip((HERE, THERE), HALVES, strict=True)
                 for draw in (*crates(view, CRATE, cell), sky(view, MORNING, cell=cell))
             ),
         ),
-        *fullscreen(
-            "ch03_transforms/soften.frag",
-            name="picture",
-            textures={"scene": Output("scene.FragColor")},
-            target=Target(size=(768, 384)),
-        ),
+        *softened_pass("scene", (768, 384)),
         alone("here", HERE),
         alone("there", THERE),
         alone("kept-here", HERE, "errata/skybox_kept"),
@@ -171,6 +166,7 @@ case = Case(
     ),
     picture="picture.FragColor",
     expect=[
+        softened_check(),
         formula("here.gl_Position", sky_clip, name="turned, not moved, and z = w"),
         formula("there.gl_Position", sky_clip, name="the same from elsewhere"),
         formula("here.TexCoords", point),
