@@ -29,6 +29,7 @@ from shaderlab import (
     coverage,
     exact,
     formula,
+    measure,
     mesh_pass,
     refused,
     sweep,
@@ -39,6 +40,7 @@ from shaderlab.reference.transforms import look_at, perspective
 
 FOLDER = Path(__file__).parent / "point_cloud"
 VIEW = look_at((0.35, 0.95, 1.75), (0.0, -0.05, 0.0))
+LARGE, NIGHT = 22.0, (0.006, 0.008, 0.02, 1.0)
 PROJECTION = perspective(radians(55.0), 1.5, 0.1, 10.0)
 
 
@@ -65,7 +67,7 @@ def drawn(
         mesh,
         name=name,
         uniforms={"view": view, "projection": projection, "pointScale": scale},
-        target=Target(size=size, depth="depth24", clear=(0.006, 0.008, 0.02, 1.0)),
+        target=Target(size=size, depth="depth24", clear=NIGHT),
         state=State(point_size="program", **state),
     )
 
@@ -114,6 +116,27 @@ def star(warmth, gl_PointCoord):
     return vec4(light * color, 1.0)
 
 
+def furthest_from_sum(FragColor):
+    """How far any channel of the picture is from the sum of all stars' light, by NumPy."""
+    height, width, _ = FragColor.shape
+    total = np.tile(np.asarray(NIGHT[:3]), (height, width, 1))
+    found = cloud("binary")
+    places = np.column_stack([found.positions, np.ones(len(found.positions))])
+    clip_places = places @ (PROJECTION @ VIEW).T
+    for (x, y, z, w), warmth in zip(clip_places, np.ravel(found.fields["warmth"]), strict=True):
+        if np.max(np.abs((x, y, z))) > w:
+            continue
+        radius = 0.5 * LARGE / w
+        middle = np.array([(x / w + 1.0) * width, (y / w + 1.0) * height]) / 2.0
+        low = np.maximum(np.floor(middle - radius).astype(int), 0)
+        high = np.minimum(np.ceil(middle + radius).astype(int), (width, height))
+        across, up = (np.arange(*ends) + 0.5 for ends in zip(low, high, strict=True))
+        off = ((across - middle[0]) ** 2 + (up[:, None] - middle[1]) ** 2) / radius**2
+        hue = np.array([0.20, 0.36, 0.85]) * (1.0 - warmth) + np.array([1.0, 0.70, 0.35]) * warmth
+        total[low[1] : high[1], low[0] : high[0]] += np.maximum(1.0 - off, 0.0)[..., None] * hue
+    return np.abs(FragColor[..., :3] - total).max()
+
+
 def bad(name, message, remedy="save the cloud again"):
     """A broken file is refused in exactly these words."""
     return refused(
@@ -141,7 +164,7 @@ case = Case(
             "picture",
             Mesh.later(lambda: stars("binary")),
             (960, 640),
-            22.0,
+            LARGE,
             blend=Blend(source="one", destination="one"),
         ),
         *judged("ascii", "ascii"),
@@ -176,6 +199,13 @@ case = Case(
         computed("packed against binary", lambda: apart("compressed"), equals=0.0, digits=12),
         exact("judged.FragColor", Output("ascii.FragColor"), name="the picture from text"),
         exact("judged.FragColor", Output("compressed.FragColor"), name="… from packed data"),
+        measure(
+            "the picture",
+            furthest_from_sum,
+            reads={"FragColor": "picture.FragColor"},
+            at_most=0.5 / 255.0,
+            note="half a code of eight bits, which no eye sees: points lie on parts of a pixel",
+        ),
         formula("gl_Position", clip),
         formula("diameter", width),
         formula("warmth", handed_on),

@@ -1,0 +1,71 @@
+"""Mistakes in what is only drawn for people: the picture's own check notices each."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from shaderlab.discovery import data_folder
+from shaderlab.evaluation import Lab
+from shaderlab.model import Case
+from shaderlab.options import RunOptions
+from tests.catalogue import shipped
+
+CH5, CH9, CH11 = "ch05_lighting", "ch09_antialiasing", "ch11_window"
+PICTURE, LARGE = "the picture", "the picture is the judged one, enlarged"
+
+# case, shader, what stands there, the mistake, what notices it
+MISTAKES = [
+    ("attenuation", f"{CH5}/attenuation_picture.frag", "reachOf(light, 0.01)",
+     "reachOf(light, 0.02)", PICTURE),
+    ("attenuation", "lib/drawing.glsl", "fwidth(value)", "0.5 * fwidth(value)", PICTURE),
+    ("spotlight", f"{CH5}/spotlight_picture.frag", "0.4 + away * away", "0.4 + away", PICTURE),
+    ("gamma", f"{CH5}/gamma_picture.frag", "srgbEncode(light)", "light", PICTURE),
+    ("gamma", f"{CH5}/gamma_picture.frag", "(x ^ y) * 2 + y", "(x ^ y) * 2 + x", PICTURE),
+    ("deferred-shading", f"{CH5}/deferred_picture.frag", "0.5 + 0.14 *", "0.5 + 0.12 *", PICTURE),
+    ("deferred-shading", f"{CH5}/deferred_picture.frag", "0.25 * sum", "0.24 * sum", PICTURE),
+    ("pbr-furnace", f"{CH5}/pbr_furnace_picture.frag", "0.17 * floor", "0.18 * floor", PICTURE),
+    ("msaa", f"{CH9}/msaa.frag", "0.11, 0.14, 0.22", "0.12, 0.14, 0.22", PICTURE),
+    ("msaa-offscreen", f"{CH9}/mean_of_samples.frag", "at.x < half_ ?", "at.x > half_ ?",
+     "one sample, and all of them"),
+    ("multisample-coverage", f"{CH9}/multisample_coverage.frag", "one > 0.5", "one < 0.5",
+     PICTURE),
+    ("double-buffer", f"{CH11}/double_buffer_picture.frag", "> 0.46", "> 0.43", "shown: one 0"),
+    ("fixed-timestep", f"{CH11}/fixed_timestep_picture.vert", "vec2(2.08, 1.25)",
+     "vec2(2.08, 1.20)", "dots of strip 0"),
+    ("fixed-timestep", f"{CH11}/fixed_timestep_floor.frag", "height < 0.0", "height < 0.1",
+     "strip 0"),
+    ("window-origin", f"{CH11}/window_origin_picture.frag", "vec2(0.5)", "vec2(1.5)", PICTURE),
+    ("point-cloud", "ch14_point_clouds/point_cloud.frag", "4.0 * dot", "3.0 * dot", PICTURE),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("case_id", "shader", "right", "wrong", "by"),
+    MISTAKES,
+    ids=[f"{case}-{wrong}" for case, _, _, wrong, _ in MISTAKES],
+)
+def test_a_falsified_picture_is_noticed(
+    case_id: str, shader: str, right: str, wrong: str, by: str
+) -> None:
+    text = (data_folder("shaders") / shader).read_text(encoding="utf-8")
+    assert right in text, f"{shader} does not read {right!r} any more"
+    assert by in failed(shipped().find(case_id), by, {shader: text.replace(right, wrong)})
+
+
+@pytest.mark.parametrize("case_id", ["double-buffer", "fixed-timestep"])
+def test_a_picture_that_shows_something_else_than_the_judged_pass_is_noticed(case_id: str) -> None:
+    case = shipped().find(case_id)
+    draws = next(one.draws for one in case.passes if one.name == "picture")[:-1]
+    passes = [replace(p, draws=draws) if p.name == "picture" else p for p in case.passes]
+    assert LARGE in failed(replace(case, passes=tuple(passes)), LARGE, {})
+
+
+def failed(case: Case, by: str, texts: dict[str, str]) -> set[str]:
+    """Of the case's expectations called `by`, those that fail in its first variant."""
+    named = [e for e in case.expect if e.name == by]
+    assert named, f"{case.id} expects nothing called {by!r}"
+    with Lab(RunOptions(texts=texts)) as lab:
+        record = lab.run(next(replace(case, expect=named).scenes()))
+    return {o.name for o in record.expectations if o.status == "fail"}
