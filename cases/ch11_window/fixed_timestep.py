@@ -174,7 +174,9 @@ case = Case(
         enlarged_check(edges=0.01),
         *each_draw("small.FragColor", ground, {4 * k: f"strip {k}" for k in range(3)}),
         *each_draw("small.FragColor", dot_color, PARTS, discards=outside),
-        *each_draw("small.gl_Position", frame_place, PARTS),
+        *each_draw(
+            "small.gl_Position", frame_place, {k: f"places of {part}" for k, part in PARTS.items()}
+        ),
         *(
             exact(
                 f"{name}.state",
