@@ -33,7 +33,7 @@ MISTAKES = [
      PICTURE),
     ("double-buffer", f"{CH11}/double_buffer_picture.frag", "> 0.46", "> 0.43", "shown: one 0"),
     ("fixed-timestep", f"{CH11}/fixed_timestep_picture.vert", "vec2(2.08, 1.25)",
-     "vec2(2.08, 1.20)", "dots of strip 0"),
+     "vec2(2.08, 1.20)", "places of dots of strip 0"),
     ("fixed-timestep", f"{CH11}/fixed_timestep_floor.frag", "height < 0.0", "height < 0.1",
      "strip 0"),
     ("window-origin", f"{CH11}/window_origin_picture.frag", "vec2(0.5)", "vec2(1.5)", PICTURE),
