@@ -15,7 +15,7 @@ from math import radians, tan
 
 import numpy as np
 
-from shaderlab import Case, CubeTexture, Ramp, any_order, assets
+from shaderlab import Case, CubeTexture, Depth, Ramp, any_order, assets, formula
 from shaderlab.glslmath import mix
 from shaderlab.reference.cube_maps import bent, fresnel, mirrored
 from shaderlab.reference.transforms import (
@@ -25,7 +25,7 @@ from shaderlab.reference.transforms import (
     translate,
     world_normal,
 )
-from shaderlab.sampling import textureLod
+from shaderlab.sampling import texture, textureLod
 
 from ..scenes.cameras import camera
 from ..scenes.draws import tested, twins
@@ -67,13 +67,19 @@ def thing(geometry, model, base, sky):
     )
 
 
-def behind():
-    """The sky itself, seen along each pixel's ray."""
+def behind(sky):
+    """The sky itself, seen along each pixel's ray, as far away as can be."""
     turn = CAMERA["view"][:3, :3].T
     half = tan(radians(FOVY) / 2.0)
     right, above = half * ASPECT * turn[:, 0], half * turn[:, 1]
     rays = Ramp(tuple(-turn[:, 2] - right - above), tuple(2.0 * right), tuple(2.0 * above))
-    return panel("ch13_skybox/skybox.frag", {"TexCoords": rays}, textures={"skybox": MORNING})
+    textures, farthest = {"skybox": sky}, {"depth": Depth(func="lequal"), "depth_range": (1, 1)}
+    return panel("ch13_skybox/skybox.frag", {"TexCoords": rays}, textures=textures, **farthest)
+
+
+def sky_along(skybox, TexCoords):
+    """The sky in the direction of a ray of any length."""
+    return texture(skybox, TexCoords)
 
 
 def seen(FragPos, Normal, cameraPos, ratio, base, sky):
@@ -102,7 +108,7 @@ case = Case(
     r"\left(1 - (\mathbf n \cdot \mathbf i)^2\right)}\right)\mathbf n",
     passes=(
         picture(
-            (behind(), *(thing(*one, MORNING) for one in THINGS)),
+            (behind(MORNING), *(thing(*one, MORNING) for one in THINGS)),
             (1536, 768),
             "scene",
             colors={"FragColor": "rgba32f"},
@@ -110,12 +116,18 @@ case = Case(
         ),
         *softened_pass("scene", (768, 384), domain={}),
         *twins(
-            picture((thing(*one, NOISE) for one in THINGS), (112, 56), "judged", depth="depth24")
+            picture(
+                (behind(NOISE), *(thing(*one, NOISE) for one in THINGS)),
+                (112, 56),
+                "judged",
+                depth="depth24",
+            )
         ),
     ),
     picture="picture.FragColor",
     expect=[
         softened_check(),
+        formula("judged.FragColor", sky_along, draw=0, name="the sky behind"),
         any_order("judged.FragColor"),
         any_order("judged.depth"),
         *(
@@ -128,7 +140,7 @@ case = Case(
                 ("Normal", world_normal, "normals of"),
             )
             for check in each_draw(
-                f"judged.{output}", reference, {k: f"{what} {n}" for k, n in enumerate(NAMES)}
+                f"judged.{output}", reference, {k: f"{what} {n}" for k, n in enumerate(NAMES, 1)}
             )
         ),
         *vertex_stage_checks("gl_Position", "FragPos", pass_name="judged"),
