@@ -17,9 +17,10 @@ from .expectations.gl_call import gl_call as gl_call
 from .expectations.gl_error import gl_error as gl_error
 from .expectations.inactive_uniforms import inactive_uniforms as inactive_uniforms
 from .expectations.mean_of import mean_of as mean_of
-from .expectations.measure import measure as measure, reading as reading
+from .expectations.measure import measure as measure
 from .expectations.monotone import monotone as monotone
 from .expectations.query import query as query
+from .expectations.readings import reading as reading
 from .expectations.refused import refused as refused
 from .expectations.sweep import sweep as sweep
 from .expectations.symmetric import symmetric as symmetric

@@ -95,11 +95,12 @@ class Outcome:
     """One expectation's verdict.
 
     `vacuous` is the share (0–1) of judged values whose band allows anything, `undecided` the
-    share that went both ways of a branch. `images` maps "measured", "reference" and "distance"
-    to picture files, relative to the run's folder, and `captions` the same names to how they are
-    to be read ("one channel in false colour, 0 to 2"). `values` is the file of the numbers behind
-    those pictures (`shaderlab.pictures.Values`), likewise relative, or "". `sources` are the
-    formula and the shader.
+    share that went both ways of a branch. `informative` is the share whose band excludes something
+    plausible, None where values are not held against bands. `images` maps "measured", "reference"
+    and "distance" to picture files, relative to the run's folder, and `captions` the same names to
+    how they are to be read ("one channel in false colour, 0 to 2"). `values` is the file of the
+    numbers behind those pictures (`shaderlab.pictures.Values`), likewise relative, or "".
+    `sources` are the formula and the shader.
 
     Where the rows of several outcomes stand in one table, `rows_heading` goes before each label;
     `rows_per_variant` says whether they differ between a case's variants. `rows_show_worst` says
@@ -115,6 +116,7 @@ class Outcome:
     worst: Worst | None = None
     vacuous: float = 0.0
     undecided: float = 0.0
+    informative: float | None = None
     rows: tuple[Row, ...] = ()
     rows_heading: str = ""
     rows_per_variant: bool = True

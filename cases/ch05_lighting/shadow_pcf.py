@@ -20,6 +20,7 @@ from dataclasses import replace
 import numpy as np
 
 from shaderlab import Case, Output, formula, measure, reading
+from shaderlab.reference.transforms import orthographic
 from shaderlab.sampling import texture
 
 from ..scenes import shadow_stage as courtyard
@@ -27,23 +28,28 @@ from ..scenes.cameras import camera
 from ..scenes.courtyard_light import compared_shadow, courtyard_references
 from ..scenes.figures import figures
 from ..scenes.panels import cell
-from ..scenes.shadow_stage import BOXES, LIGHT_SPACE, MODEL, SHADOW, SUN, WHITE, reads
+from ..scenes.shadow_stage import BOXES, LIGHT_SPACE, LIGHT_VIEW, MODEL, SHADOW, SUN, WHITE, reads
 from ..scenes.shadow_truth import blocked
 
 EYE = (1.4, 1.9, -2.6)
 BIAS = {"leastBias": 0.002, "mostBias": 0.03}
 STEADY = {"leastBias": 0.012, "mostBias": 0.0}
+LOOK_AT = (0.55, 0.15, -0.5)
+# What the camera looks at from the sun, a tenth as wide: with texels so small, hardly a pixel lies
+# between four that disagree, about which OpenGL says nothing.
+_x, _y = (LIGHT_VIEW @ (*LOOK_AT, 1.0))[:2]
+NEAR_SPACE = orthographic(_x - 0.6, _x + 0.6, _y - 0.6, _y + 0.6, 1.0, 9.0) @ LIGHT_VIEW
 
 
 def seen(name, radius, aspect=1.0, **target):
     """The edge of a shadow from nearby, with 1 or 9 texels asked."""
-    near_by = tuple(camera(EYE, (0.55, 0.15, -0.5), 34.0, aspect, far=60.0).values())
+    near_by = tuple(camera(EYE, LOOK_AT, 34.0, aspect, far=60.0).values())
     uniforms = {**(BIAS if radius else STEADY), "radius": radius}
     shadow_map = Output("map.depth", **WHITE)
     return courtyard.lit(name, shadow_map, LIGHT_SPACE, MODEL, near_by, uniforms, **target)
 
 
-def compared(name, filtering, bias):
+def compared(name, filtering, bias, map_name="map", light_space=LIGHT_SPACE):
     """The same edge, by a sampler that compares: NEAREST or LINEAR."""
     made = seen(name, 0, size=(96, 96), colors=SHADOW)
     (draw,) = made.draws
@@ -51,9 +57,11 @@ def compared(name, filtering, bias):
     own = replace(
         draw,
         fragment="ch05_lighting/shadow_compare.frag",
-        uniforms={**kept, **bias},
+        uniforms={**kept, **bias, "lightSpaceMatrix": light_space},
         textures={
-            "shadowMap": Output("map.depth", filter=(filtering,) * 2, compare="lequal", **WHITE)
+            "shadowMap": Output(
+                f"{map_name}.depth", filter=(filtering,) * 2, compare="lequal", **WHITE
+            )
         },
     )
     return replace(made, draws=(own,))
@@ -115,7 +123,8 @@ case = Case(
         seen("nine", 1, size=(96, 96)),
         seen("twenty-five", 2, size=(40, 40), colors=SHADOW),
         compared("compared-nearest", "nearest", STEADY),
-        compared("compared-linear", "linear", BIAS),
+        courtyard.cast("map-near", NEAR_SPACE, MODEL, 512),
+        compared("compared-linear", "linear", BIAS, "map-near", NEAR_SPACE),
     ),
     picture="picture.FragColor",
     expect=[

@@ -16,7 +16,7 @@ import numpy as np
 
 from shaderlab import Case, Depth, Draw, Mesh, Pass, State, Target, formula, query
 from shaderlab.assets import meshes, solids
-from shaderlab.glslmath import mix, mod, mul, normalize, vec3, vec4, where
+from shaderlab.glslmath import floor, mix, mul, normalize, vec3, vec4, where
 from shaderlab.reference.rasterisation import samples_passed
 from shaderlab.reference.transforms import normal_matrix, translate
 
@@ -93,7 +93,7 @@ def turned_normal(aNormal, normalMatrix):
 
 def at_tip(emitted):
     """1 for every second vertex that is emitted, 0 for those on the surface."""
-    return mod(emitted, 2.0)
+    return emitted - 2.0 * floor(0.5 * emitted)  # no quotient, which could fall short of a whole
 
 
 def of_corner(values, emitted):

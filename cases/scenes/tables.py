@@ -140,7 +140,9 @@ def _written(at: Value, number: Value) -> Value:
             left = 0.5 - 0.5 * (PITCH * (count - 1) + WIDE) + PITCH * k
             dots = (at - vec2(left, 0.5 - 0.5 * HIGH)) * vec2(3.0 / WIDE, 5.0 / HIGH)
             tens = floor((number + 0.5) / 10.0 ** (count - 1 - k))
-            here = max(here, _lit(floor(dots), tens - 10.0 * floor((tens + 0.5) / 10.0)))
+            # Sums in another order may be off a whole number: then no dot would be decided.
+            digit = floor(tens - 10.0 * floor((tens + 0.5) / 10.0) + 0.5)
+            here = max(here, _lit(floor(dots), digit))
         ink = where(number > least, here, ink)
     return ink
 
@@ -154,8 +156,9 @@ def _lit(dot_: Value, digit: Value) -> Value:
         bits = sum(1 << k for k, mark in enumerate("".join(rows)) if mark == "#")
         whole = where(digit == number, float(bits), whole)
     bit: Value = 1.0
+    place = floor(3.0 * y + x + 0.5)
     for k in range(1, 15):
-        bit = where(3.0 * y + x == k, float(1 << k), bit)
+        bit = where(place == k, float(1 << k), bit)
     half = floor((whole + 0.5) / bit)
     inside = (x >= 0.0) & (x <= 2.0) & (y >= 0.0) & (y <= 4.0)
     return where(inside & (half - 2.0 * floor(0.5 * half + 0.25) > 0.5), 1.0, 0.0)

@@ -8,18 +8,25 @@ from collections.abc import Iterable, Sequence
 from rich.table import Table
 from rich.text import Text
 
-from shaderlab.records import Record
+from shaderlab.records import Outcome, Record
 from shaderlab.report.plain_text import MARKS, label, printable
+from shaderlab.report.text import share
 
 STYLES = {"pass": "green", "unsupported": "yellow"}
 _HEADINGS = ("", "case", "section", "variants", "checks", "of band", "seconds", "compiled")
-_RIGHT = frozenset({"variants", "checks", "of band", "seconds"})
+_INFORMATIVE = "informative"
+_RIGHT = frozenset({"variants", "checks", "of band", "seconds", _INFORMATIVE})
 
 
 def case_table(records: Iterable[Record]) -> Table:
-    """A row for all variants of a case that passed, and one for each other variant."""
+    """A row for all variants of a case that passed, and one for each other variant.
+
+    The least share of informative values has a column where it is not 100 % everywhere.
+    """
+    records = list(records)
+    tells = any(o.informative not in (None, 1.0) for r in records for o in r.expectations)
     table = Table(box=None, pad_edge=False, header_style="dim")
-    for heading in _HEADINGS:
+    for heading in (*_HEADINGS, *([_INFORMATIVE] if tells else [])):
         table.add_column(
             heading,
             justify="right" if heading in _RIGHT else "left",
@@ -31,14 +38,14 @@ def case_table(records: Iterable[Record]) -> Table:
     for group in cases.values():
         passed = [r for r in group if r.status == "pass"]
         if passed:
-            table.add_row(*_cells(passed[0].id, passed, f"{len(passed)}/{len(group)}"))
+            table.add_row(*_cells(passed[0].id, passed, f"{len(passed)}/{len(group)}", tells))
         for record in group:
             if record.status != "pass":
-                table.add_row(*_cells(label(record.id, record.variant), [record], ""))
+                table.add_row(*_cells(label(record.id, record.variant), [record], "", tells))
     return table
 
 
-def _cells(name: str, group: Sequence[Record], variants: str) -> Sequence[Text]:
+def _cells(name: str, group: Sequence[Record], variants: str, tells: bool) -> Sequence[Text]:
     outcomes = [outcome for record in group for outcome in record.expectations]
     good = sum(outcome.status == "pass" for outcome in outcomes)
     widths = [o.worst.widths for o in outcomes if o.worst is not None]
@@ -56,7 +63,13 @@ def _cells(name: str, group: Sequence[Record], variants: str) -> Sequence[Text]:
         Text(MARKS[status], STYLES.get(status, "red")),
         *(Text(printable(cell)) for cell in plain),
         _compiled(group),
+        *([Text(_informative(outcomes))] if tells else []),
     )
+
+
+def _informative(outcomes: Sequence[Outcome]) -> str:
+    shares = [o.informative for o in outcomes if o.informative is not None]
+    return share(min(shares)) if shares else ""
 
 
 def _share(widths: float) -> str:

@@ -20,7 +20,7 @@ class Bounded(Law):
     or one for each component.
 
     Raises:
-        CaseError: a lower bound above its upper one, or no values.
+        CaseError: a lower bound above its upper one, none at all, or no values.
     """
 
     kind = "bounded"
@@ -34,6 +34,8 @@ class Bounded(Law):
     def __post_init__(self) -> None:
         if not np.all(np.asarray(self.low, float) <= np.asarray(self.high, float)):
             raise CaseError(f"bounded {self.output!r}: {self.low} … {self.high} holds no number")
+        if np.any(np.isinf(self.low) & np.isinf(self.high)):
+            raise CaseError(f"bounded {self.output!r}: {self.low} … {self.high} bounds nothing")
         self.name_by_default(f"{self.output} bounded")
         self.require_steps()
 

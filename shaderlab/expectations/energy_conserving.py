@@ -53,6 +53,8 @@ class EnergyConserving(Law):
             raise CaseError("energy_conserving: polar and around must be even, 4 or more")
         if np.shape(self.normal) != (3,) or not np.any(self.normal):
             raise CaseError(f"energy_conserving: {self.normal} is no normal")
+        if not 0.0 < self.limit < np.inf:
+            raise CaseError(f"energy_conserving: a limit of {self.limit} holds nothing")
         self.name_by_default(f"{self.output} conserves energy")
 
     @property
@@ -92,6 +94,8 @@ class EnergyConserving(Law):
                 f"the quadrature is known to {known_to} only, which is too rough to "
                 f"judge: give it more points (polar, around)"
             )
+        elif not total.any():
+            message = "it reflects nothing at all: any limit would hold"
         return Finding(
             (int(np.argmax(weighted[:fine, c])), c),
             total,

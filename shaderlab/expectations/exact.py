@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import KW_ONLY, dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import KW_ONLY, dataclass, fields, is_dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,7 @@ from shaderlab.expectations.base import OfOutput
 from shaderlab.expectations.subject import find_image
 from shaderlab.frame import Array, Frame
 from shaderlab.judging.figures import plain
-from shaderlab.model import Judgement, Output, Read, Scene
+from shaderlab.model import Judgement, Need, Output, Programs, Read, Scene
 from shaderlab.records import Outcome, Worst
 
 
@@ -45,6 +45,24 @@ class Exact(OfOutput):
     def passes(self, scene: Scene) -> frozenset[str]:
         return frozenset(read.pass_name for read in self.reads(scene))
 
+    def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
+        if isinstance(self.equals, Output):
+            self._require_another(self.equals, scene)
+        return ()
+
+    def _require_another(self, other: Output, scene: Scene) -> None:
+        """Raise CaseError where an output is compared with itself, or with its own twin."""
+        own = scene.find_pass(scene.split_output(self.output)[0])
+        twin = scene.find_pass(other.pass_name)
+        if self.own_name(scene) != other.name:
+            return
+        if own is twin or is_twin(replace(own, name=twin.name), twin):
+            what = "itself" if own is twin else f"pass {twin.name!r}, which draws the same"
+            raise CaseError(
+                f"exact {self.name!r}: {self.output} is compared with {what}, so it could not fail",
+                remedy="compare what is drawn in two ways, or with colours",
+            )
+
     def judge(self, scene: Scene, frame: Frame) -> Judgement:
         values = find_image(self.output, scene, frame).values
         expected = self.equals
@@ -67,6 +85,22 @@ class Exact(OfOutput):
         distance = np.where(same, 0.0, np.inf)
         pictures = {"measured": values, "reference": wanted, "distance": distance}
         return Judgement(outcome=outcome, pictures=pictures)
+
+
+def is_twin(one: Any, other: Any) -> bool:
+    """Whether two parts of a scene are alike: equal, or made of the very same arrays."""
+    if one is other:
+        return True
+    if type(one) is not type(other) or isinstance(one, np.ndarray):
+        return False
+    if is_dataclass(one):
+        return all(is_twin(getattr(one, f.name), getattr(other, f.name)) for f in fields(one))
+    if isinstance(one, Mapping):
+        # Textures get their units in the order of their names.
+        return list(one) == list(other) and all(is_twin(one[k], other[k]) for k in one)
+    if isinstance(one, tuple | list):
+        return len(one) == len(other) and all(map(is_twin, one, other))
+    return bool(one == other)
 
 
 def laid_over(expected: Any, values: Array, name: str) -> Array:

@@ -58,6 +58,7 @@ class OfReference(OfOutput):
             worst=banded.worst(covered),
             vacuous=banded.vacuous_share,
             undecided=banded.undecided_share,
+            informative=banded.informative_share,
             rows=tuple(rows),
             rows_show_worst=rows_show_worst,
             sources=(banded.source,),
@@ -94,6 +95,8 @@ class Formula(OfReference):
         require_callable("formula", self.reference)
         for implementation in self.also.values():
             require_callable("formula: also", implementation)
+            if implementation is self.reference:
+                raise CaseError(f"formula {self.output!r}: also= has the reference itself")
         self.name_by_default(self.output)
 
     def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:

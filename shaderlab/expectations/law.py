@@ -24,6 +24,7 @@ from shaderlab.model import Judgement, Need, Programs, Scene, UniformValue
 from shaderlab.records import Outcome, Row, Worst
 
 Figure = float | Sequence[float]
+UNVARIED = "the law would hold of any constant\n→ vary an input that the output depends on"
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from shaderlab.errors import CaseError
-from shaderlab.expectations.law import Finding, Law, least
+from shaderlab.expectations.law import UNVARIED, Finding, Law, least
 from shaderlab.frame import Array
 from shaderlab.model import one_of
 
@@ -19,7 +19,7 @@ from shaderlab.model import one_of
 class Monotone(Law):
     """`output` never falls ("increasing") or never rises ("decreasing") while the input `over`
     goes through `values`; with `strict`, it never stays the same either. Of vectors, each
-    component.
+    component. An output that changes nowhere fails.
 
     Raises:
         CaseError: fewer than two values, or values that do not rise.
@@ -52,6 +52,8 @@ class Monotone(Law):
         low, high = (before, np.inf) if rising else (-np.inf, before)
         verb = ("falls" if rising else "rises") + (" or stays" if self.strict else "")
         message = f"it {verb} in {wrong} of {rises.size} steps" if wrong else ""
+        if not rises.any():
+            message = f"it is the same at all {len(measured)} values: {UNVARIED}"
         return Finding((i + 1, c), before, low, high, wrong, message)
 
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from shaderlab.errors import CaseError
-from shaderlab.expectations.law import Finding, Law, least
+from shaderlab.expectations.law import UNVARIED, Finding, Law, least
 from shaderlab.frame import Array
 
 
@@ -39,8 +39,13 @@ class Symmetric(Law):
     ulps: int = 0
 
     def __post_init__(self) -> None:
-        if not self.steps or self.ulps < 0:
-            raise CaseError(f"symmetric {self.output!r}: needs values, and ulps of 0 or more")
+        if not self.steps or not 0 <= self.ulps < 2**23:
+            raise CaseError(f"symmetric {self.output!r}: needs values, and ulps from 0 to 2²³ - 1")
+        if not self.odd and all(map(_mirrors_itself, self.steps[0::2], self.steps[1::2])):
+            raise CaseError(
+                f"symmetric {self.output!r}: all values are their own mirror images",
+                remedy="give values other than 0, or pairs of two different ones",
+            )
         label = self.over if isinstance(self.over, str) else " and ".join(self.over)
         self.name_by_default(f"{self.output} symmetric in {label}")
 
@@ -64,16 +69,24 @@ class Symmetric(Law):
         wrong = int((off > self.ulps).sum())
         i, c = least(-off)
         room = self.ulps * step[i]
-        message = f"{wrong} of {off.size} pairs differ by more than {self.ulps} ULP"
+        message = ""
+        if wrong:
+            message = f"{wrong} of {off.size} pairs differ by more than {self.ulps} ULP"
+        elif not np.ptp(measured, axis=0).any():
+            message = f"it is the same at all values: {UNVARIED}"
         return Finding(
             (2 * i + 1, c),
             one[i],
             one[i] - room,
             one[i] + room,
             wrong,
-            message if wrong else "",
+            message,
             measured=other[i],
         )
+
+
+def _mirrors_itself(one: Mapping[str, Any], other: Mapping[str, Any]) -> bool:
+    return all(np.array_equal(one[name], other[name]) for name in one)
 
 
 symmetric = Symmetric

@@ -13,14 +13,17 @@ from shaderlab.bands import Band, Integer, Rules
 from shaderlab.bands.allowed import contains
 from shaderlab.errors import FormulaError
 from shaderlab.frame import Array
-from shaderlab.judging.chunks import chunks, quad_rows
+from shaderlab.judging.chunks import PLACE, chunks, quad_rows
 from shaderlab.judging.distance import Placed
 from shaderlab.judging.figures import plain, ulp_distance
 from shaderlab.judging.formats import FLOAT_FORMATS, as_result, in_format, stored
+from shaderlab.judging.informative import MAX_UNDECIDED, MIN_INFORMATIVE, Plausible
 from shaderlab.judging.inputs import Inputs, Reference, evaluate, source_of, wanted
 from shaderlab.records import Row, SourceText, Worst
 
 MAX_VACUOUS = 0.01
+# Rows whose reference in float64 tells how much a formula varies over a frame.
+SAMPLED = 1024
 # Rows for which a band is evaluated at a time: a formula of fifty operations keeps a few dozen
 # arrays, some 16 MB a component, instead of gigabytes for a large frame.
 CHUNK = 16384
@@ -45,11 +48,24 @@ class Exact:
         """Some rows, (count, components). Raises FormulaError."""
         stop = min(start + count, self.shape[0])
         rows = quad_rows(self.inputs, self.asked, start, stop)
+        return self._values(rows)[start - rows.start : stop - rows.start]
+
+    def _values(self, rows: slice) -> Array:
         part = self.inputs.part(rows)
         found = evaluate(self.reference, part, rules=None, decimal=False, asked=self.asked)
         values = np.asarray(found).astype(np.float64, copy=False)
-        values = np.broadcast_to(values, (rows.stop - rows.start, self.shape[1]))
-        return in_format(values[start - rows.start : stop - rows.start], self.format)
+        shape = len(range(*rows.indices(self.shape[0]))), self.shape[1]
+        return in_format(np.broadcast_to(values, shape), self.format)
+
+    def some(self, count: int) -> Array:
+        """At least `count` rows from all over, or all if there are fewer. Raises FormulaError."""
+        step = max(self.shape[0] // count, 1)
+        # An odd step meets all columns of a frame whose width is a power of two.
+        step -= 1 - step % 2
+        if step > 1 and PLACE in self.asked:  # it may see a pixel's neighbours
+            starts = range(0, self.shape[0], self.shape[0] // 8)
+            return np.concatenate([self.part(start, count // 8) for start in starts])
+        return self._values(slice(0, self.shape[0], step))
 
     def whole(self) -> Array:
         """All rows, (count, components), a chunk at a time. Raises FormulaError."""
@@ -87,6 +103,12 @@ class Banded(Placed):
     def outside(self) -> int:
         """How many values lie outside their band."""
         return self.inside.size - int(np.count_nonzero(self.inside))
+
+    @cached_property
+    def informative_share(self) -> float:
+        """The share of values whose band excludes something plausible (see `informative`)."""
+        plausible = Plausible.of(self.exact.some(SAMPLED), self.exact.format)
+        return plausible.informative_share(self.low, self.high)
 
     def worst(self, covered: Array | None = None) -> Worst | None:
         """The value furthest from its band's middle, as seen from the band; None of nothing.
@@ -137,6 +159,18 @@ class Banded(Placed):
             return "fail", (
                 f"{self.vacuous_share:.1%} of the values may be anything under the precision "
                 f"rules (at most {MAX_VACUOUS:.0%} may): this check could hardly fail"
+            )
+        if self.informative_share < MIN_INFORMATIVE:
+            return "fail", (
+                f"only {self.informative_share:.1%} of the values have a band that excludes "
+                f"anything plausible (at least {MIN_INFORMATIVE:.0%} must): the others hold all "
+                "that the formula gives over the frame\n→ give inputs at which it varies "
+                "by more than its precision, or judge a step before the precision is lost"
+            )
+        if self.undecided_share > MAX_UNDECIDED:
+            return "fail", (
+                f"{self.undecided_share:.1%} of the values took both sides of a branch (at most "
+                f"{MAX_UNDECIDED:.0%} may)\n→ give inputs further from where the branch changes"
             )
         return "pass", ""
 

@@ -62,7 +62,9 @@ def linear(texel: Texel, x: Span, y: Span, exact: bool, compared: bool = False) 
         pieces = [_within_cell(texel, a, b, crossing) for a in _pieces(x) for b in _pieces(y)]
         low[crossing], high[crossing] = hull(pieces)
     if compared:
-        return np.where(low < 1.0 - ROUNDING, 0.0, 1.0), np.where(high > ROUNDING, 1.0, 0.0)
+        # Weights of sum 1 give or take a last bit, and _within_cell's own give.
+        some = 2.0 * ROUNDING
+        return np.where(low < 1.0 - some, 0.0, 1.0), np.where(high > some, 1.0, 0.0)
     return low, high
 
 

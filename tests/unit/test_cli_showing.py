@@ -61,6 +61,17 @@ def test_targets_that_refuse_are_named(capsys: pytest.CaptureFixture[str], refus
     assert row(shown(capsys, refused), "lamp")[-3:] == ["not", "glsl,", "vulkan"]
 
 
+def test_the_share_of_informative_values_is_told_where_it_is_not_all(
+    capsys: pytest.CaptureFixture[str], passing: Record
+) -> None:
+    outcome = dataclasses.replace(passing.expectations[0], informative=0.995)
+    some = dataclasses.replace(passing, expectations=(outcome,))
+    assert row(shown(capsys, some), "lamp")[-2:] == ["99.5", "%"]
+    whole = dataclasses.replace(outcome, informative=1.0)
+    lines = shown(capsys, dataclasses.replace(passing, expectations=(whole,)))
+    assert not any("informative" in line for line in lines)
+
+
 @pytest.mark.parametrize(
     ("widths", "share"),
     [(0.0, "0 %"), (0.004, "< 1 %"), (0.375, "38 %"), (1.0, "100 %"), (2.0, "200 %")],

@@ -196,3 +196,32 @@ def test_what_is_not_finite_keeps_no_law(bad: float) -> None:
 def test_a_law_that_could_not_be_judged_is_refused(wrong: Callable[[], Law]) -> None:
     with pytest.raises(CaseError):
         wrong()
+
+
+def test_a_law_that_would_hold_of_any_constant_fails() -> None:
+    for check in (
+        monotone("y", over="x", values=XS),
+        symmetric("y", over="x", values=XS),
+        symmetric("y", over="x", values=XS, odd=True),
+    ):
+        outcome = judged(check, lambda x: np.zeros_like(x))
+        assert outcome.status == "fail" and "of any constant" in outcome.message
+    lit = energy_conserving("y", over="w")
+    dark = judged(lit, lambda w: np.zeros((len(w), 1)))
+    assert dark.status == "fail" and "reflects nothing" in dark.message
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: bounded("y", -np.inf, np.inf, over="x", values=XS),
+        lambda: bounded("y", (0.0, -np.inf), (1.0, np.inf), over="x", values=XS),
+        lambda: symmetric("y", over="x", values=(0.0,)),
+        lambda: symmetric("y", over=("a", "b"), values=((1.0, 1.0), (2.0, 2.0))),
+        lambda: symmetric("y", over="x", values=XS, ulps=2**30),
+        lambda: energy_conserving("y", over="w", limit=np.inf),
+    ],
+)
+def test_laws_that_nothing_could_break_are_errors(make: Callable[[], Law]) -> None:
+    with pytest.raises(CaseError):
+        make()

@@ -278,3 +278,8 @@ def test_plots_are_saved_and_read_again(tmp_path: Path) -> None:
     saved = run(record(plots=(plot(points=plot().points[:2]),)))
     save(saved, tmp_path)
     assert load(tmp_path).records == saved.records
+
+
+def test_an_output_is_not_measured_against_itself() -> None:
+    with pytest.raises(CaseError, match="compared with itself"):
+        measure("d", lambda a, b: 0.0, reads={"a": "main.y", "b": "main.y"}, at_most=1.0)

@@ -18,7 +18,8 @@ _RECORD = (
     "expectations", "images", "unread",
 )  # fmt: skip
 _OUTCOME = (
-    "name", "kind", "status", "message", "worst", "vacuous", "undecided", "judged", "outside",
+    "name", "kind", "status", "message", "worst", "vacuous", "undecided", "informative",
+    "judged", "outside",
 )  # fmt: skip
 _ROW = ("label", "expected", "measured", "ok", "note")
 
