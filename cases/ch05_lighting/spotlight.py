@@ -13,7 +13,18 @@ from math import cos, radians, sin, tan
 
 import numpy as np
 
-from shaderlab import Case, Erratum, Ramp, Variant, across, computed, formula, fullscreen, sweep
+from shaderlab import (
+    Case,
+    Erratum,
+    Ramp,
+    Target,
+    Variant,
+    across,
+    computed,
+    formula,
+    fullscreen,
+    sweep,
+)
 from shaderlab.glslmath import dot, length, mix, step, swizzle, vec2, vec3, vec4
 from shaderlab.reference.spotlight import ratio_of_cosines, spot_intensity, spot_ratio
 
@@ -31,10 +42,16 @@ def cone(inner, outer):
     return {"light.cutOff": cos(radians(inner)), "light.outerCutOff": cos(radians(outer))}
 
 
-def shown(shader, name, domain):
+def shown(shader, name, domain, **target):
     """One of the shaders, with the cone of 25° and 35°."""
     uniforms = {**LIGHT, **cone(25.0, 35.0)}
-    return fullscreen(f"ch05_lighting/{shader}.frag", name=name, domain=domain, uniforms=uniforms)
+    return fullscreen(
+        f"ch05_lighting/{shader}.frag",
+        name=name,
+        domain=domain,
+        uniforms=uniforms,
+        target=Target(**target),
+    )
 
 
 def below(tangent, light_position, light_direction, light_cutOff, light_outerCutOff):
@@ -115,7 +132,7 @@ case = Case(
     math=r"I = \operatorname{clamp}\!\left(\frac{\cos\theta - \cos\gamma}"
     r"{\cos\varphi - \cos\gamma},\ 0,\ 1\right)",
     passes=(
-        *shown("spotlight_picture", "picture", SLICE),
+        *shown("spotlight_picture", "picture", SLICE, size=(256, 256)),
         *shown("spotlight_edge", "edge", {"tangent": across(-1.0, 1.0)}),
         *shown("spotlight", "main", SLICE),
     ),
