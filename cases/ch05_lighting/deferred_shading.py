@@ -46,6 +46,7 @@ from shaderlab.sampling import texture
 
 from ..scenes.drawing import encoded
 from ..scenes.plaza import plaza
+from ..scenes.studio import handed_on
 
 EYE = (0.0, 4.6, 7.4)
 MODEL = rotate(radians(12.0), (0.0, 1.0, 0.0))
@@ -196,6 +197,7 @@ case = Case(
         formula("buffer.gl_Position", clip_position),
         formula("buffer.FragPos", world_position),
         formula("buffer.Normal", world_normal),
+        formula("buffer.Color", handed_on),
         formula("buffer.gPosition", place_of),
         formula("buffer.gNormal", normal_of),
         formula("buffer.gAlbedoSpec", surface_of),

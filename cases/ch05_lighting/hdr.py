@@ -188,7 +188,9 @@ case = Case(
     expect=[
         any_order("hdr.FragColor"),
         any_order("judged.FragColor"),
-        *lit.vertex_stage_checks(pass_name="judged"),
+        *lit.vertex_stage_checks(
+            "gl_Position", "FragPos", "Normal", "TexCoords", pass_name="judged"
+        ),
         formula("judged.FragColor", lit_by_lamps, name="light in the corridor"),
         *figures(
             "judged.FragColor",

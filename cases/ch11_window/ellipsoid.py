@@ -22,13 +22,14 @@ from ..scenes.cameras import turned
 from ..scenes.draws import tested
 from ..scenes.figures import each_draw, figure, results
 from ..scenes.laws import unchanged
-from ..scenes.panels import cell, rectangle, softened_check, softened_pass
+from ..scenes.panels import cell, enlarged_check, rectangle, softened_check, softened_pass
 
 AXES = (1.0, 0.45, 0.7)
 SOLID = assets.ellipsoid(AXES, segments=64, rings=32)
 MODEL = turned(25.0, (0.0, 0.0, 1.0)) @ turned(35.0)
 # The view plane, 2.1 by 1.68 of the half axes' units, seen straight on.
 PROJECTION = orthographic(-1.05, 1.05, -0.84, 0.84, -2.0, 3.0)
+DUSK = (0.10, 0.12, 0.15, 1.0)
 LIGHT = np.array([-0.36, 0.80, 0.48])
 
 
@@ -131,9 +132,9 @@ case = Case(
     math=r"n \propto \nabla\!\left(\frac{x^2}{a^2} + \frac{y^2}{b^2} + \frac{z^2}{c^2}\right) = "
     r"2\left(\frac{x}{a^2},\ \frac{y}{b^2},\ \frac{z}{c^2}\right)",
     passes=(
-        drawn("scene", (2000, 800), SIDES, {"FragColor": "rgba32f"}, clear=(0.10, 0.12, 0.15, 1.0)),
+        drawn("scene", (2000, 800), SIDES, {"FragColor": "rgba32f"}, clear=DUSK),
         *softened_pass("scene", (1000, 400), domain={}),
-        drawn("both", (120, 48), SIDES),
+        drawn("both", (80, 32), SIDES, clear=DUSK),
         drawn("mesh", (240, 192), [ball(False)], {"covered": "r32f", "facing": "r32f"}),
         *fullscreen(
             "ch11_window/ellipsoid_silhouette.frag",
@@ -146,6 +147,7 @@ case = Case(
     picture="picture.FragColor",
     expect=[
         softened_check(),
+        enlarged_check("both", "scene", edges=0.005),
         formula("mesh.gl_Position", clip),
         formula("mesh.Local", unchanged("aPos")),
         formula("mesh.gradient", gradient),

@@ -39,6 +39,7 @@ from shaderlab.reference.spaces import sky_clip
 from shaderlab.reference.transforms import clip_position, look_at, perspective, rotate, translate
 from shaderlab.sampling import texture
 
+from ..scenes.laws import unchanged
 from ..scenes.panels import softened_check, softened_pass
 from ..scenes.sky import sky_face
 from ..scenes.studio import studio_color
@@ -185,6 +186,7 @@ case = Case(
         formula("sky-last.FragColor", along, draw=3, name="sky is where nothing else is"),
         formula("sky-last.gl_Position", clip_position, draw=0, name="a crate in clip space"),
         formula("sky-last.Normal", turned_normal, draw=0, name="a crate's normals"),
+        formula("sky-last.TexCoords", unchanged("aTexCoords"), draw=0, name="places on its wood"),
         value(
             "sky-last.FragColor",
             draw=0,
@@ -196,7 +198,10 @@ case = Case(
         ),
         formula("kept-here.gl_Position", kept_clip, name="with the translation kept"),
         formula("kept-there.gl_Position", kept_clip, name="with the translation kept, elsewhere"),
-        formula("kept-there.FragColor", along, name="the sky with the translation kept"),
+        *(
+            formula(f"kept-{place}.FragColor", along, name=f"{place}, with the translation kept")
+            for place in ("here", "there")
+        ),
         formula("kept-here.TexCoords", point, name="directions with the translation kept"),
         exact(
             "sky-first.FragColor",

@@ -208,6 +208,7 @@ case = Case(
         ),
         formula("gl_Position", clip),
         formula("diameter", width),
+        formula("gl_PointSize", width),
         formula("warmth", handed_on),
         formula("FragColor", star),
         formula("ruler.FragColor", square),

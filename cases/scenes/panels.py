@@ -132,7 +132,7 @@ def enlarged(
     return picture(draws, size, **colors), picture(draws, small, judged, **target)
 
 
-def enlarged_check(judged: str = "small", *, edges: float = 0.0) -> Any:
+def enlarged_check(judged: str = "small", large: str = "picture", *, edges: float = 0.0) -> Any:
     """What a small pass shows, the picture shows: its pixels that have the same centres are alike.
 
     Both are to differ by less than half a code of eight bits, which no eye sees: places are
@@ -140,6 +140,7 @@ def enlarged_check(judged: str = "small", *, edges: float = 0.0) -> Any:
 
     Args:
         judged: the small pass.
+        large: the one that is an odd number of times as large.
         edges: the share of pixels that may differ, as meshes have edges there: corners are moved to
             a grid within the pixels (OpenGL 3.3, 3.6.1), which is finer in the large picture.
 
@@ -149,7 +150,7 @@ def enlarged_check(judged: str = "small", *, edges: float = 0.0) -> Any:
     return measure(
         "the picture is the judged one, enlarged",
         share_unlike,
-        reads={"large": "picture.FragColor", "small": f"{judged}.FragColor"},
+        reads={"large": f"{large}.FragColor", "small": f"{judged}.FragColor"},
         at_most=edges,
         note="the share of pixels that are half a code of eight bits apart, or more",
     )
