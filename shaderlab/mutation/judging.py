@@ -151,7 +151,7 @@ class Judge:
             for index, draw in enumerate(draws)
             if draw.draw.shaders == effect.program
         )
-        return proof.same_module(programs[name][index], original[name][index])
+        return proof.same_program(programs[name][index].sources, original[name][index].sources)
 
     def _require_sound(self, task: Task) -> None:
         """Run the parts of the scene that a task may need as they are, once each."""

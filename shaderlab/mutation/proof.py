@@ -6,32 +6,31 @@ import functools
 import shutil
 import subprocess
 import tempfile
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from shaderlab.errors import ShaderError
 from shaderlab.glsl.compile import compile_program
 from shaderlab.glsl.library import SPIRV_TOOLS_WHEEL, find
-from shaderlab.programs.prepare import PreparedDraw
+from shaderlab.glsl.sources import Source
 
 _PASSES = ("--strip-debug", "-O", "--compact-ids")
 
 
-def same_module(mutant: PreparedDraw, original: PreparedDraw) -> bool:
-    """Whether the optimiser makes the same modules of both programs. False where there is none."""
+def same_program(mutant: Sequence[Source], original: Sequence[Source]) -> bool:
+    """Whether the optimiser makes the same modules of both programs' stages. False where there is
+    no optimiser and the modules differ."""
     one, other = _modules(mutant), _modules(original)
-    return one == other or (
-        one.keys() == other.keys()
-        and all(
-            one[stage] == other[stage]
-            or _optimised(one[stage]) == (_optimised(other[stage]) or None)
-            for stage in one
-        )
-    )
+    return one.keys() == other.keys() and all(_same(one[stage], other[stage]) for stage in one)
 
 
-def _modules(draw: PreparedDraw) -> dict[str, bytes]:
+def _modules(stages: Sequence[Source]) -> Mapping[str, bytes]:
     """Each stage's module for OpenGL."""
-    return dict(compile_program(draw.sources, ("glsl", "opengl")).spirv.get("opengl", {}))
+    return compile_program(stages, ("glsl", "opengl")).spirv["opengl"]
+
+
+def _same(one: bytes, other: bytes) -> bool:
+    return one == other or _optimised(one) == _optimised(other) != b""
 
 
 @functools.lru_cache(maxsize=64)
