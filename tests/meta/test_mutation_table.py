@@ -41,12 +41,16 @@ def test_counts_of_a_file_become_a_row() -> None:
     assert made.row_of(case, 12, 3) == row
 
 
-def test_the_table_says_which_rows_are_samples() -> None:
+def test_the_table_says_which_rows_are_samples_and_which_are_older() -> None:
     row = {"killed": 3, "survived": 1, "unread": 1}
     table = made.score_table({"a": row, "b": row | {"sample": 4, "seed": 7}})
-    assert "| **all 2** | **6** | **2** | **0** | **0** | **2** |" in table
+    assert "| **2 cases** | **6** | **2** | **0** | **0** | **2** |" in table
     assert "75.0 % of 8 mistakes in shaders" in table
-    assert "1 rows are of a sample: `--limit 4 --seed 7`" in table
+    assert "1 rows are of a sample of a case: `--limit 4 --seed 7`" in table
+    assert "before mutants were made" not in table
+    assert "1 rows, those without" in made.score_table(
+        {"a": row, "c": {"killed": 1, "survived": 0}}
+    )
 
 
 def test_a_survivor_finds_its_explanation_and_no_other() -> None:
