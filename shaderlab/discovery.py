@@ -88,21 +88,22 @@ def is_case_file(path: Path) -> bool:
 
 
 def case_files(folder: Path) -> Iterator[Path]:
-    """All case files below `folder`, sorted, except in hidden folders and build products.
-
-    Raises:
-        UsageError: `folder` is not a folder that can be read.
-    """
-    return filter(is_case_file, _files(folder))
+    """The case files of `files_below`."""
+    return filter(is_case_file, files_below(folder))
 
 
 def shipped_cases() -> Iterator[Path]:
     """The case files that come with the lab, sorted. Their text is matched, not parsed: parsing
     would take longer than loading them."""
-    return (file for file in _files(data_folder("cases")) if _source_like_a_case(file) is not None)
+    return filter(_source_like_a_case, files_below(data_folder("cases")))
 
 
-def _files(folder: Path) -> Iterator[Path]:
+def files_below(folder: Path) -> Iterator[Path]:
+    """All files below `folder`, sorted, except in hidden folders and build products.
+
+    Raises:
+        UsageError: `folder` is not a folder that can be read.
+    """
     try:
         entries = sorted(folder.iterdir())
     except OSError as error:
@@ -111,7 +112,7 @@ def _files(folder: Path) -> Iterator[Path]:
         if not entry.is_dir():
             yield entry
         elif not entry.name.startswith(".") and entry.name not in _SKIPPED_FOLDERS:
-            yield from _files(entry)
+            yield from files_below(entry)
 
 
 def _source_like_a_case(path: Path) -> bytes | None:

@@ -10,7 +10,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from shaderlab.cli.files import REPORTS, new_run_folder, report_folder, write_outputs
+import click
+
+from shaderlab.cli import FAILED, INTERRUPTED, OK, USAGE
+from shaderlab.cli.files import REPORTS, latest, new_run_folder, report_folder, write_outputs
 from shaderlab.cli.replacing import unread
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.execution.journal import FILE_NAME, Journal, RunPlan, read
@@ -46,37 +49,46 @@ def new_plan(jobs: Sequence[Job], options: RunOptions, folder: str | None) -> Ru
     return RunPlan(started=now, options=replace(options, folder=made), jobs=tuple(jobs))
 
 
-def resumed_plan(folder: Path, limits: Limits) -> tuple[RunPlan, list[Record]]:
+def resumed_plan(word: str, limits: Limits) -> tuple[RunPlan, list[Record]]:
     """The plan of an earlier run, to be finished with these limits, and the records there are.
+
+    `word` is the run's folder, or "" for the last one that was begun.
 
     Raises:
         UsageError: there is no such run.
     """
+    if not word:
+        begun = sorted(REPORTS.glob(f"*/{FILE_NAME}"), key=lambda path: path.stat().st_mtime)
+        if not begun:
+            raise UsageError(f"there is no run in {REPORTS}/", remedy="name its folder")
+    folder = Path(word) if word else begun[-1].parent
     plan, done = read(folder)
     return replace(plan, options=replace(plan.options, folder=folder, limits=limits)), done
 
 
-def resumed_folder(word: str) -> Path:
-    """The folder of the run to resume: the one that is named, or the last that was begun."""
-    if word:
-        return Path(word)
-    begun = sorted(REPORTS.glob(f"*/{FILE_NAME}"), key=lambda path: path.stat().st_mtime)
-    if not begun:
-        raise UsageError(f"there is no run in {REPORTS}/", remedy="name its folder")
-    return begun[-1].parent
-
-
 def run_plan(
-    executor: Executor, plan: RunPlan, done: Sequence[Record], journal: Journal, show: Show
+    executor: Executor,
+    plan: RunPlan,
+    show: Show,
+    done: Sequence[Record] | None = None,
 ) -> RecordedRun:
-    """Run all jobs of the plan but those that are `done`; the records are in the plan's order.
+    """Run all jobs of the plan, with their records in its order; write each to the journal.
 
     An interrupt ends it early: what was finished by then is in the journal and in the result.
+
+    Args:
+        executor, plan, show: what runs it, what is run, and what shows how far that is.
+        done: the records of a run that is resumed; their jobs are not run again.
     """
+    assert plan.options.folder is not None
     clock = time.perf_counter()
-    records = {(record.id, record.variant): record for record in done}
+    records = {(record.id, record.variant): record for record in done or ()}
     waiting = {job.key: job for job in plan.jobs if job.key not in records}
-    with show.progress(len(waiting)) as progress, contextlib.suppress(KeyboardInterrupt):
+    with (
+        Journal(plan.options.folder, plan if done is None else None) as journal,
+        show.progress(len(waiting)) as progress,
+        contextlib.suppress(KeyboardInterrupt),
+    ):
         results = executor.run(list(waiting.values()), plan.options)
         while waiting:
             progress.starts(*next(iter(waiting)))
@@ -85,19 +97,17 @@ def run_plan(
             journal.add(record)
             del waiting[job.key]
             progress.ends(record)
-    ordered = tuple(records[job.key] for job in plan.jobs if job.key in records)
     about = executor.about()
     run = Run(
         driver=about.driver,
         versions=about.versions,
         started=plan.started,
         seconds=time.perf_counter() - clock,
-        records=ordered,
+        records=tuple(records[job.key] for job in plan.jobs if job.key in records),
         replaced={name: display_path(file) for name, file in plan.options.shaders.items()},
         missing=len(waiting),
     )
-    assert plan.options.folder is not None
-    ignored = () if waiting else unread(plan.options.shaders, ordered)
+    ignored = () if waiting else unread(plan.options.shaders, run.records)
     problems = [ShaderlabError(journal.problem)] if journal.problem else []
     return RecordedRun(run, plan.options.folder, not waiting, (*problems, *ignored))
 
@@ -128,6 +138,42 @@ def with_coverage(
                 found[result.number] = CodeCoverage(id=ids[result.number], message=message)
     ordered = tuple(found[number] for number in sorted(found))
     return replace(recorded, run=replace(recorded.run, code_coverage=ordered))
+
+
+def finish(
+    recorded: RecordedRun,
+    show: Show,
+    command: str,
+    *,
+    is_latest: bool,
+    outputs: Mapping[str, str] | None = None,
+    open_report: bool = False,
+) -> int:
+    """Write and show where everything is; returns the exit status as far as that decides it.
+
+    Args:
+        recorded, show: the run, and what says where it is.
+        command: what resumes it, "run" or "sweep".
+        is_latest: whether `latest` is to point to its folder.
+        outputs: files to write besides the page, by format.
+        open_report: whether the page is opened in a browser.
+    """
+    page, problems = write_report(recorded, outputs or {})
+    if is_latest:
+        latest(recorded.folder)
+    if page is not None:
+        show.where(page)
+    for problem in problems:
+        click.echo(f"shaderlab: {problem}", err=True)
+    if problems:
+        return USAGE if isinstance(problems[0], UsageError) else FAILED
+    if open_report and page is not None:
+        click.launch(page.resolve().as_uri())
+    if not recorded.complete:
+        folder = display_path(recorded.folder)
+        show.console.print(f"go on with: shaderlab {command} --resume {folder}")
+        return INTERRUPTED
+    return OK
 
 
 def write_report(

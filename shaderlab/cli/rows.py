@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 
 from rich.table import Table
 from rich.text import Text
@@ -18,6 +18,27 @@ _INFORMATIVE = "informative"
 _RIGHT = frozenset({"variants", "checks", "of band", "seconds", _INFORMATIVE})
 
 
+def plain_table(
+    *headings: str, right: Collection[str], whole: Collection[str] | None = None
+) -> Table:
+    """An empty table without lines.
+
+    Args:
+        headings: of its columns.
+        right: those aligned to the right.
+        whole: those whose cells are never broken into lines, by default all others.
+    """
+    table = Table(box=None, pad_edge=False, header_style="dim")
+    for heading in headings:
+        aligned = heading in right
+        table.add_column(
+            heading,
+            justify="right" if aligned else "left",
+            no_wrap=not aligned if whole is None else heading in whole,
+        )
+    return table
+
+
 def case_table(records: Iterable[Record]) -> Table:
     """A row for all variants of a case that passed, and one for each other variant.
 
@@ -25,13 +46,8 @@ def case_table(records: Iterable[Record]) -> Table:
     """
     records = list(records)
     tells = any(o.informative not in (None, 1.0) for r in records for o in r.expectations)
-    table = Table(box=None, pad_edge=False, header_style="dim")
-    for heading in (*_HEADINGS, *([_INFORMATIVE] if tells else [])):
-        table.add_column(
-            heading,
-            justify="right" if heading in _RIGHT else "left",
-            no_wrap=heading == "case",
-        )
+    headings = (*_HEADINGS, *([_INFORMATIVE] if tells else []))
+    table = plain_table(*headings, right=_RIGHT, whole={"case"})
     cases: dict[tuple[str, str], list[Record]] = {}
     for record in records:
         cases.setdefault((record.id, record.file), []).append(record)

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from shaderlab.cli import FAILED, INTERRUPTED, OK, USAGE
-from shaderlab.cli.files import latest, output_options, uses_stdout
+from shaderlab.cli import FAILED, OK
+from shaderlab.cli.files import output_options, uses_stdout
 from shaderlab.cli.options import (
     DRIVER,
     SCHEDULER,
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from shaderlab.cli.recorded_run import RecordedRun
     from shaderlab.cli.showing import Show
     from shaderlab.execution import Executor
-    from shaderlab.execution.journal import Journal, RunPlan
+    from shaderlab.execution.journal import RunPlan
     from shaderlab.records import Record, Run
 
 
@@ -136,11 +136,11 @@ def command(
     options = RunOptions(
         size=size, pictures=pictures, driver=compared[0] if compared else driver, limits=limits
     )
-    done: list[Record] = []
+    done: list[Record] | None = None
     if resume is not None:
-        from shaderlab.cli.recorded_run import resumed_folder, resumed_plan
+        from shaderlab.cli.recorded_run import resumed_plan
 
-        plan, done = resumed_plan(resumed_folder(resume), limits)
+        plan, done = resumed_plan(resume, limits)
         options = plan.options
 
     def start(driver: str | None) -> Executor:
@@ -148,11 +148,10 @@ def command(
 
     # Workers get ready while what follows is imported.
     with contextlib.closing(start(options.driver)) as executor:
-        from shaderlab.cli.recorded_run import new_plan, run_plan, with_coverage, write_report
+        from shaderlab.cli.recorded_run import finish, new_plan, run_plan, with_coverage
         from shaderlab.cli.replacing import named, parsed
         from shaderlab.cli.selecting import choose
         from shaderlab.cli.showing import Show
-        from shaderlab.execution.journal import Journal
         from shaderlab.report.html import load_libraries
 
         load_libraries()
@@ -161,34 +160,22 @@ def command(
             replacements = parsed(shaders)
             jobs = choose(targets, every, variants, executor.load)
             plan = new_plan(jobs, replace(options, shaders=named(replacements, jobs)), folder)
-        assert plan.options.folder is not None
-        with Journal(plan.options.folder, plan if resume is None else None) as journal:
-            if compared:
-                recorded = _run_on_each(compared, executor, start, plan, journal, show)
-            else:
-                recorded = run_plan(executor, plan, done, journal, show)
-            if coverage and recorded.complete:
-                recorded = with_coverage(recorded, executor, plan, show)
+        if compared:
+            recorded = _run_on_each(compared, executor, start, plan, show)
+        else:
+            recorded = run_plan(executor, plan, show, done)
+        if coverage and recorded.complete:
+            recorded = with_coverage(recorded, executor, plan, show)
         show.outcomes(recorded.run)
         show.coverage(recorded.run)
         show.disagreements(recorded.run)
         if profile:
             show.profile(recorded.run)
-        page, problems = write_report(recorded, outputs)
-    if folder is None and resume is None:
-        latest(recorded.folder)
-    if page is not None:
-        show.where(page)
-    for problem in problems:
-        click.echo(f"shaderlab: {problem}", err=True)
-    if problems:
-        return USAGE if isinstance(problems[0], UsageError) else FAILED
-    if open_report and page is not None:
-        click.launch(page.resolve().as_uri())
-    if not recorded.complete:
-        show.go_on(recorded.folder)
-        return INTERRUPTED
-    return _status(recorded.run)
+    is_latest = folder is None and resume is None
+    status = finish(
+        recorded, show, "run", is_latest=is_latest, outputs=outputs, open_report=open_report
+    )
+    return status or _status(recorded.run)
 
 
 def _status(run: Run) -> int:
@@ -214,7 +201,6 @@ def _run_on_each(
     executor: Executor,
     start: Callable[[str], Executor],
     plan: RunPlan,
-    journal: Journal,
     show: Show,
 ) -> RecordedRun:
     """Run the plan on each driver; the run on the first one gets the comparison.
@@ -223,7 +209,7 @@ def _run_on_each(
         drivers: their names.
         executor: on the first driver.
         start: makes an executor on another driver.
-        plan, journal, show: as for `run_plan`.
+        plan, show: as for `run_plan`.
     """
     from shaderlab.cli.recorded_run import run_plan
     from shaderlab.execution.drivers import disagreements, results
@@ -231,7 +217,7 @@ def _run_on_each(
     with tempfile.TemporaryDirectory(prefix="shaderlab-") as folder:
         frames = {name: Path(folder, name) for name in drivers}
         first = replace(plan.options, frames=frames[drivers[0]])
-        recorded = run_plan(executor, replace(plan, options=first), (), journal, show)
+        recorded = run_plan(executor, replace(plan, options=first), show)
         if not recorded.complete:
             return recorded
         run = recorded.run

@@ -5,17 +5,16 @@ from __future__ import annotations
 import math
 import sys
 import time
-from collections.abc import Collection, Iterator, Sequence
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Protocol
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
-from rich.table import Table
 from rich.text import Text
 
-from shaderlab.cli.rows import STYLES, case_table
+from shaderlab.cli.rows import STYLES, case_table, plain_table
 from shaderlab.execution.sweep_table import Row
 from shaderlab.files import display_path
 from shaderlab.records import Record, Run
@@ -36,19 +35,6 @@ MOST_MESSAGES = 5
 SLOWEST = 5
 
 
-class Reporter(Protocol):
-    """Receives the progress of a run."""
-
-    def starts(self, case_id: str, variant: str) -> None:
-        """A scene starts."""
-
-    def ends(self, record: Record) -> None:
-        """A scene is done."""
-
-    def advance(self) -> None:
-        """Something else is done."""
-
-
 class Show:
     """Everything `run` prints. With `to_stderr`, standard output stays free for data."""
 
@@ -64,17 +50,20 @@ class Show:
     @contextmanager
     def progress(self, total: int) -> Iterator[Reporter]:
         """A bar on a terminal; elsewhere a line for each failure, and one now and then."""
-        if not self.console.is_terminal:
-            yield _Lines(self.console, total)
-            return
-        columns = (
+        with self.bar() as bar:
+            yield Reporter(self.console, bar, total)
+
+    def bar(self) -> Progress:
+        """A progress bar, drawn on a terminal only."""
+        return Progress(
             TextColumn("{task.description}", markup=False),
             BarColumn(bar_width=30),
             MofNCompleteColumn(),
             TimeElapsedColumn(),
+            console=self.console,
+            transient=True,
+            disable=not self.console.is_terminal,
         )
-        with Progress(*columns, console=self.console, transient=True) as progress:
-            yield _Bar(progress, total)
 
     def outcomes(self, run: Run) -> None:
         """A table of all cases, each failure in full, and a line that sums up."""
@@ -94,8 +83,13 @@ class Show:
             self.console.print(f"… and {len(notes) - MOST_ROWS} more", style="yellow")
         self.console.print()
         self._summary(run, summary(run.records, run.seconds, run.missing))
-        renderer = run.driver.get("renderer")
-        if renderer:
+
+    def _summary(self, run: Run, words: str) -> None:
+        """The line that sums up: red for a failure, green where all was run and passed."""
+        bad = any(failed(record) for record in run.records)
+        style = "bold red" if bad else "bold yellow" if run.missing else "bold green"
+        self.console.print(words, style=style)
+        if renderer := run.driver.get("renderer"):
             self.console.print(f"on {renderer}", style="dim")
 
     def coverage(self, run: Run) -> None:
@@ -110,14 +104,15 @@ class Show:
 
     def sweep(self, rows: Sequence[Row], run: Run) -> None:
         """A sweep's table; of a long one the worst points, and how many there are."""
-        shown = list(rows)
+        shown = rows
         if len(rows) > MOST_ROWS:
-            worst = sorted(shown, key=lambda row: (row["status"] == "pass", -_width(row)))
-            kept = {id(row) for row in worst[:MOST_ROWS]}
-            shown = [row for row in rows if id(row) in kept]
+            worst = sorted(
+                range(len(rows)), key=lambda n: (rows[n]["status"] == "pass", -_width(rows[n]))
+            )
+            shown = [rows[n] for n in sorted(worst[:MOST_ROWS])]
         swept = list(rows[0])[: list(rows[0]).index("status")] if rows else []
         numbers = ("half widths", "ulp", "outside", "vacuous", "seconds")
-        table = _table(*swept, "status", *numbers, right=(*swept, *numbers))
+        table = plain_table(*swept, "status", *numbers, right=(*swept, *numbers))
         for row in shown:
             style = STYLES.get(str(row["status"]), "red")
             outside = f"{row['outside']} of {row['judged']}"
@@ -137,13 +132,6 @@ class Show:
             self.console.print(message, style="red")
         words = summary(run.records, run.seconds, run.missing).partition(": ")[2]
         self._summary(run, f"\n{len(rows)} points: {words}")
-        self.console.print(f"on {run.driver.get('renderer')}", style="dim")
-
-    def _summary(self, run: Run, words: str) -> None:
-        """The line that sums up: red for a failure, green where all was run and passed."""
-        bad = any(failed(record) for record in run.records)
-        style = "bold red" if bad else "bold yellow" if run.missing else "bold green"
-        self.console.print(words, style=style)
 
     def where(self, page: Path) -> None:
         """The path of the page."""
@@ -154,7 +142,7 @@ class Show:
         if not run.drivers:
             return
         numbers = ("pixels that differ", "most ulp")
-        table = _table("output", "drivers", *numbers, right=numbers)
+        table = plain_table("output", "drivers", *numbers, right=numbers)
         for each in run.disagreements:
             if each.differing:
                 name = f"{label(each.id, each.variant)}: {each.output}"
@@ -170,19 +158,15 @@ class Show:
                 name = label(result.id, result.variant)
                 self.console.print(f"{result.status} on {result.driver}: {name}")
 
-    def go_on(self, folder: Path) -> None:
-        """How to run what an interrupted run left out."""
-        self.console.print(f"go on with: shaderlab run --resume {display_path(folder)}")
-
     def profile(self, run: Run) -> None:
         """The time of all records by phase, and the slowest of them."""
-        spent: dict[str, float] = {}
+        spent: dict[str, float] = defaultdict(float)
         for record in run.records:
             for phase, seconds in record.timings.items():
-                spent[phase] = spent.get(phase, 0.0) + seconds
+                spent[phase] += seconds
         inside = sum(record.seconds for record in run.records)
         spent["other"] = max(inside - sum(spent.values()), 0.0)
-        table = _table("phase", "seconds", "share", "", right=("seconds", "share"))
+        table = plain_table("phase", "seconds", "share", "", right=("seconds", "share"))
         for phase, seconds in spent.items():
             share = seconds / inside if inside else 0.0
             table.add_row(phase, f"{seconds:.3f}", f"{share:.0%}", "█" * round(40 * share))
@@ -190,17 +174,7 @@ class Show:
         self.console.print(table)
         slowest = sorted(run.records, key=lambda record: -record.seconds)[:SLOWEST]
         for record in slowest:
-            line = f"{record.seconds:8.3f} s  {label(record.id, record.variant)}"
-            self.console.print(line)
-
-
-def _table(*headings: str, right: Collection[str]) -> Table:
-    """An empty table; the columns in `right` are aligned to the right."""
-    table = Table(box=None, pad_edge=False, header_style="dim")
-    for heading in headings:
-        aligned = heading in right
-        table.add_column(heading, justify="right" if aligned else "left", no_wrap=not aligned)
-    return table
+            self.console.print(f"{record.seconds:8.3f} s  {label(record.id, record.variant)}")
 
 
 def _width(row: Row) -> float:
@@ -208,40 +182,36 @@ def _width(row: Row) -> float:
     return math.inf if widths is None else float(widths)
 
 
-class _Bar:
-    def __init__(self, progress: Progress, total: int) -> None:
-        self._progress = progress
-        self._task = progress.add_task("", total=total)
+class Reporter:
+    """The progress of a run: in a bar, or in lines where that is not drawn."""
 
-    def starts(self, case_id: str, variant: str) -> None:
-        self._progress.update(self._task, description=f"{label(case_id, variant):<32}")
-
-    def ends(self, record: Record) -> None:
-        self.advance()
-
-    def advance(self) -> None:
-        self._progress.advance(self._task)
-
-
-class _Lines:
-    def __init__(self, console: Console, total: int) -> None:
+    def __init__(self, console: Console, bar: Progress, total: int) -> None:
         self._console = console
+        self._bar = bar
+        self._task = bar.add_task("", total=total)
         self._total = total
         self._done = 0
         self._next = time.monotonic() + HEARTBEAT
 
     def starts(self, case_id: str, variant: str) -> None:
+        """A scene starts."""
+        name = label(case_id, variant)
+        self._bar.update(self._task, description=f"{name:<32}")
         if time.monotonic() >= self._next:
             self._next = time.monotonic() + HEARTBEAT
-            self._say(f"{self._done} of {self._total} done; running {label(case_id, variant)}")
+            self._say(f"{self._done} of {self._total} done; running {name}")
 
     def ends(self, record: Record) -> None:
+        """A scene is done."""
         self.advance()
         if failed(record):
             self._say(f"{record.status}: {label(record.id, record.variant)}")
 
     def advance(self) -> None:
+        """A scene, or something else, is done."""
+        self._bar.advance(self._task)
         self._done += 1
 
     def _say(self, line: str) -> None:
-        self._console.print(line)
+        if self._bar.disable:
+            self._console.print(line)

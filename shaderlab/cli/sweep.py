@@ -8,8 +8,7 @@ from pathlib import Path
 
 import click
 
-from shaderlab.cli import FAILED, INTERRUPTED, OK
-from shaderlab.cli.files import latest
+from shaderlab.cli import FAILED, OK
 from shaderlab.cli.options import (
     DRIVER,
     SCHEDULER,
@@ -84,13 +83,13 @@ def command(
     if table is not None:
         tables.check(Path(table))
     options = RunOptions(pictures=pictures, driver=driver, limits=limits)
-    done: list[Record] = []
+    done: list[Record] | None = None
     if resume is not None:
         from shaderlab.cli.recorded_run import resumed_plan
 
         if target or params:
             raise UsageError("--resume runs what was asked for then: name nothing else")
-        plan, done = resumed_plan(Path(resume), limits)
+        plan, done = resumed_plan(resume, limits)
         options = plan.options
         if not all(job.point for job in plan.jobs):
             raise UsageError("this is no sweep", file=resume, remedy="use shaderlab run --resume")
@@ -101,13 +100,13 @@ def command(
             "no parameter to sweep", remedy="such as --param light.linear=0.01:1:50log"
         )
     with contextlib.closing(make_executor(options.driver, limits, workers, scheduler)) as executor:
-        from shaderlab.cli.recorded_run import new_plan, run_plan, write_report
+        from shaderlab.cli.recorded_run import finish, new_plan, run_plan
         from shaderlab.cli.selecting import one
         from shaderlab.cli.showing import Show
-        from shaderlab.execution.journal import Journal
         from shaderlab.execution.sweep_grid import grid, parameters
         from shaderlab.execution.sweep_table import plots, rows
         from shaderlab.report.html import load_libraries
+        from shaderlab.report.plain_text import failed
 
         load_libraries()
         show = Show()
@@ -115,25 +114,13 @@ def command(
             swept = parameters(params)
             facts, variant = one(target, executor.load)
             plan = new_plan(grid(facts, variant, swept), options, folder)
-        assert plan.options.folder is not None
-        with Journal(plan.options.folder, plan if resume is None else None) as journal:
-            recorded = run_plan(executor, plan, done, journal, show)
+        recorded = run_plan(executor, plan, show, done)
     found = rows(plan.jobs, recorded.run.records)
     run = replace(recorded.run, plots=plots(plan.jobs, found))
     show.sweep(found, run)
     file = recorded.folder / TABLE if table is None else Path(table)
     tables.write_table(found, file)
-    page, problems = write_report(replace(recorded, run=run), {})
-    if folder is None and resume is None:
-        latest(recorded.folder)
-    show.console.print(f"table: {file}", markup=False)
-    if page is not None:
-        show.where(page)
-    for problem in problems:
-        raise problem
-    if not recorded.complete:
-        click.echo(f"go on with: shaderlab sweep --resume {recorded.folder}")
-        return INTERRUPTED
-    from shaderlab.report.plain_text import failed
-
-    return FAILED if any(map(failed, run.records)) else OK
+    show.console.print(f"table: {file}")
+    is_latest = folder is None and resume is None
+    status = finish(replace(recorded, run=run), show, "sweep", is_latest=is_latest)
+    return status or (FAILED if any(map(failed, run.records)) else OK)

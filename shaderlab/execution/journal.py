@@ -7,12 +7,12 @@ record, in the order in which they came. A line that was cut short counts as not
 from __future__ import annotations
 
 import contextlib
+import fcntl
 import json
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from types import TracebackType
-from typing import IO, Self
+from typing import IO
 
 from shaderlab.errors import UsageError
 from shaderlab.execution.jobs import Job
@@ -31,7 +31,7 @@ class RunPlan:
     jobs: tuple[Job, ...]
 
 
-class Journal:
+class Journal(contextlib.AbstractContextManager["Journal"]):
     """The file of a run that is going on. A context manager.
 
     Only one run at a time may write to a folder; the lock goes with the process.
@@ -54,32 +54,26 @@ class Journal:
         try:
             _lock(self._file)
             if plan is None:
-                _drop_cut_line(self._path)
+                whole = self._path.read_bytes()
+                self._file.truncate(whole.rfind(b"\n") + 1)  # a line that was cut short
             else:
                 self._file.truncate(0)
-                self._write(_line(plan))
+                self.add(plan)
         except BaseException:
             self._file.close()
             raise
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._file.close()
 
-    def add(self, record: Record) -> None:
-        """Append one record. If the disk is full the run goes on, and `problem` says so."""
-        self._write(_line(record))
+    def add(self, value: RunPlan | Record) -> None:
+        """Append one line. If the disk is full the run goes on, and `problem` says so."""
+        from shaderlab.report import store  # not before workers get ready: it takes its time
 
-    def _write(self, line: bytes) -> None:
         if self.problem:
             return
+        text = json.dumps(store.plain(value), allow_nan=False, separators=(",", ":"))
+        line = (text + "\n").encode("utf-8", "replace")
         start = os.fstat(self._file.fileno()).st_size
         try:
             while line:
@@ -111,18 +105,7 @@ def read(folder: Path) -> tuple[RunPlan, list[Record]]:
     return plan, [store.parse(json.loads(line), Record) for line in lines[1:]]
 
 
-def _line(value: RunPlan | Record) -> bytes:
-    from shaderlab.report import store  # not before workers get ready: it takes its time
-
-    text = json.dumps(store.plain(value), allow_nan=False, separators=(",", ":"))
-    return (text + "\n").encode("utf-8", "replace")
-
-
 def _lock(file: IO[bytes]) -> None:
-    try:
-        import fcntl
-    except ImportError:
-        return  # Windows: the last one to finish wins
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError as error:
@@ -131,8 +114,3 @@ def _lock(file: IO[bytes]) -> None:
             file=Path(file.name).parent,
             remedy="give each its own with --report, or wait",
         ) from error
-
-
-def _drop_cut_line(path: Path) -> None:
-    whole = path.read_bytes()
-    os.truncate(path, whole.rfind(b"\n") + 1)

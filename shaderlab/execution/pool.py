@@ -7,6 +7,7 @@ system.
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import itertools
 import queue
@@ -71,7 +72,7 @@ class _Worker:
         self.thread: threading.Thread | None = None
 
 
-class WorkerPool:
+class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
     """Worker processes that share the items of `run`. A context manager.
 
     All workers, later replacements included, start in the environment and the working directory
@@ -109,9 +110,6 @@ class WorkerPool:
         self._idle: list[_Worker] = []  # a stack: what is never needed is never started
         self._pending: deque[_Batch] = deque()
         self.widen(max(jobs, 1))
-
-    def __enter__(self) -> WorkerPool:
-        return self
 
     def __exit__(self, *_: object) -> None:
         self.close()
@@ -235,33 +233,23 @@ class WorkerPool:
 
     def _results(self, worker: WorkerProcess, batch: _Batch) -> Iterator[ItemResult]:
         rest = deque(batch.items)
+        alone = False
         while rest and not self._closed:
             worker.start()
             began = time.monotonic()
             try:
-                for kind, value in worker.answers([item for _, item in rest]):
+                sent = itertools.islice(rest, 1 if alone else None)
+                for kind, value in worker.answers([item for _, item in sent]):
                     now = time.monotonic()
                     yield ItemResult(*rest.popleft(), kind, value, seconds=now - began)
                     began = now
+                alone = False
             except DiedError as error:
-                number, item = rest.popleft()
-                if error.status == "crash" and not error.fresh and not self._closed:
-                    # Perhaps an earlier item left the memory in disorder: ask once more, alone.
-                    yield self._alone(worker, number, item)
-                else:
-                    yield _died(number, item, error, began)
-
-    def _alone(self, worker: WorkerProcess, number: int, item: Any) -> ItemResult:
-        began = time.monotonic()
-        try:
-            worker.start()
-            began = time.monotonic()
-            kind, value = next(worker.answers([item]))
-            return ItemResult(number, item, kind, value, seconds=time.monotonic() - began)
-        except DiedError as error:
-            return _died(number, item, error, began)
-
-
-def _died(number: int, item: Any, error: DiedError, began: float) -> ItemResult:
-    seconds = time.monotonic() - began
-    return ItemResult(number, item, error.status, None, error.message, error.step, seconds)
+                # Perhaps an earlier item left the memory in disorder: ask once more, alone.
+                alone = error.status == "crash" and not error.fresh and not self._closed
+                if not alone:
+                    seconds = time.monotonic() - began
+                    number, item = rest.popleft()
+                    yield ItemResult(
+                        number, item, error.status, None, error.message, error.step, seconds
+                    )

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
+from shaderlab.activity import PHASES
 from shaderlab.execution.jobs import Job
 from shaderlab.execution.sweep_grid import coordinates
 from shaderlab.records import Plot, PlotPoint, Record
 
-PHASES = ("compile", "link", "draw", "read", "reference", "judge", "picture")
 MOST_SERIES = 6
 """As many series as a plot has colours for."""
 

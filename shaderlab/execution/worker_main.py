@@ -8,10 +8,12 @@ import importlib
 import mmap
 import os
 import pickle
+import resource
 import signal
+import socket
 import sys
 from collections.abc import Sequence
-from typing import Any, BinaryIO
+from typing import Any
 
 STEP_BYTES = 256
 """The size of the file in which a worker notes its steps."""
@@ -24,21 +26,20 @@ class Channel:
     """The worker's way to its parent.
 
     Args:
-        answers: the pipe.
+        parent: the parent's socket.
         seconds: the time limit of each item.
-        steps: the file for steps, or -1 where the system has no way to share it.
+        steps: the descriptor of the file for steps.
     """
 
-    def __init__(self, answers: BinaryIO, seconds: float, steps: int) -> None:
-        self._answers = answers
+    def __init__(self, parent: socket.socket, seconds: float, steps: int) -> None:
+        self._parent = parent
         self._seconds = seconds
         # Mapped into memory: a note costs no system call, and outlives the process.
-        self._steps = mmap.mmap(steps, STEP_BYTES) if steps >= 0 else None
+        self._steps = mmap.mmap(steps, STEP_BYTES)
 
     def note(self, step: str) -> None:
         """Note what the work is about to do; the parent reads it if this process dies."""
-        if self._steps is not None:
-            self._steps[:] = step.encode("utf-8", "replace")[:STEP_BYTES].ljust(STEP_BYTES, b"\0")
+        self._steps[:] = step.encode("utf-8", "replace")[:STEP_BYTES].ljust(STEP_BYTES, b"\0")
 
     def restart_limit(self, seconds: float | None = None) -> None:
         """Give the current item so many seconds from now on, by default as many as any item."""
@@ -47,45 +48,39 @@ class Channel:
         self.set_alarm(allowed)
 
     def begin(self) -> None:
-        """A new item begins."""
+        """Note that a new item begins."""
         self.note("")
         self.set_alarm(self._seconds)
 
     def set_alarm(self, seconds: float) -> None:
         """End this process some time after the limit: its parent may be gone and watch no more.
         The alarm's default action ends it even inside C code."""
-        if hasattr(signal, "setitimer"):
-            signal.setitimer(signal.ITIMER_REAL, seconds * GRACE)
+        signal.setitimer(signal.ITIMER_REAL, seconds * GRACE)
 
     def send(self, kind: str, value: Any) -> None:
         """Send an answer, or a message about one."""
         try:
-            data = memoryview(pickle.dumps((kind, value), pickle.HIGHEST_PROTOCOL))
+            data = pickle.dumps((kind, value), pickle.HIGHEST_PROTOCOL)
         except MemoryError:
             os.abort()
         except Exception as error:  # pickle raises whatever the object's own code raises
-            data = memoryview(pickle.dumps(("error", TypeError(f"can't be sent: {error}"))))
-        while data:
-            data = data[self._answers.write(data) :]
+            data = pickle.dumps(("error", TypeError(f"can't be sent: {error}")))
+        self._parent.sendall(data)
 
 
 def main() -> None:
-    """Answer batches from standard input on standard output, as pickles.
+    """Answer batches from the socket whose descriptor is the program's argument, as pickles.
 
     Each answer is ("done", result) or ("error", exception); after an error the rest of the batch
-    stays unanswered. The pipes are moved away first, so that whatever the work prints is lost
-    instead of being read as an answer.
+    stays unanswered.
     """
-    given = os.fdopen(os.dup(0), "rb")
-    answers = os.fdopen(os.dup(1), "wb", buffering=0)
-    nowhere = os.open(os.devnull, os.O_RDWR)
-    os.dup2(nowhere, 0)
-    os.dup2(nowhere, 1)
+    parent = socket.socket(fileno=int(sys.argv.pop()))
+    given = parent.makefile("rb")
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides what an interrupt means
     _die_with_parent()
     name, warm, seconds, memory, steps = pickle.load(given)
     _limit_memory(memory)
-    channel = Channel(answers, seconds, steps)
+    channel = Channel(parent, seconds, steps)
     wait = _named(warm)() if warm else None
     gc.disable()  # nothing that is imported is garbage, and a tenth of the time goes into looking
     work = _named(name)
@@ -96,7 +91,7 @@ def main() -> None:
     if wait is not None:
         wait()
     channel.send("ready", None)
-    with contextlib.suppress(EOFError, BrokenPipeError):
+    with contextlib.suppress(EOFError, ConnectionError):
         while True:
             _answer(work, pickle.load(given), channel)
 
@@ -116,25 +111,20 @@ def _answer(work: Any, batch: Sequence[Any], channel: Channel) -> None:
         except MemoryError:
             os.abort()  # what is left of the heap can't be trusted
         except Exception as error:
-            _add_traceback(error)
+            if os.environ.get("SHADERLAB_DEBUG"):
+                import traceback
+
+                error.add_note("".join(traceback.format_exception(error)))
             channel.send("error", error)
             break
         channel.send("done", result)
     channel.set_alarm(0.0)
 
 
-def _add_traceback(error: Exception) -> None:
-    """While debugging, errors carry their traceback to the parent as a note."""
-    if os.environ.get("SHADERLAB_DEBUG"):
-        import traceback
-
-        error.add_note("".join(traceback.format_exception(error)))
-
-
 def _die_with_parent() -> None:
     """Ask the kernel to end this process with its parent, even in the middle of C code."""
     if not sys.platform.startswith("linux"):
-        return  # elsewhere the closed pipe or, inside an item, the alarm ends it
+        return  # elsewhere the closed socket or, inside an item, the alarm ends it
     import ctypes
 
     parent = os.getppid()
@@ -144,10 +134,6 @@ def _die_with_parent() -> None:
 
 
 def _limit_memory(size: int) -> None:
-    try:
-        import resource
-    except ImportError:
-        return  # Windows has no such limit
     with contextlib.suppress(ValueError, OSError):
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         if size:
