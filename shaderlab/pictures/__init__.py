@@ -20,7 +20,6 @@ from shaderlab.pictures.files import (
     LARGEST_SIDE as LARGEST_SIDE,
     copy_png as copy_png,
     load as load,
-    load_library as load_library,
     reduced as reduced,
     save_png as save_png,
 )

@@ -27,11 +27,6 @@ _PNG = {
 }
 
 
-def load_library() -> None:
-    """Import the library for image files, which the first picture does otherwise."""
-    import OpenImageIO  # noqa: F401
-
-
 def save_png(
     path: str | Path,
     array: NDArray[Any],

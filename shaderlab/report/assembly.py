@@ -40,7 +40,8 @@ def assemblies(
                     continue
                 text = ""
                 if verdict.assembly not in packed:
-                    text = _deflated(pictures.text(verdict.assembly))
+                    data = pictures.text(verdict.assembly)
+                    text = in_base64(zlib.compress(data, 9)) if data else ""
                     packed[verdict.assembly] = anchors.short() if text else ""
                 by_file[verdict.assembly] = Assembly(
                     target=verdict.target,
@@ -52,7 +53,3 @@ def assemblies(
                     packed=text,
                 )
     return tuple(by_file.values())
-
-
-def _deflated(data: bytes) -> str:
-    return in_base64(zlib.compress(data, 9)) if data else ""

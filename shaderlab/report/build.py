@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import groupby
@@ -13,12 +14,11 @@ from shaderlab.report.assembly import Packed, assemblies
 from shaderlab.report.chart import chart
 from shaderlab.report.grouping import CaseGroup, group_cases, total
 from shaderlab.report.inline import Picture, Pictures
-from shaderlab.report.listing import Listing
+from shaderlab.report.listing import Listing, anchor_of
 from shaderlab.report.mutants import Mutants, combined
-from shaderlab.report.page import CaseView, ChapterView, Check, Page, Plate, VariantView
-from shaderlab.report.passes import steps
+from shaderlab.report.page import CaseView, ChapterView, Check, Page, Plate, Step, VariantView
 from shaderlab.report.plot import plot_view
-from shaderlab.report.sources import Shown, anchor_of, compiled, listings
+from shaderlab.report.sources import Shown, compiled, listings
 from shaderlab.report.text import Anchors
 from shaderlab.report.worst import worst_panel
 
@@ -99,7 +99,7 @@ def _case(
         python=python,
         assemblies=assemblies(group, anchors, pictures, packed),
         variants=tuple(variants),
-        passes=steps(group, pictures),
+        passes=tuple(_steps(group, pictures)),
     )
 
 
@@ -165,6 +165,26 @@ def _plate(pictures: Pictures, record: Record, name: str, file: str, many: int) 
     # Side by side each is shown small.
     picture = pictures.picture(file, SMALL) if many > 2 else pictures.picture(file)
     return Plate(title, alt, caption, picture)
+
+
+def _steps(group: CaseGroup, pictures: Pictures) -> Iterator[Step]:
+    """The passes of the first variant that has any: they differ in values, not in their chain."""
+    record = next((r for r in group.records if r.passes), group.first)
+    before = ""
+    for step in record.passes:
+        plates = tuple(
+            Plate(
+                name=attachment.name,
+                alt=f"{record.title}: {attachment.name} of pass {step.name}",
+                caption=attachment.format,
+                picture=pictures.picture(attachment.image),
+            )
+            for attachment in step.attachments
+        )
+        fed = any(name.rpartition(".")[0] == before for name in step.reads)
+        draws = tuple(Counter(step.draws).items())
+        yield Step(step.name, step.size, draws, step.reads, plates, fed)
+        before = step.name
 
 
 def _thumbnail(group: CaseGroup, pictures: Pictures) -> Picture | None:

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 from shaderlab.records import Curve
 from shaderlab.report.axes import Axis, Plane, axis
+from shaderlab.report.worst import half_widths, outside
 
 WIDTH = 460.0
 LEFT, RIGHT = 62.0, 448.0
@@ -68,11 +69,10 @@ class Chart:
 
 def chart(curve: Curve) -> Chart:
     """Lay out a curve."""
+    given = zip(curve.x, curve.measured, curve.reference, curve.low, curve.high, strict=False)
     points = [
-        _point(*values)
-        for values in zip(
-            curve.x, curve.measured, curve.reference, curve.low, curve.high, strict=False
-        )
+        Point(x, y, reference, low, high, half_widths(y, low, high), outside(y, low, high))
+        for x, y, reference, low, high in given
     ]
     bad = [p for p in points if p.outside]
     across = axis([p.x for p in points], LEFT, RIGHT, log=curve.log_x, margin=0.02)
@@ -95,19 +95,6 @@ def chart(curve: Curve) -> Chart:
         strip_inside=strip.dots((p.x, p.widths) for p in points if not p.outside),
         strip_outside=strip.dots((p.x, _within_strip(p.widths)) for p in bad),
     )
-
-
-def _point(x: float, measured: float, reference: float, low: float, high: float) -> Point:
-    # What is NaN lies in no band, and nothing lies in a band that is NaN, unless both are.
-    outside = not (low <= measured <= high) and not (math.isnan(measured) and math.isnan(low))
-    middle, half = low / 2 + high / 2, high / 2 - low / 2
-    if half > 0 and math.isfinite(half):
-        widths = (measured - middle) / half
-    else:
-        widths = 0.0 if measured == middle else math.nan
-        if outside and not math.isnan(measured):
-            widths = math.copysign(math.inf, measured - middle)
-    return Point(x, measured, reference, low, high, widths, outside)
 
 
 def _rows(points: Sequence[Point]) -> list[Point]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from shaderlab.records import Record, Run, Status
@@ -22,7 +22,7 @@ class Side:
     status: Status
     widths: float | None
     ulp: float | None
-    seconds: float
+    seconds: float = field(compare=False)
 
 
 @dataclass(frozen=True)
@@ -72,15 +72,17 @@ def compare(
         before, before_folder: the earlier one.
         anchors: where the page shows each (case, variant) of the later run.
     """
-    old, new = _by_key(before.records), _by_key(run.records)
-    keys = [*new, *(key for key in old if key not in new)]
+    old, new = (
+        {(record.id, record.variant): record for record in each.records} for each in (before, run)
+    )
+    keys = list(dict.fromkeys((*new, *old)))
     seen = Pictures(before_folder), Pictures(folder)
     changes = []
     for key in keys:
         pair = old.get(key), new.get(key)
         pictures = _pictures(pair, seen)
-        sides = tuple(None if record is None else _side(record) for record in pair)
-        if pictures is None and _agree(*sides):
+        sides = _side(pair[0]), _side(pair[1])
+        if pictures is None and sides[0] == sides[1]:
             continue
         record = pair[1] or pair[0]
         assert record is not None
@@ -96,21 +98,13 @@ def compare(
     )
 
 
-def _by_key(records: Iterable[Record]) -> dict[Key, Record]:
-    return {(record.id, record.variant): record for record in records}
-
-
-def _side(record: Record) -> Side:
+def _side(record: Record | None) -> Side | None:
+    if record is None:
+        return None
     worst = [o.worst for o in record.expectations if o.worst is not None]
     widths = [w.widths for w in worst if not math.isnan(w.widths)]
     ulps = [w.ulp for w in worst if not math.isnan(w.ulp)]
     return Side(record.status, max(widths, default=None), max(ulps, default=None), record.seconds)
-
-
-def _agree(before: Side | None, after: Side | None) -> bool:
-    if before is None or after is None:
-        return False
-    return (before.status, before.widths, before.ulp) == (after.status, after.widths, after.ulp)
 
 
 def _pictures(

@@ -6,12 +6,9 @@ import base64
 import hashlib
 import importlib
 import threading
-from collections.abc import Callable
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from shaderlab import pictures
 from shaderlab.files import write_text
 from shaderlab.records import Run
 from shaderlab.report import mutants
@@ -19,9 +16,6 @@ from shaderlab.report.build import build
 from shaderlab.report.compare import compare
 from shaderlab.report.drivers import driver_table
 from shaderlab.report.inline import Pictures
-
-if TYPE_CHECKING:
-    from jinja2 import Environment, Template
 
 FILE_NAME = "index.html"
 AGAINST_NAME = "against.html"
@@ -52,21 +46,26 @@ def write(run: Run, folder: str | Path, against: tuple[Run, Path] | None = None)
         ShaderlabError: the file can't be written, or `mutation.json` is damaged. Missing pictures
             are only noted.
     """
+    from shaderlab.report.environment import environment
+
     target = Path(folder)
     page = build(run, Pictures(target), mutants.load(target))
     style = _together("style", _STYLES, "css")
     script = _together("script", _SCRIPTS, "js")
     compared = against and compare(run, target, *against, page.anchors)
-    template = _template("page.html.j2")
-    pieces = template.stream(
-        page=page,
-        run=run,
-        against=compared,
-        drivers=driver_table(run, page.anchors),
-        style=style,
-        script=script,
-        style_hash=_hash(style),
-        script_hash=_hash(script),
+    pieces = (
+        environment()
+        .get_template("page.html.j2")
+        .stream(
+            page=page,
+            run=run,
+            against=compared,
+            drivers=driver_table(run, page.anchors),
+            style=style,
+            script=script,
+            style_hash=_hash(style),
+            script_hash=_hash(script),
+        )
     )
     path = target / (AGAINST_NAME if against else FILE_NAME)
     write_text(path, pieces)
@@ -82,25 +81,17 @@ def load_libraries() -> None:
     # Not in the thread: two threads should not import modules that import each other.
     from shaderlab.report.environment import environment
 
-    threading.Thread(target=_load, args=(environment,), daemon=True).start()
+    def load() -> None:
+        importlib.import_module("cattrs")
+        for name in environment().list_templates():
+            environment().get_template(name)
+        coloured_lines = importlib.import_module("shaderlab.report.colouring").coloured_lines
+        for language in ("glsl", "python"):
+            coloured_lines("\n", language)
+        for name in ("OpenImageIO", "markdown_it", "latex2mathml.converter"):
+            importlib.import_module(name)
 
-
-def _load(environment: Callable[[], Environment]) -> None:
-    importlib.import_module("cattrs")
-    for name in environment().list_templates():
-        _template(name)
-    coloured_lines = importlib.import_module("shaderlab.report.colouring").coloured_lines
-    for language in ("glsl", "python"):
-        coloured_lines("\n", language)
-    pictures.load_library()
-    for name in ("markdown_it", "latex2mathml.converter"):
-        importlib.import_module(name)
-
-
-def _template(name: str) -> Template:
-    from shaderlab.report.environment import environment
-
-    return environment().get_template(name)
+    threading.Thread(target=load, daemon=True).start()
 
 
 def _together(folder: str, names: tuple[str, ...], suffix: str) -> str:

@@ -49,19 +49,12 @@ class Picture:
         return f"data:image/{kind};base64," + in_base64(data)
 
 
-@dataclass(frozen=True)
-class Numbers:
-    """A file of packed values."""
-
-    path: Path
-
-    @property
-    def text(self) -> Markup:
-        """Its bytes in base64; empty if the file has gone."""
-        try:
-            return in_base64(self.path.read_bytes())
-        except OSError:
-            return Markup()
+def numbers(path: Path) -> Markup:
+    """The bytes of a file of packed values in base64; empty if the file has gone."""
+    try:
+        return in_base64(path.read_bytes())
+    except OSError:
+        return Markup()
 
 
 def in_base64(data: bytes) -> Markup:
@@ -100,13 +93,9 @@ class Pictures:
         return Picture(path, *shown, pixelated=scale >= 1 and width <= 600, side=side)
 
     def same(self, one: str | None, other: str | None) -> bool:
-        """Whether two picture files are there and equal in every byte."""
-        try:
-            paths = [self._inside(name) for name in (one, other) if name]
-            first, second = (path.read_bytes() for path in paths)
-        except (OSError, ValueError):
-            return False
-        return first == second
+        """Whether two files are there and equal in every byte."""
+        found = self.text(one or "")
+        return bool(found) and found == self.text(other or "")
 
     def text(self, name: str) -> bytes:
         """The bytes of the file `name`; none if there is no such file."""
@@ -115,13 +104,13 @@ class Pictures:
         except (OSError, ValueError):
             return b""
 
-    def numbers(self, name: str) -> Numbers | None:
+    def numbers(self, name: str) -> Path | None:
         """The file of values `name`, or None if there is none."""
         try:
             path = self._inside(name)
         except ValueError:
             return None
-        return Numbers(path) if name and path.is_file() else None
+        return path if name and path.is_file() else None
 
     def _inside(self, name: str) -> Path:
         # Records may come from an untrusted file: they can show files of their own folder only.

@@ -104,5 +104,10 @@ def _parts(
     yield Part(Markup("".join(rows)))
 
 
+def anchor_of(texts: Iterable[Listing], file: str, line: int) -> str | None:
+    """The anchor of a source line, if one of the listings shows it."""
+    return next(filter(None, (text.anchor_of(file, line) for text in texts)), None)
+
+
 def _anchor(listing: str, line: int) -> str:
     return f"{listing}-L{line}"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from shaderlab.records import (
@@ -19,8 +20,8 @@ from shaderlab.records import (
 from shaderlab.report.assembly import Assembly
 from shaderlab.report.chart import Chart
 from shaderlab.report.grouping import PASSABLE, CaseGroup, Totals, worst
-from shaderlab.report.inline import Numbers, Picture
-from shaderlab.report.listing import Listing
+from shaderlab.report.inline import Picture
+from shaderlab.report.listing import Listing, anchor_of
 from shaderlab.report.mutants import Mutants
 from shaderlab.report.plain_text import replacements
 from shaderlab.report.plot import PlotView
@@ -28,8 +29,6 @@ from shaderlab.report.worst import WorstPanel
 
 if TYPE_CHECKING:
     from markupsafe import Markup
-
-    from shaderlab.report.passes import Step
 
 
 @dataclass(frozen=True)
@@ -49,14 +48,27 @@ class Plate:
 @dataclass(frozen=True)
 class Check:
     """An outcome; `places` are its sources as (what it is, file:line, anchor or None), `numbers`
-    the values behind its pictures."""
+    the file of the values behind its pictures."""
 
     outcome: Outcome
     anchor: str
     plates: tuple[Plate, ...]
     worst: WorstPanel | None
     places: tuple[tuple[str, str, str | None], ...]
-    numbers: Numbers | None = None
+    numbers: Path | None = None
+
+
+@dataclass(frozen=True)
+class Step:
+    """One pass; `draws` are (files, how many draws use them), `reads` say "pass.output", `fed`
+    whether one of those is of the pass just before."""
+
+    name: str
+    size: tuple[int, int] | None
+    draws: tuple[tuple[tuple[str, ...], int], ...]
+    reads: tuple[str, ...]
+    plates: tuple[Plate, ...]
+    fed: bool = False
 
 
 @dataclass(frozen=True)
@@ -122,10 +134,7 @@ class CaseView:
 
     def anchor_of(self, file: str, line: int | None) -> str | None:
         """The anchor of a source line, if one of the listings shows it."""
-        if line is None:
-            return None
-        anchors = (text.anchor_of(file, line) for text in (*self.glsl, *self.python))
-        return next(filter(None, anchors), None)
+        return None if line is None else anchor_of((*self.glsl, *self.python), file, line)
 
 
 @dataclass(frozen=True)

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 import re
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from textwrap import indent
 
 from shaderlab.files import display_path
-from shaderlab.records import CodeCoverage, Diagnostic, Outcome, Record, Run, Worst
+from shaderlab.records import CodeCoverage, Diagnostic, Outcome, Record, Run, Status, Worst
 
 DEFAULT_VARIANT = "default"
-MARKS: Mapping[str, str] = {
+MARKS: Mapping[Status, str] = {
     "pass": "✓",
     "fail": "✗",
     "error": "✗",
@@ -48,9 +50,9 @@ def failure(record: Record) -> list[str]:
     lines = [f"{MARKS[record.status]} {label(record.id, record.variant)} · {record.title}"]
     lines += [f"  {display_path(record.file)}"] if record.file else []
     if record.status not in ("fail", "pass"):
-        lines += _indented(f"{record.status}: {record.message}", 2)
+        lines += indent(f"{record.status}: {record.message}", "  ").splitlines()
     elif record.message and not _said_below(record):
-        lines += _indented(record.message, 2)
+        lines += indent(record.message, "  ").splitlines()
     lines += _refusals(record)
     for outcome in record.expectations:
         if outcome.status != "pass":
@@ -128,10 +130,6 @@ def _bands(low: Sequence[float], high: Sequence[float]) -> str:
     return ", ".join(f"[{numbers([a])}, {numbers([b])}]" for a, b in zip(low, high, strict=True))
 
 
-def _indented(text: str, by: int) -> list[str]:
-    return [" " * by + line for line in text.splitlines()]
-
-
 def unread(records: Iterable[Record]) -> Iterator[str]:
     """A line for each case with outputs that no check reads."""
     found: dict[str, dict[str, None]] = {}
@@ -160,11 +158,9 @@ def replacements(run: Run) -> Iterator[str]:
 
 def summary(records: Iterable[Record], seconds: float, missing: int = 0) -> str:
     """`12 cases: 40 passed, 2 failed in 3.1 s`, counting variants; `missing` were not run."""
-    counts: dict[str, int] = {}
-    cases = set()
-    for record in records:
-        cases.add((record.id, record.file))
-        counts[record.status] = counts.get(record.status, 0) + 1
+    some = list(records)
+    cases = {(record.id, record.file) for record in some}
+    counts = Counter(record.status for record in some)
     words = {"pass": "passed", "fail": "failed", "error": "in error", "crash": "crashed"}
     parts = [f"{counts[s]} {words.get(s, s)}" for s in MARKS if counts.get(s)]
     parts += [f"{missing} not run"] if missing else []

@@ -91,8 +91,3 @@ def compiled(group: CaseGroup) -> tuple[Compiled, ...]:
 
 def _if_some(variants: Sequence[str], group: CaseGroup) -> tuple[str, ...]:
     return () if len(variants) == len(group.records) else tuple(variants)
-
-
-def anchor_of(texts: Sequence[Listing], file: str, line: int) -> str | None:
-    """The anchor of a source line, if one of the listings shows it."""
-    return next(filter(None, (text.anchor_of(file, line) for text in texts)), None)

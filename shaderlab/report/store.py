@@ -28,8 +28,7 @@ def save(run: Run, folder: str | Path) -> Path:
         ShaderlabError: the file can't be written.
     """
     path = Path(folder) / FILE_NAME
-    data = _converter().unstructure(run)
-    write_text(path, json.dumps(data, allow_nan=False, separators=(",", ":")) + "\n")
+    write_text(path, json.dumps(plain(run), allow_nan=False, separators=(",", ":")) + "\n")
     return path
 
 
@@ -50,10 +49,10 @@ def load(folder: str | Path) -> Run:
     except (OSError, UnicodeDecodeError) as error:
         raise _damaged(path, error) from error
     try:
-        run: Run = _converter().structure(json.loads(text), Run)
-    except Exception as error:  # cattrs raises groups of its hooks' errors
+        data = json.loads(text)
+    except ValueError as error:
         raise _damaged(path, error) from error
-    return run
+    return parse(data, Run, path)
 
 
 def plain(value: Any) -> Any:
@@ -61,16 +60,16 @@ def plain(value: Any) -> Any:
     return _converter().unstructure(value)
 
 
-def parse(data: Any, kind: type[Kind]) -> Kind:
+def parse(data: Any, kind: type[Kind], path: Path | None = None) -> Kind:
     """The inverse of `plain`.
 
     Raises:
-        ShaderlabError: it was written by another version.
+        ShaderlabError: it was written by another version; names the file at `path`.
     """
     try:
         return _converter().structure(data, kind)
     except Exception as error:  # cattrs raises groups of its hooks' errors
-        raise _damaged(Path(kind.__name__), error) from error
+        raise _damaged(path or Path(kind.__name__), error) from error
 
 
 def _number(value: float) -> float | str:

@@ -27,8 +27,7 @@ class Component:
     @property
     def outside(self) -> bool:
         """Whether it lies outside its band."""
-        both_nan = math.isnan(self.measured) and math.isnan(self.low)
-        return not self.low <= self.measured <= self.high and not both_nan
+        return outside(self.measured, self.low, self.high)
 
 
 @dataclass(frozen=True)
@@ -64,11 +63,23 @@ def worst_panel(worst: Worst) -> WorstPanel:
 
 
 def _place(value: float, band: Component) -> float | None:
-    middle, half = band.low / 2 + band.high / 2, band.high / 2 - band.low / 2
-    if math.isnan(value) or not (math.isfinite(middle) and math.isfinite(half)):
+    widths = half_widths(value, band.low, band.high)
+    if math.isnan(widths) or not math.isfinite(band.high / 2 - band.low / 2):
         return None
-    if half > 0:
-        widths = (value - middle) / half
-    else:
-        widths = 0.0 if value == middle else math.copysign(math.inf, value - middle)
     return _MIDDLE + max(-2.4, min(2.4, widths)) * _HALF
+
+
+def outside(value: float, low: float, high: float) -> bool:
+    """Whether a value lies outside its band: NaN lies in no band but one that is NaN itself."""
+    return not low <= value <= high and not (math.isnan(value) and math.isnan(low))
+
+
+def half_widths(value: float, low: float, high: float) -> float:
+    """The distance from a band's middle in half band widths; NaN where there is no such number."""
+    middle, half = low / 2 + high / 2, high / 2 - low / 2
+    if half > 0 and math.isfinite(half):
+        return (value - middle) / half
+    if value == middle:
+        return 0.0
+    beyond = outside(value, low, high) and not math.isnan(value)
+    return math.copysign(math.inf, value - middle) if beyond else math.nan
