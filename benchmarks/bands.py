@@ -25,7 +25,8 @@ import numpy as np
 
 from shaderlab.bands import Rules
 from shaderlab.bands.allowed import contains
-from shaderlab.catalogue import Catalogue
+from shaderlab.catalogue import load_cases
+from shaderlab.discovery import shipped_cases
 from shaderlab.evaluation import Lab
 from shaderlab.expectations.formula import Formula
 from shaderlab.expectations.subject import subject_of
@@ -150,7 +151,7 @@ def memory(slowest: Job) -> None:
 def jobs(side: int, only: Collection[str] = ()) -> Iterator[Job]:
     """Every formula of the shipped cases, with what the driver gives its shader at this size."""
     with Lab(RunOptions(size=side)) as lab:
-        for case in Catalogue.shipped():
+        for case in load_cases(shipped_cases()).values():
             if only and case.id not in only:
                 continue
             for scene in case.scenes():

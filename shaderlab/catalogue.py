@@ -8,15 +8,15 @@ import os
 import re
 import sys
 import traceback
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterable
+from dataclasses import replace
 from importlib.machinery import ModuleSpec
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from types import ModuleType
 
-from shaderlab.discovery import TREE_FILE, chapter_title, place, shipped_cases, tree_of
-from shaderlab.errors import CaseError, ShaderlabError, UsageError, nearest
+from shaderlab.discovery import TREE_FILE, chapter_title, place, tree_of
+from shaderlab.errors import CaseError, ShaderlabError, nearest
 from shaderlab.model import Case
 
 _PACKAGE = "shaderlab_cases_"
@@ -25,51 +25,23 @@ _UNKNOWN_KEYWORD = re.compile(
 )
 
 
-@dataclass(frozen=True)
-class Catalogue:
-    """Cases by chapter, then section, then id."""
+def load_cases(files: Iterable[Path]) -> dict[str, Case]:
+    """The cases in these files by id, ordered by chapter, then section, then id.
 
-    cases: tuple[Case, ...]
-
-    @classmethod
-    def shipped(cls) -> Catalogue:
-        """The cases that come with the lab."""
-        return cls.of(shipped_cases())
-
-    @classmethod
-    def of(cls, files: Iterable[Path]) -> Catalogue:
-        """The cases in these files.
-
-        Raises:
-            CaseError: a file is no case file, or two cases have the same id.
-        """
-        cases: dict[str, Case] = {}
-        for file in files:
-            case = load_case(file)
-            if case.id in cases:
-                raise CaseError(
-                    f"the id {case.id!r} is taken by {cases[case.id].file}",
-                    file=file,
-                    remedy="rename one of the two files: a case's id is its file's name",
-                )
-            cases[case.id] = case
-        return cls(tuple(sorted(cases.values(), key=lambda case: place(case.section, case.id))))
-
-    def find(self, case_id: str) -> Case:
-        """The case with this id.
-
-        Raises:
-            UsageError: there is none; names the nearest ids.
-        """
-        for case in self.cases:
-            if case.id == case_id:
-                return case
-        raise UsageError(
-            f"there is no case {case_id!r}", remedy=nearest(case_id, [c.id for c in self.cases])
-        )
-
-    def __iter__(self) -> Iterator[Case]:
-        return iter(self.cases)
+    Raises:
+        CaseError: a file is no case file, or two cases have the same id.
+    """
+    cases: dict[str, Case] = {}
+    for file in files:
+        case = load_case(file)
+        if case.id in cases:
+            raise CaseError(
+                f"the id {case.id!r} is taken by {cases[case.id].file}",
+                file=file,
+                remedy="rename one of the two files: a case's id is its file's name",
+            )
+        cases[case.id] = case
+    return dict(sorted(cases.items(), key=lambda item: place(item[1].section, item[0])))
 
 
 def load_case(path: Path) -> Case:
@@ -114,7 +86,7 @@ def _import(path: Path) -> ModuleType:
     # For `import helper` of a module beside the file, as in a script.
     sys.path.insert(0, str(file.parent))
     try:
-        name = f"{_package(file.parent, tree)}.{_plain(file.stem)}"
+        name = f"{_package(file.parent, tree)}.{file.stem.replace('.', '_')}"
         return _run(spec_from_file_location(name, path))
     except ShaderlabError as error:
         line = error.line or _line_in(path, error)
@@ -138,7 +110,7 @@ def _package(folder: Path, tree: Path) -> str:
         digest = hashlib.blake2b(str(tree).encode(), digest_size=6).hexdigest()
         name = f"{_PACKAGE}{digest}"
     else:
-        name = f"{_package(folder.parent, tree)}.{_plain(folder.name)}"
+        name = f"{_package(folder.parent, tree)}.{folder.name.replace('.', '_')}"
     if name not in sys.modules:
         init = folder / "__init__.py"
         if init.is_file():
@@ -171,10 +143,6 @@ def _forget_scripts(names: Iterable[str], folder: Path) -> None:
         places = list(spec.submodule_search_locations or [spec.origin or ""]) if spec else []
         if any(Path(place).parent == folder for place in places):
             del sys.modules[name]
-
-
-def _plain(name: str) -> str:
-    return name.replace(".", "_")
 
 
 def _above_the_tree(error: BaseException, tree: Path) -> str | None:

@@ -84,7 +84,7 @@ def is_case_file(path: Path) -> bool:
         tree = ast.parse(source)
     except (SyntaxError, ValueError):
         return True  # probably meant as one: loading it reports the mistake
-    return _imports_case(tree) and any(_assigns_case(node) for node in tree.body)
+    return any(map(_imports_lab, tree.body)) and any(map(_assigns_case, tree.body))
 
 
 def case_files(folder: Path) -> Iterator[Path]:
@@ -117,50 +117,37 @@ def files_below(folder: Path) -> Iterator[Path]:
 
 def _source_like_a_case(path: Path) -> bytes | None:
     """A file's text, if its name and its text look like a case file's."""
-    if path.suffix != ".py" or not _may_be_case(path.name):
+    name = path.name
+    if path.suffix != ".py" or name.startswith(("test_", "_")) or name.endswith("_test.py"):
         return None
     try:
         source = path.read_bytes()
     except OSError:
         return None
-    return source if b"shaderlab" in source and _ASSIGNS.search(source) else None
+    named = name not in ("conftest.py", "setup.py") and b"shaderlab" in source
+    return source if named and _ASSIGNS.search(source) else None
 
 
-def _may_be_case(name: str) -> bool:
-    return not (name.startswith(("test_", "_")) or name.endswith("_test.py")) and name not in (
-        "conftest.py",
-        "setup.py",
-    )
-
-
-def _imports_case(tree: ast.Module) -> bool:
-    for node in tree.body:
-        if isinstance(node, ast.ImportFrom) and (node.module or "").split(".")[0] == "shaderlab":
-            return True
-        if isinstance(node, ast.Import) and any(
-            alias.name.split(".")[0] == "shaderlab" for alias in node.names
-        ):
-            return True
-    return False
+def _imports_lab(node: ast.stmt) -> bool:
+    names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+    if isinstance(node, ast.ImportFrom):
+        names = [node.module or ""]
+    return any(name.split(".")[0] == "shaderlab" for name in names)
 
 
 def _assigns_case(node: ast.stmt) -> bool:
-    if isinstance(node, ast.Assign):
-        targets: list[ast.expr] = node.targets
-    elif isinstance(node, ast.AnnAssign):
-        targets = [node.target]
-    else:
-        return False
+    match node:
+        case ast.Assign(targets=targets, value=ast.Call(func=called)):
+            pass
+        case ast.AnnAssign(target=target, value=ast.Call(func=called)):
+            targets = [target]
+        case _:
+            return False
     named = any(isinstance(target, ast.Name) and target.id == "case" for target in targets)
-    if not named or not isinstance(node.value, ast.Call):
-        return False
-    called = node.value.func
-    return (isinstance(called, ast.Name) and called.id == "Case") or (
-        isinstance(called, ast.Attribute) and called.attr == "Case"
-    )
+    return named and ast.unparse(called).split(".")[-1] == "Case"
 
 
 def place(section: str, case_id: str) -> tuple[list[int], str]:
     """The sort key of cases: section by section, then id; those without a section come last."""
     numbers = [int(part) if part.isdigit() else 0 for part in section.split(".")]
-    return ([*numbers] if section else [999], case_id)
+    return (numbers if section else [999], case_id)

@@ -76,27 +76,22 @@ def _packages() -> Iterator[Finding]:
         )
         return
     yield Finding(name=DISTRIBUTION, found=version)
-    for line in wanted:
-        requirement = Requirement(line)
+    for requirement in map(Requirement, wanted):
         if requirement.marker is not None and not requirement.marker.evaluate({"extra": ""}):
             continue
-        yield _package(requirement.name, str(requirement.specifier))
-
-
-def _package(name: str, specifier: str) -> Finding:
-    from packaging.specifiers import SpecifierSet
-
-    try:
-        version = importlib.metadata.version(name)
-    except importlib.metadata.PackageNotFoundError:
-        version = ""
-    right = bool(version) and SpecifierSet(specifier).contains(version, prereleases=True)
-    return Finding(
-        name=name,
-        found=version if right else f"{version or 'not installed'} (wanted: {specifier or 'any'})",
-        ok=right,
-        remedy=f"pip install '{name}{specifier}'",
-    )
+        name, specifier = requirement.name, requirement.specifier
+        try:
+            version = importlib.metadata.version(name)
+        except importlib.metadata.PackageNotFoundError:
+            version = ""
+        right = bool(version) and specifier.contains(version, prereleases=True)
+        found = f"{version or 'not installed'} (wanted: {specifier or 'any'})"
+        yield Finding(
+            name=name,
+            found=version if right else found,
+            ok=right,
+            remedy=f"pip install '{name}{specifier}'",
+        )
 
 
 def _compilers() -> Iterator[Finding]:
@@ -138,17 +133,9 @@ def _data() -> Iterator[Finding]:
 
     for kind in ("shaders", "cases"):
         try:
-            folder = data_folder(kind)
-            ok = folder.is_dir()
+            yield Finding(name=kind, found=str(data_folder(kind)))
         except ShaderlabError as error:
             yield Finding(name=kind, found=error.message, ok=False, remedy=error.remedy or "")
-            continue
-        yield Finding(
-            name=kind,
-            found=str(folder) if ok else f"{folder} is not there",
-            ok=ok,
-            remedy="reinstall shaderlab: pip install --force-reinstall shaderlab",
-        )
 
 
 def _driver() -> Iterator[Finding]:

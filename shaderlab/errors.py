@@ -9,6 +9,7 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 
 
@@ -46,7 +47,8 @@ class ShaderlabError(Exception):
     def __reduce__(self) -> tuple[object, ...]:
         # Keyword-only arguments do not survive the default pickling; errors cross processes.
         notes = {"__notes__": self.__notes__} if hasattr(self, "__notes__") else {}
-        return _rebuild, (type(self), self.message, self.file, self.line, self.remedy), notes
+        made = partial(type(self), file=self.file, line=self.line, remedy=self.remedy)
+        return made, (self.message,), notes
 
 
 class CaseError(ShaderlabError):
@@ -75,16 +77,6 @@ class AssetError(ShaderlabError):
 
 class UsageError(ShaderlabError):
     """The command line asks for something that does not exist."""
-
-
-def _rebuild(
-    kind: type[ShaderlabError],
-    message: str,
-    file: str | None,
-    line: int | None,
-    remedy: str | None,
-) -> ShaderlabError:
-    return kind(message, file=file, line=line, remedy=remedy)
 
 
 @contextmanager

@@ -2,25 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
 
-from shaderlab.catalogue import Catalogue
+from shaderlab.catalogue import load_cases
+from shaderlab.discovery import shipped_cases
 from shaderlab.model import Case
 
 FOR_PEOPLE = {"scene", "picture"}
 
 
 @cache
-def shipped() -> Catalogue:
-    """The catalogue. Cases can't be changed, so tests may share them."""
-    return Catalogue.shipped()
+def shipped() -> Mapping[str, Case]:
+    """The cases by id. Cases can't be changed, so tests may share them."""
+    return load_cases(shipped_cases())
 
 
 @cache
 def judged_only(case_id: str) -> Case:
     """A case without its large pictures, and without what is expected of them in all variants."""
-    case = shipped().find(case_id)
+    case = shipped()[case_id]
     scene = next(case.scenes())
     kept = tuple(p for p in case.passes if p.name not in FOR_PEOPLE)
     expect = [

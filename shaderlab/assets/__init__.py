@@ -6,49 +6,25 @@ A mesh is a mapping that `Mesh` takes as it is: `Mesh(**assets.sphere())`. A tex
 """
 
 from shaderlab.assets.meshes import (
-    Geometry,
-    cube,
-    ellipsoid,
-    joined,
-    moved,
-    plane,
-    quad,
-    sphere,
-    torus,
+    Geometry as Geometry,
+    cube as cube,
+    ellipsoid as ellipsoid,
+    joined as joined,
+    moved as moved,
+    plane as plane,
+    quad as quad,
+    sphere as sphere,
+    torus as torus,
 )
-from shaderlab.assets.obj import Part, load_obj
-from shaderlab.assets.pcd import Cloud, load_pcd
+from shaderlab.assets.obj import Part as Part, load_obj as load_obj
+from shaderlab.assets.pcd import Cloud as Cloud, load_pcd as load_pcd
 from shaderlab.assets.textures import (
-    brick_normals,
-    brick_wall,
-    checker,
-    crate,
-    emblem,
-    plaster,
-    solid,
-    uv_grid,
+    brick_normals as brick_normals,
+    brick_wall as brick_wall,
+    checker as checker,
+    crate as crate,
+    emblem as emblem,
+    plaster as plaster,
+    solid as solid,
+    uv_grid as uv_grid,
 )
-
-__all__ = [
-    "Cloud",
-    "Geometry",
-    "Part",
-    "brick_normals",
-    "brick_wall",
-    "checker",
-    "crate",
-    "cube",
-    "ellipsoid",
-    "emblem",
-    "joined",
-    "load_obj",
-    "load_pcd",
-    "moved",
-    "plane",
-    "plaster",
-    "quad",
-    "solid",
-    "sphere",
-    "torus",
-    "uv_grid",
-]

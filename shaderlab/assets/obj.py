@@ -148,7 +148,7 @@ def _checked(source: Path) -> tuple[str, list[str]]:
                     raise _wrong(f"a face has {len(corners)} corners; it needs three")
                 faces.append((line, corners))
                 used.setdefault(current)
-                row = "f " + " ".join(_spelt(corner) for corner in corners)
+                row = "f " + " ".join("/".join(str(i or "") for i in corner) for corner in corners)
             elif word == "mtllib":
                 known |= _materials(source.parent / rest.strip())
             elif word == "usemtl":
@@ -249,15 +249,6 @@ def _part(arrays: Mapping[str, Any]) -> Part:
 def _material(arrays: Mapping[str, Any]) -> str:
     material = getattr(arrays.get("visual"), "material", None)
     return str(getattr(material, "name", None) or "")
-
-
-def _spelt(corner: Corner) -> str:
-    """A corner as OBJ writes it.
-
-    >>> _spelt((4, 0, 2))
-    '4//2'
-    """
-    return "/".join(str(index) if index else "" for index in corner)
 
 
 def _wrong(message: str) -> AssetError:

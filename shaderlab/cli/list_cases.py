@@ -53,7 +53,8 @@ def command(targets: tuple[str, ...], chapter: int | None, json_file: str | None
 
 
 def _shipped() -> list[CaseFacts]:
-    from shaderlab.catalogue import Catalogue
+    from shaderlab.catalogue import load_cases
+    from shaderlab.discovery import shipped_cases
 
     return [
         CaseFacts(
@@ -63,7 +64,7 @@ def _shipped() -> list[CaseFacts]:
             section=case.section,
             variants=tuple(v.name for v in case.variants) or (DEFAULT_VARIANT,),
         )
-        for case in Catalogue.shipped()
+        for case in load_cases(shipped_cases()).values()
     ]
 
 

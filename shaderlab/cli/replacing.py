@@ -56,11 +56,12 @@ def unread(replacements: Replacements, records: Sequence[Record]) -> list[UsageE
     from shaderlab.files import display_path
 
     used = {file for record in records for program in record.programs for file in program.files}
+    names = sorted({posixpath.basename(file.replace("\\", "/")) for file in used})
     return [
         UsageError(
             f"no program of these cases is made of {name}, so nothing was judged in its place",
             file=str(file),
-            remedy=f"name a shader that they use: {', '.join(_short(used))}",
+            remedy=f"name a shader that they use: {', '.join(names)}",
         )
         for name, file in replacements.items()
         if display_path(file) not in used
@@ -82,7 +83,3 @@ def _whole(name: str, known: Sequence[str]) -> str:
     raise UsageError(
         f"--shader {name}: there is no such shader", remedy=nearest(name, [*known, *short])
     )
-
-
-def _short(files: Iterable[str]) -> list[str]:
-    return sorted({posixpath.basename(file.replace("\\", "/")) for file in files})

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 from shaderlab.discovery import case_files, place, shipped_cases
@@ -16,15 +15,6 @@ from shaderlab.execution.jobs import CaseFacts, Job, jobs_of
 
 Load = Callable[[Sequence[Path]], list[CaseFacts]]
 _WITH_VARIANT = re.compile(r"(?P<id>[^\[\]]+)\[(?P<variant>.*)\]")
-
-
-@dataclass(frozen=True)
-class _Wanted:
-    """Case files that one word stands for; `variant` is None for all variants."""
-
-    files: tuple[Path, ...]
-    variant: str | None = None
-    in_order_of_notes: bool = False
 
 
 def choose(targets: Sequence[str], every: bool, variants: Sequence[str], load: Load) -> list[Job]:
@@ -42,18 +32,16 @@ def choose(targets: Sequence[str], every: bool, variants: Sequence[str], load: L
     """
     if not targets and not every:
         raise UsageError("nothing to run", remedy="name cases or case files, or say --all")
-    wanted = [_Wanted(_shipped(), None, True)] if every else []
-    wanted += [_wanted(target) for target in targets]
-    files = list(dict.fromkeys(file for one in wanted for file in one.files))
+    wanted = [(file, variant) for target in targets for file, variant in _wanted(target)]
+    shipped = list(shipped_cases()) if every else []
+    files = list(dict.fromkeys([*shipped, *(file for file, _ in wanted)]))
     facts = dict(zip(files, load(files), strict=True))
     _refuse_duplicate_ids(list(facts.values()))
+    in_order = sorted((facts[f] for f in shipped), key=lambda case: place(case.section, case.id))
+    chosen = [(case, None) for case in in_order] + [(facts[file], v) for file, v in wanted]
     jobs: dict[tuple[str, str], Job] = {}
-    for one in wanted:
-        found = [facts[file] for file in one.files]
-        if one.in_order_of_notes:
-            found.sort(key=lambda case: place(case.section, case.id))
-        for case in found:
-            jobs |= {job.key: job for job in _jobs(case, one.variant) if job.key not in jobs}
+    for case, variant in chosen:
+        jobs |= {job.key: job for job in _jobs(case, variant) if job.key not in jobs}
     errors = [case.error for case in facts.values() if case.error is not None]
     if errors and all(job.broken for job in jobs.values()):
         raise errors[0]
@@ -68,59 +56,43 @@ def one(target: str, load: Load) -> tuple[CaseFacts, str]:
         CaseError: the case file is wrong.
     """
     wanted = _wanted(target)
-    if len(wanted.files) != 1:
-        raise UsageError(f"{target}: {len(wanted.files)} cases; name one of them")
-    (facts,) = load(wanted.files)
+    if len(wanted) != 1:
+        raise UsageError(f"{target}: {len(wanted)} cases; name one of them")
+    ((file, variant),) = wanted
+    (facts,) = load([file])
     if facts.error is not None:
         raise facts.error
-    return facts, _jobs(facts, wanted.variant)[0].variant
+    return facts, _jobs(facts, variant)[0].variant
 
 
 def files_of(targets: Sequence[str]) -> list[Path]:
     """The case files of ids, case files and folders, each once. Raises UsageError."""
-    return list(dict.fromkeys(file for target in targets for file in _wanted(target).files))
+    return list(dict.fromkeys(file for target in targets for file, _ in _wanted(target)))
 
 
-def _shipped() -> tuple[Path, ...]:
-    return tuple(shipped_cases())
-
-
-def _wanted(target: str) -> _Wanted:
+def _wanted(target: str) -> list[tuple[Path, str | None]]:
+    """The case files that a word stands for, with the only variant; None for all variants."""
     path = Path(target)
-    if path.is_dir() and _is_path(target, path):
-        files = tuple(case_files(path))
-        if not files:
-            raise UsageError(
-                "there is no case file in this folder",
-                file=target,
-                remedy="a case file takes Case from shaderlab and says case = Case(…)",
-            )
-        return _Wanted(files)
-    if _is_path(target, path):
-        return _Wanted((_existing(path, target),))
+    if path.suffix == ".py" or "/" in target or "\\" in target or target in (".", ".."):
+        if path.is_dir():
+            files: list[tuple[Path, str | None]] = [(file, None) for file in case_files(path)]
+            if not files:
+                raise UsageError(
+                    "there is no case file in this folder",
+                    file=target,
+                    remedy="a case file takes Case from shaderlab and says case = Case(…)",
+                )
+            return files
+        if not path.exists():
+            beside = [str(p) for p in path.parent.glob("*.py")] if path.parent.is_dir() else []
+            raise UsageError("there is no such file", file=target, remedy=nearest(target, beside))
+        return [(path, None)]
     found = _WITH_VARIANT.fullmatch(target)
-    if found:
-        return _Wanted((_file_of(found["id"]),), found["variant"])
-    return _Wanted((_file_of(target),))
-
-
-def _is_path(target: str, path: Path) -> bool:
-    return path.suffix == ".py" or "/" in target or "\\" in target or target in (".", "..")
-
-
-def _existing(path: Path, target: str) -> Path:
-    if not path.exists():
-        beside = [str(p) for p in path.parent.glob("*.py")] if path.parent.is_dir() else []
-        raise UsageError("there is no such file", file=target, remedy=nearest(target, beside))
-    return path
-
-
-def _file_of(case_id: str) -> Path:
-    """The shipped case file of this id, which is its name."""
-    known = {file.stem.replace("_", "-"): file for file in _shipped()}
+    case_id, variant = (found["id"], found["variant"]) if found else (target, None)
+    known = {file.stem.replace("_", "-"): file for file in shipped_cases()}
     if case_id not in known:
         raise UsageError(f"there is no case {case_id!r}", remedy=nearest(case_id, known))
-    return known[case_id]
+    return [(known[case_id], variant)]
 
 
 def _jobs(case: CaseFacts, variant: str | None) -> list[Job]:

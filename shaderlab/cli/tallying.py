@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import sys
 from collections import Counter
 from collections.abc import Callable, Iterator
@@ -65,26 +66,9 @@ def messages(result: FileResult) -> Iterator[str]:
 def as_data(result: FileResult) -> Iterator[dict[str, Any]]:
     """An entry of the JSON for each target's verdict on the file."""
     for verdict in result.verdicts:
-        yield {
-            "path": result.path,
-            "stage": result.stage,
-            "target": verdict.target,
-            "ok": verdict.ok,
-            "diagnostics": [
-                {
-                    "file": d.file,
-                    "line": d.line,
-                    "severity": d.severity,
-                    "token": d.token,
-                    "message": d.message,
-                }
-                for d in verdict.diagnostics
-            ],
-            "spirv_bytes": verdict.spirv_bytes,
-            "instructions": verdict.instructions,
-            "valid": verdict.valid,
-            "status": verdict.status,
-        }
+        said = dataclasses.asdict(verdict)
+        del said["assembly"]
+        yield {"path": result.path, "stage": result.stage, **said}
 
 
 @contextmanager

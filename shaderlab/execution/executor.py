@@ -15,9 +15,16 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from shaderlab import packages
 from shaderlab.errors import CaseError
-from shaderlab.execution.jobs import About, CaseFacts, Job, failed_record
+from shaderlab.execution.jobs import (
+    About,
+    CaseFacts,
+    DescribeDriver,
+    Job,
+    LoadCase,
+    RunJob,
+    failed_record,
+)
 from shaderlab.execution.pool import ItemResult, WorkerPool
-from shaderlab.execution.requests import DescribeDriver, LoadCase, RunJob
 from shaderlab.execution.sizing import loads, suitable
 from shaderlab.options import Limits, RunOptions
 
@@ -50,7 +57,7 @@ class Executor(Protocol):
         """End everything, whatever it is doing."""
 
 
-class LocalExecutor:
+class LocalExecutor(Executor):
     """An `Executor` on this machine, which also performs the requests of other rooms."""
 
     limits = Limits()
@@ -60,14 +67,6 @@ class LocalExecutor:
         self, requests: Iterable[Any], *, batch: int = 1, key: Key | None = None
     ) -> Generator[ItemResult]:
         """The results of requests as they complete; see `WorkerPool.run`."""
-        raise NotImplementedError
-
-    def about(self) -> About:
-        """See `Executor`."""
-        raise NotImplementedError
-
-    def close(self) -> None:
-        """See `Executor`."""
         raise NotImplementedError
 
     def load(self, files: Sequence[Path]) -> list[CaseFacts]:

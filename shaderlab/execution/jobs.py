@@ -1,14 +1,21 @@
-"""What executors are given and what they give back, as plain data that crosses processes."""
+"""What executors are given and what they give back, as plain data that crosses processes.
+
+An executor asks its workers by requests, picklable objects with `perform(worker)`; other
+rooms have requests of their own. The processes that ask import this module, so it imports little.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, cast
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol, cast
 
 from shaderlab.errors import CaseError, UsageError, nearest
+from shaderlab.options import RunOptions
 
 if TYPE_CHECKING:
+    from shaderlab.execution.lab_worker import LabWorker
     from shaderlab.records import Record, Status
 
 
@@ -79,6 +86,47 @@ class About:
 
     driver: Mapping[str, str] = field(default_factory=dict)
     versions: Mapping[str, str] = field(default_factory=dict)
+
+
+class Request(Protocol):
+    """Something to do in a worker."""
+
+    def perform(self, worker: LabWorker) -> Any:
+        """Do it, and return a picklable result."""
+
+
+@dataclass(frozen=True)
+class DescribeDriver:
+    """Asks for an `About` with the driver; a process keeps the first driver it is asked for."""
+
+    driver: str | None
+
+    def perform(self, worker: LabWorker) -> About:
+        """See `Request`."""
+        return About(driver=dict(worker.lab(RunOptions(driver=self.driver)).driver))
+
+
+@dataclass(frozen=True)
+class LoadCase:
+    """Asks for a file's `CaseFacts`. Raises CaseError."""
+
+    file: Path
+
+    def perform(self, worker: LabWorker) -> CaseFacts:
+        """See `Request`."""
+        return worker.facts(self.file)
+
+
+@dataclass(frozen=True)
+class RunJob:
+    """Asks for a job's `Record`. Raises CaseError where the case file is wrong."""
+
+    job: Job
+    options: RunOptions
+
+    def perform(self, worker: LabWorker) -> Record:
+        """See `Request`."""
+        return worker.run(self.job, self.options)
 
 
 def jobs_of(facts: CaseFacts) -> list[Job]:

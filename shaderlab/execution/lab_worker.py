@@ -19,8 +19,7 @@ from shaderlab.backends import prepare_process
 from shaderlab.catalogue import load_case
 from shaderlab.errors import CaseError
 from shaderlab.evaluation import Lab
-from shaderlab.execution.jobs import CaseFacts, Job
-from shaderlab.execution.requests import Request
+from shaderlab.execution.jobs import CaseFacts, Job, Request
 from shaderlab.execution.worker_main import Channel
 from shaderlab.model import Case, Ramp, Scene
 from shaderlab.options import RunOptions

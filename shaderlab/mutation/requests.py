@@ -50,7 +50,7 @@ class MakeMutants:
     plan: MutationPlan
 
     def perform(self, worker: LabWorker) -> Sequence[Mutant]:
-        """See `shaderlab.execution.requests.Request`."""
+        """See `shaderlab.execution.jobs.Request`."""
         return mutants_of_case(worker.case(str(self.file)), self.plan)
 
 
@@ -67,7 +67,7 @@ class JudgeMutant:
     mutant: Mutant
 
     def perform(self, worker: LabWorker) -> Fate:
-        """See `shaderlab.execution.requests.Request`."""
+        """See `shaderlab.execution.jobs.Request`."""
         judge: Judge = worker.keep("judge", (self.file, self.variants), lambda: self._open(worker))
         return judge.fate(self.mutant)
 

@@ -37,23 +37,19 @@ class Display(NamedTuple):
 def to_display(
     array: NDArray[Any],
     *,
-    colours: str = "viridis",
     value_range: tuple[float, float] | None = None,
-    alpha: bool = False,
 ) -> Display:
     """An array as a plain OpenGL window would show it, or in false colour.
 
     Three and four channels of floats are clipped to 0…1 without any gamma, and 8-bit values
     are kept. Two channels are red and green. One channel of any type is false-coloured over
     its finite range, wider integers of several channels become levels over theirs. A pixel
-    that holds a NaN or an infinity is magenta.
+    that holds a NaN or an infinity is magenta. A window ignores a fourth channel, so it is dropped.
 
     Args:
         array: (height, width) or (height, width, 1…4) of floats, integers or booleans.
-        colours: a map of OpenImageIO's: "viridis", "inferno", "magma", "plasma", "turbo", ….
         value_range: the values of the first and the last colour, where two pictures are to be
             compared; the array's own range by default. Direct colours ignore it.
-        alpha: keep a fourth channel. A window ignores it, so by default it is dropped.
 
     Raises:
         AssetError: the array has no such shape or type.
@@ -61,16 +57,16 @@ def to_display(
     pixels = as_pixels(array)
     channels = pixels.shape[2]
     if channels == 1:
-        return _false_colour(pixels[:, :, 0], colours, value_range)
+        return _false_colour(pixels[:, :, 0], value_range)
     if pixels.dtype == np.uint8:
-        return Display(_as_rgb(pixels, alpha), 0.0, 255.0, "8-bit values as they are")
+        return Display(_as_rgb(pixels), 0.0, 255.0, "8-bit values as they are")
     if pixels.dtype.kind in "iu":
         low, high = value_range or _finite_range(pixels)
         scaled = (pixels.astype(np.float64) - low) / ((high - low) or 1.0)
         levels = np.rint(np.clip(scaled, 0, 1) * 255).astype(np.uint8)
         caption = f"integers as levels from {low:.9g} to {high:.9g}"
-        return Display(_as_rgb(levels, alpha), low, high, caption)
-    return _clipped(pixels, alpha)
+        return Display(_as_rgb(levels), low, high, caption)
+    return _clipped(pixels)
 
 
 def distance_picture(
@@ -123,14 +119,11 @@ def distance_picture(
     return large, table
 
 
-def palette(colours: str = "viridis", count: int = 256) -> str:
-    """`count` colours from a map's dark end to its bright one, six hexadecimal digits each.
-
-    Raises:
-        AssetError: there is no such map.
-    """
+def palette(count: int = 256) -> str:
+    """`count` colours from a false-colour picture's dark end to its bright one, six hexadecimal
+    digits each."""
     ramp = np.linspace(0.0, 1.0, count)[None, :, None]
-    table: bytes = to_display(ramp, colours=colours).image[0].tobytes()
+    table: bytes = to_display(ramp).image[0].tobytes()
     return table.hex()
 
 
@@ -157,34 +150,29 @@ def as_pixels(array: NDArray[Any]) -> NDArray[Any]:
     return pixels
 
 
-def _as_rgb(levels: Bytes, alpha: bool) -> Bytes:
+def _as_rgb(levels: Bytes) -> Bytes:
     if levels.shape[2] == 2:
         blue = np.zeros((*levels.shape[:2], 1), dtype=np.uint8)
         return np.concatenate([levels, blue], axis=2)
-    return np.ascontiguousarray(levels if alpha else levels[:, :, :3])
+    return np.ascontiguousarray(levels[:, :, :3])
 
 
-def _clipped(pixels: NDArray[Any], alpha: bool) -> Display:
-    shown = np.ascontiguousarray(pixels[:, :, : 4 if alpha else 3])
+def _clipped(pixels: NDArray[Any]) -> Display:
+    shown = np.ascontiguousarray(pixels[:, :, :3])
     low, high = _finite_range(shown)
     finite = np.isfinite(shown)
     levels = np.clip(shown if finite.all() else np.where(finite, shown, 0), 0, 1)
     levels *= 255
-    image = _as_rgb(np.rint(levels, out=levels).astype(np.uint8), alpha)
+    image = _as_rgb(np.rint(levels, out=levels).astype(np.uint8))
     broken = np.zeros(image.shape[:2], bool) if finite.all() else ~finite.all(axis=2)
-    image[broken, :3] = NOT_FINITE
-    if image.shape[2] == 4:
-        image[broken, 3] = 255
-
+    image[broken] = NOT_FINITE
     words = "red and green, 0 to 1" if shown.shape[2] == 2 else "colours as drawn, 0 to 1"
     if low < 0 or high > 1:
         words += f"; clipped, values run from {low:.6g} to {high:.6g}"
     return Display(image, 0.0, 1.0, words + _magenta(int(broken.sum())))
 
 
-def _false_colour(
-    values: NDArray[Any], colours: str, value_range: tuple[float, float] | None
-) -> Display:
+def _false_colour(values: NDArray[Any], value_range: tuple[float, float] | None) -> Display:
     import OpenImageIO as oiio
 
     finite = np.isfinite(values)
@@ -193,9 +181,7 @@ def _false_colour(
     span = (high / 2 - low / 2) or 1.0
     scaled = np.clip((np.where(finite, values, low) / 2 - low / 2) / span, 0, 1)
     source = oiio.ImageBuf(np.ascontiguousarray(scaled[:, :, None], dtype=np.float32))
-    mapped = oiio.ImageBufAlgo.color_map(source, 0, colours)
-    if mapped.has_error:
-        raise AssetError(f"no colour map {colours!r} ({mapped.geterror()})")
+    mapped = oiio.ImageBufAlgo.color_map(source, 0, "viridis")
     image = _encoded(np.asarray(mapped.get_pixels("float"), dtype=np.float64))
     image = np.ascontiguousarray(image[:, :, :3])
     image[~finite] = NOT_FINITE

@@ -193,7 +193,7 @@ def test_the_catalogue_gets_what_it_would_get_by_itself() -> None:
     """A scene of each case over a domain, with and without what others before it captured."""
     over = [
         one
-        for one in (next(iter(case.scenes())) for case in shipped())
+        for one in (next(iter(case.scenes())) for case in shipped().values())
         if all(draw.domain is not None for each in one.passes for draw in each.draws)
     ]
     with Watched() as sharing:

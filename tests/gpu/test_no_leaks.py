@@ -92,7 +92,7 @@ def parts(value: Any) -> Iterator[bytes]:
 
 def scenes() -> list[Scene]:
     """One variant of each case, in a random order. What is not judged is drawn small."""
-    first = (next(iter(case.scenes())) for case in shipped())
+    first = (next(iter(case.scenes())) for case in shipped().values())
     found = [scene if scene.case.id in SAMPLE else smaller(scene) for scene in first]
     random.Random(SEED).shuffle(found)
     return found

@@ -23,7 +23,7 @@ FIRST = {
 
 
 def cases() -> tuple[Case, ...]:
-    return shipped().cases
+    return tuple(shipped().values())
 
 
 def each_case() -> list[pytest.ParameterSet]:  # type: ignore[name-defined]

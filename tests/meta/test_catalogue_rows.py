@@ -60,13 +60,13 @@ def test_no_row_is_listed_twice() -> None:
 
 
 def test_every_row_has_a_case_that_judges() -> None:
-    there = {case.id: case for case in shipped().cases}
+    there = shipped()
     without = {row for row in rows() if row not in there or not judges_values(there[row])}
     assert without == set()
 
 
 def test_every_case_is_a_row_and_stands_in_its_chapter() -> None:
     chapters = {row: number for number, chapter in ROWS.items() for row in chapter.split()}
-    for case in shipped().cases:
+    for case in shipped().values():
         assert case.id in chapters, f"{case.id} is no row of the catalogue"
         assert f"/ch{chapters[case.id]:02d}_" in case.file.replace("\\", "/"), case.file

@@ -46,13 +46,13 @@ def unread(case: Case) -> Iterator[str]:
             yield f"{name} ({scene.variant})"
 
 
-@pytest.mark.parametrize("case", [pytest.param(case, id=case.id) for case in shipped().cases])
+@pytest.mark.parametrize("case", [pytest.param(case, id=case.id) for case in shipped().values()])
 def test_no_output_is_unread(case: Case) -> None:
     assert list(unread(case)) == []
 
 
 def test_an_output_that_nothing_reads_is_found() -> None:
-    case = shipped().find("triangle")
+    case = shipped()["triangle"]
     scene = next(case.scenes())
     blind = replace(scene, expect=())
     assert unread_outputs(blind, programs_of(blind)) == ("picture.FragColor", "main.FragColor")

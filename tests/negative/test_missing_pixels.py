@@ -32,7 +32,7 @@ def test_pixels_that_are_left_out_make_a_case_fail(case_id: str, shader: str, en
     assert renamed == 1
     text += f"\nvoid main() {{ whole(); {ending} }}\n"
     with Lab(RunOptions(texts={shader: text})) as lab:
-        record = lab.run(next(shipped().find(case_id).scenes()))
+        record = lab.run(next(shipped()[case_id].scenes()))
     assert record.status == "fail", record.message
     assert any("missing: " in outcome.message for outcome in record.expectations)
 
@@ -42,5 +42,5 @@ def test_a_shader_that_discards_nothing_any_more_is_caught() -> None:
     text = (data_folder("shaders") / shader).read_text(encoding="utf-8")
     assert text.count("discard;") == 1
     with Lab(RunOptions(texts={shader: text.replace("discard;", "")})) as lab:
-        record = lab.run(next(shipped().find("alpha-discard").scenes()))
+        record = lab.run(next(shipped()["alpha-discard"].scenes()))
     assert any("surplus: " in outcome.message for outcome in record.expectations)

@@ -95,7 +95,7 @@ def run(case: Case, shaders: dict[str, str] | None = None) -> Record:
 def test_a_mistake_makes_its_case_fail(case_id: str, shader: str, right: str, wrong: str) -> None:
     text = (data_folder("shaders") / shader).read_text(encoding="utf-8")
     assert right in text, f"{shader} does not read {right!r} any more"
-    record = run(shipped().find(case_id), {shader: text.replace(right, wrong)})
+    record = run(shipped()[case_id], {shader: text.replace(right, wrong)})
     assert record.status == "fail", record.message
 
 
@@ -136,11 +136,11 @@ def failed(case: Case) -> set[str]:
 def test_another_layout_is_noticed_although_the_pixels_are_the_same(
     case_id: str, layout: str, names: set[str]
 ) -> None:
-    assert failed(with_mesh(shipped().find(case_id), layout=layout)) == names
+    assert failed(with_mesh(shipped()[case_id], layout=layout)) == names
 
 
 def test_a_wrong_colour_in_the_buffer_is_noticed() -> None:
-    case = shipped().find("buffer-usage")
+    case = shipped()["buffer-usage"]
     mesh = case.passes[-1].draws[0].mesh
     assert isinstance(mesh, Mesh)
     colors = {**mesh.attributes, "aColor": np.roll(mesh.attributes["aColor"], 1, axis=0)}
@@ -148,7 +148,7 @@ def test_a_wrong_colour_in_the_buffer_is_noticed() -> None:
 
 
 def test_without_its_vertex_array_every_draw_is_an_error() -> None:
-    case = with_draws(shipped().find("vertex-array"), lambda _, d: replace(d, vertex_array=True))
+    case = with_draws(shipped()["vertex-array"], lambda _, d: replace(d, vertex_array=True))
     assert failed(case) == {"nothing bound: 0x0502", "nothing bound: nothing drawn"}
 
 
@@ -167,7 +167,7 @@ def test_without_its_vertex_array_every_draw_is_an_error() -> None:
 def test_plausible_wrong_matrices_in_the_buffer_are_noticed(
     mistake: Callable[[Any, Any], dict[str, Any]],
 ) -> None:
-    case = shipped().find("uniform-buffer")
+    case = shipped()["uniform-buffer"]
     matrices = case.passes[0].draws[0].blocks["Matrices"].values
     wrong = UniformBuffer(
         values=mistake(np.asarray(matrices["projection"]), np.asarray(matrices["view"]))
@@ -187,7 +187,7 @@ def test_plausible_wrong_matrices_in_the_buffer_are_noticed(
 
 
 def test_culling_the_wrong_side_is_noticed() -> None:
-    case = shipped().find("face-culling")
+    case = shipped()["face-culling"]
 
     def change(description: Pass, draw: Draw) -> Draw:
         state = draw.state
@@ -199,7 +199,7 @@ def test_culling_the_wrong_side_is_noticed() -> None:
 
 
 def test_more_draws_than_said_are_noticed() -> None:
-    case = shipped().find("batching")
+    case = shipped()["batching"]
     twice = tuple(
         replace(p, draws=p.draws * 2) if p.name == "instanced 16" else p for p in case.passes
     )

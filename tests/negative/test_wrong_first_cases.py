@@ -72,7 +72,7 @@ SHARED = {
 def with_mistake(case_id: str, shader: str, right: str, wrong: str) -> list[Record]:
     text = (data_folder("shaders") / shader).read_text(encoding="utf-8")
     assert right in text, f"{shader} does not read {right!r} any more"
-    case = shipped().find(case_id)
+    case = shipped()[case_id]
     with Lab(RunOptions(texts={shader: text.replace(right, wrong)})) as lab:
         return [lab.run(scene) for scene in case.scenes()]
 
@@ -99,7 +99,7 @@ def users() -> dict[str, set[str]]:
     found: dict[str, set[str]] = {}
     root = data_folder("shaders")
     shaders = Shaders([root])
-    for case in shipped():
+    for case in shipped().values():
         for draw in (d for p in next(case.scenes()).passes for d in p.draws):
             for file, _ in (part for name in draw.shaders for part in shaders.load(name).parts):
                 name = Path(file).resolve().relative_to(root.resolve()).as_posix()

@@ -101,7 +101,7 @@ def with_mistake(case_id: str, shader: str, right: str, wrong: str) -> list[Reco
     path = shader if shader.startswith("lib/") else f"{FOLDER}/{shader}"
     text = (data_folder("shaders") / path).read_text(encoding="utf-8")
     assert right in text, f"{path} does not read {right!r} any more"
-    case = shipped().find(case_id)
+    case = shipped()[case_id]
     if shader != "finish.frag":
         case = without_picture(case)
     with Lab(RunOptions(texts={path: text.replace(right, wrong)})) as lab:
@@ -126,5 +126,5 @@ def test_a_mistake_makes_its_case_fail_and_names_a_place(
 
 def test_every_lighting_lesson_is_broken_at_least_twice() -> None:
     broken = [case_id for case_id, *_ in MISTAKES]
-    assert set(broken) == LESSONS <= {case.id for case in shipped()}
+    assert set(broken) == LESSONS <= {case.id for case in shipped().values()}
     assert min(broken.count(case_id) for case_id in LESSONS) >= 2

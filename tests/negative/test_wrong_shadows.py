@@ -114,7 +114,7 @@ def test_a_mistake_makes_its_case_fail(
     path = shader if shader.startswith("lib/") else f"{FOLDER}/{shader}"
     text = (data_folder("shaders") / path).read_text(encoding="utf-8")
     assert right in text, f"{path} does not read {right!r} any more"
-    case = judged(shipped().find(case_id))
+    case = judged(shipped()[case_id])
     assert by in {o.name for o in failures_of(case, {path: text.replace(right, wrong)})}
 
 
@@ -130,12 +130,12 @@ def test_a_mistake_makes_its_case_fail(
     ],
 )
 def test_a_wrong_depth_test_shows_what_is_hidden(case_id: str, name: str, by: str) -> None:
-    case = without_depth_test(judged(shipped().find(case_id)), name)
+    case = without_depth_test(judged(shipped()[case_id]), name)
     assert by in {o.name for o in failures_of(case, {})}
 
 
 def test_a_wrong_depth_test_shows_a_lamp_that_is_hidden() -> None:
-    case = without_depth_test(shipped().find("point-shadow"), "scene")
+    case = without_depth_test(shipped()["point-shadow"], "scene")
     by = "pixels of the large picture that the order of drawing changes"
     assert by in {o.name for o in failures_of(case, {})}
 
@@ -159,5 +159,5 @@ def test_every_lesson_and_every_measure_is_broken() -> None:
     assert min(broken.count(case_id) for case_id in LESSONS) >= 2
     seen = {(case_id, by) for case_id, *_, by in MISTAKES}
     for case_id in LESSONS:
-        measures = {e.name for e in shipped().find(case_id).expect if isinstance(e, Measure)}
+        measures = {e.name for e in shipped()[case_id].expect if isinstance(e, Measure)}
         assert {(case_id, name) for name in measures - OF_STATE} <= seen

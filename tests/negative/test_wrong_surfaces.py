@@ -72,7 +72,7 @@ def with_mistake(case_id: str, shader: str, right: str, wrong: str) -> tuple[str
     path = shader if shader.startswith("lib/") else f"{FOLDER}/{shader}"
     text = (data_folder("shaders") / path).read_text(encoding="utf-8")
     assert right in text, f"{path} does not read {right!r} any more"
-    case = judged(shipped().find(case_id))
+    case = judged(shipped()[case_id])
     with Lab(RunOptions(texts={path: text.replace(right, wrong)})) as lab:
         record = lab.run(case.scene("default"))
     return record.status, [o for o in record.expectations if o.status == "fail"]
@@ -102,7 +102,7 @@ def test_every_measure_of_these_lessons_is_seen_to_fail() -> None:
     there = {
         e.name
         for case_id in {case_id for case_id, *_ in MISTAKES}
-        for e in shipped().find(case_id).expect
+        for e in shipped()[case_id].expect
         if isinstance(e, Measure)
     }
     assert there and there <= seen

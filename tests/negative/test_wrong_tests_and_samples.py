@@ -97,7 +97,7 @@ def test_a_mistake_in_a_shader_makes_its_case_fail(
 ) -> None:
     text = (data_folder("shaders") / shader).read_text(encoding="utf-8")
     assert right in text, f"{shader} does not read {right!r} any more"
-    case = shipped().find(case_id)
+    case = shipped()[case_id]
     with Lab(RunOptions(texts={shader: text.replace(right, wrong)})) as lab:
         caught([lab.run(scene) for scene in list(case.scenes())[:2]])
 
@@ -121,7 +121,7 @@ def with_state(scene: Scene, name: str, index: int, **changes: Any) -> Scene:
 def test_a_mistake_in_state_makes_its_case_fail(
     case_id: str, name: str, index: int, field: str, value: Any
 ) -> None:
-    scene = next(shipped().find(case_id).scenes())
+    scene = next(shipped()[case_id].scenes())
     wrong = with_state(scene, name, index, **{field: value})
     assert wrong != scene
     with Lab() as lab:

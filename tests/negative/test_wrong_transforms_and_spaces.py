@@ -103,7 +103,7 @@ def test_a_mistake_makes_its_case_fail(case_id: str, shader: str, right: str, wr
 
 def test_a_texel_taken_twice_shows_in_the_picture() -> None:
     mistake = mistaken(f"{CH3}/soften.frag", "vec2(-0.5, 0.5)", "vec2(-0.5, -0.5)")
-    record = run(shipped().find("translate"), mistake)
+    record = run(shipped()["translate"], mistake)
     assert [o.name for o in record.expectations if o.status == "fail"] == ["four texels a pixel"]
 
 

@@ -14,9 +14,8 @@ from click.testing import CliRunner
 
 from shaderlab.cli import cli
 from shaderlab.execution import Job, ProcessExecutor, executor, sizing
-from shaderlab.execution.jobs import CaseFacts
+from shaderlab.execution.jobs import CaseFacts, LoadCase
 from shaderlab.execution.pool import ItemResult
-from shaderlab.execution.requests import LoadCase
 from shaderlab.options import RunOptions
 
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from shaderlab.catalogue import Catalogue
+from shaderlab.catalogue import load_cases
 from shaderlab.expectations.compile_fails import CompileFails
 from shaderlab.expectations.computed import Computed
 from shaderlab.expectations.exact import Exact
@@ -36,7 +36,7 @@ FIRST = {
 FILES = [
     ROOT / "cases" / folder / f"{stem}.py" for folder, stems in FIRST.items() for stem in stems
 ]
-CASES = {case.id: case for case in Catalogue.of(FILES)}
+CASES = load_cases(FILES)
 STAGES = sorted(
     {
         shader
@@ -67,8 +67,8 @@ def compiled(path: Path) -> tuple[int, list[tuple[int, str]]]:
 
 def test_importing_all_cases_touches_no_device() -> None:
     program = (
-        "import sys; from pathlib import Path; from shaderlab.catalogue import Catalogue;"
-        f"Catalogue.of([Path(p) for p in {[str(f) for f in FILES]!r}]);"
+        "import sys; from pathlib import Path; from shaderlab.catalogue import load_cases;"
+        f"load_cases([Path(p) for p in {[str(f) for f in FILES]!r}]);"
         "print(sorted({'moderngl', 'OpenGL', 'colour', 'OpenImageIO'} & set(sys.modules)))"
     )
     done = subprocess.run(

@@ -21,10 +21,9 @@ def test_three_channels_are_clipped_without_gamma() -> None:
     assert "-1 to 2" in shown.caption
 
 
-def test_alpha_is_dropped_as_a_window_does_unless_asked_for() -> None:
+def test_alpha_is_dropped_as_a_window_does() -> None:
     pixel = np.array([[[1.0, 0.5, 0.2, 0.25]]])
     assert pictures.to_display(pixel).image.tolist() == [[[255, 128, 51]]]
-    assert pictures.to_display(pixel, alpha=True).image.tolist() == [[[255, 128, 51, 64]]]
 
 
 def test_bytes_pass_through() -> None:

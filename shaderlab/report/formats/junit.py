@@ -29,24 +29,19 @@ def render(run: Run) -> str:
     no expectations) gets a test of its own, "run"; so does a run that was interrupted, in error.
     """
     root = ET.Element("testsuites", name="shaderlab", time=_seconds(run.seconds))
-    totals = [0, 0, 0, 0]
     for case in group_cases(run.records):
         suite = ET.SubElement(root, "testsuite", name=clean(case.id), timestamp=clean(run.started))
         for record in case.records:
             _add_record(suite, record)
-        counts = _count(suite)
-        _set_counts(suite, counts)
+        _set_counts(suite)
         suite.set("time", _seconds(sum(record.seconds for record in case.records)))
-        totals = [a + b for a, b in zip(totals, counts, strict=True)]
     if run.missing:
         suite = ET.SubElement(root, "testsuite", name="shaderlab", time=_seconds(0.0))
         test = ET.SubElement(suite, "testcase", classname="shaderlab", name="run", time="0")
         message = f"the run was interrupted: {plural(run.missing, 'variant')} not run"
         _verdict(test, "error", message, message)
-        counts = _count(suite)
-        _set_counts(suite, counts)
-        totals = [a + b for a, b in zip(totals, counts, strict=True)]
-    _set_counts(root, totals)
+        _set_counts(suite)
+    _set_counts(root)
     ET.indent(root)
     text = ET.tostring(root, encoding="unicode")
     return f'<?xml version="1.0" encoding="UTF-8"?>\n{text}\n'
@@ -85,16 +80,11 @@ def _verdict(test: ET.Element, tag: str | None, message: str, details: str) -> N
     verdict.text = clean(details)
 
 
-def _count(suite: ET.Element) -> list[int]:
-    tests = list(suite)
-    return [len(tests)] + [
-        sum(test.find(tag) is not None for test in tests) for tag in ("failure", "error", "skipped")
-    ]
-
-
-def _set_counts(element: ET.Element, counts: list[int]) -> None:
-    for name, number in zip(("tests", "failures", "errors", "skipped"), counts, strict=True):
-        element.set(name, str(number))
+def _set_counts(element: ET.Element) -> None:
+    tests = list(element.iter("testcase"))
+    element.set("tests", str(len(tests)))
+    for name, tag in (("failures", "failure"), ("errors", "error"), ("skipped", "skipped")):
+        element.set(name, str(sum(test.find(tag) is not None for test in tests)))
 
 
 def _seconds(value: float) -> str:

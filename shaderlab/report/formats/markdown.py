@@ -16,7 +16,7 @@ from shaderlab.report.grouping import (
     group_cases,
     total,
 )
-from shaderlab.report.plain_text import replacements, unread
+from shaderlab.report.plain_text import label, replacements, unread
 from shaderlab.report.text import clean, count, duration, figure, plural, short
 
 _SIGNS = {"pass": "✅", "unsupported": "➖"}
@@ -93,7 +93,7 @@ def _chapters(cases: list[CaseGroup]) -> Iterable[str]:
 
 def _failure(record: Record) -> Iterable[str]:
     sign = _SIGNS.get(record.status, "❌")
-    name = escape(f"{record.id}[{record.variant}]" if record.variant != "default" else record.id)
+    name = escape(label(record.id, record.variant))
     yield f"- {sign} **{name}** {STATUS_WORDS[record.status]} · {escape(record.title)}"
     if record.message:
         yield f"  - {escape(record.message)}"
