@@ -88,10 +88,12 @@ def command(
       shaderlab compile my_shaders/ --define LIGHTS=4 --include common/
       shaderlab compile --link --driver lamp.vert lamp.frag
     """
+    from shaderlab.discovery import data_folder
+
     for folder in includes:
         if not folder.is_dir():
             raise UsageError("there is no such folder", file=folder)
-    shipped = _shipped()
+    shipped = data_folder("shaders").resolve()
     shaders = find_shaders(paths, [shipped], stage=stage)
     programs = [shaders] if link else [[shader] for shader in shaders]
     options = CompileOptions(
@@ -138,12 +140,6 @@ def _print_results(
     if json_file is not None:
         write_json({"files": entries}, json_file)
     return tally
-
-
-def _shipped() -> Path:
-    from shaderlab.discovery import data_folder
-
-    return data_folder("shaders").resolve()
 
 
 def _macro(word: str) -> tuple[str, str]:

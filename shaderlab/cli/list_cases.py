@@ -12,7 +12,6 @@ from shaderlab.cli.files import write_json
 from shaderlab.cli.options import JSON, make_local_executor
 from shaderlab.errors import UsageError, nearest
 from shaderlab.execution.jobs import CaseFacts
-from shaderlab.model import DEFAULT_VARIANT
 from shaderlab.options import Limits
 
 
@@ -62,7 +61,7 @@ def _shipped() -> list[CaseFacts]:
             id=case.id,
             title=case.title,
             section=case.section,
-            variants=tuple(v.name for v in case.variants) or (DEFAULT_VARIANT,),
+            variants=tuple(scene.variant for scene in case.scenes()),
         )
         for case in load_cases(shipped_cases()).values()
     ]

@@ -99,17 +99,23 @@ def grid(facts: CaseFacts, variant: str, swept: Sequence[Parameter]) -> list[Job
         )
     for parameter in swept:
         _check(facts, parameter)
-    return [
-        Job(
-            file=facts.file,
-            id=facts.id,
-            variant=", ".join(f"{p.name}={p.spelt(v)}" for p, v in zip(swept, values, strict=True)),
-            title=facts.title,
-            section=facts.section,
-            point=_point(variant, swept, values),
+    jobs = []
+    for values in itertools.product(*(parameter.values for parameter in swept)):
+        given = dict(zip((p.name for p in swept), values, strict=True))
+        size = int(given.pop(SIZE, 0))
+        jobs.append(
+            Job(
+                file=facts.file,
+                id=facts.id,
+                variant=", ".join(
+                    f"{p.name}={p.spelt(v)}" for p, v in zip(swept, values, strict=True)
+                ),
+                title=facts.title,
+                section=facts.section,
+                point=Point(variant=variant, changes=given, size=size),
+            )
         )
-        for values in itertools.product(*(parameter.values for parameter in swept))
-    ]
+    return jobs
 
 
 def coordinates(job: Job) -> Iterator[tuple[str, float]]:
@@ -118,12 +124,6 @@ def coordinates(job: Job) -> Iterator[tuple[str, float]]:
         yield from job.point.changes.items()
         if job.point.size:
             yield SIZE, job.point.size
-
-
-def _point(variant: str, swept: Sequence[Parameter], values: Sequence[float]) -> Point:
-    given = {p.name: value for p, value in zip(swept, values, strict=True)}
-    size = int(given.pop(SIZE, 0))
-    return Point(variant=variant, changes=given, size=size)
 
 
 def _check(facts: CaseFacts, parameter: Parameter) -> None:

@@ -108,17 +108,10 @@ def _linear_ticks(low: float, high: float, about: int) -> list[float]:
 def _log_ticks(low: float, high: float, about: int) -> list[float]:
     first, last = math.floor(math.log10(low)), math.ceil(math.log10(high))
     decades = last - first
-    if decades > 2 * about:
-        exponents = range(first, last + 1, -(-decades // about))
-        values = [_power(e) for e in exponents]
-    else:
-        steps = (1, 2, 5) if decades <= 3 else (1,)
-        values = [m * _power(e) for e in range(first, last + 1) for m in steps]
+    apart = -(-decades // about) if decades > 2 * about else 1
+    steps = (1, 2, 5) if decades <= 3 and apart == 1 else (1,)
+    values = [m * float(f"1e{e}") for e in range(first, last + 1, apart) for m in steps]
     return [value for value in values if low <= value <= high]
-
-
-def _power(exponent: int) -> float:
-    return float(f"1e{exponent}")
 
 
 def _label(value: float) -> str:

@@ -26,6 +26,9 @@ _STRIP = Axis(-FURTHEST, FURTHEST, STRIP_BOTTOM, STRIP_TOP)
 _BAND_HEIGHT = (STRIP_BOTTOM - STRIP_TOP) / FURTHEST
 
 
+Place = tuple[float, float | None, float | None]
+
+
 @dataclass(frozen=True)
 class Point:
     """One row of the chart's table. `at` is where it is drawn: x, and its height in each of the
@@ -38,7 +41,7 @@ class Point:
     high: float
     widths: float
     outside: bool
-    at: tuple[float, float | None, float | None] | None = None
+    at: Place | None = None
 
 
 @dataclass(frozen=True)
@@ -83,7 +86,7 @@ def chart(curve: Curve) -> Chart:
     drawn = [p for p in points if plane.at(p.x, p.measured)]
     return Chart(
         curve=curve,
-        rows=_rows([replace(p, at=_positions(p, across, up)) for p in points]),
+        rows=[replace(p, at=_at(p, across, up)) for p in _rows(points)],
         hidden=len(points) - len(drawn),
         bad=len(bad),
         x_ticks=across.ticks(6),
@@ -104,9 +107,7 @@ def _rows(points: Sequence[Point]) -> list[Point]:
     return rows[: 4 * _MOST_ROWS]
 
 
-def _positions(
-    point: Point, across: Axis, up: Axis
-) -> tuple[float, float | None, float | None] | None:
+def _at(point: Point, across: Axis, up: Axis) -> Place | None:
     if not across.holds(point.x):
         return None
     height = up.at(point.measured) if up.holds(point.measured) else None
@@ -139,11 +140,11 @@ def _band(points: Sequence[Point], plane: Plane) -> str:
             runs[-1].append(point)
         elif runs[-1]:
             runs.append([])
-    return "".join(_outline(run, plane) + "Z" for run in runs if len(run) > 1)
-
-
-def _outline(run: Sequence[Point], plane: Plane) -> str:
     # Cut at the frame, or one wide band would leave the paper.
     low, high = plane.up.low, plane.up.high
-    edge = [(p.x, p.high) for p in run] + [(p.x, p.low) for p in reversed(run)]
-    return plane.line((x, min(max(y, low), high)) for x, y in edge)
+    path = ""
+    for run in runs:
+        if len(run) > 1:
+            edge = [(p.x, p.high) for p in run] + [(p.x, p.low) for p in reversed(run)]
+            path += plane.line((x, min(max(y, low), high)) for x, y in edge) + "Z"
+    return path

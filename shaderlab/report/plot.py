@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from operator import itemgetter
 
 from shaderlab.records import Plot, PlotPoint
 from shaderlab.report.axes import Plane, axis
@@ -82,16 +83,17 @@ def plot_view(plot: Plot) -> PlotView:
     if across is None or up is None:
         return PlotView(plot, [PlotRow(p, _expected(p), None) for p in points])
     plane = Plane(across, up)
-    names = dict.fromkeys(p.series for p in points)
+    series = []
+    for n, name in enumerate(dict.fromkeys(p.series for p in points)):
+        own = [(p.x, p.y) for p in points if p.series == name]
+        line = plane.line(sorted(own, key=itemgetter(0)))
+        series.append(SeriesView(name, n % COLOURS, line, plane.dots(own)))
     return PlotView(
         plot=plot,
         rows=[PlotRow(p, _expected(p), plane.at(p.x, p.y)) for p in points],
         x_ticks=across.ticks(6),
         y_ticks=up.ticks(5),
-        series=[
-            _series(name, n % COLOURS, [(p.x, p.y) for p in points if p.series == name], plane)
-            for n, name in enumerate(names)
-        ],
+        series=series,
         bounds="".join(_bounds(p, plane) for p in points),
         outside=plane.dots((p.x, p.y) for p in points if not p.ok),
     )
@@ -106,13 +108,6 @@ def _heights(plot: Plot) -> list[float]:
     low, high = min(figures), max(figures)
     room = 2.0 * (high - low) or abs(high) or 1.0
     return figures + [b for b in bounds if low - room <= b <= high + room]
-
-
-def _series(
-    name: str, colour: int, points: Sequence[tuple[float, float]], plane: Plane
-) -> SeriesView:
-    in_order = sorted(points, key=lambda point: point[0])
-    return SeriesView(name, colour, plane.line(in_order), plane.dots(points))
 
 
 def _bounds(point: PlotPoint, plane: Plane) -> str:

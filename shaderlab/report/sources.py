@@ -39,13 +39,14 @@ def listings(
         for outcome in record.expectations
         for source in outcome.sources
     }
-    # Sources of checks come first, others (pictures, included files) after them.
-    ordered = sorted(_without_parts(users).items(), key=lambda item: item[0].file not in cited)
+    # Without a text that another one of the same file holds at the same lines. Sources of checks
+    # come first, others (pictures, included files) after them.
+    whole = [source for source in users if not any(_holds(other, source) for other in users)]
     texts = []
-    for source, names in ordered:
+    for source in sorted(whole, key=lambda source: source.file not in cited):
         own_messages = frozenset(m for m in messages if m.file == source.file)
         earlier = shown.get((source, own_messages))
-        users_of_it = _if_some(names, group)
+        users_of_it = _if_some(users[source], group)
         if earlier is None:
             texts.append(listing(source, anchors.short(), messages, users_of_it))
             shown[source, own_messages] = texts[-1]
@@ -55,15 +56,6 @@ def listings(
         tuple(text for text in texts if text.language == "glsl"),
         tuple(text for text in texts if text.language == "python"),
     )
-
-
-def _without_parts(users: dict[SourceText, list[str]]) -> dict[SourceText, list[str]]:
-    """Leave out a text that another one of the same file holds at the same lines."""
-    return {
-        source: names
-        for source, names in users.items()
-        if not any(_holds(other, source) for other in users)
-    }
 
 
 def _holds(whole: SourceText, part: SourceText) -> bool:
