@@ -90,6 +90,26 @@ def limits_option(help: str, seconds: float = Limits.seconds) -> Callable[[Comma
     return decorate
 
 
+def running_options(what: str) -> Callable[[Command], Command]:
+    """What `run` and `sweep` have in common: where the report goes, and how jobs are run.
+
+    `what` is what one job is, in words.
+    """
+
+    def decorate(command: Command) -> Command:
+        for option in (
+            DRIVER,
+            SCHEDULER,
+            jobs_option(),
+            limits_option(f"Give one {what} up after S seconds."),
+            report_option("Write the report into DIR instead of a new folder in reports/."),
+        ):
+            command = option(command)
+        return command
+
+    return decorate
+
+
 def make_executor(
     driver: str | None, limits: Limits, workers: int | None, scheduler: str | None = None
 ) -> Executor:

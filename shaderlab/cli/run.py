@@ -13,14 +13,7 @@ import click
 
 from shaderlab.cli import FAILED, OK
 from shaderlab.cli.files import output_options, uses_stdout
-from shaderlab.cli.options import (
-    DRIVER,
-    SCHEDULER,
-    jobs_option,
-    limits_option,
-    make_executor,
-    report_option,
-)
+from shaderlab.cli.options import make_executor, running_options
 from shaderlab.errors import UsageError
 from shaderlab.execution.jobs import checked_driver
 from shaderlab.options import Limits, RunOptions
@@ -53,11 +46,7 @@ if TYPE_CHECKING:
     help="Judge FILE in place of the shader called NAME: its path, or the end of it.",
 )
 @output_options
-@report_option("Write the report into DIR instead of a new folder in reports/.")
-@limits_option("Give one variant up after S seconds.")
-@jobs_option()
-@SCHEDULER
-@DRIVER
+@running_options("variant")
 @click.option(
     "--drivers",
     metavar="A,B",

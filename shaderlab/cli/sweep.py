@@ -9,14 +9,7 @@ from pathlib import Path
 import click
 
 from shaderlab.cli import FAILED, OK
-from shaderlab.cli.options import (
-    DRIVER,
-    SCHEDULER,
-    jobs_option,
-    limits_option,
-    make_executor,
-    report_option,
-)
+from shaderlab.cli.options import make_executor, running_options
 from shaderlab.errors import UsageError
 from shaderlab.options import Limits, RunOptions
 from shaderlab.records import Record
@@ -33,11 +26,7 @@ TABLE = "sweep.csv"
 @click.option(
     "--table", metavar="FILE", help=f"Write the table here: .csv or .parquet.  [default: {TABLE}]"
 )
-@report_option("Write the report into DIR instead of a new folder in reports/.")
-@limits_option("Give one point up after S seconds.")
-@jobs_option()
-@SCHEDULER
-@DRIVER
+@running_options("point")
 @click.option(
     "--resume", metavar="FOLDER", help="Go on with the sweep in FOLDER that did not get to its end."
 )
