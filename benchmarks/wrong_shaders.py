@@ -18,7 +18,8 @@ import argparse
 import sys
 from collections import Counter
 
-from shaderlab.catalogue import Catalogue
+from shaderlab.catalogue import load_cases
+from shaderlab.discovery import shipped_cases
 from shaderlab.evaluation import Lab
 from shaderlab.mutation import glsl_mutants
 from shaderlab.mutation.coverage import covered, halved
@@ -30,9 +31,9 @@ def main(words: list[str] | None = None) -> int:
     options.add_argument("cases", nargs="*", help="ids of cases; all by default")
     given = options.parse_args(words)
     counts: dict[str, Counter[str]] = {}
-    catalogue = Catalogue.shipped()
+    catalogue = load_cases(shipped_cases())
     with Lab() as lab:
-        for case in [catalogue.find(name) for name in given.cases] or catalogue:
+        for case in [catalogue[name] for name in given.cases] or catalogue:
             judge = Judge(lab, case)
             for mutant in glsl_mutants(case, operators=(covered, halved)):
                 fate = judge.fate(mutant)
