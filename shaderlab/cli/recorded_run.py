@@ -81,7 +81,6 @@ def run_plan(
         done: the records of a run that is resumed; their jobs are not run again.
     """
     assert plan.options.folder is not None
-    clock = time.perf_counter()
     records = {(record.id, record.variant): record for record in done or ()}
     waiting = {job.key: job for job in plan.jobs if job.key not in records}
     with (
@@ -89,6 +88,7 @@ def run_plan(
         show.progress(len(waiting)) as progress,
         contextlib.suppress(KeyboardInterrupt),
     ):
+        clock = time.perf_counter()
         results = executor.run(list(waiting.values()), plan.options)
         while waiting:
             progress.starts(*next(iter(waiting)))
