@@ -33,7 +33,7 @@ def main(words: list[str] | None = None) -> int:
     counts: dict[str, Counter[str]] = {}
     catalogue = load_cases(shipped_cases())
     with Lab() as lab:
-        for case in [catalogue[name] for name in given.cases] or catalogue:
+        for case in [catalogue[name] for name in given.cases] or catalogue.values():
             judge = Judge(lab, case)
             for mutant in glsl_mutants(case, operators=(covered, halved)):
                 fate = judge.fate(mutant)
