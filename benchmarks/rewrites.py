@@ -14,8 +14,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from shaderlab.catalogue import Catalogue
-from shaderlab.discovery import data_folder
+from shaderlab.catalogue import load_cases
+from shaderlab.discovery import data_folder, shipped_cases
 from shaderlab.evaluation import Lab
 from shaderlab.model import Case
 from shaderlab.options import RunOptions
@@ -66,9 +66,9 @@ def noticed(lab: Lab, case: Case, rewrite: Rewrite) -> str:
 
 def surprises(lab: Lab, kind: str) -> Iterator[tuple[Rewrite, str]]:
     """Right rewrites that fail, with what fails, or wrong ones that do not."""
-    catalogue = Catalogue.shipped()
+    cases = load_cases(shipped_cases())
     for rewrite in rewrites(kind):
-        found = noticed(lab, catalogue.find(rewrite.case), rewrite)
+        found = noticed(lab, cases[rewrite.case], rewrite)
         if bool(found) == (kind == "right"):
             yield rewrite, found
 
