@@ -45,6 +45,8 @@ class OpenGLBackend(Backend):
         return storage.bound(self.device, count)
 
     def close(self) -> None:
+        # What outlives the context would be deleted by its number, in the context of another lab.
+        self.device.context.gc_mode = None
         self.device.context.release()
 
 
