@@ -90,9 +90,7 @@ def is_about(entry: Entry, case_id: str, survivor: Mapping[str, Any]) -> bool:
 
 def page(text: str, scores: Mapping[str, Row], known: Sequence[Entry]) -> str:
     """The page with its tables made anew."""
-    return _between(
-        _between(text, "scores", score_table(scores)), "survivors", survivor_table(known)
-    )
+    return between(between(text, "scores", score_table(scores)), "survivors", survivor_table(known))
 
 
 def score_table(scores: Mapping[str, Row]) -> str:
@@ -156,7 +154,7 @@ def _share(killed: int, survived: int) -> str:
     return f"{share:.1f} % of {killed + survived} mistakes"
 
 
-def _between(text: str, name: str, table: str) -> str:
+def between(text: str, name: str, table: str) -> str:
     """The text with a table between its marks."""
     begin, end = f"<!-- {name}: generated -->", f"<!-- end of {name} -->"
     head, rest = text.split(begin)

@@ -52,18 +52,21 @@ FRUSTUM = frustum(PROJECTION @ VIEW @ MODEL, solids.GOLD, 0.02)
 
 def onlooker(eye, target):
     """Where a space is watched from."""
-    return perspective(radians(34.0), 4.0 / 3.0, 0.1, 40.0) @ look_at(eye, target)
+    return perspective(radians(34.0), 4.0 / 3.0, 0.1, 40.0), look_at(eye, target)
 
 
-# Left-handed spaces are seen through a mirror in z, so that depth goes away.
-MIRROR = scale((1.0, 1.0, -1.0))
+def mirrored(projection, view):
+    """Left-handed spaces are seen through a mirror in z, so that depth goes away."""
+    return projection, view @ scale((1.0, 1.0, -1.0))
+
+
 WATCHES = {
     "local": onlooker((2.2, 1.7, 3.7), (0.1, 0.15, 0.0)),
     "world": onlooker((-6.0, 5.0, 6.6), (0.3, 0.25, 0.3)),
     "view": onlooker((-6.4, 3.9, 4.4), (0.0, 0.0, -2.1)),
-    "clip": onlooker((-11.5, 7.4, 15.0), (0.0, 0.3, -0.7)) @ MIRROR,
-    "device": onlooker((-2.5, 1.9, 4.6), (0.0, 0.0, 0.0)) @ MIRROR,
-    "window": orthographic(-40.0, 680.0, -30.0, 510.0, -1.5, 1.5) @ MIRROR,
+    "clip": mirrored(*onlooker((-11.5, 7.4, 15.0), (0.0, 0.3, -0.7))),
+    "device": mirrored(*onlooker((-2.5, 1.9, 4.6), (0.0, 0.0, 0.0))),
+    "window": mirrored(orthographic(-40.0, 680.0, -30.0, 510.0, -1.5, 1.5), np.eye(4)),
 }
 PROPS = {
     "local": (tripod(1.3, 0.03),),
@@ -78,9 +81,9 @@ PROPS = {
 def field(k, space):
     """One field of the picture: the props of a space, the aircraft, and what the camera sees."""
     place = cell(k, 3, 2, from_above=True)
+    projection, view = WATCHES[space]
     for solid in PROPS[space]:
-        watch = {"view": np.eye(4), "projection": WATCHES[space]}
-        yield stage.prop(solid, watch, cell=place)
+        yield stage.prop(solid, {"view": view, "projection": projection}, cell=place)
     for solid in (aircraft(), FRUSTUM)[: 1 if space == "local" else 2]:
         uniforms = {
             "model": MODEL,
@@ -88,7 +91,7 @@ def field(k, space):
             **CAMERA,
             "viewport": (0.0, 0.0, 640.0, 480.0),
             "space": k,
-            "watch": WATCHES[space],
+            "watch": projection @ view,
         }
         yield stage.subject("ch04_spaces/coordinate_spaces.vert", solid, uniforms, cell=place)
 
@@ -138,9 +141,9 @@ def shown(space):
     return position
 
 
-def nose(output, reference, equals, name):
+def nose(output, reference, equals, name, **inputs):
     """The aircraft's nose after one step."""
-    return figure(f"judged.{output}", name, {"aPos": NOSE}, equals, reference=reference)
+    return figure(f"judged.{output}", name, {"aPos": NOSE, **inputs}, equals, reference=reference)
 
 
 case = Case(
@@ -179,5 +182,12 @@ case = Case(
         ),
         nose("Ndc", in_device, (-0.184424, 0.201898, 0.820844), "the nose in device coordinates"),
         nose("Window", in_window, (260.984225, 288.455576, 0.910422), "the nose in the window"),
+        nose(
+            "Window",
+            in_window,
+            (360.984225, 338.455576, 0.910422),
+            "the same in a viewport that begins at (100, 50)",
+            viewport=(100.0, 50.0, 640.0, 480.0),
+        ),
     ],
 )

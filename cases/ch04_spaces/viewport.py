@@ -155,6 +155,7 @@ case = Case(
                 "lower left corner, near": ({"aPos": (-1.0, -1.0, -1.0)}, (10.0, 20.0, 0.0)),
                 "upper right corner, far": (FAR, (650.0, 500.0, 1.0)),
                 "depth range ¼ … ¾": ({"depthRange": (0.25, 0.75)}, (490.0, 140.0, 0.55)),
+                "depth range 0 … ½": ({"depthRange": (0.0, 0.5)}, (490.0, 140.0, 0.3)),
                 "depth range 1 … 0": ({**NEAR, "depthRange": (1.0, 0.0)}, (490.0, 140.0, 1.0)),
             },
             at={**PLACE, **NOTES},

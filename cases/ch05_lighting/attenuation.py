@@ -35,6 +35,7 @@ TABLE = [
     (600, 0.007, 0.0002, 0.012953368, 291.217104, 686.279973, 35.000000),
     (3250, 0.0014, 0.000007, 0.012580594, 1550.541037, 3662.028328, 200.000000),
 ]
+CONSTANTS = np.linspace(0.5, 4.0, 15)
 UNSET = {"light.constant": 1.0, "light.linear": 0.0, "light.quadratic": 0.0}
 
 
@@ -112,6 +113,13 @@ case = Case(
         formula("factor", attenuation),
         formula("reach", reach),
         formula("picture.FragColor", floor_in_light, name="the picture"),
+        *(
+            sweep(output, law, over="light.constant", values=CONSTANTS, at=at, name=name)
+            for output, law, at, name in (
+                ("factor", attenuation, {"distance": 2.0}, "light over the constant term"),
+                ("reach", reach, {"fraction": 0.05}, "reach over the constant term"),
+            )
+        ),
         *results(
             {
                 "least light left at d, %": (lambda: min(left_at_d()), 1.06),

@@ -29,7 +29,7 @@ from shaderlab import (
     reading,
     sweep,
 )
-from shaderlab.glslmath import clamp, dot, max as larger, normalize, pow, swizzle, vec4
+from shaderlab.glslmath import dot, max as larger, normalize, swizzle, vec4
 from shaderlab.reference import tone_mapping
 from shaderlab.reference.transforms import translate
 from shaderlab.sampling import texture
@@ -37,6 +37,7 @@ from shaderlab.sampling import texture
 from ..scenes import lit
 from ..scenes.cameras import camera, turned
 from ..scenes.colour_science import delta_e_2000
+from ..scenes.drawing import encoded
 from ..scenes.figures import figures
 from ..scenes.panels import WHOLE, cell, panel
 
@@ -121,7 +122,7 @@ def through(curve):
             return curve(swizzle(texture(hdrBuffer, place), "rgb"), exposure)
 
         total = mapped(-0.5, -0.5) + mapped(0.5, 0.5) + mapped(-0.5, 0.5) + mapped(0.5, -0.5)
-        return vec4(pow(clamp(0.25 * total, 1.0e-6, 1.0), 1.0 / 2.2), 1.0)
+        return vec4(encoded(0.25 * total), 1.0)
 
     return mean_of_four
 

@@ -175,6 +175,13 @@ case = Case(
             (0.629593, 0.332565, 0.219695),
             reference=by_moon,
         ),
+        figure(
+            "together.points",
+            "bulbs that shine less from near",
+            {**ASIDE, **{f"pointLights[{i}].constant": 2.0 + i for i in range(4)}},
+            (0.269143, 0.104187, 0.108734),
+            reference=light_sources.points,
+        ),
     ],
     errata=[
         Erratum(

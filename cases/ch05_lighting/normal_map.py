@@ -60,11 +60,15 @@ LAMPS = {
 SMOOTH = {"format": "rgba8", "filter": ("linear_mipmap_linear", "linear"), "mipmaps": True}
 
 
-def wall(repeat=1.0, bulge=0.0):
-    """A square wall; a negative `repeat` mirrors its picture. With a `bulge` its normals lean
-    outwards at the corners, as those of a round wall made of few triangles do."""
+def wall(repeat=1.0, bulge=0.0, skew=0.0):
+    """A square wall; a negative `repeat` mirrors its picture, a `skew` moves and shears it. With a
+    `bulge` its normals lean outwards at the corners, as those of a round wall made of few triangles
+    do."""
     made = assets.quad(2.0)
-    made["attributes"]["aTexCoords"] *= np.float32((repeat, 1.0))
+    uv = made["attributes"]["aTexCoords"]
+    made["attributes"]["aTexCoords"] = uv * np.float32((repeat, 1.0)) + np.float32(skew) * (
+        uv[:, ::-1] + np.float32(1.0)
+    )
     lean = np.float32((1.0, 0.6, 0.0)) * made["attributes"]["aPos"]
     made["attributes"]["aNormal"] = made["attributes"]["aNormal"] + np.float32(bulge) * lean
     return Mesh(**made)
@@ -106,7 +110,7 @@ def quarter(k, lamp, flat=False):
 
 def judged(name, lamp, repeat=1.0, flat=False):
     """A bulging wall in float textures, whose texels references can read."""
-    mesh, maps = wall(repeat, bulge=0.5), brick_maps(64)
+    mesh, maps = wall(repeat, bulge=0.5, skew=0.25), brick_maps(64)
     return Pass(name=name, draws=[lit_wall(lamp, SQUEEZED, mesh, maps, flat=flat)])
 
 

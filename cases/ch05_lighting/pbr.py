@@ -85,7 +85,7 @@ def fresnel(FragPos, camPos, lights_position, Normal, albedo, metallic):
     """F at a fragment."""
     view, _, half, _ = first(FragPos, Normal, camPos, lights_position)
     f0 = microfacets.base_reflectance(albedo, metallic)
-    return microfacets.fresnel(max(dot(half, view), 0.0), f0)
+    return microfacets.fresnel(dot(half, view), f0)
 
 
 def color(FragPos, Normal, camPos, albedo, metallic, roughness, lights_position, lights_color):

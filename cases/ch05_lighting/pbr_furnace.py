@@ -228,6 +228,13 @@ case = Case(
         of_point("direct", 0.7, 0.5, 0.710234),
         of_point("sky", 0.7, 0.5, 0.822288),
         of_point("smith", 0.7, 0.5, 0.893975),
+        value(
+            "table.smith",
+            at={"normalView": 1.0 + 2.0**-23, "roughness": 0.5},
+            equals=0.919925,
+            digits=6,
+            name="GGX's own G: share straight on, the cosine rounded up past 1",
+        ),
         by_directions("direct", 0.70),
         by_directions("sky", 0.81),
         by_directions("smith", 0.88),

@@ -59,6 +59,7 @@ case = Case(
         formula("FragColor", lit.glowing, draw=0, name="the bulb"),
         *lit.picture_checks(),
         figure("attenuation", "left at the point, 2.537716 away", POINT, 0.697119),
+        figure("attenuation", "left there with Kc = 2", {**POINT, "light.constant": 2.0}, 0.410766),
         *figures(
             "FragColor",
             {

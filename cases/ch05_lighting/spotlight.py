@@ -101,6 +101,7 @@ def row(degrees, notes, ratio, intensity):
 
 
 TURNED = {"tangent": -0.1, "light.direction": (0.5, 0.0, -1.0)}  # no unit vector either
+ASIDE = (0.5, -2.0, 1.5)
 # The notes' rows for the cone of 25° and 35°: angle, their figure, ratio, intensity.
 WIDE = [
     *row(30, "0.56", 0.537811, 0.537811),
@@ -109,6 +110,7 @@ WIDE = [
     *row(34, "0.11", 0.113424, 0.113424),
     *row(50, "−2.0", -2.023555, 0.0),
     figure("edge.intensity", "the lamp turned", TURNED, 0.302182),
+    figure("edge.intensity", "the lamp elsewhere", {**TURNED, "light.position": ASIDE}, 0.302182),
 ]
 
 

@@ -27,7 +27,7 @@ from shaderlab import (
     formula,
     value,
 )
-from shaderlab.glslmath import abs, clamp, mix, swizzle, vec3, vec4
+from shaderlab.glslmath import abs, clamp, max, mix, swizzle, vec3, vec4
 
 from ..scenes.panels import enlarged_check, panel, picture, square
 
@@ -45,7 +45,7 @@ def leaf_alpha(place):
 def leaf_color(place):
     """The leaf on light grey paper, where it is not thrown away."""
     t, alpha = 0.5 + 0.5 * swizzle(place, "y"), leaf_alpha(place)
-    rib = clamp(1.0 - 14.0 * abs(swizzle(place, "x")), 0.0, 1.0)
+    rib = max(1.0 - 14.0 * abs(swizzle(place, "x")), 0.0)
     color = mix(vec3(0.13, 0.36, 0.12), vec3(0.47, 0.68, 0.20), t)
     color = mix(color, vec3(0.78, 0.85, 0.50), 0.7 * rib)
     return vec4(mix(vec3(0.90, 0.90, 0.90), color, alpha), alpha)

@@ -16,11 +16,12 @@ import numpy as np
 from shaderlab import Case, Mesh, computed, formula, measure
 from shaderlab.glslmath import mix, mul, swizzle, vec3, vec4, where
 from shaderlab.reference.depth import distance_of, window_depth
-from shaderlab.reference.transforms import clip_position
+from shaderlab.reference.transforms import clip_position, translate
 
 from ..scenes import stage
 from ..scenes.cameras import camera
 from ..scenes.draws import tested
+from ..scenes.figures import figure
 from ..scenes.laws import unchanged
 from ..scenes.panels import cell
 from ..scenes.props import railway
@@ -91,6 +92,13 @@ case = Case(
         ),
         formula("judged.travelled", unchanged("Distance")),
         formula("judged.Distance", seen_distance, name="distance of a vertex"),
+        figure(
+            "judged.Distance",
+            "two farther away",
+            {"aPos": (0.1, 0.55, -3.0), "model": translate((0.0, 0.0, -2.0))},
+            7.62656,
+            digits=5,
+        ),
         formula("judged.Color", handed_on),
         formula("judged.gl_Position", clip_position),
         measure(

@@ -101,7 +101,7 @@ case = Case(
                 name: ({"Color": (light,) * 3, "Normal": (0.0, 2.0, 0.0)}, (*(shown,) * 3, 1.0))
                 for name, light, shown in (
                     ("grey, facing up", 0.5, 0.742866),
-                    ("black", 0.0, 0.001874),
+                    ("black", 0.0, 0.0),
                     ("too bright", 4.0, 1.0),
                 )
             },

@@ -28,11 +28,12 @@ from shaderlab import (
     formula,
     refused,
 )
-from shaderlab.glslmath import clamp, dot, fract, max, normalize, pow, swizzle, vec4, where
+from shaderlab.glslmath import dot, fract, max, normalize, pow, swizzle, vec4, where
 from shaderlab.reference.transforms import clip_position, normal_matrix
 
 from ..scenes import lit, stage
 from ..scenes.cameras import camera, turned
+from ..scenes.drawing import encoded
 from ..scenes.figures import each_draw, figure, results
 from ..scenes.props import tile
 
@@ -82,7 +83,7 @@ def lit_by_lamp(FragPos, Normal, TexCoords, diffuse, shininess, lightDir, viewPo
     gloss = 0.3 * pow(max(dot(normal, halfway), 0.0), shininess)
     joint = where(fract(12.0 * swizzle(TexCoords, "y")) < 0.125, 0.8, 1.0)
     color = joint * lambert * diffuse + gloss
-    return vec4(pow(clamp(color, 1.0e-6, 1.0), 1.0 / 2.2), 1.0)
+    return vec4(encoded(color), 1.0)
 
 
 def arrays(material):
@@ -180,6 +181,12 @@ case = Case(
             "a stone's middle, seen aslant",
             STONE,
             (0.646373, 0.492882, 0.388432, 1.0),
+        ),
+        figure(
+            "judged.FragColor",
+            "brighter than white",
+            {**STONE, "diffuse": (4.0, 4.0, 4.0)},
+            (1.0, 1.0, 1.0, 1.0),
         ),
         *stage.prop_checks(),
         *stage.picture_checks(),

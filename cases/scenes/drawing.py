@@ -10,11 +10,11 @@ import numpy as np
 from shaderlab.glslmath import (
     Value,
     abs,
-    clamp,
     either,
     floor,
     fract,
     max,
+    min,
     pow,
     smoothstep,
     swizzle,
@@ -28,12 +28,12 @@ Field = Callable[[Value], Value]
 
 
 def encoded(light: Value) -> Value:
-    """Light as the numbers a display expects, with a gamma of 2.2.
+    """Light as the numbers a display expects, cut at 1, with a gamma of 2.2.
 
     >>> encoded(np.array([0.0, 0.5, 2.0])).round(6).tolist()
-    [0.001874, 0.72974, 1.0]
+    [0.0, 0.72974, 1.0]
     """
-    return pow(clamp(light, 1.0e-6, 1.0), 1.0 / 2.2)
+    return pow(min(light, 1.0), 1.0 / 2.2)
 
 
 def chessboard(place: Value) -> Value:

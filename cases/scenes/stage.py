@@ -124,7 +124,7 @@ def light_checks(*, draw: int = -1, pass_name: str = "judged") -> list[Any]:
         ("grey, facing up", grey, up, (0.742866, 0.742866, 0.742866)),
         ("towards the lamp", green, (-2.0, 1.0, 2.0), (0.471116, 0.645595, 0.776250)),
         ("away from the lamp", green, (2.0, -1.0, -2.0), (0.317252, 0.434747, 0.522730)),
-        ("black, as dark as it gets", (0.0, 0.0, 0.0), up, (0.001874, 0.001874, 0.001874)),
+        ("black, as dark as it gets", (0.0, 0.0, 0.0), up, (0.0, 0.0, 0.0)),
         ("brighter than white", (4.0, 4.0, 4.0), up, (1.0, 1.0, 1.0)),
     )
     return figures(

@@ -65,7 +65,7 @@ def photograph_checks(
             f"{pass_name}.FragColor",
             "black, facing up",
             {"Color": (0.0, 0.0, 0.0), "Normal": (0.0, 2.0, 0.0)},
-            (0.001874, 0.001874, 0.001874, 1.0),
+            (0.0, 0.0, 0.0, 1.0),
             reference=studio_color,
         ),
         *(

@@ -11,7 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.glslmath import Value, clamp, dot, max, normalize, pow, swizzle, vec3, vec4
+from shaderlab.glslmath import Value, dot, max, min, normalize, swizzle, vec3, vec4
+
+from .drawing import encoded
 
 
 def studio_color(Color: Value, Normal: Value) -> Value:
@@ -31,7 +33,7 @@ def studio_color(Color: Value, Normal: Value) -> Value:
     lamp = max(dot(normal, vec3(-0.36, 0.80, 0.48)), 0.0)
     sky = 0.5 + 0.5 * swizzle(normal, "y")
     light = Color * (0.30 + 0.30 * sky + 0.55 * lamp)
-    return vec4(pow(clamp(light, 1.0e-6, 1.0), 1.0 / 2.2), 1.0)
+    return vec4(encoded(light), 1.0)
 
 
 def handed_on(aColor: Value) -> Value:
@@ -65,9 +67,9 @@ def finished(texture: Callable[[Any, Value], Value]) -> Callable[..., Value]:
 
         def shown(x: float, y: float) -> Value:
             light = swizzle(texture(scene, TexCoords + np.array([x, y])), "xyz")
-            return clamp(light, 0.0, 1.0)
+            return min(light, 1.0)
 
         total = shown(-across, -up) + shown(across, up) + shown(-across, up) + shown(across, -up)
-        return vec4(pow(clamp(0.25 * total, 1.0e-6, 1.0), 1.0 / 2.2), 1.0)
+        return vec4(encoded(0.25 * total), 1.0)
 
     return mean_of_four

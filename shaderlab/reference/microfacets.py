@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import math
 
-from shaderlab.glslmath import Value, clamp, cross, dot, either, max, mix, normalize, sqrt
+from shaderlab.glslmath import Value, cross, dot, either, max, mix, normalize, sqrt
 
 PI = 3.14159265359
 
@@ -116,7 +116,7 @@ def fresnel(cosine: Value, f0: Value) -> Value:
     >>> print(f"{fresnel(1.0, 0.04):.6f} {fresnel(0.5, 0.04):.6f} {fresnel(0.0, 0.04):.6f}")
     0.040000 0.070000 1.000000
     """
-    rest = clamp(1.0 - cosine, 0.0, 1.0)
+    rest = 1.0 - cosine
     squared = rest * rest
     return f0 + (1.0 - f0) * (squared * squared * rest)
 
@@ -156,7 +156,7 @@ def radiance(
     normal_light = max(dot(normal, light), 0.0)
     d = distribution_either(normal, half, roughness)
     g = geometry(normal_view, normal_light, roughness)
-    f = fresnel(max(dot(half, view), 0.0), base_reflectance(albedo, metallic))
+    f = fresnel(dot(half, view), base_reflectance(albedo, metallic))
     specular = d * g * f / (4.0 * normal_view * normal_light + 0.0001)
     diffuse = (1.0 - f) * (1.0 - metallic) * albedo / PI
     return (diffuse + specular) * normal_light

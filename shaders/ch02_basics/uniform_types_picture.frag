@@ -44,7 +44,7 @@ vec3 instrument(int which, vec2 at)
     if (which == 4) {   // float[4]: bars
         float x = (at.x + 0.8) * 2.5;
         bool bar = abs(at.x) < 0.8 && abs(fract(x) - 0.5) < 0.36 && at.y > -0.8;
-        return bar && at.y < 1.6 * fv[int(clamp(x, 0.0, 3.0))] - 0.8 ? vec3(0.2, 0.55, 0.9) : back;
+        return bar && at.y < 1.6 * fv[int(min(x, 3.0))] - 0.8 ? vec3(0.2, 0.55, 0.9) : back;
     }
     if (which == 5) {   // vec2[2]: two places
         vec3 color = min(abs(at.x), abs(at.y)) < 0.006 ? mix(back, mark, 0.25) : back;
@@ -70,5 +70,5 @@ void main()
     vec2 at = fract(place) * 2.0 - 1.0;
     vec3 color = instrument(int(place.x) + 4 * (1 - int(place.y)), at);
     color *= step(max(abs(at.x), abs(at.y)), 0.96);
-    FragColor = vec4(encoded(color), 1.0);
+    FragColor = vec4(encoded(min(color, 1.0)), 1.0);
 }

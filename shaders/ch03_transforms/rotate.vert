@@ -17,7 +17,7 @@ void main()
 {
     vec3 u = normalize(axis);
     mat3 crossed = mat3(0.0, u.z, -u.y, -u.z, 0.0, u.x, u.y, -u.x, 0.0);   // column by column
-    mat3 rotation = cos(angle) * mat3(1.0) + (1.0 - cos(angle)) * outerProduct(u, u)
+    mat3 rotation = mat3(cos(angle)) + (1.0 - cos(angle)) * outerProduct(u, u)
                   + sin(angle) * crossed;
 
     Turned = rotation * aPos + offset;

@@ -27,5 +27,5 @@ void main()
     float diffuse = max(dot(normal, lightDir), 0.0);
     vec3 surface = FragPos.y > 0.001 ? vec3(0.55, 0.16, 0.12) : vec3(0.10, 0.14, 0.20);
     vec3 light = surface * (0.06 + 0.9 * diffuse) + vec3(0.55) * specular;
-    FragColor = vec4(encoded(light), 1.0);
+    FragColor = vec4(encoded(min(light, 1.0)), 1.0);
 }

@@ -17,7 +17,7 @@ vec3 shown(vec2 place)
     if (TexCoords.y > 0.5)
         return right ? 0.5 + 0.5 * texture(gNormal, place).rgb
                      : 0.5 + 0.14 * texture(gPosition, place).rgb;
-    return encoded(right ? texture(lit, place).rgb : texture(gAlbedoSpec, place).rgb);
+    return encoded(min(right ? texture(lit, place).rgb : texture(gAlbedoSpec, place).rgb, 1.0));
 }
 
 void main()

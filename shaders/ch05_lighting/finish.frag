@@ -10,7 +10,7 @@ out vec4 FragColor;
 // What a display can show of the light that one texel holds.
 vec3 shown(vec2 place)
 {
-    return clamp(texture(scene, place).rgb, 0.0, 1.0);
+    return min(texture(scene, place).rgb, 1.0);
 }
 
 void main()

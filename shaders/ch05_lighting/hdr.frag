@@ -18,7 +18,7 @@ vec3 mapped(vec2 place)
 {
     vec3 light = texture(hdrBuffer, place).rgb;
     if (curve == CLIPPED)
-        return clamp(light, 0.0, 1.0);
+        return min(light, 1.0);
     if (curve == REINHARD)
         return reinhard(light);
     return exposed(light, exposure);

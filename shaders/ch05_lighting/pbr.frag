@@ -38,7 +38,7 @@ void main()
 
         D = distributionGGX(normal, halfway, roughness);
         G = geometrySmith(normalView, normalLight, roughness);
-        F = fresnelSchlick(max(dot(halfway, viewDir), 0.0), f0);
+        F = fresnelSchlick(dot(halfway, viewDir), f0);
         vec3 specular = D * G * F / (4.0 * normalView * normalLight + 0.0001);
         vec3 diffuse = (1.0 - F) * (1.0 - metallic) * albedo / PI;
 

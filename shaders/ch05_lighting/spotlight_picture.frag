@@ -17,7 +17,7 @@ void main()
     float intensity = clamp(ratio, 0.0, 1.0);
     float away = length(light.position - FragPos);
 
-    vec3 color = encoded(AIR + BEAM * 0.55 * intensity / (0.4 + away * away));
+    vec3 color = encoded(min(AIR + BEAM * 0.55 * intensity / (0.4 + away * away), 1.0));
     float inFront = step(0.05, away);
     color = mix(color, vec3(1.00, 0.72, 0.25), inFront * line(ratio - 1.0, 1.5));
     color = mix(color, vec3(0.45, 0.70, 1.00), inFront * line(ratio, 1.5));

@@ -14,7 +14,7 @@ void main()
     if (alpha < threshold) {
         discard;
     }
-    float rib = clamp(1.0 - 14.0 * abs(place.x), 0.0, 1.0);
+    float rib = max(1.0 - 14.0 * abs(place.x), 0.0);
     vec3 color = mix(vec3(0.13, 0.36, 0.12), vec3(0.47, 0.68, 0.20), t);
     color = mix(vec3(0.90), mix(color, vec3(0.78, 0.85, 0.50), 0.7 * rib), alpha);
     FragColor = vec4(color, alpha);

@@ -21,5 +21,5 @@ void main()
 
     // Courses of stone, twelve a unit of t.
     float joint = fract(12.0 * TexCoords.t) < 0.125 ? 0.8 : 1.0;
-    FragColor = vec4(encoded(joint * lambert * diffuse + gloss), 1.0);
+    FragColor = vec4(encoded(min(joint * lambert * diffuse + gloss, 1.0)), 1.0);
 }

@@ -14,8 +14,8 @@ float chessboard(vec2 place)
     return mod(floor(place.x) + floor(place.y) + 0.5, 2.0) - 0.5;
 }
 
-// Light as the numbers a display expects.
+// Light, 0 … 1, as the numbers a display expects.
 vec3 encoded(vec3 light)
 {
-    return pow(clamp(light, 1.0e-6, 1.0), vec3(1.0 / 2.2));
+    return pow(light, vec3(1.0 / 2.2));
 }

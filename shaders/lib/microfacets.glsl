@@ -30,7 +30,7 @@ float geometrySmith(float normalView, float normalLight, float roughness)
 // F, Schlick: f0 straight on, everything at a grazing angle.
 vec3 fresnelSchlick(float cosine, vec3 f0)
 {
-    float rest = clamp(1.0 - cosine, 0.0, 1.0);
+    float rest = 1.0 - cosine;
     float squared = rest * rest;
     return f0 + (1.0 - f0) * (squared * squared * rest);
 }
