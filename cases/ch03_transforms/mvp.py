@@ -12,7 +12,7 @@ shows a larger quad from the same place; the numbers are the notes' own.
 from math import radians
 
 from shaderlab import Case, Depth, Mesh, State, Target, assets, formula, mesh_pass, value
-from shaderlab.glslmath import abs, clamp, fract, min, mix, smoothstep, swizzle, vec3
+from shaderlab.glslmath import abs, fract, min, mix, smoothstep, swizzle, vec3
 from shaderlab.reference.transforms import (
     clip_position,
     device_position,
@@ -50,7 +50,7 @@ def floor_tiles(TexCoords, frag_coord):
     off = abs(fract(place + 0.5) - 0.5)
     to_line = min(swizzle(off, "x"), swizzle(off, "y"))
     color = mix(vec3(0.95, 0.55, 0.20), color, smoothstep(0.004 * away, 0.012 * away, to_line))
-    return mix(color, vec3(0.55, 0.65, 0.75), 0.6 * clamp((away - 2.1) / 1.8, 0.0, 1.0))
+    return mix(color, vec3(0.55, 0.65, 0.75), 0.6 * ((away - 2.1) / 1.8))
 
 
 case = Case(

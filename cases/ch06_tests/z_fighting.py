@@ -16,7 +16,7 @@ from itertools import pairwise, product
 
 import numpy as np
 
-from shaderlab import Case, Mesh, Pass, Target, formula, measure, reading
+from shaderlab import Case, Mesh, Pass, Target, formula, measure, reading, value
 from shaderlab.glslmath import swizzle, vec4
 from shaderlab.reference.depth import same_code_share
 
@@ -210,6 +210,15 @@ case = Case(
             formula(f"{of}.gl_Position", clip, draw=draw, name=f"the {color} wall, {where}")
             for of, where in (("picture", "n = 0.01"), ("depth24_1", "n = 1"))
             for draw, color in enumerate(("orange", "teal"))
+        ),
+        value(
+            "picture.gl_Position",
+            at={"aPos": (1.0, 0.0), "aGap": 0.0, "near": 1.0, "slant": 2.0, "rise": 0.0},
+            equals=(12.0, 0.0, 10.2222, 12.0),
+            digits=4,
+            reference=clip,
+            draw=0,
+            name="a wall that slants twice as much",
         ),
         measure(
             "pixels in another colour than their wall's",

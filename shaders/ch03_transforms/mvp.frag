@@ -16,6 +16,6 @@ void main()
     color = mix(color, vec3(0.95, 0.55, 0.20), grid);
 
     // The farther away, the more of the air between.
-    float away = clamp((1.0 / gl_FragCoord.w - 2.1) / 1.8, 0.0, 1.0);
+    float away = (1.0 / gl_FragCoord.w - 2.1) / 1.8;
     FragColor = vec4(mix(color, vec3(0.55, 0.65, 0.75), 0.6 * away), 1.0);
 }
