@@ -51,7 +51,9 @@ SPLITS = {name: split_distances(NEAR, FAR, CASCADES, blend) for name, blend in B
 # One map for everything, in the place of all three.
 SPLITS["one map"] = [FAR, FAR, FAR]
 MAP = 256
-# Between what the shares of wrong places lie: of near ones, and of all.
+# Between what the shares of wrong places lie: of near ones, and of all. They are what llvmpipe
+# draws, with a quarter or so to either side: up to two dozen of 96 × 96 pixels, whose middles the
+# edges of shadows may pass on the other side.
 WRONG = {
     "one map": ((0.009, 0.014), (0.0065, 0.0100)),
     "uniform": ((0.0035, 0.0053), (0.0020, 0.0033)),

@@ -208,7 +208,10 @@ case = Case(
             "largest difference from forward shading",
             largest_difference,
             readings=[
+                # The same numbers in the same sums: some sixteen roundings of light up to 2.
                 difference("places, normals and colours as 32-bit floats", "lit", at_most=2e-6),
+                # Half floats keep places to 2⁻¹⁰ and bytes colours to 2⁻⁹: that must show, and may
+                # be ten times as much in a highlight.
                 difference("16-bit floats, colours in bytes", "small-lit", between=(1e-4, 2e-2)),
             ],
         ),

@@ -140,7 +140,7 @@ case = Case(
             "NEAREST that compares, against one texel compared by hand",
             disagreement,
             reads={"one": "compared-nearest.shadow", "other": "one.shadow"},
-            at_most=0.0005,
+            at_most=0.0005,  # four pixels: where depths differ by their rounding, either is right
         ),
         measure(
             "in between, of pixels compared by the sampler",
@@ -169,7 +169,9 @@ case = Case(
                 reading("one texel: 0 and 1", **of("one", steps=1.0)),
                 reading("nine texels: ninths", **of("nine", steps=9.0)),
             ],
-            at_most=1e-5,
+            # Up to nine ones are added exactly; the quotient is off by 2½ units of 2⁻²⁴ at most,
+            # and nine of it are looked at.
+            at_most=9.0 * 2.5 * 2.0**-24,
         ),
         measure(
             "different values",
@@ -185,6 +187,7 @@ case = Case(
             readings=[
                 reading("one texel", **of("one", "upright"), equals=0.0, digits=6),
                 reading("nine texels", **of("nine", "upright"), between=(0.045, 0.06)),
+                # A seventh to either side of what llvmpipe draws, for edges on other pixels.
             ],
         ),
         measure(
@@ -194,6 +197,7 @@ case = Case(
                 reading("one texel", **of("one", "place", "upright")),
                 reading("nine texels", **of("nine", "place", "upright")),
             ],
+            # A fifth to either side of what llvmpipe draws: the sizes of texels alone decide it.
             between=(0.06, 0.09),
         ),
     ],

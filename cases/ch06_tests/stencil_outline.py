@@ -99,7 +99,7 @@ case = Case(
             "pixels of the outline",
             lambda outline: (outline == 1.0).sum(),
             reads={"outline": "judged.outline"},
-            at_least=100,
+            at_least=100,  # no formula's: the sets above are not all empty
         ),
     ],
 )

@@ -51,6 +51,8 @@ case = Case(
             "scene against the negative's negative",
             apart,
             reads={"once": "scene.FragColor", "twice": "twice.FragColor"},
+            # Two subtractions round by half a unit at most, each. Of a colour below ½, 1 − c has no
+            # room for the last bits: some pixel loses a quarter of a unit.
             between=(0.25, 1.0),
             note="in units of 2⁻²⁴, half the spacing of floats below 1: some are not restored",
         ),

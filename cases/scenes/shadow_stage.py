@@ -195,7 +195,7 @@ def picture_checks(
             "pixels of the large picture that the order of drawing changes",
             _changed_share,
             reads=reads("scene", "FragColor", backwards="scene-backwards.FragColor"),
-            at_most=1e-5,
+            at_most=1e-5,  # ten pixels of a million
             note="where two faces meet, they are equally near",
         ),
         measure(
