@@ -83,7 +83,7 @@ def table(entries: Sequence[Entry]) -> str:
 
 
 def line_number(file: str, text: str) -> int:
-    """Where a shader, a path below `shaders`, has this expression.
+    """Where a shader, a path below `shaders`, has this expression first, but for its uniforms.
 
     Raises:
         LookupError: there is no such shader or expression; the explanation is out of date.
@@ -91,7 +91,7 @@ def line_number(file: str, text: str) -> int:
     path = REPOSITORY / "shaders" / file
     if path.is_file():
         for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
-            if text in line:
+            if text in line and not line.startswith("uniform "):
                 return number
     raise LookupError(f"{GAPS.name}: no shader {file} has {text!r}")
 
