@@ -51,12 +51,12 @@ def test_a_falsified_picture_is_noticed(
 ) -> None:
     text = (data_folder("shaders") / shader).read_text(encoding="utf-8")
     assert right in text, f"{shader} does not read {right!r} any more"
-    assert by in failed(shipped().find(case_id), by, {shader: text.replace(right, wrong)})
+    assert by in failed(shipped()[case_id], by, {shader: text.replace(right, wrong)})
 
 
 @pytest.mark.parametrize("case_id", ["double-buffer", "fixed-timestep"])
 def test_a_picture_that_shows_something_else_than_the_judged_pass_is_noticed(case_id: str) -> None:
-    case = shipped().find(case_id)
+    case = shipped()[case_id]
     draws = next(one.draws for one in case.passes if one.name == "picture")[:-1]
     passes = [replace(p, draws=draws) if p.name == "picture" else p for p in case.passes]
     assert LARGE in failed(replace(case, passes=tuple(passes)), LARGE, {})

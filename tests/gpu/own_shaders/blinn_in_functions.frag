@@ -43,5 +43,6 @@ void main()
     float diffuse = max(0.0, dot(d.light, d.normal));
     vec3 surface = mix(vec3(0.10, 0.14, 0.20), vec3(0.55, 0.16, 0.12),
                        bvec3(FragPos.y > 0.001));
-    FragColor = vec4(encoded(0.06 * surface + 0.9 * diffuse * surface + 0.55 * specular), 1.0);
+    vec3 light = 0.06 * surface + 0.9 * diffuse * surface + 0.55 * specular;
+    FragColor = vec4(encoded(clamp(light, 1.0e-6, 1.0)), 1.0);
 }
