@@ -147,7 +147,7 @@ def test_the_same_names_judge_vertex_outputs(lab: Lab, folder: Path) -> None:
         return aPos
 
     def seven() -> Any:
-        return 7.0
+        return 7
 
     passes = mesh_pass("rich.vert", "rich.frag", QUAD)
     record = run(

@@ -35,7 +35,7 @@ def fragments(drawing: Drawing, key: PassDraw) -> Fragments:
 
     The pass's other draws run as well and wipe out what they cover, so `covered` is what is seen
     of the draw in the end. Blending and colour masks are off. A shader that may keep fragments out
-    is captured a second time keeping them all; one that masks samples only where there are some.
+    is captured a second time keeping them all.
 
     Raises:
         UnsupportedError: the fragment shader has so many outputs that none can be added, and they
