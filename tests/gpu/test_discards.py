@@ -76,7 +76,7 @@ def drawn(folder: Path, ending: str, **more: Any) -> tuple[Pass, ...]:
 
 
 def test_missing_fragments_fail_whatever_judges_the_picture(lab: Lab, tmp_path: Path) -> None:
-    passes = (*drawn(tmp_path, CHESS, name="one"), *drawn(tmp_path, CHESS, name="two"))
+    passes = (*drawn(tmp_path, CHESS + " ", name="one"), *drawn(tmp_path, CHESS, name="two"))
     found = outcomes(
         lab, tmp_path, passes,
         formula("two.color", whole),
