@@ -197,7 +197,9 @@ def test_an_empty_variable_switches_it_off(monkeypatch: pytest.MonkeyPatch, tmp_
     assert cached_compiler() == cached_compiler()
 
 
-def test_these_tests_run_without_a_cache() -> None:
+def test_without_a_folder_there_is_no_cache(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert cached_compiler() is not compile_program
+    monkeypatch.setenv("SHADERLAB_CACHE_DIR", "")
     assert cached_compiler() is compile_program
 
 
@@ -211,6 +213,7 @@ def test_doctor_names_the_folder_and_its_size(
         assert finding.ok and not finding.necessary
         return finding.found
 
+    monkeypatch.setenv("SHADERLAB_CACHE_DIR", "")
     assert found().startswith("no cache: SHADERLAB_CACHE_DIR is empty")
     monkeypatch.setenv("SHADERLAB_CACHE_DIR", str(tmp_path))
     assert found() == f"0 files, 0.0 MB in {tmp_path / 'compiled'}"

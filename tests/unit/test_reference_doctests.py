@@ -42,6 +42,7 @@ def test_worked_values(name: str) -> None:
 def test_there_are_worked_values() -> None:
     """An import gone wrong must not leave nothing to check."""
     expected = {*FORMULAS, *(name for name in MODULES if name.startswith("shaderlab."))}
+    expected -= {"shaderlab.assets.obj"}  # it reads files, which other tests bring along
     assert {name for name in expected if tried(name).attempted == 0} == set()
 
 
