@@ -19,9 +19,9 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks import running_programs
-from shaderlab.glsl import Shaders, compile_program
-from shaderlab.glsl.cache_store import Store
-from shaderlab.glsl.compile_cache import Entry, decode, encode
+from shaderlab.compiler import Shaders, compile_program
+from shaderlab.compiler.cache_store import Store
+from shaderlab.compiler.compile_cache import Entry, decode, encode
 
 IMPORTING = """
 import time, shaderlab.pipeline

@@ -74,8 +74,8 @@ def prepared(folder: Path, count: int) -> list[float]:
     """The same in this process."""
     import shaderlab.evaluation  # noqa: F401  a run has imported it before it compiles
     from shaderlab import fullscreen
-    from shaderlab.glsl import Shaders
-    from shaderlab.glsl.compile_cache import cached_compiler
+    from shaderlab.compiler import Shaders
+    from shaderlab.compiler.compile_cache import cached_compiler
     from shaderlab.programs.prepare import Preparer
 
     uniforms = {"gain": running_programs.GAIN}

@@ -16,10 +16,10 @@ import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from shaderlab.compiler import WORK, compile_glsl
+from shaderlab.compiler.commands import locate
+from shaderlab.compiler.targets import SETTINGS
 from shaderlab.execution import WorkerPool
-from shaderlab.glsl import WORK, compile_glsl
-from shaderlab.glsl.commands import locate
-from shaderlab.glsl.targets import SETTINGS
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from bare import compile_all

@@ -14,8 +14,8 @@ import time
 from collections import Counter
 from pathlib import Path
 
+from shaderlab.compiler import WORK, compile_glsl
 from shaderlab.execution import WorkerPool
-from shaderlab.glsl import WORK, compile_glsl
 from shaderlab.options import Limits
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))

@@ -7,9 +7,9 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
+from shaderlab.compiler import Shaders
+from shaderlab.compiler.sources import Source
 from shaderlab.errors import ShaderError
-from shaderlab.glsl import Shaders
-from shaderlab.glsl.sources import Source
 
 SUFFIX = {
     "vertex": "vert",

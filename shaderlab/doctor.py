@@ -95,7 +95,7 @@ def _packages() -> Iterator[Finding]:
 
 
 def _compilers() -> Iterator[Finding]:
-    from .glsl.engines import choose
+    from .compiler.engines import choose
 
     words = {"library": "its libraries, in this process", "process": "its commands"}
     try:
@@ -116,8 +116,8 @@ def _compilers() -> Iterator[Finding]:
 
 def _compile_cache() -> Finding:
     """Where the compile cache is, and how large."""
-    from .glsl.cache_store import Store
-    from .glsl.compile_cache import FOLDER_VARIABLE, cache_folder
+    from .compiler.cache_store import Store
+    from .compiler.compile_cache import FOLDER_VARIABLE, cache_folder
 
     folder = cache_folder()
     if folder is None:

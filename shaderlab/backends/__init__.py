@@ -13,6 +13,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 
+from shaderlab.compiler.sources import Source
 from shaderlab.errors import UnsupportedError, UsageError, nearest
 from shaderlab.frame import (
     Array,
@@ -26,7 +27,6 @@ from shaderlab.frame import (
     Samples,
     Timing,
 )
-from shaderlab.glsl.sources import Source
 from shaderlab.model import Call, Scene
 from shaderlab.programs.prepare import Programs
 from shaderlab.records import Verdict

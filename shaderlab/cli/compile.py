@@ -14,14 +14,14 @@ from shaderlab.cli import FAILED, OK
 from shaderlab.cli.files import write_json
 from shaderlab.cli.options import JSON, jobs_option, limits_option
 from shaderlab.cli.tallying import Tally, as_data, messages, progress_bar
+from shaderlab.compiler.engines import ENGINES
+from shaderlab.compiler.harness import WORK, CompileOptions, FileResult, compile_found, time_limit
+from shaderlab.compiler.shader_files import find_shaders
+from shaderlab.compiler.targets import ALL_TARGETS, TARGETS
+from shaderlab.compiler.text import STAGES
 from shaderlab.errors import UsageError
 from shaderlab.execution import WorkerPool
 from shaderlab.execution.sizing import cores
-from shaderlab.glsl.engines import ENGINES
-from shaderlab.glsl.harness import WORK, CompileOptions, FileResult, compile_found, time_limit
-from shaderlab.glsl.shader_files import find_shaders
-from shaderlab.glsl.targets import ALL_TARGETS, TARGETS
-from shaderlab.glsl.text import STAGES
 from shaderlab.options import Limits
 
 # Workers import the driver's room by this name; the command itself never touches a device.

@@ -9,8 +9,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from ..glsl.driver_verdict import DRIVER
-from ..glsl.harness import FileResult
+from ..compiler.driver_verdict import DRIVER
+from ..compiler.harness import FileResult
 from ..report.plain_text import diagnostic_line
 
 _WIDTH = 30

@@ -7,12 +7,12 @@ from dataclasses import dataclass, field, replace
 
 from shaderlab.code_coverage.points import ITEMS, Point, wrapped
 from shaderlab.code_coverage.watching import WORD, watched
+from shaderlab.compiler.compile import Compiled
+from shaderlab.compiler.sources import Source
 from shaderlab.errors import ShaderError, UnsupportedError
 from shaderlab.evaluation import Lab
 from shaderlab.expectations.reads import all_reads
 from shaderlab.files import display_path
-from shaderlab.glsl.compile import Compiled
-from shaderlab.glsl.sources import Source
 from shaderlab.model import Scene
 from shaderlab.programs.prepare import PreparedDraw
 from shaderlab.records import CodeCoverage, CoverageGap

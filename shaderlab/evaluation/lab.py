@@ -16,6 +16,9 @@ from typing import Self
 from shaderlab import packages
 from shaderlab.activity import Activity, doing
 from shaderlab.backends import Backend, Drawn, open_backend
+from shaderlab.compiler.compile import Compiled
+from shaderlab.compiler.compile_cache import cached_compiler
+from shaderlab.compiler.sources import Source
 from shaderlab.errors import (
     AssetError,
     CaseError,
@@ -30,9 +33,6 @@ from shaderlab.evaluation.picture_writer import PictureFiles, PictureWriter
 from shaderlab.evaluation.record_builder import RecordBuilder
 from shaderlab.evaluation.search_path import shaders_of
 from shaderlab.expectations.reads import unread_outputs
-from shaderlab.glsl.compile import Compiled
-from shaderlab.glsl.compile_cache import cached_compiler
-from shaderlab.glsl.sources import Source
 from shaderlab.model import Judgement, Scene
 from shaderlab.options import RunOptions
 from shaderlab.programs.prepare import Preparer, Programs

@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 
 from shaderlab import pictures
+from shaderlab.compiler.spirv_tools import disassemble
 from shaderlab.files import write_bytes
 from shaderlab.frame import Array, Image
-from shaderlab.glsl.spirv_tools import disassemble
 from shaderlab.model import Pass, Scene, outputs_read
 from shaderlab.records import Attachment, PassRecord
 

@@ -8,15 +8,15 @@ from dataclasses import replace
 
 import numpy as np
 
+from shaderlab.compiler.driver_verdict import mark_disagreement
+from shaderlab.compiler.interface import Interface
+from shaderlab.compiler.sources import Source
 from shaderlab.discovery import chapter_title
 from shaderlab.errors import ShaderlabError
 from shaderlab.evaluation.buffer_layouts import buffer_records
 from shaderlab.evaluation.picture_writer import PictureFiles
 from shaderlab.files import display_path
 from shaderlab.frame import PassDraw
-from shaderlab.glsl.driver_verdict import mark_disagreement
-from shaderlab.glsl.interface import Interface
-from shaderlab.glsl.sources import Source
 from shaderlab.judging.figures import shown
 from shaderlab.model import Judgement, Ramp, Scene
 from shaderlab.programs.prepare import PreparedDraw

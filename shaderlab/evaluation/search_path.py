@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
+from shaderlab.compiler.sources import Shaders
 from shaderlab.discovery import data_folder
-from shaderlab.glsl.sources import Shaders
 
 
 def shaders_of(folder: Path, overrides: Mapping[str, str | Path]) -> Shaders:

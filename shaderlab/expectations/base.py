@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from shaderlab.backends import Session
+from shaderlab.compiler.sources import Source
 from shaderlab.errors import CaseError, nearest
 from shaderlab.frame import Bindings, PassDraw
-from shaderlab.glsl.sources import Source
 from shaderlab.model import Expectation, Judgement, Programs, Read, Scene
 from shaderlab.programs.prepare import Preparer, step
 from shaderlab.programs.vertices import vertex_outputs

@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 
 from tree_sitter import Node
 
+from shaderlab.compiler.sources import Source
 from shaderlab.files import display_path
-from shaderlab.glsl.sources import Source
 from shaderlab.model import Scene
 from shaderlab.mutation.names import Names, names_of
 from shaderlab.mutation.syntax import Syntax, name_of, reachable, walk

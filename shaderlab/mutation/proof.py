@@ -9,10 +9,10 @@ import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from shaderlab.compiler.compile import compile_program
+from shaderlab.compiler.library import SPIRV_TOOLS_WHEEL, find
+from shaderlab.compiler.sources import Source
 from shaderlab.errors import ShaderError
-from shaderlab.glsl.compile import compile_program
-from shaderlab.glsl.library import SPIRV_TOOLS_WHEEL, find
-from shaderlab.glsl.sources import Source
 
 _PASSES = ("--strip-debug", "-O", "--compact-ids")
 

@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
+from shaderlab.compiler.interface import Interface, Variable
 from shaderlab.errors import CaseError, nearest
 from shaderlab.frame import Array, Bindings, Texels
-from shaderlab.glsl.interface import Interface, Variable
 from shaderlab.model import Draw, Ramp, TextureSource
 from shaderlab.model.scene import UNIT_SQUARE
 from shaderlab.programs import blocks

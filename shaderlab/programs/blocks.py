@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
+from shaderlab.compiler.interface import Block, Interface, Member, Variable
 from shaderlab.errors import CaseError, UnsupportedError, nearest
 from shaderlab.frame import Array
-from shaderlab.glsl.interface import Block, Interface, Member, Variable
 from shaderlab.model import Draw
 
 

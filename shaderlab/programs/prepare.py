@@ -6,12 +6,12 @@ import functools
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
+from shaderlab.compiler.compile import Compile, Compiled, compile_program
+from shaderlab.compiler.interface import Interface
+from shaderlab.compiler.sources import Shaders, Source
+from shaderlab.compiler.targets import TARGETS
 from shaderlab.errors import CaseError, ShaderError, UnsupportedError, nearest
 from shaderlab.frame import PassDraw
-from shaderlab.glsl.compile import Compile, Compiled, compile_program
-from shaderlab.glsl.interface import Interface
-from shaderlab.glsl.sources import Shaders, Source
-from shaderlab.glsl.targets import TARGETS
 from shaderlab.model import Draw, Pass
 from shaderlab.programs import bind, formats, vertex_stages
 

@@ -8,8 +8,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping, Sequence, Sized
 
+from shaderlab.compiler.interface import Variable
 from shaderlab.errors import UnsupportedError
-from shaderlab.glsl.interface import Variable
 from shaderlab.programs.varyings import Declared, Piece, elements, pieces
 
 PREFIX = "shaderlab_"

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from shaderlab.compiler.interface import Variable
 from shaderlab.errors import CaseError, nearest
 from shaderlab.frame import Array, Image
-from shaderlab.glsl.interface import Variable
 from shaderlab.model import CubeTexture, Output, Texture, TextureArray, TextureSource
 from shaderlab.model.textures import level_sizes
 from shaderlab.programs.formats import format_of

@@ -13,10 +13,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from shaderlab.compiler.interface import Variable
+from shaderlab.compiler.text import without_comments
 from shaderlab.errors import UnsupportedError
 from shaderlab.frame import Array
-from shaderlab.glsl.interface import Variable
-from shaderlab.glsl.text import without_comments
 
 _BLOCK = re.compile(r"\bin\s+(\w+)\s*\{([^{}]*)\}\s*(\w*)\s*((?:\[[^\]]*\]\s*)*);")
 _STRUCT = re.compile(r"\bstruct\s+(\w+)\s*\{[^{}]*\}\s*;")
@@ -115,7 +115,7 @@ def elements(variables: Iterable[Variable]) -> Iterator[Variable]:
 def pieces(variable: Variable) -> Iterator[Piece]:
     """A variable that is no array, as vectors: itself, or a matrix' columns.
 
-    >>> from shaderlab.glsl.interface import Variable
+    >>> from shaderlab.compiler.interface import Variable
     >>> [piece.path + piece.type for piece in pieces(Variable(name="m", type="mat2x3"))]
     ['[0]vec3', '[1]vec3']
     """

@@ -5,8 +5,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
+from shaderlab.compiler.interface import Variable
 from shaderlab.errors import UnsupportedError
-from shaderlab.glsl.interface import Variable
 from shaderlab.programs.stages import PREFIX, VERSION
 from shaderlab.programs.varyings import Declared, Piece, elements, pieces
 

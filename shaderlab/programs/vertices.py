@@ -7,9 +7,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from shaderlab.compiler.interface import Interface
 from shaderlab.errors import UnsupportedError
 from shaderlab.frame import Array
-from shaderlab.glsl.interface import Interface
 from shaderlab.model import Draw, Mesh
 from shaderlab.programs.prepare import PreparedDraw
 from shaderlab.programs.varyings import Piece, elements, pieces

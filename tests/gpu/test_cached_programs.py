@@ -20,9 +20,9 @@ import pytest
 from click.testing import CliRunner, Result
 
 from shaderlab.cli import cli
-from shaderlab.glsl import compile_cache, library
-from shaderlab.glsl.cache_store import Store
-from shaderlab.glsl.compile_cache import decode, encode
+from shaderlab.compiler import compile_cache, library
+from shaderlab.compiler.cache_store import Store
+from shaderlab.compiler.compile_cache import decode, encode
 from shaderlab.records import Diagnostic
 
 Call = Callable[..., Result]

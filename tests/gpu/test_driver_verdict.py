@@ -13,10 +13,10 @@ from shaderlab.backends import Backend, open_backend
 from shaderlab.backends.opengl.backend import OpenGLBackend
 from shaderlab.backends.opengl.device import Device
 from shaderlab.cli import cli
+from shaderlab.compiler import WORK, Shaders, compile_glsl, compile_program
+from shaderlab.compiler.driver_verdict import mark_disagreement, parse_driver_log
 from shaderlab.errors import DriverError
 from shaderlab.execution import WorkerPool
-from shaderlab.glsl import WORK, Shaders, compile_glsl, compile_program
-from shaderlab.glsl.driver_verdict import mark_disagreement, parse_driver_log
 
 VERTEX = (
     "#version 330 core\nin vec3 a;\nout vec3 n;\nvoid main() { n = a; gl_Position = a.xyzz; }\n"

@@ -16,7 +16,7 @@ SCENE = """
 from shaderlab import Case, Target, exact, formula, fullscreen, gl_call, gl_error
 from shaderlab import Draw, Mesh, Pass
 from shaderlab.backends import open_backend
-from shaderlab.glsl import Shaders
+from shaderlab.compiler import Shaders
 from shaderlab.evaluation import Lab
 
 def judged(**given):

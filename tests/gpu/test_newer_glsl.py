@@ -8,8 +8,8 @@ import pytest
 
 from shaderlab.backends.opengl.device import Device
 from shaderlab.backends.opengl.drawing import require_glsl
+from shaderlab.compiler.sources import Shaders
 from shaderlab.errors import UnsupportedError
-from shaderlab.glsl.sources import Shaders
 from shaderlab.model import fullscreen
 from shaderlab.programs.prepare import Preparer
 

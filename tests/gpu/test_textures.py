@@ -31,8 +31,8 @@ from shaderlab import (
     fullscreen,
     value,
 )
+from shaderlab.compiler import Shaders
 from shaderlab.evaluation import Lab
-from shaderlab.glsl import Shaders
 from shaderlab.glslmath import swizzle
 from shaderlab.options import RunOptions
 from shaderlab.programs.prepare import Preparer

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pytest
 
+from shaderlab.compiler.sources import Shaders
 from shaderlab.discovery import data_folder
 from shaderlab.expectations.compile_fails import CompileFails
 from shaderlab.expectations.computed import Computed
 from shaderlab.expectations.coverage import Coverage
 from shaderlab.expectations.refused import Refused
-from shaderlab.glsl.sources import Shaders
 from shaderlab.model import Case
 from tests.catalogue import shipped
 

@@ -14,9 +14,9 @@ from typing import Any
 
 import pytest
 
+from shaderlab.compiler.sources import Shaders
 from shaderlab.discovery import data_folder
 from shaderlab.expectations.reads import unread_outputs
-from shaderlab.glsl.sources import Shaders
 from shaderlab.model import Case, Scene
 from tests.catalogue import shipped
 

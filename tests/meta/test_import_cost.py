@@ -42,7 +42,7 @@ def modules_after(statement: str) -> set[str]:
     [
         "import shaderlab",
         "import shaderlab.glslmath, shaderlab.assets, shaderlab.reference",
-        "import shaderlab.glsl, shaderlab.records",
+        "import shaderlab.compiler, shaderlab.records",
         "import shaderlab.evaluation",
     ],
 )
@@ -62,7 +62,7 @@ def test_listing_cases_loads_nothing_heavy() -> None:
 
 
 def test_a_worker_loads_nothing_that_starts_or_watches_workers() -> None:
-    loaded = modules_after("import shaderlab.glsl.engines, shaderlab.execution.lab_worker")
+    loaded = modules_after("import shaderlab.compiler.engines, shaderlab.execution.lab_worker")
     assert not loaded & (DEVICE | HEAVY | PRINTING | {"click", "cattrs", "logging"})
 
 

@@ -30,7 +30,7 @@ OWNERS: dict[str, set[str]] = {
     "moderngl": {"backends"},
     "glcontext": {"backends"},
     "OpenGL": {"backends"},
-    "ctypes": {"backends", "bands", "execution", "glsl"},
+    "ctypes": {"backends", "bands", "execution", "compiler"},
     "OpenImageIO": {"pictures"},
     "trimesh": {"assets"},
     "pypcd4": {"assets"},
@@ -178,13 +178,13 @@ def test_the_engine_names_nothing_of_the_course(repository: Path) -> None:
 @pytest.mark.parametrize(
     ("room", "text", "wrong"),
     [
-        ("glsl", "from ..backends import opengl", True),
-        ("glsl", "def f():\n    from shaderlab.expectations.formula import formula", True),
+        ("compiler", "from ..backends import opengl", True),
+        ("compiler", "def f():\n    from shaderlab.expectations.formula import formula", True),
         ("model", "from shaderlab import evaluation", True),
         ("model", "from shaderlab import Case", True),
         ("report", "import shaderlab.cli", True),
         ("errors", "import shaderlab.attic", True),
-        ("backends", "from ..glsl.compile import TARGETS", False),
+        ("backends", "from ..compiler.compile import TARGETS", False),
         ("evaluation", "from ..expectations.base import Context", False),
     ],
 )

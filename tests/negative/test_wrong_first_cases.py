@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from shaderlab.compiler import Shaders
 from shaderlab.discovery import data_folder
 from shaderlab.evaluation import Lab
-from shaderlab.glsl import Shaders
 from shaderlab.options import RunOptions
 from shaderlab.records import Record
 from tests.catalogue import shipped

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from shaderlab.compiler import Compiled, Shaders, compile_program
 from shaderlab.errors import ShaderError
-from shaderlab.glsl import Compiled, Shaders, compile_program
 
 HEAD = "#version 330 core\nout vec4 c;\n"
 MAIN = "void main() { c = vec4(1.0); }\n"

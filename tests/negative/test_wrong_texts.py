@@ -7,8 +7,8 @@ from itertools import pairwise
 
 import pytest
 
+from shaderlab.compiler import Shaders, compile_program
 from shaderlab.errors import ShaderError
-from shaderlab.glsl import Shaders, compile_program
 
 HEAD = "#version 330 core\nout vec4 c;\n"
 MAIN = "void main() { c = vec4(1.0); }\n"

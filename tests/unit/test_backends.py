@@ -11,10 +11,10 @@ import pytest
 
 from shaderlab import Case, backends, exact, formula, fullscreen, gl_call, query
 from shaderlab.backends import Backend, Drawn, Session, Size
+from shaderlab.compiler import Source
 from shaderlab.errors import UnsupportedError, UsageError
 from shaderlab.evaluation import Lab
 from shaderlab.frame import Image
-from shaderlab.glsl import Source
 from shaderlab.model import Expectation, Scene
 from shaderlab.options import RunOptions
 from shaderlab.programs import bind

@@ -10,7 +10,7 @@ from itertools import pairwise
 
 import pytest
 
-from shaderlab.glsl import Block, Shaders, compile_program
+from shaderlab.compiler import Block, Shaders, compile_program
 
 
 def block(members: str, declared: str = "layout (std140) uniform", structs: str = "") -> Block:

@@ -11,14 +11,14 @@ from pathlib import Path
 
 import pytest
 
+from shaderlab.compiler import Shaders, Source, compile_cache, compile_program
+from shaderlab.compiler.cache_store import Store
+from shaderlab.compiler.compile import Compiled
+from shaderlab.compiler.compile_cache import CompileCache, Entry, decode, encode, program_key
+from shaderlab.compiler.engines import CompilerDiedError
+from shaderlab.compiler.include import LineMap
+from shaderlab.compiler.targets import ALL_TARGETS, TARGETS
 from shaderlab.errors import ShaderError
-from shaderlab.glsl import Shaders, Source, compile_cache, compile_program
-from shaderlab.glsl.cache_store import Store
-from shaderlab.glsl.compile import Compiled
-from shaderlab.glsl.compile_cache import CompileCache, Entry, decode, encode, program_key
-from shaderlab.glsl.engines import CompilerDiedError
-from shaderlab.glsl.include import LineMap
-from shaderlab.glsl.targets import ALL_TARGETS, TARGETS
 
 VERTEX = """#version 330 core
 in vec3 place;
@@ -162,8 +162,8 @@ def test_another_process_finds_it_without_a_compiler(
     def loaded() -> None:
         raise AssertionError("the compiler's libraries were loaded")
 
-    monkeypatch.setattr("shaderlab.glsl.library.glslang", loaded)
-    monkeypatch.setattr("shaderlab.glsl.library.spirv_tools", loaded)
+    monkeypatch.setattr("shaderlab.compiler.library.glslang", loaded)
+    monkeypatch.setattr("shaderlab.compiler.library.spirv_tools", loaded)
     again = CompileCache(Store(store.folder), lambda: FINGERPRINT).compile(stages, targets)
     assert whole(again) == whole(true)
 

@@ -8,16 +8,16 @@ from pathlib import Path
 
 import pytest
 
-from shaderlab.doctor import examine
-from shaderlab.errors import ShaderError
-from shaderlab.glsl import compile_cache, compile_program, library
-from shaderlab.glsl.cache_store import Store
-from shaderlab.glsl.compile_cache import (
+from shaderlab.compiler import compile_cache, compile_program, library
+from shaderlab.compiler.cache_store import Store
+from shaderlab.compiler.compile_cache import (
     cache_folder,
     cached_compiler,
     compilers_digest,
     files_digest,
 )
+from shaderlab.doctor import examine
+from shaderlab.errors import ShaderError
 
 LATER = time.time() + 3600
 
@@ -115,7 +115,7 @@ def test_the_digest_covers_the_libraries_and_the_code_around_them(
         "libglslang.so", "libSPIRV.so", "libglslang-default-resource-limits.so",
         "libSPIRV-Tools-shared.so",
     }  # fmt: skip
-    own = set((repository / "shaderlab" / "glsl").glob("*.py"))
+    own = set((repository / "shaderlab" / "compiler").glob("*.py"))
     own |= {repository / "shaderlab" / name for name in ("errors.py", "files.py", "records.py")}
     assert set(seen) == own | set(library.files())
 
@@ -126,7 +126,7 @@ def test_the_digest_covers_all_that_compiling_imports_of_the_lab(
     import subprocess
 
     show = (
-        "import sys, shaderlab.glsl.compile_cache, shaderlab.glsl.commands\n"
+        "import sys, shaderlab.compiler.compile_cache, shaderlab.compiler.commands\n"
         "print('\\n'.join(m.__file__ for n, m in sys.modules.items() if n[:9] == 'shaderlab'))"
     )
     done = subprocess.run([sys.executable, "-c", show], capture_output=True, text=True, check=True)

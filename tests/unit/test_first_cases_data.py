@@ -14,12 +14,12 @@ import numpy as np
 import pytest
 
 from shaderlab.catalogue import load_cases
+from shaderlab.compiler import Shaders
 from shaderlab.expectations.compile_fails import CompileFails
 from shaderlab.expectations.computed import Computed
 from shaderlab.expectations.exact import Exact
 from shaderlab.expectations.value import Value
 from shaderlab.frame import Frame
-from shaderlab.glsl import Shaders
 from shaderlab.model import Case, Scene
 
 ROOT = Path(__file__).resolve().parents[2]

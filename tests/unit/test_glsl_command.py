@@ -11,10 +11,10 @@ from pathlib import Path
 import pytest
 
 from benchmarks.trees import SUFFIX, mutant, own_shaders
-from shaderlab.glsl import Shaders, Source, compile_program
-from shaderlab.glsl.engines import choose
-from shaderlab.glsl.guards import too_old
-from shaderlab.glsl.library import GLSLANG_WHEEL, find
+from shaderlab.compiler import Shaders, Source, compile_program
+from shaderlab.compiler.engines import choose
+from shaderlab.compiler.guards import too_old
+from shaderlab.compiler.library import GLSLANG_WHEEL, find
 
 VERTEX = """#version 330 core
 layout (location = 0) in vec3 aPos;

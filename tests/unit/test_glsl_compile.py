@@ -8,13 +8,13 @@ from pathlib import Path
 
 import pytest
 
+from shaderlab.compiler import Shaders, Source, compile_program, disassemble, validate
+from shaderlab.compiler.engines import choose
+from shaderlab.compiler.guards import MAX_NESTING, MAX_OPERATORS, fatal
+from shaderlab.compiler.interstage import interface_name
+from shaderlab.compiler.library import find
+from shaderlab.compiler.module import Decoration, Module, parse
 from shaderlab.errors import ShaderError
-from shaderlab.glsl import Shaders, Source, compile_program, disassemble, validate
-from shaderlab.glsl.engines import choose
-from shaderlab.glsl.guards import MAX_NESTING, MAX_OPERATORS, fatal
-from shaderlab.glsl.interstage import interface_name
-from shaderlab.glsl.library import find
-from shaderlab.glsl.module import Decoration, Module, parse
 
 # Each stage uses its variables in another order than the others, so glslang numbers them apart.
 CROSSED: Mapping[str, str] = {
@@ -412,7 +412,7 @@ def test_a_missing_package_is_named_with_its_remedy() -> None:
 
 def test_importing_loads_no_library() -> None:
     code = (
-        "import sys, shaderlab.glsl.compile, pathlib\n"
+        "import sys, shaderlab.compiler.compile, pathlib\n"
         "maps = pathlib.Path('/proc/self/maps').read_text()\n"
         "assert 'glslang' not in maps and 'SPIRV' not in maps\n"
         "assert 'moderngl' not in sys.modules\n"

@@ -8,7 +8,7 @@ import moderngl
 import numpy as np
 import pytest
 
-from shaderlab.glsl import Interface, Shaders, compile_program
+from shaderlab.compiler import Interface, Shaders, compile_program
 
 # GL's type enumerants by their GLSL names.
 GL_TYPES: Mapping[int, str] = {

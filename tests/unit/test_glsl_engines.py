@@ -10,12 +10,12 @@ from pathlib import Path
 import pytest
 
 from benchmarks.trees import mutant, own_shaders
+from shaderlab.compiler import ALL_TARGETS, Shaders, compile_glsl, compile_program
+from shaderlab.compiler.commands import Commands, Executables, locate
+from shaderlab.compiler.engines import CompilerDiedError, choose
+from shaderlab.compiler.library import GLSLANG_WHEEL, find
 from shaderlab.doctor import examine
 from shaderlab.errors import ShaderError
-from shaderlab.glsl import ALL_TARGETS, Shaders, compile_glsl, compile_program
-from shaderlab.glsl.commands import Commands, Executables, locate
-from shaderlab.glsl.engines import CompilerDiedError, choose
-from shaderlab.glsl.library import GLSLANG_WHEEL, find
 
 GOOD = "#version 330 core\nout vec4 c;\nvoid main() { c = vec4(1.0); }\n"
 VERTEX = "#version 330 core\nin vec3 a;\nout vec3 n;\nvoid main() { n = a; }\n"
@@ -115,7 +115,7 @@ def test_without_wheels_the_systems_commands_are_found(
     def missing(*_: str) -> Path:
         raise ShaderError("not installed")
 
-    monkeypatch.setattr("shaderlab.glsl.commands.find", missing)
+    monkeypatch.setattr("shaderlab.compiler.commands.find", missing)
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.delenv("VULKAN_SDK", raising=False)
     with pytest.raises(ShaderError, match="there is no glslangValidator command") as raised:

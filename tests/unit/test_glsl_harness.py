@@ -7,10 +7,10 @@ from typing import Any
 
 import pytest
 
+from shaderlab.compiler import WORK, FileResult, compile_glsl
+from shaderlab.compiler.shader_files import find_shaders
 from shaderlab.errors import ShaderError, UsageError
 from shaderlab.execution import WorkerPool
-from shaderlab.glsl import WORK, FileResult, compile_glsl
-from shaderlab.glsl.shader_files import find_shaders
 
 GOOD = "#version 330 core\nout vec4 c;\nvoid main() { c = vec4(1.0); }\n"
 BAD = GOOD.replace("1.0", "nothing")

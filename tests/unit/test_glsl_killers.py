@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from shaderlab.compiler import WORK, compile_glsl
 from shaderlab.execution import WorkerPool
-from shaderlab.glsl import WORK, compile_glsl
 from shaderlab.options import Limits
 
 HEAD = "#version 450 core\nuniform float x;\nout vec4 c;\n"
@@ -21,9 +21,9 @@ GOOD = HEAD + "void main() { c = vec4(x); }\n"
 
 # Calls the libraries without the lab's guards.
 UNGUARDED = """
-from shaderlab.glsl import Shaders
-from shaderlab.glsl.engines import choose
-from shaderlab.glsl.spirv_tools import validate
+from shaderlab.compiler import Shaders
+from shaderlab.compiler.engines import choose
+from shaderlab.compiler.spirv_tools import validate
 
 class Work:
     def __init__(self, channel):

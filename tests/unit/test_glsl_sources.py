@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
+from shaderlab.compiler import Shaders, compile_program
+from shaderlab.compiler.include import LineMap
 from shaderlab.errors import ShaderError
-from shaderlab.glsl import Shaders, compile_program
-from shaderlab.glsl.include import LineMap
 
 FRAGMENT = "#version 330 core\nout vec4 color;\nvoid main() { color = vec4(1.0); }\n"
 

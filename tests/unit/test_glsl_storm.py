@@ -6,8 +6,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from benchmarks.trees import storm
+from shaderlab.compiler import WORK, compile_glsl
 from shaderlab.execution import WorkerPool
-from shaderlab.glsl import WORK, compile_glsl
 
 COUNT = 800
 

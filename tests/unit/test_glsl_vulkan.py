@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from shaderlab.glsl import Shaders, compile_program
+from shaderlab.compiler import Shaders, compile_program
 
 HEAD = "#version 450 core\nout vec4 c;\n"
 COMPATIBILITY = "compilation for SPIR-V does not support the compatibility profile"

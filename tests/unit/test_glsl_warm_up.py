@@ -11,7 +11,7 @@ import pytest
 # Processor time of this thread, without that of the one that warms up.
 TIMED = """
 import sys, time
-from shaderlab.glsl import Shaders, compile_program, engines
+from shaderlab.compiler import Shaders, compile_program, engines
 if sys.argv[1] == "warm":
     engines.warm_up()()
 source = Shaders([]).from_text(
@@ -23,7 +23,7 @@ assert compile_program([source], engine=engine).ok
 print(time.thread_time() - started)
 """
 BROKEN = """
-from shaderlab.glsl import engines, library
+from shaderlab.compiler import engines, library
 from shaderlab.errors import ShaderError
 def missing(*_):
     raise ShaderError("not installed")
@@ -33,7 +33,7 @@ print("went on")
 """
 NOTHING = """
 import sys, threading
-from shaderlab.glsl import engines, library
+from shaderlab.compiler import engines, library
 engines.warm_up()()
 print(library.glslang.cache_info().currsize)
 """

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from shaderlab.glsl.include import LineMap
-from shaderlab.glsl.sources import Source
+from shaderlab.compiler.include import LineMap
+from shaderlab.compiler.sources import Source
 from shaderlab.mutation.coverage import ALL as COVERAGE
 from shaderlab.mutation.mutants import Operator, ShaderMutant, mutants_of
 from shaderlab.mutation.operators import all_operators

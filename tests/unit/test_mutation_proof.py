@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from shaderlab.glsl.sources import Shaders, Source
+from shaderlab.compiler.sources import Shaders, Source
 from shaderlab.mutation import proof
 
 TEXT = """\

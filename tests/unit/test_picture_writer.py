@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from shaderlab import pictures
+from shaderlab.compiler import Shaders, compile_program
 from shaderlab.evaluation.picture_writer import PictureWriter
 from shaderlab.frame import Image
-from shaderlab.glsl import Shaders, compile_program
 
 FRAGMENT = "#version 330 core\nout vec4 color;\nvoid main() { color = vec4(0.25); }\n"
 

@@ -10,8 +10,8 @@ from shaderlab.backends.opengl import calls as api, capture, feedback, queries, 
 from shaderlab.backends.opengl.device import Device
 from shaderlab.backends.opengl.drawing import Drawing
 from shaderlab.backends.opengl.linking import Linker
+from shaderlab.compiler.sources import Source
 from shaderlab.frame import Array, Fragments, PassDraw, Reply
-from shaderlab.glsl.sources import Source
 from shaderlab.model import Call, Program, Scene
 from shaderlab.programs import captures
 from shaderlab.programs.prepare import Programs

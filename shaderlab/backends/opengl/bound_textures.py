@@ -17,8 +17,8 @@ from shaderlab.backends.opengl.textures import (
     upload,
     upload_compressed,
 )
+from shaderlab.compiler.interface import Variable
 from shaderlab.frame import Array, Texels
-from shaderlab.glsl.interface import Variable
 from shaderlab.model import CompressedTexture, CubeTexture, Output, TextureSource
 from shaderlab.model.textures import Sampling, level_sizes
 from shaderlab.programs.compressed import blocks_of

@@ -13,9 +13,9 @@ import numpy as np
 
 from shaderlab.backends.opengl.device import Device
 from shaderlab.backends.opengl.pyopengl import GL
+from shaderlab.compiler.interface import Block
 from shaderlab.errors import CaseError, DriverError
 from shaderlab.frame import Array, BlockReading
-from shaderlab.glsl.interface import Block
 from shaderlab.model import UniformBuffer
 from shaderlab.programs import blocks
 from shaderlab.programs.prepare import PreparedDraw

@@ -7,9 +7,9 @@ from contextlib import suppress
 
 from shaderlab.backends.opengl.device import Device
 from shaderlab.backends.opengl.pyopengl import GL, GLError, named
+from shaderlab.compiler.driver_verdict import DRIVER, parse_driver_log
+from shaderlab.compiler.sources import Source
 from shaderlab.errors import DriverError
-from shaderlab.glsl.driver_verdict import DRIVER, parse_driver_log
-from shaderlab.glsl.sources import Source
 from shaderlab.records import Diagnostic, Verdict
 
 _NEEDS = {"tess_control": 400, "tess_evaluation": 400, "compute": 430}

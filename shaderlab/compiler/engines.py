@@ -13,8 +13,8 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
+from shaderlab.compiler.sources import Shaders, Source
 from shaderlab.errors import ShaderError, nearest
-from shaderlab.glsl.sources import Shaders, Source
 
 ENGINES = ("library", "process")
 COMMAND_VARIABLE = "SHADERLAB_GLSLANG"
@@ -92,8 +92,8 @@ def choose(name: str | None = None, seconds: float | None = None) -> Engine:
 @functools.cache
 def _chosen(name: str | None, command: str | None, seconds: float | None) -> Engine:
     # Imported late: commands need subprocess and tempfile, which the library does without.
-    from shaderlab.glsl.commands import Commands, locate
-    from shaderlab.glsl.library_engine import Library
+    from shaderlab.compiler.commands import Commands, locate
+    from shaderlab.compiler.library_engine import Library
 
     if name == "library":
         return Library()

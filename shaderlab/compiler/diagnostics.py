@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 
-from shaderlab.glsl.sources import Source
+from shaderlab.compiler.sources import Source
 from shaderlab.records import Diagnostic, Severity
 
 _MESSAGE = re.compile(r"^(?P<severity>(?:INTERNAL )?ERROR|WARNING|NOTE): (?P<rest>.*)$")

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import replace
 
-from shaderlab.glsl.sources import Source
+from shaderlab.compiler.sources import Source
 from shaderlab.records import Diagnostic, Severity, Verdict
 
 DRIVER = "driver"

@@ -8,14 +8,14 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
+from shaderlab.compiler.engines import Engine, choose
+from shaderlab.compiler.interface import Interface
+from shaderlab.compiler.reflection import reflect
+from shaderlab.compiler.sources import Source
+from shaderlab.compiler.targets import ALL_TARGETS, TARGETS
+from shaderlab.compiler.text import STAGES
+from shaderlab.compiler.verdicts import check_stages, link_stages, to_spirv
 from shaderlab.errors import ShaderError, nearest
-from shaderlab.glsl.engines import Engine, choose
-from shaderlab.glsl.interface import Interface
-from shaderlab.glsl.reflection import reflect
-from shaderlab.glsl.sources import Source
-from shaderlab.glsl.targets import ALL_TARGETS, TARGETS
-from shaderlab.glsl.text import STAGES
-from shaderlab.glsl.verdicts import check_stages, link_stages, to_spirv
 from shaderlab.records import Diagnostic, Verdict
 
 # The compiler's words, or a name, for what GLSL has for Vulkan or SPIR-V only.

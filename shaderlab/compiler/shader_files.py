@@ -10,8 +10,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from shaderlab.compiler.text import EXTENSIONS, normalise, read_shader, stage_of
 from shaderlab.errors import ShaderError, UsageError, nearest
-from shaderlab.glsl.text import EXTENSIONS, normalise, read_shader, stage_of
 
 _SHADER_SUFFIXES = re.compile(r"\.(vert|vs|frag|fs|geom|gs|tesc|tcs|tese|tes|comp|cs|glsl|inc|h)")
 

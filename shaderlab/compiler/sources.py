@@ -12,10 +12,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from shaderlab.compiler.include import LineMap, expand
+from shaderlab.compiler.shader_files import File, Roots
+from shaderlab.compiler.text import STAGES, normalise, stage_of, version_of, without_comments
 from shaderlab.errors import ShaderError, nearest
-from shaderlab.glsl.include import LineMap, expand
-from shaderlab.glsl.shader_files import File, Roots
-from shaderlab.glsl.text import STAGES, normalise, stage_of, version_of, without_comments
 from shaderlab.records import Diagnostic, Severity
 
 

@@ -7,8 +7,8 @@ import functools
 import sys
 from collections.abc import Mapping
 
+from shaderlab.compiler.library import SpirvDiagnostic, SpirvText, spirv_tools
 from shaderlab.errors import ShaderError, nearest
-from shaderlab.glsl.library import SpirvDiagnostic, SpirvText, spirv_tools
 
 # spv_target_env.
 _ENVIRONMENTS: Mapping[str, int] = {

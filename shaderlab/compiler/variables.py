@@ -6,9 +6,9 @@ import functools
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
-from shaderlab.glsl.interface import Interpolation, Variable
-from shaderlab.glsl.module import Decoration, Instruction, Module, Op, Storage
-from shaderlab.glsl.types import component_count, slots, type_name, unwrap
+from shaderlab.compiler.interface import Interpolation, Variable
+from shaderlab.compiler.module import Decoration, Instruction, Module, Op, Storage
+from shaderlab.compiler.types import component_count, slots, type_name, unwrap
 
 Path = tuple[int, ...]
 """Indices from a variable to a part of it; `ANY` if computed at run time."""

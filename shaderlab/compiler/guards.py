@@ -11,10 +11,10 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from shaderlab.glsl.diagnostics import VERSION, line_of
-from shaderlab.glsl.engines import Engine
-from shaderlab.glsl.sources import Source
-from shaderlab.glsl.targets import SETTINGS
+from shaderlab.compiler.diagnostics import VERSION, line_of
+from shaderlab.compiler.engines import Engine
+from shaderlab.compiler.sources import Source
+from shaderlab.compiler.targets import SETTINGS
 from shaderlab.records import Diagnostic
 
 MAX_NESTING = 200

@@ -12,17 +12,17 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal, Protocol
 
+from shaderlab.compiler.compile import compile_program
+from shaderlab.compiler.driver_verdict import mark_disagreement
+from shaderlab.compiler.engines import COMMAND_VARIABLE, ENGINES, CompilerDiedError, Engine, choose
+from shaderlab.compiler.shader_files import ShaderFile, find_shaders
+from shaderlab.compiler.sources import Shaders, Source
+from shaderlab.compiler.targets import ALL_TARGETS, TARGETS
+from shaderlab.compiler.text import STAGES, stage_of
 from shaderlab.errors import DriverError, ShaderError, nearest
-from shaderlab.glsl.compile import compile_program
-from shaderlab.glsl.driver_verdict import mark_disagreement
-from shaderlab.glsl.engines import COMMAND_VARIABLE, ENGINES, CompilerDiedError, Engine, choose
-from shaderlab.glsl.shader_files import ShaderFile, find_shaders
-from shaderlab.glsl.sources import Shaders, Source
-from shaderlab.glsl.targets import ALL_TARGETS, TARGETS
-from shaderlab.glsl.text import STAGES, stage_of
 from shaderlab.records import Diagnostic, Verdict
 
-WORK = "shaderlab.glsl.harness:work"
+WORK = "shaderlab.compiler.harness:work"
 """What a pool of processes runs, by name: takes `CompileJob`s, yields `FileResult`s."""
 
 _BATCH = 128

@@ -23,13 +23,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from shaderlab.compiler.cache_store import Store
+from shaderlab.compiler.compile import Compile, Compiled, compile_program, in_order
+from shaderlab.compiler.engines import COMMAND_VARIABLE, choose
+from shaderlab.compiler.interface import Block, Interface, Member, SpecConstant, Variable
+from shaderlab.compiler.library import files
+from shaderlab.compiler.sources import Source
 from shaderlab.errors import ShaderError
-from shaderlab.glsl.cache_store import Store
-from shaderlab.glsl.compile import Compile, Compiled, compile_program, in_order
-from shaderlab.glsl.engines import COMMAND_VARIABLE, choose
-from shaderlab.glsl.interface import Block, Interface, Member, SpecConstant, Variable
-from shaderlab.glsl.library import files
-from shaderlab.glsl.sources import Source
 from shaderlab.records import Diagnostic, Verdict
 
 FOLDER_VARIABLE = "SHADERLAB_CACHE_DIR"

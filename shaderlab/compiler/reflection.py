@@ -6,10 +6,10 @@ import struct
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
-from shaderlab.glsl.interface import Block, Interface, Member, SpecConstant, Variable
-from shaderlab.glsl.module import Decoration, Module, Op, Storage, parse
-from shaderlab.glsl.types import component_count, type_name, unwrap
-from shaderlab.glsl.variables import (
+from shaderlab.compiler.interface import Block, Interface, Member, SpecConstant, Variable
+from shaderlab.compiler.module import Decoration, Module, Op, Storage, parse
+from shaderlab.compiler.types import component_count, type_name, unwrap
+from shaderlab.compiler.variables import (
     Leaf,
     leaves,
     own_variables,

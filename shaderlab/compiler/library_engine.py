@@ -11,12 +11,12 @@ import functools
 import sys
 from collections.abc import Mapping, Sequence
 
-from shaderlab.glsl.engines import Checked, Linked
-from shaderlab.glsl.library import GLSLANG_WHEEL, Glslang, Input, files, glslang, spirv_tools
-from shaderlab.glsl.sources import Source
-from shaderlab.glsl.spirv_tools import validate
-from shaderlab.glsl.targets import SETTINGS, TargetSettings
-from shaderlab.glsl.text import STAGES
+from shaderlab.compiler.engines import Checked, Linked
+from shaderlab.compiler.library import GLSLANG_WHEEL, Glslang, Input, files, glslang, spirv_tools
+from shaderlab.compiler.sources import Source
+from shaderlab.compiler.spirv_tools import validate
+from shaderlab.compiler.targets import SETTINGS, TargetSettings
+from shaderlab.compiler.text import STAGES
 
 _DEFAULT_VERSION = 110
 _GLSL, _SPV, _SPV_1_0 = 1, 1, 1 << 16

@@ -11,12 +11,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from shaderlab.glsl.diagnostics import declaration
-from shaderlab.glsl.module import Decoration, Module, Op, Storage, parse
-from shaderlab.glsl.sources import Source
-from shaderlab.glsl.text import STAGES
-from shaderlab.glsl.types import OPAQUE, elements_of, leaves_count, slots, unwrap
-from shaderlab.glsl.variables import stage_variables
+from shaderlab.compiler.diagnostics import declaration
+from shaderlab.compiler.module import Decoration, Module, Op, Storage, parse
+from shaderlab.compiler.sources import Source
+from shaderlab.compiler.text import STAGES
+from shaderlab.compiler.types import OPAQUE, elements_of, leaves_count, slots, unwrap
+from shaderlab.compiler.variables import stage_variables
 from shaderlab.records import Diagnostic
 
 _NUMBERED = (Storage.UNIFORM_CONSTANT, Storage.UNIFORM, Storage.STORAGE_BUFFER)

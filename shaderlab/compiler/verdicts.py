@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from shaderlab.glsl import guards
-from shaderlab.glsl.diagnostics import has_errors, of_link, of_stage, of_validator
-from shaderlab.glsl.engines import Engine, Linked
-from shaderlab.glsl.interstage import match_locations, unwritten_inputs
-from shaderlab.glsl.lifting import lift_samplers
-from shaderlab.glsl.sources import Source
-from shaderlab.glsl.spirv_tools import instruction_count
-from shaderlab.glsl.targets import SETTINGS
+from shaderlab.compiler import guards
+from shaderlab.compiler.diagnostics import has_errors, of_link, of_stage, of_validator
+from shaderlab.compiler.engines import Engine, Linked
+from shaderlab.compiler.interstage import match_locations, unwritten_inputs
+from shaderlab.compiler.lifting import lift_samplers
+from shaderlab.compiler.sources import Source
+from shaderlab.compiler.spirv_tools import instruction_count
+from shaderlab.compiler.targets import SETTINGS
 from shaderlab.records import Diagnostic, Verdict
 
 

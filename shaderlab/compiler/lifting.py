@@ -12,8 +12,8 @@ import re
 from collections.abc import Sequence
 from dataclasses import replace
 
-from shaderlab.glsl.engines import Engine
-from shaderlab.glsl.sources import Source
+from shaderlab.compiler.engines import Engine
+from shaderlab.compiler.sources import Source
 from shaderlab.records import Diagnostic
 
 _STRUCT = re.compile(r"\bstruct\s+(?P<name>\w+)\s*\{(?P<body>[^{}]*)\}")

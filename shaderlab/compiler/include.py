@@ -12,9 +12,9 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
+from shaderlab.compiler.shader_files import File, OutsideError, Roots, inside
+from shaderlab.compiler.text import version_of, without_comments
 from shaderlab.errors import ShaderError, nearest
-from shaderlab.glsl.shader_files import File, OutsideError, Roots, inside
-from shaderlab.glsl.text import version_of, without_comments
 
 MAX_DEPTH = 64
 MAX_INCLUDES = 1000

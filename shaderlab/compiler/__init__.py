@@ -1,0 +1,25 @@
+"""GLSL in, verdicts and interfaces out: sources with includes, compile targets, SPIR-V.
+
+`sources` finds and expands shader files, `compile` returns the compilers' verdicts and modules,
+`reflection` reads what the modules declare, `harness` compiles many files at once. Importing this
+package loads no shared library.
+"""
+
+from shaderlab.compiler.compile import Compiled as Compiled, compile_program as compile_program
+from shaderlab.compiler.harness import (
+    WORK as WORK,
+    FileResult as FileResult,
+    compile_glsl as compile_glsl,
+)
+from shaderlab.compiler.interface import (
+    Block as Block,
+    Interface as Interface,
+    Member as Member,
+    SpecConstant as SpecConstant,
+    Variable as Variable,
+)
+from shaderlab.compiler.reflection import reflect as reflect
+from shaderlab.compiler.sources import Shaders as Shaders, Source as Source
+from shaderlab.compiler.spirv_tools import disassemble as disassemble, validate as validate
+from shaderlab.compiler.targets import ALL_TARGETS as ALL_TARGETS, TARGETS as TARGETS
+from shaderlab.compiler.text import STAGES as STAGES
