@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import shutil
+import stat
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from itertools import islice
 from pathlib import Path
 
@@ -13,22 +15,26 @@ from shaderlab.errors import ShaderlabError
 
 # Most pieces of a page are a word, some a picture.
 _PIECES_PER_WRITE = 32
+# A file that may be written but not replaced: its folder is someone else's or read-only, or the
+# file is a mount of its own, as containers have it.
+_HELD = (errno.EACCES, errno.EPERM, errno.EROFS, errno.EBUSY)
 
 
 @contextmanager
 def replacing(path: str | Path) -> Iterator[Path]:
     """A path in the same folder to write to, which replaces `path` when the block ends.
 
-    If the block raises, what it wrote is removed and a file that was there stays. The suffix is
-    the same; the rest of the name is unique, so that several processes can write at once. The
-    block may also make a symbolic link, or a folder where there is none yet.
+    If the block raises, what it wrote is removed and a file that was there stays. The name is
+    unique, so that several processes can write at once. The block may also make a symbolic link,
+    or a folder where there is none yet. Anything but a folder is replaced, links and devices too:
+    for a path that a person gave there is `write_named`.
 
     Raises:
         OSError: `path` can't be replaced.
     """
     target = Path(path)
     # Not mkstemp: only their owner can read its files, and reports are for sharing.
-    draft = target.with_name(f".{target.stem}.{os.urandom(6).hex()}{target.suffix}")
+    draft = target.with_name(f".{target.name[:32]}.{os.urandom(6).hex()}")
     try:
         yield draft
         os.replace(draft, target)
@@ -47,6 +53,79 @@ def write_bytes(path: str | Path, data: bytes) -> None:
     """
     with replacing(path) as draft:
         draft.write_bytes(data)
+
+
+def write_named(path: str | Path, data: bytes, *, append: bool = False) -> None:
+    """Write a file that a person named, whole or not at all where it is a regular file.
+
+    Links stay: the file that they lead to is written. A pipe, a terminal or another device is
+    written to, and so is an open descriptor (/dev/stdout, /dev/fd/3, a shell's `>(…)`). A regular
+    file keeps its permissions; one that can't be replaced, since only the file itself may be
+    written, is written in place. Missing folders are made.
+
+    Args:
+        path: of the file.
+        data: what is to be in it.
+        append: after what is in it already.
+
+    Raises:
+        OSError: it can't be written, or is a block device.
+    """
+    target, descriptor = _followed(Path(path))
+    if descriptor is not None:
+        _write_to(os.dup(descriptor), data)
+        return
+    try:
+        there = os.stat(target)
+    except FileNotFoundError:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        write_bytes(target, data)
+        return
+    if stat.S_ISBLK(there.st_mode):
+        raise OSError(errno.EINVAL, "this is a disk, not a file")
+    if not stat.S_ISREG(there.st_mode):
+        _write_to(os.open(target, os.O_WRONLY | os.O_NOCTTY), data)
+    elif append:
+        _write_to(os.open(target, os.O_WRONLY | os.O_APPEND), data)
+    else:
+        _write_over(target, there, data)
+
+
+def _followed(path: Path) -> tuple[Path, int | None]:
+    """Where symbolic links lead, and which of this process's descriptors that stands for.
+
+    The links of /proc's descriptors are not followed: they may lead to what has no name, and a
+    file that is open is to be written, not to be replaced.
+    """
+    own = f"/proc/{os.getpid()}/fd"
+    for _ in range(40):  # as many as Linux follows
+        if path.name.isdecimal() and os.path.realpath(path.parent) == own:
+            return path, int(path.name)
+        if not path.is_symlink():
+            break
+        path = path.parent / os.readlink(path)
+    return path, None
+
+
+def _write_over(target: Path, there: os.stat_result, data: bytes) -> None:
+    """Replace a regular file, or else overwrite it."""
+    try:
+        with replacing(target) as draft:
+            draft.write_bytes(data)
+            with suppress(OSError):  # root's file would lock out the one whose file it was
+                os.chown(draft, there.st_uid, there.st_gid)
+            os.chmod(draft, stat.S_IMODE(there.st_mode))
+    except OSError as error:
+        if error.errno not in _HELD:
+            raise
+        with os.fdopen(os.open(target, os.O_WRONLY), "wb") as file:
+            file.write(data)
+            file.truncate()
+
+
+def _write_to(descriptor: int, data: bytes) -> None:
+    with os.fdopen(descriptor, "wb") as file:
+        file.write(data)
 
 
 def write_text(path: str | Path, text: str | Iterable[str]) -> None:

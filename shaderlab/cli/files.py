@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from shaderlab.errors import ShaderlabError, UsageError
-from shaderlab.files import replacing, write_bytes
+from shaderlab.files import replacing, write_named
 from shaderlab.report.formats import FORMATS
 
 if TYPE_CHECKING:
@@ -114,21 +114,19 @@ def write_outputs(run: Run, outputs: Mapping[str, str]) -> Iterator[ShaderlabErr
 
 
 def write_json(data: Mapping[str, Any] | Sequence[Any], file: str) -> None:
-    """Write `data` to a file whole or not at all, or to standard output for "-"."""
+    """Write `data` to the file that a person named, or to standard output for "-"."""
     write_output(json.dumps(data, indent=2, ensure_ascii=False) + "\n", file)
 
 
 def write_output(text: str, file: str) -> None:
-    """Write text to a file whole or not at all, or to standard output for "-"."""
+    """Write text to the file that a person named, or to standard output for "-"."""
     if file == "-":
         click.echo(text, nl=False)
         return
-    path = Path(file)
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        write_bytes(path, text.encode("utf-8", errors="replace"))
+        write_named(file, text.encode("utf-8", errors="replace"))
     except OSError as error:
-        raise _unwritable(path, error) from error
+        raise _unwritable(Path(file), error) from error
 
 
 def _unwritable(path: Path, error: OSError) -> UsageError:

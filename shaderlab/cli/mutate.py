@@ -92,10 +92,12 @@ def command(
     results = campaign.results()
     _show(console, results)
     data = {**as_json(results), "limit": limit, "seed": seed}
-    if folder is not None:
-        _into_report(data, report_folder(Path(folder)))
-    if json_file is not None:
-        write_json(data, json_file)
+    try:
+        if folder is not None:
+            _into_report(data, report_folder(Path(folder)))
+    finally:  # what took so long to measure is written wherever it can be
+        if json_file is not None:
+            write_json(data, json_file)
     reached = score(results)
     too_low = fail_under is not None and (reached is None or 100.0 * reached < fail_under)
     if too_low or any(result.message for result in results):

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from shaderlab.cli import FAILED, INTERRUPTED, OK, USAGE
+from shaderlab.cli import FAILED, INTERRUPTED, USAGE
 from shaderlab.cli.files import REPORTS, latest, new_run_folder, report_folder, write_outputs
 from shaderlab.cli.replacing import unread
 from shaderlab.errors import ShaderlabError, UsageError
@@ -145,15 +145,18 @@ def finish(
     show: Show,
     command: str,
     *,
+    verdict: int,
     is_latest: bool,
     outputs: Mapping[str, str] | None = None,
     open_report: bool = False,
 ) -> int:
-    """Write and show where everything is; returns the exit status as far as that decides it.
+    """Write and show where everything is; returns the exit status.
 
     Args:
         recorded, show: the run, and what says where it is.
         command: what resumes it, "run" or "sweep".
+        verdict: the exit status of its records. One that failed stays so whatever can't be
+            written.
         is_latest: whether `latest` is to point to its folder.
         outputs: files to write besides the page, by format.
         open_report: whether the page is opened in a browser.
@@ -165,15 +168,15 @@ def finish(
         show.where(page)
     for problem in problems:
         click.echo(f"shaderlab: {problem}", err=True)
-    if problems:
-        return USAGE if isinstance(problems[0], UsageError) else FAILED
-    if open_report and page is not None:
-        click.launch(page.resolve().as_uri())
     if not recorded.complete:
         folder = display_path(recorded.folder)
         show.console.print(f"go on with: shaderlab {command} --resume {folder}")
         return INTERRUPTED
-    return OK
+    if problems:
+        return verdict or (USAGE if isinstance(problems[0], UsageError) else FAILED)
+    if open_report and page is not None:
+        click.launch(page.resolve().as_uri())
+    return verdict
 
 
 def write_report(

@@ -161,10 +161,15 @@ def command(
         if profile:
             show.profile(recorded.run)
     is_latest = folder is None and resume is None
-    status = finish(
-        recorded, show, "run", is_latest=is_latest, outputs=outputs, open_report=open_report
+    return finish(
+        recorded,
+        show,
+        "run",
+        verdict=_status(recorded.run),
+        is_latest=is_latest,
+        outputs=outputs,
+        open_report=open_report,
     )
-    return status or _status(recorded.run)
 
 
 def _status(run: Run) -> int:

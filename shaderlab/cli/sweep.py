@@ -10,7 +10,7 @@ import click
 
 from shaderlab.cli import FAILED, OK
 from shaderlab.cli.options import make_executor, running_options
-from shaderlab.errors import UsageError
+from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.options import Limits, RunOptions
 from shaderlab.records import Record
 
@@ -108,8 +108,13 @@ def command(
     run = replace(recorded.run, plots=plots(plan.jobs, found))
     show.sweep(found, run)
     file = recorded.folder / TABLE if table is None else Path(table)
-    tables.write_table(found, file)
-    show.console.print(f"table: {file}")
+    problems = recorded.problems
+    try:
+        tables.write_table(found, file)
+        show.console.print(f"table: {file}")
+    except ShaderlabError as error:  # the report is written all the same
+        problems = (*problems, error)
+    recorded = replace(recorded, run=run, problems=problems)
     is_latest = folder is None and resume is None
-    status = finish(replace(recorded, run=run), show, "sweep", is_latest=is_latest)
-    return status or (FAILED if any(map(failed, run.records)) else OK)
+    verdict = FAILED if any(map(failed, run.records)) else OK
+    return finish(recorded, show, "sweep", verdict=verdict, is_latest=is_latest)

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from shaderlab.errors import ShaderlabError, UsageError, extra
-from shaderlab.files import replacing, write_text
+from shaderlab.files import write_named
 
 FORMATS = (".csv", ".parquet")
 Row = Mapping[str, str | float | int | None]
@@ -37,24 +37,28 @@ def write_table(rows: Sequence[Row], path: Path) -> None:
         ShaderlabError: the file can't be written.
     """
     check(path)
-    if path.suffix == ".csv":
-        write_text(path, _csv(rows))
-        return
-    import pyarrow as arrow
-    from pyarrow import parquet
-
+    data = _csv(rows) if path.suffix == ".csv" else _parquet(rows)
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with replacing(path) as draft:
-            parquet.write_table(arrow.Table.from_pylist([dict(row) for row in rows]), draft)
+        write_named(path, data)
     except OSError as error:
-        raise ShaderlabError(f"can't write the table ({error.strerror})", file=path) from error
+        raise ShaderlabError(
+            f"can't write the table ({error.strerror or error})", file=path
+        ) from error
 
 
-def _csv(rows: Sequence[Row]) -> str:
+def _csv(rows: Sequence[Row]) -> bytes:
     text = io.StringIO()
     columns = list(rows[0]) if rows else []
     writer = csv.DictWriter(text, columns, lineterminator="\n")
     writer.writeheader()
     writer.writerows(rows)
-    return text.getvalue()
+    return text.getvalue().encode("utf-8", errors="replace")
+
+
+def _parquet(rows: Sequence[Row]) -> bytes:
+    import pyarrow as arrow
+    from pyarrow import parquet
+
+    data = io.BytesIO()
+    parquet.write_table(arrow.Table.from_pylist([dict(row) for row in rows]), data)
+    return data.getvalue()

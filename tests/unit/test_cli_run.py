@@ -166,6 +166,26 @@ def test_json_on_stdout_is_all_that_is_there(
     assert "2 passed" in result.stderr
 
 
+@pytest.mark.parametrize(("status", "exit_code"), [("pass", 2), ("fail", 1)])
+def test_an_output_without_room_costs_neither_verdict_nor_report(
+    shaderlab: Callable[..., Result],
+    case_folder: Path,
+    fake_lab: Install,
+    passing: Record,
+    tmp_path: Path,
+    status: Any,
+    exit_code: int,
+) -> None:
+    fake_lab({"far": dataclasses.replace(passing, status=status)})
+    (tmp_path / "full").symlink_to("/dev/full")
+    outputs = ("--json", "full", "--junit", "out.xml", "--report", "here")
+    result = shaderlab("run", case_folder / "lamp.py", *outputs)
+    assert result.exit_code == exit_code
+    assert "full: can't write here: No space left on device" in result.stderr
+    assert (tmp_path / "out.xml").is_file() and (tmp_path / "here" / "index.html").is_file()
+    assert (tmp_path / "full").is_symlink()
+
+
 def test_junit(
     shaderlab: Callable[..., Result], case_folder: Path, fake_lab: Install, tmp_path: Path
 ) -> None:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import errno
+import os
+import stat
 from pathlib import Path
 
 import pytest
 
 from shaderlab.errors import ShaderlabError
-from shaderlab.files import display_path, replacing, write_bytes, write_text
+from shaderlab.files import display_path, replacing, write_bytes, write_named, write_text
 
 
 def names(folder: Path) -> list[str]:
@@ -74,3 +77,86 @@ def test_paths_below_the_working_directory_are_relative(
     assert display_path("lib/light.glsl") == "lib/light.glsl"
     assert display_path("/x.frag", 1) == "/x.frag:1"
     assert display_path(tmp_path.parent / "other.frag") == str(tmp_path.parent / "other.frag")
+
+
+def test_a_named_file_is_written_whole_and_keeps_its_permissions(tmp_path: Path) -> None:
+    file = tmp_path / "new" / "a.json"
+    write_named(file, b"first" * 9)
+    file.chmod(0o640)
+    write_named(file, b"second")
+    write_named(file, b", third", append=True)
+    assert file.read_bytes() == b"second, third" and file.stat().st_mode & 0o777 == 0o640
+    assert names(file.parent) == ["a.json"]
+
+
+def test_links_to_named_files_stay(tmp_path: Path) -> None:
+    for name, target in (("one", "two"), ("two", "sub/file")):
+        (tmp_path / name).symlink_to(target)
+    for data in (b"through a link that leads nowhere yet", b"again"):
+        write_named(tmp_path / "one", data)
+        assert (tmp_path / "sub" / "file").read_bytes() == data
+    assert (tmp_path / "one").is_symlink() and (tmp_path / "two").is_symlink()
+    (tmp_path / "loop").symlink_to("loop")
+    with pytest.raises(OSError):
+        write_named(tmp_path / "loop", b"")
+    assert (tmp_path / "loop").is_symlink()
+
+
+def test_what_is_no_regular_file_is_written_to(tmp_path: Path) -> None:
+    fifo = tmp_path / "fifo"
+    os.mkfifo(fifo)
+    reader = os.open(fifo, os.O_RDONLY | os.O_NONBLOCK)
+    write_named(fifo, b"through")
+    assert os.read(reader, 99) == b"through" and stat.S_ISFIFO(fifo.stat().st_mode)
+    os.close(reader)
+
+
+def test_an_open_descriptor_is_written_where_it_stands(tmp_path: Path) -> None:
+    ours, theirs = os.pipe()
+    write_named(f"/dev/fd/{theirs}", b"a shell's >(...)")
+    assert os.read(ours, 99) == b"a shell's >(...)"
+    for descriptor in (ours, theirs):
+        os.close(descriptor)
+    with pytest.raises(OSError, match="descriptor"):
+        write_named(f"/dev/fd/{theirs}", b"")
+    # As `--json /dev/stdout >> log` has it: what is in the file, and whoever writes next, stays.
+    (tmp_path / "log").write_bytes(b"earlier, ")
+    with (tmp_path / "log").open("ab", buffering=0) as file:
+        write_named(f"/dev/fd/{file.fileno()}", b"now, ")
+        file.write(b"later")
+    assert (tmp_path / "log").read_bytes() == b"earlier, now, later"
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="devices of Linux")
+def test_devices_stay_devices(tmp_path: Path) -> None:
+    full = tmp_path / "full"
+    try:
+        os.mknod(full, stat.S_IFCHR | 0o666, os.makedev(1, 7))
+        os.mknod(tmp_path / "disk", stat.S_IFBLK, os.makedev(7, 255))
+    except PermissionError:  # not root: the machine's own, which nobody can replace
+        full.symlink_to("/dev/full")
+    else:
+        with pytest.raises(OSError, match="a disk"):
+            write_named(tmp_path / "disk", b"x")
+    for data, append in ((b"x", False), (b"x" * (1 << 20), False), (b"x", True)):
+        with pytest.raises(OSError, match="No space left"):
+            write_named(full, data, append=append)
+    assert stat.S_ISCHR(full.stat().st_mode)
+
+
+def test_a_file_that_can_not_be_replaced_is_written_in_place(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = tmp_path / "a.json"
+    file.write_bytes(b"x" * 99)
+
+    def busy(*_: object) -> None:
+        raise OSError(errno.EBUSY, "as of a file that a container mounts")
+
+    monkeypatch.setattr(os, "replace", busy)
+    write_named(file, b"short")
+    assert file.read_bytes() == b"short" and names(tmp_path) == ["a.json"]
+    monkeypatch.setattr(os, "replace", lambda *_: (_ for _ in ()).throw(OSError(errno.ENOSPC, "")))
+    with pytest.raises(OSError):
+        write_named(file, b"lost")
+    assert file.read_bytes() == b"short" and names(tmp_path) == ["a.json"]
