@@ -1,8 +1,9 @@
 """`pytest my_cases/`: each variant of each case file is an item; a failure shows what `run` does.
 
-Only files that take `Case` from shaderlab and assign `case = Case(...)` are touched. They are
-imported and run by worker processes, the first of them started when it is first needed: a case that
-crashes or hangs is a failed test, or a file that can't be collected, and the session goes on.
+Only files that take `Case` from shaderlab and assign `case` are touched; one that takes it, assigns
+none and has no Python tests is named in a warning. Case files are imported and run by worker
+processes, the first of them started when it is first needed: a case that crashes or hangs is a
+failed test, or a file that can't be collected, and the session goes on.
 
 While an item is reported, the workers already run those that come after it, as far as no other
 kind of test comes in between: none of them begins a variant while someone's Python test runs. With
@@ -18,21 +19,24 @@ from __future__ import annotations
 
 import fnmatch
 import os
+import re
 from collections.abc import Generator, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from shaderlab.discovery import is_case_file
+from shaderlab.discovery import is_case_file, why_no_case
 from shaderlab.errors import ShaderlabError
 from shaderlab.execution.sizing import WORDS
+from shaderlab.files import display_path
 from shaderlab.report.plain_text import failed, failure, label
 
 if TYPE_CHECKING:
     from shaderlab.execution import Job, Prefetcher
     from shaderlab.records import Record
 
+_TESTS = re.compile(rb"^\s*(?:async\s+)?def test|^\s*class \w*Test|^Test", re.MULTILINE)
 _PREFETCHER: pytest.StashKey[Prefetcher] = pytest.StashKey()
 
 
@@ -165,9 +169,17 @@ def _number(config: pytest.Config, name: str) -> float:
     return value
 
 
+class NoCaseWarning(pytest.PytestWarning):
+    """A file takes `Case` from shaderlab, but nothing of it is run."""
+
+
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> CaseFile | None:
     """Collect case files, and nothing else."""
     if not is_case_file(file_path):
+        reason = why_no_case(file_path)
+        if reason and file_path.name != "conftest.py" and not _has_tests(file_path, parent):
+            shown = display_path(file_path)
+            parent.warn(NoCaseWarning(f"{shown} takes Case but is no case: {reason}"))
         return None
     found: CaseFile = CaseFile.from_parent(parent, path=file_path)
     return found
@@ -175,13 +187,18 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> CaseFile |
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_pycollect_makemodule(module_path: Path, parent: pytest.Collector) -> NoTests | None:
-    """Keep pytest from importing a case file that is given by its name as a module of tests, in its
-    own process and outside the tree of cases. One whose name says that it has tests stays one."""
-    patterns = parent.config.getini("python_files")
-    if any(fnmatch.fnmatch(module_path.name, p) for p in patterns) or not is_case_file(module_path):
+    """Keep pytest from importing a case file as a module of tests, in its own process and outside
+    the tree of cases. One that has tests as well stays one."""
+    if not is_case_file(module_path) or _has_tests(module_path, parent):
         return None
     found: NoTests = NoTests.from_parent(parent, path=module_path)
     return found
+
+
+def _has_tests(file: Path, parent: pytest.Collector) -> bool:
+    """Whether pytest would find tests of its own kind in the file."""
+    named = any(fnmatch.fnmatch(file.name, p) for p in parent.config.getini("python_files"))
+    return named and _TESTS.search(file.read_bytes()) is not None
 
 
 @pytest.hookimpl(tryfirst=True)

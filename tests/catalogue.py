@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
+from typing import TYPE_CHECKING
 
 from shaderlab.catalogue import load_cases
 from shaderlab.discovery import shipped_cases
-from shaderlab.model import Case
+
+if TYPE_CHECKING:
+    from shaderlab.model import Case
 
 FOR_PEOPLE = {"scene", "picture"}
 

@@ -68,11 +68,11 @@ def _shipped() -> list[CaseFacts]:
 
 
 def _loaded(targets: Sequence[str]) -> list[CaseFacts]:
-    from shaderlab.cli.selecting import files_of
+    from shaderlab.cli.selecting import distinct, files_of
     from shaderlab.discovery import place
 
     with contextlib.closing(make_local_executor(None, Limits(), None, early=False)) as executor:
-        found = executor.load(files_of(targets))
+        found = distinct(executor.load(files_of(targets)))
     return sorted(found, key=lambda case: place(case.section, case.id))
 
 

@@ -86,8 +86,8 @@ def command(
     plan = MutationPlan(variants=variants, state=state, limit=limit, seed=seed)
     console = _console(json_file == "-")
     with contextlib.closing(make_local_executor(None, limits, workers, early=False)) as executor:
-        files = _case_files(targets, every, variants, executor)
-        campaign = Campaign(files, plan, executor)
+        cases = _cases(targets, every, variants, executor)
+        campaign = Campaign(cases, plan, executor)
         _judge(campaign, console)
     results = campaign.results()
     _show(console, results)
@@ -117,10 +117,10 @@ def _into_report(data: Mapping[str, Any], folder: Path) -> None:
         click.echo(f"report: {html.write(store.load(folder), folder)}", err=True)
 
 
-def _case_files(
+def _cases(
     targets: Sequence[str], every: bool, variants: tuple[str, ...], executor: LocalExecutor
-) -> list[Path]:
-    """The files of the cases that are named. Raises UsageError, CaseError."""
+) -> dict[Path, str]:
+    """The files of the cases that are named, and their ids. Raises UsageError, CaseError."""
     from shaderlab.cli.selecting import choose
 
     for target in targets:
@@ -130,7 +130,7 @@ def _case_files(
     for job in jobs:
         if job.broken:
             raise CaseError(job.trouble, file=job.file)
-    return list(dict.fromkeys(Path(job.file) for job in jobs))
+    return {Path(job.file): job.id for job in jobs}
 
 
 def _console(to_stderr: bool) -> Console:

@@ -132,7 +132,7 @@ def with_coverage(
         for result in executor.perform(requests):
             progress.advance()
             if result.status == "done":
-                found[result.number] = result.value
+                found[result.number] = replace(result.value, id=ids[result.number])
             else:
                 message = error_text(result) or result.status
                 found[result.number] = CodeCoverage(id=ids[result.number], message=message)

@@ -6,8 +6,12 @@ Case files are found by name and read, never imported here: executors load them.
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
+
+import click
 
 from shaderlab.discovery import case_files, place, shipped_cases
 from shaderlab.errors import CaseError, UsageError, nearest
@@ -35,8 +39,7 @@ def choose(targets: Sequence[str], every: bool, variants: Sequence[str], load: L
     wanted = [(file, variant) for target in targets for file, variant in _wanted(target)]
     shipped = list(shipped_cases()) if every else []
     files = list(dict.fromkeys([*shipped, *(file for file, _ in wanted)]))
-    facts = dict(zip(files, load(files), strict=True))
-    _refuse_duplicate_ids(list(facts.values()))
+    facts = dict(zip(files, distinct(load(files)), strict=True))
     in_order = sorted((facts[f] for f in shipped), key=lambda case: place(case.section, case.id))
     chosen = [(case, None) for case in in_order] + [(facts[file], v) for file, v in wanted]
     jobs: dict[tuple[str, str], Job] = {}
@@ -73,9 +76,13 @@ def files_of(targets: Sequence[str]) -> list[Path]:
 def _wanted(target: str) -> list[tuple[Path, str | None]]:
     """The case files that a word stands for, with the only variant; None for all variants."""
     path = Path(target)
-    if path.suffix == ".py" or "/" in target or "\\" in target or target in (".", ".."):
+    by_path = path.suffix == ".py" or "/" in target or "\\" in target or target in (".", "..")
+    known = {} if by_path else {file.stem.replace("_", "-"): file for file in shipped_cases()}
+    if by_path or (target not in known and path.is_dir()):
         if path.is_dir():
-            files: list[tuple[Path, str | None]] = [(file, None) for file in case_files(path)]
+            files: list[tuple[Path, str | None]] = [
+                (file, None) for file in case_files(path, _name_skipped)
+            ]
             if not files:
                 raise UsageError(
                     "there is no case file in this folder",
@@ -89,9 +96,12 @@ def _wanted(target: str) -> list[tuple[Path, str | None]]:
         return [(path, None)]
     found = _WITH_VARIANT.fullmatch(target)
     case_id, variant = (found["id"], found["variant"]) if found else (target, None)
-    known = {file.stem.replace("_", "-"): file for file in shipped_cases()}
     if case_id not in known:
-        raise UsageError(f"there is no case {case_id!r}", remedy=nearest(case_id, known))
+        folders = [str(p) for p in Path().iterdir() if p.is_dir() and not p.name.startswith(".")]
+        raise UsageError(
+            f"there is no case {case_id!r}, and no such folder",
+            remedy=nearest(case_id, [*folders, *known]),
+        )
     return [(known[case_id], variant)]
 
 
@@ -121,14 +131,26 @@ def _keep_variants(jobs: list[Job], variants: Sequence[str]) -> list[Job]:
     return [job for job in jobs if not variants or job.broken or job.variant in variants]
 
 
-def _refuse_duplicate_ids(cases: Sequence[CaseFacts]) -> None:
-    """Outcomes, pictures and JSON are keyed by id, so two files of one name can't run together."""
-    files: dict[str, str] = {}
-    for case in cases:
-        other = files.setdefault(case.id, case.file)
-        if Path(other).resolve() != Path(case.file).resolve():
+def distinct(cases: Sequence[CaseFacts]) -> list[CaseFacts]:
+    """The cases with ids that differ, since records and pictures are keyed by them: files of one
+    name get as many folders before it as tell them apart, as in "lamps/fog".
+
+    Raises:
+        UsageError: two files of one folder have the same id.
+    """
+    ids = {Path(case.file).resolve(): case.id for case in cases}
+    parts = {file: [*file.parts[1:-1], case_id] for file, case_id in ids.items()}
+    length = 1
+    while taken := [word for word, count in Counter(ids.values()).items() if count > 1]:
+        length += 1
+        if length > max(map(len, parts.values())):
             raise UsageError(
-                f"the id {case.id!r} is also that of {other}",
-                file=case.file,
-                remedy="rename one file, or run them one after the other",
+                f"two cases of one folder have the id {taken[0]!r}",
+                remedy="rename one of the files",
             )
+        ids |= {f: "/".join(parts[f][-length:]) for f, case_id in ids.items() if case_id in taken}
+    return [replace(case, id=ids[Path(case.file).resolve()]) for case in cases]
+
+
+def _name_skipped(file: Path, reason: str) -> None:
+    click.echo(f"shaderlab: not a case: {file}: {reason}", err=True)

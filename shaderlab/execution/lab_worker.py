@@ -116,10 +116,13 @@ class LabWorker:
 
 
 def _scene_of(job: Job, scenes: Mapping[str, Scene]) -> Scene:
+    scene = scenes[job.variant if job.point is None else job.point.variant]
+    if scene.case.id != job.id:  # another file of the run has this one's name
+        scene = replace(scene, case=replace(scene.case, id=job.id))
     if job.point is None:
-        return scenes[job.variant]
+        return scene
     try:
-        scene = scenes[job.point.variant].changed(job.variant, job.point.changes)
+        scene = scene.changed(job.variant, job.point.changes)
     except CaseError as error:
         raise CaseError(error.message, file=job.file, remedy=error.remedy) from error
     return replace(scene, expect=scene.formulas())

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -20,14 +20,11 @@ class _CaseCampaign:
     """The mutants of one case, and the fates of those that were judged."""
 
     file: Path
+    id: str
     mutants: Sequence[Mutant] = ()
     fates: dict[int, Fate] = field(default_factory=dict)
     seconds: float = 0.0
     message: str = ""
-
-    @property
-    def id(self) -> str:
-        return self.file.stem.replace("_", "-")
 
     def result(self) -> CaseResult:
         tried = tuple(Tried(self.mutants[i], fate) for i, fate in sorted(self.fates.items()))
@@ -38,7 +35,7 @@ class Campaign:
     """Makes the mutants of some cases, then judges them.
 
     Args:
-        files: the case files.
+        cases: the case files, and each one's id.
         plan: which mutants.
         executor: performs everything; its time limit is that of one mutant.
 
@@ -46,10 +43,13 @@ class Campaign:
         ShaderlabError: the mutants of a case can't be made, as a shader can't be read.
     """
 
-    def __init__(self, files: Sequence[Path], plan: MutationPlan, executor: LocalExecutor) -> None:
+    def __init__(
+        self, cases: Mapping[Path, str], plan: MutationPlan, executor: LocalExecutor
+    ) -> None:
         self._plan = plan
         self._executor = executor
-        self._cases = [_CaseCampaign(file) for file in files]
+        files = list(cases)
+        self._cases = [_CaseCampaign(file, case_id) for file, case_id in cases.items()]
         for result in executor.perform([MakeMutants(file, plan) for file in files]):
             if result.status != "done":
                 if isinstance(result.value, ShaderlabError):

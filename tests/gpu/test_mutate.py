@@ -440,7 +440,7 @@ def test_what_hangs_or_crashes_is_killed_and_the_rest_goes_on(folder: Path) -> N
     file.write_text(file.read_text() + TROUBLE)
     plan = MutationPlan(state=False)
     with contextlib.closing(ProcessExecutor(limits=Limits(seconds=60.0), workers=2)) as executor:
-        campaign = Campaign([file], plan, executor)
+        campaign = Campaign({file: "law"}, plan, executor)
         told = list(campaign.judge())
     (result,) = campaign.results()
     assert len(told) == campaign.total == len(result.tried) == len(expected)
@@ -464,9 +464,8 @@ def test_a_case_that_dies_unmutated_is_not_opened_for_each_mutant(folder: Path) 
         )
     )
     with contextlib.closing(ProcessExecutor(workers=1)) as executor:
-        campaign = Campaign(
-            [folder / "dies.py", folder / "law.py"], MutationPlan(limit=5), executor
-        )
+        files = {folder / "dies.py": "dies", folder / "law.py": "law"}
+        campaign = Campaign(files, MutationPlan(limit=5), executor)
         told = list(campaign.judge())
     broken, good = campaign.results()
     assert "does not run to its end: the process died: exit status 3" in broken.message

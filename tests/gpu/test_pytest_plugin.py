@@ -109,6 +109,23 @@ def test_other_files_are_left_alone(cases: pytest.Pytester) -> None:
     cases.runpytest_subprocess("-k", "not far").assert_outcomes(passed=2, deselected=1)
 
 
+def test_cases_called_tests_are_collected_and_what_is_no_case_is_named(
+    cases: pytest.Pytester,
+) -> None:
+    """A case that has tests of its own is both; a file that takes `Case` in vain is a warning."""
+    case = (cases.path / "lamp.py").read_text()
+    (cases.path / "lamp.py").unlink()
+    cases.makepyfile(
+        test_lamp=case.replace("\ncase =", "\nfrom .helper import LAMP\ncase ="),
+        helper="LAMP = 1",
+        both_test=f"{case}\ndef test_own(): pass",
+        many="from shaderlab import Case\ncases = []",
+    )
+    result = cases.runpytest_subprocess("-k", "not far")
+    result.assert_outcomes(passed=3, deselected=2, warnings=1)
+    result.stdout.fnmatch_lines(["*many.py takes Case but is no case: it assigns no `case`*"])
+
+
 def test_a_wrong_case_file_is_one_message(cases: pytest.Pytester) -> None:
     file = cases.path / "lamp.py"
     file.write_text(file.read_text().replace("section=", "sektion="))

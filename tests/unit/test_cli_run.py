@@ -217,15 +217,41 @@ def test_a_replaced_shader_is_handed_on(
     assert shaderlab(*run, "lamp.frag=gone.frag").exit_code == 2
 
 
-def test_two_cases_of_one_id_do_not_run_together(
+def test_files_of_one_name_are_told_apart_by_their_folders(
     shaderlab: Callable[..., Result], case_folder: Path, fake_lab: Install
 ) -> None:
-    fake_lab({})
-    (case_folder / "more").mkdir()
-    (case_folder / "more" / "lamp.py").write_text((case_folder / "lamp.py").read_text())
+    log = fake_lab({})
+    for folder in ("a", "b"):
+        (case_folder / folder).mkdir()
+        (case_folder / folder / "lamp.py").write_text((case_folder / "lamp.py").read_text())
+    result = shaderlab("run", case_folder, "--variant", "far", "--json", "out.json")
+    assert result.exit_code == 0, result.output
+    ids = ["a/lamp", "b/lamp", "my_cases/lamp"]
+    assert ran(log) == [f"{case_id}[far]" for case_id in ids]
+    assert [case["id"] for case in json.loads(Path("out.json").read_text())["cases"]] == ids
+    assert all(case_id in shaderlab("list", case_folder).output for case_id in ids)
+    # Nothing tells these two apart.
+    for name in ("sun_lamp.py", "sun-lamp.py"):
+        (case_folder / name).write_text((case_folder / "lamp.py").read_text())
     result = shaderlab("run", case_folder)
-    assert result.exit_code == 2
-    assert "also that of" in result.output
+    assert result.exit_code == 2 and "two cases of one folder have the id" in result.output
+
+
+def test_what_takes_case_and_is_no_case_is_named(
+    shaderlab: Callable[..., Result], case_folder: Path, fake_lab: Install
+) -> None:
+    log = fake_lab({})
+    case = case_folder / "lamp.py"
+    case.rename(case_folder / "test_lamp.py")
+    (case_folder / "many.py").write_text("from shaderlab import Case\ncases = []\n")
+    result = shaderlab("run", "my_cases")  # a folder, though it is spelt like an id
+    assert result.exit_code == 0 and ran(log) == ["test-lamp[near]", "test-lamp[far]"]
+    assert "not a case: my_cases/many.py: it assigns no `case`" in result.output
+    (case_folder / "test_lamp.py").unlink()
+    result = shaderlab("run", "my_cases")
+    assert result.exit_code == 2 and "many.py" in result.output
+    result = shaderlab("run", "my_case")
+    assert result.exit_code == 2 and "did you mean my_cases?" in result.output
 
 
 @pytest.mark.parametrize(

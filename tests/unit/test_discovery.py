@@ -13,6 +13,7 @@ from shaderlab.discovery import (
     is_case_file,
     shipped_cases,
     tree_of,
+    why_no_case,
 )
 from shaderlab.errors import CaseError, UsageError
 
@@ -27,6 +28,11 @@ IMPORT = "from shaderlab import Case\n"
         "import shaderlab\ncase = shaderlab.Case(title='x')\n",
         "import shaderlab as sl\n\ncase = sl.Case(\n    title='x')\n",
         "from shaderlab import *\ncase = Case()\n",
+        IMPORT + "case = make(Case)\n",
+        IMPORT + "case, other = two()\n",
+        IMPORT + "if True:\n    case = [Case()][0]\n",
+        IMPORT + "try:\n    pass\nfinally:\n    from .lib import lamp as case\n",
+        "from shaderlab.glslmath import exp\ncase = make(exp)\n",
         IMPORT + "case = Case(title='never closed'\n",
     ],
 )
@@ -42,27 +48,71 @@ def test_cases(tmp_path: Path, text: str) -> None:
         "",
         "case = Case(title='x')\n",
         "from unittest import Case  # not shaderlab\ncase = Case()\n",
-        IMPORT + "other = Case(title='x')\n",
-        IMPORT + "case = make()\n",
-        IMPORT + "def f():\n    case = Case()\n",
-        IMPORT + "case = 1\n",
-        IMPORT + "'''\ncase = Case()\n'''\n",
+        "import numpy\ncase = numpy.Case()\n",
+        "import shaderlab\ncase = 'upper'\n",
+        "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    " + IMPORT,
         "raise SystemExit('imported')\n",
     ],
 )
 def test_other_files(tmp_path: Path, text: str) -> None:
     file = tmp_path / "lamp.py"
     file.write_text(text)
-    assert not is_case_file(file)
+    assert not is_case_file(file) and not why_no_case(file)
 
 
 @pytest.mark.parametrize(
-    "name", ["test_lamp.py", "lamp_test.py", "_lamp.py", "conftest.py", "l.txt"]
+    ("text", "reason"),
+    [
+        (IMPORT + "other = Case(title='x')\n", "assigns no `case`"),
+        (IMPORT + "cases = [Case()]\n", "assigns no `case`"),
+        (IMPORT + "def f():\n    case = Case()\n", "assigns no `case`"),
+        (IMPORT + "case: Case\n", "assigns no `case`"),
+        (IMPORT + "'''\ncase = Case()\n'''\n", "assigns no `case`"),
+        ("import shaderlab\nlamp = shaderlab.Case()\n", "assigns no `case`"),
+        (IMPORT + "case = 1\n", "its `case` is no Case"),
+        (IMPORT + "case = [Case()]\n", "its `case` is no Case"),
+        (IMPORT + "Case(\n", "a syntax error in line 2"),
+    ],
 )
-def test_names_that_are_never_cases(tmp_path: Path, name: str) -> None:
+def test_a_file_that_takes_case_and_is_none_has_a_reason(
+    tmp_path: Path, text: str, reason: str
+) -> None:
+    file = tmp_path / "lamp.py"
+    file.write_text(text)
+    assert not is_case_file(file) and reason in why_no_case(file)
+    named: list[tuple[Path, str]] = []
+    assert not list(case_files(tmp_path, lambda path, why: named.append((path, why))))
+    assert named == [(file, why_no_case(file))]
+
+
+def test_a_case_made_by_a_module_of_the_same_project_is_one(tmp_path: Path) -> None:
+    files = {
+        "lamps/bulb.py": "from ..common import make\ncase = make(3)\n",
+        "lamps/tube.py": "from shared import make\ncase = make(4)\n",
+        "lamps/shared.py": "from ..common import make\n",
+        "common/__init__.py": "from .made import make\n",
+        "common/made.py": IMPORT + "def make(n): return Case()\n",
+        "lamps/word.py": "from .letters import make\ncase = make()\n",
+        "lamps/letters.py": "from .word import case\ndef make(): return 'upper'\n",
+    }
+    for name, text in files.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(text)
+    assert [f.name for f in case_files(tmp_path)] == ["bulb.py", "tube.py"]
+
+
+@pytest.mark.parametrize(
+    ("name", "reason"),
+    [("test_lamp.py", ""), ("lamp_test.py", ""), ("_lamp.py", "begins with _")],
+)
+def test_only_names_that_begin_with_an_underscore_are_left_out(
+    tmp_path: Path, name: str, reason: str
+) -> None:
     file = tmp_path / name
     file.write_text(IMPORT + "case = Case()\n")
-    assert not is_case_file(file)
+    assert is_case_file(file) == (not reason) and reason in why_no_case(file)
+    file.rename(tmp_path / "lamp.txt")
+    assert not is_case_file(tmp_path / "lamp.txt") and not why_no_case(tmp_path / "lamp.txt")
 
 
 def test_files_that_cannot_be_read(tmp_path: Path) -> None:

@@ -1,14 +1,9 @@
-"""Finds case files without importing them, and the trees that they belong to.
-
-A folder of cases may be part of a larger project, so files are read, not run: a case file imports
-`Case` from shaderlab and assigns `case = Case(...)` at its top level.
-"""
+"""Where things lie: the shipped folders, the tree that a case belongs to, and what is below a
+folder."""
 
 from __future__ import annotations
 
-import ast
 import os
-import re
 import tomllib
 from collections.abc import Iterator, Mapping
 from functools import cache
@@ -17,7 +12,6 @@ from pathlib import Path
 from shaderlab.errors import CaseError, UsageError
 
 TREE_FILE = "cases.toml"
-_ASSIGNS = re.compile(rb"^case\s*(:[^=\n]*)?=", re.MULTILINE)
 _SKIPPED_FOLDERS = frozenset({"__pycache__", "node_modules", "site-packages", "build", "dist"})
 
 
@@ -27,7 +21,7 @@ def data_folder(kind: str) -> Path:
     Raises:
         UsageError: there is none: the installation is incomplete.
     """
-    package = Path(__file__).resolve().parent
+    package = Path(__file__).resolve().parent.parent
     for candidate in (package / "_data" / kind, package.parent / kind):
         if candidate.is_dir():
             return candidate
@@ -75,29 +69,6 @@ def _chapters(file: Path) -> Mapping[str, str]:
     return chapters
 
 
-def is_case_file(path: Path) -> bool:
-    """Whether `path` is a case file; never raises."""
-    source = _source_like_a_case(path)
-    if source is None:
-        return False
-    try:
-        tree = ast.parse(source)
-    except (SyntaxError, ValueError):
-        return True  # probably meant as one: loading it reports the mistake
-    return any(map(_imports_lab, tree.body)) and any(map(_assigns_case, tree.body))
-
-
-def case_files(folder: Path) -> Iterator[Path]:
-    """The case files of `files_below`."""
-    return filter(is_case_file, files_below(folder))
-
-
-def shipped_cases() -> Iterator[Path]:
-    """The case files that come with the lab, sorted. Their text is matched, not parsed: parsing
-    would take longer than loading them."""
-    return filter(_source_like_a_case, files_below(data_folder("cases")))
-
-
 def files_below(folder: Path) -> Iterator[Path]:
     """All files below `folder`, sorted, except in hidden folders and build products.
 
@@ -113,38 +84,6 @@ def files_below(folder: Path) -> Iterator[Path]:
             yield entry
         elif not entry.name.startswith(".") and entry.name not in _SKIPPED_FOLDERS:
             yield from files_below(entry)
-
-
-def _source_like_a_case(path: Path) -> bytes | None:
-    """A file's text, if its name and its text look like a case file's."""
-    name = path.name
-    if path.suffix != ".py" or name.startswith(("test_", "_")) or name.endswith("_test.py"):
-        return None
-    try:
-        source = path.read_bytes()
-    except OSError:
-        return None
-    named = name not in ("conftest.py", "setup.py") and b"shaderlab" in source
-    return source if named and _ASSIGNS.search(source) else None
-
-
-def _imports_lab(node: ast.stmt) -> bool:
-    names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
-    if isinstance(node, ast.ImportFrom):
-        names = [node.module or ""]
-    return any(name.split(".")[0] == "shaderlab" for name in names)
-
-
-def _assigns_case(node: ast.stmt) -> bool:
-    match node:
-        case ast.Assign(targets=targets, value=ast.Call(func=called)):
-            pass
-        case ast.AnnAssign(target=target, value=ast.Call(func=called)):
-            targets = [target]
-        case _:
-            return False
-    named = any(isinstance(target, ast.Name) and target.id == "case" for target in targets)
-    return named and ast.unparse(called).split(".")[-1] == "Case"
 
 
 def place(section: str, case_id: str) -> tuple[list[int], str]:
