@@ -6,15 +6,19 @@ import errno
 import os
 import shutil
 import stat
+import tempfile
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from itertools import islice
 from pathlib import Path
+from typing import BinaryIO, cast
 
 from shaderlab.errors import ShaderlabError
 
 # Most pieces of a page are a word, some a picture.
 _PIECES_PER_WRITE = 32
+NO_ROOM = (errno.ENOSPC, errno.EDQUOT)
+"""Errors of a disk that is full."""
 # A file that may be written but not replaced: its folder is someone else's or read-only, or the
 # file is a mount of its own, as containers have it.
 _HELD = (errno.EACCES, errno.EPERM, errno.EROFS, errno.EBUSY)
@@ -43,6 +47,14 @@ def replacing(path: str | Path) -> Iterator[Path]:
             shutil.rmtree(draft, ignore_errors=True)
         else:
             draft.unlink(missing_ok=True)
+
+
+def memory_file() -> BinaryIO:
+    """A file without a name that takes no room on any disk; where the system has none, one of the
+    folder for temporary files."""
+    if hasattr(os, "memfd_create"):
+        return open(os.memfd_create("shaderlab"), "w+b")
+    return cast(BinaryIO, tempfile.TemporaryFile())
 
 
 def write_bytes(path: str | Path, data: bytes) -> None:

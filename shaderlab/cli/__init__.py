@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import importlib
 import os
 import sys
@@ -62,6 +63,12 @@ class Commands(click.Group):
                 raise
             click.echo(f"shaderlab: {error}", err=True)
             status = USAGE if isinstance(error, UsageError) else FAILED
+        except OSError as error:
+            if debug or error.errno == errno.EPIPE:  # click knows a reader who has gone
+                raise
+            place = f"{error.filename}: " if error.filename else ""
+            click.echo(f"shaderlab: {place}{error.strerror or error}", err=True)
+            status = FAILED
         except KeyboardInterrupt:
             status = INTERRUPTED
         finally:
@@ -107,8 +114,10 @@ def main() -> None:
     # Before NumPy is imported: its library would start a thread a core, all of which wait busily,
     # while no command multiplies large matrices.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    for stream in (sys.stdout, sys.stderr):
-        reconfigure = getattr(stream, "reconfigure", None)
-        if reconfigure is not None:
-            reconfigure(errors="replace")  # a terminal without ✓ gets a "?", not a traceback
-    cli(prog_name="shaderlab")
+    from .streams import open_streams, settled
+
+    open_streams()
+    try:
+        cli(prog_name="shaderlab")
+    except SystemExit as ended:
+        sys.exit(settled(ended.code))

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from shaderlab.errors import ShaderlabError, UsageError
-from shaderlab.files import replacing, write_named
+from shaderlab.files import NO_ROOM, replacing, write_named
 from shaderlab.report.formats import FORMATS
 
 if TYPE_CHECKING:
@@ -25,7 +25,11 @@ Command = TypeVar("Command", bound=Callable[..., Any])
 
 
 def new_run_folder(parent: Path = REPORTS) -> Path:
-    """Make a new folder named by the time; runs that start together get different ones."""
+    """Make a new folder named by the time; runs that start together get different ones.
+
+    On a full disk it is not made: what is run needs no file, and each file that can't be written
+    is told.
+    """
     stamp = datetime.datetime.now().strftime("%Y%m%d-%H%M%S")
     for number in itertools.count(1):
         folder = parent / (stamp if number == 1 else f"{stamp}-{number}")
@@ -34,19 +38,21 @@ def new_run_folder(parent: Path = REPORTS) -> Path:
         except FileExistsError:
             if not parent.is_dir():
                 raise UsageError("this is not a folder", file=parent) from None
+            continue
         except OSError as error:
-            raise _unwritable(parent, error) from error
-        else:
-            return folder
+            if error.errno not in NO_ROOM:
+                raise _unwritable(parent, error) from error
+        return folder
     raise AssertionError("unreachable")
 
 
 def report_folder(folder: Path) -> Path:
-    """Make the folder of `--report`; it may exist already."""
+    """Make the folder of `--report`, which may exist already; not on a full disk."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise _unwritable(folder, error) from error
+        if error.errno not in NO_ROOM:
+            raise _unwritable(folder, error) from error
     return folder
 
 

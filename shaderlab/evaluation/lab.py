@@ -190,7 +190,8 @@ class Lab:
                 evaluation.gather(expectation)
         drawn = evaluation.drawn
         if self.options.frames is not None:
-            stored_images.save(self.options.frames, scene.case.id, scene.variant, drawn.images)
+            with _unless_unwritable(builder, "the values that drivers are compared by"):
+                stored_images.save(self.options.frames, scene.case.id, scene.variant, drawn.images)
         builder.add_inactive_uniforms(drawn.inactive)
         evaluation.require_no_other_errors()
         self.judge_all(evaluation, builder, writer)
@@ -288,7 +289,7 @@ def _picture_of(scene: Scene, drawn: Drawn) -> tuple[str, str]:
 
 
 @contextmanager
-def _unless_unwritable(builder: RecordBuilder) -> Iterator[None]:
+def _unless_unwritable(builder: RecordBuilder, what: str = "a picture") -> Iterator[None]:
     """A file for people that can't be written, on a full disk say, changes no verdict: it is a
     notice."""
     try:
@@ -296,7 +297,7 @@ def _unless_unwritable(builder: RecordBuilder) -> Iterator[None]:
     except AssetError as error:
         builder.add_notice(error.message)
     except OSError as error:
-        builder.add_notice(f"can't write a picture ({error.strerror or error})")
+        builder.add_notice(f"can't write {what} ({error.strerror or error})")
 
 
 def _defect(error: Exception) -> ShaderlabError:

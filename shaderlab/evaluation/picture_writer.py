@@ -134,7 +134,7 @@ class PictureWriter:
         if "covered" not in arrays and len(packed) > LARGE and not numbers["outside"].any():
             # Every bit is equal, and the data do not compress: a corner is enough.
             packed = pictures.pack(pictures.judged_part(numbers, worst, pictures.WINDOW // 2))
-        path.write_bytes(packed)
+        write_bytes(path, packed)
         return PictureFiles(files, captions, relative)
 
     def _preview(self, file: str, image: Array, palette: Array | None = None) -> None:

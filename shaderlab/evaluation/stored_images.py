@@ -8,14 +8,20 @@ from pathlib import Path
 
 import numpy as np
 
+from shaderlab.files import replacing
 from shaderlab.frame import Array, Image
 
 
 def save(folder: Path, case_id: str, variant: str, images: Mapping[tuple[str, str], Image]) -> None:
-    """Store a scene's images as "pass.output", uncompressed: they are read once and deleted."""
+    """Store a scene's images as "pass.output", uncompressed: they are read once and deleted.
+
+    Raises:
+        OSError: they can't be written.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     arrays = {".".join(key): image.values for key, image in images.items()}
-    np.savez(_file(folder, case_id, variant), **arrays)  # type: ignore[arg-type]
+    with replacing(_file(folder, case_id, variant)) as draft, draft.open("wb") as file:
+        np.savez(file, **arrays)  # type: ignore[arg-type]
 
 
 def load(folder: Path, case_id: str, variant: str) -> dict[str, Array]:

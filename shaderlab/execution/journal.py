@@ -7,6 +7,7 @@ record, in the order in which they came. A line that was cut short counts as not
 from __future__ import annotations
 
 import contextlib
+import errno
 import fcntl
 import json
 import os
@@ -16,6 +17,7 @@ from typing import IO
 
 from shaderlab.errors import UsageError
 from shaderlab.execution.jobs import Job
+from shaderlab.files import NO_ROOM
 from shaderlab.options import RunOptions
 from shaderlab.records import Record
 
@@ -34,7 +36,8 @@ class RunPlan:
 class Journal(contextlib.AbstractContextManager["Journal"]):
     """The file of a run that is going on. A context manager.
 
-    Only one run at a time may write to a folder; the lock goes with the process.
+    Only one run at a time may write to a folder; the lock goes with the process. On a full disk
+    nothing is written, and `problem` says so.
 
     Args:
         folder: the run's folder.
@@ -47,10 +50,15 @@ class Journal(contextlib.AbstractContextManager["Journal"]):
     def __init__(self, folder: Path, plan: RunPlan | None) -> None:
         self._path = folder / FILE_NAME
         self.problem = ""
+        self._file: IO[bytes]
         try:
-            self._file: IO[bytes] = open(self._path, "ab", buffering=0)  # noqa: SIM115
+            self._file = open(self._path, "ab", buffering=0)  # noqa: SIM115
         except OSError as error:
-            raise UsageError(f"can't write here: {error.strerror}", file=self._path) from error
+            if plan is None or (error.errno not in NO_ROOM and folder.is_dir()):
+                raise UsageError(f"can't write here: {error.strerror}", file=self._path) from error
+            self._file = open(os.devnull, "wb", buffering=0)  # noqa: SIM115
+            self.problem = f"can't write {self._path}: {os.strerror(errno.ENOSPC)}"
+            return
         try:
             _lock(self._file)
             if plan is None:

@@ -9,7 +9,6 @@ import signal
 import socket
 import subprocess
 import sys
-import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,6 +16,7 @@ from typing import Any, Literal
 
 from shaderlab.errors import ShaderlabError
 from shaderlab.execution.worker_main import STEP_BYTES
+from shaderlab.files import memory_file
 from shaderlab.options import Limits
 
 START_SECONDS = 120.0
@@ -93,11 +93,24 @@ class WorkerProcess:
         if self._child is not None:
             return
         self._ready, self._fresh = False, True
+        try:
+            self._begin()
+        except OSError as error:
+            raise ShaderlabError(
+                f"can't start a worker process: {error.strerror or error}",
+                remedy="see what limits this system has: ulimit -a",
+            ) from error
+        memory = int(self._limits.gigabytes * (1 << 30))
+        steps = self._steps.fileno()
+        self._send((self._work, self._warm, self._limits.seconds, memory, steps))
+
+    def _begin(self) -> None:
+        """Start the process itself. Raises OSError."""
         self._socket, theirs = socket.socketpair()
         self._answers = self._socket.makefile("rb")
-        # Both live as long as the child.
-        self._errors = tempfile.TemporaryFile()  # noqa: SIM115
-        self._steps = tempfile.TemporaryFile()  # noqa: SIM115
+        # Both live as long as the child, and need no room on a disk that may be full.
+        self._errors = memory_file()
+        self._steps = memory_file()
         self._steps.truncate(STEP_BYTES)
         with theirs:
             self._child = subprocess.Popen(
@@ -109,9 +122,6 @@ class WorkerProcess:
                 env=self._environment,
                 pass_fds=[theirs.fileno(), self._steps.fileno()],
             )
-        memory = int(self._limits.gigabytes * (1 << 30))
-        steps = self._steps.fileno()
-        self._send((self._work, self._warm, self._limits.seconds, memory, steps))
 
     def start(self) -> None:
         """Start the process, if there is none, and wait until it is ready.

@@ -5,6 +5,7 @@ Files have the top row first, OpenGL the lowest; the flip happens here and nowhe
 
 from __future__ import annotations
 
+import resource
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -13,13 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shaderlab.errors import AssetError
-from shaderlab.files import replacing, write_bytes
+from shaderlab.files import memory_file, write_bytes
 from shaderlab.pictures.display import as_pixels, enlarge, to_display
 
 Floats = NDArray[np.float32]
 
 LARGEST_SIDE = 16384
-_PNG = {
+_OVERHEAD = 1 << 16  # bytes that an encoded picture may have more than its pixels
+PNG = {
     "oiio:UnassociatedAlpha": 1,
     # A third of the default's time, for files a tenth larger.
     "png:compressionLevel": 3,
@@ -53,15 +55,24 @@ def save_png(
     pixels = enlarge(pixels, max(1, -(-min_side // min(pixels.shape[:2]))))
     if palette is not None:
         pixels = palette[pixels[:, :, 0]]
-    write_image(Path(path), "png", pixels, _PNG)
+    write(Path(path), encoded("png", pixels, PNG, path))
 
 
-def write_image(
-    path: Path, kind: str, pixels: NDArray[np.uint8], attributes: Mapping[str, int | str]
-) -> None:
-    """Encode uint8 pixels (height, width, channels), row 0 at the bottom; whole or not at all.
+def encoded(
+    kind: str, pixels: NDArray[np.uint8], attributes: Mapping[str, int | str], path: str | Path
+) -> bytes:
+    """uint8 pixels (height, width, channels), row 0 at the bottom, as the bytes of an image file.
 
-    `kind` and `attributes` are those of OpenImageIO. Raises AssetError.
+    They are encoded in memory: OpenImageIO says nothing of a PNG file that the disk has no room
+    for, and never returns from a WebP file.
+
+    Args:
+        kind, attributes: those of OpenImageIO.
+        pixels: the picture.
+        path: the file that they are for.
+
+    Raises:
+        AssetError: they can't be encoded; names the file.
     """
     import OpenImageIO as oiio
 
@@ -72,14 +83,23 @@ def write_image(
     output = oiio.ImageOutput.create(kind)
     if output is None:
         raise _unwritten(path, oiio.geterror() or f"no {kind} writer")
+    limit = resource.getrlimit(resource.RLIMIT_FSIZE)[0]  # of files in memory as well
+    if limit != resource.RLIM_INFINITY and limit < pixels.nbytes + _OVERHEAD:
+        raise _unwritten(path, f"this process may write files of {limit} bytes only")
+    with memory_file() as file:
+        opened = output.open(f"/dev/fd/{file.fileno()}", spec)
+        done = opened and output.write_image(np.ascontiguousarray(pixels[::-1])) and output.close()
+        problem = output.geterror()
+        if problem or not done:
+            raise _unwritten(path, problem or "the file could not be finished")
+        file.seek(0)
+        return file.read()
+
+
+def write(path: Path, data: bytes) -> None:
+    """Write the bytes of an image file, whole or not at all. Raises AssetError."""
     try:
-        with replacing(path) as draft:
-            if not output.open(str(draft), spec):
-                raise _unwritten(path, output.geterror())
-            written = output.write_image(np.ascontiguousarray(pixels[::-1]))
-            closed = output.close()
-            if not (written and closed):
-                raise _unwritten(path, output.geterror() or "the file could not be finished")
+        write_bytes(path, data)
     except OSError as error:
         raise _unwritten(path, error.strerror or str(error)) from error
 
@@ -94,13 +114,10 @@ def copy_png(path: str | Path, source: Path) -> None:
         data = source.read_bytes()
     except OSError as error:
         raise _damaged(source, str(error.strerror)) from error
-    try:
-        write_bytes(path, data)
-    except OSError as error:
-        raise _unwritten(Path(path), error.strerror or str(error)) from error
+    write(Path(path), data)
 
 
-def _unwritten(target: Path, problem: str) -> AssetError:
+def _unwritten(target: str | Path, problem: str) -> AssetError:
     return AssetError(
         f"can't write the picture ({problem})",
         file=target,

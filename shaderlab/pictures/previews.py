@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from shaderlab.pictures.files import reduced, save_png, write_image
+from shaderlab.pictures.files import PNG, encoded, reduced, write
 
 _WEBP: dict[str, int | str] = {
     "compression": "webp:70",  # a photograph's usual quality
@@ -32,18 +32,16 @@ def save_previews(path: str | Path, pixels: NDArray[np.uint8], sides: tuple[int,
 
     Raises:
         AssetError: a file can't be written.
+        OSError: the PNG file has gone.
     """
     for side in sides:
         small = reduced(pixels, side) if side else pixels
-        webp = _copy_path(Path(path), side, "webp")
-        write_image(webp, "webp", small, _WEBP)
-        rival = Path(path)
-        if side:
-            rival = _copy_path(Path(path), side, "png")
-            save_png(rival, small)
-        loser = webp if rival.stat().st_size <= 1.25 * webp.stat().st_size else rival
-        if loser == webp or side:
-            loser.unlink()
+        webp = encoded("webp", small, _WEBP, path)
+        png = encoded("png", small, PNG, path) if side else b""
+        if (len(png) or Path(path).stat().st_size) > 1.25 * len(webp):
+            write(_copy_path(Path(path), side, "webp"), webp)
+        elif side:
+            write(_copy_path(Path(path), side, "png"), png)
 
 
 def preview(path: str | Path, side: int) -> bytes:

@@ -158,6 +158,11 @@ def small_disk(tmp_path: Path) -> Iterator[Path]:
 
 def test_a_full_disk_costs_the_report_but_no_verdict(cases: Path, small_disk: Path) -> None:
     (cases / "cases" / "c.py").unlink()
+    # Nothing reads the noise, but its picture has no room: an encoder once never came back from it.
+    hashed = "fract(sin(dot(floor(gl_FragCoord.xy / 16.0), vec2(12.9898, 78.233))) * 43758.5453)"
+    faulty.write(cases / "cases", "a", body=f"noise = {hashed} * vec3(1.0, 0.5, 0.25);")
+    shader = cases / "cases" / "a.frag"
+    shader.write_text(shader.read_text().replace("void main", "out vec3 noise;\nvoid main"))
     done = faulty.shaderlab(
         "./cases", "--report", small_disk / "run", "--json", "out.json", cwd=cases
     )

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
+import errno
 import json
+import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -184,6 +186,27 @@ def test_an_output_without_room_costs_neither_verdict_nor_report(
     assert "full: can't write here: No space left on device" in result.stderr
     assert (tmp_path / "out.xml").is_file() and (tmp_path / "here" / "index.html").is_file()
     assert (tmp_path / "full").is_symlink()
+
+
+@pytest.mark.parametrize("folder", [(), ("--report", "here")])
+def test_a_disk_without_room_for_the_runs_folder_costs_no_verdict(
+    shaderlab: Callable[..., Result],
+    case_folder: Path,
+    fake_lab: Install,
+    monkeypatch: pytest.MonkeyPatch,
+    folder: tuple[str, ...],
+) -> None:
+    def full(*_: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    log = fake_lab({})
+    monkeypatch.setattr(os, "mkdir", full)
+    result = shaderlab("run", case_folder / "lamp.py", "--json", "-", *folder)
+    assert result.exit_code == 1 and ran(log) == ["lamp[near]", "lamp[far]"]
+    assert len(json.loads(result.stdout)["cases"]) == 2
+    for file in ("run.json", "index.html", "records.jsonl"):
+        assert file in result.stderr
+    assert result.stderr.count("No space left on device") == 3
 
 
 def test_junit(

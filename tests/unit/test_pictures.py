@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import struct
+import subprocess
+import sys
 import zlib
 from collections.abc import Callable
 from pathlib import Path
@@ -169,6 +171,22 @@ def test_a_failed_write_leaves_the_old_file_and_no_other(
     assert caught.value.file == str(target) and caught.value.remedy
     assert target.read_bytes() == before
     assert [p.name for p in tmp_path.iterdir()] == ["a.png"]
+
+
+def test_where_files_may_not_be_large_a_picture_is_named(tmp_path: Path) -> None:
+    """Files in memory are under that limit as well, and an encoder never comes back from it."""
+    program = (
+        "import resource, sys, numpy\n"
+        "from shaderlab import pictures\n"
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (9000, 9000))\n"
+        "noise = numpy.random.default_rng(0).integers(0, 255, (256, 256, 3), dtype=numpy.uint8)\n"
+        "pictures.save_previews('p.png', noise, (0,))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, timeout=60
+    )
+    assert "AssetError: p.png: can't write the picture (this process may write" in done.stderr
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_missing_folder_is_named(tmp_path: Path) -> None:
