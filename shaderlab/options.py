@@ -32,6 +32,7 @@ class RunOptions:
         pictures: whether pictures are drawn into it.
         shaders: files that replace shaders, by the shader's name.
         texts: texts that replace shaders, likewise.
+        include: further folders in which shaders are found.
         driver: as in `shaderlab.backends.open_backend`; a process keeps the first it is given.
         frames: the folder in which `shaderlab.evaluation.stored_images` stores what each scene
             draws; None stores nothing.
@@ -44,6 +45,7 @@ class RunOptions:
     pictures: bool = True
     shaders: Mapping[str, Path] = field(default_factory=dict)
     texts: Mapping[str, str] = field(default_factory=dict)
+    include: tuple[Path, ...] = ()
     driver: str | None = None
     frames: Path | None = None
     limits: Limits = Limits()

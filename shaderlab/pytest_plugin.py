@@ -11,8 +11,9 @@ kind of test comes in between: none of them begins a variant while someone's Pyt
 each, nothing is run ahead.
 
 `shaderlab_timeout` (seconds) and `shaderlab_memory` (gigabytes) in pytest's configuration are the
-limits of one variant, `shaderlab_jobs` is the number of workers. SHADERLAB_JOBS goes before it;
-with 0 everything runs in pytest's own process, for debuggers.
+limits of one variant and go before those in `[tool.shaderlab]`; `shaderlab_jobs` is the number of
+workers. SHADERLAB_JOBS goes before it; with 0 everything runs in pytest's own process, for
+debuggers.
 """
 
 from __future__ import annotations
@@ -109,18 +110,27 @@ def prefetcher_of(config: pytest.Config) -> Prefetcher:
     if prefetcher is None:
         from shaderlab.execution import InProcessExecutor, Prefetcher, ProcessExecutor
         from shaderlab.options import Limits, RunOptions
+        from shaderlab.settings import settings_of
 
         workers = _workers(config)
+        try:
+            settings = settings_of(config.rootpath)
+        except ShaderlabError as error:
+            raise pytest.UsageError(str(error)) from None
         limits = Limits(
-            seconds=_number(config, "shaderlab_timeout"),
-            gigabytes=_number(config, "shaderlab_memory"),
+            seconds=_number(config, "shaderlab_timeout", settings.timeout or Limits.seconds),
+            gigabytes=_number(
+                config,
+                "shaderlab_memory",
+                Limits.gigabytes if settings.memory is None else settings.memory,
+            ),
         )
         executor = (
-            InProcessExecutor()
+            InProcessExecutor(settings.driver)
             if workers == 0
-            else ProcessExecutor(limits=limits, workers=workers, early=False)
+            else ProcessExecutor(settings.driver, limits, workers, early=False)
         )
-        options = RunOptions(pictures=False, limits=limits)
+        options = RunOptions(pictures=False, driver=settings.driver, limits=limits)
         prefetcher = Prefetcher(executor, options, ahead=workers not in (0, 1))
         config.stash[_PREFETCHER] = prefetcher
     return prefetcher
@@ -140,8 +150,8 @@ def following(item: CaseItem) -> Iterator[Job]:
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Settings for pytest's configuration file, or for -o on its command line."""
-    parser.addini("shaderlab_timeout", "seconds that one variant of a case may take", default="30")
-    parser.addini("shaderlab_memory", "gigabytes that it may have; 0 for any amount", default="4")
+    parser.addini("shaderlab_timeout", "seconds that one variant may take; else 30", default="")
+    parser.addini("shaderlab_memory", "gigabytes of it; 0 for any amount; else 4", default="")
     parser.addini("shaderlab_jobs", f"worker processes; 0 for none; else {WORDS}", default="")
 
 
@@ -159,7 +169,9 @@ def _workers(config: pytest.Config) -> int | None:
     return int(text) if text else None
 
 
-def _number(config: pytest.Config, name: str) -> float:
+def _number(config: pytest.Config, name: str, default: float) -> float:
+    if not config.getini(name):
+        return default
     try:
         value = float(config.getini(name))
     except ValueError:

@@ -6,6 +6,7 @@ import errno
 import importlib
 import os
 import sys
+from pathlib import Path
 from typing import Any
 
 import click
@@ -27,6 +28,7 @@ COMMANDS = {
     "compile": "compile",
     "mutate": "mutate",
     "report": "reporting",
+    "init": "init",
     "doctor": "doctor",
 }
 
@@ -90,7 +92,8 @@ class Commands(click.Group):
     envvar=DEBUG,
     help="Show a traceback for every error, in records too.",
 )
-def cli(debug: bool) -> None:
+@click.pass_context
+def cli(context: click.Context, debug: bool) -> None:
     """Make shader formulas testable: run GLSL without a GPU or a screen, hold every pixel against
     a Python formula, and see it all in one HTML page.
 
@@ -105,8 +108,13 @@ def cli(debug: bool) -> None:
       shaderlab compile my_shaders/       only ask the compilers
       pytest my_cases/                    the same cases as tests
 
+    Settings of a project are in [tool.shaderlab] of its pyproject.toml.
+
     Exit code: 0 all passed, 1 something failed, 2 wrong usage.
     """
+    from ..settings import defaults, settings_of
+
+    context.default_map = defaults(settings_of(Path()))
 
 
 def main() -> None:

@@ -12,14 +12,13 @@ import click
 
 from shaderlab.cli import FAILED, OK
 from shaderlab.cli.files import write_json
-from shaderlab.cli.options import JSON, jobs_option, limits_option
+from shaderlab.cli.options import INCLUDE, JSON, jobs_option, limits_option
 from shaderlab.cli.tallying import Tally, as_data, messages, progress_bar
 from shaderlab.compiler.engines import ENGINES
 from shaderlab.compiler.harness import WORK, CompileOptions, FileResult, compile_found, time_limit
 from shaderlab.compiler.shader_files import find_shaders
 from shaderlab.compiler.targets import ALL_TARGETS, TARGETS
 from shaderlab.compiler.text import STAGES
-from shaderlab.errors import UsageError
 from shaderlab.execution import WorkerPool
 from shaderlab.execution.sizing import cores
 from shaderlab.options import Limits
@@ -28,7 +27,6 @@ from shaderlab.options import Limits
 _DRIVER = "shaderlab.backends:driver_verdict"
 _FILES_PER_WORKER = 500
 _MOST_WORKERS = 4
-_FOLDER = click.Path(path_type=Path)
 
 
 @click.command("compile", short_help="Only ask the compilers.")
@@ -43,15 +41,7 @@ _FOLDER = click.Path(path_type=Path)
 )
 @click.option("--stage", type=click.Choice(STAGES), help="Of every file, whatever its name says.")
 @click.option("--define", "-D", "defines", multiple=True, metavar="NAME[=VALUE]", help="A macro.")
-@click.option(
-    "--include",
-    "-I",
-    "includes",
-    multiple=True,
-    type=_FOLDER,
-    metavar="DIR",
-    help='Another folder in which #include "…" looks.',
-)
+@INCLUDE
 @click.option("--link", is_flag=True, help="The files are the stages of one program.")
 @click.option("--driver", is_flag=True, help="Ask the OpenGL driver as well.")
 @click.option("--engine", type=click.Choice(ENGINES), help="Libraries, or the system's commands.")
@@ -89,16 +79,16 @@ def command(
       shaderlab compile --link --driver lamp.vert lamp.frag
     """
     from shaderlab.discovery import data_folder
+    from shaderlab.settings import settings_of
 
-    for folder in includes:
-        if not folder.is_dir():
-            raise UsageError("there is no such folder", file=folder)
     shipped = data_folder("shaders").resolve()
     shaders = find_shaders(paths, [shipped], stage=stage)
+    folders = dict.fromkeys(path if path.is_dir() else path.parent for path in map(Path, paths))
+    own = [each for folder in folders for each in settings_of(folder).shader_folders(folder)]
     programs = [shaders] if link else [[shader] for shader in shaders]
     options = CompileOptions(
         targets=tuple(dict.fromkeys(targets)) or TARGETS,
-        include=tuple(map(str, [*includes, shipped])),
+        include=tuple(map(str, dict.fromkeys([*includes, *own, shipped]))),
         defines=dict(map(_macro, defines)),
         stage=stage,
         engine=engine,

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
@@ -22,6 +23,15 @@ if TYPE_CHECKING:
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
+INCLUDE = click.option(
+    "--include",
+    "-I",
+    "includes",
+    multiple=True,
+    type=click.Path(path_type=Path, exists=True, file_okay=False, resolve_path=True),
+    metavar="DIR",
+    help='Another folder in which shaders are found by name, and by #include "…".',
+)
 JSON = click.option(
     "--json", "json_file", metavar="FILE", help="Write results as JSON; - for stdout."
 )
@@ -98,6 +108,7 @@ def running_options(what: str) -> Callable[[Command], Command]:
 
     def decorate(command: Command) -> Command:
         for option in (
+            INCLUDE,
             DRIVER,
             SCHEDULER,
             jobs_option(),

@@ -30,7 +30,9 @@ def parsed(words: Sequence[str]) -> Replacements:
     return found
 
 
-def named(replacements: Replacements, jobs: Iterable[Job]) -> Replacements:
+def named(
+    replacements: Replacements, jobs: Iterable[Job], include: Sequence[Path] = ()
+) -> Replacements:
     """Each name as the jobs' cases know it: its whole path, or the end of one, if only one ends
     so.
 
@@ -42,8 +44,12 @@ def named(replacements: Replacements, jobs: Iterable[Job]) -> Replacements:
     from shaderlab.evaluation.search_path import shaders_of
 
     folders = dict.fromkeys(Path(job.file).parent for job in jobs)
-    known = sorted({name for folder in folders for name in shaders_of(folder, {}).names()})
-    return {_whole(name, known): file for name, file in replacements.items()}
+    places = [shaders_of(folder, {}, include) for folder in folders]
+    known = sorted({name for shaders in places for name in shaders.names()})
+    return {
+        name if any(shaders.has(name) for shaders in places) else _whole(name, known): file
+        for name, file in replacements.items()
+    }
 
 
 def unread(replacements: Replacements, records: Sequence[Record]) -> list[UsageError]:
@@ -69,8 +75,6 @@ def unread(replacements: Replacements, records: Sequence[Record]) -> list[UsageE
 
 
 def _whole(name: str, known: Sequence[str]) -> str:
-    if name in known:
-        return name
     ends = [one for one in known if one.endswith(f"/{name}")]
     if len(ends) == 1:
         return ends[0]

@@ -77,6 +77,7 @@ def command(
     shaders: tuple[str, ...],
     outputs: Mapping[str, str],
     folder: str | None,
+    includes: tuple[Path, ...],
     limits: Limits,
     workers: int | None,
     scheduler: str | None,
@@ -123,7 +124,11 @@ def command(
     if resume is not None and (targets or every or variants or folder):
         raise UsageError("--resume runs what was asked for then: name nothing else")
     options = RunOptions(
-        size=size, pictures=pictures, driver=compared[0] if compared else driver, limits=limits
+        size=size,
+        pictures=pictures,
+        include=includes,
+        driver=compared[0] if compared else driver,
+        limits=limits,
     )
     done: list[Record] | None = None
     if resume is not None:
@@ -148,7 +153,9 @@ def command(
         if resume is None:
             replacements = parsed(shaders)
             jobs = choose(targets, every, variants, executor.load)
-            plan = new_plan(jobs, replace(options, shaders=named(replacements, jobs)), folder)
+            plan = new_plan(
+                jobs, replace(options, shaders=named(replacements, jobs, includes)), folder
+            )
         if compared:
             recorded = _run_on_each(compared, executor, start, plan, show)
         else:

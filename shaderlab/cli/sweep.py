@@ -36,6 +36,7 @@ def command(
     params: tuple[str, ...],
     table: str | None,
     folder: str | None,
+    includes: tuple[Path, ...],
     limits: Limits,
     workers: int | None,
     scheduler: str | None,
@@ -71,7 +72,7 @@ def command(
 
     if table is not None:
         tables.check(Path(table))
-    options = RunOptions(pictures=pictures, driver=driver, limits=limits)
+    options = RunOptions(pictures=pictures, include=includes, driver=driver, limits=limits)
     done: list[Record] | None = None
     if resume is not None:
         from shaderlab.cli.recorded_run import resumed_plan

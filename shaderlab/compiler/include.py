@@ -12,7 +12,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from shaderlab.compiler.shader_files import File, OutsideError, Roots, inside
+from shaderlab.compiler.shader_files import OUTSIDE_REMEDY, File, OutsideError, Roots, inside
 from shaderlab.compiler.text import version_of, without_comments
 from shaderlab.errors import ShaderError, nearest
 
@@ -180,7 +180,8 @@ class Expansion:
                 raise ShaderError(
                     chain, file=error.file, line=error.line, remedy=error.remedy
                 ) from None
-            open_files = [one for one, _ in trail if one.name == name]
+            found = name if file is None else file.name
+            open_files = [one for one, _ in trail if one.name == found]
             if open_files and not _ONCE.search(without_comments(open_files[0].text)):
                 raise _error(f"{path!r} includes itself", trail, "break the cycle of includes")
             if file is not None and len(trail) > MAX_DEPTH:
@@ -188,8 +189,7 @@ class Expansion:
             if file is not None:
                 return File(file.name, file.path, "\n") if open_files else file
         if outside is not None:
-            remedy = "move the file into a shader folder"
-            raise _error(f"#include {path!r} {outside}", trail, remedy)
+            raise _error(f"#include {path!r} {outside}", trail, OUTSIDE_REMEDY)
         raise _error(f"no file to #include: {path!r}", trail, nearest(path, self._roots.names()))
 
 

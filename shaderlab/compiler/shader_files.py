@@ -16,6 +16,14 @@ from shaderlab.errors import ShaderError, UsageError, nearest
 _SHADER_SUFFIXES = re.compile(r"\.(vert|vs|frag|fs|geom|gs|tesc|tcs|tese|tes|comp|cs|glsl|inc|h)")
 
 
+_NO_SHADERS = frozenset({"__pycache__", "node_modules", "site-packages"})
+_LEADS_OUT = "leads out of the shader folders"
+OUTSIDE_REMEDY = (
+    "name it by its path inside a shader folder, or add its folder: --include, or include = […] "
+    "in [tool.shaderlab] of the project's pyproject.toml"
+)
+
+
 @dataclass(frozen=True)
 class File:
     """A shader file: its name inside the roots, where it is on disk, and its text."""
@@ -49,10 +57,7 @@ class Roots:
         try:
             file = self.find(inside(name))
         except OutsideError as error:
-            raise ShaderError(
-                f"shader {name!r}: {error}",
-                remedy="name it by its path inside a shader folder",
-            ) from None
+            raise ShaderError(f"shader {name!r}: {error}", remedy=OUTSIDE_REMEDY) from None
         if file is None:
             where = ", ".join(str(folder) for folder in self.folders) or "no folder"
             raise ShaderError(
@@ -60,34 +65,86 @@ class Roots:
             )
         return file
 
+    def has(self, name: str) -> bool:
+        """Whether there is a shader of that name, and it can be read."""
+        try:
+            return self.find(inside(name)) is not None
+        except (OutsideError, ShaderError):
+            return False
+
     def find(self, name: str) -> File | None:
         """The file of a normalised name, or None if it is in no root.
 
+        A name that climbs, such as "../shaders/a.glsl", is looked for beside each root, and found
+        where that is in a root again; the file then has its name inside that one.
+
         Raises:
-            OutsideError: a symbolic link leads out of the roots.
+            OutsideError: the name or a symbolic link leads out of the roots.
             ShaderError: the file can't be read.
         """
         if name in self._overrides:
-            new = self._overrides[name]
-            if isinstance(new, Path):
-                return File(name, str(new), read_shader(new))
-            return File(name, name, normalise(new, name))
-        for folder in self._named_folders:
-            path = os.path.join(folder, name)
+            return self._overridden(name, name)
+        climbs = name.startswith("../")
+        for path in self._climbed(name) if climbs else self._joined(name):
             if os.path.lexists(path):
                 real = os.path.realpath(path) if os.path.islink(path) else self._real(path)
                 if not real.startswith(self._real_folders):
                     raise OutsideError(
                         f"a symbolic link leads out of the shader folders, to {real}"
                     )
-                return File(name, path, read_shader(path))
+                known = self._name_inside(path) if climbs else name
+                if self._overrides and real in self._overridden_files:
+                    return self._overridden(self._overridden_files[real], known)
+                return File(known, path, read_shader(path))
         return None
 
     def names(self) -> tuple[str, ...]:
-        """All shader files below the roots, sorted, and all overridden names, as `load` and
-        `#include` take them."""
-        found = {name for folder in self.folders for name in _below(folder)}
-        return tuple(sorted(found | set(self._overrides)))
+        """All overridden names and all shader files below the roots, each by its shortest name, as
+        `load` and `#include` take them; those of the first root first."""
+        found: dict[str, str] = {}
+        for folder in self.folders:
+            for name in _below(folder):
+                path = self._real(os.path.join(folder, name))
+                found[path] = min(found.get(path, name), name, key=len)
+        return tuple(dict.fromkeys([*self._overrides, *found.values()]))
+
+    def _overridden(self, key: str, name: str) -> File:
+        new = self._overrides[key]
+        if isinstance(new, Path):
+            return File(name, str(new), read_shader(new))
+        return File(name, name, normalise(new, name))
+
+    @functools.cached_property
+    def _overridden_files(self) -> dict[str, str]:
+        """The overridden names by the files that they stand for: one file has several names where
+        one root is inside another."""
+        found: dict[str, str] = {}
+        for key in self._overrides:
+            paths = self._climbed(key) if key.startswith("../") else self._joined(key)
+            for path in paths:
+                if os.path.lexists(path):
+                    found.setdefault(os.path.realpath(path), key)
+                    break
+        return found
+
+    def _joined(self, name: str) -> Iterator[str]:
+        return (os.path.join(folder, name) for folder in self._named_folders)
+
+    def _climbed(self, name: str) -> Sequence[str]:
+        paths = [os.path.normpath(path) for path in self._joined(name)]
+        inside = [path for path in paths if self._roots_above(path)]
+        if not inside:
+            raise OutsideError(_LEADS_OUT)
+        return inside
+
+    def _roots_above(self, path: str) -> list[str]:
+        """The roots that a path lies in, in search order."""
+        whole = os.path.abspath(path)
+        roots = (os.path.join(os.path.abspath(folder), "") for folder in self.folders)
+        return [root for root in roots if whole.startswith(root)]
+
+    def _name_inside(self, path: str) -> str:
+        return _slashes(os.path.abspath(path)[len(self._roots_above(path)[0]) :])
 
     @functools.cached_property
     def _real(self) -> Callable[[str], str]:
@@ -120,25 +177,22 @@ def inside(name: str, folder: str = "") -> str:
     """`name`, seen from `folder` (itself a name inside the roots), normalised.
 
     Raises:
-        OutsideError: it is absolute, has backslashes or a drive, or climbs out of the roots.
+        OutsideError: it is absolute, has backslashes or a drive, or names a folder.
     """
     if "\\" in name:
         raise OutsideError("has a backslash; write / between folders")
     if name.startswith("/") or re.match(r"[A-Za-z]:", name):
         raise OutsideError("is an absolute path; only files inside the shader folders are read")
     joined = posixpath.normpath(posixpath.join(folder, name)) if name else "."
-    if joined == "." or joined == ".." or joined.startswith("../"):
-        raise OutsideError(
-            "leads out of the shader folders" if name else "is empty; name a shader file"
-        )
+    if joined in (".", ".."):
+        raise OutsideError(_LEADS_OUT if name else "is empty; name a shader file")
     return joined
 
 
 def _below(folder: Path) -> Iterator[str]:
-    if folder.is_dir():
-        for path in folder.rglob("*"):
-            if _SHADER_SUFFIXES.fullmatch(path.suffix) and path.is_file():
-                yield path.relative_to(folder).as_posix()
+    for path in map(Path, _walk(str(folder))):
+        if _SHADER_SUFFIXES.fullmatch(path.suffix) and path.is_file():
+            yield path.relative_to(folder).as_posix()
 
 
 @dataclass(frozen=True)
@@ -201,7 +255,7 @@ def _placed(
 
 def _walk(folder: str) -> Iterator[str]:
     for where, folders, files in os.walk(folder):
-        folders[:] = sorted(name for name in folders if not name.startswith("."))
+        folders[:] = sorted(n for n in folders if not n.startswith(".") and n not in _NO_SHADERS)
         for name in sorted(files):
             yield os.path.join(where, name)
 

@@ -18,7 +18,7 @@ from shaderlab.activity import Activity, doing
 from shaderlab.backends import Backend, Drawn, open_backend
 from shaderlab.compiler.compile import Compiled
 from shaderlab.compiler.compile_cache import cached_compiler
-from shaderlab.compiler.sources import Source
+from shaderlab.compiler.sources import Shaders, Source
 from shaderlab.errors import (
     AssetError,
     CaseError,
@@ -54,7 +54,7 @@ class Lab:
         self._verdicts: dict[tuple[Source, ...], Verdict] = {}
         self._preparer = lru_cache(maxsize=64)(self._new_preparer)
         self._opengl_preparer = lru_cache(maxsize=64)(
-            lambda folder: Preparer(shaders_of(Path(folder), {}), _compile_for_opengl)
+            lambda folder: Preparer(self._shaders(folder, {}), _compile_for_opengl)
         )
 
     def __enter__(self) -> Self:
@@ -70,8 +70,10 @@ class Lab:
 
     def configure(self, options: RunOptions) -> None:
         """Take other options for the scenes to come. The device stays, and with it the driver."""
-        if options.replacements != self.options.replacements:
+        before = self.options
+        if (options.replacements, options.include) != (before.replacements, before.include):
             self._preparer.cache_clear()
+            self._opengl_preparer.cache_clear()
         self.options = options
 
     def close(self) -> None:
@@ -108,7 +110,7 @@ class Lab:
         """
         folder = Path(scene.case.file).parent
         if texts:
-            preparer = Preparer(shaders_of(folder, texts), _compile_for_opengl)
+            preparer = Preparer(self._shaders(folder, texts), _compile_for_opengl)
         else:
             preparer = self._opengl_preparer(str(folder))
         programs = {p.name: tuple(preparer.prepare(d) for d in p.draws) for p in scene.passes}
@@ -254,7 +256,10 @@ class Lab:
             )
 
     def _new_preparer(self, folder: str) -> Preparer:
-        return Preparer(shaders_of(Path(folder), self.options.replacements), cached_compiler())
+        return Preparer(self._shaders(folder, self.options.replacements), cached_compiler())
+
+    def _shaders(self, folder: str | Path, overrides: Mapping[str, str | Path]) -> Shaders:
+        return shaders_of(Path(folder), overrides, self.options.include)
 
 
 def _compile_for_opengl(sources: Sequence[Source], _: Sequence[str]) -> Compiled:

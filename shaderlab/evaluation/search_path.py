@@ -2,21 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from shaderlab.compiler.sources import Shaders
 from shaderlab.discovery import data_folder
+from shaderlab.settings import settings_of
 
 
-def shaders_of(folder: Path, overrides: Mapping[str, str | Path]) -> Shaders:
-    """The shaders of the cases in `folder`: those beside them, in shaders/ there, the shipped ones.
+def shaders_of(
+    folder: Path, overrides: Mapping[str, str | Path], include: Sequence[Path] = ()
+) -> Shaders:
+    """The shaders of the cases in `folder`: those of their project, the shipped ones.
 
     Args:
         folder: where the case file is; a shipped case sees the shipped shaders alone.
         overrides: texts or files to take in a shader's place, by its name.
+        include: further folders, which come after the project's own.
+
+    Raises:
+        UsageError: the project's settings are wrong.
     """
     shipped = data_folder("shaders")
     inside = folder.resolve().is_relative_to(data_folder("cases").resolve())
-    own = [] if inside else [p for p in (folder, folder / "shaders") if p.is_dir()]
+    own = () if inside else (*settings_of(folder).shader_folders(folder), *include)
     return Shaders([*own, shipped], overrides=dict(overrides))

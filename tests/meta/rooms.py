@@ -19,7 +19,7 @@ ORDER = (
     "errors", "files", "activity", "packages", "options", "records", "frame",
     "bands", "sampling", "glslmath", "pictures", "model", "assets", "reference",
     "compiler", "programs", "backends", "judging", "expectations",
-    "discovery", "catalogue", "evaluation", "report", "execution", "mutation",
+    "discovery", "settings", "catalogue", "evaluation", "report", "execution", "mutation",
     "code_coverage",
     "doctor", "pytest_plugin", "cli", "__main__", "__init__",
 )  # fmt: skip

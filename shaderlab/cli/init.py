@@ -1,0 +1,127 @@
+"""`shaderlab init`: what a repository needs for shader tests, written where it is not there yet."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+
+import click
+
+from shaderlab.cli import OK
+from shaderlab.cli.files import write_output
+from shaderlab.errors import UsageError
+from shaderlab.settings import FILE
+
+_TABLE = """\
+[tool.shaderlab]
+# Where shaders are found by name, from this folder; by default in all of the repository.
+shaders = [{shaders}]
+# include = ["third_party/glsl"]                  # more folders for #include
+# targets = ["glsl", "opengl", "vulkan"]          # what must accept them
+# driver = "llvmpipe"                             # softpipe, or "default" for the machine's own
+# timeout = 30                                    # seconds that one variant may take
+# memory = 4                                      # gigabytes that one worker may have
+# keep = 20                                       # runs that stay in reports/; 0 for all
+"""
+_WORKFLOW = """\
+name: shaders
+on: [push, pull_request]
+
+jobs:
+  test:
+    runs-on: ubuntu-latest
+    steps:
+      - uses: actions/checkout@v4
+      - uses: actions/setup-python@v5
+        with:
+          python-version: "3.12"
+      - run: sudo apt-get update && sudo apt-get install -y libegl1 libgl1-mesa-dri
+      - run: pip install shaderlab  # or its wheel, or the address of its repository
+      - run: shaderlab compile {shaders}
+      - run: shaderlab run . --junit shaderlab.xml --markdown shaderlab.md
+      - if: always()
+        run: test ! -f shaderlab.md || cat shaderlab.md >> "$GITHUB_STEP_SUMMARY"
+      - if: always()
+        uses: actions/upload-artifact@v4
+        with:
+          name: shaderlab
+          path: |
+            reports/
+            shaderlab.xml
+"""
+_WORKFLOW_FILE = Path(".github", "workflows", "shaders.yml")
+_IGNORED = "/reports/"
+
+
+@click.command("init", short_help="Settings, a CI workflow and a .gitignore line for a repository.")
+def command() -> int:
+    """Write into this folder what a repository needs for shader tests: a table [tool.shaderlab] in
+    pyproject.toml with the folder of its shaders, a workflow for GitHub Actions, and a line in
+    .gitignore that leaves reports/ out.
+
+    What is there already stays as it is.
+
+    Exit code: 0 everything is there now, 2 something can't be written.
+    """
+    folders = list(_shader_folders()) or ["."]
+    listed = ", ".join(f'"{name}"' for name in folders)
+    _settings(_TABLE.format(shaders=listed))
+    if _WORKFLOW_FILE.exists():
+        _say("is there already", _WORKFLOW_FILE)
+    else:
+        _write(_WORKFLOW_FILE, _WORKFLOW.format(shaders=" ".join(folders)))
+    _ignore()
+    click.echo("\nnext: write a case (docs/guide/tutorial.md), then `shaderlab run .`")
+    return OK
+
+
+def _shader_folders() -> Iterator[str]:
+    """The topmost folders that hold shaders, from here."""
+    from shaderlab.compiler.shader_files import Roots
+
+    names = Roots([Path()], {}).names()
+    yield from sorted({name.partition("/")[0] if "/" in name else "." for name in names})
+
+
+def _settings(table: str) -> None:
+    file = Path(FILE)
+    before = _text(file)
+    try:
+        known = tomllib.loads(before)
+        if "shaderlab" in known.get("tool", {}):
+            _say("has [tool.shaderlab] already", file)
+            return
+        gap = "" if not before else "\n" if before.endswith("\n") else "\n\n"
+        tomllib.loads(before + gap + table)
+    except (tomllib.TOMLDecodeError, TypeError, AttributeError) as error:
+        raise UsageError(
+            f"can't add [tool.shaderlab]: {error}", file=file, remedy="mend the file first"
+        ) from error
+    _write(file, before + gap + table, added=bool(before))
+
+
+def _ignore() -> None:
+    file = Path(".gitignore")
+    before = _text(file)
+    if {line.strip().strip("/") for line in before.splitlines()} & {"reports", "reports/*"}:
+        _say("leaves reports/ out already", file)
+        return
+    gap = "" if not before or before.endswith("\n") else "\n"
+    _write(file, f"{before}{gap}{_IGNORED}\n", added=bool(before))
+
+
+def _text(file: Path) -> str:
+    try:
+        return file.read_text(encoding="utf-8") if file.exists() else ""
+    except (OSError, UnicodeDecodeError) as error:
+        raise UsageError(f"can't read this file: {error}", file=file) from error
+
+
+def _write(file: Path, text: str, *, added: bool = False) -> None:
+    write_output(text, str(file))
+    _say("added to" if added else "written", file)
+
+
+def _say(what: str, file: Path) -> None:
+    click.echo(f"{what}: {file}" if what in ("written", "added to") else f"{file} {what}")

@@ -1,0 +1,206 @@
+"""A project's settings: `[tool.shaderlab]` in its pyproject.toml.
+
+Every command reads them here. What the command line says goes before them.
+"""
+
+from __future__ import annotations
+
+import os
+import tomllib
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from shaderlab.errors import UsageError, nearest
+from shaderlab.files import display_path
+
+FILE = "pyproject.toml"
+TABLE = "shaderlab"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settings:
+    """What a project says, each thing None or empty where it says nothing.
+
+    Attributes:
+        root: the project's folder: that of the nearest pyproject.toml with a table
+            `[tool.shaderlab]`, or else of the nearest repository; None where there is neither.
+        shaders: the folders in which shaders are found by name.
+        include: further folders for `#include`.
+        targets: what programs are compiled for.
+        driver: the driver's name.
+        timeout: seconds that one variant may take.
+        memory: gigabytes that one worker may have.
+        keep: how many runs stay in reports/; 0 for all.
+    """
+
+    root: Path | None = None
+    shaders: tuple[Path, ...] | None = None
+    include: tuple[Path, ...] = ()
+    targets: tuple[str, ...] = ()
+    driver: str | None = None
+    timeout: float | None = None
+    memory: float | None = None
+    keep: int | None = None
+
+    def shader_folders(self, folder: Path) -> tuple[Path, ...]:
+        """Where the shaders are that files in `folder` name, in the order of the search.
+
+        First the folder itself and `shaders` in it. Then what the project says; without a word of
+        it, each folder up to the project's root, and `shaders` in each. Where nothing marks a
+        project, that is `shaders` beside the folder.
+        """
+        here = Path(os.path.abspath(folder))
+        if self.shaders is not None:
+            others = list(self.shaders)
+        elif self.root is not None and here.is_relative_to(self.root):
+            above = [here, *here.parents]
+            above = above[1 : above.index(self.root) + 1]
+            others = [each for one in above for each in (one, one / "shaders")]
+        else:
+            others = [here.parent / "shaders"]
+        others += self.include
+        if not folder.is_absolute():  # messages name files as the command did
+            others = [Path(display_path(path)) for path in others]
+        found = [folder, folder / "shaders", *others]
+        return tuple(path for path in dict.fromkeys(found) if path.is_dir())
+
+
+def settings_of(folder: str | Path) -> Settings:
+    """The settings of the project that a folder belongs to.
+
+    Raises:
+        UsageError: they can't be read, or say something that does not exist.
+    """
+    try:
+        return _settings(os.path.abspath(folder))
+    except FileNotFoundError:  # the working folder is gone
+        return Settings()
+
+
+@cache
+def _settings(folder: str) -> Settings:
+    here = Path(folder)
+    for root in (here, *here.parents):
+        file = root / FILE
+        table = _table(file) if file.is_file() else None
+        if table is not None:
+            return _checked(table, file)
+        if (root / ".git").exists():
+            return Settings(root=root)
+    return Settings()
+
+
+def _table(file: Path) -> Mapping[str, Any] | None:
+    """The table of a pyproject.toml; None if it has none."""
+    try:
+        text = file.read_text(encoding="utf-8")
+        if TABLE not in text:
+            return None
+        table = tomllib.loads(text).get("tool", {}).get(TABLE)
+    except (OSError, ValueError, AttributeError) as error:
+        raise UsageError(f"this is no TOML file: {error}", file=file) from error
+    if table is not None and not isinstance(table, dict):
+        raise UsageError(f"tool.{TABLE} is no table", file=file, remedy=f"write [tool.{TABLE}]")
+    return table
+
+
+def _checked(table: Mapping[str, Any], file: Path) -> Settings:
+    found: dict[str, Any] = {}
+    for name, value in table.items():
+        if name not in _KEYS:
+            raise UsageError(
+                f"[tool.{TABLE}] has no setting {name!r}", file=file, remedy=nearest(name, _KEYS)
+            )
+        try:
+            found[name] = _KEYS[name](value, file.parent)
+        except ValueError as error:
+            raise UsageError(f"[tool.{TABLE}] {name}: {error}", file=file) from None
+    return Settings(root=file.parent, **found)
+
+
+def _folders(value: Any, root: Path) -> tuple[Path, ...]:
+    return tuple(_folder(word, root) for word in _words(value, root))
+
+
+def _folder(word: str, root: Path) -> Path:
+    path = Path(os.path.normpath(root / word))
+    if not path.is_dir():
+        raise ValueError(f"there is no folder {word!r} here")
+    if not path.resolve().is_relative_to(root.resolve()):
+        raise ValueError(
+            f"{word!r} leads out of the project; name it on the command line: --include"
+        )
+    return path
+
+
+def _words(value: Any, root: Path) -> tuple[str, ...]:
+    if not isinstance(value, list) or not all(isinstance(word, str) for word in value):
+        raise ValueError(f'write a list of words, such as ["shaders"], not {value!r}')
+    return tuple(value)
+
+
+def _targets(value: Any, root: Path) -> tuple[str, ...]:
+    from shaderlab.compiler.targets import ALL_TARGETS
+
+    words = _words(value, root)
+    for word in words:
+        if word not in ALL_TARGETS:
+            raise ValueError(f"there is no target {word!r}; {nearest(word, ALL_TARGETS)}")
+    if not words:
+        raise ValueError(f"name one or more of {', '.join(ALL_TARGETS)}")
+    return words
+
+
+def _driver(value: Any, root: Path) -> str:
+    from shaderlab.backends import DRIVERS
+
+    if value not in DRIVERS:
+        raise ValueError(f"there is no driver {value!r}; {nearest(str(value), DRIVERS)}")
+    return str(value)
+
+
+def _number(value: Any, root: Path) -> float:
+    if not isinstance(value, int | float) or isinstance(value, bool) or not value > 0:
+        raise ValueError(f"write a number above 0, not {value!r}")
+    return float(value)
+
+
+def _amount(value: Any, root: Path) -> float:
+    """As `_number`, or 0 for any amount."""
+    return 0.0 if value == 0 and value is not False else _number(value, root)
+
+
+def _count(value: Any, root: Path) -> int:
+    if not isinstance(value, int) or isinstance(value, bool) or value < 0:
+        raise ValueError(f"write a whole number, 0 for all, not {value!r}")
+    return value
+
+
+_KEYS: Mapping[str, Callable[[Any, Path], Any]] = {
+    "shaders": _folders,
+    "include": _folders,
+    "targets": _targets,
+    "driver": _driver,
+    "timeout": _number,
+    "memory": _amount,
+    "keep": _count,
+}
+
+
+def defaults(settings: Settings) -> dict[str, dict[str, Any]]:
+    """Defaults of the commands' options, by command and by the parameter's name."""
+    limits = dict(_given(seconds=settings.timeout, gigabytes=settings.memory))
+    running = {**limits, **dict(_given(driver=settings.driver))}
+    return {
+        "run": running,
+        "sweep": running,
+        "mutate": dict(_given(gigabytes=settings.memory)),
+        "compile": dict(_given(targets=settings.targets or None, gigabytes=settings.memory)),
+    }
+
+
+def _given(**values: Any) -> Iterator[tuple[str, Any]]:
+    return ((name, value) for name, value in values.items() if value is not None)
