@@ -71,6 +71,10 @@ class FormulaError(ShaderlabError):
     """A reference formula asks for an input that is not there, or fails on the inputs it got."""
 
 
+class NotInterpretedError(ShaderlabError):
+    """A shader does what the interpreter does not know, or does not end."""
+
+
 class AssetError(ShaderlabError):
     """A mesh or an image can't be read or is not what its use requires."""
 

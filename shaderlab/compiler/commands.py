@@ -112,8 +112,9 @@ class Commands:
         code, output, _ = self._glslang(["-d", "-E"], [source])
         return None if code else output
 
-    def link(self, sources: Sequence[Source], target: str) -> Linked:
-        code, printed, modules = self._glslang(SETTINGS[target].flags, sources)
+    def link(self, sources: Sequence[Source], target: str, *, lines: bool = False) -> Linked:
+        flags = [*SETTINGS[target].flags, *(["-g"] if lines else [])]
+        code, printed, modules = self._glslang(flags, sources)
         output = _FILE.sub(r"\1: 0:\2:", printed.replace(_NO_MODULE, ""))
         sections = _sections(output, _names(sources))
         log = ""

@@ -65,8 +65,9 @@ class Engine(Protocol):
     def preprocess(self, source: Source) -> str | None:
         """The text after the preprocessor, line for line, or None if that fails."""
 
-    def link(self, sources: Sequence[Source], target: str) -> Linked:
-        """Parses and links all stages for a target, and makes SPIR-V if the target has it."""
+    def link(self, sources: Sequence[Source], target: str, *, lines: bool = False) -> Linked:
+        """Parses and links all stages for a target, and makes SPIR-V if the target has it; with
+        `lines` the modules say which line of the text each instruction comes from."""
 
     def validate(self, module: bytes, environment: str) -> str | None:
         """SPIRV-Tools' message about an invalid module, or None if it is valid."""

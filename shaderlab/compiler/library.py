@@ -50,6 +50,19 @@ class Input(c.Structure):
     ]
 
 
+class SpirvOptions(c.Structure):
+    """`glslang_spv_options_t` of glslang 13: what the generator adds to a module or leaves out."""
+
+    _fields_ = [
+        (name, c.c_bool)
+        for name in (
+            *("generate_debug_info", "strip_debug_info", "disable_optimizer", "optimize_size"),
+            *("disassemble", "validate", "emit_nonsemantic_shader_debug_info"),
+            *("emit_nonsemantic_shader_debug_source", "compile_only"),
+        )
+    ]
+
+
 class SpirvText(c.Structure):
     """`spv_text_t`: a piece of assembly that SPIRV-Tools owns."""
 
@@ -104,7 +117,7 @@ _GLSLANG: _Signatures = {
     "glslang_program_get_info_log": (_TEXT, _P),
 }
 _SPIRV: _Signatures = {
-    "glslang_program_SPIRV_generate_with_options": (None, _P, _INT, _P),
+    "glslang_program_SPIRV_generate_with_options": (None, _P, _INT, c.POINTER(SpirvOptions)),
     "glslang_program_SPIRV_get_size": (c.c_size_t, _P),
     "glslang_program_SPIRV_get_ptr": (_P, _P),
     "glslang_program_SPIRV_get_messages": (_TEXT, _P),

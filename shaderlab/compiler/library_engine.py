@@ -12,7 +12,15 @@ import sys
 from collections.abc import Mapping, Sequence
 
 from shaderlab.compiler.engines import Checked, Linked
-from shaderlab.compiler.library import GLSLANG_WHEEL, Glslang, Input, files, glslang, spirv_tools
+from shaderlab.compiler.library import (
+    GLSLANG_WHEEL,
+    Glslang,
+    Input,
+    SpirvOptions,
+    files,
+    glslang,
+    spirv_tools,
+)
 from shaderlab.compiler.sources import Source
 from shaderlab.compiler.spirv_tools import validate
 from shaderlab.compiler.targets import SETTINGS, TargetSettings
@@ -55,7 +63,7 @@ class Library:
         finally:
             front.glslang_shader_delete(handle)
 
-    def link(self, sources: Sequence[Source], target: str) -> Linked:
+    def link(self, sources: Sequence[Source], target: str, *, lines: bool = False) -> Linked:
         front = self._glslang.front
         settings = SETTINGS[target]
         handles: list[int] = []
@@ -77,7 +85,7 @@ class Library:
             program = front.glslang_program_create()
             for handle in handles:
                 front.glslang_program_add_shader(program, handle)
-            return _linked(self._glslang, program, settings, logs)
+            return _linked(self._glslang, program, settings, logs, lines)
         finally:
             # Deleted before its shaders: it may hold what it merged from them.
             if program is not None:
@@ -132,7 +140,7 @@ class Library:
 
 
 def _linked(
-    lib: Glslang, program: int, settings: TargetSettings, logs: Mapping[str, str]
+    lib: Glslang, program: int, settings: TargetSettings, logs: Mapping[str, str], lines: bool
 ) -> Linked:
     makes_spirv = bool(settings.environment)
     ok = bool(lib.front.glslang_program_link(program, settings.messages))
@@ -141,9 +149,12 @@ def _linked(
     log = _text(lib.front.glslang_program_get_info_log(program))
     if not (ok and makes_spirv):
         return Linked(ok, logs, log, {})
+    options = SpirvOptions(generate_debug_info=lines, disable_optimizer=True)
     modules, before = {}, 0
     for stage in sorted(logs, key=STAGES.index):
-        lib.back.glslang_program_SPIRV_generate_with_options(program, _STAGE[stage], None)
+        lib.back.glslang_program_SPIRV_generate_with_options(
+            program, _STAGE[stage], c.byref(options)
+        )
         size = 4 * lib.back.glslang_program_SPIRV_get_size(program)
         data = c.string_at(lib.back.glslang_program_SPIRV_get_ptr(program), size)
         # glslang 13 appends each stage's module to those made before from the same program.

@@ -23,7 +23,9 @@ class Op:
     TYPE_VOID, TYPE_BOOL, TYPE_INT, TYPE_FLOAT, TYPE_VECTOR, TYPE_MATRIX = 19, 20, 21, 22, 23, 24
     TYPE_IMAGE, TYPE_SAMPLER, TYPE_SAMPLED_IMAGE = 25, 26, 27
     TYPE_ARRAY, TYPE_RUNTIME_ARRAY, TYPE_STRUCT, TYPE_POINTER = 28, 29, 30, 32
-    CONSTANT, SPEC_CONSTANT_TRUE, SPEC_CONSTANT_FALSE, SPEC_CONSTANT = 43, 48, 49, 50
+    UNDEFINED, LINE, ENTRY_POINT = 1, 8, 15
+    CONSTANT_TRUE, CONSTANT, CONSTANT_LAST = 41, 43, 52
+    SPEC_CONSTANT_TRUE, SPEC_CONSTANT_FALSE, SPEC_CONSTANT = 48, 49, 50
     EXTENDED, FUNCTION, FUNCTION_CALL = 12, 54, 57
     VARIABLE, TEXEL_POINTER, LOAD, STORE, COPY_MEMORY, COPY = 59, 60, 61, 62, 63, 83
     ACCESS_CHAIN, IN_BOUNDS_ACCESS_CHAIN, ARRAY_LENGTH = 65, 66, 68
@@ -63,7 +65,10 @@ class Module:
         decorations: id → decoration → its literal words; `member_decorations` by (id, member).
         types: id → the OpType… instruction; operands as in the specification, less the id.
         variables: id → (pointed-to type, storage class).
+        constants: the words of scalar ones; `values` has the instruction of every constant.
         specials: id of each specialisation constant → the instruction that declares it.
+        initialisers: id of each variable that has one → the id of the constant.
+        entry: the id of the function that is the stage's `main`.
         decoration_words: (id, decoration) → index of its first literal in the module's words.
         body: the instructions inside functions.
     """
@@ -79,8 +84,11 @@ class Module:
     types: dict[int, Instruction] = field(default_factory=dict)
     pointers: dict[int, tuple[int, int]] = field(default_factory=dict)
     constants: dict[int, int] = field(default_factory=dict)
+    values: dict[int, Instruction] = field(default_factory=dict)
     specials: dict[int, Instruction] = field(default_factory=dict)
     variables: dict[int, tuple[int, int]] = field(default_factory=dict)
+    initialisers: dict[int, int] = field(default_factory=dict)
+    entry: int = 0
     modes: dict[int, tuple[int, ...]] = field(default_factory=dict)
     body: list[Instruction] = field(default_factory=list)
 
@@ -128,6 +136,8 @@ def parse(data: bytes) -> Module:
 
 def _declare(module: Module, instruction: Instruction) -> None:
     op, words, at = instruction.op, instruction.words, instruction.at
+    if op == Op.UNDEFINED or Op.CONSTANT_TRUE <= op <= Op.CONSTANT_LAST:
+        module.values[words[1]] = instruction
     if op == Op.NAME:
         module.names[words[0]] = _string(words[1:])
     elif op == Op.MEMBER_NAME:
@@ -137,6 +147,8 @@ def _declare(module: Module, instruction: Instruction) -> None:
         module.decoration_words[words[0], words[1]] = at + 3
     elif op == Op.MEMBER_DECORATE:
         module.member_decorations.setdefault((words[0], words[1]), {})[words[2]] = words[3:]
+    elif op == Op.ENTRY_POINT:
+        module.entry = words[1]
     elif op == Op.EXECUTION_MODE:
         module.modes[words[1]] = words[2:]
     elif op == Op.TYPE_POINTER:
@@ -151,6 +163,8 @@ def _declare(module: Module, instruction: Instruction) -> None:
         module.specials[words[1]] = instruction
     elif op == Op.VARIABLE:
         module.variables[words[1]] = module.pointers[words[0]]
+        if len(words) > 3:
+            module.initialisers[words[1]] = words[3]
 
 
 def _string(words: tuple[int, ...]) -> str:

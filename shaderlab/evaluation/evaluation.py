@@ -71,8 +71,13 @@ class Evaluation:
         with doing("draw"):
             kept_out = discards.needed(expectation, self.scene, self.programs, self._discarding)
             for need in (*expectation.needs(self.scene, self.programs), *kept_out):
-                if need not in self.answers:
-                    self.answers[need] = self._answer(need)
+                self.answer(need)
+
+    def answer(self, need: Need) -> Any:
+        """What a need asks for, asked for once. Raises ShaderlabError if there is no answer."""
+        if need not in self.answers:
+            self.answers[need] = self._answer(need)
+        return self.answers[need]
 
     def judge(self, expectation: Expectation) -> Judgement:
         """Judge one of the scene's expectations; see `Expectation.judge` for what it raises."""

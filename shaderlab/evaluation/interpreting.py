@@ -1,0 +1,107 @@
+"""A scene's draw as something to interpret: its stage's program, and what that stage got."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from shaderlab.compiler.sources import Source
+from shaderlab.evaluation.evaluation import Evaluation
+from shaderlab.expectations.needs import CapturedFragments, CapturedVertices
+from shaderlab.frame import Array, Bindings, PassDraw
+from shaderlab.interpreter import Program, load
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Invocations:
+    """What some invocations of one stage of a draw got and gave.
+
+    Attributes:
+        program: the stage.
+        each: its inputs by name, built-in ones too, a row for every invocation.
+        bindings: its uniforms and textures.
+        measured: what they wrote, by output, as it was read back; those of other passes' formats
+            in the formats' own units.
+        formats: the attachments' formats by output; "rgba32f" of vertices.
+        pixels: (count, 2), column and row; None of vertices.
+    """
+
+    program: Program
+    each: Mapping[str, Array]
+    bindings: Bindings
+    measured: Mapping[str, Array]
+    formats: Mapping[str, str]
+    pixels: Array | None = None
+
+    @property
+    def count(self) -> int:
+        """How many invocations there are."""
+        return max((len(values) for values in self.each.values()), default=0)
+
+
+@lru_cache(maxsize=64)
+def program_of(source: Source) -> Program:
+    """A stage's program; see `interpreter.load`."""
+    return load(source)
+
+
+def fragments(evaluation: Evaluation, key: PassDraw, most: int | None = None) -> Invocations:
+    """The fragments of a draw that are seen, `most` of them at most: whole quads from all over.
+
+    Raises:
+        ShaderError, NotInterpretedError: the fragment stage can't be interpreted.
+        DriverError, CaseError: its inputs can't be captured.
+    """
+    source = _stage(evaluation, key, "fragment")
+    captured = evaluation.answer(CapturedFragments(key))
+    y, x = np.nonzero(captured.covered)
+    rows = _some(x, y, most)
+    at = (y[rows], x[rows])
+    images = {n: i for (name, n), i in evaluation.drawn.images.items() if name == key[0]}
+    return Invocations(
+        program=program_of(source),
+        each={
+            **{name: values[at] for name, values in captured.inputs.items()},
+            "gl_FragCoord": captured.frag_coord[at],
+        },
+        bindings=evaluation.drawn.bindings[key],
+        measured={name: image.values[at] for name, image in images.items()},
+        formats={name: image.format for name, image in images.items()},
+        pixels=np.stack([x[rows], y[rows]], axis=-1),
+    )
+
+
+def vertices(evaluation: Evaluation, key: PassDraw, most: int | None = None) -> Invocations:
+    """The vertices of a draw without a geometry stage, the first `most` of them.
+
+    Raises:
+        ShaderError, NotInterpretedError: the vertex stage can't be interpreted.
+        DriverError, CaseError: its inputs can't be captured.
+    """
+    source = _stage(evaluation, key, "vertex")
+    captured = evaluation.answer(CapturedVertices(key))
+    return Invocations(
+        program=program_of(source),
+        each={name: values[:most] for name, values in captured.inputs.items()},
+        bindings=evaluation.drawn.bindings[key],
+        measured={name: values[:most] for name, values in captured.outputs.items()},
+        formats=dict.fromkeys(captured.outputs, "rgba32f"),
+    )
+
+
+def _stage(evaluation: Evaluation, key: PassDraw, stage: str) -> Source:
+    sources = evaluation.programs[key[0]][key[1]].sources
+    return next(source for source in sources if source.stage == stage)
+
+
+def _some(x: Array, y: Array, most: int | None) -> Array:
+    """The pixels of quads from all over a picture; all where there are not too many."""
+    if most is None or len(x) <= most:
+        return np.arange(len(x))
+    quad = (y >> 1) * (int(x.max()) + 1) + (x >> 1)
+    known = np.unique(quad)
+    taken = known[np.unique(np.linspace(0, len(known) - 1, most // 4).astype(int))]
+    return np.flatnonzero(np.isin(quad, taken))

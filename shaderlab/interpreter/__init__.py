@@ -1,0 +1,22 @@
+"""Shaders read as arithmetic: a SPIR-V module run over arrays of invocations, in any arithmetic.
+
+    program = load(source)                                  # or read(bytes of a module)
+    result = interpret(program, {"TexCoord": uv, "gl_FragCoord": places}, bindings, Bands())
+    result.outputs["FragColor"]                             # a Band (count, 4)
+
+An arithmetic is `FLOAT16`, `FLOAT32`, `FLOAT64` (NumPy arrays, each operation rounded) or
+`Bands(rules)` (what the precision rules allow each instruction). What the interpreter does not know
+raises `NotInterpretedError`: "not interpreted: NAME at line N".
+"""
+
+from shaderlab.interpreter.arithmetic import Arithmetic as Arithmetic
+from shaderlab.interpreter.banded import Bands as Bands
+from shaderlab.interpreter.interpret import Interpreted as Interpreted, interpret as interpret
+from shaderlab.interpreter.numbers import (
+    FLOAT16 as FLOAT16,
+    FLOAT32 as FLOAT32,
+    FLOAT64 as FLOAT64,
+    Numbers as Numbers,
+)
+from shaderlab.interpreter.program import Program as Program, load as load, read as read
+from shaderlab.interpreter.running import Stored as Stored

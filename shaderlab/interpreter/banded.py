@@ -1,0 +1,59 @@
+"""Floats as bands: what the precision rules allow each instruction."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from shaderlab import glslmath
+from shaderlab.bands import Band, Rules
+from shaderlab.interpreter.arithmetic import Floats
+
+# A float32 that needs more digits was computed by the compiler: another one may round otherwise.
+_DIGITS, _COMPUTED = 8, 3.0
+
+
+@dataclass(frozen=True)
+class Bands:
+    """The `Arithmetic` of `shaderlab.bands`, under some precision rules."""
+
+    rules: Rules = field(default_factory=Rules)
+    name: str = "band"
+
+    def exact(self, values: Any) -> Floats:
+        return Band.exact(values, self.rules)
+
+    def literal(self, value: float) -> Floats:
+        """The hull of the decimal number's neighbours, as in a reference; 3 ULP around one with
+        so many digits that the compiler must have computed it of others."""
+        shown = str(np.float32(value))
+        digits = shown.split("e")[0].replace(".", "").replace("-", "").lstrip("0")
+        if len(digits) < _DIGITS or value == round(value):
+            return Band.literal(np.full((1, 1), float(shown)), self.rules)
+        give = _COMPUTED * float(np.spacing(np.abs(np.float32(value))))
+        middle = np.full((1, 1), float(value))
+        return Band.between(middle - give, middle + give, self.rules)
+
+    def undefined(self) -> Floats:
+        return Band.exact(np.full((1, 1), np.nan), self.rules)
+
+    def call(self, function: str, *values: Any) -> Any:
+        own = _OPERATORS.get(function)
+        return getattr(glslmath, function)(*values) if own is None else own(*values)
+
+    def rounded(self, value: Any) -> Any:
+        return value
+
+
+_OPERATORS: Mapping[str, Callable[..., Any]] = {
+    "add": operator.add,
+    "subtract": operator.sub,
+    "multiply": operator.mul,
+    "divide": operator.truediv,
+    "negate": operator.neg,
+    "remainder": lambda a, b: a - b * glslmath.trunc(a / b),
+}

@@ -1,0 +1,113 @@
+"""The instructions that end a block: where each invocation goes next."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from shaderlab.bands.truth import as_truth
+from shaderlab.interpreter.memory import Flags, World
+from shaderlab.interpreter.program import Function, Instruction
+
+if TYPE_CHECKING:
+    from shaderlab.interpreter.running import Run
+
+_PHI = 245
+Leaving = list[tuple[int | None, World]]
+"""Worlds, each with the label of the block that it goes to; None for one that returns."""
+
+
+def _branch(run: Run, function: Function, label: int, at: Instruction, world: World) -> Leaving:
+    return [_to(run, function, label, at.operands[0], world)]
+
+
+def _conditional(
+    run: Run, function: Function, label: int, at: Instruction, world: World
+) -> Leaving:
+    condition, then, otherwise = at.operands[:3]
+    truth = as_truth(run.value(condition))
+    yes, no = (
+        world.mask & ~np.broadcast_to(side[:, 0], world.mask.shape)
+        for side in (truth.all_false, truth.all_true)
+    )
+    if (both := yes & no).any():
+        run.note_undecided(at.line, both)
+    return _split(run, function, label, [(then, yes), (otherwise, no)], world)
+
+
+def _switch(run: Run, function: Function, label: int, at: Instruction, world: World) -> Leaving:
+    selector, default = run.value(at.operands[0]), at.operands[1]
+    bits = np.dtype(np.uint32 if selector.unsigned else np.int32)
+    going: dict[int, Any] = {}
+    elsewhere = world.mask
+    for literal, target in zip(at.operands[2::2], at.operands[3::2], strict=True):
+        same = as_truth(selector == int(np.uint32(literal).astype(bits)))
+        may, sure = (
+            np.broadcast_to(side[:, 0], world.mask.shape)
+            for side in (~same.all_false, same.all_true)
+        )
+        going[target] = going.get(target, False) | (world.mask & may)
+        elsewhere = elsewhere & ~sure
+    going[default] = going.get(default, False) | elsewhere
+    several = np.sum([flags for flags in going.values()], axis=0) > 1
+    if several.any():
+        run.note_undecided(at.line, several)
+    return _split(run, function, label, list(going.items()), world)
+
+
+def _split(
+    run: Run, function: Function, label: int, sides: list[tuple[int, Flags]], world: World
+) -> Leaving:
+    taken = [(target, mask) for target, mask in sides if mask.any()]
+    if len(taken) == 1:
+        return [_to(run, function, label, taken[0][0], world)]
+    return [_to(run, function, label, target, world.split(mask)) for target, mask in taken]
+
+
+def _to(run: Run, function: Function, label: int, target: int, world: World) -> tuple[int, World]:
+    """The world on its way to a block, whose phis take the values of the block that it leaves."""
+    for phi in function.blocks[target]:
+        if phi.op != _PHI:
+            break
+        pairs = zip(phi.operands[::2], phi.operands[1::2], strict=True)
+        world.memory[phi.id] = run.value(next(value for value, of in pairs if of == label))
+    return target, world
+
+
+def _return(run: Run, function: Function, label: int, at: Instruction, world: World) -> Leaving:
+    return [(None, world)]
+
+
+def _return_value(
+    run: Run, function: Function, label: int, at: Instruction, world: World
+) -> Leaving:
+    value = run.value(at.operands[0])
+    run.stored(at.line, "return", value, world)
+    world.memory[function.id] = value
+    return [(None, world)]
+
+
+def _kill(run: Run, function: Function, label: int, at: Instruction, world: World) -> Leaving:
+    run.killed = run.killed | world.mask
+    return []
+
+
+def _unreachable(
+    run: Run, function: Function, label: int, at: Instruction, world: World
+) -> Leaving:
+    return []
+
+
+BRANCHES: Mapping[int, Callable[[Run, Function, int, Instruction, World], Leaving]] = {
+    249: _branch,
+    250: _conditional,
+    251: _switch,
+    252: _kill,
+    253: _return,
+    254: _return_value,
+    255: _unreachable,
+}
+"""By opcode: OpBranch, OpBranchConditional, OpSwitch, OpKill, OpReturn, OpReturnValue,
+OpUnreachable."""

@@ -1,0 +1,45 @@
+"""What each instruction does, by opcode; a family of them a file.
+
+A handler takes the run, the instruction and the world, and returns the result. The numbers are
+those of Khronos, SPIR-V Specification 1.6, section 3.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from shaderlab.interpreter.instructions import (
+    composites,
+    derivatives,
+    extended,
+    floats,
+    integers,
+    logic,
+    textures,
+    variables,
+)
+from shaderlab.interpreter.instructions.handler import Handler
+
+HANDLERS: Mapping[int, Handler] = {
+    **variables.HANDLERS,
+    **composites.HANDLERS,
+    **floats.HANDLERS,
+    **integers.HANDLERS,
+    **logic.HANDLERS,
+    **derivatives.HANDLERS,
+    **textures.HANDLERS,
+    **extended.HANDLERS,
+}
+
+NAMES: Mapping[int, str] = {
+    63: "CopyMemory",
+    115: "a double",
+    98: "imageLoad",
+    99: "imageStore",
+    **dict.fromkeys(range(227, 243), "an atomic operation"),
+    218: "EmitVertex",
+    219: "EndPrimitive",
+    224: "barrier",
+    225: "memoryBarrier",
+}
+"""What GLSL calls those that have no handler."""

@@ -1,0 +1,108 @@
+"""One lookup in a texture, whatever is known of the place: where a band reaches over more texels
+than `shaderlab.sampling` takes, the answer is any texel."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from shaderlab.bands import Band, Rules, Truth
+from shaderlab.interpreter.memory import Flags
+from shaderlab.interpreter.values import select
+from shaderlab.sampling import Sampler
+from shaderlab.sampling.filters import ROUNDING, WEIGHT
+from shaderlab.sampling.functions import sampled
+from shaderlab.sampling.reading import level_values, stored
+from shaderlab.sampling.spans import Span, span_of
+
+if TYPE_CHECKING:
+    from shaderlab.interpreter.running import Run
+
+COORDINATES = {"2D": 2, "2DArray": 3, "Cube": 3}
+_NARROW = 1.0 - 4.0 * WEIGHT  # of a place or a level, in texels or levels
+
+
+@dataclass(frozen=True)
+class Lookup:
+    """A sampled texture, the coordinates (then the value to compare), the level of detail or None,
+    where that is unknown, and the offset in texels."""
+
+    sampler: Sampler
+    place: Any
+    level: Span | None
+    unknown: Any
+    offset: tuple[int, int]
+
+
+def answer(run: Run, lookup: Lookup, mask: Flags) -> Any:
+    """The texture function's value for the invocations of a mask; others may be anywhere."""
+    rules = lookup.sampler.rules
+    ignored = np.zeros(1, np.bool_) if mask.all() else ~mask
+    wide = ignored if rules is None else ignored | _wide(lookup)
+    found = run.arithmetic.rounded(_sampled(run, lookup, wide))
+    if rules is None or not isinstance(found, Band):
+        return found
+    unsure = wide & ~ignored
+    if unsure.any():
+        found = select(Truth(unsure[:, None], ~unsure[:, None]), _any_texel(lookup, rules), found)
+    if lookup.unknown is not None and lookup.unknown.any():
+        found = found.made(found.lo, found.hi, anything=lookup.unknown[:, None])
+    return found
+
+
+def _sampled(run: Run, lookup: Lookup, elsewhere: Flags) -> Any:
+    """The sample, taken in the middle for the invocations that are left out."""
+    place, level = lookup.place, lookup.level
+    if elsewhere.any():
+        out = elsewhere[:, None]
+        middle = run.arithmetic.exact(np.full((1, place.shape[-1]), 0.25))
+        place = select(Truth(out, ~out), middle, place)
+        if level is not None:
+            zeroed = np.where(elsewhere, 0.0, level[0])
+            same = level[0] is level[1]
+            level = (zeroed, zeroed if same else np.where(elsewhere, 0.0, level[1]))
+    return sampled(lookup.sampler, place, level, lookup.offset)
+
+
+def _wide(lookup: Lookup) -> Flags:
+    """Which places or levels are known to less than a texel or a level."""
+    low, high = span_of(lookup.place)
+    texels = lookup.sampler.texels
+    with np.errstate(all="ignore"):
+        if texels.kind == "Cube":
+            # A component of a unit vector moves the place on a face by half of its size, or more.
+            size = level_values(lookup.sampler, 0).shape[1]
+            largest = np.maximum(np.abs(low), np.abs(high))[..., :3].max(axis=-1)
+            moved = (high - low)[..., :3].max(axis=-1) / largest * size
+            wide = ~(moved < _NARROW)
+        else:
+            height, width = level_values(lookup.sampler, 0).shape[1:3]
+            moved = (high - low)[..., :2] * np.array([width, height])
+            wide = ~(moved < _NARROW).all(axis=-1)
+        if texels.compare is not None:
+            wide = wide | ~np.isfinite(low).all(axis=-1) | ~np.isfinite(high).all(axis=-1)
+        if lookup.level is not None:
+            first, last = (np.clip(end, *texels.lod) for end in lookup.level)
+            wide = wide | ~(last - first < _NARROW)
+    found: Flags = wide
+    return found
+
+
+def _any_texel(lookup: Lookup, rules: Rules) -> Band:
+    """Any mix of the texture's texels, (1, 4); of a shadow sampler any answer, (1, 1)."""
+    sampler = lookup.sampler
+    if sampler.texels.compare is not None:
+        return Band.between([[0.0]], [[1.0]], rules)
+    border = np.asarray(sampler.texels.border, np.float64)
+    lows, highs = [border], [border]
+    for level in range(1 + len(sampler.texels.smaller)):
+        layers, height, width, _ = level_values(sampler, level).shape
+        layer, y, x = (axis.ravel() for axis in np.indices((layers, height, width)))
+        low, high = stored(sampler, level, x, y, layer)
+        lows.append(low.min(axis=0))
+        highs.append(high.max(axis=0))
+    low, high = np.minimum.reduce(lows), np.maximum.reduce(highs)
+    give = ROUNDING * np.maximum(np.abs(low), np.abs(high))
+    return Band.between((low - give)[None], (high + give)[None], rules)

@@ -1,0 +1,90 @@
+"""The front door: a program and its inputs in, its outputs out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from shaderlab.bands import Truth
+from shaderlab.errors import FormulaError
+from shaderlab.frame import Array, Bindings
+from shaderlab.interpreter.arithmetic import Arithmetic
+from shaderlab.interpreter.binding import memory_of, outputs_of
+from shaderlab.interpreter.memory import Flags, World
+from shaderlab.interpreter.program import Program
+from shaderlab.interpreter.running import TURNS, Run, Trace
+from shaderlab.interpreter.values import Missing
+
+_NOTHING = Bindings()
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Interpreted:
+    """What interpreting a program gave.
+
+    Attributes:
+        outputs: by name, those that were written; a row for every invocation: floats of the
+            arithmetic (count, components), `Integer`s, `Truth`s, tuples of them for arrays. What
+            was discarded has rows, too, which mean nothing.
+        discarded: which invocations were discarded, (count,); undecided where a band is open.
+        undecided: by line of the program's text, the invocations that took both sides of a branch.
+    """
+
+    outputs: Mapping[str, Any]
+    discarded: Truth
+    undecided: Mapping[int, Flags]
+
+
+def interpret(
+    program: Program,
+    each: Mapping[str, Array],
+    bindings: Bindings = _NOTHING,
+    arithmetic: Arithmetic | None = None,
+    *,
+    count: int | None = None,
+    turns: int = TURNS,
+    trace: Trace | None = None,
+) -> Interpreted:
+    """Run a stage on many invocations at once.
+
+    Args:
+        program: the stage, of `load` or `read`.
+        each: what differs between invocations, by name: varyings or attributes, and built-in
+            inputs such as "gl_FragCoord" and "gl_VertexID"; (count, components), matrices (count,
+            rows, columns), arrays (count, elements, …). A uniform may be given here, too.
+            Derivatives, and textures with mipmaps, find a pixel's neighbours by gl_FragCoord.
+        bindings: uniforms, members of blocks and textures, as a scene's frame has them.
+        arithmetic: `FLOAT32` by default.
+        count: the number of invocations; by default that of the rows of `each`, or 1.
+        turns: how often a loop may turn.
+        trace: is called with each value that a variable, or a part of one, is given.
+
+    Raises:
+        NotInterpretedError: the program does what the interpreter does not know, or does not end.
+        FormulaError: something that the program reads is not given.
+    """
+    if arithmetic is None:
+        from shaderlab.interpreter.numbers import FLOAT32
+
+        arithmetic = FLOAT32
+    if count is None:
+        count = max((len(values) for values in each.values()), default=1)
+    for name, values in each.items():
+        if len(values) not in (1, count):
+            raise FormulaError(f"{name!r} has {len(values)} rows, others {count}")
+    places = each.get("gl_FragCoord")
+    run = Run(program, arithmetic, count, places=places, turns=turns, trace=trace)
+    memory = memory_of(program, each, bindings, arithmetic)
+    for id_, constant in program.module.initialisers.items():
+        if isinstance(memory.get(id_), Missing | None):
+            memory[id_] = run.value(constant)
+    end = run.call(program.main, World(np.ones(count, np.bool_), memory))
+    survivors = np.zeros(count, np.bool_) if end is None else end.mask
+    return Interpreted(
+        outputs={} if end is None else outputs_of(program, end.memory, count),
+        discarded=Truth(run.killed & ~survivors, ~run.killed),
+        undecided=run.undecided,
+    )

@@ -1,0 +1,186 @@
+"""Running a program: its functions, block after block, over all invocations at once.
+
+Of the paths that are under way, the one whose block comes first in the module's order goes on.
+glslang writes what a branch goes round before the place where its sides meet, and a loop's body
+before what follows it, so paths meet again as early as they can; in any other order they would
+still compute the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from shaderlab.errors import FormulaError, NotInterpretedError
+from shaderlab.frame import Array
+from shaderlab.interpreter import constants
+from shaderlab.interpreter.arithmetic import Arithmetic
+from shaderlab.interpreter.branches import BRANCHES
+from shaderlab.interpreter.instructions import HANDLERS, NAMES
+from shaderlab.interpreter.memory import Flags, World, join
+from shaderlab.interpreter.program import Function, Instruction, Program
+from shaderlab.interpreter.values import Missing, NotGivenError, UnchoosableError, Value, component
+
+TURNS = 4096
+"""How often a loop may turn, unless a caller says otherwise."""
+_MOST_WORLDS = 8  # that wait at one block before they are joined
+_MOST_PARTS = 256  # parts of values that are remembered
+
+
+@dataclass(frozen=True, eq=False)
+class Stored:
+    """One value stored by one path through a program.
+
+    Attributes:
+        line: of the program's text, counted from 1; see `Program.place`.
+        name: the variable, or the part of it, as GLSL writes it; "return" of a function's result.
+        value: floats of the arithmetic, an `Integer`, a `Truth`, or a tuple of such, with one row
+            or as many as there are invocations.
+        mask: the invocations that were here; the value means nothing to others.
+        calls: the lines of the calls that led here, the outermost first.
+    """
+
+    line: int
+    name: str
+    value: Any
+    mask: Flags
+    calls: tuple[int, ...]
+
+
+Trace = Callable[[Stored], object]
+
+
+class Run:
+    """One run of a program. For instruction handlers: what they read and write.
+
+    Attributes:
+        program, arithmetic, count: what is run, in what, for how many invocations.
+        places: gl_FragCoord of each invocation, if it is given.
+        results: each instruction's result by id, as of its last execution.
+        calls: the lines of the calls under way.
+        killed: the invocations that a `discard` may have ended.
+        undecided: by line, the invocations that took both sides of a branch there.
+    """
+
+    def __init__(
+        self,
+        program: Program,
+        arithmetic: Arithmetic,
+        count: int,
+        *,
+        places: Array | None = None,
+        turns: int = TURNS,
+        trace: Trace | None = None,
+    ) -> None:
+        self.program = program
+        self.arithmetic = arithmetic
+        self.count = count
+        self.places = places
+        self.results: dict[int, Value] = {}
+        self.calls: list[int] = []
+        self.killed: Flags = np.zeros(count, np.bool_)
+        self.undecided: dict[int, Flags] = {}
+        self._turns = turns
+        self._trace = trace
+        self._constants: dict[int, Value] = {}
+        self._parts: dict[tuple[int, Any], tuple[Value, Value]] = {}
+
+    def value(self, id_: int) -> Value:
+        """What an operand's id stands for."""
+        if id_ in self.results:
+            return self.results[id_]
+        if id_ not in self._constants:
+            self._constants[id_] = constants.value(self, id_)
+        return self._constants[id_]
+
+    def values(self, ids: tuple[int, ...]) -> list[Value]:
+        """What several operands stand for."""
+        return [self.value(id_) for id_ in ids]
+
+    def part(self, value: Value, index: int) -> Value:
+        """A component. Twice the same one is the same object: bands know then that v.x * v.x is a
+        square."""
+        if isinstance(value, tuple):
+            return value[index]
+        return self.remembered(value, index, lambda: component(value, index))
+
+    def remembered(self, value: Value, how: Any, make: Callable[[], Value]) -> Value:
+        """What `make` gives, or gave for this very value before."""
+        key = (id(value), how)
+        if key not in self._parts:
+            if len(self._parts) > _MOST_PARTS:
+                self._parts.clear()
+            self._parts[key] = (value, make())  # the value is kept, or its id might be another's
+        return self._parts[key][1]
+
+    def stored(self, line: int, name: str, value: Value, world: World) -> None:
+        """Tell the trace of a value that was stored."""
+        if self._trace is not None and name and not name.startswith("param"):
+            self._trace(Stored(line, name, value, world.mask, tuple(self.calls)))
+
+    def note_undecided(self, line: int, invocations: Flags) -> None:
+        """Note that invocations took both sides of a branch."""
+        self.undecided[line] = self.undecided.get(line, False) | invocations
+
+    def call(self, function: Function, world: World) -> World | None:
+        """Run a function; the world in which it returns, None if it returns nowhere."""
+        waiting = {next(iter(function.blocks)): [world]}
+        returned: list[World] = []
+        visits: dict[int, int] = {}
+        while waiting:
+            label = min(waiting, key=function.order.__getitem__)
+            arrived = join(waiting.pop(label))
+            block = function.blocks[label]
+            visits[label] = visits.get(label, 0) + 1
+            if visits[label] > self._turns + 1:
+                raise self.program.not_interpreted(
+                    f"a loop that goes on after {self._turns} turns", block[0].line
+                )
+            for target, next_world in self._block(function, label, block, arrived):
+                if target is None:
+                    returned.append(next_world)
+                    continue
+                worlds = waiting.setdefault(target, [])
+                worlds.append(next_world)
+                if len(worlds) > _MOST_WORLDS:
+                    waiting[target] = [join(worlds)]
+        if not returned:
+            return None
+        end = join(returned)
+        for id_ in function.variables:
+            end.memory.pop(id_, None)
+        return end
+
+    def _block(
+        self, function: Function, label: int, block: list[Instruction], world: World
+    ) -> list[tuple[int | None, World]]:
+        """Run a block; the worlds that leave it, each with the block that it goes to, None for
+        one that returns."""
+        for instruction in block:
+            branch = BRANCHES.get(instruction.op)
+            if branch is not None:
+                return branch(self, function, label, instruction, world)
+            handler = HANDLERS.get(instruction.op)
+            if handler is None:
+                name = NAMES.get(instruction.op, f"SPIR-V's opcode {instruction.op}")
+                raise self.program.not_interpreted(name, instruction.line)
+            try:
+                result = handler(self, instruction, world)
+            except UnchoosableError:
+                raise self.program.not_interpreted(
+                    "a choice between samplers", instruction.line
+                ) from None
+            except NotGivenError:
+                raise
+            except FormulaError as error:
+                raise self.program.not_interpreted(error.message, instruction.line) from error
+            if isinstance(result, Missing):
+                raise NotGivenError.of(result)
+            if instruction.id:
+                self.results[instruction.id] = result
+            if not world.mask.any():  # a call in which all were discarded
+                return []
+        raise NotInterpretedError("not interpreted: a block without an end")
