@@ -17,7 +17,7 @@ from shaderlab import glslmath
 from shaderlab.bands import Band, Integer, Truth
 from shaderlab.bands.exact import concatenated, joined, select as select_bands
 from shaderlab.errors import FormulaError
-from shaderlab.interpreter.arithmetic import Arithmetic
+from shaderlab.interpreter.arithmetic import Arithmetic, Floats
 from shaderlab.interpreter.types import Type
 
 Value = Any
@@ -45,30 +45,23 @@ class UnchoosableError(Exception):
 
 def undefined(type_: Type, arithmetic: Arithmetic) -> Value:
     """What a variable holds before anything is stored: any float, 0 and false of other types."""
-    if type_.kind in ("array", "struct"):
-        parts = [type_.of] * type_.count if type_.of else [t for _, t in type_.members]
-        return tuple(undefined(part, arithmetic) for part in parts if part is not None)
-    if type_.kind in ("vector", "matrix"):
-        assert type_.of is not None
-        return composed(type_, [undefined(type_.of, arithmetic)] * type_.count)
-    if type_.kind == "int":
-        return Integer(np.zeros((1, 1)), unsigned=not type_.signed, rules=arithmetic.rules)
-    if type_.kind == "bool":
-        return Truth.known(np.zeros((1, 1), np.bool_))
-    return arithmetic.undefined()
+    return _filled(type_, arithmetic, arithmetic.undefined())
 
 
 def null(type_: Type, arithmetic: Arithmetic) -> Value:
     """Zero, false, or a composite of those."""
-    if type_.kind in ("array", "struct"):
-        parts = [type_.of] * type_.count if type_.of else [t for _, t in type_.members]
-        return tuple(null(part, arithmetic) for part in parts if part is not None)
-    if type_.kind in ("vector", "matrix"):
-        assert type_.of is not None
-        return composed(type_, [null(type_.of, arithmetic)] * type_.count)
-    if type_.kind == "float":
-        return arithmetic.exact(np.zeros((1, 1)))
-    return undefined(type_, arithmetic)
+    return _filled(type_, arithmetic, arithmetic.exact(np.zeros((1, 1))))
+
+
+def _filled(type_: Type, arithmetic: Arithmetic, number: Floats) -> Value:
+    """A value of a type all of whose floats are this one."""
+    if type_.kind == "struct":
+        return tuple(_filled(member, arithmetic, number) for _, member in type_.members)
+    if type_.of is not None:
+        return composed(type_, [_filled(type_.of, arithmetic, number)] * type_.count)
+    if type_.kind == "int":
+        return Integer(np.zeros((1, 1)), unsigned=not type_.signed, rules=arithmetic.rules)
+    return number if type_.kind == "float" else Truth.known(np.zeros((1, 1), np.bool_))
 
 
 def composed(type_: Type, parts: Sequence[Value]) -> Value:
