@@ -18,6 +18,7 @@ from types import ModuleType
 from shaderlab.discovery import TREE_FILE, chapter_title, place, tree_of
 from shaderlab.errors import CaseError, ShaderlabError, nearest
 from shaderlab.model import Case
+from shaderlab.module_path import searched
 
 _PACKAGE = "shaderlab_cases_"
 _UNKNOWN_KEYWORD = re.compile(
@@ -83,11 +84,10 @@ def _import(path: Path) -> ModuleType:
     file = Path(os.path.abspath(path))
     tree = tree_of(file)
     known = set(sys.modules)
-    # For `import helper` of a module beside the file, as in a script.
-    sys.path.insert(0, str(file.parent))
     try:
-        name = f"{_package(file.parent, tree)}.{file.stem.replace('.', '_')}"
-        return _run(spec_from_file_location(name, path))
+        with searched(str(file.parent)):  # for `import helper` of a module beside the file
+            name = f"{_package(file.parent, tree)}.{file.stem.replace('.', '_')}"
+            return _run(spec_from_file_location(name, path))
     except ShaderlabError as error:
         line = error.line or _line_in(path, error)
         raise CaseError(error.message, file=path, line=line, remedy=error.remedy) from error
@@ -96,10 +96,11 @@ def _import(path: Path) -> ModuleType:
             f"{type(error).__name__}: {error}",
             file=path,
             line=error.lineno if isinstance(error, SyntaxError) else _line_in(path, error),
-            remedy=_above_the_tree(error, tree) or _right_spelling(error),
+            remedy=_above_the_tree(error, tree)
+            or _named_like_pythons(error, file.parent)
+            or _right_spelling(error),
         ) from error
     finally:
-        sys.path.remove(str(file.parent))
         _forget_scripts(sorted(set(sys.modules) - known, reverse=True), file.parent)
 
 
@@ -152,6 +153,13 @@ def _above_the_tree(error: BaseException, tree: Path) -> str | None:
         f"the tree of cases begins at {tree}; to share modules between folders, put an empty "
         f"{TREE_FILE} into the folder that holds them all"
     )
+
+
+def _named_like_pythons(error: BaseException, folder: Path) -> str | None:
+    name = error.name if isinstance(error, ImportError) else None
+    if name not in sys.stdlib_module_names or not (folder / f"{name}.py").is_file():
+        return None
+    return f"{name} is a module of Python's own; the file beside the case is .{name}"
 
 
 def _line_in(path: Path, error: BaseException) -> int | None:

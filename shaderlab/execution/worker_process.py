@@ -17,6 +17,7 @@ from typing import Any, Literal
 from shaderlab.errors import ShaderlabError
 from shaderlab.execution.worker_main import STEP_BYTES
 from shaderlab.files import memory_file
+from shaderlab.module_path import pythons_first
 from shaderlab.options import Limits
 
 START_SECONDS = 120.0
@@ -30,8 +31,11 @@ _PROGRAM = "from shaderlab.execution.worker_main import main; main()"
 
 
 def environment() -> dict[str, str]:
-    """The environment of a worker: this process's as it is now, with the modules it finds now."""
-    path = [os.path.abspath(entry) if entry else os.getcwd() for entry in sys.path]
+    """The environment of a worker: this process's as it is now, with the modules it finds now.
+
+    Python's own come first, and the working folder is none of them unless it is here.
+    """
+    path = pythons_first(sys.path)
     return {**_KEEP_MEMORY, **_ONE_THREAD, **os.environ, "PYTHONPATH": os.pathsep.join(path)}
 
 
@@ -114,7 +118,7 @@ class WorkerProcess:
         self._steps.truncate(STEP_BYTES)
         with theirs:
             self._child = subprocess.Popen(
-                [sys.executable, "-c", _PROGRAM, str(theirs.fileno())],
+                [sys.executable, "-P", "-c", _PROGRAM, str(theirs.fileno())],
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
                 stderr=self._errors,

@@ -16,7 +16,7 @@ BEGIN, END = "<!-- rooms: generated -->", "<!-- end of rooms -->"
 
 # Bottom to top: a room may import those before it.
 ORDER = (
-    "errors", "files", "activity", "packages", "options", "records", "frame",
+    "errors", "files", "activity", "packages", "module_path", "options", "records", "frame",
     "bands", "sampling", "glslmath", "pictures", "model", "assets", "reference",
     "compiler", "interpreter", "programs", "backends", "judging", "expectations",
     "discovery", "settings", "catalogue", "evaluation", "report", "execution", "mutation",

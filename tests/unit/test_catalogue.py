@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import pytest
@@ -67,6 +68,20 @@ def test_helpers_of_one_name_in_two_folders_are_two_modules(tmp_path: Path, line
     for _ in range(2):
         assert load_case(tmp_path / "a" / "one.py").title == "a"
         assert load_case(tmp_path / "b" / "two.py").title == "b"
+
+
+def test_a_neighbour_that_is_named_like_a_module_of_pythons(tmp_path: Path) -> None:
+    """Python's own imports still find theirs; the neighbour is there by its relative name."""
+    files = {"colorsys.py": "TITLE = 'mine'", "colours.py": "import colorsys\ncolorsys.rgb_to_hsv"}
+    file = tree(tmp_path, files) / "lamp.py"
+    before = list(sys.path)
+    file.write_text(titled("import colours\nfrom .colorsys import TITLE"))
+    assert load_case(file).title == "mine"
+    file.write_text(titled("from colorsys import TITLE"))
+    with pytest.raises(CaseError, match="cannot import name 'TITLE'") as caught:
+        load_case(file)
+    assert "the file beside the case is .colorsys" in (caught.value.remedy or "")
+    assert sys.path == before
 
 
 def test_bare_imports_of_folders_and_of_what_they_import_stay_apart_too(tmp_path: Path) -> None:

@@ -14,6 +14,7 @@ import pytest
 
 from shaderlab.errors import ShaderlabError
 from shaderlab.execution import WorkerPool
+from shaderlab.execution.jobs import LoadCase
 from shaderlab.execution.pool import ItemResult
 from shaderlab.options import Limits
 
@@ -246,6 +247,18 @@ def test_workers_start_in_the_environment_that_the_pool_was_made_in(
         results = list(pool.run(["crash", "place", "crash", "place"]))
     assert first.value[:2] == (here, "before")
     assert [r.value for r in results if r.item == "place"] == [first.value] * 2
+
+
+def test_workers_take_no_file_of_a_user_for_a_module_of_pythons(
+    work: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "here").mkdir()
+    for name in ("here/numpy", "copy", "random", "tempfile"):
+        (tmp_path / f"{name}.py").write_text("raise RuntimeError('the wrong module')\n")
+    monkeypatch.chdir(tmp_path / "here")
+    with WorkerPool("shaderlab.execution.lab_worker:LabWorker", limits=LIMITS) as pool:
+        (result,) = pool.run([LoadCase(Path("nowhere.py"))])
+    assert "there is no such case file" in str(result.value)
 
 
 def test_a_worker_that_cannot_start_is_an_error_and_not_a_crash_of_each_item() -> None:
