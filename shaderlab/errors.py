@@ -75,6 +75,10 @@ class NotInterpretedError(ShaderlabError):
     """A shader does what the interpreter does not know, or does not end."""
 
 
+class CallError(ShaderlabError):
+    """A GLSL function can't be called with these arguments, or did not come back."""
+
+
 class AssetError(ShaderlabError):
     """A mesh or an image can't be read or is not what its use requires."""
 

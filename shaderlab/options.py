@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextvars import ContextVar
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -19,6 +20,10 @@ class Limits:
 
     seconds: float = 30.0
     gigabytes: float = 4.0
+
+
+CALL_LIMITS: ContextVar[Limits] = ContextVar("CALL_LIMITS")
+"""Of each call of a GLSL function, where they are not the usual ones; read at the first call."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -11,9 +11,9 @@ kind of test comes in between: none of them begins a variant while someone's Pyt
 each, nothing is run ahead.
 
 `shaderlab_timeout` (seconds) and `shaderlab_memory` (gigabytes) in pytest's configuration are the
-limits of one variant and go before those in `[tool.shaderlab]`; `shaderlab_jobs` is the number of
-workers. SHADERLAB_JOBS goes before it; with 0 everything runs in pytest's own process, for
-debuggers.
+limits of one variant and of one call of a GLSL function (`shaderlab.glsl`) and go before those in
+`[tool.shaderlab]`; `shaderlab_jobs` is the number of workers. SHADERLAB_JOBS goes before it; with 0
+everything runs in pytest's own process, for debuggers.
 """
 
 from __future__ import annotations
@@ -31,11 +31,13 @@ from shaderlab.discovery import is_case_file, why_no_case
 from shaderlab.errors import ShaderlabError
 from shaderlab.execution.sizing import WORDS
 from shaderlab.files import display_path
+from shaderlab.options import CALL_LIMITS, Limits
 from shaderlab.report.plain_text import failed, failure, label
 
 if TYPE_CHECKING:
     from shaderlab.execution import Job, Prefetcher
     from shaderlab.records import Record
+    from shaderlab.settings import Settings
 
 _TESTS = re.compile(rb"^\s*(?:async\s+)?def test|^\s*class \w*Test|^Test", re.MULTILINE)
 _PREFETCHER: pytest.StashKey[Prefetcher] = pytest.StashKey()
@@ -109,22 +111,10 @@ def prefetcher_of(config: pytest.Config) -> Prefetcher:
     prefetcher = config.stash.get(_PREFETCHER, None)
     if prefetcher is None:
         from shaderlab.execution import InProcessExecutor, Prefetcher, ProcessExecutor
-        from shaderlab.options import Limits, RunOptions
-        from shaderlab.settings import settings_of
+        from shaderlab.options import RunOptions
 
-        workers = _workers(config)
-        try:
-            settings = settings_of(config.rootpath)
-        except ShaderlabError as error:
-            raise pytest.UsageError(str(error)) from None
-        limits = Limits(
-            seconds=_number(config, "shaderlab_timeout", settings.timeout or Limits.seconds),
-            gigabytes=_number(
-                config,
-                "shaderlab_memory",
-                Limits.gigabytes if settings.memory is None else settings.memory,
-            ),
-        )
+        workers, settings = _workers(config), _settings(config)
+        limits = _limits(config)
         executor = (
             InProcessExecutor(settings.driver)
             if workers == 0
@@ -148,6 +138,12 @@ def following(item: CaseItem) -> Iterator[Job]:
             yield other.job
 
 
+def pytest_configure(config: pytest.Config) -> None:
+    """Calls of GLSL functions have the limits of variants."""
+    if config.getini("shaderlab_timeout") or config.getini("shaderlab_memory"):
+        CALL_LIMITS.set(_limits(config))
+
+
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Settings for pytest's configuration file, or for -o on its command line."""
     parser.addini("shaderlab_timeout", "seconds that one variant may take; else 30", default="")
@@ -167,6 +163,23 @@ def _workers(config: pytest.Config) -> int | None:
     if hasattr(config, "workerinput"):  # of pytest-xdist, which has as many processes as is right
         return 1
     return int(text) if text else None
+
+
+def _settings(config: pytest.Config) -> Settings:
+    from shaderlab.settings import settings_of
+
+    try:
+        return settings_of(config.rootpath)
+    except ShaderlabError as error:
+        raise pytest.UsageError(str(error)) from None
+
+
+def _limits(config: pytest.Config) -> Limits:
+    usual = _settings(config).limits
+    return Limits(
+        seconds=_number(config, "shaderlab_timeout", usual.seconds),
+        gigabytes=_number(config, "shaderlab_memory", usual.gigabytes),
+    )
 
 
 def _number(config: pytest.Config, name: str, default: float) -> float:

@@ -15,6 +15,7 @@ from typing import Any
 
 from shaderlab.errors import UsageError, nearest
 from shaderlab.files import display_path
+from shaderlab.options import Limits
 
 FILE = "pyproject.toml"
 TABLE = "shaderlab"
@@ -44,6 +45,13 @@ class Settings:
     timeout: float | None = None
     memory: float | None = None
     keep: int | None = None
+
+    @property
+    def limits(self) -> Limits:
+        """Those of one job."""
+        seconds = Limits.seconds if self.timeout is None else self.timeout
+        gigabytes = Limits.gigabytes if self.memory is None else self.memory
+        return Limits(seconds=seconds, gigabytes=gigabytes)
 
     def shader_folders(self, folder: Path) -> tuple[Path, ...]:
         """Where the shaders are that files in `folder` name, in the order of the search.

@@ -27,7 +27,7 @@ from shaderlab.frame import (
     Samples,
     Timing,
 )
-from shaderlab.model import Call, Scene
+from shaderlab.model import Call, Scene, TextureSource
 from shaderlab.programs.prepare import Programs
 from shaderlab.records import Verdict
 
@@ -53,6 +53,29 @@ class Drawn:
     gl_errors: Mapping[PassDraw, tuple[int, ...]] = field(default_factory=dict)
     inactive: frozenset[str] = field(default_factory=frozenset)
     sample_positions: Mapping[str, Array] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Evaluation:
+    """Fragment shaders that compute words (uint32) at each pixel of a grid.
+
+    Attributes:
+        passes: each shader, and how many words it writes, to locations 0, 1, …
+        size: (width, height) of the grid in pixels.
+        lanes: words a pixel has of each input and output, 1 or 4.
+        shared: the uniform array "shaderlab_shared", (count, 4) of uint32.
+        uniforms: others, by name.
+        textures: what samplers read, by name: the sampler's type, and the texture.
+        folder: what textures' files are relative to.
+    """
+
+    passes: tuple[tuple[Source, int], ...]
+    size: Size
+    lanes: int
+    shared: Array
+    uniforms: Mapping[str, Array] = field(default_factory=dict)
+    textures: Mapping[str, tuple[str, TextureSource]] = field(default_factory=dict)
+    folder: str = ""
 
 
 class Session(ABC):
@@ -173,6 +196,21 @@ class Backend(ABC):
             UnsupportedError: there are no storage buffers.
         """
         raise UnsupportedError("storage buffers: this backend has none")
+
+    def evaluate(self, evaluation: Evaluation, inputs: Array, outputs: Array) -> None:
+        """Run an evaluation's passes.
+
+        Args:
+            evaluation: what to run.
+            inputs: the texture array "shaderlab_input", (layers, height, width, lanes) of uint32.
+            outputs: gets the words, one after the other, (words, height, width, lanes) of uint32;
+                0 where a pixel was discarded.
+
+        Raises:
+            ShaderError: the driver refuses a shader.
+            CaseError: a texture does not fit its sampler.
+        """
+        raise UnsupportedError("calling functions: this backend can't")
 
     @abstractmethod
     def close(self) -> None:

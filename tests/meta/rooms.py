@@ -20,7 +20,7 @@ ORDER = (
     "bands", "sampling", "glslmath", "pictures", "model", "assets", "reference",
     "compiler", "interpreter", "programs", "backends", "judging", "expectations",
     "discovery", "settings", "catalogue", "evaluation", "report", "execution", "mutation",
-    "code_coverage",
+    "code_coverage", "functions", "glsl",
     "doctor", "pytest_plugin", "cli", "__main__", "__init__",
 )  # fmt: skip
 

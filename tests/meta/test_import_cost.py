@@ -44,6 +44,7 @@ def modules_after(statement: str) -> set[str]:
         "import shaderlab.glslmath, shaderlab.assets, shaderlab.reference",
         "import shaderlab.compiler, shaderlab.records",
         "import shaderlab.evaluation",
+        "import shaderlab.glsl",
     ],
 )
 def test_importing_loads_nothing_heavy(statement: str) -> None:

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 
-from shaderlab.backends import Backend, Size
+from shaderlab.backends import Backend, Evaluation, Size
 from shaderlab.backends.opengl import calls as api, capture, feedback, queries, storage, verdict
 from shaderlab.backends.opengl.device import Device
 from shaderlab.backends.opengl.drawing import Drawing
+from shaderlab.backends.opengl.evaluating import Evaluator
 from shaderlab.backends.opengl.linking import Linker
 from shaderlab.compiler.sources import Source
 from shaderlab.frame import Array, Fragments, PassDraw, Reply
@@ -26,6 +27,7 @@ class OpenGLBackend(Backend):
         self.device = device
         self.captures = captures.CaptureCache()
         self._linker = Linker(device)
+        self._evaluator = Evaluator(device, self._linker)
 
     @contextmanager
     def session(
@@ -43,6 +45,10 @@ class OpenGLBackend(Backend):
 
     def storage(self, count: int) -> AbstractContextManager[Callable[[], Array]]:
         return storage.bound(self.device, count)
+
+    def evaluate(self, evaluation: Evaluation, inputs: Array, outputs: Array) -> None:
+        with self.device.unchecked():
+            self._evaluator.evaluate(evaluation, inputs, outputs)
 
     def close(self) -> None:
         # What outlives the context would be deleted by its number, in the context of another lab.

@@ -3,13 +3,17 @@ them; what they hold as exact values, and their binding to a program's samplers.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from shaderlab.backends.opengl.device import Device
 from shaderlab.backends.opengl.pyopengl import GL, named
+from shaderlab.backends.opengl.target import RenderTarget
 from shaderlab.backends.opengl.textures import (
     DeviceTexture,
     generate_levels,
@@ -18,15 +22,12 @@ from shaderlab.backends.opengl.textures import (
     upload_compressed,
 )
 from shaderlab.compiler.interface import Variable
-from shaderlab.frame import Array, Texels
+from shaderlab.frame import Array, Image, Texels
 from shaderlab.model import CompressedTexture, CubeTexture, Output, TextureSource
 from shaderlab.model.textures import Sampling, level_sizes
 from shaderlab.programs.compressed import blocks_of
 from shaderlab.programs.formats import DEPTH
 from shaderlab.programs.textures import check_sampler, contents, find_image, kind_of
-
-if TYPE_CHECKING:
-    from shaderlab.backends.opengl.drawing import Drawing
 
 
 @dataclass(frozen=True)
@@ -45,15 +46,26 @@ class BoundTextures:
     """What a scene's samplers read.
 
     Args:
-        drawing: what has drawn its passes so far, and releases device memory at the end.
+        device: where they are.
+        folder: what the paths of their files are relative to.
+        stack: releases device memory at the end.
+        images: what passes have drawn so far.
+        targets: the passes' targets.
     """
 
-    def __init__(self, drawing: Drawing) -> None:
-        self._device = drawing.device
-        self._folder = Path(drawing.scene.case.file).parent
-        self._images = drawing.images
-        self._targets = drawing.targets
-        self._stack = drawing.stack
+    def __init__(
+        self,
+        device: Device,
+        folder: Path,
+        stack: ExitStack,
+        images: Mapping[tuple[str, str], Image],
+        targets: Mapping[str, RenderTarget],
+    ) -> None:
+        self._device = device
+        self._folder = folder
+        self._images = images
+        self._targets = targets
+        self._stack = stack
         self._uploaded: dict[int, _Bound] = {}
         self._levels: dict[tuple[str, str], tuple[Array, ...]] = {}
         self._samples: dict[tuple[str, str], Array] = {}

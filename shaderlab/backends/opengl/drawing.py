@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import ExitStack
+from pathlib import Path
 from typing import Any
 
 from shaderlab.activity import doing
@@ -54,7 +55,8 @@ class Drawing(Session):
         self._sample_positions: dict[str, Array] = {}
         self.stack = stack
         self.targets: dict[str, RenderTarget] = {}
-        self._textures = BoundTextures(self)
+        folder = Path(scene.case.file).parent
+        self._textures = BoundTextures(device, folder, stack, self.images, self.targets)
         self._blocks = UniformBuffers(device, stack)
         self._arrays: dict[tuple[int, int], tuple[Any, Mesh | None, VertexArray]] = {}
         self._gl_errors: dict[PassDraw, tuple[int, ...]] = {}

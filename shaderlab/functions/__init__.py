@@ -1,0 +1,1 @@
+"""GLSL functions as Python callables: NumPy in, NumPy out, checked by pytest."""

@@ -1,0 +1,78 @@
+"""One GLSL function as a Python callable: NumPy in, NumPy out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from shaderlab.compiler.sources import Source
+from shaderlab.errors import CallError
+from shaderlab.functions.binding import Call, bound
+from shaderlab.functions.running import evaluate
+from shaderlab.functions.signatures import Signature
+
+
+class Function:
+    """A GLSL function.
+
+    Called with arrays, it is called for each of their elements: arguments broadcast as NumPy's do,
+    and scalars give scalars. Floats are rounded to float32. Struct parameters take mappings,
+    samplers a `shaderlab.Texture` or an array (height, width[, channels]), matrices arrays
+    (…, rows, columns). Uniforms and other globals that it reads are given by their names. With
+    `out` parameters it returns a named tuple of all that it writes.
+
+    Where it asks for its pixel's neighbours (`dFdx`), those are its neighbours along the arguments'
+    last two axes. What it discards is masked.
+    """
+
+    def __init__(
+        self, source: Source, overloads: Sequence[Signature], folder: str, given: Mapping[str, Any]
+    ) -> None:
+        self._source = source
+        self._overloads = tuple(overloads)
+        self._folder = folder
+        self._given = given
+        self.__name__ = overloads[0].name
+        self.__doc__ = "\n".join(map(str, overloads))
+
+    @property
+    def signatures(self) -> tuple[Signature, ...]:
+        """Its overloads."""
+        return self._overloads
+
+    @property
+    def place(self) -> tuple[str, int]:
+        """The file and the line of its first definition."""
+        return self._source.place(self._overloads[0].line)
+
+    def __getitem__(self, types: str) -> Function:
+        """The overload with parameters of these types, such as `f["vec3, float"]`."""
+        wanted = types.replace(" ", "").split(",")
+        for one in self._overloads:
+            if [str(p.type) for p in one.parameters] == wanted:
+                return Function(self._source, [one], self._folder, self._given)
+        raise CallError(
+            f"{self.__name__} has no overload ({types})",
+            remedy=f"there is {', '.join(map(str, self._overloads))}",
+        )
+
+    def __repr__(self) -> str:
+        file, line = self.place
+        return f"<{'; '.join(map(str, self._overloads))} of {file}:{line}>"
+
+    def __call__(self, *arguments: Any, **named: Any) -> Any:
+        """The function's results for its arguments; see the class.
+
+        Raises:
+            CallError: the arguments fit no overload, or the call hangs or crashes.
+            ShaderError: the function does not compile.
+        """
+        return self.evaluate(self.bind(*arguments, **named))
+
+    def bind(self, *arguments: Any, **named: Any) -> Call:
+        """The overload that arguments fit, with them. Raises CallError."""
+        return bound(self._overloads, arguments, named, self._given)
+
+    def evaluate(self, call: Call) -> Any:
+        """The results of a call that `bind` made."""
+        return evaluate(self._source, self._folder, call)

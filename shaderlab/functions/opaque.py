@@ -1,0 +1,62 @@
+"""What stays a uniform: samplers, and structs that hold some."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from shaderlab.errors import CallError
+from shaderlab.frame import Array
+from shaderlab.functions.arguments import argument
+from shaderlab.functions.types import Type
+from shaderlab.model import CompressedTexture, CubeTexture, Texture, TextureArray
+
+_TEXTURES = (Texture, TextureArray, CubeTexture, CompressedTexture)
+
+
+def spread(
+    name: str,
+    value: Any,
+    kind: Type,
+    label: str,
+    uniforms: dict[str, Array],
+    textures: dict[str, tuple[str, Any]],
+) -> None:
+    """Uniforms by the names that a driver has for them: "material.shininess", "maps[0]"."""
+    if kind.dims and (kind.opaque or kind.members):
+        if isinstance(value, Mapping | str) or len(value) != kind.dims[0]:
+            raise CallError(f"{label} is {kind}: give a sequence of {kind.dims[0]} values")
+        for n, element in enumerate(value):
+            spread(f"{name}[{n}]", element, kind.element, f"{label}[{n}]", uniforms, textures)
+    elif kind.members:
+        names = [member for member, _ in kind.members]
+        if not isinstance(value, Mapping) or set(value) != set(names):
+            raise CallError(f"{label} is {kind}: give a mapping of {', '.join(names)}")
+        for member, its in kind.members:
+            spread(f"{name}.{member}", value[member], its, f"{label}.{member}", uniforms, textures)
+    elif kind.opaque:
+        textures[name] = kind.name, _texture(value, kind, label)
+    else:
+        given = argument(value, kind, label)
+        if given.varies:
+            raise CallError(f"{label} is in a struct with samplers: it has one value for a call")
+        array = given.leaves[0].reshape(kind.shape or (1,))
+        uniforms[name] = array.astype(np.float32) if kind.kind == "float" else array
+
+
+def _texture(value: Any, kind: Type, label: str) -> Any:
+    if isinstance(value, _TEXTURES):
+        return value
+    array = np.asarray(value)
+    if kind.name != "sampler2D" or array.ndim not in (2, 3) or array.dtype.kind not in "fiu":
+        raise CallError(
+            f"{label} is {kind}; given was {type(value).__name__}",
+            remedy="give a shaderlab.Texture; a sampler2D takes an array (height, width, channels)",
+        )
+    pixels = array.reshape(*array.shape[:2], -1)
+    if array.dtype == np.uint8:
+        return Texture(image=pixels, format=("r8", "rg8", "rgb8", "rgba8")[pixels.shape[2] - 1])
+    format = ("r32f", "rg32f", "rgb32f", "rgba32f")[pixels.shape[2] - 1]
+    return Texture(image=pixels.astype(np.float32), format=format)

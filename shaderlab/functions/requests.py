@@ -1,0 +1,87 @@
+"""What calling functions asks of a worker, where a hang or a crash costs one call."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from shaderlab.backends import Evaluation
+from shaderlab.compiler.compile_cache import cached_compiler
+from shaderlab.compiler.engines import choose
+from shaderlab.compiler.sources import Source
+from shaderlab.errors import ShaderError
+from shaderlab.functions.memory import Region
+from shaderlab.options import RunOptions
+
+if TYPE_CHECKING:
+    from shaderlab.execution.lab_worker import LabWorker
+
+_VERSION = re.compile(r"#version (\d+)")
+
+
+@dataclass(frozen=True)
+class Preprocess:
+    """Asks for a text after the preprocessor, line for line. Raises ShaderError."""
+
+    source: Source
+
+    def perform(self, worker: LabWorker) -> str:
+        """See `shaderlab.execution.jobs.Request`."""
+        worker.note("preprocessing")
+        text = choose().preprocess(self.source)
+        if text is None:
+            cached_compiler()((self.source,), ("glsl",)).require()
+            raise ShaderError("the preprocessor fails", file=self.source.path)
+        return text
+
+
+@dataclass(frozen=True)
+class Evaluate:
+    """Asks for an evaluation; inputs are at the start of the memory, outputs behind them.
+
+    Attributes:
+        evaluation: what to run; its sources' `#version` is lowered to the driver's own.
+        layers, words: of the inputs and of the outputs.
+        region: the memory.
+        note: what runs, for messages.
+        driver: as in `shaderlab.backends.open_backend`.
+    """
+
+    evaluation: Evaluation
+    layers: int
+    words: int
+    region: Region
+    note: str
+    driver: str | None
+
+    def perform(self, worker: LabWorker) -> None:
+        """See `shaderlab.execution.jobs.Request`. Raises as `Backend.evaluate`."""
+        worker.note(self.note)
+        lab = worker.lab(RunOptions(driver=self.driver))
+        memory = worker.keep("memory", self.region, self.region.opened)
+        width, height = self.evaluation.size
+        shape = (height, width, self.evaluation.lanes)
+        count = self.layers + self.words
+        whole = np.frombuffer(memory, np.uint32, count * int(np.prod(shape)))
+        layers = whole.reshape(count, *shape)
+        newest = int(lab.backend.info["glsl"].replace(".", "")[:3])
+        passes = tuple((_at_most(s, newest), words) for s, words in self.evaluation.passes)
+        evaluation = replace(self.evaluation, passes=passes)
+        try:
+            lab.backend.evaluate(evaluation, layers[: self.layers], layers[self.layers :])
+        except ShaderError:
+            for source, _ in passes:  # glslang's words are the better ones
+                cached_compiler()((source,), ("glsl",)).require()
+            raise
+
+
+def _at_most(source: Source, newest: int) -> Source:
+    """The source in the driver's newest GLSL where it says a later one."""
+    found = _VERSION.match(source.text)
+    if found is None or int(found[1]) <= newest:
+        return source
+    text = f"#version {newest}" + source.text[found.end() :]
+    return replace(source, text=text, stripped=None)
