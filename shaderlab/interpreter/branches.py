@@ -9,6 +9,7 @@ import numpy as np
 
 from shaderlab.bands.truth import as_truth
 from shaderlab.interpreter.memory import Flags, World
+from shaderlab.interpreter.narrowing import narrow
 from shaderlab.interpreter.program import Function, Instruction
 
 if TYPE_CHECKING:
@@ -32,9 +33,12 @@ def _conditional(
         world.mask & ~np.broadcast_to(side[:, 0], world.mask.shape)
         for side in (truth.all_false, truth.all_true)
     )
+    leaving = _split(run, function, label, [(then, yes), (otherwise, no)], world)
     if (both := yes & no).any():
         run.note_undecided(at.line, both)
-    return _split(run, function, label, [(then, yes), (otherwise, no)], world)
+        for (_, side), holds in zip(leaving, (True, False), strict=True):
+            narrow(run, condition, holds, side)
+    return leaving
 
 
 def _switch(run: Run, function: Function, label: int, at: Instruction, world: World) -> Leaving:

@@ -78,14 +78,15 @@ class Program:
         return self.functions[self.module.entry]
 
     @functools.cached_property
-    def opcodes(self) -> frozenset[int]:
-        """The opcodes that the functions use."""
-        return frozenset(
-            instruction.op
+    def definitions(self) -> dict[int, Instruction]:
+        """The instruction that each result's id stands for."""
+        return {
+            instruction.id: instruction
             for function in self.functions.values()
             for block in function.blocks.values()
             for instruction in block
-        )
+            if instruction.id
+        }
 
     def name(self, id_: int) -> str:
         """GLSL's name of a variable or function, "" for what the compiler made."""

@@ -25,7 +25,8 @@ from shaderlab.interpreter.program import Function, Instruction, Program
 from shaderlab.interpreter.values import Missing, NotGivenError, UnchoosableError, Value, component
 
 TURNS = 4096
-"""How often a loop may turn, unless a caller says otherwise."""
+"""How often a loop may turn each time that it is entered, unless a caller says otherwise."""
+_MOST_BLOCKS = 200_000  # that are run in all
 _MOST_WORLDS = 8  # that wait at one block before they are joined
 _MOST_PARTS = 256  # parts of values that are remembered
 
@@ -84,6 +85,7 @@ class Run:
         self.killed: Flags = np.zeros(count, np.bool_)
         self.undecided: dict[int, Flags] = {}
         self._turns = turns
+        self._blocks = 0
         self._trace = trace
         self._constants: dict[int, Value] = {}
         self._parts: dict[tuple[int, Any], tuple[Value, Value]] = {}
@@ -134,15 +136,14 @@ class Run:
             label = min(waiting, key=function.order.__getitem__)
             arrived = join(waiting.pop(label))
             block = function.blocks[label]
-            visits[label] = visits.get(label, 0) + 1
-            if visits[label] > self._turns + 1:
-                raise self.program.not_interpreted(
-                    f"a loop that goes on after {self._turns} turns", block[0].line
-                )
+            self._count(visits, label, block[0].line)
             for target, next_world in self._block(function, label, block, arrived):
                 if target is None:
                     returned.append(next_world)
                     continue
+                place = function.order[target]
+                if place <= function.order[label]:  # a loop turns, those inside of it begin anew
+                    visits = {of: n for of, n in visits.items() if function.order[of] <= place}
                 worlds = waiting.setdefault(target, [])
                 worlds.append(next_world)
                 if len(worlds) > _MOST_WORLDS:
@@ -153,6 +154,18 @@ class Run:
         for id_ in function.variables:
             end.memory.pop(id_, None)
         return end
+
+    def _count(self, visits: dict[int, int], label: int, line: int) -> None:
+        """Count a block's run, and give up where there are too many."""
+        visits[label] = visits.get(label, 0) + 1
+        self._blocks += 1
+        if visits[label] > self._turns + 1:
+            what = f"a loop that goes on after {self._turns} turns"
+        elif self._blocks > _MOST_BLOCKS:
+            what = f"a program that goes on after {_MOST_BLOCKS} blocks"
+        else:
+            return
+        raise self.program.not_interpreted(what, line)
 
     def _block(
         self, function: Function, label: int, block: list[Instruction], world: World

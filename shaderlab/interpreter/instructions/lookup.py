@@ -3,7 +3,7 @@ than `shaderlab.sampling` takes, the answer is any texel."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,6 +21,9 @@ if TYPE_CHECKING:
     from shaderlab.interpreter.running import Run
 
 COORDINATES = {"2D": 2, "2DArray": 3, "Cube": 3}
+_CODE = 1.0 / 255.0
+# Half a code off (Direct3D 11.3, functional specification, 3.2.3.7), where the curve is steepest.
+_SRGB = 0.5 * _CODE * 2.4 / 1.055
 _NARROW = 1.0 - 4.0 * WEIGHT  # of a place or a level, in texels or levels
 
 
@@ -38,18 +41,47 @@ class Lookup:
 
 def answer(run: Run, lookup: Lookup, mask: Flags) -> Any:
     """The texture function's value for the invocations of a mask; others may be anywhere."""
+    lookup, give = _decoded(lookup)
     rules = lookup.sampler.rules
     ignored = np.zeros(1, np.bool_) if mask.all() else ~mask
     wide = ignored if rules is None else ignored | _wide(lookup)
     found = run.arithmetic.rounded(_sampled(run, lookup, wide))
     if rules is None or not isinstance(found, Band):
         return found
+    if give:
+        found = Band.between(found.lo - give, found.hi + give, rules)
     unsure = wide & ~ignored
     if unsure.any():
         found = select(Truth(unsure[:, None], ~unsure[:, None]), _any_texel(lookup, rules), found)
     if lookup.unknown is not None and lookup.unknown.any():
         found = found.made(found.lo, found.hi, anything=lookup.unknown[:, None])
     return found
+
+
+def _decoded(lookup: Lookup) -> tuple[Lookup, float]:
+    """The lookup in linear texels, and what OpenGL leaves open about them besides: how precisely
+    texels of 8 bits are filtered (llvmpipe does that in 8 bits, too), and sRGB decoded."""
+    texels = lookup.sampler.texels
+    if texels.values.dtype != np.uint8:
+        return lookup, 0.0
+    give = _CODE if any("linear" in word for word in texels.filter) else 0.0
+    if not texels.format.startswith("srgb"):
+        return lookup, give
+    linear = replace(
+        texels,
+        values=_linear(texels.values),
+        smaller=tuple(map(_linear, texels.smaller)),
+        format="rgba32f",
+    )
+    return replace(lookup, sampler=replace(lookup.sampler, texels=linear)), give + _SRGB
+
+
+def _linear(codes: Any) -> Any:
+    """sRGB codes as linear values; alpha is linear (OpenGL 4.5, §8.24)."""
+    c = codes / 255.0
+    decoded = np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4)
+    decoded[..., 3:] = c[..., 3:]
+    return decoded.astype(np.float32)
 
 
 def _sampled(run: Run, lookup: Lookup, elsewhere: Flags) -> Any:
