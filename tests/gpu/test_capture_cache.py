@@ -13,6 +13,7 @@ import pytest
 from shaderlab import Case, Draw, Mesh, Pass, Ramp, State, Target, across, formula, mesh_pass
 from shaderlab.backends.opengl.backend import OpenGLBackend
 from shaderlab.evaluation import Evaluation, Lab
+from shaderlab.expectations.formula import Formula
 from shaderlab.expectations.needs import CapturedFragments
 from shaderlab.frame import Fragments, PassDraw
 from shaderlab.model import Blend, Cell, Depth, Scene
@@ -189,21 +190,31 @@ def test_the_least_recently_used_goes_when_there_is_no_room() -> None:
     assert [nothing.get("a", some) is not None for _ in range(2)] and nothing.made == 2
 
 
+def fragments_only(one: Scene) -> Scene:
+    """The scene with its formulas alone: they have fragments captured."""
+    return replace(one, expect=tuple(e for e in one.expect if isinstance(e, Formula)))
+
+
 def test_the_catalogue_gets_what_it_would_get_by_itself() -> None:
     """A scene of each case over a domain, with and without what others before it captured."""
     over = [
-        one
+        fragments_only(one)
         for one in (next(iter(case.scenes())) for case in shipped().values())
         if all(draw.domain is not None for each in one.passes for draw in each.draws)
     ]
+    may_share = []
     with Watched() as sharing:
-        records = [sharing.run(one) for one in over]
+        for one in over:
+            asked = len(sharing.captures.asked)
+            assert sharing.run(one).status in ("pass", "unsupported")
+            if any(identity is not None for identity in sharing.captures.asked[asked:]):
+                may_share.append(one)
     with Watched(room=0) as alone:
-        records += [alone.run(one) for one in over]
-    assert {record.status for record in records} <= {"pass", "unsupported"}
-    assert alone.captures.made == len(alone.captures.asked) == len(sharing.captures.asked)
-    assert sharing.captures.made < alone.captures.made  # it does happen
-    assert sharing.seen.keys() == alone.seen.keys()
+        for one in may_share:
+            assert alone.run(one).status in ("pass", "unsupported")
+    assert alone.captures.made == len(alone.captures.asked)
+    assert sharing.captures.made < len(sharing.captures.asked)  # it does happen
+    assert len(alone.seen) == len(may_share) > 9
     for key, fragments in alone.seen.items():
         for draw, found in fragments.items():
             shared = sharing.seen[key][draw]

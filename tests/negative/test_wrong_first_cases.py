@@ -70,11 +70,17 @@ SHARED = {
 
 
 def with_mistake(case_id: str, shader: str, right: str, wrong: str) -> list[Record]:
+    """The records of a case's variants, up to the first that does not pass."""
     text = (data_folder("shaders") / shader).read_text(encoding="utf-8")
     assert right in text, f"{shader} does not read {right!r} any more"
     case = shipped()[case_id]
     with Lab(RunOptions(texts={shader: text.replace(right, wrong)})) as lab:
-        return [lab.run(scene) for scene in case.scenes()]
+        records = []
+        for scene in case.scenes():
+            records.append(lab.run(scene))
+            if records[-1].status != "pass":
+                break
+        return records
 
 
 @pytest.mark.parametrize(
