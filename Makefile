@@ -37,7 +37,8 @@ format: .venv/.ready ## make the style right
 setup: .venv/.ready ## only what run and test set up: .venv, packages, an OpenGL driver
 	@echo "setup: ready in .venv"
 
-.venv/.ready: pyproject.toml constraints.txt .ci/setup .ci/system .ci/opengl.py
+.venv/.ready: pyproject.toml constraints.txt .ci/setup .ci/system .ci/opengl.py \
+		hatch_build.py $(wildcard shaderlab/bands/kernels/*)
 	@.ci/setup
 
 clean: ## remove everything that was made here, .venv and reports too

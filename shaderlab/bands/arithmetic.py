@@ -19,11 +19,12 @@ A plain band has no `mag` of its own (None: its own absolute value), and pays no
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from shaderlab.bands.compiled import compiled
+from shaderlab.bands.exact import negative
 from shaderlab.bands.hulls import (
     LARGEST_DIVISOR,
     product_bounds,
@@ -54,6 +55,7 @@ DIVISION_ULPS = 2.5
 UNCANCELLED = 1.0 - 2.0**-20
 
 
+@compiled
 @np.errstate(all="ignore")
 def add(a: Band, b: Band) -> Band:
     """a + b, correctly rounded in either direction."""
@@ -81,7 +83,8 @@ def add(a: Band, b: Band) -> Band:
         # Adding an exact zero is no sum: no compiler keeps it.
         step = np.where((mag_a > 0.0) & (mag_b > 0.0), step, 0.0)
     if a.is_plain and b.is_plain:
-        return a.made(lo, hi, b, nan=nan, terms=replace(terms, slack=step))
+        terms.slack = step
+        return a.made(lo, hi, b, nan=nan, terms=terms)
     if a.count > 1:
         step = step + (a.count - 1) * RELATIVE_STEP * mag_b
     if b.count > 1:
@@ -101,6 +104,12 @@ def add(a: Band, b: Band) -> Band:
 
     moved = moved_out(lo, hi, step, not_negative, not_positive)
     return a.made(*moved, b, nan=nan, terms=terms)
+
+
+@compiled
+def subtract(a: Band, b: Band) -> Band:
+    """a - b, correctly rounded in either direction."""
+    return add(a, negative(b))
 
 
 def moved_out(
@@ -145,6 +154,7 @@ def _safe_signs(
     )
 
 
+@compiled
 @np.errstate(all="ignore")
 def multiply(a: Band, b: Band) -> Band:
     """a · b, correctly rounded in either direction; a value times itself is not negative."""
@@ -211,6 +221,7 @@ def _scaled_terms(a: Band, factor: Floats) -> Terms | None:
     return Terms(terms.mag * factor, slack, terms.count, reach)
 
 
+@compiled
 @np.errstate(all="ignore")
 def square(a: Band) -> Band:
     """a · a for one and the same value: never negative, and no compiler expands (b + c)²."""
@@ -232,6 +243,7 @@ def _squared(a: Band, product: Floats) -> Terms:
     return Terms.of(mag, lambda: np.maximum(reach_of(a.mag, a.terms) ** 2, 1.0), a.terms)
 
 
+@compiled
 @np.errstate(all="ignore")
 def divide(a: Band, b: Band) -> Band:
     """a / b within 2.5 ULP where 2^-126 ≤ |b| ≤ 2^126; anything elsewhere."""

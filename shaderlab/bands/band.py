@@ -155,7 +155,7 @@ class Band(Interval, Operators, Swizzled):
         flags = self.flags
         for other in others:
             a, b = flags, other.flags
-            if not all(flag is _NO for flag in b):
+            if b is not _NOWHERE and not all(flag is _NO for flag in b):
                 flags = a[0] | b[0], a[1] | b[1], a[2] | b[2]
         return flags
 
@@ -263,7 +263,7 @@ class Band(Interval, Operators, Swizzled):
     def lift(self, other: Any) -> Band:
         """`other` as a band of this one's rules."""
         if isinstance(other, Band):
-            if other.rules != self.rules:
+            if other.rules is not self.rules and other.rules != self.rules:
                 raise FormulaError(
                     f"bands of different rules in one formula: {self.rules} and {other.rules}"
                 )

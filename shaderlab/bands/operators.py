@@ -72,7 +72,7 @@ class Operators:
     __hash__ = None  # type: ignore[assignment]
 
     __add__, __radd__ = _both_ways(arithmetic.add)
-    __sub__, __rsub__ = _both_ways(lambda a, b: arithmetic.add(a, exact.negative(b)))
+    __sub__, __rsub__ = _both_ways(arithmetic.subtract)
     __mul__, __rmul__ = _both_ways(arithmetic.multiply)
     __truediv__, __rtruediv__ = _both_ways(arithmetic.divide)
     __matmul__, __rmatmul__ = _both_ways(sums.matmul)

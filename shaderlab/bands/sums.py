@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -58,8 +57,7 @@ def sum_last(a: Band) -> Band:
     )
     if not a.rules.rearrange:
         return a.flags_over_last().made(lo, hi, nan=nan)
-    slack = step if no_zeros else np.where(count >= 2.0, step, 0.0)
-    terms = replace(terms, slack=slack)
+    terms.slack = step if no_zeros else np.where(count >= 2.0, step, 0.0)
     return a.flags_over_last().made(lo, hi, nan=nan, terms=terms)
 
 

@@ -30,18 +30,20 @@ class Terms:
         count: how many terms there may be, once all is distributed.
         reach: the factor by which a flushed partial product may be multiplied; None where no term
             is tiny.
-        least: the smallest `mag`.
     """
 
     mag: Floats
     slack: Floats | None = None
     count: int = 1
     reach: Floats | None = None
-    least: float = -1.0
+    _least: float | None = None
 
-    def __post_init__(self) -> None:
-        if self.least < 0.0:
-            self.least = least_of(self.mag)
+    @property
+    def least(self) -> float:
+        """The smallest `mag`."""
+        if self._least is None:
+            self._least = least_of(self.mag)
+        return self._least
 
     @classmethod
     def of(

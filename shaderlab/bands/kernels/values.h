@@ -1,0 +1,150 @@
+/* A band as a pass reads it, and the band that it makes. */
+
+#ifndef SHADERLAB_VALUES_H
+#define SHADERLAB_VALUES_H
+
+typedef struct {
+    Operand lo, hi, mag, slack;
+    int exact, plain, slackened;
+    double count;
+    /* Of the current block: bounds, bounds with the slack paid, and the size of the terms. */
+    const double *low, *high, *settled_low, *settled_high, *size;
+    double blocks[3][BLOCK];
+} Value;
+
+typedef struct {
+    PyArrayObject *lo, *hi, *mag, *slack;
+    double *low, *high, *size, *step;
+    int flush, exact;
+    double count;
+    /* Bits set where the NumPy code must do it, and where two bounds differ. */
+    int64_t rare, differ;
+} Result;
+
+static PyObject *name_lo, *name_hi, *name_terms, *name_mag, *name_slack, *name_count, *name_reach;
+
+/* An attribute, borrowed: its owner keeps it. */
+static PyObject *attribute(PyObject *owner, PyObject *name)
+{
+    /* Bands have a __getattr__ of their own, which is not needed for their slots. */
+    PyObject *found = PyObject_GenericGetAttr(owner, name);
+    Py_XDECREF(found);
+    return found;
+}
+
+/* Reads a band's attributes; false where the pass can't take it. */
+static int read_value(Value *value, PyObject *band)
+{
+    PyObject *lo = attribute(band, name_lo), *hi = attribute(band, name_hi);
+    PyObject *terms = attribute(band, name_terms);
+    if (!terms || !is_operand(&value->lo, lo) || !is_operand(&value->hi, hi)) return 0;
+    value->exact = lo == hi;
+    value->plain = terms == Py_None;
+    value->slackened = 0;
+    value->count = 1.0;
+    if (value->plain) return 1;
+    PyObject *slack = attribute(terms, name_slack), *count = attribute(terms, name_count);
+    if (attribute(terms, name_reach) != Py_None || !slack || !count) return 0;
+    value->count = PyLong_AsDouble(count);
+    value->slackened = slack != Py_None;
+    if (value->slackened && !is_operand(&value->slack, slack)) return 0;
+    return is_operand(&value->mag, attribute(terms, name_mag));
+}
+
+static int broadcast_value(Shape *shape, const Value *value)
+{
+    return broadcast(shape, &value->lo) && (value->exact || broadcast(shape, &value->hi))
+        && (value->plain || broadcast(shape, &value->mag))
+        && (!value->slackened || broadcast(shape, &value->slack));
+}
+
+static void prepare_value(Value *value, const Shape *shape)
+{
+    prepare(&value->lo, shape);
+    if (!value->exact) prepare(&value->hi, shape);
+    if (!value->plain) prepare(&value->mag, shape);
+    if (value->slackened) prepare(&value->slack, shape);
+}
+
+LOOP void sizes(npy_intp count, const double *lo, const double *hi, double *restrict size)
+{
+    for (npy_intp i = 0; i < count; i++)
+        size[i] = smaller(larger(fabs(lo[i]), fabs(hi[i])), LARGEST);
+}
+
+LOOP void settle(
+    npy_intp count, const double *lo, const double *hi, const double *slack, double *restrict low, double *restrict high)
+{
+    for (npy_intp i = 0; i < count; i++) {
+        low[i] = lo[i] - slack[i];
+        high[i] = hi[i] + slack[i];
+    }
+}
+
+/* Makes a block the current one. */
+static void load(Value *value, npy_intp start, npy_intp count)
+{
+    value->low = values_at(&value->lo, start, count);
+    value->high = value->exact ? value->low : values_at(&value->hi, start, count);
+    value->settled_low = value->low;
+    value->settled_high = value->high;
+    if (value->slackened) {
+        value->settled_low = value->blocks[0];
+        value->settled_high = value->blocks[1];
+        const double *slack = values_at(&value->slack, start, count);
+        settle(count, value->low, value->high, slack, value->blocks[0], value->blocks[1]);
+    }
+    if (value->plain) {
+        value->size = value->blocks[2];
+        sizes(count, value->low, value->high, value->blocks[2]);
+    } else
+        value->size = values_at(&value->mag, start, count);
+}
+
+static PyArrayObject *new_array(const Shape *shape, double **data)
+{
+    PyObject *made = PyArray_SimpleNew(shape->ndim, (npy_intp *)shape->dims, NPY_DOUBLE);
+    if (made) *data = PyArray_DATA((PyArrayObject *)made);
+    return (PyArrayObject *)made;
+}
+
+static void drop(Result *result)
+{
+    Py_CLEAR(result->lo);
+    Py_CLEAR(result->hi);
+    Py_CLEAR(result->mag);
+    Py_CLEAR(result->slack);
+}
+
+/* Makes room for a band of this shape; -1 with an exception where there is none. */
+static int make_room(Result *result, const Shape *shape, int with_size, int with_slack)
+{
+    if ((result->lo = new_array(shape, &result->low))
+        && (result->hi = new_array(shape, &result->high))
+        && (!with_size || (result->mag = new_array(shape, &result->size)))
+        && (!with_slack || (result->slack = new_array(shape, &result->step))))
+        return 0;
+    drop(result);
+    return -1;
+}
+
+static PyObject *or_none(PyArrayObject *array)
+{
+    return array ? (PyObject *)array : Py_NewRef(Py_None);
+}
+
+/* (lo, hi, mag, slack, count), `lo` twice where all is exact; None where something was rare. */
+static PyObject *finished(Result *result)
+{
+    if (result->rare) {
+        drop(result);
+        Py_RETURN_NONE;
+    }
+    if (result->exact && !result->differ) {
+        Py_SETREF(result->hi, (PyArrayObject *)Py_NewRef((PyObject *)result->lo));
+    }
+    return Py_BuildValue("NNNNl", result->lo, result->hi, or_none(result->mag), or_none(result->slack),
+                         (long)result->count);
+}
+
+#endif
