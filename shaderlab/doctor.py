@@ -37,6 +37,7 @@ def examine() -> tuple[Finding, ...]:
         _sizes(),
         *_packages(),
         *_compilers(),
+        _bands(),
         _compile_cache(),
         *_data(),
         *_driver(),
@@ -112,6 +113,20 @@ def _compilers() -> Iterator[Finding]:
     yield Finding(name="glslang through", found=words[engine.name])
     for name, version in found.items():
         yield Finding(name=name, found=version)
+
+
+def _bands() -> Finding:
+    """What does the arithmetic of bands."""
+    from .bands import compiled
+
+    built = compiled.KERNELS is not None
+    return Finding(
+        name="bands",
+        found="by compiled passes" if built else "by NumPy, which takes some five times as long",
+        ok=built or compiled.left_aside(),
+        necessary=False,
+        remedy="install a C compiler, then run pip install -e . in the checkout (or make setup)",
+    )
 
 
 def _compile_cache() -> Finding:

@@ -21,9 +21,14 @@ if TYPE_CHECKING:
 VARIABLE = "SHADERLAB_BANDS"
 
 
+def left_aside() -> bool:
+    """Whether the environment asks for NumPy."""
+    return os.environ.get(VARIABLE) == "numpy"
+
+
 def _built() -> Any:
     """The extension module, or None."""
-    if os.environ.get(VARIABLE) == "numpy":
+    if left_aside():
         return None
     try:
         return importlib.import_module("shaderlab.bands._kernels")

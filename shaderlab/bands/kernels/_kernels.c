@@ -116,6 +116,7 @@ static int begin(Pass *pass, PyObject *const *args, Py_ssize_t given, int bands)
     pass->result.count = 1.0;
     if (!broadcast_value(&pass->shape, &pass->a)) return 0;
     if (bands == 2 && !broadcast_value(&pass->shape, &pass->b)) return 0;
+    if (!pass->shape.size) return 0;
     prepare_value(&pass->a, &pass->shape);
     if (bands == 2) prepare_value(&pass->b, &pass->shape);
     return 1;
@@ -396,7 +397,7 @@ static int rounds_outward(void)
     double next = 0x1p-23, before = 0x1p-24;
     return low[0] == 1.0 && high[0] == 1.0 + next && low[1] == -1.0 && high[1] == before - 1.0
         && low[2] == 1.0 - before && high[2] == 1.0 && low[3] == -1.0 - next && high[3] == -1.0
-        && hi[1] == -lo[2] && hi[0] == lo[3];
+        && hi[1] == lo[2] && hi[0] == lo[3];
 }
 
 PyMODINIT_FUNC PyInit__kernels(void)

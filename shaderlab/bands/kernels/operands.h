@@ -92,7 +92,7 @@ static void gather(const Operand *operand, npy_intp start, npy_intp count, doubl
     }
 }
 
-/* Prepares an operand for blocks of a result of this shape. */
+/* Prepares an operand for blocks of a result of this shape, which is not empty. */
 static void prepare(Operand *operand, const Shape *shape)
 {
     PyArrayObject *array = operand->array;

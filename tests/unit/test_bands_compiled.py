@@ -1,0 +1,142 @@
+"""The compiled passes over bands give what NumPy gives, whatever the shapes and the values."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings, strategies as st
+
+from shaderlab.bands import Band, Rules, arithmetic, compiled
+from shaderlab.bands.exact import negative
+
+needs_kernels = pytest.mark.skipif(
+    compiled.KERNELS is None, reason="no compiled passes here (see shaderlab doctor)"
+)
+
+ODD = [0.0, -0.0, 1.0, -1.0, 0.5, 4.0, 2.0**-149, -(2.0**-130), 2.0**-126, 2.0**-63, -(2.0**-63),
+       1e-30, 3e38, -3e38, np.inf, -np.inf, np.nan]  # fmt: skip
+RULES = [Rules(), Rules(flush=False), Rules(rearrange=False)]
+# The second operand's shape beside the first's: blocks of the passes hold 384 values.
+SHAPES = [
+    ((1,), (1,)), ((3,), (1,)), ((5, 3), (5, 3)), ((5, 3), (3,)), ((3,), (5, 3)), ((5, 3), (5, 1)),
+    ((5, 1), (1, 3)), ((400, 1), (1,)), ((400, 3), (400, 1)), ((130, 3), (130, 3)), ((7, 5), (5,)),
+    ((4, 4), (30, 1, 4)), ((30, 2, 2), (30, 2, 2)), ((0, 3), (3,)), ((90, 7), (90, 1)),
+]  # fmt: skip
+
+plain_floats = st.floats(-100.0, 100.0, width=32)
+any_floats = st.one_of(plain_floats, st.sampled_from(ODD), st.floats(width=32))
+
+
+@st.composite
+def bands(draw: Any, shape: tuple[int, ...], rules: Rules, values: Any) -> Band:
+    """A band: exact, an interval, a product, a sum with a pending slack, or a sum of products; its
+    arrays as they come, reversed or transposed in memory."""
+
+    def numbers() -> Any:
+        drawn = draw(st.lists(values, min_size=1, max_size=12))
+        return np.resize(np.array(drawn, np.float32), shape)
+
+    def leaf() -> Band:
+        first = numbers()
+        if draw(st.booleans()):
+            return Band.exact(first, rules)
+        first, second = np.nan_to_num(first), np.nan_to_num(numbers())
+        return Band.between(np.minimum(first, second), np.maximum(first, second), rules)
+
+    kind = draw(st.sampled_from(["leaf", "scale", "product", "sum", "sum of products"]))
+    if kind == "scale":
+        exponents = draw(st.lists(st.integers(-8, 8), min_size=1, max_size=5))
+        band = Band.exact(np.resize(2.0 ** np.array(exponents), shape), rules)
+    elif kind == "product":
+        band = plain("multiply")(leaf(), leaf())
+    elif kind == "sum":
+        band = plain("add")(leaf(), leaf())
+    elif kind == "sum of products":
+        products = [plain("multiply")(leaf(), leaf()) for _ in range(2)]
+        band = plain("add")(*products)
+    else:
+        band = leaf()
+    if draw(st.booleans()):
+        return band[..., list(range(shape[-1]))[::-1]]
+    return band[::-1] if draw(st.booleans()) else band
+
+
+def plain(name: str) -> Callable[..., Band]:
+    """An operation of NumPy alone."""
+    if name == "subtract":
+        return lambda a, b: plain("add")(a, negative(b))
+    function = getattr(arithmetic, name)
+    found: Callable[..., Band] = getattr(function, "__wrapped__", function)
+    return found
+
+
+def assert_same(got: Band, expected: Band) -> None:
+    """Bounds, what marks exact values, flags and terms; the sign of a zero apart."""
+    assert (got.lo is got.hi) == (expected.lo is expected.hi)
+    arrays = [(got.lo, expected.lo), (got.hi, expected.hi)]
+    arrays += list(zip(got.flags, expected.flags, strict=True))
+    assert (got.terms is None) == (expected.terms is None)
+    if got.terms is not None and expected.terms is not None:
+        assert got.terms.count == expected.terms.count
+        for name in ("mag", "slack", "reach"):
+            ours, theirs = getattr(got.terms, name), getattr(expected.terms, name)
+            assert (ours is None) == (theirs is None), name
+            if ours is not None:
+                arrays.append((ours, np.broadcast_to(theirs, expected.shape)))
+    for ours, theirs in arrays:
+        np.testing.assert_array_equal(ours, theirs, strict=True)
+
+
+@needs_kernels
+@pytest.mark.parametrize("values", [plain_floats, any_floats], ids=["plain", "any"])
+@settings(max_examples=60, deadline=None)
+@given(data=st.data())
+def test_operations_are_numpy_s(values: Any, data: Any) -> None:
+    rules = data.draw(st.sampled_from(RULES))
+    shapes = data.draw(st.sampled_from(SHAPES))
+    a, b = (data.draw(bands(shape, rules, values)) for shape in shapes)
+    for name in ("add", "subtract", "multiply", "divide"):
+        assert_same(getattr(arithmetic, name)(a, b), plain(name)(a, b))
+    for squared in (arithmetic.square(a), arithmetic.multiply(a, a)):
+        assert_same(squared, plain("square")(a))
+
+
+@needs_kernels
+def test_common_values_are_not_left_to_numpy() -> None:
+    x = Band.exact(np.linspace(0.5, 2.0, 12).reshape(4, 3))
+    for operands in ((x, x.again()), (x * 3.0 + 1.0, x[..., 0:1] * x), (x, Band.exact([0.5]))):
+        for name in ("add", "subtract", "multiply", "divide"):
+            assert getattr(compiled.KERNELS, name)(*operands, True, True) is not None
+
+
+@needs_kernels
+def test_what_a_pass_can_t_take_is_left_to_numpy() -> None:
+    x = Band.exact(np.linspace(0.5, 2.0, 12).reshape(4, 3))
+    infinite, zero, tiny = (Band.exact([value]) for value in (np.inf, 0.0, 2.0**-61))
+    assert compiled.KERNELS.add(x, infinite, True, True) is None
+    assert compiled.KERNELS.divide(x, zero, True, True) is None
+    assert compiled.KERNELS.multiply(x, tiny * tiny, True, True) is None
+    with pytest.raises(ValueError, match="broadcast"):
+        x + Band.exact([1.0, 2.0])
+
+
+def test_numpy_does_without(repository: Path) -> None:
+    """The same tests of the arithmetic, where the passes are left aside."""
+    code = "import sys, pytest; from shaderlab.bands.compiled import KERNELS; "
+    code += "sys.exit(KERNELS is not None or pytest.main(sys.argv[1:]))"
+    tests = ["-q", "-n", "0", "-p", "no:cacheprovider", "tests/unit/test_bands_arithmetic.py"]
+    done = subprocess.run(
+        [sys.executable, "-c", code, *tests],
+        cwd=repository,
+        env={**os.environ, compiled.VARIABLE: "numpy"},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
