@@ -137,7 +137,9 @@ def test_a_second_run_sets_nothing_up(machine: Machine) -> None:
         assert done.returncode == 0 and ".ci/setup" not in done.stdout
 
 
-@pytest.mark.parametrize("change", ["pyproject.toml", "constraints.txt", ".ci/system", "hatch_build.py"])
+@pytest.mark.parametrize(
+    "change", ["pyproject.toml", "constraints.txt", ".ci/system", "hatch_build.py"]
+)
 def test_a_change_of_what_is_needed_sets_up_again(machine: Machine, change: str) -> None:
     ready(machine, machine.folder)
     stamp = (machine.folder / ".venv" / ".ready").stat().st_mtime
