@@ -40,6 +40,11 @@ class Argument:
         """Whether it has more than one element."""
         return math.prod(self.batch) != 1
 
+    @property
+    def value(self) -> Any:
+        """The value as the function gets it: floats are float32's."""
+        return _rebuilt(iter(self.leaves), self.type)
+
     def shared_words(self) -> Array:
         """The words of its only element, uint32."""
         found = [_as_words(leaf).reshape(-1) for leaf in self.leaves]
@@ -55,6 +60,16 @@ class Argument:
                 with np.errstate(over="ignore", invalid="ignore"):
                     np.copyto(layer, leaf[..., n], casting="unsafe")
                 at += 1
+
+
+def _rebuilt(leaves: Iterator[Array], kind: Type) -> Any:
+    if kind.members and kind.dims:
+        return [_rebuilt(leaves, kind.element) for _ in range(kind.dims[0])]
+    if kind.members:
+        return {name: _rebuilt(leaves, member) for name, member in kind.members}
+    leaf = next(leaves)
+    shape = (*leaf.shape[:-1], *kind.shape)
+    return (leaf.astype(np.float32) if kind.kind == "float" else leaf).reshape(shape)
 
 
 def _as_words(leaf: Array) -> Array:

@@ -89,18 +89,31 @@ def _fitted(
     name = signature.name
     if signature.obstacle:
         raise CallError(f"{name} can't be called: {signature.obstacle}")
-    values, opaque = {}, {}
+    values: dict[str, Argument] = {}
+    opaque: dict[str, Any] = {}
     for one, value in _paired(signature, arguments, named, defaults):
         if one.type.opaque:
             opaque[one.name] = value
         else:
             values[one.name] = argument(value, one.type, f"{name}: {one.name}")
+    return _call(signature, values, opaque)
+
+
+def replaced(call: Call, new: Mapping[str, Any]) -> Call:
+    """A call with other values of some arguments, by name. Raises CallError."""
+    inputs = {i.name: i for i in (*call.signature.given, *call.signature.globals)}
+    name = call.signature.name
+    made = {word: argument(v, inputs[word].type, f"{name}: {word}") for word, v in new.items()}
+    return _call(call.signature, {**call.values, **made}, call.opaque)
+
+
+def _call(signature: Signature, values: Mapping[str, Argument], opaque: Mapping[str, Any]) -> Call:
     shapes = {word: a.batch for word, a in values.items()}
     try:
         batch = np.broadcast_shapes(*shapes.values())
     except ValueError:
         shown = ", ".join(f"{word} {shape}" for word, shape in shapes.items() if shape)
-        raise CallError(f"{name}: these shapes do not broadcast: {shown}") from None
+        raise CallError(f"{signature.name}: these shapes do not broadcast: {shown}") from None
     return Call(signature, values, opaque, batch)
 
 

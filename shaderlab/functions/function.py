@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from shaderlab.compiler.sources import Source
 from shaderlab.errors import CallError
-from shaderlab.functions.binding import Call, bound
+from shaderlab.functions import checking
+from shaderlab.functions.binding import Call, bound, replaced
+from shaderlab.functions.laws import Law
 from shaderlab.functions.running import evaluate
 from shaderlab.functions.signatures import Signature
 
@@ -43,7 +45,7 @@ class Function:
     @property
     def place(self) -> tuple[str, int]:
         """The file and the line of its first definition."""
-        return self._source.place(self._overloads[0].line)
+        return self.place_of(self._overloads[0])
 
     def __getitem__(self, types: str) -> Function:
         """The overload with parameters of these types, such as `f["vec3, float"]`."""
@@ -68,6 +70,34 @@ class Function:
             ShaderError: the function does not compile.
         """
         return self.evaluate(self.bind(*arguments, **named))
+
+    def check(self, law: Law | Callable[..., Any], *arguments: Any, **named: Any) -> None:
+        """Check the function at these arguments.
+
+        Args:
+            law: a reference, a formula written with `shaderlab.glslmath`, in whose band every value
+                has to lie; or a law, such as `glsl.monotone("d")`. A reference's parameters are
+                found by the names of the function's (`light.constant` is light_constant) or, if it
+                has other names, stand in their order.
+            arguments, named: as in a call.
+
+        Raises:
+            AssertionError: it does not hold; says where.
+            CallError, ShaderError: as in a call; or the reference takes other arguments.
+        """
+        __tracebackhide__ = True
+        call = self.bind(*arguments, **named)
+        outcome = checking.judged(self, law, call)
+        if outcome.status != "pass":
+            raise AssertionError(checking.text_of(self, call, outcome))
+
+    def again(self, call: Call, values: Mapping[str, Any]) -> Any:
+        """The results of a call with other values of some arguments, by name."""
+        return self.evaluate(replaced(call, values))
+
+    def place_of(self, signature: Signature) -> tuple[str, int]:
+        """The file and the line of an overload's definition."""
+        return self._source.place(signature.line)
 
     def bind(self, *arguments: Any, **named: Any) -> Call:
         """The overload that arguments fit, with them. Raises CallError."""

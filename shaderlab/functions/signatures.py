@@ -71,6 +71,7 @@ class Signature:
         globals: what else it reads.
         code: the text that it needs, line for line as in the file.
         line: of the definition in that text, counted from 1.
+        definition: the function's own text.
         per_pixel: whether it depends on the pixel that it runs for.
         state: variables of the file that a call may change, with their initialisers.
         discards: whether it may discard its pixel.
@@ -84,6 +85,7 @@ class Signature:
     globals: tuple[Input, ...]
     code: str
     line: int
+    definition: str
     per_pixel: bool
     state: tuple[tuple[str, str], ...]
     discards: bool
@@ -167,6 +169,7 @@ def _signature(found: Declarations, own: Item) -> Signature:
         globals=tuple(globals_),
         code=_renamed(before) + _renamed(_emitted(found, needed, types)),
         line=found.text.count("\n", 0, own.start) + 1,
+        definition=found.text[own.start : own.end],
         per_pixel=FRAGMENT_ONLY.search(body) is not None,
         state=tuple((v.name, v.default) for v in _state(needed) if v.default),
         discards="discard" in used,

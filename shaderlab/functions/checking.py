@@ -1,0 +1,223 @@
+"""Checking a function: against a reference's bands, or against a law."""
+
+from __future__ import annotations
+
+import inspect
+import math
+from collections.abc import Callable, Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from shaderlab.errors import CallError
+from shaderlab.frame import Array
+from shaderlab.functions.binding import Call
+from shaderlab.functions.laws import Finding, Law
+from shaderlab.functions.types import Type
+from shaderlab.judging.banded import judge_band
+from shaderlab.judging.inputs import Inputs, parameter_name
+from shaderlab.records import Outcome, SourceText
+from shaderlab.report.plain_text import numbers, outcome_details
+
+if TYPE_CHECKING:
+    from shaderlab.functions.function import Function
+
+Reference = Callable[..., Any]
+
+
+def judged(function: Function, law: Law | Reference, call: Call) -> Outcome:
+    """The outcome of a check.
+
+    Args:
+        function: what is checked.
+        law: a law, or a reference: a formula written with `shaderlab.glslmath`.
+        call: the arguments.
+
+    Raises:
+        CallError: the reference's parameters are not the function's.
+        FormulaError: the reference fails.
+    """
+    got = function.evaluate(call)
+    if not isinstance(got, np.ndarray | np.generic):
+        raise CallError(
+            f"{function.__name__} gives {type(got).__name__}, not one array",
+            remedy="call it, and compare what it gives",
+        )
+    kept: Array = np.ones(call.batch, np.bool_)
+    if isinstance(got, np.ma.MaskedArray):
+        mask = np.ma.getmaskarray(got)
+        kept = np.asarray(~mask.all(axis=tuple(range(len(call.batch), mask.ndim))))
+        got = got.data
+    if isinstance(law, Law):
+        return _of_law(function, law, call, got, kept)
+    return _of_reference(function, law, call, np.asarray(got), kept)
+
+
+def text_of(function: Function, call: Call, outcome: Outcome) -> str:
+    """Why a check failed, for people."""
+    return "\n".join([str(call.signature), *outcome_details(outcome)])
+
+
+def source_of_glsl(function: Function, call: Call) -> SourceText:
+    """The function's definition."""
+    file, line = function.place_of(call.signature)
+    return SourceText(file=file, line=line, language="glsl", text=call.signature.definition)
+
+
+def _of_reference(
+    function: Function, reference: Reference, call: Call, got: Array, kept: Array
+) -> Outcome:
+    result = call.signature.outputs[0][1]
+    if len(result.shape) > 1:
+        raise CallError(f"{result} results have no bands", remedy="use a law, or compare them")
+    count = math.prod(call.batch)
+    measured = got.reshape(count, -1)[kept.reshape(-1)]
+    if measured.dtype == bool:
+        measured = measured.astype(np.float32)
+    inputs = _named_for(reference, _inputs(call, kept.reshape(-1)), call)
+    banded = judge_band(measured, reference, inputs, rules=None)
+    status, message = banded.verdict()
+    return Outcome(
+        name=function.__name__,
+        kind="formula",
+        status=status,  # type: ignore[arg-type]
+        message=message,
+        judged=int(measured.size),
+        outside=banded.outside,
+        worst=banded.worst(),
+        vacuous=banded.vacuous_share,
+        undecided=banded.undecided_share,
+        informative=banded.informative_share,
+        sources=(source_of_glsl(function, call), banded.source),
+    )
+
+
+def _of_law(function: Function, law: Law, call: Call, got: Any, kept: Array) -> Outcome:
+    finding = law.judge(function, call, got)
+    wrong = np.flatnonzero(~finding.holds & kept)
+    name = law.name
+    judged = int(np.count_nonzero(kept))
+    message = ""
+    if wrong.size:
+        message = f"{name} does not hold of {wrong.size} of {judged} elements\n"
+        message += "\n".join(_shown(call, finding, int(wrong[0])))
+    elif not judged:
+        message = "nothing was judged: there is no element, or all are discarded"
+    elif finding.trivial:
+        message = f"{name} could hardly fail: {finding.trivial}"
+    return Outcome(
+        name=function.__name__,
+        kind=name,
+        status="fail" if message else "pass",
+        message=message,
+        judged=judged,
+        outside=int(wrong.size),
+        sources=(source_of_glsl(function, call),),
+    )
+
+
+def _shown(call: Call, finding: Finding, index: int) -> Iterator[str]:
+    """One element: what it got, what was expected, its inputs, and a line that calls it again."""
+    count = math.prod(call.batch)
+    rows = finding.got.reshape(count, -1)[index]
+    yield f"  got        {numbers(rows)}"
+    if isinstance(finding.expected, str):
+        yield f"  expected   {finding.expected}"
+    else:
+        other = np.broadcast_to(finding.expected, finding.got.shape).reshape(count, -1)[index]
+        yield f"  expected   {numbers(other)}"
+        with np.errstate(all="ignore"):
+            apart = np.abs(rows.astype(np.float64) - other) / np.spacing(np.abs(np.float32(other)))
+        yield f"  apart      {np.max(apart):.3g} ulp"
+    for name, values in inputs_at(call, index).items():
+        yield f"  {name} = {numbers(values)}"
+
+
+def inputs_at(call: Call, index: int) -> dict[str, tuple[float, ...]]:
+    """The numbers that an element of a call got, by name."""
+    found = {}
+    for name, leaf in _leaves(call):
+        rows = np.broadcast_to(leaf, (*call.batch, leaf.shape[-1])).reshape(-1, leaf.shape[-1])
+        values = rows[index]
+        found[name] = tuple(float(np.float32(v)) if values.dtype.kind == "f" else v for v in values)
+    return found
+
+
+def _leaves(call: Call) -> Iterator[tuple[str, Array]]:
+    """Each number or vector that a call has, with its name: "light.constant"."""
+    for name, given in call.values.items():
+        yield from zip(_names(name, given.type), given.leaves, strict=True)
+
+
+def _names(name: str, kind: Type) -> Iterator[str]:
+    if kind.members and kind.dims:
+        for n in range(kind.dims[0]):
+            yield from _names(f"{name}[{n}]", kind.element)
+    elif kind.members:
+        for member, its in kind.members:
+            yield from _names(f"{name}.{member}", its)
+    else:
+        yield name
+
+
+def _inputs(call: Call, kept: Array) -> Inputs:
+    """What a call's function got, for references: as the very numbers that it got."""
+    shared: dict[str, Array] = {}
+    each: dict[str, Array] = {}
+    arrays = set()
+    for name, given in call.values.items():
+        for word, leaf, kind in zip(
+            _names(name, given.type), given.leaves, _kinds(given.type), strict=True
+        ):
+            exact = leaf.astype(np.float32) if leaf.dtype.kind in "fb" else leaf
+            if kind.kind == "float":
+                exact = leaf.astype(np.float32)
+            own = kind.shape or (1,)
+            if kind.dims:
+                arrays.add(word)
+                own = (*kind.dims, *(kind.base_shape or (1,)))
+            if math.prod(leaf.shape[:-1]) == 1:
+                shared[word] = exact.reshape(own)
+            else:
+                whole = np.broadcast_to(exact, (*call.batch, exact.shape[-1]))
+                each[word] = whole.reshape(-1, *own)[kept]
+    return Inputs(shared=shared, each=each, arrays=frozenset(arrays))
+
+
+def _kinds(kind: Type) -> Iterator[Type]:
+    if kind.members and kind.dims:
+        for _ in range(kind.dims[0]):
+            yield from _kinds(kind.element)
+    elif kind.members:
+        for _, its in kind.members:
+            yield from _kinds(its)
+    else:
+        yield kind
+
+
+def _named_for(reference: Reference, inputs: Inputs, call: Call) -> Inputs:
+    """The inputs under the names that the reference has for them: the function's own, or in the
+    order of the parameters."""
+    wanted = [p for p in inspect.signature(reference).parameters.values()]
+    required = [p.name for p in wanted if p.default is p.empty]
+    known = inputs.parameters()
+    if all(name in known for name in required):
+        return inputs
+    names = [n for n, _ in _leaves(call)]
+    if len(required) != len(names) and len(wanted) != len(names):
+        shown = ", ".join(parameter_name(n) for n in names)
+        raise CallError(
+            f"{reference.__name__} takes {', '.join(p.name for p in wanted)}; "
+            f"{call.signature.name} gets {shown}",
+            remedy="name the reference's parameters so, or take as many in the same order",
+        )
+    new = {old: parameter.name for old, parameter in zip(names, wanted, strict=False)}
+    return Inputs(
+        shared=_renamed(inputs.shared, new),
+        each=_renamed(inputs.each, new),
+        arrays=frozenset(new[name] for name in inputs.arrays),
+    )
+
+
+def _renamed(values: Mapping[str, Array], new: Mapping[str, str]) -> dict[str, Array]:
+    return {new[name]: array for name, array in values.items()}

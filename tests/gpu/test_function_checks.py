@@ -1,0 +1,147 @@
+"""Checks of GLSL functions: each passes where it should, and fails with the place where not."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from shaderlab import glsl
+from shaderlab.errors import CallError, FormulaError
+from shaderlab.reference.attenuation import attenuation
+from shaderlab.reference.gamma import srgb_encode
+from shaderlab.reference.tone_mapping import reinhard
+
+SHADER = """
+struct Light { float constant; float linear; float quadratic; };
+float fades(float d, float c, float l, float q) { return 1.0 / (c + l * d + q * d * d); }
+float attenuation(Light light, float distance) {
+    return fades(distance, light.constant, light.linear, light.quadratic);
+}
+float steps(float d, float c, float l, float q) {
+    return fades(d, c, l, q) * (d > 49.9 ? 1.01 : 1.0);
+}
+float encode(float c) { return c <= 0.0031308 ? 12.92 * c : 1.055 * pow(c, 1.0 / 2.4) - 0.055; }
+float decode(float c) { return c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4); }
+vec3 mapped(vec3 light) { return light / (1.0 + light); }
+vec3 green(vec3 light) { return light / vec3(1.0 + light.x, 1.0 + light.x, 1.0 + light.z); }
+float squared(float x) { return x * x; }
+float cubed(float x) { return x * x * x; }
+float limited(float x) { return clamp(x, 0.0, 1.0); }
+float halved(float x) { return 0.5 * x; }
+float less(float a, float b) { return a - b; }
+float both(float a, float b) { return a * b + (a + b); }
+float still(float x) { return 1.0 + 0.0 * x; }
+float kept(float x) { if (x < 0.0) discard; return 2.0 * x; }
+mat2 turned(float x) { return mat2(cos(x), sin(x), -sin(x), cos(x)); }
+bool lit(float x) { return x > 0.5; }
+int doubled(int n) { return n * 2; }
+"""
+LAMP = (1.0, 0.09, 0.032)
+D = np.linspace(0.0, 50.0, 1001)
+X = np.linspace(-2.0, 2.0, 41)
+UNIT = np.linspace(0.001, 1.0, 301)
+
+
+@pytest.fixture(scope="module")
+def shader() -> glsl.Library:
+    return glsl.load(SHADER)
+
+
+def twice(x: Any) -> Any:
+    return 2.0 * x
+
+
+def twice_of_whole(n: Any) -> Any:
+    return n * 2
+
+
+PASS: list[tuple[str, Any, tuple[Any, ...]]] = [
+    ("fades", attenuation, (D, *LAMP)),
+    ("attenuation", attenuation, (dict(zip(("constant", "linear", "quadratic"), LAMP, strict=True)), D)),
+    ("encode", srgb_encode, (UNIT,)),
+    ("mapped", reinhard, (np.random.default_rng(1).random((64, 3)) * 4.0,)),
+    ("kept", twice, (X,)),
+    ("doubled", twice_of_whole, (np.arange(-9, 9),)),
+    ("fades", glsl.monotone("d", rising=False, strictly=True), (D, *LAMP)),
+    ("fades", glsl.monotone("d", rising=False), (D[::-1], *LAMP)),
+    ("fades", glsl.bounded(0.0, 1.0), (D, *LAMP)),
+    ("mapped", glsl.bounded(0.0, [1.0, 0.5, 1.0]), ([[2.0, 1.0, 2.0]],)),
+    ("encode", glsl.inverse(lambda y: glsl.load(SHADER).decode(y), ulp=64), (UNIT,)),
+    ("squared", glsl.even("x"), (X,)),
+    ("cubed", glsl.odd("x"), (X,)),
+    ("limited", glsl.idempotent(), (X,)),
+    ("both", glsl.symmetric("a", "b"), (X, X[::-1])),
+    ("fades", glsl.same_as(lambda d, c, k, q: 1 / (c + k * d + q * d * d), ulp=2), (D, *LAMP)),
+    ("fades", glsl.table([1.0, 0.8913, 0.012], digits=3), ([0.0, 1.0, 49.3], *LAMP)),
+    ("turned", glsl.table([[1.0, 0.0], [0.0, 1.0]]), (0.0,)),
+    ("lit", glsl.table([False, True]), ([0.0, 1.0],)),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "law", "arguments"), PASS)
+def test_a_right_function_passes(
+    shader: glsl.Library, name: str, law: Any, arguments: tuple[Any, ...]
+) -> None:
+    shader[name].check(law, *arguments)
+
+
+FAIL: list[tuple[str, Any, tuple[Any, ...], list[str]]] = [
+    (
+        "steps", attenuation, (D, *LAMP),
+        ["float steps(float d,", "2 of 1001 values lie outside", "measured   0.0118",
+         "band       [0.", "ulp", "distance = ", "light_linear = 0.0900000036", "text:7", "attenuation.py:"],
+    ),
+    ("green", reinhard, ([[1.0, 2.0, 3.0]],), ["component g", "light = (1, 2, 3)"]),
+    ("steps", glsl.monotone("d", rising=False), (D, *LAMP), ["of 1 of 1001", "d = 49.9"]),
+    ("still", glsl.monotone("x"), (X,), ["could hardly fail: it is the same at all values"]),
+    ("squared", glsl.bounded(0.0, 3.0), (X,), ["got        4", "expected   0.0 … 3.0", "x = -2"]),
+    ("squared", glsl.bounded(low=0.0), ([1.0, np.nan],), ["got        nan"]),
+    ("squared", glsl.odd("x"), (X,), ["odd does not hold", "x = -2"]),
+    ("cubed", glsl.even("x"), (X,), ["even does not hold"]),
+    ("cubed", glsl.odd("x"), ([0.0],), ["could hardly fail: x is 0"]),
+    ("halved", glsl.idempotent(), (X,), ["got        -0.5", "expected   -1"]),
+    ("less", glsl.symmetric("a", "b"), (X, X[::-1]), ["a = -2", "b = 2"]),
+    ("both", glsl.symmetric("a", "b"), (X, X), ["a and b are equal"]),
+    ("encode", glsl.inverse(np.sqrt), (UNIT,), ["inverse does not hold"]),
+    ("fades", glsl.same_as(lambda d, c, k, q: 1 / (c + k * d)), (D, *LAMP), ["sameas does not"]),
+    ("fades", glsl.table([1.0, 0.9], digits=2), ([0.0, 1.0], *LAMP), ["expected   0.9"]),
+    ("kept", glsl.bounded(0.0), ([-1.0, -2.0],), ["nothing was judged"]),
+    ("squared", glsl.bounded(0.0), (np.zeros(0),), ["nothing was judged"]),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "law", "arguments", "says"), FAIL)
+def test_a_wrong_one_fails_and_says_where(
+    shader: glsl.Library, name: str, law: Any, arguments: tuple[Any, ...], says: list[str]
+) -> None:
+    with pytest.raises(AssertionError) as failure:
+        shader[name].check(law, *arguments)
+    for part in says:
+        assert part in str(failure.value), str(failure.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "law", "arguments", "says"),
+    [
+        ("fades", srgb_encode, (D, *LAMP), "srgb_encode takes linear; fades gets d, c, l, q"),
+        ("turned", reinhard, (X,), "mat2 results have no bands"),
+        ("fades", glsl.monotone("x"), (D, *LAMP), "gets no numbers named 'x'"),
+        ("less", glsl.monotone("a"), (np.zeros((2, 2)), X[:2]), "give it values along an axis"),
+        ("squared", glsl.table([1.0]), (X,), "has shape (1,), the function gives (41,)"),
+    ],
+)
+def test_a_check_that_makes_no_sense_is_refused(
+    shader: glsl.Library, name: str, law: Any, arguments: tuple[Any, ...], says: str
+) -> None:
+    with pytest.raises(CallError) as error:
+        shader[name].check(law, *arguments)
+    assert says in str(error.value)
+
+
+def test_bounds_are_given_and_references_are_formulas(shader: glsl.Library) -> None:
+    with pytest.raises(CallError, match="give low, high or both"):
+        glsl.bounded()
+    with pytest.raises(FormulaError, match="glslmath"):
+        shader.squared.check(lambda x: np.exp(x), X)
