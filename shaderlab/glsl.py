@@ -1,5 +1,12 @@
 """GLSL functions in tests: `from shaderlab import glsl`, `glsl.load("shaders/lighting.glsl")`."""
 
+from shaderlab.functions.domains import (
+    bools as bools,
+    directions as directions,
+    floats as floats,
+    ints as ints,
+    one_of as one_of,
+)
 from shaderlab.functions.function import Function as Function
 from shaderlab.functions.laws import (
     Law as Law,
@@ -14,3 +21,4 @@ from shaderlab.functions.laws import (
     table as table,
 )
 from shaderlab.functions.library import Library as Library, load as load
+from shaderlab.functions.searching import example as example, given as given

@@ -39,6 +39,7 @@ OWNERS: dict[str, set[str]] = {
     "tree_sitter_glsl": {"mutation"},
     "click": {"cli"},
     "rich": {"cli"},
+    "hypothesis": {"functions"},
     "pytest": {"pytest_plugin"},
     "distributed": {"execution"},
     "dask": {"execution"},
@@ -52,6 +53,7 @@ OPTIONAL = {
     "pypcd4": "models",
     "trimesh": "models",
     "pytest": "pytest",
+    "hypothesis": "pytest",
     "pyarrow": "sweep",
 }
 

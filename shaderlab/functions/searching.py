@@ -1,0 +1,360 @@
+"""`given`: a property of a function, searched for a counterexample that is then made small.
+
+Hypothesis decides what is tried, and keeps what failed in its database. A draw of it is a batch of
+samples: the function is called once for all of them, and so is the test, on arrays. A test that was
+written for single numbers is called for each.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from shaderlab.errors import CallError, extra
+from shaderlab.frame import Array
+from shaderlab.functions.domains import Domain, hints_of, weights
+
+if TYPE_CHECKING:
+    from shaderlab.functions.function import Function
+
+SAMPLES = 10_000
+"""Samples of a draw."""
+DRAWS = 10
+_ROUNDS = 6
+
+Test = Callable[..., Any]
+Values = dict[str, Array]
+
+
+def given(function: Function, **domains: Any) -> Callable[[Test], Test]:
+    """A test of a property: `@glsl.given(lighting.fresnel, cosine=glsl.floats(0, 1))`.
+
+    The test gets the arguments by their names, and by any other name what the function gives for
+    them. It asserts on arrays, or on single numbers, or returns where the property holds.
+
+    Args:
+        function: what is called.
+        domains: for each parameter and global the domain that is searched, such as
+            `floats(0, 1)`, a mapping of domains for a struct, or a value.
+
+    Raises:
+        AssertionError: from the test, for a counterexample made as simple as possible; a note has
+            it as a line to paste above the test: `@glsl.example(…)`.
+    """
+
+    def decorated(test: Test) -> Test:
+        with extra("pytest", "glsl.given"):
+            import hypothesis
+            from hypothesis import strategies
+
+        search = Search(function, domains, test)
+
+        def run(batch: Batch) -> None:
+            __tracebackhide__ = True
+            search.run(batch)
+
+        # Hypothesis takes it for the test: failures show that, and the database knows it by that.
+        for name in ("__name__", "__qualname__", "__module__", "__doc__"):
+            setattr(run, name, getattr(test, name))
+        code = test.__code__
+        run.__code__ = run.__code__.replace(
+            co_filename=code.co_filename, co_firstlineno=code.co_firstlineno
+        )
+        settings = hypothesis.settings(
+            max_examples=DRAWS,
+            deadline=None,
+            verbosity=hypothesis.Verbosity.quiet,
+            phases=[p for p in hypothesis.Phase if p.name in ("explicit", "reuse", "generate")],
+            suppress_health_check=list(hypothesis.HealthCheck),
+        )
+        batches = strategies.integers(0, 2**32 - 1).map(Batch)
+        found: Test = settings(hypothesis.given(batch=batches)(run))
+        for values in reversed(getattr(test, "shaderlab_examples", ())):
+            found = hypothesis.example(batch=Batch(None, tuple(values.items())))(found)
+        return found
+
+    return decorated
+
+
+def example(**values: Any) -> Callable[[Test], Test]:
+    """Arguments that `given` tries first; stands below it."""
+
+    def decorated(test: Test) -> Test:
+        known = getattr(test, "shaderlab_examples", ())
+        test.shaderlab_examples = (values, *known)  # type: ignore[attr-defined]
+        return test
+
+    return decorated
+
+
+@dataclass(frozen=True)
+class Batch:
+    """What one draw tries: samples by a seed, or some values."""
+
+    seed: int | None
+    values: tuple[tuple[str, Any], ...] = ()
+
+    def __repr__(self) -> str:
+        return f"{SAMPLES} samples of seed {self.seed}" if self.seed is not None else "an example"
+
+
+class Search:
+    """Searches one test's property.
+
+    Args:
+        function: what is called.
+        domains: by the names of its arguments.
+        test: what must not fail.
+    """
+
+    def __init__(self, function: Function, domains: Mapping[str, Any], test: Test) -> None:
+        self._function = function
+        self._domains = domains
+        self._test = test
+        self._one_by_one = False
+
+    @cached_property
+    def _hints(self) -> Array:
+        return hints_of("".join(s.code for s in self._function.signatures))
+
+    @cached_property
+    def _types(self) -> dict[str, Any]:
+        """The type of each argument that is searched, members by their whole names."""
+        inputs = {i.name: i.type for s in self._function.signatures for i in (*s.given, *s.globals)}
+        found = {}
+        for name, _ in _flat(self._domains):
+            head, *members = name.split(".")
+            if head not in inputs:
+                known = ", ".join(inputs)
+                message = f"given: {self._function.__name__} takes no {head!r}"
+                raise CallError(message, remedy=f"there is: {known}")
+            kind = inputs[head]
+            for member in members:
+                kind = dict(kind.members)[member]
+            found[name] = kind
+        return found
+
+    @cached_property
+    def _result_name(self) -> str | None:
+        """The test's parameter that gets the result."""
+        inputs = {i.name for s in self._function.signatures for i in (*s.given, *s.globals)}
+        others = [n for n in inspect.signature(self._test).parameters if n not in inputs]
+        if len(others) > 1:
+            raise CallError(
+                f"{self._test.__name__} has parameters {', '.join(others)}, of which only one can "
+                f"be what {self._function.__name__} gives",
+                remedy=f"{self._function.__name__} takes {', '.join(sorted(inputs))}",
+            )
+        return others[0] if others else None
+
+    def run(self, batch: Batch) -> None:
+        """Try a batch. Raises what the test raises for its simplest counterexample."""
+        __tracebackhide__ = True
+        if batch.seed is None:
+            values = {n: np.asarray(v)[None] for n, v in _flat(dict(batch.values))}
+        else:
+            rng = np.random.default_rng(batch.seed)
+            searched = {n: d for n, d in _flat(self._domains) if isinstance(d, Domain)}
+            values = {
+                name: domain.sample(rng, (SAMPLES, *self._types[name].shape), self._hints)
+                for name, domain in searched.items()
+            }
+        count = len(next(iter(values.values())))
+        wrong = self._failing(values, count)
+        if wrong is None:
+            return
+        if wrong.stop - wrong.start > 1:  # no single one fails: it is about several together
+            self._call_test(self._arguments(_rows(values, wrong)))
+            return
+        self._report(self._smallest(_rows(values, wrong)))
+
+    def _report(self, values: Values) -> None:
+        """Run the test on one element, to fail as it does."""
+        __tracebackhide__ = True
+        arguments = self._arguments(values)
+        single = {name: _element(value, 0) for name, value in arguments.items()}
+        file, line = self._function.place
+        note = f"{self._function.__name__} of {file}:{line}, at its simplest counterexample:\n"
+        note += f"@glsl.example({', '.join(_spelt(values))})"
+        given = [f"{n} = {v!r}" for n, v in single.items() if n == self._result_name]
+        note += "".join(f"\n{line}" for line in given)
+        for some in (single, arguments):
+            try:
+                holds = self._test(**some)
+            except Exception as error:
+                error.add_note(note)
+                raise
+            if holds is not None and not np.all(holds):
+                raise AssertionError(f"{self._test.__name__} does not hold\n{note}")
+
+    def _smallest(self, values: Values) -> Values:
+        """The same failure with simpler values, one number after the other."""
+        for _ in range(_ROUNDS):
+            before = sum(weights(v) for v in values.values())
+            for name in values:
+                domain = dict(_flat(self._domains)).get(name)
+                if not isinstance(domain, Domain):
+                    continue
+                shape = values[name].shape
+                places: list[Any] = [...]
+                if domain.by_component and len(shape) > 1:
+                    places = list(np.ndindex(shape[1:]))
+                for place in places:
+                    values = self._simpler(values, name, domain, place)
+            if sum(weights(v) for v in values.values()) >= before:
+                break
+        return values
+
+    def _simpler(self, values: Values, name: str, domain: Domain, place: Any) -> Values:
+        old = values[name]
+        whole = (0, ...) if place is ... else (0, *place)
+        choices = domain.simpler(old[whole])
+        if not choices:
+            return values
+        many = np.repeat(old, len(choices), axis=0)
+        for n, choice in enumerate(choices):
+            many[(n, *whole[1:])] = choice
+        tried = {n: np.repeat(v, len(choices), axis=0) for n, v in values.items()} | {name: many}
+        arguments = self._arguments(tried)
+        for n in range(len(choices)):
+            if self._fails({k: v[n : n + 1] for k, v in _flat(arguments)}):
+                return _rows(tried, slice(n, n + 1))
+        return values
+
+    def _failing(self, values: Values, count: int) -> slice | None:
+        """The rows of a failure, one where one is enough; None where the test passes."""
+        arguments = self._arguments(values)
+        if not self._one_by_one:
+            try:
+                holds = self._call_test(arguments)
+            except ValueError as error:
+                if "truth value of an array" not in str(error):
+                    return self._halved(arguments)
+                self._one_by_one = True
+            except Exception:
+                return self._halved(arguments)
+            else:
+                if holds is None or np.all(holds):
+                    return None
+                if np.ndim(holds) == 0:
+                    return self._halved(arguments)
+                wrong = ~np.asarray(holds).reshape(len(holds), -1).all(axis=1)
+                first = int(np.argmax(wrong))
+                return slice(first, first + 1)
+        for n in range(count):
+            if self._fails_at({name: _element(value, n) for name, value in arguments.items()}):
+                return slice(n, n + 1)
+        return None
+
+    def _halved(self, arguments: dict[str, Any]) -> slice:
+        """The fewest rows that fail, found by halving."""
+        parts = dict(_flat(arguments))
+        start, stop = 0, len(next(iter(parts.values())))
+        while stop - start > 1:
+            middle = (start + stop) // 2
+            for half in (slice(start, middle), slice(middle, stop)):
+                if self._fails({name: value[half] for name, value in parts.items()}):
+                    start, stop = half.start, half.stop
+                    break
+            else:
+                break
+        return slice(start, stop)
+
+    def _fails(self, parts: Values) -> bool:
+        """Whether the test fails on some rows, given by whole names."""
+        arguments = _nested(parts)
+        if self._one_by_one:
+            arguments = {name: _element(value, 0) for name, value in arguments.items()}
+        return self._fails_at(arguments)
+
+    def _fails_at(self, arguments: dict[str, Any]) -> bool:
+        try:
+            holds = self._test(**arguments)
+        except Exception:
+            return True
+        return not (holds is None or np.all(holds))
+
+    def _call_test(self, arguments: dict[str, Any]) -> Any:
+        with np.errstate(all="ignore"):
+            return self._test(**arguments)
+
+    def _arguments(self, values: Values) -> dict[str, Any]:
+        """What the test gets for some values: those that it asks for, and the result."""
+        fixed = {n: d for n, d in _flat(self._domains) if not isinstance(d, Domain)}
+        named = _nested({**fixed, **values})
+        result = self._function(**named)
+        wanted = inspect.signature(self._test).parameters
+        count = len(next(iter(values.values())))
+        found = {}
+        for name in wanted:
+            if name == self._result_name:
+                found[name] = result
+            elif name in named:
+                found[name] = named[name]
+        return {name: _stretched(value, count) for name, value in found.items()}
+
+
+def _flat(values: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:
+    """Mappings as one, with names such as "light.power"."""
+    for name, value in values.items():
+        if isinstance(value, Mapping):
+            yield from _flat(value, f"{before}{name}.")
+        else:
+            yield before + name, value
+
+
+def _nested(values: Mapping[str, Any]) -> dict[str, Any]:
+    """The reverse of `_flat`."""
+    found: dict[str, Any] = {}
+    for name, value in values.items():
+        *heads, last = name.split(".")
+        inner = found
+        for head in heads:
+            inner = inner.setdefault(head, {})
+        inner[last] = value
+    return found
+
+
+def _rows(values: Values, rows: slice) -> Values:
+    return {name: value[rows] for name, value in values.items()}
+
+
+def _stretched(value: Any, count: int) -> Any:
+    """Fixed values as many as there are samples."""
+    if isinstance(value, Mapping):
+        return {name: _stretched(v, count) for name, v in value.items()}
+    array = np.asanyarray(value)
+    return (
+        array
+        if array.ndim and len(array) == count
+        else np.broadcast_to(array, (count, *array.shape))
+    )
+
+
+def _element(value: Any, n: int) -> Any:
+    if isinstance(value, Mapping):
+        return {name: _element(v, n) for name, v in value.items()}
+    return value[n]
+
+
+def _spelt(values: Values) -> Iterator[str]:
+    def text(value: Any) -> str:
+        if isinstance(value, dict):
+            return "{" + ", ".join(f"{n!r}: {text(v)}" for n, v in value.items()) + "}"
+        single = np.asarray(value)[0]
+        if np.ndim(single):
+            return "[" + ", ".join(map(_number, np.ravel(single))) + "]"
+        return _number(single)
+
+    for name, value in _nested(values).items():
+        yield f"{name}={text(value)}"
+
+
+def _number(value: Any) -> str:
+    """The shortest text that gives the same float32, integer or boolean."""
+    return str(value) if np.asarray(value).dtype.kind != "f" else str(np.float32(value))
