@@ -91,9 +91,11 @@ def _import(path: Path) -> ModuleType:
     except ShaderlabError as error:
         line = error.line or _line_in(path, error)
         raise CaseError(error.message, file=path, line=line, remedy=error.remedy) from error
-    except (Exception, SystemExit) as error:
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:  # SystemExit too
         raise CaseError(
-            f"{type(error).__name__}: {error}",
+            f"{type(error).__name__}: {error}".rstrip(": "),
             file=path,
             line=error.lineno if isinstance(error, SyntaxError) else _line_in(path, error),
             remedy=_above_the_tree(error, tree)
@@ -108,7 +110,7 @@ def _package(folder: Path, tree: Path) -> str:
     """The package that stands for a folder of a tree; its name is made of the tree's whole path,
     so that folders of equal name are different packages."""
     if folder == tree:
-        digest = hashlib.blake2b(str(tree).encode(), digest_size=6).hexdigest()
+        digest = hashlib.blake2b(os.fsencode(tree), digest_size=6).hexdigest()
         name = f"{_PACKAGE}{digest}"
     else:
         name = f"{_package(folder.parent, tree)}.{folder.name.replace('.', '_')}"

@@ -49,6 +49,36 @@ def replacing(path: str | Path) -> Iterator[Path]:
             draft.unlink(missing_ok=True)
 
 
+def open_regular(path: str | Path, flags: int = os.O_RDONLY) -> int:
+    """A descriptor of a regular file, which no other kind of file can make wait.
+
+    Raises:
+        OSError: it can't be opened, or is no regular file: a FIFO or a device, which may have no
+            end, or a link to one.
+    """
+    descriptor = -1
+    try:
+        descriptor = os.open(path, flags | os.O_NONBLOCK | os.O_NOCTTY, 0o666)
+        mode = os.fstat(descriptor).st_mode
+    except OSError as error:
+        if error.errno != errno.ENXIO:  # a FIFO without a reader, or a socket
+            raise
+        mode = stat.S_IFIFO
+    if stat.S_ISREG(mode):
+        return descriptor
+    if descriptor >= 0:
+        os.close(descriptor)
+    if stat.S_ISDIR(mode):
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
+    raise OSError(errno.EINVAL, "this is no regular file", str(path))
+
+
+def read_regular(path: str | Path, size: int = -1) -> bytes:
+    """The bytes of a regular file, at most `size` of them. Raises OSError, as `open_regular`."""
+    with open(open_regular(path), "rb") as file:
+        return file.read(size)
+
+
 def memory_file() -> BinaryIO:
     """A file without a name that takes no room on any disk; where the system has none, one of the
     folder for temporary files."""

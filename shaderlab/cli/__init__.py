@@ -63,13 +63,12 @@ class Commands(click.Group):
         except ShaderlabError as error:
             if debug:
                 raise
-            click.echo(f"shaderlab: {error}", err=True)
+            click.echo(f"shaderlab: {_said(error)}", err=True)
             status = USAGE if isinstance(error, UsageError) else FAILED
         except OSError as error:
             if debug or error.errno == errno.EPIPE:  # click knows a reader who has gone
                 raise
-            place = f"{error.filename}: " if error.filename else ""
-            click.echo(f"shaderlab: {place}{error.strerror or error}", err=True)
+            click.echo(f"shaderlab: {_said(error)}", err=True)
             status = FAILED
         except KeyboardInterrupt:
             status = INTERRUPTED
@@ -79,6 +78,16 @@ class Commands(click.Group):
         if status == INTERRUPTED:
             click.echo("\nshaderlab: interrupted", err=True)
         ctx.exit(status or OK)
+
+
+def _said(error: OSError | ShaderlabError) -> str:
+    try:
+        os.getcwd()
+    except OSError:
+        return "the working folder has been removed\n  → change to one that is there"
+    if isinstance(error, ShaderlabError):
+        return str(error)
+    return f"{error.filename}: {error.strerror}" if error.filename else str(error.strerror or error)
 
 
 @click.command(

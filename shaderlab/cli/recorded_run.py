@@ -62,7 +62,10 @@ def resumed_plan(word: str, limits: Limits) -> tuple[RunPlan, list[Record]]:
         if not begun:
             raise UsageError(f"there is no run in {REPORTS}/", remedy="name its folder")
     folder = Path(word) if word else begun[-1].parent
-    plan, done = read(folder)
+    plan, done, damaged = read(folder)
+    for line in damaged:
+        place = display_path(folder / FILE_NAME, line)
+        click.echo(f"shaderlab: {place}: this record is damaged; it is made again", err=True)
     return replace(plan, options=replace(plan.options, folder=folder, limits=limits)), done
 
 

@@ -19,7 +19,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from shaderlab.files import write_bytes
+from shaderlab.files import open_regular, write_bytes
 
 LIMIT = 256 << 20
 _BLOCK = 4096  # bytes of disk that the smallest file takes
@@ -56,7 +56,7 @@ class Store:
         """The content stored under a hexadecimal key, or None."""
         path = self._path(key)
         try:
-            with open(path, "rb", opener=_open_regular) as file:
+            with open(open_regular(path), "rb") as file:
                 stat = os.fstat(file.fileno())
                 data = file.read() if stat.st_size <= self._share else b""
         except OSError:
@@ -110,11 +110,6 @@ class Store:
                 with suppress(FileNotFoundError):
                     os.unlink(path)
                 total -= size
-
-
-def _open_regular(path: str, flags: int) -> int:
-    """Opens without waiting for a writer, should the file be a FIFO."""
-    return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
 
 
 def _files(folder: str) -> Iterator[tuple[float, int, str]]:

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from shaderlab.errors import ShaderError, nearest
+from shaderlab.files import open_regular
 
 STAGES = ("vertex", "tess_control", "tess_evaluation", "geometry", "fragment", "compute")
 
@@ -42,10 +43,10 @@ def read_shader(path: str | Path) -> str:
     """The file's text with "\\n" line ends and no byte order mark.
 
     Raises:
-        ShaderError: no such file, a directory, unreadable, too large, empty, or not UTF-8.
+        ShaderError: no such file, no regular file, unreadable, too large, empty, or not UTF-8.
     """
     try:
-        with open(path, "rb") as file:
+        with open(open_regular(path), "rb") as file:
             # Read by its size, since a buffer of the limit would be allocated for every file.
             size = os.fstat(file.fileno()).st_size
             data = file.read() if size <= MAX_BYTES else file.read(MAX_BYTES + 1)

@@ -163,6 +163,10 @@ class Lab:
             if os.environ.get("SHADERLAB_DEBUG"):
                 raise
             builder.set_failure("error", _defect(error))
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:  # SystemExit, say, which only a case's own code raises
+            builder.set_failure("error", _raised(error))
         return builder.build(time.perf_counter() - started, activity.ordered())
 
     def _run(self, scene: Scene, builder: RecordBuilder) -> None:
@@ -303,6 +307,13 @@ def _unless_unwritable(builder: RecordBuilder, what: str = "a picture") -> Itera
         builder.add_notice(error.message)
     except OSError as error:
         builder.add_notice(f"can't write {what} ({error.strerror or error})")
+
+
+def _raised(error: BaseException) -> ShaderlabError:
+    """What a case raised, with the place where it did."""
+    place = traceback.extract_tb(error.__traceback__)[-1]
+    message = f"raised {type(error).__name__}: {error}".rstrip(": ")
+    return CaseError(message, file=place.filename, line=place.lineno)
 
 
 def _defect(error: Exception) -> ShaderlabError:

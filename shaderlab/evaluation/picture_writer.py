@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -226,4 +227,4 @@ def _safe(word: str) -> str:
     plain = re.sub(r"[^A-Za-z0-9.]+", "-", word).strip("-.")[:80]
     if plain == word:
         return plain
-    return f"{plain}-{hashlib.blake2s(word.encode(), digest_size=3).hexdigest()}"
+    return f"{plain}-{hashlib.blake2s(os.fsencode(word), digest_size=3).hexdigest()}"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -34,5 +35,5 @@ def load(folder: Path, case_id: str, variant: str) -> dict[str, Array]:
 
 
 def _file(folder: Path, case_id: str, variant: str) -> Path:
-    name = hashlib.blake2s(f"{case_id}\0{variant}".encode()).hexdigest()[:24]
+    name = hashlib.blake2s(os.fsencode(f"{case_id}\0{variant}")).hexdigest()[:24]
     return folder / f"{name}.npz"

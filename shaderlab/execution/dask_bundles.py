@@ -78,7 +78,7 @@ def packed(files: Mapping[str, bytes]) -> Bundle:
     with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, data in sorted(files.items()):
             archive.writestr(zipfile.ZipInfo(name), data)
-            digest.update(f"{name}\0{len(data)}\0".encode())
+            digest.update(f"{name}\0{len(data)}\0".encode(errors="surrogateescape"))
             digest.update(data)
     return Bundle(digest.hexdigest(), buffer.getvalue())
 
@@ -128,7 +128,9 @@ def _digest() -> str:
         for path in _below(folder):
             if kind == "package" and (path.suffix != ".py" or "_data" in path.parts):
                 continue
-            digest.update(f"{kind}/{path.relative_to(folder).as_posix()}\0".encode())
+            digest.update(
+                f"{kind}/{path.relative_to(folder).as_posix()}\0".encode(errors="surrogateescape")
+            )
             digest.update(path.read_bytes())
     return f"{version('shaderlab')} ({digest.hexdigest()})"
 

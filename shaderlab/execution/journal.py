@@ -15,9 +15,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO
 
-from shaderlab.errors import UsageError
+from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.execution.jobs import Job
-from shaderlab.files import NO_ROOM
+from shaderlab.files import NO_ROOM, open_regular, read_regular
 from shaderlab.options import RunOptions
 from shaderlab.records import Record
 
@@ -52,7 +52,8 @@ class Journal(contextlib.AbstractContextManager["Journal"]):
         self.problem = ""
         self._file: IO[bytes]
         try:
-            self._file = open(self._path, "ab", buffering=0)  # noqa: SIM115
+            descriptor = open_regular(self._path, os.O_WRONLY | os.O_APPEND | os.O_CREAT)
+            self._file = open(descriptor, "ab", buffering=0)  # noqa: SIM115
         except OSError as error:
             if plan is None or (error.errno not in NO_ROOM and folder.is_dir()):
                 raise UsageError(f"can't write here: {error.strerror}", file=self._path) from error
@@ -60,9 +61,9 @@ class Journal(contextlib.AbstractContextManager["Journal"]):
             self.problem = f"can't write {self._path}: {os.strerror(errno.ENOSPC)}"
             return
         try:
-            _lock(self._file)
+            _lock(self._file, folder)
             if plan is None:
-                whole = self._path.read_bytes()
+                whole = read_regular(self._path)
                 self._file.truncate(whole.rfind(b"\n") + 1)  # a line that was cut short
             else:
                 self._file.truncate(0)
@@ -92,33 +93,53 @@ class Journal(contextlib.AbstractContextManager["Journal"]):
                 os.ftruncate(self._file.fileno(), start)
 
 
-def read(folder: Path) -> tuple[RunPlan, list[Record]]:
-    """What a journal holds: what was asked for, and the records that there are.
+def read(folder: Path) -> tuple[RunPlan, list[Record], list[int]]:
+    """What a journal holds: what was asked for, the records that there are, and the numbers of
+    lines that are damaged.
 
     Raises:
         UsageError: there is none, or not even its first line is whole.
+        ShaderlabError: it was written by another version.
     """
     path = folder / FILE_NAME
     try:
-        lines = path.read_bytes().split(b"\n")[:-1]
-    except OSError as error:
+        lines = read_regular(path).split(b"\n")[:-1]
+    except (FileNotFoundError, NotADirectoryError) as error:
         raise UsageError(
             "there is no run to go on with", file=path, remedy="name the folder of one"
         ) from error
+    except OSError as error:
+        raise UsageError(f"can't go on with this: {error.strerror}", file=path) from error
     if not lines:
         raise UsageError("this run did not get to begin", file=path, remedy="run it anew")
     from shaderlab.report import store
 
-    plan = store.parse(json.loads(lines[0]), RunPlan)
-    return plan, [store.parse(json.loads(line), Record) for line in lines[1:]]
+    try:
+        first = json.loads(lines[0])
+    except ValueError as error:
+        raise UsageError(
+            "the first line is damaged, which says what was to be run",
+            file=path,
+            line=1,
+            remedy="run it anew",
+        ) from error
+    plan = store.parse(first, RunPlan, path)
+    records: list[Record] = []
+    damaged: list[int] = []
+    for number, line in enumerate(lines[1:], 2):
+        try:
+            records.append(store.parse(json.loads(line), Record))
+        except (ValueError, ShaderlabError):
+            damaged.append(number)
+    return plan, records, damaged
 
 
-def _lock(file: IO[bytes]) -> None:
+def _lock(file: IO[bytes], folder: Path) -> None:
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError as error:
         raise UsageError(
             "another run is writing to this folder",
-            file=Path(file.name).parent,
+            file=folder,
             remedy="give each its own with --report, or wait",
         ) from error

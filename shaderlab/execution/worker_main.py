@@ -15,6 +15,8 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
+from shaderlab.errors import CaseError
+
 STEP_BYTES = 256
 """The size of the file in which a worker notes its steps."""
 _PR_SET_PDEATHSIG = 1
@@ -37,6 +39,13 @@ class Channel:
         # Mapped into memory: a note costs no system call, and outlives the process.
         self._steps = mmap.mmap(steps, STEP_BYTES)
 
+    def leave(self) -> None:
+        """Keep a copy of this process, which the work has forked, from speaking for it."""
+        with open(os.devnull, "rb") as nothing:
+            os.dup2(nothing.fileno(), self._parent.fileno())
+        self._steps = mmap.mmap(-1, STEP_BYTES)
+        _die_with_parent()
+
     def note(self, step: str) -> None:
         """Note what the work is about to do; the parent reads it if this process dies."""
         self._steps[:] = step.encode("utf-8", "replace")[:STEP_BYTES].ljust(STEP_BYTES, b"\0")
@@ -57,15 +66,18 @@ class Channel:
         The alarm's default action ends it even inside C code."""
         signal.setitimer(signal.ITIMER_REAL, seconds * GRACE)
 
-    def send(self, kind: str, value: Any) -> None:
-        """Send an answer, or a message about one."""
+    def send(self, kind: str, value: Any) -> str:
+        """Send an answer, or a message about one; returns its kind, which is "error" if it can't
+        be sent."""
         try:
             data = pickle.dumps((kind, value), pickle.HIGHEST_PROTOCOL)
         except MemoryError:
             os.abort()
         except Exception as error:  # pickle raises whatever the object's own code raises
-            data = pickle.dumps(("error", TypeError(f"can't be sent: {error}")))
+            kind = "error"
+            data = pickle.dumps((kind, TypeError(f"can't be sent: {error}")))
         self._parent.sendall(data)
+        return kind
 
 
 def main() -> None:
@@ -81,6 +93,7 @@ def main() -> None:
     name, warm, seconds, memory, steps = pickle.load(given)
     _limit_memory(memory)
     channel = Channel(parent, seconds, steps)
+    os.register_at_fork(after_in_child=channel.leave)
     wait = _named(warm)() if warm else None
     gc.disable()  # nothing that is imported is garbage, and a tenth of the time goes into looking
     work = _named(name)
@@ -117,7 +130,12 @@ def _answer(work: Any, batch: Sequence[Any], channel: Channel) -> None:
                 error.add_note("".join(traceback.format_exception(error)))
             channel.send("error", error)
             break
-        channel.send("done", result)
+        except BaseException as error:  # of the user's own code: nobody else ends a worker so
+            said = f"raised {type(error).__name__}: {error}".rstrip(": ")
+            channel.send("error", CaseError(said))
+            break
+        if channel.send("done", result) == "error":
+            break
     channel.set_alarm(0.0)
 
 

@@ -9,6 +9,7 @@ import signal
 import socket
 import subprocess
 import sys
+import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,6 +22,7 @@ from shaderlab.module_path import pythons_first
 from shaderlab.options import Limits
 
 START_SECONDS = 120.0
+END_SECONDS = 5.0
 # glibc gives large arrays back to the system one by one, and pays for each page when it takes
 # them again; a worker makes arrays of the same sizes all the time.
 _KEEP_MEMORY = dict.fromkeys(("MALLOC_MMAP_THRESHOLD_", "MALLOC_TRIM_THRESHOLD_"), str(1 << 25))
@@ -125,6 +127,7 @@ class WorkerProcess:
                 cwd=self._folder,
                 env=self._environment,
                 pass_fds=[theirs.fileno(), self._steps.fileno()],
+                process_group=0,
             )
 
     def start(self) -> None:
@@ -149,12 +152,12 @@ class WorkerProcess:
         """End the process, whatever it is doing; any thread may do that."""
         child = self._child
         if child is not None:
-            child.kill()
+            _kill(child)
 
     def close(self) -> None:
         """End the process, and give everything back; for a time when no thread waits for it."""
         if self._child is not None:
-            self._child.kill()
+            _kill(self._child)
             self._child.wait()
             for stream in (self._answers, self._socket, self._errors, self._steps):
                 stream.close()
@@ -179,9 +182,9 @@ class WorkerProcess:
 
     def _died(self, seconds: float, late: bool = False) -> DiedError:
         assert self._child is not None
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            self._child.wait(0.0 if late else 5.0)  # it is ending, and its exit status says how
-        self._child.kill()
+        # It is ending, and its exit status says how.
+        ended = not late and _ends(self._child, END_SECONDS)
+        _kill(self._child)
         code = self._child.wait()
         self._steps.seek(0)
         step = self._steps.read(STEP_BYTES).rstrip(b"\0").decode("utf-8", "ignore")
@@ -190,7 +193,9 @@ class WorkerProcess:
         if late or -code == signal.SIGALRM:
             return DiedError("timeout", f"took longer than {seconds:g} s", step, self._fresh)
         how = f"exit status {code}"
-        if code < 0:
+        if not ended:
+            how = "it closed its connection, but did not end"
+        elif code < 0:
             how = f"signal {-code}"
             with contextlib.suppress(ValueError):
                 how += f" ({signal.Signals(-code).name})"
@@ -203,3 +208,21 @@ class WorkerProcess:
         self._errors.seek(max(size - 2000, 0))
         lines = self._errors.read().decode("utf-8", "replace").split("\n")
         return next((line.strip() for line in reversed(lines) if line.strip()), "")
+
+
+def _ends(child: subprocess.Popen[bytes], seconds: float) -> bool:
+    """Whether the process ends within so many seconds. Its number stays taken until `wait`, so
+    that its group can still be ended."""
+    until = time.monotonic() + seconds
+    while os.waitid(os.P_PID, child.pid, os.WEXITED | os.WNOWAIT | os.WNOHANG) is None:
+        if time.monotonic() > until:
+            return False
+        time.sleep(0.005)
+    return True
+
+
+def _kill(child: subprocess.Popen[bytes]) -> None:
+    """End the process with all that it has started."""
+    if child.returncode is None:  # else the number of its group may be another's
+        with contextlib.suppress(ProcessLookupError, PermissionError):
+            os.killpg(child.pid, signal.SIGKILL)

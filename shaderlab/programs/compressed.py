@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from shaderlab.errors import AssetError, CaseError
+from shaderlab.files import read_regular
 from shaderlab.model import CompressedTexture
 from shaderlab.model.textures import BLOCK_BYTES, level_sizes
 
@@ -47,7 +48,7 @@ def read_dds(path: Path) -> Blocks:
             none of those known here.
     """
     try:
-        data = path.read_bytes()
+        data = read_regular(path)
     except OSError as error:
         raise AssetError(f"can't read it ({error.strerror})", file=str(path)) from error
     if len(data) < _HEADER or data[:4] != b"DDS ":

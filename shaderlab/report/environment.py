@@ -119,5 +119,7 @@ def _fingerprint() -> str:
     found = hashlib.sha256()
     for path in sorted(Path(__file__).parent.glob("*.py")):
         known = path.stat()
-        found.update(f"{path}|{known.st_mtime_ns}|{known.st_size}\n".encode())
+        found.update(
+            f"{path}|{known.st_mtime_ns}|{known.st_size}\n".encode(errors="surrogateescape")
+        )
     return found.hexdigest()[:16]

@@ -16,6 +16,7 @@ from pathlib import Path
 from markupsafe import Markup
 
 from shaderlab import pictures
+from shaderlab.files import read_regular
 
 _SIGNATURE = b"\x89PNG\r\n\x1a\n"
 # Below this a picture is a table of pixels, to be enlarged with hard edges.
@@ -52,7 +53,7 @@ class Picture:
 def numbers(path: Path) -> Markup:
     """The bytes of a file of packed values in base64; empty if the file has gone."""
     try:
-        return in_base64(path.read_bytes())
+        return in_base64(read_regular(path))
     except OSError:
         return Markup()
 
@@ -77,8 +78,7 @@ class Pictures:
         """
         try:
             path = self._inside(name)
-            with path.open("rb") as file:
-                head = file.read(24)
+            head = read_regular(path, 24)
         except (OSError, ValueError) as error:
             return Picture(missing=f"{name}: {_reason(error)}")
         if head[:8] != _SIGNATURE or len(head) < 24:
@@ -100,7 +100,7 @@ class Pictures:
     def text(self, name: str) -> bytes:
         """The bytes of the file `name`; none if there is no such file."""
         try:
-            return self._inside(name).read_bytes()
+            return read_regular(self._inside(name))
         except (OSError, ValueError):
             return b""
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from shaderlab.errors import ShaderlabError
+from shaderlab.files import read_regular
 
 FILE_NAME = "mutation.json"
 
@@ -57,7 +58,7 @@ def load(folder: Path) -> dict[str, Mutants]:
     """
     path = folder / FILE_NAME
     try:
-        cases = json.loads(path.read_text(encoding="utf-8"))["cases"]
+        cases = json.loads(read_regular(path))["cases"]
         return {case["id"]: _mutants(case) for case in cases}
     except FileNotFoundError:
         return {}

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from shaderlab.errors import ShaderlabError, UsageError
-from shaderlab.files import write_text
+from shaderlab.files import read_regular, write_text
 from shaderlab.records import Run
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def load(folder: str | Path) -> Run:
     """
     path = Path(folder) / FILE_NAME
     try:
-        text = path.read_text(encoding="utf-8")
+        text = read_regular(path).decode("utf-8")
     except (FileNotFoundError, NotADirectoryError) as error:
         raise UsageError(
             "no run was saved here", file=path, remedy="shaderlab run writes one"

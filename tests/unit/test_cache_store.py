@@ -96,6 +96,17 @@ def test_a_fifo_in_an_entrys_place_is_absent(tmp_path: Path) -> None:
     assert store.get(KEY) == CONTENT
 
 
+def test_a_link_to_what_has_no_end_is_absent(tmp_path: Path) -> None:
+    store = Store(tmp_path)
+    store.put(KEY, CONTENT)
+    file = file_of(store, KEY)
+    file.unlink()
+    file.symlink_to("/dev/zero")
+    assert store.get(KEY) is None
+    store.put(KEY, CONTENT)
+    assert store.get(KEY) == CONTENT and not file.is_symlink()
+
+
 def test_below_a_file_nothing_is_stored(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     store = Store(tmp_path / "file" / "cache")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from pathlib import Path
 
@@ -39,6 +40,19 @@ def test_case_files_import_their_neighbours(tmp_path: Path) -> None:
         saved(tmp_path, "from neighbour import TITLE\n" + GOOD.replace('"t"', "TITLE"))
     )
     assert case.title == "from next door"
+
+
+def test_folders_need_not_be_named_in_utf_8(tmp_path: Path) -> None:
+    folder = tmp_path / os.fsdecode(b"caf\xe9")
+    folder.mkdir()
+    assert load_case(saved(folder, GOOD)).title == "t"
+
+
+@pytest.mark.parametrize("what", ["SystemExit", "GeneratorExit", "BaseException"])
+def test_whatever_a_case_raises_is_named(tmp_path: Path, what: str) -> None:
+    with pytest.raises(CaseError, match=f"{what}: 3") as caught:
+        load_case(saved(tmp_path, f"\nraise {what}(3)\n"))
+    assert caught.value.line == 2
 
 
 def tree(folder: Path, files: dict[str, str]) -> Path:

@@ -4,6 +4,7 @@ nothing."""
 from __future__ import annotations
 
 import dataclasses
+import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -58,6 +59,32 @@ def test_a_broken_case_among_others_costs_only_itself(
     assert result.exit_code == 1
     assert "2 passed, 1 in error" in result.output and "sektion" in result.output
     assert [record.status for record in read(Path("out"))[1]] == ["error", "pass", "pass"]
+
+
+def test_a_damaged_record_is_told_and_made_again(
+    call: Callable[..., Result], case_folder: Path, fake_lab: Install
+) -> None:
+    log = fake_lab({})
+    assert call(case_folder, "--report", "out").exit_code == 0
+    journal = Path("out/records.jsonl")
+    lines = journal.read_bytes().splitlines(keepends=True)
+    journal.write_bytes(b"".join([lines[0], lines[1], b"x" + lines[2]]))
+    log.clear()
+    result = call("--resume", "out")
+    assert result.exit_code == 0 and "2 passed" in result.output
+    assert "out/records.jsonl:3: this record is damaged" in result.output
+    assert [entry for entry in log if isinstance(entry, str)] == ["lamp[far]", "closed"]
+
+
+def test_without_a_working_folder_a_run_says_so(
+    call: Callable[..., Result], case_folder: Path, fake_lab: Install, tmp_path: Path
+) -> None:
+    fake_lab({})
+    (tmp_path / "gone").mkdir()
+    os.chdir(tmp_path / "gone")
+    (tmp_path / "gone").rmdir()
+    result = call(case_folder / "lamp.py")
+    assert result.exit_code != 0 and "the working folder has been removed" in result.output
 
 
 def test_what_an_interrupt_left_out_is_run_later(

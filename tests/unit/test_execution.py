@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import os
 from pathlib import Path
 
 import numpy as np
@@ -29,10 +30,10 @@ PLAN = RunPlan(
 def test_a_journal_gives_back_what_was_added(tmp_path: Path, failing: Record) -> None:
     with Journal(tmp_path, PLAN) as journal:
         journal.add(failing)
-        assert read(tmp_path) == (PLAN, [failing])  # while it is still open
+        assert read(tmp_path) == (PLAN, [failing], [])  # while it is still open
     with Journal(tmp_path, None) as journal:
         journal.add(failed_record(JOB, "crash", "gone"))
-    plan, records = read(tmp_path)
+    plan, records, _ = read(tmp_path)
     assert plan == PLAN
     assert [record.status for record in records] == ["fail", "crash"]
 
@@ -46,6 +47,26 @@ def test_a_line_that_was_cut_short_is_dropped(tmp_path: Path, passing: Record) -
     with Journal(tmp_path, None) as journal:
         journal.add(passing)
     assert read(tmp_path)[1] == [passing, passing]
+
+
+def test_a_damaged_line_costs_its_own_record(tmp_path: Path, passing: Record) -> None:
+    with Journal(tmp_path, PLAN) as journal:
+        journal.add(passing)
+    with open(tmp_path / FILE_NAME, "ab") as file:
+        file.write(b'{"id": "cut\n[]\n\xff\n')
+    with Journal(tmp_path, None) as journal:
+        journal.add(passing)
+    assert read(tmp_path) == (PLAN, [passing, passing], [3, 4, 5])
+    (tmp_path / FILE_NAME).write_text("{" + (tmp_path / FILE_NAME).read_text("latin-1"))
+    with pytest.raises(UsageError, match=r"records.jsonl:1: the first line is damaged"):
+        read(tmp_path)
+
+
+def test_a_journal_is_a_regular_file(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / FILE_NAME)
+    for attempt in (lambda: Journal(tmp_path, PLAN), lambda: read(tmp_path)):
+        with pytest.raises(UsageError, match="this is no regular file"):
+            attempt()
 
 
 def test_only_one_run_writes_to_a_journal(tmp_path: Path) -> None:

@@ -4,13 +4,21 @@ from __future__ import annotations
 
 import errno
 import os
+import socket
 import stat
 from pathlib import Path
 
 import pytest
 
 from shaderlab.errors import ShaderlabError
-from shaderlab.files import display_path, replacing, write_bytes, write_named, write_text
+from shaderlab.files import (
+    display_path,
+    read_regular,
+    replacing,
+    write_bytes,
+    write_named,
+    write_text,
+)
 
 
 def names(folder: Path) -> list[str]:
@@ -160,3 +168,21 @@ def test_a_file_that_can_not_be_replaced_is_written_in_place(
     with pytest.raises(OSError):
         write_named(file, b"lost")
     assert file.read_bytes() == b"short" and names(tmp_path) == ["a.json"]
+
+
+def test_only_regular_files_are_read_and_no_other_makes_wait(tmp_path: Path) -> None:
+    (tmp_path / "file").write_bytes(b"12345")
+    (tmp_path / "link").symlink_to("file")
+    assert read_regular(tmp_path / "link") == b"12345"
+    assert read_regular(tmp_path / "file", 2) == b"12"
+    os.mkfifo(tmp_path / "fifo")
+    (tmp_path / "endless").symlink_to("/dev/zero")
+    with socket.socket(socket.AF_UNIX) as listener:
+        listener.bind(os.path.relpath(tmp_path / "socket"))
+        for name in ("fifo", "endless", "socket"):
+            with pytest.raises(OSError, match="this is no regular file"):
+                read_regular(tmp_path / name)
+    with pytest.raises(IsADirectoryError):
+        read_regular(tmp_path)
+    with pytest.raises(FileNotFoundError):
+        read_regular(tmp_path / "gone")

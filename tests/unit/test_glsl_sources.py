@@ -1,5 +1,6 @@
 """Names to files, files to text, and every line back to its author."""
 
+import os
 from pathlib import Path
 
 import pytest
@@ -40,6 +41,12 @@ def write(root: Path, **files: str | bytes) -> Path:
 def test_the_extension_names_the_stage(tmp_path: Path, name: str, stage: str) -> None:
     (tmp_path / name).write_text(FRAGMENT)
     assert Shaders([tmp_path]).load(name).stage == stage
+
+
+def test_a_fifo_is_no_shader_and_nobody_waits_for_it(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "a.frag")
+    with pytest.raises(ShaderError, match="can't read the shader: this is no regular file"):
+        Shaders([tmp_path]).load("a.frag")
 
 
 def test_a_pragma_names_the_stage_unless_it_is_a_comment(tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import os
 import textwrap
@@ -19,7 +20,7 @@ from shaderlab.execution.pool import ItemResult
 from shaderlab.options import Limits
 
 WORK = """
-import ctypes, os, signal, sys, time
+import ctypes, os, signal, subprocess, sys, time
 
 class Work:
     def __init__(self, channel):
@@ -45,6 +46,18 @@ class Work:
                 self.channel.restart_limit()
             if item == "memory":
                 bytearray(1 << 40)
+            if item == "leave":
+                raise SystemExit(3)
+            if item == "interrupt":
+                raise KeyboardInterrupt
+            if item == "children":
+                # One that knows nothing of Python, and a copy of this process, which goes on.
+                other = subprocess.Popen(["sleep", "600"])
+                if os.fork() == 0:
+                    time.sleep(600)
+                yield os.getpid(), other.pid
+            if item == "copy":
+                os.fork()
             if item == "raise":
                 raise ValueError("so it is")
             if item == "unsendable":
@@ -116,11 +129,12 @@ def test_one_process_gives_results_in_order(pool: WorkerPool) -> None:
 
 def test_what_goes_wrong_costs_only_its_item(pool: WorkerPool) -> None:
     items = ["a", "crash", "b", "hang", "c", "exit", "memory", "d", "raise", "e", "unsendable", "f"]
+    items += ["leave", "g", "interrupt", "copy"]
     results = by_item(pool.run(items))
     assert {item: result.status for item, result in results.items()} == {
-        **dict.fromkeys("abcdef", "done"),
+        **dict.fromkeys([*"abcdefg", "copy"], "done"),
         **dict.fromkeys(["crash", "exit", "memory"], "crash"),
-        **dict.fromkeys(["raise", "unsendable"], "error"),
+        **dict.fromkeys(["raise", "unsendable", "leave", "interrupt"], "error"),
         "hang": "timeout",
     }
     assert "SIGSEGV" in results["crash"].message and results["crash"].step == "about to crash"
@@ -128,7 +142,28 @@ def test_what_goes_wrong_costs_only_its_item(pool: WorkerPool) -> None:
     assert results["exit"].message == "the process died: exit status 3, the last words"
     assert "SIGABRT" in results["memory"].message
     assert str(results["raise"].value) == "so it is"
+    assert str(results["leave"].value) == "raised SystemExit: 3"
+    assert str(results["interrupt"].value) == "raised KeyboardInterrupt"
     assert "can't be sent" in str(results["unsendable"].value)
+
+
+@pytest.mark.skipif(not os.path.isdir("/proc/self"), reason="processes are looked up in /proc")
+@pytest.mark.parametrize("ends", ["the run", "crash"])
+def test_what_an_item_has_started_ends_with_its_worker(work: str, ends: str) -> None:
+    with WorkerPool(work, limits=LIMITS) as pool:
+        first, *_ = pool.run(["children", ends])
+        assert ends == "crash" or len(group(first.value[0])) >= 3
+    assert group(first.value[0]) == []
+
+
+def group(leader: int) -> list[int]:
+    """The processes of a group that still run."""
+    found = []
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        with contextlib.suppress(OSError):
+            state, _, number, *_ = stat.read_text().rpartition(")")[2].split()
+            found += [int(stat.parent.name)] if int(number) == leader and state != "Z" else []
+    return found
 
 
 def test_an_item_may_ask_for_more_time(work: str) -> None:
