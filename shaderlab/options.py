@@ -38,6 +38,7 @@ class RunOptions:
         shaders: files that replace shaders, by the shader's name.
         texts: texts that replace shaders, likewise.
         include: further folders in which shaders are found.
+        targets: what programs are compiled for; if empty, what the case or its project says.
         driver: as in `shaderlab.backends.open_backend`; a process keeps the first it is given.
         frames: the folder in which `shaderlab.evaluation.stored_images` stores what each scene
             draws; None stores nothing.
@@ -51,6 +52,7 @@ class RunOptions:
     shaders: Mapping[str, Path] = field(default_factory=dict)
     texts: Mapping[str, str] = field(default_factory=dict)
     include: tuple[Path, ...] = ()
+    targets: tuple[str, ...] = ()
     driver: str | None = None
     frames: Path | None = None
     limits: Limits = Limits()

@@ -206,7 +206,9 @@ def defaults(settings: Settings) -> dict[str, dict[str, Any]]:
         "run": running,
         "sweep": running,
         "mutate": dict(_given(gigabytes=settings.memory)),
-        "compile": dict(_given(targets=settings.targets or None, gigabytes=settings.memory)),
+        "compile": dict(
+            _given(compile_targets=settings.targets or None, gigabytes=settings.memory)
+        ),
     }
 
 

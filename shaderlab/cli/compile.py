@@ -12,12 +12,12 @@ import click
 
 from shaderlab.cli import FAILED, OK
 from shaderlab.cli.files import write_json
-from shaderlab.cli.options import INCLUDE, JSON, jobs_option, limits_option
+from shaderlab.cli.options import INCLUDE, JSON, TARGET, jobs_option, limits_option
 from shaderlab.cli.tallying import Tally, as_data, messages, progress_bar
 from shaderlab.compiler.engines import ENGINES
 from shaderlab.compiler.harness import WORK, CompileOptions, FileResult, compile_found, time_limit
 from shaderlab.compiler.shader_files import find_shaders
-from shaderlab.compiler.targets import ALL_TARGETS, TARGETS
+from shaderlab.compiler.targets import TARGETS
 from shaderlab.compiler.text import STAGES
 from shaderlab.execution import WorkerPool
 from shaderlab.execution.sizing import cores
@@ -31,14 +31,7 @@ _MOST_WORKERS = 4
 
 @click.command("compile", short_help="Only ask the compilers.")
 @click.argument("paths", nargs=-1, required=True, metavar="PATH…")
-@click.option(
-    "--target",
-    "-t",
-    "targets",
-    multiple=True,
-    type=click.Choice(ALL_TARGETS),
-    help="Ask this compiler only; may be repeated. glsl, opengl and vulkan by default.",
-)
+@TARGET
 @click.option("--stage", type=click.Choice(STAGES), help="Of every file, whatever its name says.")
 @click.option("--define", "-D", "defines", multiple=True, metavar="NAME[=VALUE]", help="A macro.")
 @INCLUDE
@@ -51,7 +44,7 @@ _MOST_WORKERS = 4
 @click.option("--quiet", "-q", is_flag=True, help="Print messages, and nothing else.")
 def command(
     paths: tuple[str, ...],
-    targets: tuple[str, ...],
+    compile_targets: tuple[str, ...],
     stage: str | None,
     defines: tuple[str, ...],
     includes: tuple[Path, ...],
@@ -87,7 +80,7 @@ def command(
     own = [each for folder in folders for each in settings_of(folder).shader_folders(folder)]
     programs = [shaders] if link else [[shader] for shader in shaders]
     options = CompileOptions(
-        targets=tuple(dict.fromkeys(targets)) or TARGETS,
+        targets=compile_targets or TARGETS,
         include=tuple(map(str, dict.fromkeys([*includes, *own, shipped]))),
         defines=dict(map(_macro, defines)),
         stage=stage,

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from shaderlab.errors import UsageError
+from shaderlab.errors import UsageError, nearest
 from shaderlab.execution.jobs import checked_driver
 from shaderlab.execution.sizing import WORDS
 from shaderlab.options import Limits
@@ -32,6 +32,15 @@ INCLUDE = click.option(
     metavar="DIR",
     help='Another folder in which shaders are found by name, and by #include "…".',
 )
+TARGET = click.option(
+    "--target",
+    "-t",
+    "compile_targets",
+    multiple=True,
+    metavar="T",
+    callback=lambda context, option, names: _checked_targets(names),
+    help="Compile for this target only; may be repeated: glsl, opengl, vulkan, vulkan-strict.",
+)
 JSON = click.option(
     "--json", "json_file", metavar="FILE", help="Write results as JSON; - for stdout."
 )
@@ -46,6 +55,16 @@ DRIVER = click.option(
     callback=lambda context, option, name: name if name is None else checked_driver(name),
     help="llvmpipe, softpipe, or default for the machine's own.  [default: llvmpipe]",
 )
+
+
+def _checked_targets(names: tuple[str, ...]) -> tuple[str, ...]:
+    if names:
+        from shaderlab.compiler.targets import ALL_TARGETS
+
+        for name in names:
+            if name not in ALL_TARGETS:
+                raise UsageError(f"there is no target {name!r}", remedy=nearest(name, ALL_TARGETS))
+    return tuple(dict.fromkeys(names))
 
 
 def report_option(help: str) -> Callable[[Command], Command]:
@@ -109,6 +128,7 @@ def running_options(what: str) -> Callable[[Command], Command]:
     def decorate(command: Command) -> Command:
         for option in (
             INCLUDE,
+            TARGET,
             DRIVER,
             SCHEDULER,
             jobs_option(),

@@ -78,6 +78,7 @@ def command(
     outputs: Mapping[str, str],
     folder: str | None,
     includes: tuple[Path, ...],
+    compile_targets: tuple[str, ...],
     limits: Limits,
     workers: int | None,
     scheduler: str | None,
@@ -127,6 +128,7 @@ def command(
         size=size,
         pictures=pictures,
         include=includes,
+        targets=compile_targets,
         driver=compared[0] if compared else driver,
         limits=limits,
     )

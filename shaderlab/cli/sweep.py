@@ -37,6 +37,7 @@ def command(
     table: str | None,
     folder: str | None,
     includes: tuple[Path, ...],
+    compile_targets: tuple[str, ...],
     limits: Limits,
     workers: int | None,
     scheduler: str | None,
@@ -72,7 +73,13 @@ def command(
 
     if table is not None:
         tables.check(Path(table))
-    options = RunOptions(pictures=pictures, include=includes, driver=driver, limits=limits)
+    options = RunOptions(
+        pictures=pictures,
+        include=includes,
+        targets=compile_targets,
+        driver=driver,
+        limits=limits,
+    )
     done: list[Record] | None = None
     if resume is not None:
         from shaderlab.cli.recorded_run import resumed_plan

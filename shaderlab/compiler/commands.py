@@ -210,7 +210,7 @@ def _run(
             input=stdin,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
-            env=_environment(program),
+            env=environment(program),
             timeout=seconds,
             check=False,
         )
@@ -240,7 +240,7 @@ def _candidates(names: Sequence[str], wheel: str) -> Iterator[Path]:
     yield from map(Path, filter(None, found))
 
 
-def _environment(program: Path) -> Mapping[str, str]:
+def environment(program: Path) -> Mapping[str, str]:
     """Variables for a command; those of the wheels need the path of their libraries."""
     lib = program.parent.parent / "lib"
     if lib.parent.name != "cmeel.prefix":

@@ -3,26 +3,20 @@
 from __future__ import annotations
 
 import functools
-import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
+from shaderlab.compiler.dialects import in_dialect, with_interface
 from shaderlab.compiler.engines import Engine, choose
 from shaderlab.compiler.interface import Interface
 from shaderlab.compiler.reflection import reflect
 from shaderlab.compiler.sources import Source
 from shaderlab.compiler.targets import ALL_TARGETS, TARGETS
 from shaderlab.compiler.text import STAGES
-from shaderlab.compiler.verdicts import check_stages, link_stages, to_spirv
+from shaderlab.compiler.verdicts import Result, check_stages, link_stages, to_spirv
 from shaderlab.errors import ShaderError, nearest
-from shaderlab.records import Diagnostic, Verdict
-
-# The compiler's words, or a name, for what GLSL has for Vulkan or SPIR-V only.
-_SPIRV_ONLY = re.compile(
-    r"only allowed when (?:using GLSL for Vulkan|generating SPIR-V)"
-    r"|'(?:gl_VertexIndex|gl_InstanceIndex|subpassInput\w*|[iu]?texture[123C]\w+|sampler)' : "
-)
+from shaderlab.records import Verdict
 
 
 @dataclass(frozen=True)
@@ -92,9 +86,9 @@ def compile_program(
     Vulkan allows no samplers in uniform structs, so they are lifted out for "vulkan", and an
     "info" diagnostic says so.
 
-    A program that plain GLSL refuses can crash the SPIR-V targets. They don't get it, and their
-    verdicts have the same errors. They do get GLSL that only SPIR-V knows, such as
-    `layout (constant_id = 0)`.
+    Plain GLSL is asked whatever the targets are: a SPIR-V target that refuses a program in the
+    same lines gets plain GLSL's messages, and stages that can't be linked go no further. What a
+    target says depends on no other target that is asked for.
 
     Args:
         stages: at least one source, in any order; at most one for each stage.
@@ -108,27 +102,32 @@ def compile_program(
     ordered = in_order(stages, targets)
     engine = engine or choose()
     plain = check_stages(ordered, engine)
-    results = {"glsl": plain}
-    goes_on = plain.ok or _is_spirv_only(plain.diagnostics)
-    if plain.ok and (len(ordered) > 1 or "opengl" not in targets):
-        results["glsl"] = plain = link_stages(plain, ordered, engine)
-        goes_on = plain.ok
+    parsed, results = plain.ok, dict[str, Result]()
+    if parsed and len(ordered) == 1 and "opengl" in targets:
+        results["opengl"] = to_spirv(ordered, "opengl", engine)
+    # One stage that links for OpenGL without a message also links as plain GLSL, which saves
+    # half a millisecond. Otherwise the plain link's messages come first.
+    if parsed and not ("opengl" in results and results["opengl"].linked):
+        plain = link_stages(plain, ordered, engine)
+    if not plain.ok:
+        results.clear()
+    results["glsl"] = plain
     for target in targets:
-        if target != "glsl":
-            results[target] = to_spirv(ordered, target, engine) if goes_on else plain
-        # One stage that links for OpenGL without a message also links as plain GLSL, which saves
-        # half a millisecond. Otherwise the plain link's messages come first.
-        if target == "opengl" and plain.ok and len(ordered) == 1 and not results[target].linked:
-            results["glsl"] = plain = link_stages(plain, ordered, engine)
-            if not plain.ok:
-                goes_on = False
-                results = {done: plain for done in results}
+        if target in results:
+            continue
+        if not parsed:
+            results[target] = in_dialect(ordered, target, plain, engine)
+        else:
+            results[target] = to_spirv(ordered, target, engine) if plain.ok else plain
 
     def interface() -> Interface | None:
-        if "opengl" not in results:
-            return compile_program(ordered, ("glsl", "opengl"), engine=engine).interface
-        modules = results["opengl"].modules
-        return reflect(modules) if modules else None
+        modules = results["opengl"].modules if "opengl" in results else None
+        if modules:
+            return reflect(modules)
+        newer = tuple(map(with_interface, ordered))
+        if "opengl" in results and newer == tuple(ordered):
+            return None
+        return compile_program(newer, ("glsl", "opengl"), engine=engine).interface
 
     return Compiled(
         verdicts=tuple(results[target].verdict(target) for target in targets),
@@ -137,12 +136,6 @@ def compile_program(
         sources=tuple(ordered),
         _reflect=functools.cache(interface),
     )
-
-
-def _is_spirv_only(diagnostics: Sequence[Diagnostic]) -> bool:
-    """Whether all errors of plain GLSL are about GLSL that only SPIR-V has."""
-    errors = [d.message for d in diagnostics if d.severity == "error"]
-    return all(map(_SPIRV_ONLY.search, errors))
 
 
 def in_order(stages: Sequence[Source], targets: Sequence[str]) -> list[Source]:

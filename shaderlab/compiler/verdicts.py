@@ -25,6 +25,7 @@ class Result:
         modules: each stage's module, if all are valid.
         valid: SPIRV-Tools' verdict, None if the compiler made no modules.
         linked: whether the compiler linked the stages without a message.
+        deadly: whether the text would crash a compiler, and no other may get it.
     """
 
     diagnostics: tuple[Diagnostic, ...]
@@ -32,6 +33,7 @@ class Result:
     modules: Mapping[str, bytes] = field(default_factory=dict)
     valid: bool | None = None
     linked: bool = False
+    deadly: bool = False
 
     @property
     def ok(self) -> bool:
@@ -53,7 +55,7 @@ def check_stages(sources: Sequence[Source], engine: Engine) -> Result:
     """Checks each stage by itself, as plain GLSL."""
     deadly = tuple(d for d in (guards.fatal(source, engine) for source in sources) if d)
     if deadly:
-        return Result(deadly)
+        return Result(deadly, deadly=True)
     diagnostics: list[Diagnostic] = []
     log = ""
     for source in sources:

@@ -19,6 +19,7 @@ from shaderlab.backends import Backend, Drawn, open_backend
 from shaderlab.compiler.compile import Compiled
 from shaderlab.compiler.compile_cache import cached_compiler
 from shaderlab.compiler.sources import Shaders, Source
+from shaderlab.compiler.targets import TARGETS
 from shaderlab.errors import (
     AssetError,
     CaseError,
@@ -33,10 +34,11 @@ from shaderlab.evaluation.picture_writer import PictureFiles, PictureWriter
 from shaderlab.evaluation.record_builder import RecordBuilder
 from shaderlab.evaluation.search_path import shaders_of
 from shaderlab.expectations.reads import unread_outputs
-from shaderlab.model import Judgement, Scene
+from shaderlab.model import Case, Judgement, Scene
 from shaderlab.options import RunOptions
 from shaderlab.programs.prepare import Preparer, Programs
 from shaderlab.records import Outcome, Record, Verdict
+from shaderlab.settings import settings_of
 
 _NO_TEXTS: Mapping[str, str] = {}
 
@@ -171,8 +173,11 @@ class Lab:
 
     def _run(self, scene: Scene, builder: RecordBuilder) -> None:
         preparer = self._preparer(str(Path(scene.case.file).parent))
+        targets = self._targets(scene.case)
         with doing("compile", "compiling"):
-            programs = {p.name: tuple(preparer.prepare(d) for d in p.draws) for p in scene.passes}
+            programs = {
+                p.name: tuple(preparer.prepare(d, targets) for d in p.draws) for p in scene.passes
+            }
         folder = self.options.picture_folder
         writer = PictureWriter(folder, scene.case.id, scene.variant)
 
@@ -261,6 +266,11 @@ class Lab:
 
     def _new_preparer(self, folder: str) -> Preparer:
         return Preparer(self._shaders(folder, self.options.replacements), cached_compiler())
+
+    def _targets(self, case: Case) -> tuple[str, ...]:
+        """What a case's programs are compiled for: what the run says, the case, or its project."""
+        own = settings_of(Path(case.file).parent).targets
+        return self.options.targets or tuple(case.targets) or own or TARGETS
 
     def _shaders(self, folder: str | Path, overrides: Mapping[str, str | Path]) -> Shaders:
         return shaders_of(Path(folder), overrides, self.options.include)

@@ -58,6 +58,8 @@ class Case:
         errata: where that text is wrong.
         math: the formula in LaTeX, for the report.
         picture: the output that is the case's picture; the last pass's first one by default.
+        targets: what its programs are compiled for: "glsl", "opengl", "vulkan" or "vulkan-strict";
+            by default what the project says, or else the first three.
 
     `id`, `file` and `lesson` (the module's docstring) are filled in when the file is loaded.
     """
@@ -70,6 +72,7 @@ class Case:
     errata: Sequence[Erratum] = ()
     math: str = ""
     picture: str = ""
+    targets: Sequence[str] = ()
     id: str = ""
     file: str = ""
     lesson: str = ""

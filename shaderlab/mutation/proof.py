@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from shaderlab.compiler.compile import compile_program
+from shaderlab.compiler.dialects import with_interface
 from shaderlab.compiler.library import SPIRV_TOOLS_WHEEL, find
 from shaderlab.compiler.sources import Source
 from shaderlab.errors import ShaderError
@@ -26,7 +27,8 @@ def same_program(mutant: Sequence[Source], original: Sequence[Source]) -> bool:
 
 def _modules(stages: Sequence[Source]) -> Mapping[str, bytes]:
     """Each stage's module for OpenGL."""
-    return compile_program(stages, ("glsl", "opengl")).spirv["opengl"]
+    newer = [with_interface(stage) for stage in stages]
+    return compile_program(newer, ("glsl", "opengl")).spirv["opengl"]
 
 
 def _same(one: bytes, other: bytes) -> bool:

@@ -35,7 +35,11 @@ class PreparedDraw:
         """What the program declares. Raises ShaderError if it does not compile for OpenGL."""
         if self.compiled.interface is None:
             self.compiled.require()
-            raise ShaderError("the program has no OpenGL interface", file=self.authored[0].path)
+            raise ShaderError(
+                "the program can be compiled, but not drawn: it is no GLSL for OpenGL",
+                file=self.authored[0].path,
+                remedy="shaderlab compile asks the compilers alone",
+            )
         return self.compiled.interface
 
     @functools.cached_property
@@ -78,8 +82,8 @@ class Preparer:
         self._compile = functools.cache(compiling)
         self.folders = shaders.folders
 
-    def prepare(self, draw: Draw) -> PreparedDraw:
-        """Read, complete and compile a draw's program for every target.
+    def prepare(self, draw: Draw, targets: tuple[str, ...] = TARGETS) -> PreparedDraw:
+        """Read, complete and compile a draw's program for these targets.
 
         Raises:
             ShaderError: a file can't be read or included. A shader that does not compile raises
@@ -99,7 +103,7 @@ class Preparer:
                 bind.check_domain(draw, interface.varyings)
                 text = vertex_stages.domain_vertex(authored[0].text, interface.varyings.values())
                 sources = (self._shaders.from_text(text, "vertex", "<domain>"), *authored)
-        compiled = self._compile(sources, TARGETS)
+        compiled = self._compile(sources, targets)
         if compiled.interface is None and sources is not authored:
             raise UnsupportedError(
                 f"a domain for {authored[0].path}: no vertex stage can be written that declares "

@@ -120,7 +120,7 @@ def test_all_settings_become_options(game: Path) -> None:
     assert settings.keep == 3
     options = defaults(settings)
     assert options["run"] == {"seconds": 5.0, "gigabytes": 0.0, "driver": "softpipe"}
-    assert options["compile"] == {"targets": ("glsl",), "gigabytes": 0.0}
+    assert options["compile"] == {"compile_targets": ("glsl",), "gigabytes": 0.0}
     assert not any(defaults(Settings()).values())
 
 

@@ -1,0 +1,6 @@
+#version 310 es
+precision highp float;
+layout (set = 0, binding = 0) uniform highp texture2D map;
+layout (set = 0, binding = 1) uniform sampler linear;
+layout (location = 0) out vec4 color;
+void main() { color = texture(sampler2D(map, linear), vec2(0.5)); }

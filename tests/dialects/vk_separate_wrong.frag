@@ -1,0 +1,5 @@
+#version 450
+layout (set = 0, binding = 0) uniform texture2D map;
+layout (set = 0, binding = 1) uniform sampler linear;
+layout (location = 0) out vec4 color;
+void main() { color = texture(sampler2D(map, linear), missing); }

@@ -1,0 +1,85 @@
+"""Shaders of other dialects than the course's are drawn and judged, for targets that are chosen."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from shaderlab import Case, formula, fullscreen, value
+from shaderlab.evaluation import Lab
+from shaderlab.glslmath import vec4
+from shaderlab.options import RunOptions
+
+ES = "#version 300 es\nprecision highp float;\n"
+OLD = "#version 140\n"
+BODY = "in vec2 TexCoords;\nuniform float gain;\nout vec4 color;\nvoid main() { color = RESULT; }\n"
+RIGHT, WRONG = "vec4(gain * TexCoords, 0.0, 1.0)", "vec4(gain + TexCoords, 0.0, 1.0)"
+
+
+def ramp(TexCoords, gain):
+    return vec4(gain * TexCoords, 0.0, 1.0)
+
+
+@pytest.fixture(scope="module")
+def lab() -> Lab:
+    with Lab(RunOptions(pictures=False, size=16)) as lab:
+        yield lab
+
+
+def case(folder: Path, text: str, targets: tuple[str, ...] = ()) -> Case:
+    (folder / "a.frag").write_text(text)
+    return Case(
+        title="a",
+        file=str(folder / "a.py"),
+        passes=fullscreen("a.frag", uniforms={"gain": 0.5}),
+        expect=[
+            formula("color", ramp),
+            value("color", at={"TexCoords": (1.0, 0.5)}, equals=(0.5, 0.25, 0.0, 1.0), digits=6),
+        ],
+        targets=targets,
+    )
+
+
+@pytest.mark.parametrize(("head", "refusing"), [(ES, {"opengl", "vulkan"}), (OLD, {"opengl"})])
+def test_older_versions_are_drawn_and_judged(
+    lab: Lab, tmp_path: Path, head: str, refusing: set[str]
+) -> None:
+    right, wrong = (head + BODY.replace("RESULT", result) for result in (RIGHT, WRONG))
+    lab.configure(RunOptions(pictures=False, size=16))
+    (scene,) = case(tmp_path, right, ("glsl",)).scenes()
+    record = lab.run(scene)
+    assert record.status == "pass", record.message
+    assert record.compile == {"glsl": "pass", "driver": "pass"}
+    assert all(o.status == "pass" and o.judged for o in record.expectations)
+    everywhere = lab.run(replace(scene, case=replace(scene.case, targets=())))
+    assert {t for t, verdict in everywhere.compile.items() if verdict == "fail"} == refusing
+    other = tmp_path / "wrong"
+    other.mkdir()
+    (scene,) = case(other, wrong, ("glsl",)).scenes()
+    assert [o.status for o in lab.run(scene).expectations] == ["fail", "fail"]
+
+
+def test_the_run_goes_before_the_case_and_the_case_before_the_project(
+    lab: Lab, tmp_path: Path
+) -> None:
+    (tmp_path / "pyproject.toml").write_text('[tool.shaderlab]\ntargets = ["glsl", "opengl"]\n')
+    text = "#version 330 core\n" + BODY.replace("RESULT", RIGHT)
+    lab.configure(RunOptions(pictures=False, size=16))
+    (scene,) = case(tmp_path, text).scenes()
+    assert set(lab.run(scene).compile) == {"glsl", "opengl", "driver"}
+    scene = replace(scene, case=replace(scene.case, targets=("vulkan",)))
+    assert set(lab.run(scene).compile) == {"vulkan", "driver"}
+    lab.configure(RunOptions(pictures=False, size=16, targets=("glsl",)))
+    assert set(lab.run(scene).compile) == {"glsl", "driver"}
+
+
+def test_what_can_only_be_compiled_says_so(lab: Lab, tmp_path: Path) -> None:
+    lab.configure(RunOptions(pictures=False, size=16))
+    text = "#version 450\nlayout (push_constant) uniform P { float gain; };\n"
+    text += "layout (location = 0) out vec4 color;\nvoid main() { color = vec4(gain); }\n"
+    (scene,) = case(tmp_path, text, ("vulkan",)).scenes()
+    record = lab.run(scene)
+    assert record.status == "error" and record.compile == {"vulkan": "pass"}
+    assert "can be compiled, but not drawn" in record.message
