@@ -6,6 +6,7 @@ import contextlib
 import datetime
 import itertools
 import json
+import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 
 REPORTS = Path("reports")
 LATEST = "latest"
+SUMMARY_VARIABLE = "GITHUB_STEP_SUMMARY"
 Command = TypeVar("Command", bound=Callable[..., Any])
 
 
@@ -114,9 +116,16 @@ def write_outputs(run: Run, outputs: Mapping[str, str]) -> Iterator[ShaderlabErr
     for format in FORMATS:
         if format.name in outputs:
             try:
-                write_output(format.render(run), outputs[format.name])
+                file = outputs[format.name]
+                write_output(format.render(run), file, append=_is_summary(file))
             except ShaderlabError as error:
                 yield error
+
+
+def _is_summary(file: str) -> bool:
+    """Whether a file is the summary of a CI job, to which each step adds its own."""
+    summary = os.environ.get(SUMMARY_VARIABLE, "")
+    return bool(summary) and os.path.realpath(file) == os.path.realpath(summary)
 
 
 def write_json(data: Mapping[str, Any] | Sequence[Any], file: str) -> None:
@@ -124,13 +133,16 @@ def write_json(data: Mapping[str, Any] | Sequence[Any], file: str) -> None:
     write_output(json.dumps(data, indent=2, ensure_ascii=False) + "\n", file)
 
 
-def write_output(text: str, file: str) -> None:
-    """Write text to the file that a person named, or to standard output for "-"."""
+def write_output(text: str, file: str, *, append: bool = False) -> None:
+    """Write text to the file that a person named, or after what is in it; to standard output for
+    "-"."""
     if file == "-":
         click.echo(text, nl=False)
         return
+    if append:  # what is there may lack the end of its last line
+        text = f"\n{text}"
     try:
-        write_named(file, text.encode("utf-8", errors="replace"))
+        write_named(file, text.encode("utf-8", errors="replace"), append=append)
     except OSError as error:
         raise _unwritable(Path(file), error) from error
 

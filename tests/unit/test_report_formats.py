@@ -69,3 +69,20 @@ def test_an_output_that_cannot_be_written_stops_no_other(tmp_path: Path) -> None
     (problem,) = files.write_outputs(run(), outputs)
     assert isinstance(problem, UsageError) and problem.file == str(tmp_path)
     assert summary.read_text()
+
+
+def test_a_jobs_summary_keeps_what_earlier_steps_wrote(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    summary = tmp_path / "summary.md"
+    summary.write_text("## Earlier\n\n")
+    monkeypatch.setenv(files.SUMMARY_VARIABLE, str(summary))
+    (tmp_path / "link.md").symlink_to("summary.md")
+    outputs = {"markdown": str(tmp_path / "link.md"), "json": str(tmp_path / "out.json")}
+    for _ in range(2):
+        assert not list(files.write_outputs(run(), outputs))
+    (text,) = (f.render(run()) for f in formats.FORMATS if f.name == "markdown")
+    assert summary.read_text() == f"## Earlier\n\n\n{text}\n{text}"
+    monkeypatch.delenv(files.SUMMARY_VARIABLE)
+    assert not list(files.write_outputs(run(), outputs))
+    assert summary.read_text() == text

@@ -72,6 +72,18 @@ def test_counts_add_up() -> None:
     assert abs(total - 3.0) < 1e-3
 
 
+def test_no_two_tests_have_one_name() -> None:
+    root = junit(
+        record("a", "pass", outcome(), outcome(), outcome(name="factor (2)"), outcome()),
+        record("a", "crash", outcome(name="run"), variant="b"),
+        record("a", "pass", outcome(name="x: y"), variant="b"),
+        record("a", "pass", outcome(name="y"), variant="b: x"),
+    )
+    names = [(t.attrib["classname"], t.attrib["name"]) for t in root.iter("testcase")]
+    assert len(names) == len(set(names)) == 8
+    assert names[:2] == [("a", "default: factor"), ("a", "default: factor (2)")]
+
+
 def test_a_failure_that_no_expectation_explains_is_a_test_of_its_own() -> None:
     root = junit(record("a", "fail", outcome(), message="refused by glslang\nline 3"))
     test = next(t for t in root.iter("testcase") if t.find("failure") is not None)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from xml.etree import ElementTree as ET
 
@@ -27,6 +28,7 @@ def render(run: Run) -> str:
     Each case is a `testsuite`, each expectation of each variant a `testcase`. A record whose
     status none of its expectations accounts for (it crashed, timed out, did not compile, or has
     no expectations) gets a test of its own, "run"; so does a run that was interrupted, in error.
+    No two tests have both class and name in common: readers would take one for the other.
     """
     root = ET.Element("testsuites", name="shaderlab", time=_seconds(run.seconds))
     for case in group_cases(run.records):
@@ -41,6 +43,7 @@ def render(run: Run) -> str:
         message = f"the run was interrupted: {plural(run.missing, 'variant')} not run"
         _verdict(test, "error", message, message)
         _set_counts(suite)
+    _number_equal_names(root)
     _set_counts(root)
     ET.indent(root)
     text = ET.tostring(root, encoding="unicode")
@@ -78,6 +81,16 @@ def _verdict(test: ET.Element, tag: str | None, message: str, details: str) -> N
     lines = clean(message).strip().splitlines()
     verdict = ET.SubElement(test, tag, message=lines[0] if lines else "")
     verdict.text = clean(details)
+
+
+def _number_equal_names(root: ET.Element) -> None:
+    taken: set[tuple[str, str]] = set()
+    for test in root.iter("testcase"):
+        plain, owner = test.get("name", ""), test.get("classname", "")
+        numbers = itertools.count(2)
+        while (owner, test.get("name", "")) in taken:
+            test.set("name", f"{plain} ({next(numbers)})")
+        taken.add((owner, test.get("name", "")))
 
 
 def _set_counts(element: ET.Element) -> None:
