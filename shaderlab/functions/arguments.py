@@ -171,7 +171,7 @@ def _misfit(
 
 def result(words: Array, kind: Type, batch: tuple[int, ...]) -> Any:
     """A value of a type from its words, (words, count) of uint32: an array of the batch's shape and
-    the type's, a mapping for a struct, a list for an array of structs. Copies."""
+    the type's, a mapping for a struct, a list for an array of structs. It may be a view of them."""
     if kind.members and kind.dims:
         size = kind.element.words
         parts = range(kind.dims[0])
@@ -184,5 +184,5 @@ def result(words: Array, kind: Type, batch: tuple[int, ...]) -> Any:
         return found
     values = words != 0 if kind.kind == "bool" else words.view(DTYPES[kind.kind])
     if not kind.shape:
-        return values[0].reshape(batch).copy()[()]
+        return values[0].reshape(batch)[()]
     return np.ascontiguousarray(values.T).reshape(*batch, *kind.shape)

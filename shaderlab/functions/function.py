@@ -49,7 +49,7 @@ class Function:
 
     def __getitem__(self, types: str) -> Function:
         """The overload with parameters of these types, such as `f["vec3, float"]`."""
-        wanted = types.replace(" ", "").split(",")
+        wanted = [word.strip() for word in types.split(",") if word.strip()]
         for one in self._overloads:
             if [str(p.type) for p in one.parameters] == wanted:
                 return Function(self._source, [one], self._folder, self._given)

@@ -23,8 +23,8 @@ from shaderlab.functions.signatures import variable
 
 _MAX_SIDE = 16384
 _WIDTH = 4096
-_CHUNK = 1 << 22
-"""Elements evaluated at a time: more would only take more memory."""
+_WORDS = 1 << 25
+"""Words of inputs and outputs that are evaluated at a time: more would only take more memory."""
 _FEW = 1 << 14
 """Up to so many elements a pixel each: compiling for four costs more than it saves."""
 _NEWEST = 450
@@ -58,12 +58,13 @@ def evaluate(source: Source, folder: str, call: Call) -> Any:
     if not count:
         return _results(call, np.zeros((words, 0), np.uint32))
     grid = _grid(call.batch)
-    if count <= _CHUNK or (grid is not None and signature.per_pixel):
-        return run(varying, call.batch, lambda taken: _results(call, taken))
+    chunk = max(_WORDS // (kernel.planes + words), 1)
+    if count <= chunk or (grid is not None and signature.per_pixel):
+        return _results(call, run(varying, call.batch, np.copy))
     found = np.empty((words, count), np.uint32)
     flat = [_flattened(argument, call.batch) for argument in varying]
-    for start in range(0, count, _CHUNK):
-        some = slice(start, min(start + _CHUNK, count))
+    for start in range(0, count, chunk):
+        some = slice(start, min(start + chunk, count))
         part = found[:, some]
         run(
             [_part(argument, some) for argument in flat],

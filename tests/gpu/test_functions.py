@@ -11,6 +11,7 @@ import pytest
 
 from shaderlab import Texture, glsl
 from shaderlab.errors import CallError, ShaderError
+from shaderlab.functions import running
 from shaderlab.functions.calling import caller
 from shaderlab.functions.memory import SharedMemory
 
@@ -61,11 +62,15 @@ def test_scalars_stay_scalars_and_arrays_broadcast(kinds: glsl.Library) -> None:
     assert kinds.plain(np.zeros((0, 2))).shape == (0, 2)
 
 
-def test_many_values_are_those_of_few(kinds: glsl.Library) -> None:
-    """Four of them a pixel, in more than one piece."""
-    x = np.arange((1 << 22) + 5, dtype=np.float32)
-    found = kinds.plain(x)
-    assert found.shape == x.shape and (found == 2.0 * x).all()
+def test_many_values_are_those_of_few(kinds: glsl.Library, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Four of them a pixel, in one piece and in several."""
+    x = np.arange((1 << 17) + 3, dtype=np.float32).reshape(-1, 7)
+    for words in (1 << 25, 1 << 17):
+        monkeypatch.setattr(running, "_WORDS", words)
+        found = kinds.plain(x)
+        assert found.shape == x.shape and (found == 2.0 * x).all()
+        turned = kinds.turned(np.eye(3), x[:-2].reshape(-1, 3))
+        assert (turned.reshape(-1) == x[:-2].reshape(-1)).all()
 
 
 def test_overloads_follow_the_arguments(kinds: glsl.Library) -> None:
