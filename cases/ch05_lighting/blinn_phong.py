@@ -16,6 +16,7 @@ import numpy as np
 
 from shaderlab import (
     Case,
+    Erratum,
     Pass,
     Target,
     Variant,
@@ -24,6 +25,8 @@ from shaderlab import (
     assets,
     formula,
     fullscreen,
+    measure,
+    reading,
     sweep,
 )
 from shaderlab.glslmath import dot, max, normalize, swizzle, vec3, vec4, where
@@ -34,7 +37,8 @@ from ..scenes import lit
 from ..scenes.cameras import camera
 from ..scenes.drawing import encoded
 from ..scenes.draws import twins
-from ..scenes.figures import figure
+from ..scenes.figures import figure, results
+from ..scenes.laws import gated_or_not
 from ..scenes.panels import cell
 
 EYE, LAMP = (0.0, 1.5, 4.6), (0.0, 1.1, 0.4)
@@ -55,14 +59,24 @@ def half(column, blinn):
     return lit.thing(shader, STILL_LIFE, MODEL, CAMERA, uniforms, cell=cell(column, 2))
 
 
-def mirrored(FragPos, Normal, lightPos, viewPos, shininess):
+def over_slopes(name, lamp):
+    """Both lobes for viewers at slopes to both sides, with the lamp in this direction."""
+    return fullscreen(
+        "ch05_lighting/blinn_phong_lobes.frag",
+        name=name,
+        domain={"slope": across(-4.0, 4.0)},
+        uniforms={"lightDir": lamp, "shininess": 8.0},
+    )
+
+
+def mirrored(FragPos, Normal, lightPos, viewPos, shininess, highlight=lobes.phong):
     """Phong's lobe at a fragment."""
-    return lobes.phong(Normal, lightPos - FragPos, viewPos - FragPos, shininess)
+    return highlight(Normal, lightPos - FragPos, viewPos - FragPos, shininess)
 
 
-def halfway(FragPos, Normal, lightPos, viewPos, shininess):
+def halfway(FragPos, Normal, lightPos, viewPos, shininess, highlight=lobes.blinn):
     """Blinn's lobe at a fragment."""
-    return lobes.blinn(Normal, lightPos - FragPos, viewPos - FragPos, shininess)
+    return highlight(Normal, lightPos - FragPos, viewPos - FragPos, shininess)
 
 
 def shaded(FragPos, Normal, lightPos, lobe):
@@ -72,16 +86,30 @@ def shaded(FragPos, Normal, lightPos, lobe):
     return vec4(encoded(surface * (0.06 + 0.9 * cosine) + vec3(0.55) * lobe), 1.0)
 
 
-def shaded_mirrored(FragPos, Normal, lightPos, viewPos, shininess):
-    """The left half's colour."""
-    lobe = mirrored(FragPos, Normal, lightPos, viewPos, shininess)
-    return shaded(FragPos, Normal, lightPos, lobe)
+def shaded_by(lobe):
+    """The colour of the half of the picture that has this lobe."""
+
+    def color(FragPos, Normal, lightPos, viewPos, shininess):
+        inputs = {"lightPos": lightPos, "viewPos": viewPos, "shininess": shininess}
+        return shaded(FragPos, Normal, lightPos, lobe(FragPos=FragPos, Normal=Normal, **inputs))
+
+    return color
 
 
-def shaded_halfway(FragPos, Normal, lightPos, viewPos, shininess):
-    """The right half's colour."""
-    lobe = halfway(FragPos, Normal, lightPos, viewPos, shininess)
-    return shaded(FragPos, Normal, lightPos, lobe)
+BY_PHONG = gated_or_not(mirrored, highlight=lobes.mirrored_lobe)
+BY_BLINN = gated_or_not(halfway, highlight=lobes.halfway_lobe)
+
+
+def strongest(lobe):
+    """From wherever it is seen."""
+    return lobe.max()
+
+
+def notes_lobe(lobe, degrees):
+    """What the notes' formula, without a gate, gives for a lamp 5° below the surface and a viewer
+    so many degrees above the other side; shininess 8."""
+    eye = np.array([cos(radians(degrees)), 0.0, sin(radians(degrees))])
+    return lambda: lobe(np.array(lit.GRAZING["Normal"]), np.array(lit.BELOW), eye, 8.0)
 
 
 def phong_over_slope(slope, lightDir, shininess):
@@ -123,20 +151,38 @@ case = Case(
                 draws=(half(0, blinn=False), half(1, blinn=True)),
             )
         ),
-        *fullscreen(
-            "ch05_lighting/blinn_phong_lobes.frag",
-            name="lobes",
-            domain={"slope": across(-4.0, 4.0)},
-            uniforms={"lightDir": (sin(radians(60.0)), cos(radians(60.0)), 0.0), "shininess": 8.0},
-        ),
+        *over_slopes("below", (cos(radians(5.0)), -sin(radians(5.0)), 0.0)),
+        *over_slopes("lobes", (sin(radians(60.0)), cos(radians(60.0)), 0.0)),
     ),
     picture="picture.FragColor",
     expect=[
         *lit.vertex_stage_checks(pass_name="picture"),
-        formula("picture.specular", mirrored, draw=0, name="Phong, left half"),
-        formula("picture.specular", halfway, draw=1, name="Blinn, right half"),
-        formula("picture.FragColor", shaded_mirrored, draw=0, name="colour, left half"),
-        formula("picture.FragColor", shaded_halfway, draw=1, name="colour, right half"),
+        formula("picture.specular", BY_PHONG, draw=0, name="Phong, left half"),
+        formula("picture.specular", BY_BLINN, draw=1, name="Blinn, right half"),
+        formula("picture.FragColor", shaded_by(BY_PHONG), draw=0, name="colour, left half"),
+        formula("picture.FragColor", shaded_by(BY_BLINN), draw=1, name="colour, right half"),
+        measure(
+            lit.TURNED_AWAY,
+            strongest,
+            readings=[
+                reading(name, reads={"lobe": f"below.{name.lower()}"}, equals=0.0, digits=6)
+                for name in ("Phong", "Blinn")
+            ],
+            note="the lamp is 5° below the surface",
+        ),
+        *results(
+            {
+                f"the notes' {name} on a face turned away, seen {degrees}° above it": (
+                    notes_lobe(lobe, degrees),
+                    share,
+                )
+                for name, lobe, degrees, share in (
+                    ("Phong", lobes.mirrored_lobe, 10, 0.757792),
+                    ("Blinn", lobes.halfway_lobe, 10, 0.933574),
+                    ("Blinn", lobes.halfway_lobe, 70, 0.156940),
+                )
+            }
+        ),
         any_order("picture.FragColor"),
         formula("phong", phong_over_slope),
         formula("blinn", blinn_over_slope),
@@ -149,5 +195,14 @@ case = Case(
         Variant("shininess 0.5", {"shininess": 0.5}, expect=past_the_edge(0.780232)),
         Variant("shininess 8", {"shininess": 8.0}, expect=past_the_edge(0.018862)),
         Variant("shininess 32", {"shininess": 32.0}, expect=past_the_edge(0.0)),
+    ],
+    errata=[
+        Erratum(
+            section="5.7",
+            says="the specular term is (N·H)ˢ or (R·V)ˢ, whatever side of the surface the lamp is",
+            truth="a face turned away from the lamp has no highlight; without the gate, seen from "
+            "10° above with the lamp 5° below, Phong gives 0.757792 and Blinn 0.933574",
+            proof=lit.TURNED_AWAY,
+        ),
     ],
 )

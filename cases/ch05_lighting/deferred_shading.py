@@ -32,7 +32,8 @@ from shaderlab import (
     value,
 )
 from shaderlab.glslmath import dot, fract, length, max, normalize, swizzle, vec2, vec4, where
-from shaderlab.reference.lighting import lobe
+from shaderlab.reference.attenuation import attenuation
+from shaderlab.reference.lighting import gated, lobe
 from shaderlab.reference.transforms import (
     clip_position,
     look_at,
@@ -45,6 +46,8 @@ from shaderlab.reference.transforms import (
 from shaderlab.sampling import texture
 
 from ..scenes.drawing import encoded
+from ..scenes.laws import gated_or_not
+from ..scenes.lit import BELOW, GRAZING, TURNED_AWAY
 from ..scenes.plaza import plaza
 from ..scenes.studio import handed_on
 
@@ -100,26 +103,35 @@ def lit(name, buffer):
     )
 
 
-def all_lamps(place, normal, albedo, gloss, viewPos, places, colors):
+def all_lamps(place, normal, albedo, gloss, viewPos, places, colors, gate):
     """The law of both ways: every lamp's diffuse and specular part on one surface."""
     total = 0.03 * albedo
     for position, color in zip(places, colors, strict=True):
         ray = position - place
-        light = normalize(ray)
-        lambert = max(dot(normal, light), 0.0)
-        glint = lobe(dot(normal, normalize(light + normalize(viewPos - place))), 32.0) * gloss
-        left = 1.0 / (1.0 + 1.4 * length(ray) + 3.6 * dot(ray, ray))
-        total = total + left * color * (albedo * lambert + glint)
+        light, view = normalize(ray), normalize(viewPos - place)
+        cosine = dot(normal, light)  # 0 where the buffer holds no surface, and no normal
+        glint = gate(cosine, lobe(dot(normal, normalize(light + view)), 32.0)) * gloss
+        fading = attenuation(length(ray), 1.0, 1.4, 3.6)
+        total = total + fading * color * (albedo * max(cosine, 0.0) + glint)
     return vec4(total, 1.0)
 
 
-def forward(FragPos, Normal, Color, viewPos, lamps_position, lamps_color):
+def ungated(cosine, share):
+    """A highlight on whatever side the lamp is."""
+    return share
+
+
+def forward(FragPos, Normal, Color, viewPos, lamps_position, lamps_color, gate=gated):
     """Light on a fragment while it is drawn."""
     gloss = 0.8 * swizzle(Color, "r")
-    return all_lamps(FragPos, normalize(Normal), Color, gloss, viewPos, lamps_position, lamps_color)
+    lamps = (lamps_position, lamps_color)
+    return all_lamps(FragPos, normalize(Normal), Color, gloss, viewPos, *lamps, gate)
 
 
-def deferred(gPosition, gNormal, gAlbedoSpec, TexCoords, viewPos, lamps_position, lamps_color):
+def deferred(
+    gPosition, gNormal, gAlbedoSpec, TexCoords, viewPos, lamps_position, lamps_color,
+    gate=gated,
+):  # fmt: skip
     """Light on what the buffer holds."""
     place, normal, surface = (
         texture(buffer, TexCoords) for buffer in (gPosition, gNormal, gAlbedoSpec)
@@ -127,7 +139,7 @@ def deferred(gPosition, gNormal, gAlbedoSpec, TexCoords, viewPos, lamps_position
     albedo, gloss = swizzle(surface, "rgb"), swizzle(surface, "a")
     return all_lamps(
         swizzle(place, "rgb"), swizzle(normal, "rgb"), albedo, gloss, viewPos,
-        lamps_position, lamps_color,
+        lamps_position, lamps_color, gate,
     )  # fmt: skip
 
 
@@ -201,9 +213,9 @@ case = Case(
         formula("buffer.gPosition", place_of),
         formula("buffer.gNormal", normal_of),
         formula("buffer.gAlbedoSpec", surface_of),
-        formula("lit.FragColor", deferred, name="deferred"),
+        formula("lit.FragColor", gated_or_not(deferred, gate=ungated), name="deferred"),
         formula("picture.FragColor", shown, name="the picture"),
-        formula("forward.FragColor", forward, name="forward"),
+        formula("forward.FragColor", gated_or_not(forward, gate=ungated), name="forward"),
         measure(
             "largest difference from forward shading",
             largest_difference,
@@ -221,6 +233,18 @@ case = Case(
             equals=(1.010453, 0.657102, 0.704490, 1.0),
             digits=6,
             name="a grey point in the middle",
+        ),
+        value(
+            "forward.FragColor",
+            at={
+                **GRAZING,
+                "Color": (0.5, 0.5, 0.5),
+                **{f"lamps[{k}].position": BELOW for k in range(16)},
+            },
+            equals=(0.015, 0.015, 0.015, 1.0),
+            digits=6,
+            reference=forward,
+            name=TURNED_AWAY,
         ),
     ],
 )

@@ -53,6 +53,10 @@ case = Case(
             {
                 "colour at the point": ({}, (0.344280, 0.173726, 0.108915, 1.0)),
                 "nearly 90° from the mirrored ray": (ASIDE, (0.629593, 0.332565, 0.219695, 1.0)),
+                lit.TURNED_AWAY: (
+                    {**lit.GRAZING, "light.direction": lit.TOWARDS_BELOW, "shininess": 8.0},
+                    (0.2, 0.1, 0.062, 1.0),
+                ),
             },
             at=POINT,
         ),

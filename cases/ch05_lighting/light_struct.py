@@ -102,6 +102,10 @@ case = Case(
                     {"viewPos": lit.ASIDE, "material.shininess": 0.5},
                     (0.629593, 0.332565, 0.219695, 1.0),
                 ),
+                lit.TURNED_AWAY: (
+                    {**lit.GRAZING, "light.position": lit.BELOW, "material.shininess": 8.0},
+                    (0.2, 0.1, 0.062, 1.0),
+                ),
             },
             at=POINT,
         ),

@@ -167,5 +167,12 @@ case = Case(
             (0.028430, 0.014215, 0.056860),
             reference=highlight,
         ),
+        figure(
+            "four.highlight",
+            lit.TURNED_AWAY,
+            {**ASIDE, **lit.GRAZING, "light.position": lit.BELOW, "material.shininess": 8.0},
+            (0.0, 0.0, 0.0),
+            reference=highlight,
+        ),
     ],
 )

@@ -96,6 +96,10 @@ case = Case(
                     {"viewPos": lit.ASIDE, "material.shininess": 0.5},
                     (1.823648, 0.929593, 0.589852, 1.0),
                 ),
+                lit.TURNED_AWAY: (
+                    {**lit.GRAZING, "light.position": lit.BELOW, "material.shininess": 8.0},
+                    (*CORAL, 1.0),
+                ),
             },
             at=POINT,
         ),

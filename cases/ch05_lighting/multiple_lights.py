@@ -27,12 +27,13 @@ from shaderlab import (
     measure,
 )
 from shaderlab.reference import light_sources
+from shaderlab.reference.lighting import mirrored_lobe
 from shaderlab.reference.transforms import clip_position
 
 from ..scenes import lit, plaza
 from ..scenes.draws import twins
 from ..scenes.figures import figure
-from ..scenes.laws import opaque, renamed, summed
+from ..scenes.laws import gated_or_not, opaque, renamed, summed
 
 # Place and colour of the four bulbs.
 BULBS = [
@@ -108,7 +109,8 @@ ONE_BY_ONE = [lit_by(only(k), depth=Depth(func="equal"), blend=ADD) for k in ran
 
 by_moon = renamed(light_sources.directional, light="dirLight")
 by_spot = renamed(light_sources.soft_spot, light="spotLight")
-by_all = opaque(summed(by_moon, light_sources.points, by_spot))
+by_points = gated_or_not(light_sources.points, highlight=mirrored_lobe)
+by_all = opaque(summed(by_moon, by_points, by_spot))
 
 
 def largest_difference(one, other):
@@ -124,6 +126,24 @@ ASIDE = {
     "dirLight.ambient": (0.2, 0.2, 0.2),
     "dirLight.diffuse": (0.5, 0.5, 0.5),
     "dirLight.specular": (1.0, 1.0, 1.0),
+}
+
+# Where all four bulbs are before the surface.
+BEFORE_ALL = {**ASIDE, "FragPos": (0.0, 0.0, -2.0)}
+# All six lamps below the surface's horizon, without the light that is everywhere.
+ALL_BELOW = {
+    **ASIDE,
+    **lit.GRAZING,
+    "shininess": 8.0,
+    **{
+        name: {
+            "ambient": (0.0, 0.0, 0.0),
+            "position": lit.BELOW,
+            "direction": lit.TOWARDS_BELOW,
+        }[name.split(".")[1]]
+        for name in ALL
+        if name.endswith(("ambient", "position", "direction"))
+    },
 }
 
 case = Case(
@@ -147,7 +167,7 @@ case = Case(
     expect=[
         *lit.vertex_stage_checks("gl_Position", "FragPos", "Normal", "Color", pass_name="together"),
         formula("together.directional", by_moon, name="the moon"),
-        formula("together.points", light_sources.points, name="the four bulbs"),
+        formula("together.points", by_points, name="the four bulbs"),
         formula("together.spot", by_spot, name="the spot"),
         formula("together.FragColor", by_all, name="all six at once"),
         formula("added.FragColor", by_all, given=ALL, name="one by one, added"),
@@ -178,9 +198,16 @@ case = Case(
         figure(
             "together.points",
             "bulbs that shine less from near",
-            {**ASIDE, **{f"pointLights[{i}].constant": 2.0 + i for i in range(4)}},
-            (0.269143, 0.104187, 0.108734),
+            {**BEFORE_ALL, **{f"pointLights[{i}].constant": 2.0 + i for i in range(4)}},
+            (0.369335, 0.159546, 0.201533),
             reference=light_sources.points,
+        ),
+        figure(
+            "together.FragColor",
+            lit.TURNED_AWAY,
+            ALL_BELOW,
+            (0.0, 0.0, 0.0, 1.0),
+            reference=opaque(summed(by_moon, light_sources.points, by_spot)),
         ),
     ],
     errata=[

@@ -28,9 +28,9 @@ from shaderlab import (
     formula,
     fullscreen,
 )
-from shaderlab.glslmath import dot, max, mul, normalize, swizzle, vec3, vec4, where
+from shaderlab.glslmath import mul, normalize, swizzle, vec3, vec4, where
 from shaderlab.reference import tangent_space
-from shaderlab.reference.lighting import lobe
+from shaderlab.reference.lighting import blinn, diffuse, halfway_lobe
 from shaderlab.reference.transforms import (
     normal_matrix,
     scale,
@@ -43,7 +43,7 @@ from shaderlab.sampling import texture
 from ..scenes import lit
 from ..scenes.cameras import camera, turned
 from ..scenes.figures import figure
-from ..scenes.laws import unchanged
+from ..scenes.laws import gated_or_not, unchanged
 from ..scenes.panels import cell, picture
 
 EYE = (0.0, 0.0, 4.0)
@@ -171,14 +171,18 @@ def mapped_normal(TBN, TexCoords, normalMap, flatWall):
     return normalize(mul(TBN, where(flatWall == 1, vec3(0.0, 0.0, 1.0), told)))
 
 
-def color(TBN, TexCoords, FragPos, normalMap, diffuseMap, flatWall, lightPos, viewPos):
+def color(
+    TBN, TexCoords, FragPos, normalMap, diffuseMap, flatWall, lightPos, viewPos, highlight=blinn
+):
     """Diffuse and specular light on the mapped normal."""
     normal = mapped_normal(TBN, TexCoords, normalMap, flatWall)
-    to_light, to_eye = normalize(lightPos - FragPos), normalize(viewPos - FragPos)
-    lambert = max(dot(normal, to_light), 0.0)
-    glint = lobe(dot(normal, normalize(to_light + to_eye)), 24.0)
+    lambert = diffuse(normal, lightPos - FragPos)
+    glint = highlight(normal, lightPos - FragPos, viewPos - FragPos, 24.0)
     bricks = swizzle(texture(diffuseMap, TexCoords), "rgb")
     return vec4(bricks * (0.05 + 1.15 * lambert) + 0.28 * glint, 1.0)
+
+
+leaking_or_not = gated_or_not(color, highlight=halfway_lobe)
 
 
 def checks(name):
@@ -188,7 +192,7 @@ def checks(name):
         formula(f"{name}.FragPos", place_of, name=f"{name}: places"),
         *(formula(f"{name}.TBN[{k}]", axis(k), name=f"{name}: {'TBN'[k]}") for k in range(3)),
         formula(f"{name}.normal", mapped_normal, name=f"{name}: normals"),
-        formula(f"{name}.FragColor", color, name=f"{name}: colours"),
+        formula(f"{name}.FragColor", leaking_or_not, name=f"{name}: colours"),
     )
 
 
@@ -238,6 +242,18 @@ case = Case(
         formula("flat.normal", mapped_normal, name="flat: normals"),
         formula("flat.FragColor", color, name="flat: colours"),
         lit.picture_check(),
+        figure(
+            "flat.FragColor",
+            lit.TURNED_AWAY,
+            {
+                "TexCoords": (0.5, 0.5),
+                "FragPos": (0.0, 0.0, 0.0),
+                "TBN": np.eye(3),
+                "lightPos": lit.BELOW,
+                "viewPos": lit.GRAZING["viewPos"],
+            },
+            (0.027162, 0.024812, 0.022822, 1.0),
+        ),
         figure(
             "bytes.normal",
             "what bytes 128, 127 and 255 stand for",

@@ -94,6 +94,7 @@ def largest_gap(factor):
 NARROW = {"place": (0.35, 0.20), "blinnExponent": 256.0}
 LAMP_ASIDE = {"place": (0.6, 0.8), "lightDir": (-0.48, 0.6, 0.64), "shininess": 2.0}
 ALONG_GROUND = {"place": (0.8074, -0.59), "lightDir": (0.0, 0.6, 0.8), "blinnExponent": 0.5}
+LEVEL = (cos(radians(5.0)), sin(radians(5.0)))
 AT_20 = past_the_mirrored_ray(20.0)
 
 case = Case(
@@ -146,6 +147,11 @@ case = Case(
                         {"place": (0.003, 0.004)},
                     ),
                     ("where the ground begins", (0.95, 0.85, 0.45), {"place": (-0.003, 0.0)}),
+                    (
+                        lit.TURNED_AWAY,
+                        (0.012, 0.015, 0.022),
+                        {"place": (0.2, 0.04), "lightDir": (-LEVEL[0], -LEVEL[1], 0.0)},
+                    ),
                     ("beyond both", (0.012, 0.015, 0.022), {**NARROW, "place": (0.87, 0.48)}),
                 )
             },

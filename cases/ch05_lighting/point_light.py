@@ -11,11 +11,12 @@ nearly dark; even the ambient light ends there, because it fades as well.
 
 from shaderlab import Case, formula, sweep
 from shaderlab.reference import light_sources
+from shaderlab.reference.lighting import mirrored_lobe
 from shaderlab.reference.transforms import clip_position
 
 from ..scenes import lit, plaza
 from ..scenes.figures import figure, figures
-from ..scenes.laws import opaque
+from ..scenes.laws import gated_or_not, opaque
 
 LAMP = (1.1, 1.25, 0.95)
 BULB = {
@@ -54,19 +55,24 @@ case = Case(
         *lit.vertex_stage_checks("gl_Position"),
         formula("gl_Position", clip_position, draw=0, name="where the bulb is"),
         *lit.vertex_stage_checks("FragPos", "Normal", "Color"),
-        formula("attenuation", light_sources.fading),
-        formula("FragColor", COLOR),
+        formula("factor", light_sources.fading),
+        formula("FragColor", gated_or_not(COLOR, highlight=mirrored_lobe)),
         formula("FragColor", lit.glowing, draw=0, name="the bulb"),
         *lit.picture_checks(),
-        figure("attenuation", "left at the point, 2.537716 away", POINT, 0.697119),
-        figure("attenuation", "left there with Kc = 2", {**POINT, "light.constant": 2.0}, 0.410766),
+        figure("factor", "left at the point, 2.537716 away", POINT, 0.697119),
+        figure("factor", "left there with Kc = 2", {**POINT, "light.constant": 2.0}, 0.410766),
         *figures(
             "FragColor",
             {
                 "colour at the point": ({}, (0.414298, 0.207235, 0.128551, 1.0)),
                 "its ambient part fades as well": (NO_RAYS, (0.139424, 0.069712, 0.043221, 1.0)),
+                lit.TURNED_AWAY: (
+                    {**lit.GRAZING, "light.position": lit.BELOW, "shininess": 8.0},
+                    (0.178253, 0.089127, 0.055258, 1.0),
+                ),
             },
             at=POINT,
+            reference=COLOR,
         ),
         sweep(
             "FragColor",

@@ -3,15 +3,18 @@
 The ray from the lamp is mirrored at the normal. A viewer in its way sees a highlight, which fades
 with the angle from it: by the angle's cosine, raised to the power of the shininess. Of the three
 parts only this one depends on the viewer, so it moves when the viewer does. At the notes' point
-the cosine is 0.788110, and its 32nd power is next to nothing.
+the cosine is 0.788110, and its 32nd power is next to nothing. A face that is turned away from the
+lamp gets no rays to mirror, so it has no highlight, even if the formula's cosine is large.
 
 Look at: the same ring and ball three times. Above is what ambient and diffuse light show: chalk.
 In the middle is the specular part alone, a few points of light on black. Below is the sum, and
 the chalk has become glazed clay.
 """
 
-from shaderlab import Case, assets, sweep
-from shaderlab.reference.lighting import phong_color, specular_factor
+import numpy as np
+
+from shaderlab import Case, Erratum, assets, computed, sweep
+from shaderlab.reference.lighting import mirrored_lobe, phong_color, specular_factor
 from shaderlab.reference.transforms import translate
 
 from ..scenes import lit
@@ -57,12 +60,14 @@ POINT = {
     "diffuseStrength": 1.0,
     "specularStrength": 0.5,
 }
+BEHIND = {**lit.GRAZING, "lightPos": lit.BELOW, "shininess": 8.0}
+FACING = np.array(lit.POINT["Normal"])
 ASIDE = {"viewPos": lit.ASIDE, "shininess": 0.5}
 
 case = Case(
     title="Specular light",
     section="5.2.3",
-    math=r"s = \max(R \cdot V,\ 0)^{32}, \qquad R = 2\,(N \cdot L)\,N - L, \qquad "
+    math=r"s = [N \cdot L > 0]\,\max(R \cdot V,\ 0)^{32}, \qquad R = 2\,(N \cdot L)\,N - L, \qquad "
     r"C = (k_a + k_d\, d + k_s\, s)\, L_c \odot O",
     passes=lit.photographed(
         [
@@ -81,6 +86,13 @@ case = Case(
         figure("spec", "cosine at the point", {**POINT, "shininess": 1.0}, 0.788110),
         figure("spec", "its 32nd power", {**POINT, "shininess": 32.0}, 0.000490666, digits=9),
         figure("FragColor", "colour at the point", POINT, (0.888356, 0.444178, 0.275390, 1.0)),
+        figure("spec", lit.TURNED_AWAY, {**POINT, **BEHIND}, 0.0),
+        computed(
+            "the notes' highlight there",
+            lambda: mirrored_lobe(FACING, BEHIND["lightPos"], BEHIND["viewPos"], 8.0),
+            equals=0.757792,
+            digits=6,
+        ),
         figure("spec", "nearly 90° from the mirrored ray", {**POINT, **ASIDE}, 0.071075),
         sweep(
             "spec",
@@ -90,6 +102,15 @@ case = Case(
             at=POINT,
             log_x=True,
             name="the point's highlight over the shininess",
+        ),
+    ],
+    errata=[
+        Erratum(
+            section="5.2.3",
+            says="s = max(R·V, 0)ˢ, whatever side of the surface the lamp is on",
+            truth="with the lamp 5° below the surface that is 0.757792 for a viewer 10° above; a "
+            "face turned away from the lamp has no highlight (OpenGL 1.0, equation 2.1: f = 0)",
+            proof=lit.TURNED_AWAY,
         ),
     ],
 )

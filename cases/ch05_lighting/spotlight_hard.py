@@ -58,6 +58,15 @@ case = Case(
             {
                 "the point inside the cone": (AT_IT, (0.594301, 0.297273, 0.184402, 1.0)),
                 "the point outside: ambient only": (PAST_IT, (0.2, 0.1, 0.062, 1.0)),
+                lit.TURNED_AWAY: (
+                    {
+                        **lit.GRAZING,
+                        "light.position": lit.BELOW,
+                        "light.direction": lit.TOWARDS_BELOW,
+                        "shininess": 8.0,
+                    },
+                    (0.2, 0.1, 0.062, 1.0),
+                ),
             },
             at=POINT,
         ),

@@ -28,13 +28,15 @@ from shaderlab import (
     formula,
     refused,
 )
-from shaderlab.glslmath import dot, fract, max, normalize, pow, swizzle, vec4, where
+from shaderlab.glslmath import fract, swizzle, vec4, where
+from shaderlab.reference import lighting
 from shaderlab.reference.transforms import clip_position, normal_matrix
 
 from ..scenes import lit, stage
 from ..scenes.cameras import camera, turned
 from ..scenes.drawing import encoded
 from ..scenes.figures import each_draw, figure, results
+from ..scenes.laws import gated_or_not
 from ..scenes.props import tile
 
 FOLDER = Path(__file__).parent / "obj_model"
@@ -75,12 +77,12 @@ DRAWS = [
 ]
 
 
-def lit_by_lamp(FragPos, Normal, TexCoords, diffuse, shininess, lightDir, viewPos):
+def lit_by_lamp(
+    FragPos, Normal, TexCoords, diffuse, shininess, lightDir, viewPos, highlight=lighting.blinn
+):
     """Lambert's and Blinn's terms of the material, with a gamma of 2.2."""
-    normal = normalize(Normal)
-    halfway = normalize(lightDir + normalize(viewPos - FragPos))
-    lambert = 0.22 + 0.78 * max(dot(normal, lightDir), 0.0)
-    gloss = 0.3 * pow(max(dot(normal, halfway), 0.0), shininess)
+    lambert = 0.22 + 0.78 * lighting.diffuse(Normal, lightDir)
+    gloss = 0.3 * highlight(Normal, lightDir, viewPos - FragPos, shininess)
     joint = where(fract(12.0 * swizzle(TexCoords, "y")) < 0.125, 0.8, 1.0)
     color = joint * lambert * diffuse + gloss
     return vec4(encoded(color), 1.0)
@@ -173,7 +175,7 @@ case = Case(
         *lit.vertex_stage_checks("FragPos", "Normal", "TexCoords", pass_name="judged"),
         *each_draw(
             "judged.FragColor",
-            lit_by_lamp,
+            gated_or_not(lit_by_lamp, highlight=lighting.halfway_lobe),
             {1: "the plaster in the light", 2: "the paint in the light"},
         ),
         figure(
@@ -181,6 +183,13 @@ case = Case(
             "a stone's middle, seen aslant",
             STONE,
             (0.646373, 0.492882, 0.388432, 1.0),
+        ),
+        figure(
+            "judged.FragColor",
+            lit.TURNED_AWAY,
+            {**STONE, **lit.GRAZING, "lightDir": lit.BELOW},
+            (0.366665, 0.267570, 0.195257, 1.0),
+            reference=lit_by_lamp,
         ),
         figure(
             "judged.FragColor",

@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.glslmath import Value, dot, max, mul, normalize, swizzle, vec2, vec3, vec4, where
-from shaderlab.reference.lighting import lobe
+from shaderlab.glslmath import Value, mul, normalize, swizzle, vec2, vec3, vec4, where
+from shaderlab.reference.lighting import blinn, diffuse
 from shaderlab.reference.shadows import filtered_shadow, shadow_coordinates, slope_bias
 from shaderlab.reference.transforms import clip_position, world_normal, world_position
 
@@ -72,11 +72,8 @@ def sunlit(
     >>> sunlit(np.zeros(3), up, grey, 1.0, up, up).round(6).tolist()
     [0.075, 0.075, 0.075, 1.0]
     """
-    normal, to_sun = normalize(Normal), normalize(lightPos)
-    lambert = max(dot(normal, to_sun), 0.0)
-    halfway = normalize(to_sun + normalize(viewPos - FragPos))
-    glint = 0.2 * lobe(dot(normal, halfway), 32.0)
-    return vec4((0.15 + (1.0 - shadow) * (lambert + glint)) * Color, 1.0)
+    glint = 0.2 * blinn(Normal, lightPos, viewPos - FragPos, 32.0)
+    return vec4((0.15 + (1.0 - shadow) * (diffuse(Normal, lightPos) + glint)) * Color, 1.0)
 
 
 def shadow_of_fragment(texture: Callable[[Any, Value], Value]) -> Callable[..., Value]:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from functools import wraps
 from typing import Any
 
-from shaderlab.glslmath import vec4
+from shaderlab.glslmath import either, vec4
 
 Law = Callable[..., Any]
 
@@ -60,7 +60,7 @@ def renamed(law: Law, **words: str) -> Law:
         first, dot, rest = name.partition("_")
         return words.get(first, first) + dot + rest
 
-    names = {other(name): name for name in inspect.signature(law).parameters}
+    names = {other(name): name for name in inputs_of(law)}
 
     @wraps(law)
     def same(**inputs: Any) -> Any:
@@ -75,7 +75,7 @@ def summed(*laws: Law) -> Law:
     >>> summed(lambda a: a, lambda a, b: a * b)(a=2.0, b=3.0)
     8.0
     """
-    wanted = [tuple(inspect.signature(law).parameters) for law in laws]
+    wanted = [inputs_of(law) for law in laws]
 
     def total(**inputs: Any) -> Any:
         first, *others = (
@@ -87,6 +87,34 @@ def summed(*laws: Law) -> Law:
         return first
 
     return _with_inputs(total, tuple(dict.fromkeys(name for names in wanted for name in names)))
+
+
+def gated_or_not(law: Law, **without: Law) -> Law:
+    """A law of light, with the gate of its highlight or without: that has a check of its own.
+
+    Args:
+        law: has a highlight on faces towards the lamp only.
+        without: arguments that open the gate, such as `highlight=mirrored_lobe`.
+
+    >>> float(gated_or_not(lambda x, highlight=abs: highlight(x), highlight=float)(x=3.0))
+    3.0
+    """
+
+    @wraps(law)
+    def either_of_both(**inputs: Any) -> Any:
+        return either(law(**inputs), law(**inputs, **without))
+
+    return _with_inputs(either_of_both, inputs_of(law))
+
+
+def inputs_of(law: Law) -> tuple[str, ...]:
+    """The names that a law asks for; what has a default is a choice, and no input.
+
+    >>> inputs_of(lambda x, y, power=2.0: x)
+    ('x', 'y')
+    """
+    parameters = inspect.signature(law).parameters.values()
+    return tuple(p.name for p in parameters if p.default is p.empty)
 
 
 def _with_inputs(law: Law, names: tuple[str, ...]) -> Law:

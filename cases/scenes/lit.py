@@ -6,6 +6,7 @@ picture is drawn in light (half floats); `finish.frag` halves it and encodes it 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -51,6 +52,12 @@ POINT = {"FragPos": (0.0, 0.0, 0.0), "Normal": (0.0, 0.0, 1.0), "viewPos": (0.0,
 POINT_LAMP = (1.2, 1.0, 2.0)
 # From here the viewer is nearly 90° from the mirrored ray, where a lobe without its clamp shows.
 ASIDE = (2.0, 0.0, 1.215)
+# A lamp 5° below the horizon of that surface, and a viewer 10° above it on the other side: without
+# its gate, a highlight shines through.
+BELOW = (-math.cos(math.radians(5.0)), 0.0, -math.sin(math.radians(5.0)))
+TOWARDS_BELOW = tuple(-x for x in BELOW)
+GRAZING = {**POINT, "viewPos": (math.cos(math.radians(10.0)), 0.0, math.sin(math.radians(10.0)))}
+TURNED_AWAY = "no highlight on a face turned away"
 CORAL, HALF, WHITE = (1.0, 0.5, 0.31), (0.5, 0.5, 0.5), (1.0, 1.0, 1.0)
 # Light at that point as the notes have it, and a coral surface.
 POINT_LIGHT = {"light.ambient": (0.2, 0.2, 0.2), "light.diffuse": HALF, "light.specular": WHITE}

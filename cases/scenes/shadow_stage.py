@@ -31,7 +31,7 @@ from .courtyard import boxes, courtyard
 from .courtyard_light import light_position, stored_depth
 from .draws import tested, twins
 from .figures import figure
-from .lit import picture, picture_check
+from .lit import BELOW, GRAZING, TURNED_AWAY, picture, picture_check
 from .shadow_truth import hidden_share
 
 Matrix = npt.NDArray[Any]
@@ -122,10 +122,11 @@ def lit(
 
 def single_points(name: str) -> list[Expectation]:
     """What a pass of `lit` must give where none of its pixels lies: just before the light's far
-    plane, and on a surface that looks away from sun and eye.
+    plane, on a surface that looks away from sun and eye, and on one that looks away from the sun.
 
     >>> [e.name for e in single_points("judged")]
-    ['just before the far plane it is dark', 'what looks away has ambient light alone']
+    ['just before the far plane it is dark', 'what looks away has ambient light alone', \
+'no highlight on a face turned away']
     """
     point = {"FragPos": (0.0, 0.0, 0.0), "Color": (0.5, 0.5, 0.5)}
     before, past = ((0.0, 0.0, depth, 1.0) for depth in (0.99, 1.01))
@@ -143,6 +144,13 @@ def single_points(name: str) -> list[Expectation]:
             equals=(0.075, 0.075, 0.075, 1.0),
             digits=6,
             name="what looks away has ambient light alone",
+        ),
+        value(
+            f"{name}.FragColor",
+            at={**point, **GRAZING, "lightPos": BELOW, "FragPosLightSpace": past},
+            equals=(0.075, 0.075, 0.075, 1.0),
+            digits=6,
+            name=TURNED_AWAY,
         ),
     ]
 

@@ -13,7 +13,8 @@ Places, directions and colours are (…, 3), factors (…, 1).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -32,18 +33,20 @@ def directed(
     shininess: Value,
     light_diffuse: Value,
     light_specular: Value,
+    highlight: Callable[..., Value] = phong,
 ) -> Value:
     """Diffuse and specular part of light from one direction, (…, 3).
 
     Args:
         direction, view: from the surface to the lamp and to the viewer, of any length but 0.
+        highlight: the lobe of the specular part, of the arguments of `lighting.phong`.
 
     >>> up, white = np.eye(3)[2], np.ones(3)
     >>> directed(up, up, up, 0.25 * white, 0.5 * white, 8.0, white, white).tolist()
     [0.75, 0.75, 0.75]
     """
     diff = diffuse(Normal, direction)
-    spec = phong(Normal, direction, view, shininess)
+    spec = highlight(Normal, direction, view, shininess)
     return light_diffuse * (diff * Color) + light_specular * (spec * specular)
 
 
@@ -112,6 +115,7 @@ def point(
     light_ambient: Value,
     light_diffuse: Value,
     light_specular: Value,
+    highlight: Callable[..., Value] = phong,
 ) -> Value:
     """A point light; attenuation applies to all three parts.
 
@@ -122,7 +126,7 @@ def point(
     """
     part = directed(
         light_position - FragPos, viewPos - FragPos, Normal, Color, specular, shininess,
-        light_diffuse, light_specular,
+        light_diffuse, light_specular, highlight,
     )  # fmt: skip
     left = fading(FragPos, light_position, light_constant, light_linear, light_quadratic)
     return left * (light_ambient * Color + part)
@@ -206,6 +210,7 @@ def points(
     pointLights_ambient: Sequence[Value],
     pointLights_diffuse: Sequence[Value],
     pointLights_specular: Sequence[Value],
+    highlight: Callable[..., Value] = phong,
 ) -> Value:
     """The sum of several point lights; each argument of theirs is a list.
 
@@ -215,10 +220,11 @@ def points(
     [1.5, 1.5, 1.5]
     """
     surface = (FragPos, Normal, Color, viewPos, specular, shininess)
+    lit = partial(point, *surface, highlight=highlight)
     total: Value = np.zeros(1)
     for lamp in zip(
         pointLights_position, pointLights_constant, pointLights_linear, pointLights_quadratic,
         pointLights_ambient, pointLights_diffuse, pointLights_specular, strict=True,
     ):  # fmt: skip
-        total = total + point(*surface, *lamp)
+        total = total + lit(*lamp)
     return total

@@ -5,7 +5,8 @@ Computer Generated Pictures", Communications of the ACM 18(6), 1975 (ambient, di
 part, and the lobe around the reflected ray); J. F. Blinn, "Models of Light Reflection for Computer
 Synthesized Pictures", SIGGRAPH 1977 (the halfway vector); "The OpenGL Graphics System: A
 Specification", version 1.0 (M. Segal, K. Akeley, 1992), section 2.13.1 (materials and lights with a
-colour for each part, equation 2.1).
+colour for each part, equation 2.1, whose f = 0 where N·L ≤ 0 keeps highlights off faces that are
+turned away from the lamp).
 
 Places are (…, 3), factors (…, 1), colours (…, 3) in linear light. Directions are (…, 3), point
 away from the surface and need not be of unit length, but not of length 0.
@@ -27,35 +28,70 @@ def lobe(cosine: Value, shininess: Value) -> Value:
     return where(cosine > 0.0, pow(cosine, shininess), 0.0)
 
 
-def phong(normal: Value, light_direction: Value, view_direction: Value, shininess: Value) -> Value:
-    """(R·V)ˢ with R the reflected light: 0 where R and V are 90° or more apart.
+def mirrored_lobe(
+    normal: Value, light_direction: Value, view_direction: Value, shininess: Value
+) -> Value:
+    """(R·V)ˢ with R the mirrored light, also on faces that are turned away from the lamp.
 
     Args:
         normal, light_direction, view_direction: (…, 3).
         shininess: s > 0, without unit.
 
     Returns:
-        0…1, (…, 1).
+        0…1, (…, 1): 0 where R and V are 90° or more apart.
 
-    >>> up, aside = np.array([0.0, 0.0, 1.0]), np.array([0.6, 0.0, 0.8])
-    >>> print(f"{phong(up, aside, up, 2.0).item():.6f}")
-    0.640000
+    >>> up, below = np.array([0.0, 0.0, 1.0]), np.array([0.8, 0.0, -0.6])
+    >>> print(f"{mirrored_lobe(up, below, np.array([-0.8, 0.0, 0.6]), 2.0).item():.6f}")
+    0.078400
     """
     mirrored = reflect(-normalize(light_direction), normalize(normal))
     return lobe(dot(mirrored, normalize(view_direction)), shininess)
 
 
-def blinn(normal: Value, light_direction: Value, view_direction: Value, shininess: Value) -> Value:
-    """(N·H)ˢ with H halfway between light and viewer: never cut off while both see the surface.
+def halfway_lobe(
+    normal: Value, light_direction: Value, view_direction: Value, shininess: Value
+) -> Value:
+    """(N·H)ˢ with H halfway between light and viewer, also on faces that are turned away.
 
-    Args and returns: as `phong`.
+    Args and returns: as `mirrored_lobe`, but 0 where N and H are 90° or more apart.
+
+    >>> up, level = np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])
+    >>> print(f"{halfway_lobe(up, level, up, 2.0).item():.6f}")
+    0.500000
+    """
+    halfway = normalize(normalize(light_direction) + normalize(view_direction))
+    return lobe(dot(normalize(normal), halfway), shininess)
+
+
+def gated(cosine: Value, share: Value) -> Value:
+    """A share of the light where the surface faces the lamp, N·L > 0, and 0 elsewhere.
+
+    >>> print(f"{gated(0.5, 0.25).item()} {gated(-0.5, 0.25).item()}")
+    0.25 0.0
+    """
+    return where(cosine > 0.0, share, 0.0)
+
+
+def phong(normal: Value, light_direction: Value, view_direction: Value, shininess: Value) -> Value:
+    """Phong's highlight: `mirrored_lobe`, `gated`. Args and returns: as there.
+
+    >>> up, aside = np.array([0.0, 0.0, 1.0]), np.array([0.6, 0.0, 0.8])
+    >>> print(f"{phong(up, aside, up, 2.0).item():.6f}")
+    0.640000
+    """
+    cosine = dot(normalize(normal), normalize(light_direction))
+    return gated(cosine, mirrored_lobe(normal, light_direction, view_direction, shininess))
+
+
+def blinn(normal: Value, light_direction: Value, view_direction: Value, shininess: Value) -> Value:
+    """Blinn's highlight: `halfway_lobe`, `gated`; never cut off while lamp and viewer are above.
 
     >>> up, aside = np.array([0.0, 0.0, 1.0]), np.array([0.6, 0.0, 0.8])
     >>> print(f"{blinn(up, aside, up, 2.0).item():.6f}")
     0.900000
     """
-    halfway = normalize(normalize(light_direction) + normalize(view_direction))
-    return lobe(dot(normalize(normal), halfway), shininess)
+    cosine = dot(normalize(normal), normalize(light_direction))
+    return gated(cosine, halfway_lobe(normal, light_direction, view_direction, shininess))
 
 
 def diffuse(normal: Value, light_direction: Value) -> Value:
@@ -102,7 +138,7 @@ def diffuse_factor(FragPos: Value, Normal: Value, lightPos: Value) -> Value:
 def specular_factor(
     FragPos: Value, Normal: Value, lightPos: Value, viewPos: Value, shininess: Value
 ) -> Value:
-    """Phong's lobe at a fragment: (R·V)ˢ, 0 where R and V are 90° or more apart.
+    """Phong's highlight at a fragment.
 
     >>> up, lamp, eye = np.eye(3)[2], np.array([1.2, 1.0, 2.0]), np.array([0.0, 0.0, 3.0])
     >>> print(f"{specular_factor(np.zeros(3), up, lamp, eye, 32.0).item():.9f}")

@@ -22,9 +22,9 @@ void main()
 
     // The bead is where we are now, filled with the uniform itself.
     vec2 bead = (place - vec2(time, ourColor.g)) * vec2(0.2254, 1.0);
-    float away = length(bead) - 0.075;
-    if (away < 0.0)
+    float distance = length(bead) - 0.075;
+    if (distance < 0.0)
         color = ourColor.rgb;
-    color = mix(color, vec3(1.0), line(away, 2.5));
+    color = mix(color, vec3(1.0), line(distance, 2.5));
     FragColor = vec4(color, 1.0);
 }

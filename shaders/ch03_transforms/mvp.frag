@@ -15,7 +15,7 @@ void main()
     float grid = 1.0 - smoothstep(0.5 * soft, 1.5 * soft, min(off.x, off.y));
     color = mix(color, vec3(0.95, 0.55, 0.20), grid);
 
-    // The farther away, the more of the air between.
-    float away = (1.0 / gl_FragCoord.w - 2.1) / 1.8;
-    FragColor = vec4(mix(color, vec3(0.55, 0.65, 0.75), 0.6 * away), 1.0);
+    // The farther fog, the more of the air between.
+    float fog = (1.0 / gl_FragCoord.w - 2.1) / 1.8;
+    FragColor = vec4(mix(color, vec3(0.55, 0.65, 0.75), 0.6 * fog), 1.0);
 }

@@ -1,5 +1,5 @@
 #version 330 core
-#include "lib/specular.glsl"
+#include "lib/reflection.glsl"
 #include "lib/drawing.glsl"
 
 in vec3 FragPos;
@@ -24,7 +24,7 @@ void main()
     else
         specular = phongLobe(normal, lightDir, viewDir, shininess);
 
-    float diffuse = max(dot(normal, lightDir), 0.0);
+    float diffuse = diffuseFactor(normal, lightDir);
     vec3 surface = FragPos.y > 0.001 ? vec3(0.55, 0.16, 0.12) : vec3(0.10, 0.14, 0.20);
     vec3 light = surface * (0.06 + 0.9 * diffuse) + vec3(0.55) * specular;
     FragColor = vec4(encoded(min(light, 1.0)), 1.0);

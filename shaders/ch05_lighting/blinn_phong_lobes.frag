@@ -1,5 +1,5 @@
 #version 330 core
-#include "lib/specular.glsl"
+#include "lib/reflection.glsl"
 
 in float slope;   // tangent of the viewer's angle from the normal, negative on the mirrored side
 

@@ -1,5 +1,5 @@
 #version 330 core
-#include "lib/phong.glsl"
+#include "lib/reflection.glsl"
 
 in vec3 FragPos;
 in vec3 Normal;

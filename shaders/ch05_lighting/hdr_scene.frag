@@ -1,5 +1,5 @@
 #version 330 core
-#include "lib/phong.glsl"
+#include "lib/reflection.glsl"
 
 #define LAMPS 3
 

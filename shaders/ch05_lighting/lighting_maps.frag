@@ -1,5 +1,5 @@
 #version 330 core
-#include "lib/phong.glsl"
+#include "lib/reflection.glsl"
 
 struct Material {
     sampler2D diffuse;
@@ -31,7 +31,7 @@ void main()
     vec3 lightDir = normalize(light.position - FragPos);
     vec3 viewDir = normalize(viewPos - FragPos);
     float diff = diffuseFactor(normal, lightDir);
-    float spec = specularFactor(normal, lightDir, viewDir, material.shininess);
+    float spec = phongLobe(normal, lightDir, viewDir, material.shininess);
 
     vec3 color = texture(material.diffuse, TexCoords).rgb;
     highlight = light.specular * spec * texture(material.specular, TexCoords).rgb;

@@ -1,5 +1,5 @@
 #version 330 core
-#include "lib/phong.glsl"
+#include "lib/reflection.glsl"
 
 struct Material {
     vec3 ambient;
@@ -30,7 +30,7 @@ void main()
     vec3 lightDir = normalize(light.position - FragPos);
     vec3 viewDir = normalize(viewPos - FragPos);
     float diff = diffuseFactor(normal, lightDir);
-    float spec = specularFactor(normal, lightDir, viewDir, material.shininess);
+    float spec = phongLobe(normal, lightDir, viewDir, material.shininess);
 
     vec3 ambient = light.ambient * material.ambient;
     vec3 diffuse = light.diffuse * (diff * material.diffuse);

@@ -1,5 +1,5 @@
 #version 330 core
-#include "lib/specular.glsl"
+#include "lib/reflection.glsl"
 
 in vec3 FragPos;
 in vec2 TexCoords;
@@ -23,7 +23,7 @@ void main()
 
     vec3 lightDir = normalize(lightPos - FragPos);
     vec3 viewDir = normalize(viewPos - FragPos);
-    float diffuse = max(dot(normal, lightDir), 0.0);
+    float diffuse = diffuseFactor(normal, lightDir);
     float specular = blinnLobe(normal, lightDir, viewDir, 24.0);
     vec3 color = texture(diffuseMap, TexCoords).rgb;
     FragColor = vec4(color * (0.05 + 1.15 * diffuse) + vec3(0.28) * specular, 1.0);

@@ -19,13 +19,13 @@ void main()
     vec3 edge2 = place[2] - place[0];
     vec2 uv1 = uv[1] - uv[0];
     vec2 uv2 = uv[2] - uv[0];
-    float area = uv1.x * uv2.y - uv2.x * uv1.y;   // below 0 where the picture is mirrored
-    vec3 along = (uv2.y * edge1 - uv1.y * edge2) / area;
+    float determinant = uv1.x * uv2.y - uv2.x * uv1.y;   // below 0 where the picture is mirrored
+    vec3 tangent = (uv2.y * edge1 - uv1.y * edge2) / determinant;
 
     for (int i = 0; i < 3; ++i) {
         vec3 N = normalize(upright[i]);
-        vec3 T = normalize(along - dot(along, N) * N);
-        vec3 B = cross(N, T) * sign(area);
+        vec3 T = normalize(tangent - dot(tangent, N) * N);
+        vec3 B = cross(N, T) * sign(determinant);
         TBN = mat3(T, B, N);
         FragPos = place[i];
         TexCoords = uv[i];

@@ -1,5 +1,5 @@
 #version 330 core
-#include "lib/phong.glsl"
+#include "lib/reflection.glsl"
 
 in vec2 place;   // the surface lies at height 0, the lit point in the middle
 
@@ -22,16 +22,15 @@ void main()
 {
     vec3 normal = vec3(0.0, 1.0, 0.0);
     vec3 viewDir = normalize(vec3(place, 0.0));
-    phong = specularFactor(normal, lightDir, viewDir, shininess);
-    float cosine = dot(normal, normalize(lightDir + viewDir));
-    blinn = cosine > 0.0 ? pow(cosine, blinnExponent) : 0.0;
+    phong = phongLobe(normal, lightDir, viewDir, shininess);
+    blinn = blinnLobe(normal, lightDir, viewDir, blinnExponent);
 
     // A lobe reaches as far as it is bright.
-    float away = length(place);
+    float radius = length(place);
     vec3 color = vec3(0.012, 0.015, 0.022);
-    if (away < blinn)
-        color = away < phong ? vec3(0.85, 0.48, 0.12) : vec3(0.03, 0.17, 0.42);
-    else if (away < phong)
+    if (radius < blinn)
+        color = radius < phong ? vec3(0.85, 0.48, 0.12) : vec3(0.03, 0.17, 0.42);
+    else if (radius < phong)
         color = vec3(0.75, 0.05, 0.03);
     if (onRay(lightDir.xy))
         color = vec3(0.95, 0.85, 0.45);

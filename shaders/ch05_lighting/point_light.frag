@@ -11,13 +11,13 @@ uniform float shininess;
 uniform PointLight light;
 
 layout (location = 0) out vec4 FragColor;
-layout (location = 1) out float attenuation;
+layout (location = 1) out float factor;
 
 void main()
 {
     vec3 viewDir = normalize(viewPos - FragPos);
     Surface surface = Surface(FragPos, normalize(Normal), viewDir, Color, specular, shininess);
-    float away = length(light.position - FragPos);
-    attenuation = fading(away, light.constant, light.linear, light.quadratic);
+    Attenuation fading = Attenuation(light.constant, light.linear, light.quadratic);
+    factor = attenuationAt(fading, length(light.position - FragPos));
     FragColor = vec4(fromPointLight(light, surface), 1.0);
 }

@@ -1,6 +1,6 @@
 #version 330 core
 #include "lib/shadow.glsl"
-#include "lib/specular.glsl"
+#include "lib/reflection.glsl"
 
 in vec3 FragPos;
 in vec3 Normal;
@@ -32,7 +32,7 @@ void main()
 
     // The ambient light comes from everywhere: no shadow takes it away.
     float ambient = 0.15;
-    float diffuse = max(dot(normal, lightDir), 0.0);
+    float diffuse = diffuseFactor(normal, lightDir);
     float specular = 0.2 * blinnLobe(normal, lightDir, viewDir, 32.0);
     FragColor = vec4((ambient + (1.0 - shadow) * (diffuse + specular)) * Color, 1.0);
 }

@@ -1,5 +1,5 @@
 #version 330 core
-#include "lib/phong.glsl"
+#include "lib/reflection.glsl"
 
 in float slope;   // tangent of the angle between the viewer and the mirrored ray
 in float level;   // 0 on the base line, 1 at the lobe's peak
@@ -13,7 +13,7 @@ void main()
 {
     // The light comes down along the normal, and that is where it is mirrored to.
     vec3 normal = vec3(0.0, 1.0, 0.0);
-    lobe = specularFactor(normal, normal, normalize(vec3(slope, 1.0, 0.0)), shininess);
+    lobe = phongLobe(normal, normal, normalize(vec3(slope, 1.0, 0.0)), shininess);
 
     vec3 color = vec3(0.012, 0.014, 0.02);
     if (level < 0.0)

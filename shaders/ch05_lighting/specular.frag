@@ -1,5 +1,5 @@
 #version 330 core
-#include "lib/phong.glsl"
+#include "lib/reflection.glsl"
 
 in vec3 FragPos;
 in vec3 Normal;
@@ -21,7 +21,7 @@ void main()
     vec3 normal = normalize(Normal);
     vec3 lightDir = normalize(lightPos - FragPos);
     vec3 viewDir = normalize(viewPos - FragPos);
-    spec = specularFactor(normal, lightDir, viewDir, shininess);
+    spec = phongLobe(normal, lightDir, viewDir, shininess);
 
     float matte = ambientStrength + diffuseStrength * diffuseFactor(normal, lightDir);
     FragColor = vec4((matte + specularStrength * spec) * lightColor * objectColor, 1.0);

@@ -3,7 +3,7 @@
 
 in vec3 FragPos;
 
-uniform Light light;
+uniform Spot light;
 
 layout (location = 0) out float intensity;
 layout (location = 1) out float ratio;
@@ -11,5 +11,5 @@ layout (location = 1) out float ratio;
 void main()
 {
     ratio = spotRatio(light, FragPos);
-    intensity = clamp(ratio, 0.0, 1.0);
+    intensity = spotIntensity(light, FragPos);
 }

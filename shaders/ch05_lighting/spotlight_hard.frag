@@ -1,5 +1,5 @@
 #version 330 core
-#include "lib/phong.glsl"
+#include "lib/reflection.glsl"
 
 struct Light {
     vec3 position;
@@ -33,7 +33,7 @@ void main()
         vec3 normal = normalize(Normal);
         vec3 viewDir = normalize(viewPos - FragPos);
         float diff = diffuseFactor(normal, lightDir);
-        float spec = specularFactor(normal, lightDir, viewDir, shininess);
+        float spec = phongLobe(normal, lightDir, viewDir, shininess);
         color += light.diffuse * (diff * Color) + light.specular * (spec * specular);
     }
     FragColor = vec4(color, 1.0);

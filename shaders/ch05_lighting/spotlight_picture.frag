@@ -4,7 +4,7 @@
 
 in vec3 FragPos;   // a slice through the beam, the light at its top
 
-uniform Light light;
+uniform Spot light;
 
 out vec4 FragColor;
 
@@ -14,13 +14,13 @@ const vec3 BEAM = vec3(1.0, 0.93, 0.75);
 void main()
 {
     float ratio = spotRatio(light, FragPos);
-    float intensity = clamp(ratio, 0.0, 1.0);
-    float away = length(light.position - FragPos);
+    float intensity = spotIntensity(light, FragPos);
+    float distance = length(light.position - FragPos);
 
-    vec3 color = encoded(min(AIR + BEAM * 0.55 * intensity / (0.4 + away * away), 1.0));
-    float inFront = step(0.05, away);
+    vec3 color = encoded(min(AIR + BEAM * 0.55 * intensity / (0.4 + distance * distance), 1.0));
+    float inFront = step(0.05, distance);
     color = mix(color, vec3(1.00, 0.72, 0.25), inFront * line(ratio - 1.0, 1.5));
     color = mix(color, vec3(0.45, 0.70, 1.00), inFront * line(ratio, 1.5));
-    color = mix(color, vec3(0.85), 0.35 * line(away - 1.0, 1.0));
+    color = mix(color, vec3(0.85), 0.35 * line(distance - 1.0, 1.0));
     FragColor = vec4(color, 1.0);
 }

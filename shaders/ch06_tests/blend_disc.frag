@@ -9,7 +9,7 @@ out vec4 FragColor;
 
 void main()
 {
-    float away = length(place - centre) - 0.55;
-    float inside = 1.0 - smoothstep(0.0, 0.008, away);
+    float distance = length(place - centre) - 0.55;
+    float inside = 1.0 - smoothstep(0.0, 0.008, distance);
     FragColor = vec4(color, alpha * inside);
 }

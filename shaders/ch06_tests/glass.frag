@@ -9,8 +9,8 @@ out vec4 FragColor;
 
 void main()
 {
-    vec2 away = place - centre;
-    if (dot(away, away) > radius * radius) {
+    vec2 offset = place - centre;
+    if (dot(offset, offset) > radius * radius) {
         discard;
     }
     FragColor = color;

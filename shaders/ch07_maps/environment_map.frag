@@ -18,8 +18,8 @@ void main()
     vec3 normal = normalize(Normal);
     mirrored = reflect(ray, normal);
     bent = refract(ray, normal, ratio);
-    float missing = 1.0 - max(dot(normal, normalize(cameraPos - FragPos)), 0.0);
-    float squared = missing * missing;
-    share = base + (1.0 - base) * (squared * squared * missing);
+    float grazing = 1.0 - max(dot(normal, normalize(cameraPos - FragPos)), 0.0);
+    float grazing2 = grazing * grazing;
+    share = base + (1.0 - base) * (grazing2 * grazing2 * grazing);
     FragColor = mix(textureLod(sky, bent, 0.0), textureLod(sky, mirrored, 0.0), share);
 }

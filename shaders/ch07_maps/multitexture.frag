@@ -10,6 +10,6 @@ out vec4 FragColor;
 
 void main()
 {
-    float left = texture(mask, MaskCoords).r;
-    FragColor = mix(texture(bricks, TexCoords), texture(plaster, TexCoords), left);
+    float weight = texture(mask, MaskCoords).r;
+    FragColor = mix(texture(bricks, TexCoords), texture(plaster, TexCoords), weight);
 }

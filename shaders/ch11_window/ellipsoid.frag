@@ -13,8 +13,8 @@ layout (location = 3) out float facing;   // 1 where the side that we see is the
 
 void main()
 {
-    vec3 along = stretched ? Local : Local / (axes * axes);
-    normal = normalize(normalMatrix * along);
+    vec3 gradient = stretched ? Local : Local / (axes * axes);
+    normal = normalize(normalMatrix * gradient);
 
     // Lines at equal heights of the globe that it was.
     vec3 globe = Local / axes;

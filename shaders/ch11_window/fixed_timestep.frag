@@ -19,18 +19,18 @@ void main()
 {
     // One pixel a frame: pixel k is what the loop has come to after k + 1 frames.
     int frames = int(gl_FragCoord.x) + 1;
-    float time = 0.0, height = 1.0, speed = 0.0, left = 0.0;
+    float time = 0.0, height = 1.0, speed = 0.0, remainder = 0.0;
     for (int k = 0; k < frames; ++k) {
         time += durations[k];
         if (!fixedSteps) {
             step_(height, speed, durations[k]);
             continue;
         }
-        left += durations[k];
-        while (left >= dt) {
+        remainder += durations[k];
+        while (remainder >= dt) {
             step_(height, speed, dt);
-            left -= dt;
+            remainder -= dt;
         }
     }
-    state = vec4(time, height, speed, left);
+    state = vec4(time, height, speed, remainder);
 }

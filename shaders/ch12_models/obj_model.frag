@@ -1,5 +1,6 @@
 #version 330 core
 #include "lib/drawing.glsl"
+#include "lib/reflection.glsl"
 
 in vec3 FragPos;
 in vec3 Normal;
@@ -15,9 +16,9 @@ out vec4 FragColor;
 void main()
 {
     vec3 normal = normalize(Normal);
-    vec3 halfway = normalize(lightDir + normalize(viewPos - FragPos));
-    float lambert = 0.22 + 0.78 * max(dot(normal, lightDir), 0.0);
-    float gloss = 0.3 * pow(max(dot(normal, halfway), 0.0), shininess);
+    vec3 viewDir = normalize(viewPos - FragPos);
+    float lambert = 0.22 + 0.78 * diffuseFactor(normal, lightDir);
+    float gloss = 0.3 * blinnLobe(normal, lightDir, viewDir, shininess);
 
     // Courses of stone, twelve a unit of t.
     float joint = fract(12.0 * TexCoords.t) < 0.125 ? 0.8 : 1.0;

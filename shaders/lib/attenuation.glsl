@@ -1,20 +1,20 @@
-// Point light attenuation, shared by the curve and its picture.
+// How a lamp's light decreases with distance.
 
-struct Light {
+struct Attenuation {
     float constant;
     float linear;
     float quadratic;
 };
 
 // The share of the light that is left at a distance.
-float attenuation(Light light, float distance)
+float attenuationAt(Attenuation light, float distance)
 {
     return 1.0 / (light.constant + light.linear * distance
                   + light.quadratic * (distance * distance));
 }
 
 // The inverse: the distance at which a fraction of the light is left.
-float reachOf(Light light, float fraction)
+float reachOf(Attenuation light, float fraction)
 {
     float missing = 1.0 / fraction - light.constant;
     float root = sqrt(light.linear * light.linear + 4.0 * light.quadratic * missing);

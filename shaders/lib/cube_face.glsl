@@ -3,14 +3,14 @@
 // and y before z.
 vec3 cubeFace(vec3 direction)
 {
-    vec3 along = abs(direction);
-    float largest = max(max(along.x, along.y), along.z);
+    vec3 magnitude = abs(direction);
+    float largest = max(max(magnitude.x, magnitude.y), magnitude.z);
     float face;
     vec2 place;
-    if (along.x >= along.y && along.x >= along.z) {
+    if (magnitude.x >= magnitude.y && magnitude.x >= magnitude.z) {
         face = direction.x > 0.0 ? 0.0 : 1.0;
         place = vec2(direction.x > 0.0 ? -direction.z : direction.z, -direction.y);
-    } else if (along.y >= along.z) {
+    } else if (magnitude.y >= magnitude.z) {
         face = direction.y > 0.0 ? 2.0 : 3.0;
         place = vec2(direction.x, direction.y > 0.0 ? direction.z : -direction.z);
     } else {

@@ -11,8 +11,8 @@ float halfOfG(int form, float cosine, float roughness)
 {
     float alpha = roughness * roughness;
     if (form == SMITH) {
-        float squared = alpha * alpha;
-        return 2.0 * cosine / (cosine + sqrt(squared + (1.0 - squared) * (cosine * cosine)));
+        float alpha2 = alpha * alpha;
+        return 2.0 * cosine / (cosine + sqrt(alpha2 + (1.0 - alpha2) * (cosine * cosine)));
     }
     float grown = roughness + 1.0;
     float k = form == DIRECT ? grown * grown / 8.0 : 0.5 * alpha;
@@ -24,14 +24,14 @@ float halfOfG(int form, float cosine, float roughness)
 float reflectedShare(int form, float normalView, float roughness, float ring[RING])
 {
     float alpha = roughness * roughness;
-    float squared = alpha * alpha;
+    float alpha2 = alpha * alpha;
     float sineView = sqrt(max(1.0 - normalView * normalView, 0.0));
     float total = 0.0;
     for (int level = 0; level < LEVELS; ++level) {
         float u = (float(level) + 0.5) / float(LEVELS);
-        float around = 1.0 - u + squared * u;
+        float around = 1.0 - u + alpha2 * u;
         float cosine = sqrt((1.0 - u) / around);
-        float sine = sqrt(squared * u / around);
+        float sine = sqrt(alpha2 * u / around);
         for (int i = 0; i < RING; ++i) {
             float viewHalf = max(sineView * sine * ring[i] + normalView * cosine, 0.0);
             float normalLight = max(2.0 * viewHalf * cosine - normalView, 0.0);

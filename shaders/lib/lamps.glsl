@@ -1,5 +1,6 @@
 // Many small lamps on a surface: the same whether the surface is being drawn or read from a buffer.
-#include "lib/specular.glsl"
+#include "lib/attenuation.glsl"
+#include "lib/reflection.glsl"
 
 #define LAMPS 16
 
@@ -14,8 +15,8 @@ vec3 fromLamp(Lamp lamp, vec3 place, vec3 normal, vec3 albedo, float gloss, vec3
     vec3 ray = lamp.position - place;
     vec3 lightDir = normalize(ray);
     vec3 viewDir = normalize(viewPos - place);
-    float diffuse = max(dot(normal, lightDir), 0.0);
+    float diffuse = diffuseFactor(normal, lightDir);
     float specular = blinnLobe(normal, lightDir, viewDir, 32.0) * gloss;
-    float left = 1.0 / (1.0 + 1.4 * length(ray) + 3.6 * dot(ray, ray));
-    return left * lamp.color * (albedo * diffuse + vec3(specular));
+    float fading = attenuationAt(Attenuation(1.0, 1.4, 3.6), length(ray));
+    return fading * lamp.color * (albedo * diffuse + vec3(specular));
 }

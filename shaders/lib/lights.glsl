@@ -1,5 +1,7 @@
 // Three kinds of lamps, and what each of them adds to a surface's colour.
-#include "lib/phong.glsl"
+#include "lib/attenuation.glsl"
+#include "lib/reflection.glsl"
+#include "lib/spotlight.glsl"
 
 struct Surface {
     vec3 place;
@@ -44,14 +46,8 @@ struct SpotLight {
 vec3 directed(Surface surface, vec3 lightDir, vec3 diffuse, vec3 specular)
 {
     float diff = diffuseFactor(surface.normal, lightDir);
-    float spec = specularFactor(surface.normal, lightDir, surface.viewDir, surface.shininess);
+    float spec = phongLobe(surface.normal, lightDir, surface.viewDir, surface.shininess);
     return diffuse * (diff * surface.diffuse) + specular * (spec * surface.specular);
-}
-
-// What is left of the light at the surface: the law of lib/attenuation.glsl.
-float fading(float away, float constant, float linear, float quadratic)
-{
-    return 1.0 / (constant + linear * away + quadratic * (away * away));
 }
 
 // The notes' CalcDirLight: from so far away that all rays are parallel and none has faded.
@@ -66,19 +62,18 @@ vec3 fromDirLight(DirLight light, Surface surface)
 vec3 fromPointLight(PointLight light, Surface surface)
 {
     vec3 ray = light.position - surface.place;
-    float left = fading(length(ray), light.constant, light.linear, light.quadratic);
+    Attenuation fading = Attenuation(light.constant, light.linear, light.quadratic);
     vec3 part = directed(surface, normalize(ray), light.diffuse, light.specular);
-    return left * (light.ambient * surface.diffuse + part);
+    return attenuationAt(fading, length(ray)) * (light.ambient * surface.diffuse + part);
 }
 
 // The notes' CalcSpotLight: a point light that shines into a cone with a soft edge.
 vec3 fromSpotLight(SpotLight light, Surface surface)
 {
     vec3 ray = light.position - surface.place;
-    vec3 lightDir = normalize(ray);
-    float theta = dot(lightDir, normalize(-light.direction));
-    float ratio = (theta - light.outerCutOff) / (light.cutOff - light.outerCutOff);
-    float left = fading(length(ray), light.constant, light.linear, light.quadratic);
-    vec3 part = directed(surface, lightDir, light.diffuse, light.specular);
-    return left * (light.ambient * surface.diffuse + clamp(ratio, 0.0, 1.0) * part);
+    Attenuation fading = Attenuation(light.constant, light.linear, light.quadratic);
+    Spot cone = Spot(light.position, light.direction, light.cutOff, light.outerCutOff);
+    vec3 part = directed(surface, normalize(ray), light.diffuse, light.specular);
+    part *= spotIntensity(cone, surface.place);
+    return attenuationAt(fading, length(ray)) * (light.ambient * surface.diffuse + part);
 }

@@ -6,12 +6,12 @@ const float PI = 3.14159265359;
 float distributionGGX(vec3 normal, vec3 halfway, float roughness)
 {
     float alpha = roughness * roughness;
-    float squared = alpha * alpha;
+    float alpha2 = alpha * alpha;
     float cosine = dot(normal, halfway);
     // |n × h|² instead of 1 − (n·h)²: nothing cancels where the two are close.
     vec3 aside = cross(normal, halfway);
-    float bracket = squared * cosine * cosine + dot(aside, aside);
-    return squared / (PI * bracket * bracket);
+    float bracket = alpha2 * cosine * cosine + dot(aside, aside);
+    return alpha2 / (PI * bracket * bracket);
 }
 
 float geometrySchlickGGX(float cosine, float roughness)
@@ -30,7 +30,7 @@ float geometrySmith(float normalView, float normalLight, float roughness)
 // F, Schlick: f0 straight on, everything at a grazing angle.
 vec3 fresnelSchlick(float cosine, vec3 f0)
 {
-    float rest = 1.0 - cosine;
-    float squared = rest * rest;
-    return f0 + (1.0 - f0) * (squared * squared * rest);
+    float grazing = 1.0 - cosine;
+    float grazing2 = grazing * grazing;
+    return f0 + (1.0 - f0) * (grazing2 * grazing2 * grazing);
 }

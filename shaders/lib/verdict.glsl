@@ -2,9 +2,9 @@
 
 float toSegment(vec2 place, vec2 from, vec2 to)
 {
-    vec2 along = to - from;
-    float t = clamp(dot(place - from, along) / dot(along, along), 0.0, 1.0);
-    return length(place - from - t * along);
+    vec2 segment = to - from;
+    float t = clamp(dot(place - from, segment) / dot(segment, segment), 0.0, 1.0);
+    return length(place - from - t * segment);
 }
 
 // `place` runs from −1 to 1 over the field, `passed` is 0 or 1.

@@ -8,7 +8,7 @@ from typing import Any
 import colour
 import numpy as np
 import pytest
-from hypothesis import given, strategies as st
+from hypothesis import assume, given, strategies as st
 from pyglm import glm
 
 from shaderlab.reference import (
@@ -41,10 +41,21 @@ def turned_by_half(v: Any, axis: Any) -> Any:
     return np.array(q * glm.dvec3(*v))
 
 
-def lobe_by_angle(normal: Any, light: Any, view: Any, shininess: float) -> float:
-    """Phong's lobe from the angle between the viewer and the mirrored lamp."""
-    away = angle(turned_by_half(light, normal), view)
+def raised(away: float, shininess: float) -> float:
+    """The cosine of an angle, raised to a power; 0 from a right angle on."""
     return math.cos(away) ** shininess if away < math.pi / 2.0 else 0.0
+
+
+def faces(normal: Any, light: Any) -> bool:
+    """Whether the lamp is above the surface's horizon, which it may not lie on."""
+    assume(abs(angle(normal, light) - math.pi / 2.0) > 1e-9)
+    return angle(normal, light) < math.pi / 2.0
+
+
+def lobe_by_angle(normal: Any, light: Any, view: Any, shininess: float) -> float:
+    """Phong's highlight from the angle between the viewer and the mirrored lamp."""
+    lit = faces(normal, light)
+    return raised(angle(turned_by_half(light, normal), view), shininess) if lit else 0.0
 
 
 def lambert_by_angle(normal: Any, light: Any) -> float:
@@ -68,20 +79,27 @@ def test_attenuation(constant: float, linear: float, quadratic: float, share: fl
 
 
 @against("angles by atan2, mirrored by a half turn of PyGLM's quaternion", lighting.phong,
-         lighting.diffuse, lighting.blinn, lighting.lobe)  # fmt: skip
+         lighting.diffuse, lighting.blinn, lighting.lobe, lighting.mirrored_lobe,
+         lighting.halfway_lobe, lighting.gated)  # fmt: skip
 @given(directions, directions, directions, st.sampled_from([1.0, 2.0, 8.0, 32.0]))
 def test_lobes(normal: Any, light: Any, view: Any, shininess: float) -> None:
     n, l, v = (np.array(part) for part in (normal, light, view))  # noqa: E741
     close = {"rel": 1e-6, "abs": 1e-9}
     assert lighting.diffuse(n, l).item() == pytest.approx(lambert_by_angle(n, l), **close)
+    lit = faces(n, l)
+    expected = raised(angle(turned_by_half(l, n), v), shininess)
+    assert lighting.mirrored_lobe(n, l, v, shininess).item() == pytest.approx(expected, **close)
     expected = lobe_by_angle(n, l, v, shininess)
+    assert lighting.gated(math.cos(angle(n, l)), expected).item() == pytest.approx(expected)
     assert lighting.phong(n, l, v, shininess).item() == pytest.approx(expected, **close)
     if not 1e-4 < angle(l, v) < math.pi - 0.01:
         return  # no plane to turn in
     halfway = np.array(glm.slerp(glm.normalize(glm.dvec3(*l)), glm.normalize(glm.dvec3(*v)), 0.5))
     away = angle(n, halfway)
-    expected = math.cos(away) ** shininess if away < math.pi / 2.0 else 0.0
-    assert lighting.blinn(n, l, v, shininess).item() == pytest.approx(expected, **close)
+    expected = raised(away, shininess)
+    assert lighting.halfway_lobe(n, l, v, shininess).item() == pytest.approx(expected, **close)
+    lit_share = expected if lit else 0.0
+    assert lighting.blinn(n, l, v, shininess).item() == pytest.approx(lit_share, **close)
     assert float(lighting.lobe(math.cos(away), shininess)) == pytest.approx(expected, **close)
 
 

@@ -19,4 +19,4 @@ def test_each_rewrites_a_shader_of_today(kind: str) -> None:
 
 def test_a_piece_that_is_gone_is_told() -> None:
     with pytest.raises(ValueError, match="does not have 'no such piece'"):
-        Rewrite("lib/phong.glsl", "specular", "no such piece", "").text()
+        Rewrite("lib/reflection.glsl", "specular", "no such piece", "").text()

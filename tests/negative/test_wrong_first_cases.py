@@ -37,18 +37,20 @@ MISTAKES = [
     ("spotlight", "lib/spotlight.glsl", "normalize(light.position", "(light.position"),
     ("spotlight", "lib/spotlight.glsl", "normalize(-light", "normalize(light"),
     ("spotlight", "lib/spotlight.glsl", "(light.cutOff -", "(light.outerCutOff -"),
-    ("spotlight", "ch05_lighting/spotlight.frag", "clamp(ratio, 0.0, 1.0)", "min(ratio, 1.0)"),
+    ("spotlight", "lib/spotlight.glsl", "clamp(spotRatio(light, fragPos), 0.0, 1.0)",
+     "min(spotRatio(light, fragPos), 1.0)"),
     ("gamma", "lib/gamma.glsl", "1.0 / gamma", "gamma"),
     ("gamma", "lib/gamma.glsl", "1.0 / 2.4) -", "1.0 / 2.2) -"),
     ("gamma", "lib/gamma.glsl", "1.055 * pow", "1.05 * pow"),
     ("gamma", "lib/gamma.glsl", "linear <= 0.0031308", "linear <= 0.031308"),
     ("gamma", "ch05_lighting/gamma.frag", "(linear, gamma)", "(linear, 2.4)"),
     ("gamma", "ch05_lighting/gamma.frag", "srgbDecode(linear)", "pow(linear, 2.2)"),
-    ("blinn-phong", "lib/specular.glsl", "pow(cosine, shininess)", "pow(cosine, 1.01 * shininess)"),
-    ("blinn-phong", "lib/specular.glsl", "normalize(lightDir + viewDir)", "lightDir + viewDir"),
-    ("blinn-phong", "lib/specular.glsl", "reflect(-lightDir", "reflect(lightDir"),
+    ("blinn-phong", "lib/reflection.glsl", "pow(cosine, shininess)",
+     "pow(cosine, 1.01 * shininess)"),
+    ("blinn-phong", "lib/reflection.glsl", "normalize(lightDir + viewDir)", "lightDir + viewDir"),
+    ("blinn-phong", "lib/reflection.glsl", "reflect(-lightDir", "reflect(lightDir"),
     ("blinn-phong", "ch05_lighting/blinn_phong.frag", "normalize(Normal)", "Normal * 1.001"),
-    ("blinn-phong", "ch05_lighting/blinn_phong.frag", "max(dot(normal, lightDir), 0.0)",
+    ("blinn-phong", "ch05_lighting/blinn_phong.frag", "diffuseFactor(normal, lightDir)",
      "dot(normal, lightDir)"),
     ("blend-equation", "ch06_tests/blend_equation.frag", "color, alpha", "alpha * color, alpha"),
     ("blend-equation", "ch06_tests/blend_equation.frag", "color, alpha", "color, 1.0 - alpha"),
@@ -59,12 +61,17 @@ MISTAKES = [
 ]  # fmt: skip
 # These two show their tables with the same shader.
 TOGETHER = {"depth-functions", "stencil-functions"}
+LIT_BY_LAMPS = {"directional-light", "point-light", "multiple-lights"}
 # One law that several lessons are lit by: a mistake in it is one in all of them.
 SHARED = {
     "ch06_tests/count.frag": {*TOGETHER, "depth-mask", "stencil-operations"},
     "ch06_tests/blend_equation.frag": {"blend-equation", "blend-factors"},
-    "lib/specular.glsl": {
+    "lib/attenuation.glsl": {"attenuation", "deferred-shading", *LIT_BY_LAMPS},
+    "lib/spotlight.glsl": {"spotlight", *LIT_BY_LAMPS},
+    "lib/reflection.glsl": {
         "blinn-phong", "deferred-shading", "normal-map", "shadow-acne", "shadow-map", "shadow-pcf",
+        "diffuse", "hdr", "light-struct", "lighting-maps", "material", "obj-model",
+        "phong-vs-blinn", "shininess", "specular", "spotlight-hard", *LIT_BY_LAMPS,
     },
 }  # fmt: skip
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 
+from cases.scenes.lit import TURNED_AWAY
 from shaderlab.discovery import data_folder
 from shaderlab.evaluation import Lab
 from shaderlab.model import Case
@@ -14,7 +15,8 @@ from shaderlab.records import Record
 from tests.catalogue import shipped
 
 FOLDER = "ch05_lighting"
-PHONG, LIGHTS, FACETS = "lib/phong.glsl", "lib/lights.glsl", "lib/microfacets.glsl"
+PHONG, LIGHTS, FACETS = "lib/reflection.glsl", "lib/lights.glsl", "lib/microfacets.glsl"
+FADING, SPOT = "lib/attenuation.glsl", "lib/spotlight.glsl"
 
 # case, shader, what stands there, the mistake
 MISTAKES = [
@@ -46,9 +48,9 @@ MISTAKES = [
     ("directional-light", "directional_light.frag", "normalize(-light", "normalize(light"),
     ("directional-light", LIGHTS, "normalize(-light.direction);\n    return",
      "normalize(light.direction);\n    return"),
-    ("point-light", LIGHTS, "left * (light.ambient * surface.diffuse + part)",
-     "light.ambient * surface.diffuse + left * part"),
-    ("point-light", LIGHTS, "quadratic * (away * away)", "quadratic * away"),
+    ("point-light", LIGHTS, "(light.ambient * surface.diffuse + part)",
+     "part + light.ambient * surface.diffuse"),
+    ("point-light", FADING, "(distance * distance)", "distance"),
     ("point-light", "lamp.vert", "aPos, 1.0", "aPos, 0.9"),
     ("spotlight-hard", "spotlight_hard.frag", "theta > light.cutOff", "theta < light.cutOff"),
     ("spotlight-hard", "spotlight_hard.frag", "theta > light.cutOff",
@@ -57,18 +59,17 @@ MISTAKES = [
     ("multiple-lights", "multiple_lights.frag", "i < POINT_LIGHTS", "i < POINT_LIGHTS - 1"),
     ("multiple-lights", "multiple_lights.frag", "points += ", "points = "),
     ("multiple-lights", "multiple_lights.frag", "+ points + spot", "+ points"),
-    ("multiple-lights", LIGHTS, "clamp(ratio, 0.0, 1.0) * part", "ratio * part"),
-    ("phong-vs-blinn", "phong_vs_blinn.frag", "normalize(lightDir + viewDir)",
-     "0.5 * (lightDir + viewDir)"),
-    ("phong-vs-blinn", "phong_vs_blinn.frag", "pow(cosine, blinnExponent)",
-     "pow(cosine, shininess)"),
+    ("multiple-lights", SPOT, "clamp(spotRatio(light, fragPos), 0.0, 1.0)",
+     "spotRatio(light, fragPos)"),
+    ("phong-vs-blinn", PHONG, "normalize(lightDir + viewDir)", "0.5 * (lightDir + viewDir)"),
+    ("phong-vs-blinn", "phong_vs_blinn.frag", "viewDir, blinnExponent)", "viewDir, shininess)"),
     ("hdr", "lib/tone.glsl", "light / (1.0 + light)", "light / (1.0 + dot(light, light))"),
     ("hdr", "lib/tone.glsl", "exp(-light * exposure)", "exp(-light / exposure)"),
     ("hdr", "hdr_scene.frag", "/ dot(ray, ray)", "/ length(ray)"),
     ("hdr", "hdr.frag", "encoded(0.25 * sum)", "0.25 * sum"),
-    ("pbr", FACETS, "roughness * roughness;\n    float squared", "roughness;\n    float squared"),
+    ("pbr", FACETS, "roughness * roughness;\n    float alpha2", "roughness;\n    float alpha2"),
     ("pbr", FACETS, "grown * grown / 8.0", "roughness * roughness / 2.0"),
-    ("pbr", FACETS, "squared * squared * rest", "squared * squared"),
+    ("pbr", FACETS, "grazing2 * grazing2 * grazing", "grazing2 * grazing2"),
     ("pbr", "pbr.frag", "(1.0 - metallic) * ", ""),
     ("pbr", "pbr.frag", "radiance * normalLight", "radiance"),
     ("ambient", "finish.frag", "encoded(0.25 * sum)", "encoded(0.2 * sum)"),
@@ -79,6 +80,7 @@ MISTAKES = [
 
 
 # Passes that are drawn for people.
+WHOLE = {"hdr", "obj-model", "shadow-map"}  # what they judge is drawn large as well
 LARGE = {"scene", "drawing", "picture", "small"}
 # The lessons of sections 5.1 to 5.7.1, 5.11 and 5.13.
 LESSONS = {
@@ -90,7 +92,7 @@ LESSONS = {
 
 def without_picture(case: Case) -> Case:
     """The case without its large picture, which takes longer than all its checks."""
-    if case.id == "hdr":
+    if case.id in WHOLE:
         return case
     kept = [p for p in case.passes if p.name not in LARGE]
     expect = [e for e in case.expect if getattr(e, "output", "").split(".")[0] not in LARGE]
@@ -122,6 +124,22 @@ def test_a_mistake_makes_its_case_fail_and_names_a_place(
     places = [o.worst for o in failures if o.worst is not None]
     assert places
     assert all(worst.widths > 1.0 for worst in places)
+
+
+# All lessons with a highlight that a face turned away from the lamp could have.
+SHINING = [
+    "specular", "material", "light-struct", "lighting-maps", "directional-light", "point-light",
+    "spotlight-hard", "multiple-lights", "phong-vs-blinn", "blinn-phong", "normal-map",
+    "deferred-shading", "shadow-map", "obj-model",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("case_id", SHINING)
+def test_without_the_gate_one_check_fails_and_says_so(case_id: str) -> None:
+    gate = "return dot(normal, lightDir) > 0.0;"
+    for record in with_mistake(case_id, PHONG, gate, "return true;"):
+        failed = [outcome.name for outcome in record.expectations if outcome.status != "pass"]
+        assert failed == [TURNED_AWAY], record.variant
 
 
 def test_every_lighting_lesson_is_broken_at_least_twice() -> None:
