@@ -18,6 +18,7 @@ from shaderlab import (
     Case,
     Erratum,
     Pass,
+    Ramp,
     Target,
     Variant,
     across,
@@ -59,13 +60,23 @@ def half(column, blinn):
     return lit.thing(shader, STILL_LIFE, MODEL, CAMERA, uniforms, cell=cell(column, 2))
 
 
-def over_slopes(name, lamp):
-    """Both lobes for viewers at slopes to both sides, with the lamp in this direction."""
+def turned_away(name, blinn):
+    """A piece of floor with the lamp 5° below it, seen from 10° above the other side."""
+    low, high = radians(5.0), radians(10.0)
     return fullscreen(
-        "ch05_lighting/blinn_phong_lobes.frag",
-        name=name,
-        domain={"slope": across(-4.0, 4.0)},
-        uniforms={"lightDir": lamp, "shininess": 8.0},
+        "ch05_lighting/blinn_phong.frag",
+        name=f"{name}, lamp below",
+        domain={
+            "FragPos": Ramp((-0.5, 0.0, -0.5), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)),
+            "Normal": Ramp((0.0, 1.0, 0.0)),
+        },
+        uniforms={
+            "lightPos": (-9.0 * cos(low), -9.0 * sin(low), 0.0),
+            "viewPos": (9.0 * cos(high), 9.0 * sin(high), 0.0),
+            "shininess": 8.0,
+            "blinn": blinn,
+        },
+        target=Target(size=(32, 32), colors={"specular": "r32f"}),
     )
 
 
@@ -100,9 +111,9 @@ BY_PHONG = gated_or_not(mirrored, highlight=lobes.mirrored_lobe)
 BY_BLINN = gated_or_not(halfway, highlight=lobes.halfway_lobe)
 
 
-def strongest(lobe):
-    """From wherever it is seen."""
-    return lobe.max()
+def strongest(specular):
+    """Of all places."""
+    return specular.max()
 
 
 def notes_lobe(lobe, degrees):
@@ -151,8 +162,14 @@ case = Case(
                 draws=(half(0, blinn=False), half(1, blinn=True)),
             )
         ),
-        *over_slopes("below", (cos(radians(5.0)), -sin(radians(5.0)), 0.0)),
-        *over_slopes("lobes", (sin(radians(60.0)), cos(radians(60.0)), 0.0)),
+        *turned_away("Phong", blinn=False),
+        *turned_away("Blinn", blinn=True),
+        *fullscreen(
+            "ch05_lighting/blinn_phong_lobes.frag",
+            name="lobes",
+            domain={"slope": across(-4.0, 4.0)},
+            uniforms={"lightDir": (sin(radians(60.0)), cos(radians(60.0)), 0.0), "shininess": 8.0},
+        ),
     ),
     picture="picture.FragColor",
     expect=[
@@ -165,10 +182,11 @@ case = Case(
             lit.TURNED_AWAY,
             strongest,
             readings=[
-                reading(name, reads={"lobe": f"below.{name.lower()}"}, equals=0.0, digits=6)
+                reading(
+                    name, reads={"specular": f"{name}, lamp below.specular"}, equals=0.0, digits=6
+                )
                 for name in ("Phong", "Blinn")
             ],
-            note="the lamp is 5° below the surface",
         ),
         *results(
             {

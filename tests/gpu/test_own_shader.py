@@ -100,6 +100,17 @@ def test_a_wrong_one_fails_and_says_where(run: Run, tmp_path: Path, mistake: str
     assert "my.frag:" in result.output  # the line that writes what is wrong
 
 
+def test_one_without_the_gate_is_told_just_that(run: Run, tmp_path: Path) -> None:
+    text = (OWN / "blinn_without_halfway.frag").read_text(encoding="utf-8")
+    gated, leaking = "nl > 0.0 ? power(cosine, shininess) : 0.0", "power(cosine, shininess)"
+    assert text.count(gated) == 1
+    mine = written(tmp_path, text.replace(gated, leaking))
+    assert run("blinn-phong", "--shader", f"blinn_phong.frag={mine}").exit_code == 1
+    for record in outcomes(tmp_path):
+        failed = [e["name"] for e in record["expectations"] if e["status"] == "fail"]
+        assert failed == ["no highlight on a face turned away"], record["variant"]
+
+
 @pytest.mark.parametrize("name", ["specular.frag", "ch05_lighting/specular.frag"])
 def test_a_name_may_be_the_end_of_one(
     run: Run, tmp_path: Path, repository: Path, name: str

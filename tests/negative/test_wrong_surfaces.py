@@ -40,7 +40,7 @@ MISTAKES = [
      "largest difference from forward shading"),
     ("deferred-shading", "deferred_forward.frag", "0.03 * Color", "0.05 * Color",
      "largest difference from forward shading"),
-    ("deferred-shading", "lib/lamps.glsl", "Attenuation(1.0, 1.4, 3.6)", "Attenuation(1.0, 1.4, 3.5)", "deferred"),
+    ("deferred-shading", "lib/lamps.glsl", "1.4, 3.6)", "1.4, 3.5)", "deferred"),
     ("pbr-furnace", FACETS, "alpha2 / (PI * bracket * bracket)", "alpha2 / (bracket * bracket)",
      "∫ D (n·h) dω"),
     ("pbr-furnace", FACETS, "float alpha = roughness * roughness;", "float alpha = roughness;",

@@ -21,7 +21,7 @@ void main()
 
     float angle = blinn ? dot(normalize(V + L), N) : dot(V, reflect(-L, N));
     specular = 0.0;
-    if (angle > 0.0)
+    if (angle > 0.0 && dot(L, N) > 0.0)
         specular = pow(angle, shininess);
 
     float lambert = clamp(dot(L, N), 0.0, 1.0);

@@ -38,7 +38,8 @@ void main()
 {
     Directions d = directions();
     float cosine = blinn ? blinnCosine(d) : phongCosine(d);
-    specular = step(0.0, cosine) * pow(max(cosine, 1.0e-30), shininess);
+    float gate = dot(d.light, d.normal) > 0.0 ? 1.0 : 0.0;
+    specular = gate * step(0.0, cosine) * pow(max(cosine, 1.0e-30), shininess);
 
     float diffuse = max(0.0, dot(d.light, d.normal));
     vec3 surface = mix(vec3(0.10, 0.14, 0.20), vec3(0.55, 0.16, 0.12),

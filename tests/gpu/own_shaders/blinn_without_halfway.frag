@@ -28,7 +28,7 @@ void main()
     vec3 between = l + v;
     float cosine = blinn ? (nl + nv) * inversesqrt(dot(between, between))
                          : 2.0 * nl * nv - dot(l, v);
-    specular = power(cosine, shininess);
+    specular = nl > 0.0 ? power(cosine, shininess) : 0.0;
 
     vec3 surface = FragPos.y > 0.001 ? vec3(0.55, 0.16, 0.12) : vec3(0.10, 0.14, 0.20);
     vec3 light = surface * (0.06 + 0.9 * max(nl, 0.0)) + 0.55 * specular;
