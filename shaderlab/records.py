@@ -91,6 +91,56 @@ class Row:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Step:
+    """What one statement of a shader stored at one pixel, as its SPIR-V is interpreted.
+
+    `name` is the variable as GLSL writes it, "f()" for the result of f; `calls` are the lines of
+    the calls that led there, the outermost first. `value` is the driver's where `by_driver` says
+    so, else that of float32 arithmetic; `exact` that of float64. `low` and `high` are the bounds
+    of the band that the instructions alone allow. `off` is how far the value is from the exact one
+    and `width` how wide the band is, in ULP, for the component where that is most; `lost` is the
+    part of the width that the statement's operands did not have yet.
+    """
+
+    file: str
+    line: int
+    name: str
+    calls: tuple[int, ...]
+    value: tuple[float, ...]
+    by_driver: bool
+    exact: tuple[float, ...]
+    low: tuple[float, ...]
+    high: tuple[float, ...]
+    off: float
+    width: float
+    lost: float
+
+    @property
+    def inside(self) -> bool:
+        """Whether the value lies in the band."""
+        return all(
+            low <= v <= high or v != v
+            for v, low, high in zip(self.value, self.low, self.high, strict=True)
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Explanation:
+    """What each line of a fragment shader computes at one pixel, in the order of execution.
+
+    `verdict` says where a wrong value comes from, "" where nothing was wrong or that is not known;
+    `file` and `line` are that place. `refused` says why the driver's values are missing, if so.
+    """
+
+    pixel: tuple[int, int]
+    steps: tuple[Step, ...]
+    verdict: str = ""
+    file: str = ""
+    line: int = 0
+    refused: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
 class Outcome:
     """One expectation's verdict.
 
@@ -100,7 +150,8 @@ class Outcome:
     and "distance" to picture files, relative to the run's folder, and `captions` the same names to
     how they are to be read ("one channel in false colour, 0 to 2"). `values` is the file of the
     numbers behind those pictures (`shaderlab.pictures.Values`), likewise relative, or "".
-    `sources` are the formula and the shader.
+    `sources` are the formula and the shader. `explanation` is there for a formula that fails over
+    pixels, if the shader can be interpreted.
 
     Where the rows of several outcomes stand in one table, `rows_heading` goes before each label;
     `rows_per_variant` says whether they differ between a case's variants. `rows_show_worst` says
@@ -125,6 +176,7 @@ class Outcome:
     captions: Mapping[str, str] = field(default_factory=dict)
     sources: tuple[SourceText, ...] = ()
     values: str = ""
+    explanation: Explanation | None = None
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -106,6 +106,11 @@ class Session(ABC):
         """What the fragment shader of a draw got, at each pixel that it was the last to write."""
         raise UnsupportedError("capturing fragments: this backend can't")
 
+    def written(self, key: PassDraw, text: str, outputs: Mapping[str, str]) -> Mapping[str, Array]:
+        """What the fragments that are seen of a draw write to some outputs (format by name), where
+        their shader has another text; (height, width, components), zeros elsewhere."""
+        raise UnsupportedError("drawing with another text: this backend can't")
+
     def vertices(self, key: PassDraw) -> Samples:
         """Every vertex that a draw hands to rasterisation: what its last stage got and gave."""
         raise UnsupportedError("capturing vertices: this backend can't")

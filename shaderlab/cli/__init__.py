@@ -26,6 +26,7 @@ COMMANDS = {
     "run": "run",
     "sweep": "sweep",
     "compile": "compile",
+    "explain": "explain",
     "mutate": "mutate",
     "report": "reporting",
     "init": "init",
@@ -115,6 +116,7 @@ def cli(context: click.Context, debug: bool) -> None:
       shaderlab run ./my_case.py          a case file of your own
       shaderlab sweep ID --param …        one case over a grid of inputs
       shaderlab compile my_shaders/       only ask the compilers
+      shaderlab explain spotlight         what each line computes at a pixel
       pytest my_cases/                    the same cases as tests
 
     Settings of a project are in [tool.shaderlab] of its pyproject.toml.

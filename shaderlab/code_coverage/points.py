@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from tree_sitter import Node
 
-from shaderlab.mutation.syntax import Syntax, arguments_of, field, name_of, operator_of, reachable
+from shaderlab.compiler.syntax import Syntax, arguments_of, field, name_of, operator_of, reachable
 
 # What each kind of point can see, a bit each, and what is to be said where it never did.
 ITEMS: dict[str, tuple[str, ...]] = {

@@ -48,8 +48,15 @@ def program_of(source: Source) -> Program:
     return load(source)
 
 
-def fragments(evaluation: Evaluation, key: PassDraw, most: int | None = None) -> Invocations:
-    """The fragments of a draw that are seen, `most` of them at most: whole quads from all over.
+def fragments(
+    evaluation: Evaluation,
+    key: PassDraw,
+    most: int | None = None,
+    *,
+    among: Array | None = None,
+) -> Invocations:
+    """The fragments of a draw that are seen, `most` of them at most: whole quads from all over, or
+    those that have a pixel `among` some (count, 2).
 
     Raises:
         ShaderError, NotInterpretedError: the fragment stage can't be interpreted.
@@ -59,6 +66,10 @@ def fragments(evaluation: Evaluation, key: PassDraw, most: int | None = None) ->
     captured = evaluation.answer(CapturedFragments(key))
     y, x = np.nonzero(captured.covered)
     rows = _some(x, y, most)
+    if among is not None:
+        quads = among >> 1
+        side = captured.covered.shape[1]
+        rows = np.flatnonzero(np.isin((y >> 1) * side + (x >> 1), quads[:, 1] * side + quads[:, 0]))
     at = (y[rows], x[rows])
     images = {n: i for (name, n), i in evaluation.drawn.images.items() if name == key[0]}
     return Invocations(

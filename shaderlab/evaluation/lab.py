@@ -33,11 +33,12 @@ from shaderlab.evaluation.evaluation import Evaluation
 from shaderlab.evaluation.picture_writer import PictureFiles, PictureWriter
 from shaderlab.evaluation.record_builder import RecordBuilder
 from shaderlab.evaluation.search_path import shaders_of
+from shaderlab.expectations.formula import Formula
 from shaderlab.expectations.reads import unread_outputs
 from shaderlab.model import Case, Judgement, Scene
 from shaderlab.options import RunOptions
 from shaderlab.programs.prepare import Preparer, Programs
-from shaderlab.records import Outcome, Record, Verdict
+from shaderlab.records import Explanation, Outcome, Record, Verdict
 from shaderlab.settings import settings_of
 
 _NO_TEXTS: Mapping[str, str] = {}
@@ -221,6 +222,7 @@ class Lab:
         self, evaluation: Evaluation, builder: RecordBuilder, writer: PictureWriter
     ) -> None:
         """Judge all expectations of a scene that was drawn, and write the pictures of each."""
+        explained = False
         for index, expectation in enumerate(evaluation.scene.expect):
             files = PictureFiles()
             try:
@@ -241,10 +243,40 @@ class Lab:
                         message=str(error),
                     )
                 )
+            explanation = None
+            failed = judgement.outcome.status == "fail"
+            if failed and isinstance(expectation, Formula) and not explained:
+                # The first one: others mostly fail for the same reason.
+                explained = True
+                explanation = self._explanation(evaluation, expectation, judgement.outcome)
             outcome = replace(
-                judgement.outcome, images=files.files, captions=files.captions, values=files.values
+                judgement.outcome,
+                explanation=explanation,
+                images=files.files,
+                captions=files.captions,
+                values=files.values,
             )
             builder.add_outcome(outcome, judgement)
+
+    def _explanation(
+        self, evaluation: Evaluation, expectation: Formula, outcome: Outcome
+    ) -> Explanation | None:
+        """Where a failing formula goes wrong. Whatever hinders that changes no verdict."""
+        from shaderlab.evaluation.locating import located  # it parses GLSL, which few runs need
+
+        scene, programs = evaluation.scene, evaluation.programs
+        try:
+            with (
+                doing("judge", "explaining the failure"),
+                self.evaluation(scene, programs, like=evaluation) as again,
+            ):
+                return located(again, expectation, outcome)
+        except Exception as error:
+            if os.environ.get("SHADERLAB_DEBUG") and not isinstance(error, ShaderlabError):
+                raise
+            pixel = (outcome.worst.pixel if outcome.worst else None) or (0, 0)
+            said = error.message if isinstance(error, ShaderlabError) else repr(error)
+            return Explanation(pixel=pixel, steps=(), refused=said)
 
     def _enlarged(self, scene: Scene, programs: Programs, drawn: Drawn) -> Drawn:
         """The scene in the size for people: drawn once more, but where it has one size only."""

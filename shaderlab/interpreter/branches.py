@@ -88,7 +88,8 @@ def _return_value(
     run: Run, function: Function, label: int, at: Instruction, world: World
 ) -> Leaving:
     value = run.value(at.operands[0])
-    run.stored(at.line, "return", value, world)
+    name = run.program.name(function.id).partition("(")[0]
+    run.stored(at.line, f"{name}()", value, world)
     world.memory[function.id] = value
     return [(None, world)]
 

@@ -15,7 +15,7 @@ from shaderlab.interpreter.arithmetic import Arithmetic
 from shaderlab.interpreter.binding import memory_of, outputs_of
 from shaderlab.interpreter.memory import Flags, World
 from shaderlab.interpreter.program import Program
-from shaderlab.interpreter.running import TURNS, Run, Trace
+from shaderlab.interpreter.running import BLOCKS, TURNS, Run, Trace
 from shaderlab.interpreter.values import Missing
 
 _NOTHING = Bindings()
@@ -46,6 +46,7 @@ def interpret(
     *,
     count: int | None = None,
     turns: int = TURNS,
+    blocks: int = BLOCKS,
     trace: Trace | None = None,
 ) -> Interpreted:
     """Run a stage on many invocations at once.
@@ -59,7 +60,8 @@ def interpret(
         bindings: uniforms, members of blocks and textures, as a scene's frame has them.
         arithmetic: `FLOAT32` by default.
         count: the number of invocations; by default that of the rows of `each`, or 1.
-        turns: how often a loop may turn.
+        turns: how often a loop may turn each time that it is entered.
+        blocks: how many blocks may be run in all.
         trace: is called with each value that a variable, or a part of one, is given.
 
     Raises:
@@ -76,7 +78,7 @@ def interpret(
         if len(values) not in (1, count):
             raise FormulaError(f"{name!r} has {len(values)} rows, others {count}")
     places = each.get("gl_FragCoord")
-    run = Run(program, arithmetic, count, places=places, turns=turns, trace=trace)
+    run = Run(program, arithmetic, count, places=places, turns=turns, blocks=blocks, trace=trace)
     memory = memory_of(program, each, bindings, arithmetic)
     for id_, constant in program.module.initialisers.items():
         if isinstance(memory.get(id_), Missing | None):

@@ -26,7 +26,8 @@ from shaderlab.interpreter.values import Missing, NotGivenError, UnchoosableErro
 
 TURNS = 4096
 """How often a loop may turn each time that it is entered, unless a caller says otherwise."""
-_MOST_BLOCKS = 200_000  # that are run in all
+BLOCKS = 200_000
+"""How many blocks a program may run, likewise."""
 _MOST_WORLDS = 8  # that wait at one block before they are joined
 _MOST_PARTS = 256  # parts of values that are remembered
 
@@ -37,11 +38,12 @@ class Stored:
 
     Attributes:
         line: of the program's text, counted from 1; see `Program.place`.
-        name: the variable, or the part of it, as GLSL writes it; "return" of a function's result.
+        name: the variable, or the part of it, as GLSL writes it; "f()" is the result of f.
         value: floats of the arithmetic, an `Integer`, a `Truth`, or a tuple of such, with one row
             or as many as there are invocations.
         mask: the invocations that were here; the value means nothing to others.
         calls: the lines of the calls that led here, the outermost first.
+        reads: what was loaded, and what functions gave, since the value that was stored before.
     """
 
     line: int
@@ -49,6 +51,7 @@ class Stored:
     value: Any
     mask: Flags
     calls: tuple[int, ...]
+    reads: tuple[Any, ...]
 
 
 Trace = Callable[[Stored], object]
@@ -74,6 +77,7 @@ class Run:
         *,
         places: Array | None = None,
         turns: int = TURNS,
+        blocks: int = BLOCKS,
         trace: Trace | None = None,
     ) -> None:
         self.program = program
@@ -85,7 +89,9 @@ class Run:
         self.killed: Flags = np.zeros(count, np.bool_)
         self.undecided: dict[int, Flags] = {}
         self._turns = turns
+        self._most_blocks = blocks
         self._blocks = 0
+        self._reads: list[Value] = []
         self._trace = trace
         self._constants: dict[int, Value] = {}
         self._parts: dict[tuple[int, Any], tuple[Value, Value]] = {}
@@ -121,7 +127,14 @@ class Run:
     def stored(self, line: int, name: str, value: Value, world: World) -> None:
         """Tell the trace of a value that was stored."""
         if self._trace is not None and name and not name.startswith("param"):
-            self._trace(Stored(line, name, value, world.mask, tuple(self.calls)))
+            calls, reads = tuple(self.calls), tuple(self._reads)
+            self._trace(Stored(line, name, value, world.mask, calls, reads))
+            self._reads.clear()
+
+    def loaded(self, value: Value) -> None:
+        """Note for the trace what the next value may be computed of."""
+        if self._trace is not None:
+            self._reads.append(value)
 
     def note_undecided(self, line: int, invocations: Flags) -> None:
         """Note that invocations took both sides of a branch."""
@@ -161,8 +174,8 @@ class Run:
         self._blocks += 1
         if visits[label] > self._turns + 1:
             what = f"a loop that goes on after {self._turns} turns"
-        elif self._blocks > _MOST_BLOCKS:
-            what = f"a program that goes on after {_MOST_BLOCKS} blocks"
+        elif self._blocks > self._most_blocks:
+            what = f"a program that goes on after {self._most_blocks} blocks"
         else:
             return
         raise self.program.not_interpreted(what, line)

@@ -7,9 +7,9 @@ from itertools import pairwise
 
 from tree_sitter import Node
 
+from shaderlab.compiler.syntax import Syntax, arguments_of, field
 from shaderlab.mutation.mutants import Change
 from shaderlab.mutation.names import Names
-from shaderlab.mutation.syntax import Syntax, arguments_of, field
 
 # What is left when the call is forgotten: which arguments may stand in its place.
 _DROPPABLE = {

@@ -12,10 +12,10 @@ from collections.abc import Iterator, Mapping
 
 from tree_sitter import Node
 
+from shaderlab.compiler.syntax import Syntax, field, name_of, walk
 from shaderlab.mutation.mutants import Change
 from shaderlab.mutation.names import Names
 from shaderlab.mutation.statements import REMOVABLE
-from shaderlab.mutation.syntax import Syntax, field, name_of, walk
 
 _BUILT_IN = {"gl_FragColor": "vec4", "gl_FragDepth": "float", "gl_PointSize": "float"}
 _HALF = {"float": "*= 0.5", "vec": "*= 0.5", "mat": "*= 0.5", "int": "/= 2", "ivec": "/= 2",

@@ -10,10 +10,10 @@ from dataclasses import dataclass, field
 from tree_sitter import Node
 
 from shaderlab.compiler.sources import Source
+from shaderlab.compiler.syntax import Syntax, name_of, reachable, walk
 from shaderlab.files import display_path
 from shaderlab.model import Scene
 from shaderlab.mutation.names import Names, names_of
-from shaderlab.mutation.syntax import Syntax, name_of, reachable, walk
 
 Change = tuple[str, Node, Node, str]
 """What an operator proposes: its name, the node to show, the node to replace, the new text."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from tree_sitter import Node
 
-from shaderlab.mutation.syntax import Syntax, field, name_of, walk
+from shaderlab.compiler.syntax import Syntax, field, name_of, walk
 
 _QUALIFIERS = ("uniform", "in", "out", "inout", "const")
 

@@ -10,10 +10,10 @@ from collections.abc import Iterator
 
 from tree_sitter import Node
 
+from shaderlab.compiler.syntax import Syntax, field, operator_of, walk
 from shaderlab.mutation import calls, coverage, statements, swaps
 from shaderlab.mutation.mutants import Change, Operator
 from shaderlab.mutation.names import Names
-from shaderlab.mutation.syntax import Syntax, field, operator_of, walk
 
 _ARITHMETIC = {"+": "-", "-": "+", "*": "/", "/": "*", "%": "*"}
 _ASSIGNMENT = {"+=": "-=", "-=": "+=", "*=": "/=", "/=": "*="}

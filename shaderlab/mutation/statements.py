@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 from tree_sitter import Node
 
+from shaderlab.compiler.syntax import Syntax, field
 from shaderlab.mutation.mutants import Change
 from shaderlab.mutation.names import Names
-from shaderlab.mutation.syntax import Syntax, field
 
 REMOVABLE = ("expression_statement", "if_statement", "for_statement", "while_statement",
               "return_statement", "break_statement", "continue_statement")  # fmt: skip

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 from tree_sitter import Node
 
+from shaderlab.compiler.syntax import Syntax, field
 from shaderlab.mutation.mutants import Change
 from shaderlab.mutation.names import Names
-from shaderlab.mutation.syntax import Syntax, field
 
 MOST_NAMES = 3  # of many like variables, the ones declared nearest are mixed up
 _SETS = ("xyzw", "rgba", "stpq")

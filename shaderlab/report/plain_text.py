@@ -89,6 +89,8 @@ def outcome_details(outcome: Outcome) -> Iterator[str]:
         yield f"{outcome.outside} of {outcome.judged} values outside"
     if outcome.worst is not None:
         yield from _worst(outcome.worst)
+    if outcome.explanation is not None and outcome.explanation.verdict:
+        yield outcome.explanation.verdict
     wrong = [row for row in outcome.rows if not row.ok]
     for row in wrong[:MOST_ROWS]:
         note = f" ({row.note})" if row.note else ""

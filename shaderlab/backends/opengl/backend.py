@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 
 from shaderlab.backends import Backend, Evaluation, Size
@@ -75,6 +75,9 @@ class OpenGLSession(Drawing):
         `shaderlab.programs.captures`)."""
         same = captures.identity(self.scene, self.programs, key, self.size)
         return self.cache.get(same, lambda: capture.fragments(self, key))
+
+    def written(self, key: PassDraw, text: str, outputs: Mapping[str, str]) -> Mapping[str, Array]:
+        return capture.written(self, key, text, outputs)
 
     def call(self, calls: Sequence[Call], returns: Sequence[int | float | str]) -> Reply:
         def texts(program: Program) -> dict[str, str]:

@@ -65,9 +65,7 @@ def _capture_group(
     drawing: Drawing, key: PassDraw, group: Sequence[Piece], crowded: bool, keep_all: bool
 ) -> tuple[Array, dict[Piece, Array]]:
     """`gl_FragCoord` and some of the inputs."""
-    description = drawing.scene.find_pass(key[0])
-    prepared = drawing.programs[key[0]]
-    subject = prepared[key[1]]
+    subject = drawing.programs[key[0]][key[1]]
     outputs = subject.interface.outputs
     text, captured = stages.capture_fragment(
         subject.text("fragment") or "", group, outputs if crowded else None, keep_all=keep_all
@@ -76,9 +74,40 @@ def _capture_group(
     colors[stages.COORD] = "rgba32f"
     for piece, name in captured.items():
         colors[name] = formats.for_output(stages.padded_type(piece))
-    plain = replace(description.target, colors=colors, clear=(0.0,) * 4, samples=0)
-    with RenderTarget(drawing.device, plain, colors, drawing.extent(description)) as target:
-        for index, draw in enumerate(prepared):
+    images = _redrawn(drawing, key, text, colors)
+    coord = images[stages.COORD]
+    got = {
+        piece: images[name][..., : formats.components_of(piece.type)]
+        for piece, name in captured.items()
+    }
+    return coord, got
+
+
+def written(
+    drawing: Drawing, key: PassDraw, text: str, outputs: Mapping[str, str]
+) -> Mapping[str, Array]:
+    """Draw a pass once more, with draw `key` having another fragment text; see `Session.written`.
+
+    Raises:
+        ShaderError: the driver refuses the text.
+    """
+    ending, _ = stages.capture_fragment(text, ())
+    images = _redrawn(drawing, key, ending, {**outputs, stages.COORD: "rgba32f"})
+    seen = images[stages.COORD][..., 3:] > 0.0
+    return {name: np.where(seen, images[name], 0) for name in outputs}
+
+
+def _redrawn(
+    drawing: Drawing, key: PassDraw, text: str, colors: Mapping[str, str]
+) -> Mapping[str, Array]:
+    """The attachments of a pass whose draw `key` has another fragment text; other draws only say
+    that they are seen, blending and masks are off."""
+    plain = replace(
+        drawing.scene.find_pass(key[0]).target, colors=colors, clear=(0.0,) * 4, samples=0
+    )
+    size = drawing.extent(drawing.scene.find_pass(key[0]))
+    with RenderTarget(drawing.device, plain, colors, size) as target:
+        for index, draw in enumerate(drawing.programs[key[0]]):
             program, vao = drawing.ready(
                 draw, drawing.bindings[key[0], index], target,
                 fragment=text if index == key[1] else _blank(draw),
@@ -86,12 +115,7 @@ def _capture_group(
             )  # fmt: skip
             submit(vao, program, draw)
             drain_errors()
-        coord = target.read(stages.COORD).values
-        got = {
-            piece: target.read(name).values[..., : formats.components_of(piece.type)]
-            for piece, name in captured.items()
-        }
-    return coord, got
+        return {name: target.read(name).values for name in colors}
 
 
 def _blank(draw: PreparedDraw) -> str:

@@ -40,7 +40,10 @@ def _load(run: Run, at: Instruction, world: World) -> Any:
             value = fetch(whole, path, world.mask)
     if isinstance(value, Missing):
         raise NotGivenError.of(value)
-    return undefined(run.program.types[at.type], run.arithmetic) if value is None else value
+    if value is None:
+        value = undefined(run.program.types[at.type], run.arithmetic)
+    run.loaded(value)
+    return value
 
 
 def _store(run: Run, at: Instruction, world: World) -> None:
@@ -74,7 +77,10 @@ def _call(run: Run, at: Instruction, world: World) -> Any:
         world.mask = np.zeros_like(world.mask)
         return None
     world.mask, world.memory = end.mask, end.memory
-    return world.memory.pop(function.id, None)
+    result = world.memory.pop(function.id, None)
+    if result is not None:
+        run.loaded(result)
+    return result
 
 
 def _phi(run: Run, at: Instruction, world: World) -> Any:

@@ -1,4 +1,4 @@
-"""GLSL as a syntax tree: tree-sitter's grammar, and the few questions that mutating asks of it."""
+"""GLSL as a syntax tree: tree-sitter's grammar, and the few questions that are asked of it."""
 
 from __future__ import annotations
 

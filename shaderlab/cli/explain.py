@@ -1,0 +1,173 @@
+"""`shaderlab explain`: what each line of a fragment shader computes at one pixel."""
+
+from __future__ import annotations
+
+import contextlib
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import click
+
+from shaderlab.cli import FAILED, OK
+from shaderlab.cli.files import write_json
+from shaderlab.cli.options import DRIVER, JSON, jobs_option, limits_option, make_local_executor
+from shaderlab.errors import ShaderlabError, UsageError, nearest
+from shaderlab.options import Limits, RunOptions
+from shaderlab.records import Explanation, Step
+
+_MOST = 3  # of the steps that lose most, in words
+
+
+def _pixel(context: click.Context, option: click.Parameter, text: str | None) -> object:
+    if text is None:
+        return None
+    parts = text.split(",")
+    if len(parts) != 2 or not all(part.strip().isdigit() for part in parts):
+        raise click.BadParameter("two numbers: column,row from the lower left, such as 10,20")
+    return int(parts[0]), int(parts[1])
+
+
+@click.command("explain", short_help="What each line of a shader computes at a pixel.")
+@click.argument("target", metavar="ID | ID[VARIANT] | FILE.py")
+@click.option(
+    "--pixel", metavar="X,Y", callback=_pixel,
+    help="From the lower left, counted from 0.  [default: where the band is widest]",
+)  # fmt: skip
+@click.option("--variant", metavar="NAME", help="One of the case's variants; the first by default.")
+@click.option("--pass", "pass_name", metavar="NAME", help="A pass; the last one by default.")
+@click.option("--draw", type=int, default=-1, help="Its draw, from 0; the last one by default.")
+@click.option(
+    "--size", type=click.IntRange(1, 4096), default=RunOptions.size, show_default=True,
+    help="Side in pixels of what is drawn.",
+)  # fmt: skip
+@DRIVER
+@jobs_option("1")
+@limits_option("Give up after S seconds.")
+@JSON
+def command(
+    target: str,
+    pixel: tuple[int, int] | None,
+    variant: str | None,
+    pass_name: str | None,
+    draw: int,
+    size: int,
+    driver: str | None,
+    limits: Limits,
+    workers: int | None,
+    json_file: str | None,
+) -> int:
+    """Show what each line of a case's fragment shader stores at one pixel: the driver's value, what
+    float64 gives, the band that the precision rules allow this very shader, and the precision that
+    the line loses.
+
+    The shader's SPIR-V is interpreted; the driver draws it once more with each statement's value as
+    an output. Where it can't (a loop's earlier turns; a shader whose other outputs would change),
+    the value is that of float32 arithmetic, and marked so.
+
+    \b
+    Examples:
+      shaderlab explain spotlight
+      shaderlab explain pbr --pixel 20,40 --json steps.json
+      shaderlab explain my_case.py --variant "at noon" --pass shadow
+
+    Exit code: 0 shown, 1 the shader can't be interpreted, or the driver leaves what it allows,
+    2 wrong usage.
+    """
+    from shaderlab.cli.selecting import one
+
+    workers = 1 if workers is None else workers
+    with contextlib.closing(make_local_executor(driver, limits, workers, early=False)) as executor:
+        from shaderlab.execution.executor import error_text
+        from shaderlab.execution.explain_pixel import ExplainPixel
+
+        facts, first = one(target, executor.load)
+        if variant is not None and variant not in facts.variants:
+            raise UsageError(
+                f"{facts.id} has no variant {variant!r}", remedy=nearest(variant, facts.variants)
+            )
+        options = RunOptions(size=size, driver=driver, limits=limits)
+        request = ExplainPixel(Path(facts.file), variant or first, pass_name, draw, pixel, options)
+        (result,) = executor.perform([request])
+        if result.status == "error" and isinstance(result.value, ShaderlabError):
+            raise result.value
+        if result.status != "done":
+            raise ShaderlabError(f"{result.status}: {error_text(result)}")
+    explained: Explanation = result.value
+    if json_file is not None:
+        from shaderlab.report.store import plain
+
+        write_json(plain(explained), json_file)
+    if json_file != "-":
+        show(explained)
+    return FAILED if any(s.by_driver and not s.inside for s in explained.steps) else OK
+
+
+def show(explained: Explanation) -> None:
+    """Print the table, and where precision goes."""
+    from rich.console import Console
+
+    from shaderlab.cli.rows import plain_table
+    from shaderlab.report.plain_text import printable
+
+    console = Console(file=sys.stdout, highlight=False, markup=False, soft_wrap=True)
+    if not console.is_terminal:
+        console.width = 160  # a file has no width, and cut numbers are of no use
+    x, y = explained.pixel
+    console.print(f"pixel ({x}, {y}), counted from the lower left")
+    right = ("ulp off", "ulp wide", "lost here")
+    left = ("line", "name", "value", "float64", "band")
+    table = plain_table(*left, *right, right=right, whole=left)
+    for step in explained.steps:
+        at = _widest(step)
+        part = f".{'xyzw'[at]}" if len(step.value) > 1 else ""
+        table.add_row(
+            printable(f"{Path(step.file).name}:{step.line}"),
+            printable("  " * len(step.calls) + step.name + part),
+            f"{step.value[at]:.9g}" + ("" if step.by_driver else " (float32)"),
+            f"{step.exact[at]:.9g}",
+            _band(step.low[at], step.high[at]),
+            _short(step.off),
+            _short(step.width),
+            _short(step.lost),
+            style=None if step.inside else "red",
+        )
+    console.print(table)
+    if explained.refused:
+        console.print(f"values are float32 arithmetic's: {explained.refused}", style="yellow")
+    for line in where_precision_goes(explained.steps):
+        console.print(line)
+
+
+def where_precision_goes(steps: Sequence[Step]) -> list[str]:
+    """A line for each of the statements that lose most, and for one that the driver gets wrong."""
+    from shaderlab.files import display_path
+
+    wrong = [step for step in steps if step.by_driver and not step.inside]
+    lines = [
+        f"the driver leaves what the shader allows at {display_path(s.file, s.line)}: {s.name}"
+        for s in wrong[:1]
+    ]
+    losing = sorted((s for s in steps if s.lost > 1.0), key=lambda s: -s.lost)[:_MOST]
+    for s in losing:
+        place = display_path(s.file, s.line)
+        lines.append(f"{_short(s.lost)} ULP are lost at {place}: {s.name}")
+    return lines
+
+
+def _widest(step: Step) -> int:
+    """The component that is shown of a vector: one that is wrong, else the one known worst."""
+    bounds = list(zip(step.value, step.low, step.high, strict=True))
+    wrong = [not low <= value <= high and value == value for value, low, high in bounds]
+    if any(wrong):
+        return wrong.index(True)
+    shares = [(high - low) / (abs(low) + abs(high) or 1.0) for _, low, high in bounds]
+    return max(range(len(shares)), key=lambda i: shares[i])
+
+
+def _band(low: float, high: float) -> str:
+    return f"{low:.9g}" if low == high else f"{low:.9g} … {high:.9g}"
+
+
+def _short(number: float) -> str:
+    return f"{number:.3g}"

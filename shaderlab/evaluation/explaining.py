@@ -1,0 +1,174 @@
+"""What each line of a fragment shader computes at one pixel: by driver, float64 and bands."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from shaderlab.bands import Band
+from shaderlab.bands.rounding import ulp
+from shaderlab.errors import UsageError
+from shaderlab.evaluation.driver_values import DriverValues, driver_values
+from shaderlab.evaluation.evaluation import Evaluation
+from shaderlab.evaluation.interpreting import Invocations, fragments
+from shaderlab.frame import PassDraw
+from shaderlab.interpreter import FLOAT32, FLOAT64, Arithmetic, Bands, Stored, interpret
+from shaderlab.records import Explanation, Step
+
+_MOST_BLOCKS = 10_000  # a few seconds, for so few invocations
+_Key = tuple[int, tuple[int, ...], str, int]
+
+
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """What the invocations of a draw stored, in one arithmetic, in the order of execution."""
+
+    stored: list[Stored]
+    undecided: Any
+
+    def at(self, row: int) -> dict[_Key, Stored]:
+        """What one of them stored, by line, calls, name, and how often it was there before."""
+        found: dict[_Key, Stored] = {}
+        for event in self.stored:
+            if event.mask[row]:
+                again = 0
+                while (key := (event.line, event.calls, event.name, again)) in found:
+                    again += 1
+                found[key] = event
+        return found
+
+
+def traced(given: Invocations, arithmetic: Arithmetic) -> Trace:
+    """Interpret invocations and keep what they store. Raises as `interpret` does."""
+    stored: list[Stored] = []
+    result = interpret(
+        given.program,
+        given.each,
+        given.bindings,
+        arithmetic,
+        count=given.count,
+        blocks=_MOST_BLOCKS,
+        trace=stored.append,
+    )
+    undecided = np.zeros(given.count, np.bool_)
+    for flags in result.undecided.values():
+        undecided = undecided | flags
+    return Trace(stored, undecided)
+
+
+def explain(evaluation: Evaluation, key: PassDraw, pixel: tuple[int, int]) -> Explanation:
+    """What a draw's fragment shader stores at a pixel that it is seen at.
+
+    Raises:
+        UsageError: the draw is not seen there.
+        NotInterpretedError: the shader can't be interpreted.
+        DriverError, CaseError: its inputs can't be captured.
+    """
+    given = fragments(evaluation, key, among=np.array([pixel]))
+    assert given.pixels is not None
+    here = np.flatnonzero((given.pixels == pixel).all(axis=-1))
+    if not here.size:
+        raise UsageError(f"draw {key[1]} of pass {key[0]!r} is not seen at pixel {pixel}")
+    bands = traced(given, Bands())
+    driver = driver_values(evaluation, key, given, bands.stored)
+    return Explanation(
+        pixel=pixel, steps=steps_at(given, bands, driver, int(here[0])), refused=driver.refused
+    )
+
+
+def steps_at(given: Invocations, bands: Trace, driver: DriverValues, row: int) -> tuple[Step, ...]:
+    """What one invocation stores, step by step; the driver's value at a statement's last turn."""
+    banded = bands.at(row)
+    single, exact = (traced(given, arithmetic).at(row) for arithmetic in (FLOAT32, FLOAT64))
+    last = {(line, name): key for key in banded for line, _, name, _ in [key]}
+    steps = []
+    for key, event in banded.items():
+        if not _is_vector(event.value) or key not in single or key not in exact:
+            continue
+        value, measured = _row(single[key].value, row), False
+        slot = (event.line, event.name)
+        if slot in driver.values and last[slot] == key and driver.values[slot][1][row]:
+            value, measured = driver.values[slot][0][row].astype(np.float64), True
+        steps.append(_step(given, event, value, measured, _row(exact[key].value, row), row))
+    return tuple(steps)
+
+
+def _step(
+    given: Invocations, event: Stored, value: Any, measured: bool, exact: Any, row: int
+) -> Step:
+    file, line = given.program.place(event.line)
+    low, high = _row(event.value.lo, row), _row(event.value.hi, row)
+    with np.errstate(all="ignore"):
+        off = np.nanmax(np.abs(value - exact) / ulp(exact), initial=0.0)
+    width, reads = _width(event.value, row), [v for v in event.reads if _is_vector(v)]
+    # 1 - x that may be 0 has no size of its own: what it is made of has.
+    scale = max((_size(v, row) for v in reads), default=0.0)
+    lost = _width(event.value, row, scale) - max((_width(v, row) for v in reads), default=0.0)
+    return Step(
+        file=file,
+        line=line,
+        name=event.name,
+        calls=tuple(given.program.place(call)[1] for call in event.calls),
+        value=tuple(map(float, value)),
+        by_driver=measured,
+        exact=tuple(map(float, exact)),
+        low=tuple(map(float, low)),
+        high=tuple(map(float, high)),
+        off=float(off),
+        width=width,
+        lost=max(lost, 0.0) if np.isfinite(width) else width,
+    )
+
+
+def _is_vector(value: Any) -> bool:
+    return isinstance(value, Band) and value.ndim == 2
+
+
+def _size(band: Band, row: int) -> float:
+    """The largest absolute value that a band allows."""
+    return float(np.maximum(np.abs(_row(band.lo, row)), np.abs(_row(band.hi, row))).max())
+
+
+def _width(band: Band, row: int, scale: float = 0.0) -> float:
+    """A band's width in ULP of its larger bound, or of `scale` where it holds 0 and that is larger;
+    in the component where that is most."""
+    low, high = _row(band.lo, row), _row(band.hi, row)
+    with np.errstate(all="ignore"):
+        size = np.maximum(np.abs(low), np.abs(high))
+        unit = ulp(np.where((low <= 0.0) & (high >= 0.0), np.maximum(size, scale), size))
+        found = np.where(high == low, 0.0, (high - low) / unit)
+    return float(np.nan_to_num(found, nan=np.inf).max())
+
+
+def _row(values: Any, row: int) -> Any:
+    """One row of what has a row for each invocation, or one for all."""
+    array = np.asarray(values, np.float64)
+    return array[row if len(array) > 1 else 0]
+
+
+def widest_pixel(evaluation: Evaluation, key: PassDraw, most: int = 1024) -> tuple[int, int]:
+    """The pixel of a draw where the band of what it writes is widest in ULP, of some from all over
+    the picture; the first one where all are exact.
+
+    Raises:
+        UsageError: the draw is not seen.
+        NotInterpretedError, DriverError, CaseError: as `explain`.
+    """
+    given = fragments(evaluation, key, most)
+    assert given.pixels is not None
+    if not given.count:
+        raise UsageError(f"draw {key[1]} of pass {key[0]!r} is not seen at any pixel")
+    result = interpret(
+        given.program, given.each, given.bindings, Bands(), count=given.count, blocks=_MOST_BLOCKS
+    )
+    widths = np.zeros(given.count)
+    for band in result.outputs.values():
+        if _is_vector(band):
+            with np.errstate(all="ignore"):
+                unit = ulp(np.maximum(np.abs(band.lo), np.abs(band.hi)))
+                found = np.nan_to_num((band.hi - band.lo) / unit, nan=0.0, posinf=0.0)
+            widths = np.maximum(widths, found.max(axis=-1))
+    x, y = given.pixels[int(np.argmax(widths))]
+    return int(x), int(y)

@@ -1,0 +1,37 @@
+"""What `shaderlab explain` asks of a worker."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from shaderlab.options import RunOptions
+from shaderlab.records import Explanation
+
+if TYPE_CHECKING:
+    from shaderlab.execution.lab_worker import LabWorker
+
+
+@dataclass(frozen=True)
+class ExplainPixel:
+    """Asks for the `Explanation` of a draw at a pixel, by default the one whose band is widest.
+
+    `pass_name` is None for the last pass; `draw` counts from 0, from the last one if negative.
+    """
+
+    file: Path
+    variant: str
+    pass_name: str | None
+    draw: int
+    pixel: tuple[int, int] | None
+    options: RunOptions
+
+    def perform(self, worker: LabWorker) -> Explanation:
+        """See `shaderlab.execution.jobs.Request`."""
+        from shaderlab.evaluation.explaining import explain, widest_pixel
+
+        lab, scene = worker.lab(self.options), worker.scenes(str(self.file))[self.variant]
+        key = scene.draw_key(self.pass_name, self.draw)
+        with lab.evaluation(scene, lab.prepare_for_opengl(scene)) as evaluation:
+            return explain(evaluation, key, self.pixel or widest_pixel(evaluation, key))
