@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,6 +16,7 @@ from shaderlab.evaluation.evaluation import Evaluation
 from shaderlab.evaluation.interpreting import Invocations, fragments
 from shaderlab.frame import PassDraw
 from shaderlab.interpreter import FLOAT32, FLOAT64, Arithmetic, Bands, Stored, interpret
+from shaderlab.judging.formats import stored
 from shaderlab.records import Explanation, Step
 
 _MOST_BLOCKS = 10_000  # a few seconds, for so few invocations
@@ -26,7 +28,7 @@ class Trace:
     """What the invocations of a draw stored, in one arithmetic, in the order of execution."""
 
     stored: list[Stored]
-    undecided: Any
+    outputs: Mapping[str, Any]
 
     def at(self, row: int) -> dict[_Key, Stored]:
         """What one of them stored, by line, calls, name, and how often it was there before."""
@@ -42,7 +44,7 @@ class Trace:
 
 def traced(given: Invocations, arithmetic: Arithmetic) -> Trace:
     """Interpret invocations and keep what they store. Raises as `interpret` does."""
-    stored: list[Stored] = []
+    events: list[Stored] = []
     result = interpret(
         given.program,
         given.each,
@@ -50,16 +52,18 @@ def traced(given: Invocations, arithmetic: Arithmetic) -> Trace:
         arithmetic,
         count=given.count,
         blocks=_MOST_BLOCKS,
-        trace=stored.append,
+        trace=events.append,
     )
-    undecided = np.zeros(given.count, np.bool_)
-    for flags in result.undecided.values():
-        undecided = undecided | flags
-    return Trace(stored, undecided)
+    return Trace(events, result.outputs)
 
 
-def explain(evaluation: Evaluation, key: PassDraw, pixel: tuple[int, int]) -> Explanation:
+def explain(
+    evaluation: Evaluation, key: PassDraw, pixel: tuple[int, int], *, if_outside: bool = False
+) -> Explanation:
     """What a draw's fragment shader stores at a pixel that it is seen at.
+
+    With `if_outside` the driver draws the shader's statements only where an output of its leaves
+    the band there: else it does what the shader says, and float32 arithmetic shows that as well.
 
     Raises:
         UsageError: the draw is not seen there.
@@ -72,10 +76,32 @@ def explain(evaluation: Evaluation, key: PassDraw, pixel: tuple[int, int]) -> Ex
     if not here.size:
         raise UsageError(f"draw {key[1]} of pass {key[0]!r} is not seen at pixel {pixel}")
     bands = traced(given, Bands())
-    driver = driver_values(evaluation, key, given, bands.stored)
+    row = int(here[0])
+    driver = DriverValues(values={})
+    if not if_outside or _leaves(evaluation, key, given, bands, row):
+        driver = driver_values(evaluation, key, given, bands.stored)
     return Explanation(
-        pixel=pixel, steps=steps_at(given, bands, driver, int(here[0])), refused=driver.refused
+        pixel=pixel, steps=steps_at(given, bands, driver, row), refused=driver.refused
     )
+
+
+def _leaves(
+    evaluation: Evaluation, key: PassDraw, given: Invocations, bands: Trace, row: int
+) -> bool:
+    """Whether what the driver wrote lies outside of the program's band; False where attachments
+    hold something else than what was written."""
+    state = evaluation.programs[key[0]][key[1]].draw.state
+    target = evaluation.scene.find_pass(key[0]).target
+    if state.blend or state.srgb or target.samples or not all(state.color_mask):
+        return False
+    for name, band in bands.outputs.items():
+        if name in given.measured and _is_vector(band):
+            measured = given.measured[name][row : row + 1]
+            components = min(measured.shape[-1], band.shape[-1])
+            allowed = stored(band[row : row + 1, :components], given.formats[name], components)
+            if not allowed.contains(measured[:, :components]).all():
+                return True
+    return False
 
 
 def steps_at(given: Invocations, bands: Trace, driver: DriverValues, row: int) -> tuple[Step, ...]:

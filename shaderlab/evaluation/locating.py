@@ -30,7 +30,7 @@ def located(evaluation: Evaluation, formula: Formula, outcome: Outcome) -> Expla
     key = formula.key(evaluation.scene)
     if formula.is_of_depth(evaluation.scene, evaluation.programs):
         return None
-    explained = explain(evaluation, key, outcome.worst.pixel)
+    explained = explain(evaluation, key, outcome.worst.pixel, if_outside=True)
     for step in explained.steps:
         if step.by_driver and not step.inside:
             return _blaming(explained, step, "the driver leaves what the shader allows", "allowed")
@@ -43,8 +43,6 @@ def located(evaluation: Evaluation, formula: Formula, outcome: Outcome) -> Expla
         if known and not any(_agrees(step, values) for step in steps for values in known):
             words = "the driver computes what the shader says"
             return _blaming(explained, steps[-1], words, "the reference's", _shown(known[-1]))
-    if any(not step.by_driver for step in explained.steps):
-        return explained
     return replace(
         explained,
         verdict="the driver computes what the shader says, and each value that has a name in the "

@@ -10,10 +10,9 @@ from typing import Any
 
 import numpy as np
 
-import shaderlab
 from shaderlab.judging.inputs import Inputs, evaluate
 
-_LAB = str(Path(shaderlab.__file__).parent)
+_LAB = str(Path(__file__).parents[1])
 _FORMULAS = str(Path(_LAB) / "reference")
 
 
