@@ -30,7 +30,7 @@ def ones(kind: Type) -> Any:
         return [ones(kind.element)] * kind.dims[0]
     if kind.members:
         return {name: ones(member) for name, member in kind.members}
-    return texture(kind.name) if kind.opaque else np.ones(kind.shape, DTYPES[kind.kind])
+    return texture(kind.name) if kind.opaque else np.ones(kind.shape, DTYPES.get(kind.kind))
 
 
 def texture(sampler: str) -> Any:

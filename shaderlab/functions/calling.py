@@ -45,6 +45,7 @@ class Caller:
     def evaluate(
         self,
         evaluation: Evaluation,
+        versions: tuple[int, ...],
         layers: int,
         words: int,
         what: str,
@@ -52,7 +53,7 @@ class Caller:
         take: Callable[[Array], Any],
     ) -> Any:
         """What `take` makes of the outputs, (words, height, width, lanes); `fill` sets the inputs,
-        (layers, height, width, lanes). `what` is what runs, for messages.
+        (layers, height, width, lanes). `versions` are those of GLSL to try, `what` says what runs.
 
         Raises:
             ShaderError, CaseError, CallError: as `shaderlab.backends.Backend.evaluate`; it hangs,
@@ -64,7 +65,9 @@ class Caller:
         with self._lock:
             whole = self._memory.words((layers + words) * size).reshape(-1, *shape)
             fill(whole[:layers])
-            request = Evaluate(evaluation, layers, words, self._memory.region, what, self._driver)
+            request = Evaluate(
+                evaluation, versions, layers, words, self._memory.region, what, self._driver
+            )
             self._perform(request, what)
             return take(whole[layers:])
 

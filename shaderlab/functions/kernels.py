@@ -84,22 +84,18 @@ class Kernel:
             lines.append(f"{texel} {PREFIX}words[{self.planes}];")
         lines.append(f"void {PREFIX}call(const int lane) {{")
         lines += self._reading()
-        arguments = []
-        for number, parameter in enumerate(signature.parameters):
-            name = own(parameter.name)
-            arguments.append(name)
+        for parameter in signature.parameters:
             if parameter.direction == "out":
-                lines.append(f"  {declaration(parameter.type, name)};")
-            del number
-        call = f"{signature.name}({', '.join(arguments)})"
+                lines.append(f"  {declaration(parameter.type, own(parameter.name))};")
+        call = f"{signature.name}({', '.join(own(p.name) for p in signature.parameters)})"
+        values = [own(p.name) for p in signature.parameters if p.direction != "in"]
         if signature.result.name != "void":
-            kind = signature.result
-            dims = "".join(f"[{n}]" for n in kind.dims)
-            call = f"{kind.name}{dims} {PREFIX}result = {call}"
+            dims = "".join(f"[{n}]" for n in signature.result.dims)
+            call = f"{signature.result.name}{dims} {PREFIX}result = {call}"
+            values.insert(0, f"{PREFIX}result")
         lines.append(f"  {call};")
-        written = [text for name, kind in signature.outputs for text in written_words(
-            f"{PREFIX}result" if name == "result" and kind is signature.result else own(name), kind
-        )]  # fmt: skip
+        outputs = zip(values, signature.outputs, strict=True)
+        written = [word for value, (_, kind) in outputs for word in written_words(value, kind)]
         if signature.discards:
             written.append("1u")
         at = "[lane]" if self.lanes > 1 else ""

@@ -19,7 +19,7 @@ from shaderlab.options import RunOptions
 if TYPE_CHECKING:
     from shaderlab.execution.lab_worker import LabWorker
 
-_VERSION = re.compile(r"#version (\d+)")
+_VERSION = re.compile(r"#version \d+")
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,8 @@ class Evaluate:
     """Asks for an evaluation; inputs are at the start of the memory, outputs behind them.
 
     Attributes:
-        evaluation: what to run; its sources' `#version` is lowered to the driver's own.
+        evaluation: what to run.
+        versions: of GLSL to try, one after the other; later ones than the driver's become that.
         layers, words: of the inputs and of the outputs.
         region: the memory.
         note: what runs, for messages.
@@ -51,6 +52,7 @@ class Evaluate:
     """
 
     evaluation: Evaluation
+    versions: tuple[int, ...]
     layers: int
     words: int
     region: Region
@@ -68,20 +70,23 @@ class Evaluate:
         whole = np.frombuffer(memory, np.uint32, count * int(np.prod(shape)))
         layers = whole.reshape(count, *shape)
         newest = int(lab.backend.info["glsl"].replace(".", "")[:3])
-        passes = tuple((_at_most(s, newest), words) for s, words in self.evaluation.passes)
-        evaluation = replace(self.evaluation, passes=passes)
-        try:
-            lab.backend.evaluate(evaluation, layers[: self.layers], layers[self.layers :])
-        except ShaderError:
-            for source, _ in passes:  # glslang's words are the better ones
-                cached_compiler()((source,), ("glsl",)).require()
-            raise
+        refused: ShaderError | None = None
+        for version in self.versions:
+            passes = tuple((_as(s, min(version, newest)), n) for s, n in self.evaluation.passes)
+            evaluation = replace(self.evaluation, passes=passes)
+            try:
+                lab.backend.evaluate(evaluation, layers[: self.layers], layers[self.layers :])
+            except ShaderError as error:
+                refused = refused or error
+            else:
+                return
+        assert refused is not None
+        for source, _ in self.evaluation.passes:  # glslang's words are the better ones
+            cached_compiler()((source,), ("glsl",)).require()
+        raise refused
 
 
-def _at_most(source: Source, newest: int) -> Source:
-    """The source in the driver's newest GLSL where it says a later one."""
-    found = _VERSION.match(source.text)
-    if found is None or int(found[1]) <= newest:
-        return source
-    text = f"#version {newest}" + source.text[found.end() :]
-    return replace(source, text=text, stripped=None)
+def _as(source: Source, version: int) -> Source:
+    """The source in another version of GLSL."""
+    text = _VERSION.sub(f"#version {version}", source.text, count=1)
+    return source if text == source.text else replace(source, text=text, stripped=None)

@@ -13,6 +13,7 @@ import numpy as np
 from shaderlab.backends import Evaluation
 from shaderlab.compiler.include import LineMap
 from shaderlab.compiler.sources import Source
+from shaderlab.compiler.text import version_of, without_comments
 from shaderlab.frame import Array
 from shaderlab.functions.arguments import Argument, result
 from shaderlab.functions.binding import Call
@@ -27,7 +28,7 @@ _WORDS = 1 << 25
 """Words of inputs and outputs that are evaluated at a time: more would only take more memory."""
 _FEW = 1 << 14
 """Up to so many elements a pixel each: compiling for four costs more than it saves."""
-_NEWEST = 450
+_NEWEST, _OLDEST = 450, 330
 
 
 def evaluate(source: Source, folder: str, call: Call) -> Any:
@@ -82,6 +83,7 @@ class _Run:
         self._what = f"{kernel.signature.name} of {source.path}"
         self._folder = folder
         self._passes = passes(source, kernel)
+        self._versions = versions(source)
         self._shared = np.zeros((-(-kernel.shared_words // 4), 4), np.uint32)
         words = [call.values[i.name].shared_words() for i in kernel.shared]
         if words:
@@ -123,6 +125,7 @@ class _Run:
 
         return caller().evaluate(
             evaluation,
+            self._versions,
             kernel.planes,
             kernel.result_words,
             self._what,
@@ -131,12 +134,20 @@ class _Run:
         )
 
 
+def versions(source: Source) -> tuple[int, ...]:
+    """The versions of GLSL that a file may be compiled as: its own if it says one of the desktop's,
+    else a late one, or an early one where it has names that later ones took."""
+    number, profile = source.version
+    if profile == "es":
+        return (_NEWEST,)
+    says = any(version_of(without_comments(text)) for _, text in source.parts)
+    return (max(number, _OLDEST),) if says else (_NEWEST, _OLDEST)
+
+
 @lru_cache(maxsize=256)
 def passes(source: Source, kernel: Kernel) -> tuple[tuple[Source, int], ...]:
     """The kernel's shaders, each with how many words it writes; their lines are the file's."""
-    number, profile = source.version
-    says = any("#version" in text for _, text in source.parts)
-    version = max(number, 330) if says and profile != "es" else _NEWEST
+    version = versions(source)[0]
     code, here = kernel.signature.code, source.place(kernel.signature.line)
     found = []
     for first in range(0, max(kernel.result_words, 1), MAX_WORDS):
@@ -171,7 +182,7 @@ def _masked(value: Any, kept: Array) -> Any:
     if isinstance(value, list):
         return [_masked(v, kept) for v in value]
     array = np.asarray(value)
-    mask = ~kept.reshape(*kept.shape, *[1] * (array.ndim - kept.ndim))
+    mask = ~kept.reshape((*kept.shape, *[1] * (array.ndim - kept.ndim)))
     return np.ma.array(array, mask=np.broadcast_to(mask, array.shape))
 
 

@@ -19,7 +19,8 @@ _STAGE_INPUTS = {
     "gl_VertexID": "int", "gl_InstanceID": "int", "gl_VertexIndex": "int",
     "gl_InstanceIndex": "int", "gl_BaseVertex": "int", "gl_BaseInstance": "int",
     "gl_DrawID": "int", "gl_GlobalInvocationID": "uvec3", "gl_LocalInvocationID": "uvec3",
-    "gl_WorkGroupID": "uvec3", "gl_NumWorkGroups": "uvec3", "gl_LocalInvocationIndex": "uint",
+    "gl_WorkGroupID": "uvec3", "gl_WorkGroupSize": "uvec3", "gl_NumWorkGroups": "uvec3",
+    "gl_LocalInvocationIndex": "uint",
 }  # fmt: skip
 _STAGE_OUTPUTS = {"gl_Position": "vec4", "gl_PointSize": "float", "gl_FragColor": "vec4"}
 # What Shadertoy declares for every shader (shadertoy.com/howto).
@@ -101,7 +102,8 @@ class Signature:
     def outputs(self) -> tuple[tuple[str, Type], ...]:
         """What a call gives, by name: the result, then what is written to parameters."""
         outs = tuple((p.name, p.type) for p in self.parameters if p.direction != "in")
-        return outs if self.result.name == "void" else (("result", self.result), *outs)
+        name = "result" if all(p.name != "result" for p in self.parameters) else "returned"
+        return outs if self.result.name == "void" else ((name, self.result), *outs)
 
     def __str__(self) -> str:
         shown = ", ".join(
@@ -154,6 +156,9 @@ def _signature(found: Declarations, own: Item) -> Signature:
     for item in needed:
         if item.kind == "block" and "buffer" in item.qualifiers:
             obstacles.append(f"reads or writes the storage block {item.name}")
+    for one in globals_:
+        if one.type.opaque and not one.type.members and "sampler" not in one.type.name[:8]:
+            obstacles.append(f"reads {one.type} {one.name}")
     obstacles += [f"uses {name}, of another stage" for name in sorted(used & _OTHER_STAGES)]
     for name, kind in (("result", result), *((p.name, p.type) for p in parameters)):
         if kind.name != "void" and not kind.known and not kind.opaque and not obstacles:
@@ -197,9 +202,9 @@ def _renamed(text: str) -> str:
 
 
 def _given(items: list[Item]) -> Iterator[Named]:
-    """The variables that somebody else sets."""
+    """The variables that somebody else sets; what GLSL declares itself may be declared again."""
     for item in items:
-        if not item.qualifiers & _GIVEN:
+        if not item.qualifiers & _GIVEN or _redeclares(item):
             continue
         if item.kind == "variables":
             yield from item.members
@@ -209,6 +214,10 @@ def _given(items: list[Item]) -> Iterator[Named]:
             yield item.instance
         elif item.kind == "block":
             yield from item.members
+
+
+def _redeclares(item: Item) -> bool:
+    return any(name.startswith("gl_") for name in item.declares)
 
 
 def _state(items: list[Item]) -> Iterator[Named]:
@@ -255,6 +264,8 @@ def _emitted(found: Declarations, needed: list[Item], types: _Types) -> str:
 
 def _as_variables(item: Item, whole: str, types: _Types) -> str:
     """An item's own text, or plain variables for what other stages and callers set."""
+    if _redeclares(item):
+        return ""
     if item.kind == "block":
         members = "".join(f"{_spelt(m)}; " for m in item.members)
         if item.instance is None:

@@ -30,6 +30,7 @@ int over(int n) { return n * 10; }
 vec3 turned(mat3 m, vec3 v) { return m * v; }
 mat2x3 made(vec2 v) { return mat2x3(v, 1.0, 2.0, 3.0, 4.0); }
 void parts(in float x, out vec2 both, inout int n) { both = vec2(x, -x); n += 1; }
+float twin(float x, out float result) { result = 2.0 * x; return x; }
 float written(float x, out bool positive) { positive = x > 0.0; return abs(x); }
 uint bits(uint n) { return n >> 1u; }
 Lamp lit(Lamp lamp, float by) { lamp.light.power *= by; lamp.on = !lamp.on; return lamp; }
@@ -92,6 +93,7 @@ def test_what_is_written_to_parameters_comes_back(kinds: glsl.Library) -> None:
     assert both.tolist() == [[1.0, -1.0], [2.0, -2.0]] and n.tolist() == [6, 6]
     found = kinds.written(-2.0)
     assert found.result == 2.0 and not found.positive and found.positive.dtype == bool
+    assert kinds.twin(3.0)._asdict() == {"returned": 3.0, "result": 6.0}
     assert kinds.bits(2**32 - 1) == 2**31 - 1
 
 
@@ -125,6 +127,7 @@ def test_samplers_take_arrays_and_textures(kinds: glsl.Library) -> None:
 def test_functions_of_the_fragment_stage(kinds: glsl.Library) -> None:
     kept = kinds.kept([-1.0, 4.0])
     assert kept.mask.tolist() == [True, False] and kept[1] == 2.0
+    assert kinds.kept(-1.0) is np.ma.masked or kinds.kept(-1.0).mask
     x = 3.0 * np.arange(6)[:, None] + np.arange(4)
     assert kinds.slopes(x)[..., 0].tolist() == np.ones((6, 4)).tolist()
     assert (kinds.slopes(x)[..., 1] == 3.0).all()
@@ -185,6 +188,8 @@ float one(float x) { return x / x; }
 void main() { color = vec4(f(uv.x)); }
 """,
     "b.frag": """#version 460
+#extension GL_ARB_separate_shader_objects : require
+layout(origin_upper_left) in vec4 gl_FragCoord;
 layout(set = 0, binding = 1) uniform sampler2D map;
 layout(push_constant) uniform Push { float time; int count; } push;
 layout(constant_id = 3) const int ROUNDS = 2;
@@ -206,6 +211,10 @@ layout(std430, binding = 0) buffer Data { float values[]; };
 uniform float time;
 float f(float x) { return x * time + float(gl_GlobalInvocationID.x); }
 float g(float x) { return values[0]; }
+layout(rgba8) uniform image2D picture;
+vec4 h(ivec2 place) { return imageLoad(picture, place); }
+double i(double x) { return x; }
+float j(float x) { barrier(); return x; }
 void main() { values[gl_GlobalInvocationID.x] = f(1.0); }
 """,
     "e.glsl": """#pragma once
@@ -249,14 +258,31 @@ def test_every_dialect(tree: Path, name: str) -> None:
     assert glsl.load(tree / name).f(3.0, **GIVEN[name]) == 7.0
 
 
+def test_a_file_without_a_version_has_old_names_and_new_functions() -> None:
+    library = glsl.load("""
+        float old(float x) { float sample = x; return sample; }
+        float late(float x) { return fma(x, 2.0, 1.0); }
+    """)
+    assert library.old(2.0) == 2.0 and library.late(2.0) == 5.0
+
+
 def test_shadertoys_image(tree: Path) -> None:
     toy = glsl.load(tree / "toy.frag", iResolution=[4.0, 2.0, 1.0], iTime=0.0, iChannel0=ONE)
     assert toy.mainImage([[1.0, 1.0], [4.0, 2.0]]).tolist() == [[0.25, 0.5, 1, 1], [1, 1, 1, 1]]
 
 
-def test_what_can_not_be_called_says_why(tree: Path) -> None:
-    with pytest.raises(CallError, match="g can't be called: reads or writes the storage block"):
-        glsl.load(tree / "d.comp").g(1.0, time=1.0)
+@pytest.mark.parametrize(
+    ("name", "why"),
+    [
+        ("g", "reads or writes the storage block Data"),
+        ("h", "reads image2D picture"),
+        ("i", "result is a double"),
+        ("j", "uses barrier, of another stage"),
+    ],
+)
+def test_what_can_not_be_called_says_why(tree: Path, name: str, why: str) -> None:
+    with pytest.raises(CallError, match=f"{name} can't be called: {why}"):
+        glsl.load(tree / "d.comp")[name](1)
 
 
 def test_a_function_that_does_not_compile_fails_at_its_line(tmp_path: Path) -> None:
