@@ -19,7 +19,7 @@ from shaderlab.frame import Array, Bindings
 from shaderlab.interpreter.arithmetic import Arithmetic
 from shaderlab.interpreter.program import INPUTS, Program
 from shaderlab.interpreter.types import Type
-from shaderlab.interpreter.values import Missing, Value, broadcast, component
+from shaderlab.interpreter.values import Missing, Value, broadcast, component, undefined
 
 
 def memory_of(
@@ -33,8 +33,17 @@ def memory_of(
     memory: dict[int, Value] = {}
     for id_, (type_, storage) in program.variables.items():
         if storage in INPUTS:
-            memory[id_] = giver.value(type_, _name(program, id_))
+            memory[id_] = giver.value(type_, called(program, id_))
     return memory
+
+
+def undefined_outputs(program: Program, arithmetic: Arithmetic) -> dict[int, Value]:
+    """What outputs hold before anything is written to them, by id."""
+    return {
+        id_: undefined(type_, arithmetic)
+        for id_, (type_, storage) in program.variables.items()
+        if storage == Storage.OUTPUT
+    }
 
 
 def outputs_of(program: Program, memory: Mapping[int, Value], count: int) -> dict[str, Any]:
@@ -43,7 +52,7 @@ def outputs_of(program: Program, memory: Mapping[int, Value], count: int) -> dic
     for id_, (pointee, storage) in program.module.variables.items():
         if storage != Storage.OUTPUT or memory.get(id_) is None:
             continue
-        for leaf in leaves(program.module, pointee, _name(program, id_)):
+        for leaf in leaves(program.module, pointee, called(program, id_)):
             value = memory[id_]
             for index in leaf.path:
                 value = None if value is None else component(value, index)
@@ -52,7 +61,7 @@ def outputs_of(program: Program, memory: Mapping[int, Value], count: int) -> dic
     return found
 
 
-def _name(program: Program, id_: int) -> str:
+def called(program: Program, id_: int) -> str:
     """What a variable's parts are called by: a block's own name, which counts only where it has
     an instance name; else the variable's."""
     module = program.module

@@ -12,7 +12,7 @@ from shaderlab.bands import Truth
 from shaderlab.errors import FormulaError
 from shaderlab.frame import Array, Bindings
 from shaderlab.interpreter.arithmetic import Arithmetic
-from shaderlab.interpreter.binding import memory_of, outputs_of
+from shaderlab.interpreter.binding import memory_of, outputs_of, undefined_outputs
 from shaderlab.interpreter.memory import Flags, World
 from shaderlab.interpreter.program import Program
 from shaderlab.interpreter.running import BLOCKS, TURNS, Run, Trace
@@ -48,6 +48,7 @@ def interpret(
     turns: int = TURNS,
     blocks: int = BLOCKS,
     trace: Trace | None = None,
+    unwritten: bool = False,
 ) -> Interpreted:
     """Run a stage on many invocations at once.
 
@@ -63,6 +64,7 @@ def interpret(
         turns: how often a loop may turn each time that it is entered.
         blocks: how many blocks may be run in all.
         trace: is called with each value that a variable, or a part of one, is given.
+        unwritten: whether outputs hold an undefined value where an invocation writes none.
 
     Raises:
         NotInterpretedError: the program does what the interpreter does not know, or does not end.
@@ -80,6 +82,8 @@ def interpret(
     places = each.get("gl_FragCoord")
     run = Run(program, arithmetic, count, places=places, turns=turns, blocks=blocks, trace=trace)
     memory = memory_of(program, each, bindings, arithmetic)
+    if unwritten:
+        memory |= undefined_outputs(program, arithmetic)
     for id_, constant in program.module.initialisers.items():
         if isinstance(memory.get(id_), Missing | None):
             memory[id_] = run.value(constant)
