@@ -27,6 +27,7 @@ COMMANDS = {
     "sweep": "sweep",
     "compile": "compile",
     "explain": "explain",
+    "diff": "diff",
     "mutate": "mutate",
     "report": "reporting",
     "init": "init",
@@ -117,6 +118,7 @@ def cli(context: click.Context, debug: bool) -> None:
       shaderlab sweep ID --param …        one case over a grid of inputs
       shaderlab compile my_shaders/       only ask the compilers
       shaderlab explain spotlight         what each line computes at a pixel
+      shaderlab diff old.frag new.frag    is a rewritten shader the same one?
       pytest my_cases/                    the same cases as tests
 
     Settings of a project are in [tool.shaderlab] of its pyproject.toml.

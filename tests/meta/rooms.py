@@ -18,7 +18,7 @@ BEGIN, END = "<!-- rooms: generated -->", "<!-- end of rooms -->"
 ORDER = (
     "errors", "files", "activity", "packages", "module_path", "options", "records", "frame",
     "bands", "sampling", "glslmath", "pictures", "model", "assets", "reference",
-    "compiler", "interpreter", "programs", "backends", "judging", "expectations",
+    "compiler", "interpreter", "equivalence", "programs", "backends", "judging", "expectations",
     "discovery", "settings", "catalogue", "evaluation", "report", "execution", "mutation",
     "code_coverage", "functions", "glsl",
     "doctor", "pytest_plugin", "cli", "__main__", "__init__",

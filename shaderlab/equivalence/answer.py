@@ -1,0 +1,205 @@
+"""What a comparison of two programs found, as data and in words."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+_SHOWN = 6  # inputs of an example
+_WHY = {
+    "coverage": ", where only one discards",
+    "definedness": ", where only one is defined",
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Numerics:
+    """How the accuracy of an output changes, by the widths of its bands, in ULP of its value.
+
+    Attributes:
+        worse, better: how many ULP the new program loses or gains where it does most.
+        near: the inputs there, of whichever is more.
+        place: the first line of the new program that the change shows in, "file:line" or "".
+    """
+
+    worse: float
+    better: float
+    near: Mapping[str, tuple[float, ...]]
+    place: str = ""
+
+    @property
+    def differ(self) -> bool:
+        """Whether more than rounding alike is between them: 1 ULP, and a quarter."""
+        return max(self.worse, self.better) > 0.0
+
+    def __str__(self) -> str:
+        if not self.differ:
+            return "same numerics"
+        less = self.worse >= self.better
+        how = "less" if less else "more"
+        text = f"up to {_number(max(self.worse, self.better))} ULP {how} accurate"
+        text += f" near {shown(self.near)}" if self.near else ""
+        return f"{text}, from {self.place}" if self.place else text
+
+
+@dataclass(frozen=True, kw_only=True)
+class OutputAnswer:
+    """What was found of one output.
+
+    Attributes:
+        name: as the old program calls it; "old → new" where the new one calls it otherwise.
+        judged: on how many inputs it was compared.
+        different: on how many of them it is another one.
+        apart: how far, at most; infinite where only one program draws, or has a number.
+        why: "value", "coverage", "definedness"; "missing" where a program has no such output.
+        example: inputs at which it differs, and what both give there.
+        place: the first line of the new program that differs there, "file:line" or "".
+        conditions: what it is the same under, where it is not so without.
+        numerics: None where the mathematics differ, or bands could not be had.
+    """
+
+    name: str
+    judged: int = 0
+    different: int = 0
+    apart: float = 0.0
+    why: str = ""
+    example: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+    gives: tuple[tuple[float, ...], tuple[float, ...]] = ((), ())
+    place: str = ""
+    conditions: tuple[str, ...] = ()
+    numerics: Numerics | None = None
+
+    @property
+    def same(self) -> bool | None:
+        """Whether it is the same mathematics; None where nothing could be compared."""
+        if self.different or self.why == "missing":
+            return False
+        return True if self.judged else None
+
+    def __str__(self) -> str:
+        if self.why == "missing":
+            return f"{self.name}: only one of the two writes it"
+        if self.same is None:
+            return f"{self.name}: nothing to compare: it is undefined, or noise, on all inputs"
+        if self.same:
+            text = f"{self.name}: same"
+            if self.numerics is not None and self.numerics.differ:
+                text += f" mathematics, {self.numerics}"
+            text += f" on {self.judged:,} inputs"
+            return text + (f", if {' and '.join(self.conditions)}" if self.conditions else "")
+        share = 100.0 * self.different / self.judged
+        text = f"{self.name}: different at {_percent(share)} % of {self.judged:,} inputs"
+        if self.why == "value":
+            text += f", by up to {_number(self.apart)}"
+        text += _WHY.get(self.why, "")
+        if self.place:
+            text += f"; first at {self.place}"
+        if self.example:
+            text += f"\n    with {shown(self.example)}"
+            text += f"\n    {_vector(self.gives[0])} became {_vector(self.gives[1])}"
+        return text
+
+
+@dataclass(frozen=True, kw_only=True)
+class Answer:
+    """What a comparison found.
+
+    Attributes:
+        old, new: the files.
+        outputs: each output of either program.
+        notes: what else a reader should know: inputs that only one program has.
+        inputs: what each input was given, in words, by name.
+    """
+
+    old: str
+    new: str
+    outputs: tuple[OutputAnswer, ...]
+    notes: tuple[str, ...] = ()
+    inputs: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def same(self) -> bool | None:
+        """Whether all outputs are the same mathematics; None where that can't be said of one."""
+        found = [output.same for output in self.outputs]
+        if False in found:
+            return False
+        return None if None in found or not found else True
+
+    @property
+    def same_numerics(self) -> bool:
+        """Whether no output's accuracy changes."""
+        return not any(o.numerics is not None and o.numerics.differ for o in self.outputs)
+
+    def lines(self) -> Iterator[str]:
+        """The answer in words."""
+        for output in self.outputs:
+            yield str(output)
+        yield from self.notes
+
+    def data(self) -> dict[str, Any]:
+        """The answer as JSON."""
+        return {
+            "old": self.old,
+            "new": self.new,
+            "same": self.same,
+            "outputs": [_data(output) for output in self.outputs],
+            "notes": list(self.notes),
+            "inputs": dict(self.inputs),
+        }
+
+
+def _data(output: OutputAnswer) -> dict[str, Any]:
+    found: dict[str, Any] = {
+        "name": output.name,
+        "same": output.same,
+        "judged": output.judged,
+        "different": output.different,
+    }
+    if output.why:
+        found |= {
+            "why": output.why,
+            "apart": output.apart if output.why == "value" else None,
+            "place": output.place,
+            "example": {n: list(v) for n, v in output.example.items()},
+            "old gives": _numbers(output.gives[0]),
+            "new gives": _numbers(output.gives[1]),
+        }
+    if output.conditions:
+        found["conditions"] = list(output.conditions)
+    if output.numerics is not None:
+        numerics = output.numerics
+        found["numerics"] = {
+            "ulp worse": numerics.worse,
+            "ulp better": numerics.better,
+            "near": {n: list(v) for n, v in numerics.near.items()},
+            "place": numerics.place,
+        }
+    return found
+
+
+def _numbers(values: tuple[float, ...]) -> list[float | None]:
+    """As JSON has them, which has no NaN."""
+    return [value if math.isfinite(value) else None for value in values]
+
+
+def shown(inputs: Mapping[str, tuple[float, ...]]) -> str:
+    """Some inputs as "x = 0.25, normal = (0, 0, 1)"."""
+    some = [f"{name} = {_vector(values)}" for name, values in list(inputs.items())[:_SHOWN]]
+    return ", ".join(some) + (", …" if len(inputs) > _SHOWN else "")
+
+
+def _vector(values: tuple[float, ...]) -> str:
+    if not values:
+        return "nothing"
+    text = ", ".join(f"{value:.6g}" for value in values)
+    return text if len(values) == 1 else f"({text})"
+
+
+def _number(value: float) -> str:
+    return f"{value:,.0f}" if value >= 10.0 else f"{value:.2g}"
+
+
+def _percent(share: float) -> str:
+    return f"{share:.0f}" if share >= 1.0 else f"{share:.2g}"

@@ -1,0 +1,219 @@
+"""Right rewrites are the same, wrong ones are not, and the answer says where and under what."""
+
+from __future__ import annotations
+
+import functools
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from shaderlab.cli.diff import command
+from shaderlab.compiler import Shaders
+from shaderlab.equivalence import Answer, Plan, compare_programs
+from shaderlab.equivalence.noise import Noisy
+from shaderlab.errors import NotInterpretedError, ShaderlabError, UsageError
+from shaderlab.interpreter import Program, load
+
+LAMP = """#version 330 core
+struct Light { vec3 position; vec3 color; float cutOff; float outerCutOff; };
+in vec3 Normal;
+in vec3 FragPos;
+uniform vec3 viewPos;
+uniform vec3 axis; // range: unit
+uniform float shininess; // range: 1..64
+uniform Light lights[2];
+uniform sampler2D map;
+out vec4 FragColor;
+
+float curve(float x)
+{
+    return x <= 0.04 ? x / 12.92 : pow((x + 0.055) / 1.055, 2.4);
+}
+
+void main()
+{
+    vec3 normal = normalize(Normal);
+    vec3 viewDir = normalize(viewPos - FragPos);
+    vec3 sum = vec3(0.0);
+    for (int i = 0; i < 2; ++i) {
+        vec3 lightDir = normalize(lights[i].position - FragPos);
+        float diff = max(dot(normal, lightDir), 0.0);
+        vec3 reflectDir = reflect(-lightDir, normal);
+        float theta = dot(lightDir, axis);
+        float span = lights[i].cutOff - lights[i].outerCutOff + 0.01;
+        float beam = clamp((theta - lights[i].outerCutOff) / span, 0.0, 1.0);
+        float cosine = max(dot(viewDir, reflectDir), 0.0);
+        sum += beam * lights[i].color * (diff + pow(cosine, shininess));
+    }
+    vec4 texel = texture(map, FragPos.xy);
+    float alpha = curve(texel.a);
+    if (alpha < 0.1) {
+        discard;
+    }
+    FragColor = vec4(sum * texel.rgb, alpha);
+}
+"""
+RIGHT = (
+    ("reflect(-lightDir, normal)", "2.0 * dot(normal, lightDir) * normal - lightDir"),
+    ("max(dot(normal, lightDir), 0.0)", "clamp(dot(lightDir, normal), 0.0, 2.0)"),
+    ("normalize(viewPos - FragPos)", "(viewPos - FragPos) / length(FragPos - viewPos)"),
+    ("pow((x + 0.055) / 1.055, 2.4)", "exp2(2.4 * log2((0.055 + x) / 1.055))"),
+    ("x <= 0.04 ? x / 12.92", "x <= 0.04 ? x * (1.0 / 12.92)"),
+    ("(int i = 0; i < 2; ++i)", "(int i = 1; i >= 0; --i)"),
+    ("clamp((theta - lights[i].outerCutOff) / span, 0.0, 1.0)",
+     "min(max((theta - lights[i].outerCutOff) / span, 0.0), 1.0)"),
+    ("if (alpha < 0.1) {\n        discard;", "if (!(alpha >= 0.1)) {\n        discard;"),
+    ("pow(cosine, shininess)", "(cosine > 0.0 ? exp2(shininess * log2(cosine)) : 0.0)"),
+    ("beam * lights[i].color * (diff", "lights[i].color * beam * (diff"),
+    ("normalize(lights[i].position - FragPos)", "-normalize(FragPos - lights[i].position)"),
+    ("sum * texel.rgb,", "vec3(texel.r * sum.r, texel.g * sum.g, texel.b * sum.b),"),
+)  # fmt: skip
+WRONG = (
+    ("reflect(-lightDir, normal)", "reflect(lightDir, normal)"),
+    ("max(dot(normal, lightDir), 0.0)", "abs(dot(normal, lightDir))"),
+    ("normalize(viewPos - FragPos)", "normalize(viewPos + FragPos)"),
+    ("x <= 0.04", "x <= 0.4"),
+    ("(x + 0.055) / 1.055", "(x + 0.055) / 1.056"),
+    ("int i = 0", "int i = 1"),
+    ("0.0, 1.0);\n        float cosine", "-1.0, 1.0);\n        float cosine"),
+    ("if (alpha < 0.1)", "if (alpha < 0.101)"),
+    ("pow(cosine, shininess)", "pow(cosine, shininess + 0.05)"),
+    ("lights[i].color * (diff", "lights[0].color * (diff"),
+    ("FragPos.xy)", "FragPos.yx)"),
+    ("sum * texel.rgb, alpha", "sum * texel.rgb, 1.0"),
+)
+SMALL = Plan(rounds=1, count=512)
+
+
+@functools.cache
+def program(text: str, name: str = "new.frag") -> Program:
+    text = text if text.startswith("#version") else f"#version 330 core\n{text}"
+    return load(Shaders([]).from_text(text, "fragment", name))
+
+
+def compared(old: str, new: str, **plan: Any) -> Answer:
+    return compare_programs(program(old), program(new), Plan(rounds=2, count=512, **plan))
+
+
+@pytest.mark.parametrize(("piece", "other"), RIGHT)
+def test_right_rewrites_are_the_same(piece: str, other: str) -> None:
+    assert piece in LAMP
+    answer = compare_programs(program(LAMP), program(LAMP.replace(piece, other)), SMALL)
+    assert answer.same is True, list(answer.lines())
+    assert answer.outputs[0].judged > 400
+
+
+@pytest.mark.parametrize(("piece", "other"), WRONG)
+def test_wrong_rewrites_are_not_and_their_line_is_found(piece: str, other: str) -> None:
+    before = LAMP.partition(piece)[0]
+    line = before.count("\n") + 1 + piece.endswith("0.1)")  # the discard is on the next one
+    answer = compare_programs(program(LAMP), program(LAMP.replace(piece, other)), SMALL)
+    assert answer.same is False
+    (found,) = answer.outputs
+    assert 0 < found.different <= found.judged and found.apart > 0.0
+    assert found.place == f"new.frag:{line}", str(found)
+    assert len(found.example["Normal"]) == 3 and len(found.gives[0]) in (0, 4)
+
+
+def test_an_assumption_that_matters_is_said() -> None:
+    old = "uniform vec3 direction; uniform float x; out float o; void main() { o = x * %s; }"
+    new = old % "dot(direction, direction)"
+    answer = compared(old % "1.0", new)
+    assert answer.same is True and answer.outputs[0].conditions == ("|direction| = 1",)
+    assert ", if |direction| = 1" in str(answer.outputs[0])
+    told = compared(old.replace("direction;", "direction; // range: -1..1\n") % "1.0", new)
+    assert told.same is False
+    given = compared(old % "1.0", new, ranges={"direction": "-1:1"})
+    assert given.same is False and given.inputs["direction"] == "-1..1 (given)"
+    assert compared(old % "1.0", new, ranges={"direction": "unit"}).outputs[0].conditions == ()
+
+
+def test_a_range_hides_what_lies_outside_of_it() -> None:
+    old = "uniform float k; out float o; void main() { o = k; }"
+    new = old.replace("o = k", "o = min(k, 3.0)")
+    assert compared(old, new, ranges={"k": "0..3"}).same is True
+    assert compared(old, new, ranges={"k": "0..4"}).same is False
+
+
+def test_what_only_one_discards_or_defines_or_writes_is_different() -> None:
+    old = "in float x; out float o; void main() { o = x; }"
+    discarding = compared(old, old.replace("o = x;", "if (x > 0.999) discard; o = x;"))
+    assert discarding.outputs[0].why == "coverage"
+    assert "where only one discards; first at new.frag:2" in str(discarding.outputs[0])
+    undefined = compared(old, old.replace("o = x;", "o = x; if (x > 0.7) o = log(-x);"))
+    assert undefined.outputs[0].why == "definedness"
+    unwritten = compared(old, old.replace("o = x;", "if (x > 0.5) o = x;"))
+    assert unwritten.same is False
+    missing = compared(
+        old, old.replace("out float o;", "out float o; out float p;").replace("o = x", "p = o = x")
+    )
+    assert missing.same is False and missing.outputs[1].why == "missing"
+    both = old.replace("o = x", "o = log(-1.0 - x)")
+    assert compared(both, both).same is None  # nothing is defined, so nothing can be said
+
+
+def test_inputs_and_outputs_are_matched_by_name() -> None:
+    old = "in float x; out float o; void main() { o = x; }"
+    other = compared(old, "in float y; out float p; void main() { p = y; }")
+    assert other.outputs[0].name == "o → p" and other.same is False
+    assert other.notes == ("only OLD reads x", "only NEW reads y")
+    with pytest.raises(UsageError, match="x is float in one, vec2 in the other"):
+        compared(old, "in vec2 x; out float o; void main() { o = x.x; }")
+    with pytest.raises(UsageError, match="no shader reads 'z'"):
+        compared(old, old, ranges={"z": "0..1"})
+    with pytest.raises(UsageError, match="'1' is no range"):
+        compared(old, old, ranges={"x": "1"})
+
+
+def test_a_loop_that_does_not_end_is_not_interpreted() -> None:
+    with pytest.raises(NotInterpretedError, match="a loop that goes on after 4096 turns at line 3"):
+        compared(
+            "in float x; out float o;\nvoid main() { o = x; while (o < 9.0) o -= 1.0; }",
+            "in float x; out float o; void main() { o = x; }",
+        )
+
+
+def test_noise_errs_by_what_rounding_may() -> None:
+    rough, plain = Noisy(seed=1), Noisy()
+    x = np.float32([[0.1], [0.5], [3.0]])
+    given = rough.exact(x) / plain.exact(x) - 1.0
+    assert 2.0**-26 < abs(given[0, 0]) <= 2.0**-24 and (given[1:] == 0.0).all()
+    assert rough.literal(0.5) == 0.5 and rough.literal(0.1) != 0.1
+    third = rough.call("divide", np.ones((1, 1)), np.full((1, 1), 3.0)) * 3.0 - 1.0
+    assert 0.0 < abs(third[0, 0]) <= 2.0**-51
+    assert rough.call("add", np.ones((1, 1)), np.ones((1, 1))) == 2.0
+    assert np.isnan(plain.call("pow", np.full((1, 1), -2.0), np.full((1, 1), 2.0)))
+
+
+def test_the_command_answers_by_its_status(tmp_path: Path) -> None:
+    texts = {
+        "old": "o = x;",
+        "same": "o = 1.0 * x;",
+        "wrong": "o = x + 0.001;",
+        "broken": "o = y;",
+        "endless": "o = x; while (o < 9.0) o -= 1.0;",
+    }
+    for name, body in texts.items():
+        text = f"#version 330 core\nin float x;\nout float o;\nvoid main() {{ {body} }}\n"
+        (tmp_path / f"{name}.frag").write_text(text)
+
+    def diff(name: str, *more: str) -> tuple[Any, str]:
+        words = [str(tmp_path / "old.frag"), str(tmp_path / f"{name}.frag"), "-j", "0", *more]
+        result = CliRunner().invoke(command, words, standalone_mode=False)
+        return result.exception or result.return_value, result.output
+
+    status, text = diff("same", "--json", str(tmp_path / "a.json"))
+    assert status == 0 and text.startswith("o: same on ")
+    assert json.loads((tmp_path / "a.json").read_text())["same"] is True
+    status, text = diff("wrong", "--range", "x=2:3")
+    assert status == 1 and "different at 100 %" in text and "x: 2..3 (given)" in text
+    for name, words in (("broken", "undeclared"), ("endless", "a loop that goes on")):
+        status, text = diff(name)
+        assert status == 2 and text.startswith("can't say: ") and words in text
+    for words in (["--range", "x"], ["--range", "x=5..1"], ["--range", "y=0:1"]):
+        assert isinstance(diff("same", *words)[0], UsageError)
+    assert isinstance(diff("nowhere")[0], ShaderlabError)
