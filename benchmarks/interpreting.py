@@ -68,19 +68,20 @@ def main(words: list[str] | None = None) -> int:
     options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     options.add_argument("cases", nargs="*", help="ids of cases; all by default")
     options.add_argument("--numbers", action="store_true", help="float32 and float64 as well")
+    options.add_argument("--driver", help="llvmpipe by default")
     options.add_argument("--json", help="write what was found of each program to this file")
     given = options.parse_args(words)
     warnings.simplefilter("ignore")
-    found = list(surveys(given.cases, given.numbers))
+    found = list(surveys(given.cases, given.numbers, given.driver))
     if given.json:
         with open(given.json, "w") as file:
             json.dump([asdict(survey) for survey in found], file, indent=1)
     return summary(found)
 
 
-def surveys(only: Collection[str], numbers: bool) -> Iterator[Survey]:
+def surveys(only: Collection[str], numbers: bool, driver: str | None) -> Iterator[Survey]:
     """Each program of the cases once, and once more for each formula that reads it anew."""
-    with Lab(RunOptions(size=64)) as lab:
+    with Lab(RunOptions(size=64, driver=driver)) as lab:
         for case in load_cases(shipped_cases()).values():
             if only and case.id not in only:
                 continue

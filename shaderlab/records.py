@@ -116,12 +116,31 @@ class Step:
     lost: float
 
     @property
+    def wrong(self) -> list[bool]:
+        """Of each component, whether it lies outside of the band."""
+        bounds = zip(self.value, self.low, self.high, strict=True)
+        return [not low <= value <= high and value == value for value, low, high in bounds]
+
+    @property
     def inside(self) -> bool:
         """Whether the value lies in the band."""
-        return all(
-            low <= v <= high or v != v
-            for v, low, high in zip(self.value, self.low, self.high, strict=True)
-        )
+        return not any(self.wrong)
+
+    @property
+    def component(self) -> int:
+        """The component to show of a vector: one that is wrong, else the one known worst."""
+        if not self.inside:
+            return self.wrong.index(True)
+        shares = [
+            (high - low) / (abs(low) + abs(high) or 1.0)
+            for low, high in zip(self.low, self.high, strict=True)
+        ]
+        return max(range(len(shares)), key=lambda i: shares[i])
+
+    @property
+    def label(self) -> str:
+        """The name, with that component's letter behind it."""
+        return self.name + (f".{'xyzw'[self.component]}" if len(self.value) > 1 else "")
 
 
 @dataclass(frozen=True, kw_only=True)

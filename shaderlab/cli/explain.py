@@ -119,11 +119,10 @@ def show(explained: Explanation) -> None:
     left = ("line", "name", "value", "float64", "band")
     table = plain_table(*left, *right, right=right, whole=left)
     for step in explained.steps:
-        at = _widest(step)
-        part = f".{'xyzw'[at]}" if len(step.value) > 1 else ""
+        at = step.component
         table.add_row(
             printable(f"{Path(step.file).name}:{step.line}"),
-            printable("  " * len(step.calls) + step.name + part),
+            printable("  " * len(step.calls) + step.label),
             f"{step.value[at]:.9g}" + ("" if step.by_driver else " (float32)"),
             f"{step.exact[at]:.9g}",
             _band(step.low[at], step.high[at]),
@@ -153,16 +152,6 @@ def where_precision_goes(steps: Sequence[Step]) -> list[str]:
         place = display_path(s.file, s.line)
         lines.append(f"{_short(s.lost)} ULP are lost at {place}: {s.name}")
     return lines
-
-
-def _widest(step: Step) -> int:
-    """The component that is shown of a vector: one that is wrong, else the one known worst."""
-    bounds = list(zip(step.value, step.low, step.high, strict=True))
-    wrong = [not low <= value <= high and value == value for value, low, high in bounds]
-    if any(wrong):
-        return wrong.index(True)
-    shares = [(high - low) / (abs(low) + abs(high) or 1.0) for _, low, high in bounds]
-    return max(range(len(shares)), key=lambda i: shares[i])
 
 
 def _band(low: float, high: float) -> str:
