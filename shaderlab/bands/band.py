@@ -112,13 +112,13 @@ class Band(Interval, Operators, Swizzled):
 
     @classmethod
     def _leaf(cls, lo: Floats, hi: Floats, rules: Rules) -> Band:
-        unknown = np.isnan(lo) | np.isnan(hi)
+        unknown = np.isnan(lo) if lo is hi else np.isnan(lo) | np.isnan(hi)
         flags = _NOWHERE
         if unknown.any():
             lo, hi = np.where(unknown, -np.inf, lo), np.where(unknown, np.inf, hi)
             flags = (unknown, unknown, _NO)
         if rules.flush:
-            lo, hi = outward(lo, hi, flush=True)
+            lo, hi = outward(lo, hi, True)
         return cls(lo, hi, rules, flags)
 
     def made(
@@ -241,8 +241,10 @@ class Band(Interval, Operators, Swizzled):
         """The same values rearranged by `function`, such as indexing or a transposition."""
 
         def moved(array: Any) -> Any:
-            return function(np.broadcast_to(array, self.shape))
+            same = array.shape == shape
+            return function(array if same else np.broadcast_to(array, shape))
 
+        shape = self.shape
         lo = moved(self.lo)
         hi = lo if self.lo is self.hi else moved(self.hi)
         terms = None if self.terms is None else self.terms.mapped(moved)

@@ -9,11 +9,10 @@ from __future__ import annotations
 
 import importlib
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import wraps
-from typing import TYPE_CHECKING, Any
-
-from shaderlab.bands.terms import Terms
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 if TYPE_CHECKING:
     from shaderlab.bands.band import Band
@@ -39,20 +38,59 @@ def _built() -> Any:
 KERNELS = _built()
 
 
+class _Use:
+    """Whether the passes are used where there are any."""
+
+    passes = True
+
+
+@contextmanager
+def numpy_alone() -> Iterator[None]:
+    """All is done by NumPy meanwhile: for comparisons of both."""
+    _Use.passes = False
+    try:
+        yield
+    finally:
+        _Use.passes = True
+
+
 def compiled(plain: Callable[..., Band]) -> Callable[..., Band]:
     """An operation on bands by its compiled pass, and `plain` where that finds something rare."""
+    # Terms stand on what `compiled_bounds` makes faster.
+    from shaderlab.bands.terms import Terms
+
+    kernel = getattr(KERNELS, plain.__name__, None)
+    if kernel is None:
+        return plain
+    over_last = plain.__name__ == "sum_last"
+
+    @wraps(plain)
+    def by_kernel(*bands: Band) -> Band:
+        first = bands[0]
+        rules = first.rules
+        found = kernel(*bands, rules.flush, rules.rearrange) if _Use.passes else None
+        if found is None:
+            return plain(*bands)
+        lo, hi, mag, slack, count = found
+        terms = None if mag is None else Terms(mag, slack, count)
+        carrier = first.flags_over_last() if over_last else first
+        return carrier.kept(lo, hi, *bands[1:], terms=terms)
+
+    return by_kernel
+
+
+Bounds = TypeVar("Bounds", bound=Callable[..., tuple[Any, Any]])
+
+
+def compiled_bounds(plain: Bounds) -> Bounds:
+    """The same for a function that gives two bounds."""
     kernel = getattr(KERNELS, plain.__name__, None)
     if kernel is None:
         return plain
 
     @wraps(plain)
-    def by_kernel(*bands: Band) -> Band:
-        rules = bands[0].rules
-        found = kernel(*bands, rules.flush, rules.rearrange)
-        if found is None:
-            return plain(*bands)
-        lo, hi, mag, slack, count = found
-        terms = None if mag is None else Terms(mag, slack, count)
-        return bands[0].kept(lo, hi, *bands[1:], terms=terms)
+    def by_kernel(*arguments: Any) -> tuple[Any, Any]:
+        found: tuple[Any, Any] | None = kernel(*arguments) if _Use.passes else None
+        return plain(*arguments) if found is None else found
 
-    return by_kernel
+    return cast(Bounds, by_kernel)

@@ -134,10 +134,21 @@ def joined(parts: Sequence[Band], axis: int) -> Band:
 
 
 def concatenated(arrays: Sequence[Any], axis: int) -> Any:
-    """NumPy's concatenate, along a negative axis, the axes other than that one broadcast."""
+    """NumPy's concatenate, along a negative axis, the axes other than that one broadcast.
+
+    The result is contiguous: products of matrices depend on how these lie in memory, in float64's
+    last bit.
+    """
     ndim = max(-axis, *(array.ndim for array in arrays))
-    rows = [np.moveaxis(a.reshape((1,) * (ndim - a.ndim) + a.shape), axis, -1) for a in arrays]
-    common = np.broadcast_shapes(*(row.shape[:-1] for row in rows))
-    wide = [np.broadcast_to(row, (*common, row.shape[-1])) for row in rows]
-    # Products of matrices depend on how these lie in memory, in float64's last bit.
-    return np.ascontiguousarray(np.moveaxis(np.concatenate(wide, axis=-1), -1, axis))
+    rows = [array.reshape((1,) * (ndim - array.ndim) + array.shape) for array in arrays]
+    before, after = slice(ndim + axis), slice(ndim + axis + 1, None)
+    others = {(*row.shape[before], 1, *row.shape[after]) for row in rows}
+    common = others.pop() if len(others) == 1 else np.broadcast_shapes(*others)
+    length = sum(row.shape[axis] for row in rows)
+    whole = np.empty((*common[before], length, *common[after]), np.result_type(*rows))
+    start = 0
+    for row in rows:
+        end = start + row.shape[axis]
+        whole[(..., slice(start, end), *(slice(None),) * (-axis - 1))] = row
+        start = end
+    return whole

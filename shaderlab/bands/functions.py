@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from shaderlab.bands import arithmetic, exact
+from shaderlab.bands.compiled import compiled
 from shaderlab.bands.rounding import (
     FLOAT64_ERROR,
     LARGEST,
@@ -47,6 +48,7 @@ def _evaluated(a: Band, function: Any) -> tuple[Floats, Floats]:
     return lo, lo if a.lo is a.hi else function(a.hi)
 
 
+@compiled
 @np.errstate(all="ignore")
 def inversesqrt(a: Band) -> Band:
     """1/√a within 2 ULP; a ≤ 0 is undefined."""
@@ -60,6 +62,7 @@ def _inversesqrt_bounds(a_lo: Floats, a_hi: Floats) -> tuple[Floats, Floats]:
     return widened_by_ulps(lo, hi, INVERSESQRT_ULPS, INVERSESQRT_ULPS)
 
 
+@compiled
 @np.errstate(all="ignore")
 def sqrt(a: Band) -> Band:
     """√a as 1/inversesqrt(a), so 2 ULP and then 2.5; a < 0 is undefined, and √0 is 0."""

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from shaderlab.bands.arithmetic import moved_out, multiply
+from shaderlab.bands.compiled import compiled
 from shaderlab.bands.exact import transposed
 from shaderlab.bands.rounding import add_above, add_below, finite
 from shaderlab.bands.terms import Terms, least_of, reach_of
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from shaderlab.bands.band import Band
 
 
+@compiled
 @np.errstate(all="ignore")
 def sum_last(a: Band) -> Band:
     """The sum over the last axis (kept, with size 1), its terms added in any order."""

@@ -13,8 +13,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from shaderlab.bands import Band, Rules, arithmetic, compiled
-from shaderlab.bands.exact import negative
+from shaderlab.bands import Band, Rules, arithmetic, compiled, exact, functions, rounding, sums
 
 needs_kernels = pytest.mark.skipif(
     compiled.KERNELS is None, reason="no compiled passes here (see shaderlab doctor)"
@@ -50,31 +49,26 @@ def bands(draw: Any, shape: tuple[int, ...], rules: Rules, values: Any) -> Band:
         first, second = np.nan_to_num(first), np.nan_to_num(numbers())
         return Band.between(np.minimum(first, second), np.maximum(first, second), rules)
 
+    with compiled.numpy_alone():
+        return rearranged(draw, whole(draw, leaf, shape, rules))
+
+
+def whole(draw: Any, leaf: Callable[[], Band], shape: tuple[int, ...], rules: Rules) -> Band:
     kind = draw(st.sampled_from(["leaf", "scale", "product", "sum", "sum of products"]))
     if kind == "scale":
         exponents = draw(st.lists(st.integers(-8, 8), min_size=1, max_size=5))
-        band = Band.exact(np.resize(2.0 ** np.array(exponents), shape), rules)
-    elif kind == "product":
-        band = plain("multiply")(leaf(), leaf())
-    elif kind == "sum":
-        band = plain("add")(leaf(), leaf())
-    elif kind == "sum of products":
-        products = [plain("multiply")(leaf(), leaf()) for _ in range(2)]
-        band = plain("add")(*products)
-    else:
-        band = leaf()
+        return Band.exact(np.resize(2.0 ** np.array(exponents), shape), rules)
+    if kind == "product":
+        return leaf() * leaf()
+    if kind == "sum":
+        return leaf() + leaf()
+    return leaf() * leaf() + leaf() * leaf() if kind == "sum of products" else leaf()
+
+
+def rearranged(draw: Any, band: Band) -> Band:
     if draw(st.booleans()):
-        return band[..., list(range(shape[-1]))[::-1]]
+        return band[..., list(range(band.shape[-1]))[::-1]]
     return band[::-1] if draw(st.booleans()) else band
-
-
-def plain(name: str) -> Callable[..., Band]:
-    """An operation of NumPy alone."""
-    if name == "subtract":
-        return lambda a, b: plain("add")(a, negative(b))
-    function = getattr(arithmetic, name)
-    found: Callable[..., Band] = getattr(function, "__wrapped__", function)
-    return found
 
 
 def assert_same(got: Band, expected: Band) -> None:
@@ -94,6 +88,14 @@ def assert_same(got: Band, expected: Band) -> None:
         np.testing.assert_array_equal(ours, theirs, strict=True)
 
 
+def assert_numpy_s(operation: Callable[..., Any], *operands: Any) -> None:
+    """That an operation gives the same with the passes and without."""
+    got = operation(*operands)
+    with compiled.numpy_alone():
+        expected = operation(*operands)
+    assert_same(got, expected)
+
+
 @needs_kernels
 @pytest.mark.parametrize("values", [plain_floats, any_floats], ids=["plain", "any"])
 @settings(max_examples=60, deadline=None)
@@ -102,10 +104,39 @@ def test_operations_are_numpy_s(values: Any, data: Any) -> None:
     rules = data.draw(st.sampled_from(RULES))
     shapes = data.draw(st.sampled_from(SHAPES))
     a, b = (data.draw(bands(shape, rules, values)) for shape in shapes)
-    for name in ("add", "subtract", "multiply", "divide"):
-        assert_same(getattr(arithmetic, name)(a, b), plain(name)(a, b))
-    for squared in (arithmetic.square(a), arithmetic.multiply(a, a)):
-        assert_same(squared, plain("square")(a))
+    for operation in (arithmetic.add, arithmetic.subtract, arithmetic.multiply, arithmetic.divide):
+        assert_numpy_s(operation, a, b)
+    assert_numpy_s(arithmetic.square, a)
+    assert_numpy_s(arithmetic.multiply, a, a)
+    assert_numpy_s(sums.sum_last, a)
+    for root in (functions.inversesqrt, functions.sqrt):
+        assert_numpy_s(root, a)
+        assert_numpy_s(root, exact.absolute(a))
+
+
+@needs_kernels
+@settings(max_examples=60, deadline=None)
+@given(data=st.data())
+def test_bounds_are_numpy_s(data: Any) -> None:
+    rules = data.draw(st.sampled_from(RULES))
+    shape, _ = data.draw(st.sampled_from(SHAPES))
+    a = data.draw(bands(shape, rules, any_floats))
+    with np.errstate(all="ignore"):
+        third, both = a.lo / 3.0, (a.lo / 3.0, a.hi / 3.0)
+        calls: list[tuple[Any, ...]] = [
+            (rounding.outward, a.lo, a.hi, True),
+            (rounding.outward, third, third, False),
+            (rounding.outward, *both, rules.flush),
+            (rounding.widened_by_ulps, *both, 2.5, 4096.0),
+            (rounding.widened_by_ulps, *both, np.abs(a.lo), np.abs(a.hi)),
+        ]
+        for function, *arguments in calls:
+            got = function(*arguments)
+            with compiled.numpy_alone():
+                expected = function(*arguments)
+            for ours, theirs in zip(got, expected, strict=True):
+                np.testing.assert_array_equal(ours, theirs, strict=True)
+            assert (got[0] is got[1]) == (expected[0] is expected[1])
 
 
 @needs_kernels
@@ -114,6 +145,8 @@ def test_common_values_are_not_left_to_numpy() -> None:
     for operands in ((x, x.again()), (x * 3.0 + 1.0, x[..., 0:1] * x), (x, Band.exact([0.5]))):
         for name in ("add", "subtract", "multiply", "divide"):
             assert getattr(compiled.KERNELS, name)(*operands, True, True) is not None
+        for name in ("square", "sum_last", "inversesqrt", "sqrt"):
+            assert getattr(compiled.KERNELS, name)(x, True, True) is not None
 
 
 @needs_kernels
@@ -122,6 +155,7 @@ def test_what_a_pass_can_t_take_is_left_to_numpy() -> None:
     infinite, zero, tiny = (Band.exact([value]) for value in (np.inf, 0.0, 2.0**-61))
     assert compiled.KERNELS.add(x, infinite, True, True) is None
     assert compiled.KERNELS.divide(x, zero, True, True) is None
+    assert compiled.KERNELS.inversesqrt(zero, True, True) is None
     assert compiled.KERNELS.multiply(x, tiny * tiny, True, True) is None
     with pytest.raises(ValueError, match="broadcast"):
         x + Band.exact([1.0, 2.0])

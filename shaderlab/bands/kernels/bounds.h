@@ -1,0 +1,106 @@
+/* What functions of two bounds take: rounding outward, and widening by ULPs. */
+
+#ifndef SHADERLAB_BOUNDS_H
+#define SHADERLAB_BOUNDS_H
+
+/* Two arrays of bounds of one shape, no bands. */
+static int begin_bounds(Pass *pass, PyObject *const *args)
+{
+    memset(&pass->shape, 0, sizeof pass->shape);
+    memset(&pass->result, 0, sizeof pass->result);
+    Value *a = &pass->a;
+    a->exact = args[0] == args[1];
+    a->plain = 1;
+    a->slackened = 0;
+    if (!is_operand(&a->lo, args[0]) || !is_operand(&a->hi, args[1])) return 0;
+    if (!PyArray_SAMESHAPE(a->lo.array, a->hi.array)) return 0;
+    if (!broadcast(&pass->shape, &a->lo) || !pass->shape.size) return 0;
+    prepare_value(a, &pass->shape);
+    return 1;
+}
+
+static PyObject *two_arrays(Result *result)
+{
+    if (result->rare) {
+        drop(result);
+        Py_RETURN_NONE;
+    }
+    if (result->exact && !result->differ)
+        Py_SETREF(result->hi, (PyArrayObject *)Py_NewRef((PyObject *)result->lo));
+    return Py_BuildValue("NN", result->lo, result->hi);
+}
+
+/* outward(lo, hi, flush): (lo, hi), one array twice where one was given and nothing was rounded. */
+static PyObject *outward(PyObject *self, PyObject *const *args, Py_ssize_t given)
+{
+    Pass pass;
+    Value *a = &pass.a;
+    Result *result = &pass.result;
+    if (given != 3 || !begin_bounds(&pass, args)) Py_RETURN_NONE;
+    if (make_room(result, &pass.shape, 0, 0)) return NULL;
+    result->flush = args[2] == Py_True;
+    result->exact = a->exact;
+    for (npy_intp start = 0; start < pass.shape.size; start += BLOCK) {
+        npy_intp count = pass.shape.size - start < BLOCK ? pass.shape.size - start : BLOCK;
+        const double *lo = values_at(&a->lo, start, count);
+        negated(count, a->exact ? lo : values_at(&a->hi, start, count), pass.negated_hi);
+        result->differ |= narrow(count, result->flush, lo, pass.negated_hi, result->low + start,
+                                 result->high + start);
+    }
+    return two_arrays(result);
+}
+
+LOOP int64_t widen_block(
+    npy_intp count, const double *lo, const double *hi, const double *ulps_lo,
+    const double *ulps_hi, double *restrict out_lo, double *restrict out_hi)
+{
+    int64_t rare = 0;
+    for (npy_intp i = 0; i < count; i++) {
+        double low = lo[i], high = hi[i];
+        rare |= unbounded(low, low) | unbounded(high, high) ? -1 : 0;
+        widen(&low, &high, ulps_lo[i], ulps_hi[i]);
+        out_lo[i] = low;
+        out_hi[i] = high;
+    }
+    return rare;
+}
+
+/* The ULPs for a block: of an array, or one number for all. */
+static int read_ulps(Operand *operand, PyObject *ulps, const Shape *shape)
+{
+    if (PyFloat_Check(ulps)) {
+        double number = PyFloat_AS_DOUBLE(ulps);
+        for (int i = 0; i < BLOCK; i++) operand->block[i] = number;
+        operand->kind = REPEATED;
+        return 1;
+    }
+    Shape joint = *shape;
+    if (!is_operand(operand, ulps) || !broadcast(&joint, operand)) return 0;
+    if (joint.size != shape->size || joint.ndim != shape->ndim) return 0;
+    prepare(operand, shape);
+    return 1;
+}
+
+/* widened_by_ulps(lo, hi, ulps_lo, ulps_hi): (lo, hi); None where a bound is no number. */
+static PyObject *widened_by_ulps(PyObject *self, PyObject *const *args, Py_ssize_t given)
+{
+    Pass pass;
+    Value *a = &pass.a;
+    Operand ulps_lo, ulps_hi;
+    Result *result = &pass.result;
+    if (given != 4 || !begin_bounds(&pass, args)) Py_RETURN_NONE;
+    if (!read_ulps(&ulps_lo, args[2], &pass.shape)) Py_RETURN_NONE;
+    if (!read_ulps(&ulps_hi, args[3], &pass.shape)) Py_RETURN_NONE;
+    if (make_room(result, &pass.shape, 0, 0)) return NULL;
+    for (npy_intp start = 0; start < pass.shape.size && !result->rare; start += BLOCK) {
+        npy_intp count = pass.shape.size - start < BLOCK ? pass.shape.size - start : BLOCK;
+        const double *lo = values_at(&a->lo, start, count);
+        const double *hi = a->exact ? lo : values_at(&a->hi, start, count);
+        result->rare = widen_block(
+            count, lo, hi, values_at(&ulps_lo, start, count), values_at(&ulps_hi, start, count),
+            result->low + start, result->high + start);
+    }
+    return two_arrays(result);
+}
+
+#endif

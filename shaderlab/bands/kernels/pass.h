@@ -1,0 +1,51 @@
+/* A pass over one or two bands, block by block. */
+
+#ifndef SHADERLAB_PASS_H
+#define SHADERLAB_PASS_H
+
+typedef struct {
+    Value a, b;
+    Shape shape;
+    Result result;
+    int rearrange;
+    npy_intp count;
+    double lo[BLOCK], negated_hi[BLOCK];
+} Pass;
+
+/* Reads the arguments; false where the NumPy code must do it. */
+static int begin(Pass *pass, PyObject *const *args, Py_ssize_t given, int bands)
+{
+    memset(&pass->shape, 0, sizeof pass->shape);
+    memset(&pass->result, 0, sizeof pass->result);
+    if (given != bands + 2 || !read_value(&pass->a, args[0])) return 0;
+    if (bands == 2 && !read_value(&pass->b, args[1])) return 0;
+    pass->result.flush = args[bands] == Py_True;
+    pass->rearrange = args[bands + 1] == Py_True;
+    pass->result.count = 1.0;
+    if (!broadcast_value(&pass->shape, &pass->a)) return 0;
+    if (bands == 2 && !broadcast_value(&pass->shape, &pass->b)) return 0;
+    if (!pass->shape.size) return 0;
+    prepare_value(&pass->a, &pass->shape);
+    if (bands == 2) prepare_value(&pass->b, &pass->shape);
+    return 1;
+}
+
+/* Makes the block that begins at `start` the current one; false behind the last, or where something
+ * was rare. */
+static int at_block(Pass *pass, npy_intp start, int bands)
+{
+    if (start >= pass->shape.size || pass->result.rare) return 0;
+    pass->count = pass->shape.size - start < BLOCK ? pass->shape.size - start : BLOCK;
+    load(&pass->a, start, pass->count);
+    if (bands == 2) load(&pass->b, start, pass->count);
+    return 1;
+}
+
+static void end_block(Pass *pass, npy_intp start)
+{
+    Result *result = &pass->result;
+    result->differ |= narrow(pass->count, result->flush, pass->lo, pass->negated_hi,
+                             result->low + start, result->high + start);
+}
+
+#endif

@@ -1,0 +1,131 @@
+/* Quotients and roots. */
+
+#ifndef SHADERLAB_QUOTIENTS_H
+#define SHADERLAB_QUOTIENTS_H
+
+#define DIVISION_ULPS 2.5
+#define LARGEST_DIVISOR 0x1p126
+#define INVERSESQRT_ULPS 2.0
+
+LOOP int64_t divide_block(
+    npy_intp count, const Value *a, const Value *b, int terms, double *restrict lo, double *restrict negated_hi,
+    double *restrict size)
+{
+    const double *a_lo = a->settled_low, *a_hi = a->settled_high, *a_size = a->size;
+    const double *b_lo = b->low, *b_hi = b->high;
+    double steps = terms ? DIVISION_ULPS : 0.0, relative = RELATIVE_STEP;
+    int64_t rare = 0;
+    for (npy_intp i = 0; i < count; i++) {
+        double below = b_lo[i], above = b_hi[i];
+        double nearer = smaller(fabs(below), fabs(above)), further = larger(fabs(below), fabs(above));
+        int outside = (nearer < SMALLEST_NORMAL) | (further > LARGEST_DIVISOR)
+            | ((below <= 0.0) & (above >= 0.0));
+        /* A quotient grows with the dividend where the divisor is positive. */
+        double first = a_lo[i], second = a_hi[i];
+        double less = below > 0.0 ? first : second, more = below > 0.0 ? second : first;
+        double under = less >= 0.0 ? above : below, over = more >= 0.0 ? below : above;
+        double low = less / under, high = more / over;
+        rare |= unbounded(low, high) | outside ? -1 : 0;
+        widen(&low, &high, DIVISION_ULPS, DIVISION_ULPS);
+        double mag = a_size[i] / nearer, step = steps * (relative * mag);
+        double out_low = low - step, out_high = high + step;
+        lo[i] = (out_low < 0.0) & (low >= 0.0) ? 0.0 : out_low;
+        negated_hi[i] = (out_high > 0.0) & (high <= 0.0) ? 0.0 : -out_high;
+        size[i] = mag;
+        rare |= terms & (((mag > 0.0) & (mag < TINY)) | !(mag < INFINITY)) ? -1 : 0;
+    }
+    return rare;
+}
+
+static PyObject *divide(PyObject *self, PyObject *const *args, Py_ssize_t given)
+{
+    Pass pass;
+    if (!begin(&pass, args, given, 2)) Py_RETURN_NONE;
+    Result *result = &pass.result;
+    int terms = !pass.a.plain;
+    if (make_room(result, &pass.shape, 1, 0)) return NULL;
+    result->count = pass.a.count;
+    for (npy_intp start = 0; at_block(&pass, start, 2); start += BLOCK) {
+        result->rare = divide_block(pass.count, &pass.a, &pass.b, terms, pass.lo, pass.negated_hi,
+                                    result->size + start);
+        end_block(&pass, start);
+    }
+    if (!terms) Py_CLEAR(result->mag);
+    return finished(result);
+}
+
+
+LOOP void reciprocal_roots(npy_intp count, const double *x, double *restrict to)
+{
+    for (npy_intp i = 0; i < count; i++) to[i] = 1.0 / sqrt(larger(x[i], 0.0));
+}
+
+/* Expects 1/√hi and 1/√lo where the bounds are to go. */
+LOOP int64_t inverse_roots(
+    npy_intp count, const Value *a, double least, double *restrict lo, double *restrict negated_hi)
+{
+    const double *a_lo = a->low, *a_hi = a->high;
+    int64_t rare = 0;
+    for (npy_intp i = 0; i < count; i++) {
+        double low = lo[i], high = negated_hi[i];
+        rare |= !(a_lo[i] >= least) | !(a_hi[i] < INFINITY) ? -1 : 0;
+        widen(&low, &high, INVERSESQRT_ULPS, INVERSESQRT_ULPS);
+        lo[i] = low;
+        negated_hi[i] = -high;
+    }
+    return rare;
+}
+
+/* Bounds of 1/√a; nonzero where a is less than `least`. */
+static int64_t inverse_root_bounds(Pass *pass, double least)
+{
+    reciprocal_roots(pass->count, pass->a.high, pass->lo);
+    reciprocal_roots(pass->count, pass->a.low, pass->negated_hi);
+    return inverse_roots(pass->count, &pass->a, least, pass->lo, pass->negated_hi);
+}
+
+/* 1/√a where a is positive. */
+static PyObject *inversesqrt(PyObject *self, PyObject *const *args, Py_ssize_t given)
+{
+    Pass pass;
+    Result *result = &pass.result;
+    if (!begin(&pass, args, given, 1)) Py_RETURN_NONE;
+    if (make_room(result, &pass.shape, 0, 0)) return NULL;
+    for (npy_intp start = 0; at_block(&pass, start, 1); start += BLOCK) {
+        result->rare = inverse_root_bounds(&pass, SMALLEST_DENORMAL);
+        end_block(&pass, start);
+    }
+    return finished(result);
+}
+
+LOOP void roots(
+    npy_intp count, const Value *a, const double *least, const double *greatest,
+    double *restrict lo, double *restrict negated_hi)
+{
+    const double *a_hi = a->high;
+    for (npy_intp i = 0; i < count; i++) {
+        double low = 1.0 / greatest[i], high = smaller(1.0 / least[i], LARGEST);
+        widen(&low, &high, DIVISION_ULPS, DIVISION_ULPS);
+        lo[i] = low;
+        negated_hi[i] = a_hi[i] <= 0.0 ? 0.0 : -high;
+    }
+}
+
+/* √a as 1/(1/√a), where a is not negative. */
+static PyObject *square_root(PyObject *self, PyObject *const *args, Py_ssize_t given)
+{
+    Pass pass;
+    Result *result = &pass.result;
+    double least[BLOCK], greatest[BLOCK];
+    if (!begin(&pass, args, given, 1)) Py_RETURN_NONE;
+    if (make_room(result, &pass.shape, 0, 0)) return NULL;
+    for (npy_intp start = 0; at_block(&pass, start, 1); start += BLOCK) {
+        result->rare = inverse_root_bounds(&pass, 0.0);
+        narrow(pass.count, 0, pass.lo, pass.negated_hi, least, greatest);
+        roots(pass.count, &pass.a, least, greatest, pass.lo, pass.negated_hi);
+        end_block(&pass, start);
+    }
+    return finished(result);
+}
+
+#endif

@@ -1,0 +1,240 @@
+/* Sums and differences, of two bands and along the last axis. */
+
+#ifndef SHADERLAB_SUMS_H
+#define SHADERLAB_SUMS_H
+
+/* Terms whose sizes add up to the result's have one sign, and keep it in any order. */
+#define UNCANCELLED (1.0 - 0x1p-20)
+
+LOOP void negated(npy_intp count, const double *from, double *restrict to)
+{
+    for (npy_intp i = 0; i < count; i++) to[i] = -from[i];
+}
+
+/* Negates the current block of the band that is subtracted. */
+static void negate(Value *value, npy_intp count, double to[4][BLOCK])
+{
+    negated(count, value->high, to[0]);
+    negated(count, value->low, to[1]);
+    if (value->slackened) {
+        negated(count, value->settled_high, to[2]);
+        negated(count, value->settled_low, to[3]);
+    }
+    value->low = to[0];
+    value->high = to[1];
+    value->settled_low = to[value->slackened ? 2 : 0];
+    value->settled_high = to[value->slackened ? 3 : 1];
+}
+
+LOOP int64_t add_plain(
+    npy_intp count, const double *a_size, const double *b_size, double *restrict lo, const double *negated_hi,
+    double *restrict size, double *restrict slack)
+{
+    int64_t rare = 0;
+    for (npy_intp i = 0; i < count; i++) {
+        double mag = a_size[i] + b_size[i];
+        size[i] = mag;
+        slack[i] = (a_size[i] > 0.0) & (b_size[i] > 0.0) ? RELATIVE_STEP * mag : 0.0;
+        lo[i] += 0.0;
+        rare |= unbounded(lo[i], -negated_hi[i]) | ((mag > 0.0) & (mag < TINY)) ? -1 : 0;
+    }
+    return rare;
+}
+
+LOOP int64_t add_terms(
+    npy_intp count, const Value *a, const Value *b, double *restrict lo, double *restrict negated_hi, double *restrict size)
+{
+    const double *a_low = a->low, *a_high = a->high, *b_low = b->low, *b_high = b->high;
+    const double *a_lo = a->settled_low, *a_hi = a->settled_high;
+    const double *b_lo = b->settled_low, *b_hi = b->settled_high;
+    const double *a_size = a->size, *b_size = b->size;
+    double more_b = (a->count - 1.0) * RELATIVE_STEP, more_a = (b->count - 1.0) * RELATIVE_STEP;
+    int64_t rare = 0;
+    for (npy_intp i = 0; i < count; i++) {
+        double low = lo[i] + 0.0, high = -negated_hi[i], mag = a_size[i] + b_size[i];
+        double step = (a_size[i] > 0.0) & (b_size[i] > 0.0) ? RELATIVE_STEP * mag : 0.0;
+        step = step + more_b * b_size[i] + more_a * a_size[i];
+        double out_low = low - step, out_high = high + step, enough = mag * UNCANCELLED;
+        int positive = (a_low[i] >= 0.0) & (b_low[i] >= 0.0)
+            & ((a_lo[i] + b_lo[i] >= step) | (high >= enough));
+        int negative = (a_high[i] <= 0.0) & (b_high[i] <= 0.0)
+            & ((a_hi[i] + b_hi[i] <= -step) | (-low >= enough));
+        lo[i] = (out_low < 0.0) & positive ? 0.0 : out_low;
+        negated_hi[i] = (out_high > 0.0) & negative ? 0.0 : -out_high;
+        size[i] = mag;
+        rare |= unbounded(low, high) | ((mag > 0.0) & (mag < TINY)) ? -1 : 0;
+    }
+    return rare;
+}
+
+LOOP int64_t check_bounds(npy_intp count, double *restrict lo, const double *negated_hi)
+{
+    int64_t rare = 0;
+    for (npy_intp i = 0; i < count; i++) {
+        lo[i] += 0.0;
+        rare |= unbounded(lo[i], -negated_hi[i]) ? -1 : 0;
+    }
+    return rare;
+}
+
+static PyObject *sum_of(PyObject *const *args, Py_ssize_t given, int minus)
+{
+    Pass pass;
+    if (!begin(&pass, args, given, 2)) Py_RETURN_NONE;
+    Value *a = &pass.a, *b = &pass.b;
+    Result *result = &pass.result;
+    int plain = a->plain && b->plain;
+    if (make_room(result, &pass.shape, pass.rearrange, pass.rearrange && plain)) return NULL;
+    result->exact = a->exact && b->exact && plain;
+    result->count = a->count + b->count;
+    double opposite[4][BLOCK];
+    for (npy_intp start = 0; at_block(&pass, start, 2); start += BLOCK) {
+        npy_intp count = pass.count;
+        if (minus) negate(b, count, opposite);
+        sum(count, a->settled_low, a->settled_high, b->settled_low, b->settled_high, pass.lo,
+            pass.negated_hi);
+        if (!pass.rearrange)
+            result->rare = check_bounds(count, pass.lo, pass.negated_hi);
+        else if (plain)
+            result->rare = add_plain(count, a->size, b->size, pass.lo, pass.negated_hi,
+                                     result->size + start, result->step + start);
+        else
+            result->rare = add_terms(
+                count, a, b, pass.lo, pass.negated_hi, result->size + start);
+        end_block(&pass, start);
+    }
+    return finished(result);
+}
+
+static PyObject *add(PyObject *self, PyObject *const *args, Py_ssize_t given)
+{
+    return sum_of(args, given, 0);
+}
+
+static PyObject *subtract(PyObject *self, PyObject *const *args, Py_ssize_t given)
+{
+    return sum_of(args, given, 1);
+}
+
+
+/* What the terms of sums over the last axis come to. */
+typedef struct {
+    double lo[BLOCK], negated_hi[BLOCK], size[BLOCK], terms[BLOCK], positive[BLOCK], negative[BLOCK];
+} Total;
+
+LOOP void first_term(npy_intp count, const Value *a, Total *restrict total)
+{
+    const double *low = a->settled_low, *high = a->settled_high, *size = a->size;
+    for (npy_intp i = 0; i < count; i++) {
+        total->lo[i] = low[i];
+        total->negated_hi[i] = -high[i];
+        total->size[i] = size[i];
+        total->terms[i] = size[i] > 0.0 ? 1.0 : 0.0;
+        total->positive[i] = low[i] >= 0.0 ? 1.0 : 0.0;
+        total->negative[i] = high[i] <= 0.0 ? 1.0 : 0.0;
+    }
+}
+
+/* Called while the processor rounds downward. */
+LOOP void add_bounds(npy_intp count, const Value *a, Total *restrict total)
+{
+    const double *low = a->settled_low, *high = a->settled_high;
+    for (npy_intp i = 0; i < count; i++) {
+        total->lo[i] += low[i];
+        total->negated_hi[i] -= high[i];
+    }
+}
+
+LOOP void add_sizes(npy_intp count, const Value *a, Total *restrict total)
+{
+    const double *low = a->settled_low, *high = a->settled_high, *size = a->size;
+    for (npy_intp i = 0; i < count; i++) {
+        total->lo[i] += 0.0;
+        total->size[i] += size[i];
+        total->terms[i] += size[i] > 0.0 ? 1.0 : 0.0;
+        total->positive[i] = low[i] >= 0.0 ? total->positive[i] : 0.0;
+        total->negative[i] = high[i] <= 0.0 ? total->negative[i] : 0.0;
+    }
+}
+
+LOOP int64_t end_sum(
+    npy_intp count, const Total *total, double *restrict lo, double *restrict negated_hi,
+    double *restrict size, double *restrict slack)
+{
+    int64_t rare = 0;
+    for (npy_intp i = 0; i < count; i++) {
+        double low = total->lo[i], high = -total->negated_hi[i], mag = total->size[i];
+        double terms = total->terms[i], step = RELATIVE_STEP * mag;
+        /* All partial sums but the last may each lose a step. */
+        double between = larger(terms - 2.0, 0.0) * step;
+        double out_low = low - between, out_high = high + between;
+        lo[i] = (out_low < 0.0) & (total->positive[i] > 0.0) ? 0.0 : out_low;
+        negated_hi[i] = (out_high > 0.0) & (total->negative[i] > 0.0) ? 0.0 : -out_high;
+        size[i] = mag;
+        slack[i] = terms >= 2.0 ? step : 0.0;
+        rare |= unbounded(low, high) | ((mag > 0.0) & (mag < TINY)) | !(mag < INFINITY) ? -1 : 0;
+    }
+    return rare;
+}
+
+/* Moves an operand to the component `j` along its array's last axis. */
+static void to_component(Operand *operand, npy_intp j)
+{
+    int last = PyArray_NDIM(operand->array) - 1;
+    npy_intp length = PyArray_DIM(operand->array, last), stride = 0;
+    if (length > 1) stride = PyArray_STRIDE(operand->array, last) / (npy_intp)sizeof(double);
+    operand->kind = GATHERED;
+    operand->data = (const double *)PyArray_DATA(operand->array) + j * stride;
+}
+
+static int of_one_shape(const Value *value)
+{
+    PyArrayObject *lo = value->lo.array;
+    return (value->exact || PyArray_SAMESHAPE(lo, value->hi.array))
+        && (value->plain || PyArray_SAMESHAPE(lo, value->mag.array))
+        && (!value->slackened || PyArray_SAMESHAPE(lo, value->slack.array));
+}
+
+static PyObject *sum_last(PyObject *self, PyObject *const *args, Py_ssize_t given)
+{
+    Pass pass;
+    Total total;
+    Value *a = &pass.a;
+    Result *result = &pass.result;
+    if (!begin(&pass, args, given, 1)) Py_RETURN_NONE;
+    int last = pass.shape.ndim - 1;
+    npy_intp terms = last < 0 ? 1 : pass.shape.dims[last];
+    if (terms < 2 || !of_one_shape(a)) Py_RETURN_NONE;
+    pass.shape.dims[last] = 1;
+    pass.shape.size /= terms;
+    prepare_value(a, &pass.shape);
+    if (make_room(result, &pass.shape, 1, 1)) return NULL;
+    result->count = (double)terms;
+    for (npy_intp start = 0; start < pass.shape.size && !result->rare; start += BLOCK) {
+        for (npy_intp j = 0; j < terms; j++) {
+            to_component(&a->lo, j);
+            if (!a->exact) to_component(&a->hi, j);
+            if (!a->plain) to_component(&a->mag, j);
+            if (a->slackened) to_component(&a->slack, j);
+            at_block(&pass, start, 1);
+            if (!j) {
+                first_term(pass.count, a, &total);
+                continue;
+            }
+            fesetround(FE_DOWNWARD);
+            add_bounds(pass.count, a, &total);
+            fesetround(FE_TONEAREST);
+            add_sizes(pass.count, a, &total);
+        }
+        result->rare = end_sum(pass.count, &total, pass.lo, pass.negated_hi, result->size + start,
+                               result->step + start);
+        end_block(&pass, start);
+    }
+    if (!pass.rearrange) {
+        Py_CLEAR(result->mag);
+        Py_CLEAR(result->slack);
+    }
+    return finished(result);
+}
+
+#endif
