@@ -146,9 +146,9 @@ def concatenated(arrays: Sequence[Any], axis: int) -> Any:
     common = others.pop() if len(others) == 1 else np.broadcast_shapes(*others)
     length = sum(row.shape[axis] for row in rows)
     whole = np.empty((*common[before], length, *common[after]), np.result_type(*rows))
-    start = 0
+    places, start = whole.swapaxes(0, axis), 0
     for row in rows:
         end = start + row.shape[axis]
-        whole[(..., slice(start, end), *(slice(None),) * (-axis - 1))] = row
+        places[start:end] = row.swapaxes(0, axis)
         start = end
     return whole
