@@ -14,6 +14,7 @@ from .expectations.energy_conserving import energy_conserving as energy_conservi
 from .expectations.exact import exact as exact
 from .expectations.formula import formula as formula
 from .expectations.gl_call import gl_call as gl_call
+from .expectations.gl_calls import gl_calls as gl_calls
 from .expectations.gl_error import gl_error as gl_error
 from .expectations.inactive_uniforms import inactive_uniforms as inactive_uniforms
 from .expectations.mean_of import mean_of as mean_of

@@ -146,6 +146,25 @@ class Timing:
 
 
 @dataclass(frozen=True, kw_only=True)
+class TracedCall:
+    """A call of the API that drawing a scene took: in which pass and for which draw of it (None for
+    its target), and each argument by its parameter's name, as text: constants by their names.
+    `returned` is the number of the object that it made, "" for none. A call that is not `effective`
+    sets what is set already, or what counts for nothing at that moment."""
+
+    pass_name: str
+    draw: int | None
+    function: str
+    arguments: Mapping[str, str]
+    returned: str = ""
+    effective: bool = True
+
+    def __str__(self) -> str:
+        called = f"{self.function}({', '.join(self.arguments.values())})"
+        return f"{called} → {self.returned}" if self.returned else called
+
+
+@dataclass(frozen=True, kw_only=True)
 class Frame:
     """All that one scene gave.
 

@@ -39,6 +39,7 @@ class RunOptions:
         texts: texts that replace shaders, likewise.
         include: further folders in which shaders are found.
         targets: what programs are compiled for; if empty, what the case or its project says.
+        gl_calls: whether the calls of OpenGL that drawing takes are recorded as well.
         driver: as in `shaderlab.backends.open_backend`; a process keeps the first it is given.
         frames: the folder in which `shaderlab.evaluation.stored_images` stores what each scene
             draws; None stores nothing.
@@ -53,6 +54,7 @@ class RunOptions:
     texts: Mapping[str, str] = field(default_factory=dict)
     include: tuple[Path, ...] = ()
     targets: tuple[str, ...] = ()
+    gl_calls: bool = False
     driver: str | None = None
     frames: Path | None = None
     limits: Limits = Limits()

@@ -297,6 +297,16 @@ class BufferRecord:
 
 
 @dataclass(frozen=True, kw_only=True)
+class CallsRecord:
+    """The calls of the API for one draw of a pass, or for its target where `draw` is None, each as
+    it would stand in a C program; those that change nothing are left out."""
+
+    pass_name: str
+    draw: int | None
+    calls: tuple[str, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
 class Record:
     """One variant of one case, run and judged. `id` and `variant` name it within a run.
 
@@ -307,6 +317,7 @@ class Record:
     `buffers` are those of uniform blocks, and of meshes that say how they lie in memory.
     `unread` are the outputs that no expectation reads (see
     `shaderlab.expectations.reads.unread_outputs`): whatever is drawn there, the record passes.
+    `gl_calls` are there where they were asked for.
 
     `driver` (renderer and version), `size` and `picture_size` (sides in pixels of the judged frame
     and of the picture, where a pass has no size of its own) are what the values depend on besides
@@ -342,6 +353,7 @@ class Record:
     picture_size: int = 0
     chapter: str = ""
     unread: tuple[str, ...] = ()
+    gl_calls: tuple[CallsRecord, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -18,6 +18,7 @@ from shaderlab import (
     exact,
     formula,
     gl_call,
+    gl_calls,
     mesh_pass,
     value,
 )
@@ -54,6 +55,9 @@ case = Case(
     passes=(*drawn("copied", "data"), *drawn("mapped", "map")),
     expect=[
         exact("mapped.FragColor", Output("copied.FragColor"), name="same pixels as copied"),
+        gl_calls("glMapBufferRange", access="GL_MAP_WRITE_BIT", length=168, times=1, name="mapped"),
+        gl_calls("glUnmapBuffer", times=1, pass_name="mapped", after="glMapBufferRange"),
+        gl_calls("glBufferSubData", times=0, pass_name="mapped", name="nothing else is written"),
         gl_call(*MAP, raises=REFUSED, name="map with buffer 0 bound: 0x0502"),
         gl_call(*MAP, before=BOUND, name="map with a buffer bound"),
         gl_call(*MAP, before=(*BOUND, call(*MAP)), raises=REFUSED, name="map what is mapped"),

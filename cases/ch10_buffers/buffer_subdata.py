@@ -16,6 +16,7 @@ from shaderlab import (
     attribute_layout,
     exact,
     formula,
+    gl_calls,
     measure,
     mesh_pass,
     value,
@@ -54,6 +55,9 @@ case = Case(
             {"aPos": (0, 12), "aColor": (84, 12)}, name="positions at 0, colours at 84"
         ),
         exact("FragColor", Output("at once.FragColor"), name="same as two buffers"),
+        gl_calls("glBufferSubData", size=84, times=2, pass_name="main", name="two pieces"),
+        gl_calls("glBufferSubData", offset=84, times=1, name="the second one at byte 84"),
+        gl_calls("glBufferData", data="168 bytes", times=0, pass_name="main", name="reserved only"),
         formula("gl_Position", as_it_is),
         formula("ourColor", color_of),
         formula("FragColor", encoded),

@@ -19,6 +19,7 @@ from shaderlab import (
     coverage,
     exact,
     formula,
+    gl_calls,
     query,
     value,
 )
@@ -70,6 +71,8 @@ case = Case(
         exact("kept.FragColor", Output("made anew.FragColor"), name="same as 16 meshes"),
         attribute_layout(LAYOUT, pass_name="kept", draw=0, name="layout, first draw"),
         attribute_layout(LAYOUT, pass_name="kept", draw=-1, name="layout, last draw"),
+        gl_calls("glGenVertexArrays", times=1, pass_name="kept", name="one vertex array for all"),
+        gl_calls("glGenVertexArrays", times=16, pass_name="made anew", name="or one for each"),
         query("vertices_submitted", equals=18, pass_name="kept", name="vertices of one draw"),
         coverage(9360, pass_name="kept", draw=0, name="pixels of the first"),
         coverage(9360, pass_name="kept", draw=-1, name="pixels of the last"),

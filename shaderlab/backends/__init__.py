@@ -26,6 +26,7 @@ from shaderlab.frame import (
     Reply,
     Samples,
     Timing,
+    TracedCall,
 )
 from shaderlab.model import Call, Scene, TextureSource
 from shaderlab.programs.prepare import Programs
@@ -147,11 +148,16 @@ class Session(ABC):
         """Where the driver put each declared uniform; −1 for one without any effect."""
         raise UnsupportedError("reading where uniforms are: this backend can't")
 
-    def call(self, calls: Sequence[Call], returns: Sequence[int | float | str]) -> Reply:
+    def trace(self) -> Sequence[TracedCall]:
+        """The calls of the API that drawing the scene takes, in order; the lab's own questions
+        apart."""
+        raise UnsupportedError("recording calls of OpenGL: this backend can't")
+
+    def call(self, made: Sequence[Call], returns: Sequence[int | float | str]) -> Reply:
         """What the API itself answers to the last of some calls. OpenGL alone has an answer.
 
         Args:
-            calls: made one after the other in a context of their own, up to the first that raises
+            made: one after the other in a context of their own, up to the first that raises
                 an error.
             returns: the values that the last one should return or write.
 

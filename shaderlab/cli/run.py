@@ -67,6 +67,11 @@ if TYPE_CHECKING:
     is_flag=True,
     help="Also list what the judged pixels never exercise: branches, terms, clamps.",
 )
+@click.option(
+    "--gl-calls",
+    is_flag=True,
+    help="Also list the calls of OpenGL that each pass takes, here and on the page.",
+)
 @click.option("--profile", is_flag=True, help="Show where the time went.")
 @click.option("--open", "open_report", is_flag=True, help="Open the report in a browser.")
 def command(
@@ -87,6 +92,7 @@ def command(
     resume: str | None,
     pictures: bool,
     coverage: bool,
+    gl_calls: bool,
     profile: bool,
     open_report: bool,
 ) -> int:
@@ -104,6 +110,7 @@ def command(
       shaderlab run gamma --shader gamma.frag=mine.frag
       shaderlab run --all --drivers llvmpipe,softpipe
       shaderlab run spotlight --coverage            what its inputs never exercise
+      shaderlab run mesh-class --gl-calls           what a driver gets
       shaderlab run --resume                        after Ctrl-C or a power cut
       shaderlab run --all --scheduler tcp://host:8786
 
@@ -129,6 +136,7 @@ def command(
         pictures=pictures,
         include=includes,
         targets=compile_targets,
+        gl_calls=gl_calls,
         driver=compared[0] if compared else driver,
         limits=limits,
     )
@@ -165,6 +173,7 @@ def command(
         if coverage and recorded.complete:
             recorded = with_coverage(recorded, executor, plan, show)
         show.outcomes(recorded.run)
+        show.gl_calls(recorded.run)
         show.coverage(recorded.run)
         show.disagreements(recorded.run)
         if profile:

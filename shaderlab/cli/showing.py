@@ -23,6 +23,7 @@ from shaderlab.report.plain_text import (
     coverage_lines,
     failed,
     failure,
+    gl_call_lines,
     label,
     replacements,
     summary,
@@ -91,6 +92,12 @@ class Show:
         self.console.print(words, style=style)
         if renderer := run.driver.get("renderer"):
             self.console.print(f"on {renderer}", style="dim")
+
+    def gl_calls(self, run: Run) -> None:
+        """The calls of OpenGL that were recorded."""
+        for record in run.records:
+            for line in gl_call_lines(record):
+                self.console.print(line, highlight=False, markup=False)
 
     def coverage(self, run: Run) -> None:
         """What the judged pixels of each case never did."""

@@ -34,6 +34,7 @@ from shaderlab.evaluation.picture_writer import PictureFiles, PictureWriter
 from shaderlab.evaluation.record_builder import RecordBuilder
 from shaderlab.evaluation.search_path import shaders_of
 from shaderlab.expectations.formula import Formula
+from shaderlab.expectations.gl_calls import Traced
 from shaderlab.expectations.reads import unread_outputs
 from shaderlab.model import Case, Judgement, Scene
 from shaderlab.options import RunOptions
@@ -200,6 +201,8 @@ class Lab:
         with self.evaluation(scene, programs) as evaluation:
             for expectation in scene.expect:
                 evaluation.gather(expectation)
+            if self.options.gl_calls:
+                builder.set_gl_calls(evaluation.answer(Traced()))
         drawn = evaluation.drawn
         if self.options.frames is not None:
             with _unless_unwritable(builder, "the values that drivers are compared by"):

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import groupby
 
 import numpy as np
 
@@ -16,12 +17,13 @@ from shaderlab.errors import ShaderlabError
 from shaderlab.evaluation.buffer_layouts import buffer_records
 from shaderlab.evaluation.picture_writer import PictureFiles
 from shaderlab.files import display_path
-from shaderlab.frame import PassDraw
+from shaderlab.frame import PassDraw, TracedCall
 from shaderlab.judging.figures import shown
 from shaderlab.model import Judgement, Ramp, Scene
 from shaderlab.programs.prepare import PreparedDraw
 from shaderlab.records import (
     BufferRecord,
+    CallsRecord,
     Curve,
     Declared,
     ErratumNote,
@@ -52,6 +54,7 @@ class RecordBuilder:
         self._plots: list[Plot] = []
         self._notices: list[str] = []
         self._unread: tuple[str, ...] = ()
+        self._gl_calls: tuple[CallsRecord, ...] = ()
         self._picture = PictureFiles()
         self._passes: tuple[PassRecord, ...] = ()
         self._buffers: tuple[BufferRecord, ...] = ()
@@ -92,6 +95,14 @@ class RecordBuilder:
     def set_unread(self, outputs: tuple[str, ...]) -> None:
         """Set the outputs that no expectation reads."""
         self._unread = outputs
+
+    def set_gl_calls(self, trace: Sequence[TracedCall]) -> None:
+        """Set the calls that change something, by pass and draw."""
+        shown = [call for call in trace if call.effective]
+        self._gl_calls = tuple(
+            CallsRecord(pass_name=name, draw=draw, calls=tuple(map(str, calls)))
+            for (name, draw), calls in groupby(shown, lambda c: (c.pass_name, c.draw))
+        )
 
     def add_notice(self, text: str) -> None:
         """Add a message that changes no verdict."""
@@ -157,6 +168,7 @@ class RecordBuilder:
             size=self._size,
             picture_size=self._picture_size,
             unread=self._unread,
+            gl_calls=self._gl_calls,
         )
 
     def _final_status(self, verdicts: Mapping[str, str]) -> Status:

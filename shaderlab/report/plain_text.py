@@ -152,6 +152,14 @@ def coverage_lines(found: CodeCoverage) -> Iterator[str]:
         yield printable(f"{gap.file}:{gap.line}: {gap.text} {gap.what}")
 
 
+def gl_call_lines(record: Record) -> Iterator[str]:
+    """A record's calls of OpenGL, below a line for each pass and draw."""
+    for part in record.gl_calls:
+        what = "its target" if part.draw is None else f"draw {part.draw}"
+        yield printable(f"{record.id}[{record.variant}], pass {part.pass_name!r}, {what}:")
+        yield from (printable(f"  {call}") for call in part.calls)
+
+
 def replacements(run: Run) -> Iterator[str]:
     """A line for each file that stood in a shader's place."""
     for name, file in run.replaced.items():

@@ -16,7 +16,7 @@ PUBLIC = {
     "fullscreen", "mesh_pass", "Ramp", "across", "up",
     # what must hold
     "formula", "value", "sweep", "exact", "coverage", "computed", "compile_fails", "gl_error",
-    "gl_call", "query", "cost", "attribute_layout", "block_layout",
+    "gl_call", "gl_calls", "query", "cost", "attribute_layout", "block_layout",
     "refused", "inactive_uniforms",
     "monotone", "bounded", "symmetric", "energy_conserving", "mean_of",
     "measure", "reading", "any_order", "both_ways",

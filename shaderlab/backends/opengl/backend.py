@@ -6,7 +6,15 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 
 from shaderlab.backends import Backend, Evaluation, Size
-from shaderlab.backends.opengl import calls as api, capture, feedback, queries, storage, verdict
+from shaderlab.backends.opengl import (
+    calls,
+    capture,
+    feedback,
+    queries,
+    storage,
+    tracing,
+    verdict,
+)
 from shaderlab.backends.opengl.device import Device
 from shaderlab.backends.opengl.drawing import Drawing
 from shaderlab.backends.opengl.evaluating import Evaluator
@@ -69,6 +77,7 @@ class OpenGLSession(Drawing):
     attributes = queries.attributes
     blocks = queries.block_readings
     locations = queries.locations
+    trace = tracing.trace
 
     def fragments(self, key: PassDraw) -> Fragments:
         """As `Session.fragments`. Arrays from the cache can't be written to (see
@@ -79,9 +88,9 @@ class OpenGLSession(Drawing):
     def written(self, key: PassDraw, text: str, outputs: Mapping[str, str]) -> Mapping[str, Array]:
         return capture.written(self, key, text, outputs)
 
-    def call(self, calls: Sequence[Call], returns: Sequence[int | float | str]) -> Reply:
+    def call(self, made: Sequence[Call], returns: Sequence[int | float | str]) -> Reply:
         def texts(program: Program) -> dict[str, str]:
             name, index = self.scene.draw_key(program.pass_name, program.draw)
             return self.programs[name][index].texts
 
-        return api.answer(self.device, calls, returns, texts)
+        return calls.answer(self.device, made, returns, texts)

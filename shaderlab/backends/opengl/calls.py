@@ -7,21 +7,17 @@ some arguments themselves, and would answer in the driver's place.
 from __future__ import annotations
 
 import ctypes
-import importlib
-import os
-import pkgutil
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
-from functools import cache
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from typing import Any, TypeGuard
 
 import numpy as np
 
-from shaderlab.backends.opengl import environment
-from shaderlab.backends.opengl.device import REQUIRED_VERSION, Device
+from shaderlab.backends.opengl.api import constant, fresh_context, name_of, prototype
+from shaderlab.backends.opengl.device import Device
 from shaderlab.backends.opengl.drawing import drain_errors
 from shaderlab.backends.opengl.pyopengl import GL, GLError, NullFunctionError, named
-from shaderlab.errors import CaseError, DriverError, ShaderError, UnsupportedError, nearest
+from shaderlab.errors import CaseError, ShaderError, UnsupportedError
 from shaderlab.frame import Reply
 from shaderlab.model import Call, Location, Object, Program
 
@@ -50,7 +46,7 @@ def answer(
     """
     wanted = tuple(constant(w) if _is_constant(w) else w for w in returns)
     *before, last = calls
-    with _fresh_context(device):
+    with fresh_context(device):
         maker = _Maker(texts)
         for step in before:
             maker.make(step, 0)
@@ -61,52 +57,12 @@ def answer(
         errors = drain_errors()
     words = [w if isinstance(w, str) else "" for w in returns]
     names = {
-        int(n): _name_of(int(n), word)
+        int(n): name_of(int(n), word)
         for word, want, got in zip(words, wanted, returned, strict=False)
         if _is_constant(word)
         for n in (want, got)
     }
     return Reply(errors=errors, at=str(last), wanted=wanted, returned=returned, names=names)
-
-
-def constant(words: str) -> int:
-    """The number of a constant, or of several joined by "|".
-
-    Raises:
-        CaseError: OpenGL has no such constant.
-
-    >>> hex(constant("GL_MAP_READ_BIT | GL_MAP_WRITE_BIT"))
-    '0x3'
-    """
-    number = 0
-    for word in (w.strip() for w in words.split("|")):
-        if word not in _constants():
-            raise CaseError(f"OpenGL has no constant {word!r}", remedy=nearest(word, _constants()))
-        number |= _constants()[word]
-    return number
-
-
-@contextmanager
-def _fresh_context(device: Device) -> Iterator[None]:
-    """A context of its own, current for a while, which takes with it what was made in it. The
-    device's is untouched, and current again afterwards."""
-    import glcontext
-
-    # Objects that Python drops meanwhile belong to the other context: they wait till it is back.
-    device.context.gc_mode = "context_gc"
-    names = {"glversion": REQUIRED_VERSION, "mode": "standalone"}
-    try:
-        with environment(device.driver):
-            fresh = glcontext.get_backend_by_name("egl")(**names)
-    except Exception as error:  # glcontext raises plain Exception for whatever EGL says
-        raise DriverError(f"no further OpenGL context on EGL ({error})") from error
-    try:
-        yield
-    finally:
-        fresh.release()
-        device.context.__enter__()
-        device.context.gc()
-        device.context.gc_mode = "auto"
 
 
 class _Maker:
@@ -119,7 +75,7 @@ class _Maker:
 
     def make(self, call: Call, returns: int) -> tuple[Any, ...]:
         """Make one call: the first `returns` values that it returned or wrote."""
-        function = _function(call.function)
+        function = prototype(call.function)
         types = tuple(function.argtypes or ())
         writes = len(call.arguments) == len(types) - 1 and _element(types[-1]) is not None
         if len(call.arguments) != len(types) and not writes:
@@ -164,7 +120,7 @@ class _Maker:
     def _object(self, wanted: Object) -> int:
         if wanted not in self._objects:
             name = np.zeros(1, np.uint32)
-            _function(f"glGen{_plural(wanted.kind)}")(1, name)
+            prototype(f"glGen{_plural(wanted.kind)}")(1, name)
             self._objects[wanted] = int(name[0])
         return self._objects[wanted]
 
@@ -209,44 +165,8 @@ def _element(kind: Any) -> type[np.generic] | None:
     return _ARRAYS.get(kind.__name__.removesuffix("Array")) if "Array" in kind.__name__ else None
 
 
-def _function(name: str) -> Any:
-    functions = _functions()
-    if name not in functions:
-        raise CaseError(f"OpenGL has no function {name!r}", remedy=nearest(name, functions))
-    return functions[name]
-
-
-@cache
-def _functions() -> Mapping[str, Any]:
-    """Each C function by its name, from the first version that has it."""
-    from OpenGL.raw.GL import VERSION
-
-    functions: dict[str, Any] = {}
-    for version in sorted(found.name for found in pkgutil.iter_modules(VERSION.__path__)):
-        module = importlib.import_module(f"{VERSION.__name__}.{version}")
-        for name, function in vars(module).items():
-            if name.startswith("gl") and name[2:3].isupper():
-                functions.setdefault(name, function)
-    return functions
-
-
-@cache
-def _constants() -> Mapping[str, int]:
-    return {n: int(v) for n, v in vars(GL).items() if n.startswith("GL_") and isinstance(v, int)}
-
-
 def _is_constant(word: Any) -> TypeGuard[str]:
     return isinstance(word, str) and word.startswith("GL_")
-
-
-def _name_of(number: int, like: str) -> str:
-    """The name of a number among those that begin as another one does, or ""."""
-    found = [name for name, value in _constants().items() if value == number]
-
-    def alike(name: str) -> tuple[int, int]:
-        return len(os.path.commonprefix([name, like])), -len(name)  # noqa: RUF071 - these are words
-
-    return max(found, key=alike, default="")
 
 
 def _plural(kind: str) -> str:

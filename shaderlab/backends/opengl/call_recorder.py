@@ -1,0 +1,137 @@
+"""A context whose calls of OpenGL are written down: moderngl's, and those made through PyOpenGL.
+
+moderngl asks its context for each function's address, and gets one that writes the call down and
+passes it on. PyOpenGL's functions are replaced while calls are recorded, and put back.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import re
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from shaderlab.backends.opengl.api import prototypes
+from shaderlab.backends.opengl.pyopengl import GL, GL_1_0, GL_1_2, GL_1_3
+
+# What takes the address of values.
+_VECTOR = re.compile(
+    r"glUniform(?P<matrix>Matrix)?(?P<rows>\d)(?:x(?P<columns>\d))?(?P<kind>f|i|ui)v"
+)
+_NUMBERS = {"f": ctypes.c_float, "i": ctypes.c_int, "ui": ctypes.c_uint}
+# What only asks, or waits: it changes nothing that is drawn.
+_SILENT = ("glGet", "glIs", "glCheck", "glFinish", "glFlush", "glReadPixels", "glReadBuffer")
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """One call: its place as `CallRecorder.place` was then, the C name, the arguments as they were
+    passed, and what was returned."""
+
+    place: tuple[str, int | None]
+    function: str
+    arguments: tuple[Any, ...]
+    returned: Any
+
+
+class CallRecorder:
+    """Stands for a context of glcontext when moderngl asks for one.
+
+    Attributes:
+        calls: what was recorded.
+        place: the pass and the draw that calls are made for.
+    """
+
+    def __init__(self, context: Any) -> None:
+        self.calls: list[Recorded] = []
+        self.place: tuple[str, int | None] = ("", None)
+        self._context = context
+        self._callbacks: list[Any] = []  # moderngl has their addresses only
+        self._on = False
+
+    @contextmanager
+    def recording(self) -> Iterator[None]:
+        """Record what is called meanwhile."""
+        own = {
+            (module, name): getattr(module, name)
+            for module in (GL, GL_1_0, GL_1_2, GL_1_3)  # as the lab imports them
+            for name in prototypes()
+            if hasattr(module, name) and not _is_silent(name)
+        }
+        for (module, name), function in own.items():
+            setattr(module, name, self._recording(name, function))
+        self._on = True
+        try:
+            yield
+        finally:
+            self._on = False
+            for (module, name), function in own.items():
+                setattr(module, name, function)
+
+    def load_opengl_function(self, name: str) -> int:
+        """The address of a function that records its calls; 0 where the driver has none."""
+        address = int(self._context.load_opengl_function(name) or 0)
+        known = prototypes().get(name)
+        if not address or known is None or _is_silent(name):
+            return address
+        kind = ctypes.CFUNCTYPE(_plain(known.restype), *map(_plain, known.argtypes or ()))
+        callback = kind(self._recording(name, kind(address)))
+        self._callbacks.append(callback)
+        return int(ctypes.cast(callback, ctypes.c_void_p).value or 0)
+
+    def __enter__(self) -> Any:
+        return self._context.__enter__()
+
+    def __exit__(self, *error: object) -> Any:
+        return self._context.__exit__(*error)
+
+    def release(self) -> None:
+        """Give the context back."""
+        self._context.release()
+
+    def _recording(self, name: str, function: Callable[..., Any]) -> Callable[..., Any]:
+        def recorded(*arguments: Any) -> Any:
+            returned = function(*arguments)
+            if self._on:
+                kept, came = arguments, returned
+                if name.startswith(("glGen", "glDrawBuffers")) and _has_address(arguments):
+                    numbers = list((ctypes.c_uint * arguments[0]).from_address(arguments[1]))
+                    kept, came = (arguments[0], numbers), numbers
+                elif name.startswith("glUniform"):
+                    kept = _with_values(name, arguments)
+                self.calls.append(Recorded(self.place, name, kept, came))
+            return returned
+
+        return recorded
+
+
+def _is_silent(name: str) -> bool:
+    return name.startswith(_SILENT)
+
+
+def _has_address(arguments: tuple[Any, ...]) -> bool:
+    """Whether these are a count and an address, as of a caller in C; one in Python has arrays."""
+    return len(arguments) == 2 and isinstance(arguments[1], int)
+
+
+def _with_values(name: str, arguments: tuple[Any, ...]) -> tuple[Any, ...]:
+    """The arguments of a glUniform…v function with the values themselves for their address."""
+    found = _VECTOR.fullmatch(name)
+    if found is None or not isinstance(arguments[-1], int):
+        return arguments
+    rows, columns, kind = found["rows"], found["columns"], found["kind"]
+    each = int(rows) * int(columns or (rows if found["matrix"] else 1))
+    values = (_NUMBERS[kind] * (each * arguments[1])).from_address(arguments[-1])
+    return (*arguments[:-1], np.array(values))
+
+
+def _plain(kind: Any) -> Any:
+    """A C type as callbacks take it: pointers of any kind are addresses."""
+    if kind is None:
+        return None
+    simple = isinstance(kind, type) and issubclass(kind, ctypes._SimpleCData)
+    return kind if simple and kind is not ctypes.c_char_p else ctypes.c_void_p
