@@ -26,6 +26,7 @@ from shaderlab import (
     assets,
     block_layout,
     formula,
+    gl_calls,
     query,
     value,
 )
@@ -159,6 +160,17 @@ case = Case(
                 name=f"Matrices, {color}",
             )
             for k, color in enumerate(COLORS)
+        ),
+        gl_calls("glBufferData", size=128, times=2, name="each block is written once"),
+        *(
+            gl_calls(
+                "glBindBufferRange",
+                index=k,
+                buffer=f"buffer {k + 1}",
+                times=4,
+                name=f"four cubes read one buffer of {block}",
+            )
+            for k, block in enumerate(("Matrices", "Lights"))
         ),
         block_layout(
             "Lights",

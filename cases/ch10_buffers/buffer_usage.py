@@ -84,9 +84,17 @@ case = Case(
         coverage(9360, pass_name="stream_draw", name="pixels of one rosette"),
         attribute_layout({"aPos": (0, 12), "aColor": (84, 12)}, pass_name="static_draw"),
         *(
-            gl_calls("glBufferData", usage=f"GL_{usage.upper()}", size=168, times=1, data="NULL",
-                     pass_name=usage, after="glGenBuffers", name=f"the hint {usage.upper()} is given")
-            for usage in USAGES if usage != "static_draw"  # moderngl says that of its own
+            gl_calls(
+                "glBufferData",
+                usage=f"GL_{usage.upper()}",
+                data="NULL",
+                size=168,
+                times=1,
+                pass_name=usage,
+                name=f"{usage.upper()} is what the driver is told",
+            )
+            for usage in USAGES
+            if usage != "static_draw"
         ),
         *(
             exact(f"{usage}.FragColor", Output("stream_draw.FragColor"), name=usage.upper())

@@ -1,0 +1,73 @@
+"""Labs that leave out what a case is about, and draw the same pixels: its calls tell."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from shaderlab.backends.opengl import drawing, uniform_buffers, vertices
+from shaderlab.backends.opengl.pyopengl import named
+from shaderlab.evaluation import Lab
+from tests.catalogue import shipped
+
+Patch = Callable[[pytest.MonkeyPatch], None]
+
+
+def always_static(patch: pytest.MonkeyPatch) -> None:
+    """Each buffer gets the same hint."""
+    patch.setattr(vertices, "named", lambda word: named("static_draw"))
+
+
+def always_copied(patch: pytest.MonkeyPatch) -> None:
+    """Buffers are filled by glBufferData, whatever a mesh asks for."""
+    filled = vertices._filled
+    patch.setattr(
+        vertices, "_filled", lambda d, parts, mesh: filled(d, parts, replace(mesh, upload="data"))
+    )
+
+
+def always_anew(patch: pytest.MonkeyPatch) -> None:
+    """Each draw has its mesh uploaded again."""
+
+    def made(self: Any, program: Any, mesh: Any) -> Any:
+        self._arrays[len(self._arrays), 0] = found = vertices.vertex_array(
+            self.device, program, mesh
+        )
+        return found
+
+    patch.setattr(drawing.Drawing, "_vertex_array", made)
+
+
+def always_written(patch: pytest.MonkeyPatch) -> None:
+    """Each draw has its blocks written to buffers of their own."""
+    bind = uniform_buffers.UniformBuffers.bind
+
+    def bound(self: Any, *arguments: Any) -> Any:
+        self._made = {}
+        return bind(self, *arguments)
+
+    patch.setattr(uniform_buffers.UniformBuffers, "bind", bound)
+
+
+@pytest.mark.parametrize(
+    ("case_id", "patched"),
+    [
+        ("buffer-usage", always_static),
+        ("buffer-subdata", always_copied),
+        ("buffer-map", always_copied),
+        ("mesh-class", always_anew),
+        ("uniform-buffer", always_written),
+    ],
+)
+def test_a_call_that_is_left_out_is_noticed(
+    monkeypatch: pytest.MonkeyPatch, case_id: str, patched: Patch
+) -> None:
+    patched(monkeypatch)
+    scene = next(shipped()[case_id].scenes())
+    with Lab() as lab:
+        record = lab.run(scene)
+    failed = {o.kind for o in record.expectations if o.status != "pass"}
+    assert record.status == "fail" and failed == {"GL calls"}, (record.message, failed)
