@@ -259,11 +259,11 @@ def test_a_number_of_workers_that_is_none_is_said(
 ) -> None:
     cases.add("a")
     for value in ("two", "-1", "1.5", "²"):
-        result = cases.run("-o", f"shaderlab_jobs={value}")
+        result = cases.pytester.runpytest_inprocess("-o", f"shaderlab_jobs={value}")
         assert result.ret != 0
         assert f"shaderlab_jobs is {value!r}" in result.stdout.str() + result.stderr.str()
     monkeypatch.setenv("SHADERLAB_JOBS", "many")
-    result = cases.run("-o", "shaderlab_jobs=2")
+    result = cases.pytester.runpytest_inprocess("-o", "shaderlab_jobs=2")
     assert "SHADERLAB_JOBS is 'many'" in result.stdout.str() + result.stderr.str()
 
 
