@@ -33,6 +33,7 @@ from shaderlab.sampling import texture
 from ..scenes import stage
 from ..scenes.boxes import nearest_box
 from ..scenes.cameras import camera, turned
+from ..scenes.drawing import decoded
 from ..scenes.figures import each_draw, figure
 from ..scenes.glm import clip_by_glm
 from ..scenes.laws import unchanged
@@ -69,7 +70,7 @@ DRAWS = [
 def of_wood(Normal, TexCoords, wood):
     """The texel under a pixel, in the studio's light."""
     color = swizzle(texture(wood, TexCoords), "xyz")
-    return studio_color(1.3 * color * color, Normal)
+    return studio_color(1.3 * decoded(color), Normal)
 
 
 def turned_normal(aNormal, model):
@@ -127,7 +128,7 @@ case = Case(
             "judged.FragColor",
             "wood, its normal not of length 1",
             {"Normal": (-2.0, 1.0, 2.0), "TexCoords": (0.5, 0.5)},
-            (0.346979, 0.244959, 0.143558, 1.0),
+            (0.309080, 0.210736, 0.117076, 1.0),
         ),
         formula("judged.box", unchanged("number")),
         formula("judged.Normal", turned_normal),

@@ -9,7 +9,9 @@ It does stay below: light that one mirror throws onto the next is counted as hid
 Look at: three rows of balls in such a room, roughness from 0.15 to 1. Above, G is GGX's own: smooth
 balls vanish, rough ones darken by the light of second bounces that the model leaves out. In the
 middle, the rational approximation with k = α/2. Below, with k = (roughness + 1)²/8, which is made
-for lamps: in light from everywhere even the smoothest ball has a black rim.
+for lamps: in light from everywhere even the smoothest ball has a black rim. The shader adds up 128
+halfway vectors, as few as show that; at n·v = 0.7 and roughness 0.5 they give 0.893975 where the
+integral is 0.884792.
 """
 
 import numpy as np
@@ -18,7 +20,6 @@ from shaderlab import (
     Case,
     Target,
     across,
-    computed,
     formula,
     fullscreen,
     measure,
@@ -44,6 +45,7 @@ from shaderlab.reference import microfacets
 
 from ..scenes import furnace
 from ..scenes.drawing import change, encoded, pixel_size
+from ..scenes.figures import results
 
 LEVELS = 16
 RING = np.cos((np.arange(8) + 0.5) / 8.0 * np.pi)
@@ -151,13 +153,23 @@ def of_point(output, normal_view, roughness, equals):
     )
 
 
-def by_directions(form, equals):
-    """An independent figure: the integral over directions of light instead of halfway vectors."""
-    return computed(
-        f"{SERIES[form]}: the share at (0.7, 0.5), by directions of light",
-        lambda: furnace.reflected_share_by_directions(0.7, 0.5, FORMS[form]),
-        equals=equals,
-        digits=2,
+def by_directions(form, equals, excess):
+    """An independent figure: the integral over directions of light instead of halfway vectors; and
+    by how much the 128 halfway vectors of the shader give more."""
+
+    def integral():
+        return furnace.reflected_share_by_directions(0.7, 0.5, FORMS[form])
+
+    def difference():
+        few = furnace.reflected_share(0.7, 0.5, FORMS[form], LEVELS, RING)
+        return few - integral()
+
+    place = f"{SERIES[form]}: the share at (0.7, 0.5)"
+    return results(
+        {
+            f"{place}, by directions of light": (integral, equals),
+            f"{place}, what 128 halfway vectors add": (difference, excess),
+        }
     )
 
 
@@ -238,8 +250,8 @@ case = Case(
             digits=6,
             name="GGX's own G: share straight on, the cosine rounded up past 1",
         ),
-        by_directions("direct", 0.70),
-        by_directions("sky", 0.81),
-        by_directions("smith", 0.88),
+        *by_directions("direct", 0.704693, 0.005542),
+        *by_directions("sky", 0.814652, 0.007635),
+        *by_directions("smith", 0.884792, 0.009183),
     ],
 )

@@ -8,7 +8,7 @@ drawn, so it must count as lit: a border of 1 around the map, and no shadow past
 Ambient light comes from everywhere; a shadow does not take it away.
 
 Look at: the courtyard, its box that hangs in the air and throws a shadow on nothing it touches, and
-below it the shadow map itself among the passes. The sun stands behind on the left. Shadows are as
+below it the shadow map itself among the passes. The sun stands on the right. Shadows are as
 light as the ambient term makes them, never black.
 """
 

@@ -2,7 +2,7 @@
 
 The ray from the camera is mirrored at the normal, or bent by Snell's law, and a cube map tells the
 colour in that direction. Only the direction counts, not the place: the surroundings are taken to be
-far away. Glass of index 1.52 bends by the ratio 1/1.52 = 0.658 and mirrors besides, 4 % where one
+far away. Glass of index 1.52 bends by the ratio 1/1.52 = 0.658 and mirrors besides, 4.3 % where one
 looks straight at it and all at a grazing angle; after Schlick, with the fifth power.
 
 Look at: a ring of metal on the left, a ball of glass in the middle, a vase of metal on the right.
@@ -38,7 +38,9 @@ from ..scenes.sky import sky_face
 EYE, AIM = (0.0, 0.35, 6.4), (0.0, 0.0, 0.0)
 FOVY, ASPECT = 30.0, 2.0
 CAMERA = camera(EYE, AIM, FOVY, ASPECT, far=100.0)
-GLASS, METAL = 0.04, 0.85
+RATIO = 1.0 / 1.52
+# What glass mirrors straight on, by Fresnel: ((1 − n) / (1 + n))².
+GLASS, METAL = ((1.0 - RATIO) / (1.0 + RATIO)) ** 2, 0.85
 SMOOTH = ("linear", "linear")
 
 MORNING = CubeTexture(faces=[partial(sky_face, k) for k in range(6)], filter=SMOOTH)
@@ -61,7 +63,7 @@ def thing(geometry, model, base, sky):
     return tested(
         ("ch07_maps/placed.vert", "ch07_maps/environment_map.frag"),
         geometry,
-        {**placed, "cameraPos": EYE, "ratio": 1.0 / 1.52, "base": base},
+        {**placed, "cameraPos": EYE, "ratio": RATIO, "base": base},
         only=("aPos", "aNormal"),
         textures={"sky": sky},
     )
@@ -155,7 +157,7 @@ case = Case(
             "out of glass at 53°: nothing leaves",
             ratio=1.52,
         ),
-        ray("share", fresnel, (0.0, 2.0, 0.0), 0.04, "straight at glass", base=GLASS),
+        ray("share", fresnel, (0.0, 2.0, 0.0), 0.04258, "straight at glass", base=GLASS),
         ray(
             "share", fresnel, (1.0, 0.0, 0.0), 1.0, "along the surface all is mirrored", base=GLASS
         ),

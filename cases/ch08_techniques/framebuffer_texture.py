@@ -9,6 +9,8 @@ Look at: three screens in a row that show one scene, which was drawn once. Laid 
 own size, texel on pixel, the texture is the scene bit for bit.
 """
 
+import numpy as np
+
 from shaderlab import (
     Case,
     Depth,
@@ -19,12 +21,13 @@ from shaderlab import (
     State,
     Target,
     assets,
+    computed,
     exact,
     formula,
     fullscreen,
 )
 from shaderlab.glslmath import min, swizzle, vec4, where
-from shaderlab.reference.transforms import clip_position, translate
+from shaderlab.reference.transforms import clip_position, device_position, translate
 from shaderlab.sampling import texture
 
 from ..scenes.cameras import camera, turned
@@ -34,20 +37,34 @@ from ..scenes.still_life import photograph_checks, photographed
 
 SCREEN = Mesh(**assets.quad(1.5)).only("aPos", "aTexCoords")
 ANGLES = (40.0, 0.0, -40.0)
+CAMERA = camera((0.0, 0.5, 5.0), (0.0, 0.0, 0.0), 51.0)
+
+
+def model(place):
+    """Where a screen stands, turned towards the viewer."""
+    standing = translate((1.35 * (place - 1), 0.0, 0.3 * abs(place - 1)))
+    return standing @ turned(ANGLES[place])
+
+
+def farthest_corner():
+    """How far a screen's corner is from the middle of the picture, in halves of it."""
+    corners = np.array([(x, y, 0.0) for x in (-0.75, 0.75) for y in (-0.75, 0.75)])
+    device = [
+        device_position(corner, model(k), *CAMERA.values()) for k in range(3) for corner in corners
+    ]
+    return np.abs(np.array(device)[:, :2]).max()
+
+
 DARK = (0.07, 0.07, 0.09, 1.0)
 
 
 def screen(place):
-    """One of the screens, turned towards the viewer."""
-    standing = translate((1.5 * place - 1.5, 0.0, 0.3 * abs(place - 1)))
+    """One of the screens."""
     return Draw(
         vertex="ch08_techniques/framebuffer_texture.vert",
         fragment="ch08_techniques/framebuffer_texture.frag",
         mesh=SCREEN,
-        uniforms={
-            "model": standing @ turned(ANGLES[place]),
-            **camera((0.0, 0.5, 5.0), (0.0, 0.0, 0.0), 38.0),
-        },
+        uniforms={"model": model(place), **CAMERA},
         textures={"screen": Output("scene.FragColor")},
         state=State(depth=Depth()),
     )
@@ -98,6 +115,7 @@ case = Case(
             },
             reference=shown,
         ),
+        computed("no screen is cut off: farthest corner", farthest_corner, equals=0.9671, digits=4),
         *photograph_checks(),
     ],
 )

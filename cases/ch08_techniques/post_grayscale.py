@@ -3,18 +3,24 @@
 The scene is drawn into a texture first; a second pass draws one rectangle over the whole window and
 reads that texture, so each of its pixels can be changed as one likes. The mean of red, green and
 blue treats all alike. The eye does not: green looks much brighter than red, and red than blue.
-Rec. 709 weighs them by .2126, .7152 and .0722.
+Rec. 709 weighs them by .2126, .7152 and .0722. Its weights are those of light, and a picture holds
+numbers that stand for light: the notes weigh the numbers, which is called luma and is a shortcut.
+To be right, decode, weigh, encode. The difference is largest for strong colours, and 0 for greys.
 
-Look at: the left half, the average, and the right half, the luminance. The blue ring and the green
-box, nearly as dark as each other on the left, part on the right: blue turns almost black. The coral
-of the ball (1, .5, .31) is .603333 on the one side and .592582 on the other.
+Look at: the left third, the average; the middle, luma; the right third, the light's own luminance.
+The blue ring turns almost black in the middle. The coral of the ball (1, .5, .31) is .603333 by the
+average, .592582 by luma and .639345 by its light.
 """
 
-from shaderlab import Case, Output, Texture, assets, computed, formula, fullscreen
+import numpy as np
+
+from shaderlab import Case, Erratum, Output, Texture, assets, computed, formula, fullscreen
 from shaderlab.glslmath import swizzle, vec4, where
 from shaderlab.reference import post_processing
+from shaderlab.reference.gamma import srgb_decode, srgb_encode
 from shaderlab.sampling import texture
 
+from ..scenes.drawing import decoded, encoded
 from ..scenes.figures import figure, figures
 from ..scenes.still_life import CORAL, photograph_checks, photographed
 
@@ -33,16 +39,23 @@ def average(screenTexture, TexCoords):
     return post_processing.average(swizzle(texture(screenTexture, TexCoords), "xyz"))
 
 
-def luminance(screenTexture, TexCoords):
-    """Rec. 709's."""
+def luma(screenTexture, TexCoords):
+    """Rec. 709's weights, of encoded numbers."""
     return post_processing.luminance(swizzle(texture(screenTexture, TexCoords), "xyz"))
 
 
+def luminance(screenTexture, TexCoords):
+    """Rec. 709's weights of light, encoded."""
+    light = decoded(swizzle(texture(screenTexture, TexCoords), "xyz"))
+    return encoded(post_processing.luminance(light))
+
+
 def grey(screenTexture, TexCoords):
-    """One on the left, the other on the right."""
-    left = swizzle(TexCoords, "x") < 0.5
-    both = where(left, average(screenTexture, TexCoords), luminance(screenTexture, TexCoords))
-    return vec4(both, both, both, 1.0)
+    """A third each."""
+    x, inputs = swizzle(TexCoords, "x"), (screenTexture, TexCoords)
+    right = where(x < 2.0 / 3.0, luma(*inputs), luminance(*inputs))
+    seen = where(x < 1.0 / 3.0, average(*inputs), right)
+    return vec4(seen, seen, seen, 1.0)
 
 
 MIDDLE = {"TexCoords": (0.5, 0.5)}
@@ -50,23 +63,37 @@ MIDDLE = {"TexCoords": (0.5, 0.5)}
 case = Case(
     title="Grey values",
     section="8.2.3",
-    math=r"\bar c = \tfrac13 (R + G + B), \qquad Y = .2126\,R + .7152\,G + .0722\,B",
+    math=r"\bar c = \tfrac13 (R + G + B), \qquad "
+    r"Y^{2.2} = .2126\,R^{2.2} + .7152\,G^{2.2} + .0722\,B^{2.2}",
     passes=(photographed(), *post("picture", Output("scene.FragColor")), *post("patch", PATCH)),
     picture="picture.FragColor",
     expect=[
         formula("picture.average", average),
+        formula("picture.luma", luma),
         formula("picture.luminance", luminance),
         formula("picture.FragColor", grey),
         *figures(
             "patch.FragColor",
             {
-                f"coral, {side} the middle": ({"TexCoords": (x, 0.5)}, (*(seen,) * 3, 1.0))
-                for x, seen, side in ((0.4975, 0.603333, "left of"), (0.5, 0.592582, "in"))
+                f"coral at {x}": ({"TexCoords": (x, 0.5)}, (*(seen,) * 3, 1.0))
+                for x, seen in (
+                    (0.33, 0.603333),
+                    (0.34, 0.592582),
+                    (0.66, 0.592582),
+                    (0.67, 0.639316),
+                )
             },
             reference=grey,
         ),
         figure("patch.average", "average of coral", MIDDLE, 0.603333, reference=average),
-        figure("patch.luminance", "luminance of coral", MIDDLE, 0.592582, reference=luminance),
+        figure("patch.luma", "luma of coral", MIDDLE, 0.592582, reference=luma),
+        figure("patch.luminance", "luminance of coral", MIDDLE, 0.639316, reference=luminance),
+        computed(
+            "luminance of coral by sRGB's own curve",
+            lambda: srgb_encode(post_processing.luminance(srgb_decode(np.array(CORAL)))),
+            equals=0.643,
+            digits=3,
+        ),
         computed(
             "weights of Rec. 709 together",
             lambda: post_processing.luminance((1.0, 1.0, 1.0)),
@@ -75,5 +102,14 @@ case = Case(
             note="white stays white",
         ),
         *photograph_checks(),
+    ],
+    errata=[
+        Erratum(
+            section="8.2.3",
+            says="Rec. 709's weights, applied to the colours of the picture, give its brightness",
+            truth="the weights are those of light; of the encoded picture they make luma, 0.592582 "
+            "for coral, where its luminance is 0.639316",
+            proof="luminance of coral",
+        )
     ],
 )

@@ -1,24 +1,50 @@
 """Kernels: each pixel becomes a sum of itself and its eight neighbours, each with a weight.
 
 Nine weights, laid over a pixel and its neighbours, sharpen, blur, or find edges. Weights that add
-up to 1 keep an even surface as bright as it was (sharpen: 8 · 2 − 15, blur: 16 / 16); those of the
-edge kernel add up to 0, so that even surfaces go black and only changes remain. What is asked for
-beyond the edge of the picture must be decided: here its last row and column are repeated.
+up to 1 keep an even surface as bright as it was (sharpen: 5 − 4, blur: 16 / 16); those of the edge
+kernel add up to 0, so that even surfaces go black and only changes remain. The sum is not all: the
+notes' sharpening kernel, eight times 2 and −15, adds up to 1 as well, but its middle is negative,
+and it answers a step from 0 to 1 with 6 and −5. It turns edges over; a kernel that sharpens answers
+with −1 and 2, darker before the step and brighter behind it. What is asked for beyond the edge of
+the picture must be decided: here its last row and column are repeated.
 
-Look at: the four pictures. The last kernel, an emboss, is not the same turned round: it shows
-whether the weights' rows run from top to bottom, as they are printed, or the other way.
+Look at: the five pictures, and how the notes' kernel draws each edge twice. The last kernel,
+an emboss, is not the same turned round: it shows whether the weights' rows run from top to bottom,
+as they are printed, or the other way.
 """
 
 import numpy as np
 
-from shaderlab import Case, Output, Ramp, Target, Texture, Variant, computed, formula, fullscreen
+from shaderlab import (
+    Case,
+    Erratum,
+    Output,
+    Pixel,
+    Ramp,
+    Target,
+    Texture,
+    Variant,
+    computed,
+    formula,
+    fullscreen,
+)
 from shaderlab.glslmath import swizzle, vec4
 from shaderlab.reference.post_processing import BLUR, EDGES, EMBOSS, SHARPEN, convolved, filtered
 from shaderlab.sampling import texture
 
+from ..scenes.figures import figures
 from ..scenes.still_life import photograph_checks, photographed
 
-KERNELS = {"sharpen": SHARPEN, "blur": BLUR, "edges": EDGES, "emboss": EMBOSS}
+AS_PRINTED = (2.0, 2.0, 2.0, 2.0, -15.0, 2.0, 2.0, 2.0, 2.0)
+# Weights; their sum; what is left of a step from 0 to 1, before it and behind it.
+KERNELS = {
+    "sharpen": (SHARPEN, 1.0, -1.0, 2.0),
+    "sharpen, as the notes have it": (AS_PRINTED, 1.0, 6.0, -5.0),
+    "blur": (BLUR, 1.0, 0.25, 0.75),
+    "edges": (EDGES, 0.0, 3.0, -3.0),
+    "emboss": (EMBOSS, 1.0, 3.0, 4.0),
+}
+STEP = Texture(image=np.array([[(level,) * 3 + (1.0,) for level in (0.0, 0.0, 1.0, 1.0)]] * 4))
 
 
 # Noise, read 1/200 of a texel from each texel's lower left corner: a neighbour that is not exactly
@@ -49,6 +75,17 @@ def by_numpy(screenTexture, TexCoords, kernel):
     return np.column_stack([whole[y, x], np.ones(len(x))])
 
 
+def answers(before, behind):
+    """What a kernel makes of the two pixels at a step."""
+    return figures(
+        "step.FragColor",
+        {
+            f"{side} a step from 0 to 1": (Pixel(x, 1), (seen,) * 3 + (1.0,))
+            for x, side, seen in ((1, "before", before), (2, "behind", behind))
+        },
+    )
+
+
 case = Case(
     title="Kernels",
     section="8.2.3",
@@ -68,16 +105,36 @@ case = Case(
             textures={"screenTexture": NOISE},
             target=Target(size=(SIDE, SIDE)),
         ),
+        *fullscreen(
+            "ch08_techniques/post_kernels.frag",
+            name="step",
+            uniforms={"kernel": SHARPEN},
+            textures={"screenTexture": STEP},
+            target=Target(size=(4, 4)),
+        ),
     ),
     picture="main.FragColor",
-    variants=[Variant(name, {"kernel": kernel}) for name, kernel in KERNELS.items()],
+    variants=[
+        Variant(name, {"kernel": kernel}, expect=answers(*steps))
+        for name, (kernel, _, *steps) in KERNELS.items()
+    ],
     expect=[
         formula("main.FragColor", around, also={"NumPy's convolution": by_numpy}),
         formula("corners.FragColor", around, name="read near each texel's corner"),
+        formula("step.FragColor", around, name="a step"),
         *(
             computed(f"weights, {name}", lambda w=kernel: sum(w), equals=total, digits=6)
-            for (name, kernel), total in zip(KERNELS.items(), (1.0, 1.0, 0.0, 1.0), strict=True)
+            for name, (kernel, total, *_) in KERNELS.items()
         ),
         *photograph_checks(),
+    ],
+    errata=[
+        Erratum(
+            section="8.2.3",
+            says="eight weights of 2 around −15 sharpen",
+            truth="they answer a step 0|1 with 6|−5, which turns edges over; 0 −1 0, −1 5 −1, "
+            "0 −1 0 sharpens, with −1|2",
+            proof="before a step from 0 to 1",
+        )
     ],
 )

@@ -39,6 +39,7 @@ from shaderlab.reference.spaces import sky_clip
 from shaderlab.reference.transforms import clip_position, look_at, perspective, rotate, translate
 from shaderlab.sampling import texture
 
+from ..scenes.drawing import decoded
 from ..scenes.laws import unchanged
 from ..scenes.panels import softened_check, softened_pass
 from ..scenes.sky import sky_face
@@ -117,7 +118,7 @@ def point(aPos):
 def of_wood(Normal, TexCoords, wood):
     """A crate's texel in the studio's light."""
     color = swizzle(texture(wood, TexCoords), "xyz")
-    return studio_color(1.3 * color * color, Normal)
+    return studio_color(1.3 * decoded(color), Normal)
 
 
 def turned_normal(aNormal, model):
@@ -131,7 +132,7 @@ def kept_clip(aPos, view, projection):
 
 
 TEXEL = assets.crate(64)[int(0.3 * 64), int(0.4 * 64), :3].astype(float)
-IN_FRONT = np.ravel(studio_color(1.3 * TEXEL * TEXEL, np.array([0.0, 2.0, 0.0]))).tolist()
+IN_FRONT = np.ravel(studio_color(1.3 * decoded(TEXEL), np.array([0.0, 2.0, 0.0]))).tolist()
 
 
 def changed(one, other):

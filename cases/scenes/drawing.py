@@ -36,6 +36,15 @@ def encoded(light: Value) -> Value:
     return pow(min(light, 1.0), 1.0 / 2.2)
 
 
+def decoded(shown: Value) -> Value:
+    """The light that a display makes of its numbers, with a gamma of 2.2.
+
+    >>> decoded(np.array([0.72974, 1.0])).round(6).tolist()
+    [0.5, 1.0]
+    """
+    return pow(shown, 2.2)
+
+
 def chessboard(place: Value) -> Value:
     """0 and 1 on the fields of a chessboard of unit squares: whether the field's number is odd.
 

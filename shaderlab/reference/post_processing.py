@@ -17,7 +17,7 @@ from shaderlab.glslmath import Value, dot, swizzle, vec3
 
 Array = npt.NDArray[Any]
 
-SHARPEN = (2.0, 2.0, 2.0, 2.0, -15.0, 2.0, 2.0, 2.0, 2.0)
+SHARPEN = (0.0, -1.0, 0.0, -1.0, 5.0, -1.0, 0.0, -1.0, 0.0)
 BLUR = tuple(w / 16.0 for w in (1, 2, 1, 2, 4, 2, 1, 2, 1))
 EDGES = (1.0, 1.0, 1.0, 1.0, -8.0, 1.0, 1.0, 1.0, 1.0)
 EMBOSS = (-1.0, -1.0, 0.0, -2.0, 1.0, 2.0, 0.0, 1.0, 1.0)

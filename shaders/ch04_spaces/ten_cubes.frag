@@ -13,6 +13,6 @@ layout (location = 1) out float box;
 void main()
 {
     vec3 color = texture(wood, TexCoords).rgb;
-    FragColor = vec4(studio(1.3 * color * color, Normal), 1.0);   // squared: from display to light
+    FragColor = vec4(studio(1.3 * decoded(color), Normal), 1.0);
     box = number;
 }

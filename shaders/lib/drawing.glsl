@@ -14,7 +14,12 @@ float chessboard(vec2 place)
     return mod(floor(place.x) + floor(place.y) + 0.5, 2.0) - 0.5;
 }
 
-// Light, 0 … 1, as the numbers a display expects.
+// Numbers for a display as light, and light, 0 … 1, as the numbers a display expects.
+vec3 decoded(vec3 shown)
+{
+    return pow(shown, vec3(2.2));
+}
+
 vec3 encoded(vec3 light)
 {
     return pow(light, vec3(1.0 / 2.2));

@@ -11,6 +11,7 @@ import pytest
 from hypothesis import assume, given, strategies as st
 from pyglm import glm
 
+from cases.scenes import furnace
 from shaderlab.reference import (
     attenuation as fade,
     gamma,
@@ -356,3 +357,32 @@ def test_light_goes_both_ways(one: float, other: float, around: float) -> None:
     forth = microfacets.radiance(UP, a, b, metal, 1.0, 0.5) / b[2]
     back = microfacets.radiance(UP, b, a, metal, 1.0, 0.5) / a[2]
     np.testing.assert_allclose(forth, back, rtol=1e-9)
+
+
+def test_the_white_furnace_by_directions_of_light_chosen_at_random() -> None:
+    """The lesson's figures: the integral, and what its few halfway vectors give too much."""
+    normal_view, roughness = 0.7, 0.5
+    # One direction in each of 1000 × 1000 equal parts of the hemisphere.
+    parts, chosen = np.indices((1000, 1000)), np.random.default_rng(513)
+    cosine, share = ((part.ravel() + chosen.random(part.size)) / 1000.0 for part in parts)
+    turn = 2.0 * math.pi * share
+    sine = np.sqrt(1.0 - cosine * cosine)
+    light = np.stack([sine * np.cos(turn), sine * np.sin(turn), cosine], axis=-1)
+    view = np.array([math.sqrt(1.0 - normal_view**2), 0.0, normal_view])
+    half = light + view
+    half /= np.linalg.norm(half, axis=-1, keepdims=True)
+    # D by the slope of the microfacets, G by Smith's Λ: the forms of Walter et al., not ours.
+    slope2 = 1.0 / half[:, 2] ** 2 - 1.0
+    alpha2 = roughness**4
+    d = alpha2 / (math.pi * half[:, 2] ** 4 * (alpha2 + slope2) ** 2)
+
+    def masked(c: Any) -> Any:
+        return 1.0 / (1.0 + 0.5 * (np.sqrt(1.0 + alpha2 * (1.0 / c**2 - 1.0)) - 1.0))
+
+    found = 2.0 * math.pi * d * masked(cosine) * masked(normal_view) / (4.0 * normal_view)
+    assert found.mean() == pytest.approx(0.884792, abs=1e-4)
+    few = furnace.reflected_share(normal_view, roughness, microfacets.masking, 16, RING)
+    assert few.item() == pytest.approx(0.893975, abs=1e-6)
+
+
+RING = np.cos((np.arange(8) + 0.5) / 8.0 * np.pi)

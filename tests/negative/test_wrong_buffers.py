@@ -47,6 +47,8 @@ SHADERS = [
     ("post-grayscale", f"{CH8}/post_grayscale.frag", "/ 3.0", "/ 3.1"),
     ("post-grayscale", f"{CH8}/post_grayscale.frag", "0.2126, 0.7152, 0.0722",
      "0.299, 0.587, 0.114"),
+    ("post-grayscale", f"{CH8}/post_grayscale.frag", "dot(decoded(color), weights)",
+     "dot(color, weights)"),
     ("post-inversion", f"{CH8}/post_inversion.frag", "1.0 - texture", "0.99 - texture"),
     ("post-inversion", f"{CH8}/post_inversion.frag", "vec4(1.0 - texture(screenTexture, "
      "TexCoords).rgb, 1.0)", "1.0 - texture(screenTexture, TexCoords)"),
