@@ -27,7 +27,7 @@ def test_the_example_passes(example: Path) -> None:
 
 def test_the_example_is_collected_by_pytest(example: Path) -> None:
     done = execute("pytest .", example)
-    assert "1 passed" in done.stdout, done.stdout
+    assert "2 passed" in done.stdout, done.stdout
 
 
 def test_without_the_normalize_it_fails_with_a_pixel(example: Path) -> None:
