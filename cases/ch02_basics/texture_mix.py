@@ -11,6 +11,7 @@ import numpy as np
 
 from shaderlab import (
     Case,
+    Erratum,
     Mesh,
     Pixel,
     Target,
@@ -18,6 +19,7 @@ from shaderlab import (
     Variant,
     assets,
     formula,
+    gl_call,
     mesh_pass,
     sweep,
     value,
@@ -67,6 +69,22 @@ case = Case(
         formula("gl_Position", in_place),
         formula("TexCoords", handed_on),
         formula("FragColor", mixed),
+        gl_call(
+            "glGetIntegerv",
+            "GL_MAX_TEXTURE_IMAGE_UNITS",
+            at_least=16,
+            name="textures that a fragment shader may read",
+        ),
+        gl_call("glActiveTexture", "GL_TEXTURE16", name="the seventeenth unit"),
+    ],
+    errata=[
+        Erratum(
+            section="2.4.6",
+            says="at most 16 textures are mixed",
+            truth="16 is the least that OpenGL 3.3 lets a driver offer to a fragment shader, 48 to "
+            "all stages together; GL_MAX_TEXTURE_IMAGE_UNITS tells how many it has",
+            proof="the seventeenth unit",
+        )
     ],
     variants=[
         Variant("crate and emblem"),

@@ -14,7 +14,7 @@ middle S·T·R and T·S·R, below R·S·T and S·R·T.
 
 import numpy as np
 
-from shaderlab import Case, assets, computed, formula
+from shaderlab import Case, Erratum, assets, computed, formula
 from shaderlab.assets import solids
 from shaderlab.glslmath import mul, vec4
 from shaderlab.reference.transforms import normal_matrix, scale, translate, world_normal
@@ -22,6 +22,7 @@ from shaderlab.reference.transforms import normal_matrix, scale, translate, worl
 from ..scenes import stage
 from ..scenes.cameras import camera, turned
 from ..scenes.figures import figure
+from ..scenes.glm import scaled_then_rotated_by_glm
 from ..scenes.panels import cell
 from ..scenes.props import letter_f, tile
 from ..scenes.studio import handed_on, studio_color
@@ -120,8 +121,24 @@ case = Case(
         *stage.picture_checks(),
         *stage.prop_checks(),
         *(check for k, row in enumerate(ORDERS.items()) for check in checks(k, *row)),
+        computed(
+            "(1, 0, 0) by glm::scale, and then glm::rotate",
+            lambda: scaled_then_rotated_by_glm((1.0, 0.0, 0.0)),
+            equals=(0.0, 1.0, 0.0),
+            digits=12,
+            note="scaled first, it would be at (0, 2, 0)",
+        ),
         formula("judged.gl_Position", position, name="clip coordinates"),
         formula("judged.Normal", world_normal, name="normals"),
         formula("judged.Color", handed_on),
+    ],
+    errata=[
+        Erratum(
+            section="3.4",
+            says="scale → rotate → translate, where the code calls glm::scale and then glm::rotate",
+            truth="GLM multiplies on the right: what is called last acts first, so the vertex is "
+            "rotated, and then scaled",
+            proof="(1, 0, 0) by glm::scale, and then glm::rotate",
+        )
     ],
 )

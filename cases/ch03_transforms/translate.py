@@ -12,10 +12,10 @@ the letter covers its pale double exactly, the arrow goes off without it.
 
 import numpy as np
 
-from shaderlab import Case, Depth, formula
+from shaderlab import Case, Depth, Erratum, formula
 from shaderlab.assets import solids
 from shaderlab.glslmath import swizzle
-from shaderlab.reference.transforms import in_view, rotate, translate, translated
+from shaderlab.reference.transforms import in_view, rotate, scale, translate, translated
 
 from ..scenes import stage
 from ..scenes.cameras import camera
@@ -90,6 +90,11 @@ case = Case(
                     lambda: translate((1, 2, 3)) @ (1, 0, 0, 0),
                     (1.0, 0.0, 0.0, 0.0),
                 ),
+                "scale by 2 · (1, 2, 3, 0)": (
+                    lambda: scale(2.0) @ (1, 2, 3, 0),
+                    (2.0, 4.0, 6.0, 0.0),
+                    "and so does a scale",
+                ),
                 "90° around z · (1, 0, 0, 0)": (
                     lambda: rotate(np.pi / 2, (0, 0, 1)) @ (1, 0, 0, 0),
                     (0.0, 1.0, 0.0, 0.0),
@@ -98,5 +103,13 @@ case = Case(
             },
             digits=12,
         ),
+    ],
+    errata=[
+        Erratum(
+            section="3.1",
+            says="a vector has w = 0: multiplied by a transform it is itself",
+            truth="of translations only; a scale by 2 makes (2, 4, 6, 0) of (1, 2, 3, 0)",
+            proof="scale by 2 · (1, 2, 3, 0)",
+        )
     ],
 )

@@ -15,7 +15,7 @@ from math import radians
 
 import numpy as np
 
-from shaderlab import Case, assets, formula
+from shaderlab import Case, Erratum, assets, formula
 from shaderlab.assets import solids
 from shaderlab.glslmath import mul, swizzle, vec4
 from shaderlab.reference.spaces import device, window
@@ -189,5 +189,14 @@ case = Case(
             "the same in a viewport that begins at (100, 50)",
             viewport=(100.0, 50.0, 640.0, 480.0),
         ),
+    ],
+    errata=[
+        Erratum(
+            section="4.1",
+            says="clip coordinates are brought to −1 … 1",
+            truth="device coordinates are, after the division by w; in clip space what is seen has "
+            "−w ≤ x, y, z ≤ w, and the nose has a z of 3.68 with a w of 4.49",
+            proof="the nose in clip space",
+        )
     ],
 )

@@ -93,6 +93,12 @@ case = Case(
             equals=0.757792,
             digits=6,
         ),
+        figure(
+            "FragColor",
+            "a green thing's highlight in white light",
+            {**POINT, "lightPos": (0.0, 0.0, 2.0), "objectColor": (0.0, 1.0, 0.0)},
+            (0.0, 1.6, 0.0, 1.0),
+        ),
         figure("spec", "nearly 90° from the mirrored ray", {**POINT, **ASIDE}, 0.071075),
         sweep(
             "spec",
@@ -111,6 +117,13 @@ case = Case(
             truth="with the lamp 5° below the surface that is 0.757792 for a viewer 10° above; a "
             "face turned away from the lamp has no highlight (OpenGL 1.0, equation 2.1: f = 0)",
             proof=lit.TURNED_AWAY,
+        ),
+        Erratum(
+            section="5.2.3",
+            says="highlights tend to the light's colour more than to the object's",
+            truth="on plastic they do, but the formula multiplies all by objectColor: a green "
+            "thing's highlight in white light is green",
+            proof="a green thing's highlight in white light",
         ),
     ],
 )

@@ -164,8 +164,9 @@ case = Case(
     errata=[
         Erratum(
             section="8.1",
-            says="the quad's triangles are front faces, although they run clockwise, with GL_CCW",
-            truth="with GL_CCW they are back faces, and GL_BACK leaves nothing",
+            says="to make clockwise faces the front, call glFrontFace(GL_CCW)",
+            truth="GL_CCW is counter-clockwise, and the default: with it clockwise faces are back "
+            "faces, and culling GL_BACK leaves nothing of them",
             proof="2.2.7's quad, GL_BACK and GL_CCW",
         )
     ],

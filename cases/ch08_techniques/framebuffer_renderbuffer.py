@@ -168,11 +168,5 @@ case = Case(
             truth="with glDrawBuffer(GL_NONE) and glReadBuffer(GL_NONE) depth alone is complete",
             proof="depth alone",
         ),
-        Erratum(
-            section="8.2",
-            says="all attachments must be of the same size",
-            truth="since OpenGL 3.0 sizes may differ",
-            proof="sizes differ",
-        ),
     ],
 )

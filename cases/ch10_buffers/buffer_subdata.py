@@ -11,16 +11,19 @@ would serve as colours, and three corners with negative coordinates would be bla
 
 from shaderlab import (
     Case,
+    Erratum,
     Output,
     Target,
     attribute_layout,
     exact,
     formula,
+    gl_call,
     gl_calls,
     measure,
     mesh_pass,
     value,
 )
+from shaderlab.expectations.gl_call import Object
 
 from ..scenes.rosette import as_it_is, color_of, encoded, rosette
 
@@ -64,8 +67,23 @@ case = Case(
         value(
             "FragColor", at={"ourColor": (0.25, 1.0, 0.0)}, equals=(0.5, 1.0, 0.0, 1.0), digits=6
         ),
+        *(
+            gl_call("glBindBuffer", f"GL_{target}_BUFFER", Object("buffer"), name=name)
+            for target, name in (
+                ("PIXEL_PACK", "a buffer that pixels are read into"),
+                ("UNIFORM", "a buffer of uniforms"),
+            )
+        ),
         # The nearest pixels are half a pixel off the white vertex both ways, and 208 pixels from
         # there all channels have fallen by 1 at most: to 0.9966, whose root is 0.9983.
         measure("the middle is white", white, at_least=0.998),
+    ],
+    errata=[
+        Erratum(
+            section="10",
+            says="glBindBuffer and glBufferData have only two targets, arrays and their indices",
+            truth="there are more, for pixels and uniforms among others",
+            proof="a buffer that pixels are read into",
+        )
     ],
 )

@@ -10,7 +10,20 @@ Look at: the seven squares, 24 pixels wide each: 576 pixels, 4032 together.
 
 import numpy as np
 
-from shaderlab import Case, Mesh, Output, Target, exact, formula, measure, mesh_pass, query, value
+from shaderlab import (
+    Case,
+    Erratum,
+    Mesh,
+    Output,
+    Target,
+    exact,
+    formula,
+    gl_call,
+    measure,
+    mesh_pass,
+    query,
+    value,
+)
 
 from ..scenes.rosette import as_it_is, color_of, encoded, rosette
 
@@ -69,6 +82,14 @@ case = Case(
         query("samples_passed", equals=4032, name="7 squares of 24 × 24 pixels"),
         measure("pixels of the points", lit, equals=4032, digits=0),
         measure("white pixels in the middle", one_square, equals=576, digits=0),
+        gl_call(
+            "glIndexPointer",
+            "GL_INT",
+            0,
+            None,
+            raises="invalid_operation",
+            name="glIndexPointer is gone from OpenGL's core",
+        ),
         formula("gl_Position", as_it_is),
         formula("gl_PointSize", size_of),
         formula("ourColor", color_of),
@@ -76,5 +97,14 @@ case = Case(
         value(
             "FragColor", at={"ourColor": (0.25, 1.0, 0.0)}, equals=(0.5, 1.0, 0.0, 1.0), digits=6
         ),
+    ],
+    errata=[
+        Erratum(
+            section="10",
+            says="with GL_ELEMENT_ARRAY_BUFFER bound, glIndexPointer says where the indices are",
+            truth="it set indices of colours, in the colour-index mode that went with OpenGL 3.1; "
+            "indices of vertices need no pointer but glDrawElements' own",
+            proof="glIndexPointer is gone from OpenGL's core",
+        )
     ],
 )

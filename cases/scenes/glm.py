@@ -51,6 +51,18 @@ def scaled_by_glm(aPos: Any, factors: Any, offset: Any) -> Any:
     return np.column_stack([aPos, np.ones(len(aPos))]) @ matrix.T
 
 
+def scaled_then_rotated_by_glm(point: Any) -> Any:
+    """A point under `glm.rotate` (90° around z) of `glm.scale` (2, 1, 1), as programs write it.
+
+    >>> scaled_then_rotated_by_glm((0.0, 1.0, 0.0)).round(9).tolist()
+    [-2.0, 0.0, 0.0]
+    """
+    glm = _glm()
+    model = glm.scale(glm.dmat4(1.0), glm.dvec3(2.0, 1.0, 1.0))
+    model = glm.rotate(model, glm.radians(90.0), glm.dvec3(0.0, 0.0, 1.0))
+    return np.array((model * glm.dvec4(*point, 1.0)).xyz)
+
+
 def rotated_by_glm(aPos: Any, axis: Any, angle: Any, offset: Any) -> Any:
     """Rotation around an axis of any length, then translation: (…, 3).
 

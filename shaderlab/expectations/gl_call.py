@@ -52,6 +52,7 @@ class GlCall(Expectation):
     call: Call
     raises: str
     returns: tuple[int | float | str, ...] | None = None
+    at_least: bool = False
     before: tuple[Call, ...] = ()
 
     def passes(self, scene: Scene) -> frozenset[str]:
@@ -86,6 +87,9 @@ class GlCall(Expectation):
                 for values in (reply.wanted, reply.returned)
             )
             same = reply.wanted == reply.returned
+            if self.at_least:
+                expected = f"≥ {expected}"
+                same = len(reply.returned) == 1 and reply.returned[0] >= reply.wanted[0]
             rows.append(Row(label="its answer", expected=expected, measured=returned, ok=same))
         wrong = next((row for row in rows if not row.ok), None)
         verb = "raises" if wrong is rows[0] else "answers"
@@ -98,6 +102,7 @@ def gl_call(
     *arguments: Argument,
     raises: str = "no_error",
     returns: int | float | str | Sequence[int | float | str] | None = None,
+    at_least: float | None = None,
     before: Sequence[Call] = (),
     name: str = "",
 ) -> GlCall:
@@ -109,13 +114,19 @@ def gl_call(
         raises: the one error it must raise; none by default.
         returns: what it must return, or, for a glGet… function, what it must write: a number, a
             "GL_" word, or several.
+        at_least: the least number that it may return or write, where drivers differ.
         before: calls that come first, in order, each of which must raise no error.
         name: how outcomes call it; the call itself by default.
 
     Raises:
-        CaseError: `raises` is no error of OpenGL; or an error and a value are asked for at once.
+        CaseError: `raises` is no error of OpenGL; or two of an error, a value and a least value are
+            asked for at once.
     """
     one_of("gl_call", "raises", raises, tuple(GL_ERRORS))
+    if returns is not None and at_least is not None:
+        raise CaseError(f"gl_call {function}: it returns either a value or at least one")
+    if at_least is not None:
+        returns = at_least
     if raises != "no_error" and returns is not None:
         raise CaseError(f"gl_call {function}: a call that raises an error returns nothing")
     made = Call(function, arguments)
@@ -123,7 +134,12 @@ def gl_call(
     if returns is not None:
         several = (returns,) if isinstance(returns, int | float | str) else tuple(returns)
     return GlCall(
-        call=made, raises=raises, returns=several, before=tuple(before), name=name or str(made)
+        call=made,
+        raises=raises,
+        returns=several,
+        at_least=at_least is not None,
+        before=tuple(before),
+        name=name or str(made),
     )
 
 

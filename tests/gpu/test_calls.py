@@ -93,6 +93,7 @@ RIGHT = [
     gl_call("glGetFloatv", "GL_COLOR_CLEAR_VALUE", returns=(0.25, 0.5, 0.75, 1.0),
             before=(call("glClearColor", 0.25, 0.5, 0.75, 1.0),)),
     gl_call("glTexParameterfv", "GL_TEXTURE_2D", "GL_TEXTURE_BORDER_COLOR", (1, 0, 0, 1)),
+    gl_call("glGetIntegerv", "GL_MAX_DRAW_BUFFERS", at_least=8),
 ]  # fmt: skip
 
 
@@ -120,6 +121,8 @@ def test_calls_raise_and_answer_what_the_specification_says(lab: Lab, folder: Pa
         (gl_call("glIsEnabled", "GL_BLEND", returns=0,
                  before=(call("glEnable", "GL_TEXTURE_2D"),)), "glEnable(GL_TEXTURE_2D) raises"),
         (gl_call("glEnable", "GL_BLEND", returns=0), "answers nothing"),
+        (gl_call("glEnable", "GL_BLEND", at_least=0), "answers nothing"),
+        (gl_call("glIsEnabled", "GL_BLEND", at_least=1), "answers 0"),
     ],
 )  # fmt: skip
 def test_another_error_or_answer_fails(lab: Lab, folder: Path, wrong: Any, says: str) -> None:
@@ -148,6 +151,7 @@ def test_what_is_no_call_names_the_nearest(lab: Lab, folder: Path, wrong: Any, s
 def test_calls_are_refused_where_they_are_written() -> None:
     for make in (
         lambda: gl_call("texParameteri"),
+        lambda: gl_call("glIsEnabled", "GL_BLEND", returns=0, at_least=0),
         lambda: gl_call("glEnable", raises="invalid_enums"),
         lambda: gl_call("glIsEnabled", "GL_BLEND", raises="invalid_enum", returns=0),
         lambda: Object("textur"),
