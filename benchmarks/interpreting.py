@@ -5,7 +5,8 @@ references.
 in bands (and with `--numbers` in float32 and float64, too), at 4096 invocations at most, and prints
 
 - how many programs are interpreted, and why the others are not;
-- how many of the driver's values lie outside of the band that the program itself gives;
+- how many of the driver's values lie outside of the band that the program itself gives, and with
+  `--adversary` how many of those of a device that errs in every instruction as much as it may;
 - for each formula of a fragment's output the median ratio of that band's width to the width of the
   band of its reference, the values without a width left out; and the ratio of what both cost.
 """
@@ -19,12 +20,14 @@ import time
 import traceback
 import warnings
 from collections import Counter
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
 
+from benchmarks.adversary_device import Device
+from benchmarks.erring_arithmetic import Erring, outside
 from shaderlab.bands import Band, Integer, Rules
 from shaderlab.catalogue import load_cases
 from shaderlab.discovery import shipped_cases
@@ -35,7 +38,7 @@ from shaderlab.evaluation.interpreting import Invocations, fragments, vertices
 from shaderlab.expectations.formula import Formula
 from shaderlab.expectations.subject import subject_of
 from shaderlab.frame import PassDraw
-from shaderlab.interpreter import FLOAT32, FLOAT64, Bands, interpret
+from shaderlab.interpreter import FLOAT32, FLOAT64, Bands, Interpreted, interpret
 from shaderlab.judging.formats import stored
 from shaderlab.judging.inputs import evaluate, wanted
 from shaderlab.model import Scene
@@ -57,6 +60,7 @@ class Survey:
     invocations: int = 0
     seconds: float = 0.0
     by_numbers: float = 0.0
+    adversary: list[int] = field(default_factory=lambda: [0, 0])  # values, and those outside
     values: int = 0
     outside: dict[str, int] = field(default_factory=dict)
     vacuous: dict[str, float] = field(default_factory=dict)
@@ -68,33 +72,42 @@ def main(words: list[str] | None = None) -> int:
     options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     options.add_argument("cases", nargs="*", help="ids of cases; all by default")
     options.add_argument("--numbers", action="store_true", help="float32 and float64 as well")
+    options.add_argument(
+        "--adversary",
+        type=int,
+        default=0,
+        metavar="N",
+        help="N runs of each program on a device that errs as much as it may",
+    )
     options.add_argument("--driver", help="llvmpipe by default")
     options.add_argument("--json", help="write what was found of each program to this file")
     given = options.parse_args(words)
     warnings.simplefilter("ignore")
-    found = list(surveys(given.cases, given.numbers, given.driver))
+    found = list(surveys(given))
     if given.json:
         with open(given.json, "w") as file:
             json.dump([asdict(survey) for survey in found], file, indent=1)
     return summary(found)
 
 
-def surveys(only: Collection[str], numbers: bool, driver: str | None) -> Iterator[Survey]:
+def surveys(given: argparse.Namespace) -> Iterator[Survey]:
     """Each program of the cases once, and once more for each formula that reads it anew."""
-    with Lab(RunOptions(size=64, driver=driver)) as lab:
+    with Lab(RunOptions(size=64, driver=given.driver)) as lab:
         for case in load_cases(shipped_cases()).values():
-            if only and case.id not in only:
+            if given.cases and case.id not in given.cases:
                 continue
             seen: set[Any] = set()
             for scene in case.scenes():
                 try:
                     with lab.evaluation(scene, lab.prepare_for_opengl(scene)) as evaluation:
-                        yield from of_scene(evaluation, seen, numbers)
+                        yield from of_scene(evaluation, seen, given)
                 except ShaderlabError as error:
                     print(f"{case.id} {scene.variant}: not drawn: {error.message}", file=sys.stderr)
 
 
-def of_scene(evaluation: Evaluation, seen: set[Any], numbers: bool) -> Iterator[Survey]:
+def of_scene(
+    evaluation: Evaluation, seen: set[Any], options: argparse.Namespace
+) -> Iterator[Survey]:
     """The programs and formulas of a scene that were not seen in another one."""
     scene = evaluation.scene
     for key in evaluation.drawn.bindings:
@@ -113,7 +126,7 @@ def of_scene(evaluation: Evaluation, seen: set[Any], numbers: bool) -> Iterator[
                 survey.invocations = invocations.count
                 if not invocations.count:
                     continue
-                of_program(survey, evaluation, key, invocations, formulas, numbers)
+                of_program(survey, evaluation, key, invocations, formulas, options)
             except NotInterpretedError as error:
                 survey.status = error.message
             except DriverError as error:
@@ -140,14 +153,16 @@ def of_program(
     key: PassDraw,
     given: Invocations,
     formulas: list[Formula],
-    numbers: bool,
+    options: argparse.Namespace,
 ) -> None:
     """Interpret a program, and hold it against the driver and its formulas."""
     started = time.process_time()
     result = interpret(given.program, given.each, given.bindings, Bands(), count=given.count)
     survey.seconds = time.process_time() - started
     survey.undecided = sum(int(flags.sum()) for flags in result.undecided.values())
-    if numbers:
+    for seed in range(options.adversary):
+        erring(survey, given, result, seed)
+    if options.numbers:
         started = time.process_time()
         for arithmetic in (FLOAT32, FLOAT64):
             interpret(given.program, given.each, given.bindings, arithmetic, count=given.count)
@@ -161,6 +176,20 @@ def of_program(
         name = formula.own_name(evaluation.scene)
         if isinstance(result.outputs.get(name), Band):
             survey.formulas.append(widths(evaluation, formula, given, result.outputs[name], survey))
+
+
+def erring(survey: Survey, given: Invocations, result: Interpreted, seed: int) -> None:
+    """Hold a run on the adversary against the band, where neither may have discarded."""
+    arithmetic = Erring(device=Device(seed, "either"))
+    theirs = interpret(given.program, given.each, given.bindings, arithmetic, count=given.count)
+    kept = result.discarded.all_false & theirs.discarded.all_false
+    for name, band in result.outputs.items():
+        if isinstance(band, Band) and band.ndim == 2:
+            survey.adversary[0] += int(kept.sum()) * band.shape[-1]
+            found = outside(band[kept], theirs.outputs[name][kept])
+            survey.adversary[1] += found
+            if found:
+                print(f"adversary: {found} outside: {survey.case} {survey.file} {name} {seed}")
 
 
 def is_plain(evaluation: Evaluation, key: PassDraw) -> bool:
@@ -235,6 +264,9 @@ def summary(found: list[Survey]) -> int:
         print(f"  {count} {why} ({', '.join(cases[:4])})")
     values, outside = sum(s.values for s in done), sum(sum(s.outside.values()) for s in done)
     print(f"{outside} of {values:,} values of the driver lie outside of the program's band")
+    erred = [sum(s.adversary[i] for s in done) for i in (0, 1)]
+    if erred[0]:
+        print(f"{erred[1]} of {erred[0]:,} values of the adversary lie outside")
     for s in done:
         if s.outside:
             print(f"  {s.case} {s.variant} {s.draw} {s.file}: {s.outside}")

@@ -25,10 +25,12 @@ _Key = tuple[int, tuple[int, ...], str, int]
 
 @dataclass(frozen=True, eq=False)
 class Trace:
-    """What the invocations of a draw stored, in one arithmetic, in the order of execution."""
+    """What the invocations of a draw stored in one arithmetic, in the order of execution; what they
+    wrote; and which of them took both sides of a branch."""
 
     stored: list[Stored]
     outputs: Mapping[str, Any]
+    undecided: Any
 
     def at(self, row: int) -> dict[_Key, Stored]:
         """What one of them stored, by line, calls, name, and how often it was there before."""
@@ -54,7 +56,10 @@ def traced(given: Invocations, arithmetic: Arithmetic) -> Trace:
         blocks=_MOST_BLOCKS,
         trace=events.append,
     )
-    return Trace(events, result.outputs)
+    undecided = np.zeros(given.count, np.bool_)
+    for flags in result.undecided.values():
+        undecided = undecided | flags
+    return Trace(events, result.outputs, undecided)
 
 
 def explain(

@@ -1,0 +1,194 @@
+"""Does the first line at which a driver leaves a shader's band name the statement that is wrong?
+
+`python -m benchmarks.locating [CASE…] --each 25` makes mistakes in fragment shaders, as `shaderlab
+mutate` does, and has the driver draw them while the interpreter reads the shader as it was: a
+driver that computes something else than the text. Where an output leaves the band of the
+right shader, the first stored value outside of its band is taken. It prints how often that is the
+mistake's own statement, or one that calls it, and how often nothing was found.
+"""
+
+from __future__ import annotations
+
+import argparse
+import random
+import sys
+import time
+import warnings
+from collections import Counter
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from shaderlab.catalogue import load_cases
+from shaderlab.discovery import shipped_cases
+from shaderlab.errors import ShaderlabError
+from shaderlab.evaluation import Lab
+from shaderlab.evaluation.driver_values import driver_values
+from shaderlab.evaluation.evaluation import Evaluation
+from shaderlab.evaluation.explaining import Trace, traced
+from shaderlab.evaluation.interpreting import Invocations, fragments
+from shaderlab.frame import PassDraw
+from shaderlab.interpreter import Bands, Stored
+from shaderlab.judging.formats import stored
+from shaderlab.model import Case
+from shaderlab.mutation import glsl_mutants
+from shaderlab.mutation.mutants import ShaderMutant
+from shaderlab.options import RunOptions
+from shaderlab.programs.instrument import statements
+
+MOST = 1024
+# Mistakes where nothing is stored.
+LEFT_OUT = ("removed", "return", "discarded", "halved", "never written", "else")
+
+
+def main(words: list[str] | None = None) -> int:
+    options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    options.add_argument("cases", nargs="*", help="ids of cases; all by default")
+    options.add_argument("--each", type=int, default=25, help="mistakes in a case, at most")
+    options.add_argument("--list", action="store_true", help="list those that are not named")
+    given = options.parse_args(words)
+    warnings.simplefilter("ignore")
+    catalogue = load_cases(shipped_cases())
+    counts: Counter[str] = Counter()
+    seconds, cases = 0.0, set()
+    with Lab(RunOptions(size=64)) as lab:
+        for case in [catalogue[name] for name in given.cases] or catalogue.values():
+            for mutant, verdict, took in located(lab, case, given.each):
+                counts[verdict] += 1
+                seconds += took
+                cases.add(case.id)
+                if given.list and verdict not in ("statement", "call stack"):
+                    print(f"{verdict}: {case.id}: {mutant}", flush=True)
+    total = sum(counts.values())
+    print(f"{total} mistakes in {len(cases)} cases, {seconds / max(total, 1):.2f} s each")
+    for verdict, count in counts.most_common():
+        print(f"  {count} {verdict}: {count / total:.1%}")
+    return 0
+
+
+def located(lab: Lab, case: Case, most: int) -> Iterator[tuple[Any, str, float]]:
+    """Some mistakes of a case that change what its first scene draws, and what was named."""
+    scene = next(iter(case.scenes()))
+    try:
+        programs = lab.prepare_for_opengl(scene)
+        with lab.evaluation(scene, programs) as right:
+            traces = {key: trace_of(right, key) for key in right.drawn.bindings}
+            images = right.drawn.images
+    except ShaderlabError:
+        return
+    mutants = [
+        mutant
+        for mutant in glsl_mutants(case)
+        if mutant.stage == "fragment" and not any(word in mutant.operator for word in LEFT_OUT)
+    ]
+    random.Random(0).shuffle(mutants)
+    for mutant in mutants:
+        if most <= 0:
+            return
+        started = time.process_time()
+        try:
+            changed = lab.prepare_for_opengl(scene, {mutant.shader: mutant.text})
+            with lab.evaluation(scene, changed, like=right) as wrong:
+                if all(
+                    np.array_equal(image.values, images[name].values)
+                    for name, image in wrong.drawn.images.items()
+                ):
+                    continue
+                verdict = named(wrong, right, traces, mutant)
+        except ShaderlabError:
+            continue
+        if verdict is not None:
+            most -= 1
+            yield mutant, verdict, time.process_time() - started
+
+
+def trace_of(evaluation: Evaluation, key: PassDraw) -> tuple[Invocations, Trace] | None:
+    """What a draw's fragments store in bands; None where they can't be interpreted."""
+    try:
+        given = fragments(evaluation, key, MOST)
+        return (given, traced(given, Bands())) if given.count else None
+    except ShaderlabError:
+        return None
+
+
+def named(
+    wrong: Evaluation,
+    right: Evaluation,
+    traces: dict[PassDraw, tuple[Invocations, Trace] | None],
+    mutant: ShaderMutant,
+) -> str | None:
+    """What the first value outside says of a mistake; None where no output leaves its band."""
+    for key, found in traces.items():
+        text = wrong.programs[key[0]][key[1]].text("fragment") or ""
+        if found is None or text == right.programs[key[0]][key[1]].text("fragment"):
+            continue
+        given, trace = found
+        if not leaves(wrong, key, given, trace):
+            continue
+        first = first_outside(wrong, key, given, trace)
+        if first is None:
+            return "nothing found"
+        spans = [s for s in statements(text) if s.first <= first.line <= s.last]
+        last = max((s.last for s in spans), default=first.line)
+        lines = [given.program.place(n) for n in range(first.line, last + 1)]
+        lines += [given.program.place(s.first) for s in spans]
+        if any(same(place, mutant) for place in lines):
+            return "statement"
+        calls = [given.program.place(call) for call in first.calls]
+        if any(same(place, mutant) for place in calls):
+            return "call stack"
+        # The mistake's own call stack: of a function that is called often, only what it stored
+        # last is the driver's, and its result shows in the statement that called it.
+        own = [e for e in trace.stored if same(given.program.place(e.line), mutant)]
+        if {given.program.place(call) for e in own for call in e.calls} & set(lines):
+            return "call stack"
+        return "another line"
+    return None
+
+
+def same(place: tuple[str, int], mutant: ShaderMutant) -> bool:
+    """Whether a place in a file is that of a mistake."""
+    return place[1] == mutant.line and (
+        place[0].endswith(mutant.file) or mutant.file.endswith(place[0])
+    )
+
+
+def leaves(wrong: Evaluation, key: PassDraw, given: Invocations, trace: Trace) -> bool:
+    """Whether an output of a wrong drawing lies outside of the right program's band."""
+    assert given.pixels is not None
+    at = given.pixels[:, 1], given.pixels[:, 0]
+    for name, band in trace.outputs.items():
+        image = wrong.drawn.images.get((key[0], name))
+        if image is None or not hasattr(band, "terms"):
+            continue
+        components = min(band.shape[-1], image.values.shape[-1])
+        allowed = stored(band[..., :components], image.format, components)
+        if not allowed.contains(image.values[at][:, :components]).all():
+            return True
+    return False
+
+
+def first_outside(
+    wrong: Evaluation, key: PassDraw, given: Invocations, trace: Trace
+) -> Stored | None:
+    """The first statement that the driver leaves the band at, by the last value that it stores."""
+    driver = driver_values(wrong, key, given, trace.stored)
+    last: dict[tuple[int, str], list[Stored]] = {}
+    for event in trace.stored:
+        slot = event.line, event.name
+        if slot in driver.values:
+            last.setdefault(slot, []).append(event)
+    for slot, events in sorted(last.items(), key=lambda item: trace.stored.index(item[1][-1])):
+        values, reached = driver.values[slot]
+        later = np.zeros(given.count, np.bool_)
+        for event in reversed(events):
+            sure = event.mask & ~later & reached & ~trace.undecided
+            if (sure & ~event.value.contains(values).all(axis=-1)).any():
+                return event
+            later |= event.mask
+    return None
+
+
+if __name__ == "__main__":
+    sys.exit(main())
