@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from benchmarks.adversary_device import Device
+from benchmarks.erring_arithmetic import Erring, outside
 from shaderlab import glslmath as g, sampling
 from shaderlab.bands import Band, Integer, Rules
 from shaderlab.compiler import Shaders
@@ -230,6 +232,24 @@ def test_control_flow_goes_its_own_way_for_each_invocation() -> None:
 
     band = run(DECLARED + FLOW, Bands(), bindings=bindings)
     assert band.outputs["color"].contains(kept_rows(kept, gone)).all(axis=-1)[~gone].all()
+
+
+@pytest.mark.parametrize(("seed", "worse"), [(0, False), (1, False), (2, True)])
+def test_no_conforming_device_leaves_the_band(seed: int, worse: bool) -> None:
+    """One that errs in every operation as much as it may; one that errs more does leave it."""
+    device = Device(seed, "either")
+    if worse:
+        within = device.within_ulps
+        device.within_ulps = lambda exact, ulps: within(exact, 4.0 * ulps)  # type: ignore[method-assign]
+    bindings = Bindings(uniforms={"steps": np.array([5.0])})
+    texts = (DECLARED + FLOW, DECLARED + "void main() { color = normalize(b) / a + exp(a * b); }")
+    found = 0
+    for text in texts:
+        band = run(text, Bands(), bindings=bindings)
+        theirs = run(text, Erring(device=device), bindings=bindings)
+        kept = band.discarded.all_false & theirs.discarded.all_false
+        found += outside(band.outputs["color"][kept], theirs.outputs["color"][kept])
+    assert (found > 0) is worse
 
 
 def kept_rows(kept: Any, gone: Any) -> Any:
