@@ -31,6 +31,7 @@ COMMANDS = {
     "mutate": "mutate",
     "report": "reporting",
     "init": "init",
+    "new": "new",
     "doctor": "doctor",
 }
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import keyword
 import math
 from collections import namedtuple
 from collections.abc import Callable, Sequence
@@ -173,7 +174,8 @@ def _results(call: Call, words: Array) -> Any:
         at += kind.words
     if len(found) == 1:
         return next(iter(found.values()))
-    return namedtuple(signature.name, list(found), rename=True)(*found.values())
+    name = signature.name + "_" * keyword.iskeyword(signature.name)
+    return namedtuple(name, list(found), rename=True)(*found.values())
 
 
 def _masked(value: Any, kept: Array) -> Any:

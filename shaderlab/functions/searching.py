@@ -164,6 +164,8 @@ class Search:
                 name: domain.sample(rng, (SAMPLES, *self._types[name].shape), self._hints)
                 for name, domain in searched.items()
             }
+        if not values:
+            raise CallError(f"given: nothing of {self._function.__name__} is searched")
         count = len(next(iter(values.values())))
         wrong = self._failing(values, count)
         if wrong is None:
