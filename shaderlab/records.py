@@ -78,6 +78,15 @@ class Worst:
     widths: float
     inputs: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
 
+    @property
+    def exact(self) -> bool:
+        """Whether the value is its reference to the last bit. Then its place in the band says
+        nothing of it: a clamp's band, for one, begins or ends at the reference."""
+        if not self.widths <= 1 or self.ulp != 0:
+            return False
+        measured, reference = self.measured[self.component], self.reference[self.component]
+        return abs(measured - reference) <= abs(reference) * 2.0**-23
+
 
 @dataclass(frozen=True, kw_only=True)
 class Row:

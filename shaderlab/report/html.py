@@ -22,12 +22,12 @@ AGAINST_NAME = "against.html"
 
 # In this order; each is one file of the package's style folder.
 _STYLES = (
-    "base", "front", "overview", "case", "check", "inspector", "chart", "passes", "compare",
+    "base", "front", "way", "overview", "case", "check", "inspector", "chart", "passes", "compare",
     "code", "print",
 )  # fmt: skip
 _SCRIPTS = (
     "numbers", "values", "paint", "view", "marks", "histogram", "readout", "pointer", "inspector",
-    "curves", "blink", "filter", "folds",
+    "curves", "blink", "filter", "folds", "way",
 )  # fmt: skip
 
 

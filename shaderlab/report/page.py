@@ -116,11 +116,6 @@ class CaseView:
     coverage: CodeCoverage | None = None
 
     @property
-    def wide(self) -> bool:
-        """Whether the figures need the page's whole width (vectors, messages)."""
-        return any(len(row.expected) + len(row.measured) > 40 for _, row in self.figures)
-
-    @property
     def several(self) -> bool:
         """Whether there is more than one variant to tell apart."""
         return len(self.variants) > 1

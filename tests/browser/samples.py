@@ -117,7 +117,10 @@ def lamp(folder: Path) -> Sample:
         record("lamp", "bad", title="A lamp", status="fail",
                expectations=(judged(folder, "bad", bad),), **common),
     ]  # fmt: skip
-    other = replace(lamp_records[0], id="blend", variant="default", title="Blending", section="6.3")
+    other = replace(
+        lamp_records[0], id="blend", variant="default", title="Blending", section="6.3",
+        lesson="Two colours become one.",
+    )  # fmt: skip
     made = run(*lamp_records, other)
     save(made, folder)
     return Sample(write(made, folder), made, bad)

@@ -7,12 +7,15 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
+from shaderlab import pictures
 from shaderlab.report.html import write
 from tests.browser.samples import WORST, Sample, lamp
 
 PHONE = {"viewport": {"width": 375, "height": 720}}
+WIDE = {"viewport": {"width": 1440, "height": 900}}
 Visit = Callable[..., Any]
 
 
@@ -57,9 +60,73 @@ def test_a_variant_unfolds_and_its_pictures_become_readable(visit: Visit, lamp: 
     variant = page.locator("details#case-lamp-good")
     assert not variant.locator(".check").first.is_visible()
     variant.locator("> summary").click()
-    variant.locator("summary", has_text="Pictures").click()
+    assert not variant.locator(".triple").is_visible()
+    variant.locator(".check summary").click()
     variant.locator("canvas").first.wait_for()
     assert "inside its band" in variant.locator("[data-part=where]").text_content()
+
+
+def test_passing_checks_are_one_line_each_and_failing_ones_open(visit: Visit, lamp: Sample) -> None:
+    page = visit(lamp.page, "#case-blend")
+    passed = page.locator("#case-blend-default-fragcolor")
+    assert not passed.locator(".measures").is_visible()
+    line = passed.locator("summary")
+    assert line.bounding_box()["height"] < 40
+    words = [text.strip() for text in line.locator("*").all_text_contents() if text.strip()]
+    assert words == ["passed", "FragColor", "formula", "30 %"]
+    assert page.locator("#case-lamp-bad-fragcolor .measures").is_visible()
+
+
+def test_the_band_of_the_worst_value_has_its_colour(
+    visit: Visit, lamp: Sample, tmp_path: Path
+) -> None:
+    page = visit(lamp.page, "#case-lamp-bad-fragcolor")
+    for scheme, colour in (("light", (240, 217, 172)), ("dark", (69, 56, 24))):
+        page.emulate_media(color_scheme=scheme)
+        page.locator("#case-lamp-bad-fragcolor svg.line").screenshot(path=tmp_path / "line.png")
+        shown = np.rint(pictures.load(tmp_path / "line.png") * 255)
+        height, width = shown.shape[:2]
+        assert tuple(shown[height // 3, width * 2 // 5, :3]) == colour
+
+
+def test_the_filter_finds_words_of_lessons_checks_and_shaders(visit: Visit, lamp: Sample) -> None:
+    page = visit(lamp.page)
+    for words, found in {
+        "become": ["Blending"],  # its lesson
+        "uniform float a": ["A lamp", "Blending"],  # its shader, which stands with an earlier case
+        "fragcolor formula": ["A lamp", "Blending"],  # a check
+        "nowhere to be found": [],
+    }.items():
+        page.locator("#find").fill(words)
+        assert shown_cards(page) == found
+
+
+def test_chapters_and_neighbours_are_one_click_away(visit: Visit, lamp: Sample) -> None:
+    page = visit(lamp.page, "#blend")  # an id alone, as somebody writes it elsewhere
+    assert_at_the_top(page, "#case-blend")
+    way = page.locator("nav.way")
+    assert way.bounding_box()["y"] == 0
+    assert way.locator("[aria-current]").text_content().strip().startswith("6")
+    page.locator("article", has=page.locator("#case-blend")).locator("a[rel=prev]").click()
+    assert_at_the_top(page, "#case-lamp")
+    page.locator("article", has=page.locator("#case-lamp")).locator("a[rel=next]").click()
+    assert_at_the_top(page, "#case-blend")
+    way.locator("a", has_text="5").click()
+    page.wait_for_function("document.querySelector('.way [aria-current]').innerText[0] === '5'")
+
+
+def test_a_link_to_a_folded_check_opens_it(visit: Visit, lamp: Sample) -> None:
+    page = visit(lamp.page, "#case-lamp-good-fragcolor")
+    assert page.locator("#case-lamp-good-fragcolor .measures").is_visible()
+    assert_at_the_top(page, "#case-lamp-good-fragcolor")
+
+
+def assert_at_the_top(page: Any, selector: str) -> None:
+    page.wait_for_function(
+        "s => { const top = document.querySelector(s).getBoundingClientRect().top;"
+        " return top >= 40 && top < 140; }",
+        arg=selector,
+    )
 
 
 def test_a_curves_points_are_read_by_pointer_and_keys(visit: Visit, lamp: Sample) -> None:
@@ -118,12 +185,17 @@ def test_without_scripts_text_and_pictures_are_there(visit: Visit, lamp: Sample)
     assert not page.locator(".controls").is_visible()
 
 
-@pytest.mark.parametrize("options", [PHONE, {}], ids=["phone", "desktop"])
+@pytest.mark.parametrize("options", [PHONE, {}, WIDE], ids=["phone", "desktop", "wide"])
 def test_nothing_sticks_out(visit: Visit, lamp: Sample, options: dict[str, Any]) -> None:
     page = visit(lamp.page, "#case-lamp-bad-fragcolor", **options)
     page.locator("#case-lamp-bad-fragcolor canvas").first.wait_for()
     wide = "document.documentElement.scrollWidth - document.documentElement.clientWidth"
     assert page.evaluate(wide) <= 0
+    cut = "e => e.scrollWidth - e.clientWidth"
+    assert page.locator("#case-lamp-bad-fragcolor .reading .scroll").evaluate(cut) <= 0
+    places = [c.bounding_box() for c in page.locator("#case-lamp-bad-fragcolor canvas").all()]
+    if options is not PHONE:
+        assert len({place["y"] for place in places}) == 1
 
 
 def test_two_runs_are_compared_and_their_pictures_blink(visit: Visit, tmp_path: Path) -> None:

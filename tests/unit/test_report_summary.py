@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pytest
 from click.testing import CliRunner
 
 from shaderlab import pictures
@@ -20,6 +21,7 @@ from shaderlab.records import (
     ProgramRecord,
     Row,
     Verdict,
+    Worst,
 )
 from shaderlab.report.compare import compare
 from shaderlab.report.formats.markdown import render as summary
@@ -175,8 +177,30 @@ def test_rows_that_no_variant_changes_are_not_labelled_by_it(tmp_path: Path) -> 
         assert ("<td>bright</td>" in page.source) is per_variant
 
 
+@pytest.mark.parametrize(
+    ("widths", "ulp", "reference", "says"),
+    [
+        (1.0, 0.0, 1.0, "exact where it comes nearest to the edge"),  # of a clamp's band
+        (0.0, 0.0, 1.0, "exact"),  # of a band of one value
+        (1.0, 1.0, 1.0, "at most 100 % of the way to the edge, 1 ULP"),
+        (0.0, 0.0, 9.0, "at most 0 % of the way to the edge, 0 ULP"),  # a law, no reference
+    ],
+)
+def test_an_exact_value_is_called_so_wherever_its_band_ends(
+    tmp_path: Path, widths: float, ulp: float, reference: float, says: str
+) -> None:
+    value = Worst(
+        pixel=None, component=0, measured=(1.0,), reference=(reference,), low=(0.9,),
+        high=(1.0,), widths=widths, ulp=ulp,
+    )  # fmt: skip
+    found = outcome(worst=value, informative=None)
+    page = Page(write(run(record("a", expectations=(found,))), tmp_path))
+    words = page.words().replace(" ,", ",")
+    assert says in words and ("exact" in words) is says.startswith("exact")
+
+
 def test_a_worst_value_that_rows_show_is_not_shown_again(tmp_path: Path) -> None:
     for shown in (True, False):
         found = outcome(worst=worst(), rows_show_worst=shown)
         words = Page(write(run(record("a", expectations=(found,))), tmp_path)).words()
-        assert ("nearest to its band's edge" in words) is not shown
+        assert ("Nearest to the edge" in words) is not shown

@@ -1,4 +1,5 @@
-// Shows the cases whose text holds every word of the box and whose status is switched on.
+// Shows the cases whose text holds every word of the box and whose status is switched on: their
+// titles, lessons, checks and shaders.
 const filterForm = document.querySelector(".controls");
 if (filterForm) watchFilter(filterForm);
 
@@ -9,6 +10,21 @@ function watchFilter(form) {
   const cases = [...document.querySelectorAll("[data-case]")];
   const shelves = [...document.querySelectorAll("[data-shelf]")];
   const cards = cases.filter((item) => item.tagName === "LI");
+  const texts = new Map();
+
+  /** All that a case or its card can be found by; read from the page when it is first asked for. */
+  function textOf(item) {
+    const goal = item.querySelector("a.card")?.hash.slice(1);
+    const article = goal ? document.getElementById(goal).closest("[data-case]") : item;
+    if (!texts.has(article)) {
+      // A source that an earlier case shows too stands in the page once.
+      const copied = [...article.querySelectorAll("[data-copy]")]
+        .map((copy) => document.getElementById(copy.dataset.copy)?.textContent ?? "");
+      texts.set(article, [article.dataset.search, article.textContent, ...copied]
+        .join(" ").toLowerCase());
+    }
+    return texts.get(article);
+  }
 
   function update() {
     const words = box.value.toLowerCase().split(/\s+/).filter(Boolean);
@@ -16,7 +32,7 @@ function watchFilter(form) {
       .map((b) => b.dataset.status));
     for (const item of cases) {
       item.hidden = off.has(item.dataset.status)
-        || !words.every((word) => item.dataset.search.includes(word));
+        || !words.every((word) => textOf(item).includes(word));
     }
     for (const shelf of shelves) shelf.hidden = !shelf.querySelector("[data-case]:not([hidden])");
     const shown = cards.filter((card) => !card.hidden).length;

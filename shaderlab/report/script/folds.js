@@ -38,14 +38,37 @@ fillOnOpening("details[data-copy]", (details) => {
 
 function reveal() {
   // Anchors of this page are plain letters, digits and hyphens.
-  const goal = document.getElementById(location.hash.slice(1));
+  const name = location.hash.slice(1);
+  // A case's id alone will do, in a link from elsewhere.
+  const goal = document.getElementById(name) ?? document.getElementById(`case-${name}`);
   if (!goal) return;
   for (let node = goal; node; node = node.parentElement) {
     if (node.tagName === "DETAILS") node.open = true;
     if (node.matches("[data-case], [data-shelf]")) node.hidden = false;
   }
-  goal.scrollIntoView();
-  if (goal.matches(".check")) inspectWorst(goal);
+  if (goal.matches(".check")) {
+    goal.querySelector("details").open = true;
+    inspectWorst(goal);
+  }
+  arriveAt(goal);
+}
+
+/** Scrolls to an element, again while what comes before it gets its size, unless someone else
+    scrolls. */
+function arriveAt(goal) {
+  const theirs = new AbortController();
+  for (const name of ["wheel", "touchstart", "keydown", "pointerdown"]) {
+    addEventListener(name, () => theirs.abort(), { once: true, signal: theirs.signal });
+  }
+  let frames = 30;
+  const again = () => {
+    if (theirs.signal.aborted) return;
+    goal.scrollIntoView({ behavior: "instant" });
+    frames -= 1;
+    if (frames) requestAnimationFrame(again);
+    else theirs.abort();
+  };
+  again();
 }
 addEventListener("hashchange", reveal);
 if (location.hash) reveal();

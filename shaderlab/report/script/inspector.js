@@ -47,7 +47,7 @@ class Inspector {
       + "eight; plus and minus zoom; 0 shows all; W goes to the worst pixel");
     group.addEventListener("keydown", (event) => this.key(event));
     for (const { canvas } of this.pictures) watchPointer(this, canvas);
-    new ResizeObserver(() => this.redraw()).observe(this.pictures[0].canvas);
+    new ResizeObserver(() => this.redraw()).observe(group);
     const gain = this.part("exposure");
     gain.addEventListener("input", () => {
       this.look.gain = 2 ** Number(gain.value);
@@ -65,7 +65,40 @@ class Inspector {
     }
     this.panel.querySelector('[data-do="worst"]').hidden = !this.worst;
     this.part("partial").hidden = this.values.whole;
+    this.tabs();
     this.channels();
+  }
+
+  /** Where there is no room for three pictures, which one is shown. */
+  tabs() {
+    const show = (what) => {
+      this.group.dataset.shown = what;
+      for (const { canvas } of this.pictures) {
+        const figure = canvas.closest("figure");
+        figure.classList.toggle("is-shown", figure.dataset.picture === what);
+      }
+    };
+    this.part("tabs").append(...this.buttons(this.pictures.map(({ what }) => what), (n) => {
+      show(this.pictures[n].what);
+      this.redraw();
+    }));
+    show(this.pictures[0].what);
+  }
+
+  /** Buttons of which one is pressed, the first to begin with. */
+  buttons(names, press) {
+    const made = names.map((name, n) => {
+      const button = document.createElement("button");
+      button.type = "button";
+      button.textContent = name;
+      button.setAttribute("aria-pressed", String(n === 0));
+      button.addEventListener("click", () => {
+        for (const other of made) other.setAttribute("aria-pressed", String(other === button));
+        press(n);
+      });
+      return button;
+    });
+    return made;
   }
 
   channels() {
@@ -73,19 +106,9 @@ class Inspector {
     box.hidden = this.values.components === 1;
     if (box.hidden) return;
     const names = ["all", ..."rgba".slice(0, this.values.components)];
-    box.append(...names.map((name, n) => {
-      const button = document.createElement("button");
-      button.type = "button";
-      button.textContent = name;
-      button.setAttribute("aria-pressed", String(n === 0));
-      button.addEventListener("click", () => {
-        for (const other of box.children) {
-          other.setAttribute?.("aria-pressed", String(other === button));
-        }
-        this.look.channel = n - 1;
-        this.repaint();
-      });
-      return button;
+    box.append(...this.buttons(names, (n) => {
+      this.look.channel = n - 1;
+      this.repaint();
     }));
   }
 
