@@ -7,6 +7,7 @@ from the surface to the light decides); boxes as slabs as in `scenes.boxes`.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -46,6 +47,66 @@ def blocked(
         distance = slab_distance(local, direction @ inverse[:3, :3].T)
         found |= distance < reach - _OFF
     return found
+
+
+def nearest_depths(
+    places: ArrayLike, light_space: Matrix, size: int, models: Sequence[Matrix]
+) -> Matrix:
+    """What a shadow map made by rays holds for each place, with nothing rasterised: the depth, 0…1,
+    of the box nearest to the light behind the middle of the place's texel; 1 where there is none.
+
+    Args:
+        places: (…, 3), in the world.
+        light_space: the light's projection · view; parallel light.
+        size: texels along each side of the map.
+        models: the boxes' matrices.
+
+    >>> from shaderlab.reference.transforms import scale
+    >>> nearest_depths([(0.1, 0.2, -0.9), (0.9, 0.9, 0.0)], np.eye(4), 4, [np.eye(4)]).tolist()
+    [0.25, 1.0]
+    """
+    device = np.asarray(places, np.float64) @ light_space[:3, :3].T + light_space[:3, 3]
+    middles = (np.floor((0.5 * device[..., :2] + 0.5) * size) + 0.5) / size
+    near = np.ones((*middles.shape[:-1], 4))
+    near[..., :2], near[..., 2] = 2.0 * middles - 1.0, -1.0
+    far = near * (1.0, 1.0, -1.0, 1.0)
+    depths = np.ones(middles.shape[:-1])
+    for model in models:
+        back = np.linalg.inv(light_space @ model).T
+        start, end = ((p @ back)[..., :3] for p in (near, far))
+        depths = np.minimum(depths, slab_distance(start, end - start))
+    return depths
+
+
+def told_otherwise(
+    light_space: Matrix, sun: ArrayLike, models: Sequence[Matrix]
+) -> Callable[..., float]:
+    """A statistic: the share of places that face the sun of which a shadow map tells something else
+    than `nearest_depths` of the same texels with the same bias.
+
+    Args:
+        light_space, models: as in `nearest_depths`.
+        sun: towards the light, (3,).
+
+    Returns:
+        a function of the shadow, the places, their normals (0 where nothing is drawn), the map's
+        size, and its biases: the least one, and the one at grazing light.
+
+    >>> up, above = np.array([[(0.0, 0.0, -1.0)]]), np.array([[(0.1, 0.2, -0.9)]])
+    >>> told = told_otherwise(np.eye(4), (0.0, 0.0, -1.0), [np.eye(4)])
+    >>> told(np.ones((1, 1, 1)), above, up, 4, (0.0, 0.0))
+    1.0
+    """
+    towards = np.asarray(sun, np.float64) / np.linalg.norm(sun)
+
+    def share(shadow: Matrix, place: Matrix, upright: Matrix, size: Any, biases: Any) -> float:
+        cosine, size = upright @ towards, int(size)
+        depth = 0.5 * (place @ light_space[2, :3] + light_space[2, 3]) + 0.5
+        bias = np.maximum(biases[1] * (1.0 - cosine), biases[0])
+        dark = (depth <= 1.0) & (depth - bias > nearest_depths(place, light_space, size, models))
+        return float(np.mean((dark != (shadow[..., 0] > 0.5))[cosine > 0.0]))
+
+    return share
 
 
 def hidden_share(
