@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.bands import Rules
+from shaderlab.bands import Rules, compiled
 from shaderlab.bands.allowed import contains
 from shaderlab.catalogue import load_cases
 from shaderlab.discovery import shipped_cases
@@ -66,12 +66,14 @@ def main(words: list[str] | None = None) -> int:
 def evaluation(repeats: int, every: bool, cases: Collection[str] = ()) -> Job:
     """Print the cost of each formula's band; the slowest formula."""
     print(f"bands at {SIDE} × {SIDE}, best of {repeats}")
-    total, first, slowest = 0.0, 0.0, (0.0, None)
+    total, plain, first, slowest = 0.0, 0.0, 0.0, (0.0, None)
     seen: set[tuple[str, str]] = set()
     of_case: dict[str, list[float]] = {}
     for job in jobs(SIDE, cases):
         took = best(repeats, lambda job=job: band_of(job))
         total += took
+        with compiled.numpy_alone():
+            plain += best(repeats, lambda job=job: band_of(job))
         some = replace(job, inputs=job.inputs.part(slice(0, SIDE * SIDE)))
         of_case.setdefault(job.case, []).append(best(repeats, lambda some=some: band_of(some)))
         name = (job.case, job.check.name)
@@ -84,6 +86,7 @@ def evaluation(repeats: int, every: bool, cases: Collection[str] = ()) -> Job:
             slowest = (took, job)
     print(f"  {first * 1e3:8.1f} ms  all {len(seen)} formulas, one variant each")
     print(f"  {total * 1e3:8.1f} ms  with all variants")
+    print(f"  {plain * 1e3:8.1f} ms  the same by NumPy alone: {plain / total:.1f} times")
     one = f"of each of {len(of_case)} cases, {SIDE * SIDE} values at most"
     print(f"  {sum(times[0] for times in of_case.values()) * 1e3:8.1f} ms  the first formula {one}")
     print(f"  {sum(map(max, of_case.values())) * 1e3:8.1f} ms  the slowest formula {one}")

@@ -264,7 +264,7 @@ class Band(Interval, Operators, Swizzled):
 
     def lift(self, other: Any) -> Band:
         """`other` as a band of this one's rules."""
-        if isinstance(other, Band):
+        if type(other) is Band or isinstance(other, Band):
             if other.rules is not self.rules and other.rules != self.rules:
                 raise FormulaError(
                     f"bands of different rules in one formula: {self.rules} and {other.rules}"

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from shaderlab.bands.rounding import Floats
+from shaderlab.bands.rounding import Flags, Floats
 from shaderlab.bands.terms import combined
 from shaderlab.bands.truth import Truth
 
@@ -54,7 +54,7 @@ def larger(a: Band, b: Band) -> Band:
 
 def _chosen(lo: Floats, hi: Floats, a: Band, b: Band) -> Band:
     for maybe_nan, other in ((a, b), (b, a)):
-        if maybe_nan.may_be_nan.any():
+        if maybe_nan.may_be_nan.ndim and maybe_nan.may_be_nan.any():
             lo = np.where(maybe_nan.may_be_nan, np.minimum(lo, other.lo), lo)
             hi = np.where(maybe_nan.may_be_nan, np.maximum(hi, other.hi), hi)
     return a.kept(lo, hi, b)
@@ -64,17 +64,23 @@ def less(a: Band, b: Band) -> Truth:
     """a < b, of the settled bounds: a compiler may move a term to the other side."""
     a_lo, a_hi = a.settled()
     b_lo, b_hi = b.settled()
-    known = ~(a.may_be_nan | b.may_be_nan)
-    return Truth((a_hi < b_lo) & known, (a_lo >= b_hi) & known, a.rules)
+    return _known(a_hi < b_lo, a_lo >= b_hi, a, b)
 
 
 def equal(a: Band, b: Band) -> Truth:
     """a == b: true only where both are one and the same single value."""
     a_lo, a_hi = a.settled()
     b_lo, b_hi = b.settled()
-    known = ~(a.may_be_nan | b.may_be_nan)
     same = (a_lo == b_lo) & (a_hi == b_hi) & (a_lo == a_hi)
-    return Truth(same & known, ((a_hi < b_lo) | (b_hi < a_lo)) & known, a.rules)
+    return _known(same, (a_hi < b_lo) | (b_hi < a_lo), a, b)
+
+
+def _known(true: Flags, false: Flags, a: Band, b: Band) -> Truth:
+    """An answer where neither of the bands compared may be NaN."""
+    if a.may_be_nan.ndim or b.may_be_nan.ndim:
+        known = ~(a.may_be_nan | b.may_be_nan)
+        true, false = true & known, false & known
+    return Truth(true, false, a.rules)
 
 
 def select(condition: Truth, a: Band, b: Band) -> Band:
@@ -93,18 +99,20 @@ def select(condition: Truth, a: Band, b: Band) -> Band:
     exact = decided and a.lo is a.hi and b.lo is b.hi
     hi = lo if exact else taken(a.hi, b.hi, np.maximum)
     nan, anything, either = (
-        (of_a & ~no) | (of_b & ~yes) for of_a, of_b in zip(a.flags, b.flags, strict=True)
+        (of_a & ~no) | (of_b & ~yes) if of_a.ndim or of_b.ndim else of_a
+        for of_a, of_b in zip(a.flags, b.flags, strict=True)
     )
-    sizes = [(a.mag, a.terms), (b.mag, b.terms)]
-    terms = combined(sizes, lambda values: taken(values[0], values[1], np.maximum))
-    return type(a)(lo, hi, a.rules, (nan, anything, either | undecided), terms)
+    if not decided:
+        either = either | undecided
+    terms = combined((a, b), lambda values: taken(values[0], values[1], np.maximum))
+    return type(a)(lo, hi, a.rules, (nan, anything, either), terms)
 
 
 @np.errstate(all="ignore")
 def union(a: Band, b: Band) -> Band:
     """What either of two legal ways to compute one value may give."""
     lo, hi = np.minimum(a.lo, b.lo), np.maximum(a.hi, b.hi)
-    terms = combined([(a.mag, a.terms), (b.mag, b.terms)], lambda values: np.maximum(*values))
+    terms = combined((a, b), lambda values: np.maximum(*values))
     return a.kept(lo, hi, b, terms=terms)
 
 
@@ -129,7 +137,7 @@ def joined(parts: Sequence[Band], axis: int) -> Band:
         else column[0]
         for column in zip(*(part.flags for part in parts), strict=True)
     )
-    terms = combined([(part.mag, part.terms) for part in parts], together)
+    terms = combined(parts, together)
     return type(first)(lo, hi, first.rules, (nan, anything, undecided), terms)
 
 

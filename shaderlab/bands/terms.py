@@ -8,13 +8,16 @@ normal number.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from shaderlab.bands.rounding import RELATIVE_STEP, SMALLEST_NORMAL, Flags, Floats
+
+if TYPE_CHECKING:
+    from shaderlab.bands.band import Band
 
 # Above this size no product of two terms is a denormal, and how terms were made is forgotten.
 TINY = 2.0**-60
@@ -103,23 +106,19 @@ def is_tiny(mag: Floats, least: float, *parts: Terms | None) -> bool:
     return least < TINY and bool(((mag > 0.0) & (mag < TINY)).any())
 
 
-def combined(
-    parts: list[tuple[Floats, Terms | None]], choose: Callable[[list[Any]], Any]
-) -> Terms | None:
-    """The terms of values put together by `choose` (joined, or chosen from); None if none has any.
-
-    `parts` are each value's own size (as `Band.mag` has it) and its terms.
-    """
-    known = [terms for _, terms in parts if terms is not None]
+def combined(parts: Sequence[Band], choose: Callable[[list[Any]], Any]) -> Terms | None:
+    """The terms of bands put together by `choose` (joined, or chosen from); None if none has."""
+    known = [band.terms for band in parts if band.terms is not None]
     if not known:
         return None
+    sizes = [(band.mag, band.terms) for band in parts]
     slack = reach = None
     if any(terms.slack is not None for terms in known):
         slack = choose(
-            [np.zeros(mag.shape) if t is None or t.slack is None else t.slack for mag, t in parts]
+            [np.zeros(mag.shape) if t is None or t.slack is None else t.slack for mag, t in sizes]
         )
     if any(terms.reach is not None for terms in known):
-        reach = choose([np.broadcast_to(reach_of(mag, t), mag.shape) for mag, t in parts])
+        reach = choose([np.broadcast_to(reach_of(mag, t), mag.shape) for mag, t in sizes])
     return Terms(
-        choose([mag for mag, _ in parts]), slack, max(terms.count for terms in known), reach
+        choose([mag for mag, _ in sizes]), slack, max(terms.count for terms in known), reach
     )

@@ -29,7 +29,9 @@ class Truth:
     def __init__(self, all_true: Any, all_false: Any, rules: Rules | None = None) -> None:
         self.all_true: Flags
         self.all_false: Flags
-        self.all_true, self.all_false = np.broadcast_arrays(all_true, all_false)
+        if all_true.shape != all_false.shape:
+            all_true, all_false = np.broadcast_arrays(all_true, all_false)
+        self.all_true, self.all_false = all_true, all_false
         self.rules = rules
 
     @classmethod

@@ -92,6 +92,7 @@ def main() -> None:
     _die_with_parent()
     name, warm, seconds, memory, steps = pickle.load(given)
     _limit_memory(memory)
+    _keep_freed_memory()
     channel = Channel(parent, seconds, steps)
     os.register_at_fork(after_in_child=channel.leave)
     wait = _named(warm)() if warm else None
@@ -149,6 +150,18 @@ def _die_with_parent() -> None:
     ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
     if os.getppid() != parent:  # it went away in between
         os._exit(1)
+
+
+def _keep_freed_memory() -> None:
+    """Have glibc's malloc use again what large arrays have freed, up to 64 MB of it, where it would
+    give it back to the system and get the same pages anew: a fifth of the time that bands take."""
+    import ctypes
+
+    trim_threshold, mmap_threshold = -1, -3
+    with contextlib.suppress(OSError, AttributeError, TypeError):
+        mallopt = ctypes.CDLL(None).mallopt
+        mallopt(trim_threshold, 64 << 20)
+        mallopt(mmap_threshold, 32 << 20)
 
 
 def _limit_memory(size: int) -> None:

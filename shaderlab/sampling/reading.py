@@ -23,6 +23,12 @@ LARGEST = {"depth16": 2.0**16 - 1.0, "depth24": 2.0**24 - 1.0}
 # A code is turned into a float by a division, which may be off by 2.5 ULP.
 CODE_PRECISION = 2.5 * 2.0**-23
 
+# What the 256 codes are, and the bounds of what a device may read: 0 and 1 are floats, so that only
+# the others are rounded.
+_CODES = np.arange(256.0) / 255.0
+_GIVE = np.where((_CODES == 0.0) | (_CODES == 1.0), 0.0, CODE_PRECISION * _CODES)
+_LOWEST, _HIGHEST = _CODES - _GIVE, _CODES + _GIVE
+
 _MIRRORED = {"greater": "less", "gequal": "lequal"}
 
 
@@ -111,14 +117,14 @@ def _decoded(sampler: Sampler, values: Array) -> Span:
             "texture(): how precisely an sRGB texel is decoded differs from driver to driver",
             remedy='use a float format, such as Texture(format="rgba32f")',
         )
-    numbers = values.astype(np.float64)
     if values.dtype == np.uint8:
-        numbers = numbers / 255.0
-    elif texels.format[:7] not in LARGEST:
+        if sampler.rules is None:
+            codes = _CODES[values]
+            return codes, codes
+        return _LOWEST[values], _HIGHEST[values]
+    numbers = values.astype(np.float64)
+    if texels.format[:7] not in LARGEST or sampler.rules is None:
         return numbers, numbers
-    if sampler.rules is None:
-        return numbers, numbers
-    # 0 and 1 are floats, so that only the others are rounded.
     give = np.where((numbers == 0.0) | (numbers == 1.0), 0.0, CODE_PRECISION * numbers)
     return numbers - give, numbers + give
 
