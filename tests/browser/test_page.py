@@ -106,6 +106,7 @@ def test_chapters_and_neighbours_are_one_click_away(visit: Visit, lamp: Sample) 
     assert_at_the_top(page, "#case-blend")
     way = page.locator("nav.way")
     assert way.bounding_box()["y"] == 0
+    assert way.locator("li a").first.inner_text().split() == ["5", "Lighting"]
     assert way.locator("[aria-current]").text_content().strip().startswith("6")
     page.locator("article", has=page.locator("#case-blend")).locator("a[rel=prev]").click()
     assert_at_the_top(page, "#case-lamp")
