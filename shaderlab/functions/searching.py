@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from shaderlab.errors import CallError, extra
+from shaderlab.files import display_path
 from shaderlab.frame import Array
 from shaderlab.functions.domains import Domain, hints_of, weights
 
@@ -180,8 +181,8 @@ class Search:
         __tracebackhide__ = True
         arguments = self._arguments(values)
         single = {name: _element(value, 0) for name, value in arguments.items()}
-        file, line = self._function.place
-        note = f"{self._function.__name__} of {file}:{line}, at its simplest counterexample:\n"
+        place = display_path(*self._function.place)
+        note = f"{self._function.__name__} of {place}, at its simplest counterexample:\n"
         note += f"@glsl.example({', '.join(_spelt(values))})"
         given = [f"{n} = {v!r}" for n, v in single.items() if n == self._result_name]
         note += "".join(f"\n{line}" for line in given)

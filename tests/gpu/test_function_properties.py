@@ -13,6 +13,7 @@ from hypothesis.database import InMemoryExampleDatabase
 from benchmarks.planted import planted, search
 from shaderlab import glsl
 from shaderlab.errors import CallError
+from shaderlab.functions import searching
 from shaderlab.functions.domains import hints_of, weight
 from shaderlab.functions.searching import Batch
 
@@ -63,6 +64,12 @@ def as_booleans(c: Any, y: Any) -> Any:
     return y <= 1
 
 
+@pytest.fixture
+def few(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(searching, "SAMPLES", 1000)
+
+
+@pytest.mark.usefixtures("few")
 @pytest.mark.parametrize("test", [on_arrays, on_numbers, as_booleans])
 def test_each_way_to_write_a_property(shader: glsl.Library, test: Callable[..., Any]) -> None:
     glsl.given(shader.right, c=UNIT)(test)()
@@ -81,6 +88,7 @@ def test_a_counterexample_is_simple_in_all_its_inputs(shader: glsl.Library) -> N
     assert "@glsl.example(a=0.0, b=0.0, t=1.0)" in said
 
 
+@pytest.mark.usefixtures("few")
 def test_vectors_directions_and_structs(shader: glsl.Library) -> None:
     def of_length_one(v: Any, y: Any) -> Any:
         return abs(np.linalg.norm(y, axis=-1) - 1.0) < 1e-5
