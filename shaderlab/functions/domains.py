@@ -63,7 +63,8 @@ class Floats(Domain):
         kind = rng.random(count)
         found = np.where(kind < 0.5, even, np.where(kind < 0.75, near, special))
         found = np.where((found >= low) & (found <= high), found, even)
-        return np.clip(found.astype(np.float32), low, high).reshape(shape)
+        found = np.clip(found.astype(np.float32), low, high).reshape(shape)
+        return _with_corners(found, self.low, self.high)
 
     def _special(self, hints: Array) -> Array:
         plain = np.array([0.0, -0.0, 1.0, 0.5, 2.0, 0.25, 0.1, _TINY, 1e-6, 1e-3, 10.0, 100.0])
@@ -103,7 +104,8 @@ class Ints(Domain):
         points = np.concatenate([[self.low, self.high, 0, 1, -1, 2], np.rint(hints)])
         points = points[(points >= self.low) & (points <= self.high)]
         special = rng.choice(points, shape).astype(np.int64)
-        return np.where(rng.random(shape) < 0.25, special, even)
+        found = np.where(rng.random(shape) < 0.25, special, even)
+        return _with_corners(found, self.low, self.high)
 
     def simpler(self, value: Any) -> list[Any]:
         n = int(value)
@@ -150,6 +152,15 @@ class Directions(Domain):
         units = [v / np.linalg.norm(v) for v in rounded if np.linalg.norm(v) > 0.0]
         found = [np.asarray(v, np.float32) for v in (*axes, *units)]
         return [v for v in found if weights(v) < weights(value)]
+
+
+def _with_corners(values: Array, low: float, high: float) -> Array:
+    """The samples, of which the first few are the same simple number in all their components: all
+    arguments together, where each has some."""
+    corners = np.clip(np.array([0, low, high, 1, -1]), low, high)
+    for n in range(min(len(corners), len(values))):
+        values[n] = corners[n]
+    return values
 
 
 def floats(low: float, high: float) -> Domain:

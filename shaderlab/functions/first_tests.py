@@ -157,18 +157,12 @@ def _holds(law: str, y: Any) -> bool:
 
 
 def _drawn(domain: Any, kind: Type, rng: np.random.Generator, hints: Array) -> Any:
-    """Samples of a domain; the first few have the same special value in all their numbers."""
     if isinstance(domain, dict):
         members = dict(kind.members)
         return {n: _drawn(inner, members[n], rng, hints) for n, inner in domain.items()}
     if not isinstance(domain, Domain):
         return domain
-    values = domain.sample(rng, (_SAMPLES, *kind.shape), hints)
-    if isinstance(domain, Floats | Ints):
-        alike = np.clip([domain.low, domain.high, 0, 1, -1], domain.low, domain.high)
-        for number, one in enumerate(alike):
-            values[number] = one
-    return values
+    return domain.sample(rng, (_SAMPLES, *kind.shape), hints)
 
 
 def _place(domain: Any, kind: Type) -> Any:

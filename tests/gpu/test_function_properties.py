@@ -191,6 +191,8 @@ def test_samples_stay_in_their_domain_and_reach_its_edges() -> None:
     rng = np.random.default_rng(0)
     x = glsl.floats(-1.5, 3.0).sample(rng, (10_000,), hints_of("x < 0.04045 ? 1e3 : 2.5"))
     assert x.dtype == np.float32 and x.min() == -1.5 and x.max() == 3.0
+    v = glsl.floats(-1.5, 3.0).sample(rng, (10, 2), np.zeros(0))
+    assert v[:5].tolist() == [[c, c] for c in (0.0, -1.5, 3.0, 1.0, -1.0)]
     for edge in (0.0, 2.5, np.nextafter(np.float32(0.04045), np.float32(0))):
         assert np.float32(edge) in x
     assert ((x * 100).astype(int) == 217).any()
