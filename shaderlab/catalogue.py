@@ -21,6 +21,7 @@ from shaderlab.model import Case
 from shaderlab.module_path import searched
 
 _PACKAGE = "shaderlab_cases_"
+_MISSING = re.compile(r"missing \d+ required (?:positional |keyword-only )?arguments?: (.+)")
 _UNKNOWN_KEYWORD = re.compile(
     r"(\w+)(?:\.__init__)?\(\) got an unexpected keyword argument '(\w+)'"
 )
@@ -175,6 +176,8 @@ def _right_spelling(error: BaseException) -> str | None:
     if isinstance(error, ImportError) and (error.name or "").startswith("shaderlab"):
         word = re.search(r"cannot import name '(\w+)'", str(error))
         return nearest(word.group(1), dir(sys.modules[error.name or ""])) if word else None
+    if missing := _MISSING.search(str(error)):
+        return f"give it {missing.group(1)}"
     found = _UNKNOWN_KEYWORD.search(str(error))
     if not isinstance(error, TypeError) or found is None:
         return None

@@ -37,6 +37,7 @@ class RunOptions:
         pictures: whether pictures are drawn into it.
         shaders: files that replace shaders, by the shader's name.
         texts: texts that replace shaders, likewise.
+        renames: names in these files and texts, and what they are called instead.
         include: further folders in which shaders are found.
         targets: what programs are compiled for; if empty, what the case or its project says.
         gl_calls: whether the calls of OpenGL that drawing takes are recorded as well.
@@ -52,6 +53,7 @@ class RunOptions:
     pictures: bool = True
     shaders: Mapping[str, Path] = field(default_factory=dict)
     texts: Mapping[str, str] = field(default_factory=dict)
+    renames: Mapping[str, str] = field(default_factory=dict)
     include: tuple[Path, ...] = ()
     targets: tuple[str, ...] = ()
     gl_calls: bool = False

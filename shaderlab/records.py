@@ -467,3 +467,14 @@ class Run:
     replaced: Mapping[str, str] = field(default_factory=dict)
     missing: int = 0
     code_coverage: tuple[CodeCoverage, ...] = ()
+
+
+def significant(value: float) -> str:
+    """A number in the nine digits that tell float32 values apart, or the ten of a whole number of
+    32 bits.
+
+    >>> significant(0.1), significant(2654435761.0), significant(2.0**40)
+    ('0.1', '2654435761', '1.09951163e+12')
+    """
+    whole = float(value).is_integer() and abs(value) < 2.0**32
+    return f"{value:.{10 if whole else 9}g}"

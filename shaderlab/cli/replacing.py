@@ -31,25 +31,32 @@ def parsed(words: Sequence[str]) -> Replacements:
 
 
 def named(
-    replacements: Replacements, jobs: Iterable[Job], include: Sequence[Path] = ()
+    replacements: Replacements,
+    jobs: Iterable[Job],
+    include: Sequence[Path] = (),
+    renamed: Mapping[str, str] | None = None,
 ) -> Replacements:
     """Each name as the jobs' cases know it: its whole path, or the end of one, if only one ends
     so.
 
     Raises:
-        UsageError: there is no shader of that name, or more than one.
+        UsageError: there is no shader of that name, or more than one; or the file declares other
+            names (`renamed` says which are changed).
     """
     if not replacements:
         return {}
+    from shaderlab.cli.renaming import require_same_names
     from shaderlab.evaluation.search_path import shaders_of
 
     folders = dict.fromkeys(Path(job.file).parent for job in jobs)
     places = [shaders_of(folder, {}, include) for folder in folders]
     known = sorted({name for shaders in places for name in shaders.names()})
-    return {
+    whole = {
         name if any(shaders.has(name) for shaders in places) else _whole(name, known): file
         for name, file in replacements.items()
     }
+    require_same_names(whole, renamed or {}, places)
+    return whole
 
 
 def unread(replacements: Replacements, records: Sequence[Record]) -> list[UsageError]:

@@ -45,6 +45,13 @@ if TYPE_CHECKING:
     metavar="NAME=FILE",
     help="Judge FILE in place of the shader called NAME: its path, or the end of it.",
 )
+@click.option(
+    "--rename",
+    "renamed",
+    multiple=True,
+    metavar="NAME=OTHER",
+    help="Call NAME in the files of --shader OTHER, as the case does.",
+)
 @output_options
 @running_options("variant")
 @click.option(
@@ -80,6 +87,7 @@ def command(
     variants: tuple[str, ...],
     size: int,
     shaders: tuple[str, ...],
+    renamed: tuple[str, ...],
     outputs: Mapping[str, str],
     folder: str | None,
     includes: tuple[Path, ...],
@@ -153,6 +161,7 @@ def command(
     # Workers get ready while what follows is imported.
     with contextlib.closing(start(options.driver)) as executor:
         from shaderlab.cli.recorded_run import finish, new_plan, run_plan, with_coverage
+        from shaderlab.cli.renaming import renames
         from shaderlab.cli.replacing import named, parsed
         from shaderlab.cli.selecting import choose
         from shaderlab.cli.showing import Show
@@ -163,9 +172,9 @@ def command(
         if resume is None:
             replacements = parsed(shaders)
             jobs = choose(targets, every, variants, executor.load)
-            plan = new_plan(
-                jobs, replace(options, shaders=named(replacements, jobs, includes)), folder
-            )
+            names = renames(renamed, list(replacements.values()))
+            in_place = named(replacements, jobs, includes, names)
+            plan = new_plan(jobs, replace(options, shaders=in_place, renames=names), folder)
         if compared:
             recorded = _run_on_each(compared, executor, start, plan, show)
         else:

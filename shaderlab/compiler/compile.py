@@ -9,6 +9,7 @@ from itertools import pairwise
 
 from shaderlab.compiler.dialects import in_dialect, with_interface
 from shaderlab.compiler.engines import Engine, choose
+from shaderlab.compiler.include_notes import with_include_notes
 from shaderlab.compiler.interface import Interface
 from shaderlab.compiler.reflection import reflect
 from shaderlab.compiler.sources import Source
@@ -66,11 +67,14 @@ class Compiled:
         for verdict in self.verdicts:
             if not verdict.ok:
                 errors = [d for d in verdict.diagnostics if d.severity == "error"]
+                notes = [d for d in verdict.diagnostics if d.severity == "info" and d.token]
+                note = next((d for d in notes if d.token == errors[0].token), None)
                 raise ShaderError(
                     f"{errors[0].message} [{verdict.target}]"
                     + (f" and {len(errors) - 1} more" if len(errors) > 1 else ""),
                     file=errors[0].file,
                     line=errors[0].line,
+                    remedy=f"{note.file}:{note.line}: {note.message}" if note else None,
                 )
 
 
@@ -130,7 +134,9 @@ def compile_program(
         return compile_program(newer, ("glsl", "opengl"), engine=engine).interface
 
     return Compiled(
-        verdicts=tuple(results[target].verdict(target) for target in targets),
+        verdicts=tuple(
+            with_include_notes(results[target].verdict(target), ordered) for target in targets
+        ),
         spirv={t: results[t].modules for t in targets if results[t].modules},
         logs={target: results[target].log for target in targets},
         sources=tuple(ordered),

@@ -44,8 +44,14 @@ class Roots:
         folders: the root folders, in search order.
     """
 
-    def __init__(self, folders: Sequence[Path], overrides: Mapping[str, str | Path]) -> None:
+    def __init__(
+        self,
+        folders: Sequence[Path],
+        overrides: Mapping[str, str | Path],
+        renames: Mapping[str, str] | None = None,
+    ) -> None:
         self.folders = tuple(Path(folder) for folder in folders)
+        self._renames = dict(renames or {})
         self._overrides = dict(overrides)
 
     def shader(self, name: str) -> File:
@@ -111,7 +117,7 @@ class Roots:
     def _overridden(self, key: str, name: str) -> File:
         new = self._overrides[key]
         if isinstance(new, Path):
-            return File(name, str(new), read_shader(new))
+            return File(name, str(new), renamed(read_shader(new), self._renames))
         return File(name, name, normalise(new, name))
 
     @functools.cached_property
@@ -171,6 +177,18 @@ def _resolver() -> Callable[[str], str]:
         return os.path.join(realpath(parent), name)
 
     return real
+
+
+def renamed(text: str, renames: Mapping[str, str]) -> str:
+    """A shader's text with some of its names changed.
+
+    >>> renamed("in vec3 vNormal; // vNormals", {"vNormal": "Normal"})
+    'in vec3 Normal; // vNormals'
+    """
+    if not renames:
+        return text
+    words = "|".join(map(re.escape, renames))
+    return re.sub(rf"\b(?:{words})\b", lambda match: renames[match.group()], text)
 
 
 def inside(name: str, folder: str = "") -> str:

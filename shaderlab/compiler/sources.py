@@ -73,6 +73,7 @@ class Shaders(Roots):
         overrides: by a shader's name, the text to use, or the file to read, in its place.
             Applies to included files as well.
         defines: macros to put after each shader's `#version` line; a value may be "".
+        renames: names in the files of `overrides`, and what they are called instead.
     """
 
     def __init__(
@@ -81,8 +82,9 @@ class Shaders(Roots):
         *,
         overrides: Mapping[str, str | Path] | None = None,
         defines: Mapping[str, str] | None = None,
+        renames: Mapping[str, str] | None = None,
     ) -> None:
-        super().__init__(roots, overrides or {})
+        super().__init__(roots, overrides or {}, renames)
         self._defines = dict(defines or {})
         for word in self._defines:
             if not re.fullmatch(r"[A-Za-z_]\w*(\([\w, ]*\))?", word):

@@ -74,8 +74,7 @@ class Lab:
 
     def configure(self, options: RunOptions) -> None:
         """Take other options for the scenes to come. The device stays, and with it the driver."""
-        before = self.options
-        if (options.replacements, options.include) != (before.replacements, before.include):
+        if _of_shaders(options) != _of_shaders(self.options):
             self._preparer.cache_clear()
             self._opengl_preparer.cache_clear()
         self.options = options
@@ -308,7 +307,13 @@ class Lab:
         return self.options.targets or tuple(case.targets) or own or TARGETS
 
     def _shaders(self, folder: str | Path, overrides: Mapping[str, str | Path]) -> Shaders:
-        return shaders_of(Path(folder), overrides, self.options.include)
+        options = self.options
+        return shaders_of(Path(folder), overrides, options.include, options.renames)
+
+
+def _of_shaders(options: RunOptions) -> tuple[object, ...]:
+    """What shaders are read by."""
+    return options.replacements, options.renames, options.include
 
 
 def _compile_for_opengl(sources: Sequence[Source], _: Sequence[str]) -> Compiled:

@@ -11,7 +11,10 @@ from shaderlab.settings import settings_of
 
 
 def shaders_of(
-    folder: Path, overrides: Mapping[str, str | Path], include: Sequence[Path] = ()
+    folder: Path,
+    overrides: Mapping[str, str | Path],
+    include: Sequence[Path] = (),
+    renames: Mapping[str, str] | None = None,
 ) -> Shaders:
     """The shaders of the cases in `folder`: those of their project, the shipped ones.
 
@@ -19,6 +22,7 @@ def shaders_of(
         folder: where the case file is; a shipped case sees the shipped shaders alone.
         overrides: texts or files to take in a shader's place, by its name.
         include: further folders, which come after the project's own.
+        renames: names in the files of `overrides`, and what they are called instead.
 
     Raises:
         UsageError: the project's settings are wrong.
@@ -26,4 +30,4 @@ def shaders_of(
     shipped = data_folder("shaders")
     inside = folder.resolve().is_relative_to(data_folder("cases").resolve())
     own = () if inside else (*settings_of(folder).shader_folders(folder), *include)
-    return Shaders([*own, shipped], overrides=dict(overrides))
+    return Shaders([*own, shipped], overrides=dict(overrides), renames=renames)

@@ -12,10 +12,12 @@ import numpy as np
 
 from shaderlab.expectations.exact import Exact, exact
 from shaderlab.model import Draw, Output, Pass
+from shaderlab.model.checked import checked_arguments
 
 _SUFFIX = "-backwards"
 
 
+@checked_arguments
 def both_ways(description: Pass) -> tuple[Pass, Pass]:
     """The pass with its draws in reverse order, named `…-backwards`, and the pass itself.
 
@@ -32,6 +34,7 @@ def both_ways(description: Pass) -> tuple[Pass, Pass]:
     return replace(description, name=description.name + _SUFFIX, draws=draws), description
 
 
+@checked_arguments
 def any_order(output: str) -> Exact:
     """An output, named with its pass, does not depend on the order of drawing.
 

@@ -10,6 +10,7 @@ from shaderlab.errors import CaseError, DriverError
 from shaderlab.expectations.base import Context, judge_rows
 from shaderlab.frame import Frame
 from shaderlab.model import Expectation, Judgement, Need, Programs, Scene
+from shaderlab.model.checked import checked_arguments
 from shaderlab.records import Row, Verdict
 
 Place = tuple[str, int | None, str]
@@ -116,6 +117,7 @@ class CompileFails(Expectation):
         )
 
 
+@checked_arguments
 def compile_fails(
     shader: str | Sequence[str],
     *messages: tuple[int | None, str] | Place,

@@ -8,7 +8,6 @@ from typing import Any
 
 from shaderlab.errors import FormulaError
 from shaderlab.expectations.base import judge_rows
-from shaderlab.expectations.formula import require_callable
 from shaderlab.expectations.value import Figure
 from shaderlab.frame import Frame
 from shaderlab.judging.figures import figure_row, rounds_to, shown
@@ -30,9 +29,6 @@ class Computed(Expectation):
     equals: Figure
     digits: int
     note: str = ""
-
-    def __post_init__(self) -> None:
-        require_callable("computed", self.compute)
 
     def judge(self, scene: Scene, frame: Frame) -> Judgement:
         try:

@@ -19,7 +19,7 @@ from shaderlab.expectations.base import OfOutput
 from shaderlab.expectations.needs import CapturedFragments, Probe
 from shaderlab.expectations.subject import inputs_of
 from shaderlab.frame import Array, Fragments, Frame, PassDraw
-from shaderlab.judging.inputs import evaluate, source_of
+from shaderlab.judging.inputs import evaluate, name_of, source_of
 from shaderlab.model import Expectation, Programs, Scene
 from shaderlab.programs.prepare import PreparedDraw
 from shaderlab.programs.stages import may_discard, writes_depth
@@ -149,7 +149,7 @@ def _truth(
     except (TypeError, ValueError):
         place = source_of(reference)
         raise FormulaError(
-            f"discards of {rule.name!r}: {reference.__name__}() is no comparison",
+            f"discards of {rule.name!r}: {name_of(reference)}() is no comparison",
             file=place.file,
             line=place.line,
             remedy="return one truth for each fragment, such as alpha < 0.1",

@@ -92,9 +92,7 @@ class Formula(OfReference):
     also: Mapping[str, Reference] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        require_callable("formula", self.reference)
         for implementation in self.also.values():
-            require_callable("formula: also", implementation)
             if implementation is self.reference:
                 raise CaseError(f"formula {self.output!r}: also= has the reference itself")
         self.name_by_default(self.output)
@@ -124,13 +122,6 @@ class Formula(OfReference):
         return self.judgement(
             scene, banded, (status, message), rows, covered=covered, pictures=pictures
         )
-
-
-def require_callable(owner: str, reference: Any) -> Any:
-    """The reference itself. Raises CaseError where it is no function."""
-    if not callable(reference):
-        raise CaseError(f"{owner}: needs a Python function, not {type(reference).__name__}")
-    return reference
 
 
 def _pictures(image: Image, covered: Array, banded: Banded) -> dict[str, Array]:

@@ -26,6 +26,7 @@ from shaderlab.model import (
     one_of,
 )
 from shaderlab.model.calls import Location, Object, Program, call, programs_of
+from shaderlab.model.checked import checked_arguments
 from shaderlab.records import Row
 
 __all__ = ["GlCall", "Location", "Object", "Program", "call", "gl_call"]
@@ -97,6 +98,7 @@ class GlCall(Expectation):
         return judge_rows(self.name, self.kind, rows, message, judged=len(rows))
 
 
+@checked_arguments
 def gl_call(
     function: str,
     *arguments: Argument,

@@ -9,6 +9,7 @@ from shaderlab.errors import CaseError, nearest
 from shaderlab.expectations.base import Context, OfDraw, judge_rows
 from shaderlab.frame import Frame, PassDraw
 from shaderlab.model import Judgement, Need, Programs, Scene
+from shaderlab.model.checked import checked_arguments
 from shaderlab.records import Row
 
 
@@ -56,6 +57,7 @@ class InactiveUniforms(OfDraw):
         return judge_rows(self.name, self.kind, rows, message, judged=len(rows) or 1)
 
 
+@checked_arguments
 def inactive_uniforms(
     *uniforms: str, pass_name: str | None = None, draw: int = -1, name: str = ""
 ) -> InactiveUniforms:

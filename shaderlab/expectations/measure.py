@@ -25,6 +25,7 @@ from shaderlab.expectations.subject import find_image
 from shaderlab.frame import Array, Bindings, Frame
 from shaderlab.judging.inputs import located, parameter_name, source_of
 from shaderlab.model import Judgement, Read, Scene, UniformValue
+from shaderlab.model.checked import checked_arguments
 from shaderlab.records import Outcome, Plot, PlotPoint, Row
 
 _INDEXED = re.compile(r"\[\d+\]")
@@ -200,6 +201,7 @@ class Measure(OfDraw):
         )
 
 
+@checked_arguments
 def measure(
     label: str,
     statistic: Statistic,
@@ -237,8 +239,6 @@ def measure(
     Raises:
         CaseError: there is no bound at all, or two rows are alike.
     """
-    if not callable(statistic):
-        raise CaseError(f"measure {label!r}: needs a function, not {type(statistic).__name__}")
     common = Bound.of(label, bound)
     rows = tuple(
         replace(

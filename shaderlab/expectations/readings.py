@@ -10,6 +10,7 @@ from typing import Unpack
 from shaderlab.errors import CaseError
 from shaderlab.expectations.bound import Bound, Bounds
 from shaderlab.model import UniformValue
+from shaderlab.model.checked import checked_arguments
 from shaderlab.records import Row
 
 
@@ -38,6 +39,7 @@ class Reading:
         )
 
 
+@checked_arguments
 def reading(
     label: str | float,
     *,

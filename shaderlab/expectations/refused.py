@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
-from shaderlab.errors import CaseError, ShaderlabError
+from shaderlab.errors import ShaderlabError
 from shaderlab.expectations.base import Context, judge_rows
 from shaderlab.frame import Frame
 from shaderlab.model import Expectation, Judgement, Need, Programs, Scene
@@ -61,8 +61,6 @@ class Refused(Expectation):
     remedy: str = ""
 
     def __post_init__(self) -> None:
-        if not isinstance(self.what, str) and not callable(self.what):
-            raise CaseError(f"refused: needs a shader's name or a function, not {self.what!r}")
         own = self.what if isinstance(self.what, str) else ""
         self.name_by_default(f"{own or self.file or 'it'} is refused")
         if self.file is None:

@@ -7,7 +7,8 @@ from dataclasses import KW_ONLY, dataclass, field
 
 import numpy as np
 
-from shaderlab.expectations.formula import OfReference, Reference, require_callable
+from shaderlab.errors import CaseError
+from shaderlab.expectations.formula import OfReference, Reference
 from shaderlab.expectations.needs import Probe
 from shaderlab.expectations.subject import inputs_of
 from shaderlab.frame import Frame
@@ -36,9 +37,13 @@ class Sweep(OfReference):
     log_x: bool = False
 
     def __post_init__(self) -> None:
-        require_callable("sweep", self.reference)
         self.name_by_default(f"{self.output} over {self.over}")
         object.__setattr__(self, "values", tuple(float(v) for v in self.values))
+        if not self.values:
+            raise CaseError(
+                f"sweep of {self.output!r}: there are no values of {self.over!r}",
+                remedy="values=[0.0, 0.5, 1.0], or np.linspace(0.0, 1.0, 50)",
+            )
 
     def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
         self.is_of_vertex(scene, programs)  # raises where there is no such output

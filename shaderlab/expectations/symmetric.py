@@ -39,6 +39,11 @@ class Symmetric(Law):
     ulps: int = 0
 
     def __post_init__(self) -> None:
+        try:
+            self.steps  # noqa: B018
+        except (TypeError, ValueError):
+            both = "numbers or vectors" if isinstance(self.over, str) else "pairs"
+            raise CaseError(f"symmetric {self.output!r}: values must be {both}") from None
         if not self.steps or not 0 <= self.ulps < 2**23:
             raise CaseError(f"symmetric {self.output!r}: needs values, and ulps from 0 to 2²³ - 1")
         if not self.odd and all(map(_mirrors_itself, self.steps[0::2], self.steps[1::2])):

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from shaderlab.bands import Band, Integer, Rules
+from shaderlab.bands import Band, Rules
 from shaderlab.bands.allowed import contains
 from shaderlab.errors import FormulaError
 from shaderlab.frame import Array
@@ -18,7 +18,7 @@ from shaderlab.judging.distance import Placed
 from shaderlab.judging.figures import plain, ulp_distance
 from shaderlab.judging.formats import FLOAT_FORMATS, as_result, in_format, stored
 from shaderlab.judging.informative import MAX_UNDECIDED, MIN_INFORMATIVE, Plausible
-from shaderlab.judging.inputs import Inputs, Reference, evaluate, source_of, wanted
+from shaderlab.judging.inputs import Inputs, Reference, evaluate, name_of, source_of, wanted
 from shaderlab.records import Row, SourceText, Worst
 
 MAX_VACUOUS = 0.01
@@ -55,6 +55,7 @@ class Exact:
         found = evaluate(self.reference, part, rules=None, decimal=False, asked=self.asked)
         values = np.asarray(found).astype(np.float64, copy=False)
         shape = len(range(*rows.indices(self.shape[0]))), self.shape[1]
+        _check_shape(self.reference, values.shape, shape)
         return in_format(np.broadcast_to(values, shape), self.format)
 
     def some(self, count: int) -> Array:
@@ -212,7 +213,7 @@ def judge_band(
             exact.part(0, CHUNK)  # an error of plain numbers is easier to read
             raise
         band = as_result(band, format, chosen)
-        _check_shape(reference, band, some)
+        _check_shape(reference, band.shape, some.shape)
         allowed = stored(band, format, shape[1])
         unit = None if isinstance(allowed, Band) else float(allowed.unit) or None
         low[rows], high[rows] = allowed.lo, allowed.hi
@@ -262,17 +263,22 @@ def independent_references(banded: Banded, also: Mapping[str, Reference]) -> lis
     return rows
 
 
-def _check_shape(reference: Reference, band: Band | Integer, measured: Array) -> None:
-    rows, components = measured.shape
-    got = band.shape[-1] if band.shape else 1
+def _check_shape(reference: Reference, given: tuple[int, ...], measured: tuple[int, ...]) -> None:
+    rows, components = measured
+    got = given[-1] if given else 1
     if got not in (1, components):
         message = f"gives {got} components, the shader's output has {components}"
-    elif len(band.shape) > 2 or (len(band.shape) == 2 and band.shape[0] not in (1, rows)):
-        message = f"gives shape {band.shape} for {rows} values"
+    elif len(given) > 2 or (len(given) == 2 and given[0] not in (1, rows)):
+        message = f"gives shape {given} for {rows} values"
     else:
         return
     place = source_of(reference)
-    raise FormulaError(f"{reference.__name__}() {message}", file=place.file, line=place.line)
+    raise FormulaError(
+        f"{name_of(reference)}() {message}",
+        file=place.file,
+        line=place.line,
+        remedy="v.x is one component of a vector, vec4(v, 0.0, 1.0) adds the missing ones",
+    )
 
 
 def _count(flags: npt.NDArray[np.bool_], values: Array) -> int:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from shaderlab.frame import Array
-from shaderlab.records import Row
+from shaderlab.records import Row, significant
 
 
 def figure_row(
@@ -50,5 +50,5 @@ def shown(values: object, digits: int | None = None) -> str:
     ('(0.5, 1)', '0.2500')
     """
     numbers = [float(v) for v in np.ravel(np.asarray(values, np.float64))]
-    texts = [f"{n:.{digits}f}" if digits is not None else f"{n:.9g}" for n in numbers]
+    texts = [f"{n:.{digits}f}" if digits is not None else significant(n) for n in numbers]
     return texts[0] if len(texts) == 1 else f"({', '.join(texts)})"

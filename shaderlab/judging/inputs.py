@@ -119,7 +119,7 @@ def wanted(reference: Reference, inputs: Inputs) -> dict[str, list[str]]:
             asked[parameter.name] = known[parameter.name]
         elif parameter.default is parameter.empty:
             raise FormulaError(
-                f"{reference.__name__}() asks for {parameter.name!r}, which the shader lacks",
+                f"{name_of(reference)}() asks for {parameter.name!r}, which the shader lacks",
                 file=source_of(reference).file,
                 line=source_of(reference).line,
                 remedy=nearest(parameter.name, known),
@@ -166,11 +166,11 @@ def evaluate(
     try:
         with doing("reference"), np.errstate(all="ignore"):
             formula = reference if rules is None else as_written(reference, rules)
-            return formula(**arguments)
+            return _numeric(formula(**arguments))
     except ShaderlabError as error:
         place = source_of(reference)
         raise FormulaError(
-            f"{reference.__name__}(): {error.message}",
+            f"{name_of(reference)}(): {error.message}",
             file=error.file or place.file,
             line=error.line or place.line,
             remedy=error.remedy,
@@ -178,6 +178,25 @@ def evaluate(
     except Exception as error:
         remedy = "references use + − * / and the functions of shaderlab.glslmath only"
         raise located(reference, error, remedy) from error
+
+
+def name_of(reference: Reference) -> str:
+    """What a formula is called; an object that can be called has its type's name."""
+    target = getattr(reference, "func", reference)
+    return str(getattr(target, "__name__", type(target).__name__))
+
+
+def _numeric(result: Any) -> Any:
+    """What a formula gave, if bands and arrays can be made of it. Raises FormulaError."""
+    numbers = isinstance(result, np.ndarray | np.generic) and result.dtype.kind in "fiub"
+    if numbers or isinstance(result, Band | Integer | int | float):
+        return result
+    if isinstance(result, list | tuple):
+        several = ", ".join("…" for _ in result)
+        remedy = f"build a vector of its parts: vec{len(result)}({several})"
+    else:
+        remedy = "return a number, or a vector such as vec4(r, g, b, 1.0)"
+    raise FormulaError(f"gives {type(result).__name__} {result!r:.60}, no number", remedy=remedy)
 
 
 def source_of(reference: Reference) -> SourceText:
@@ -202,7 +221,7 @@ def located(reference: Reference, error: Exception, remedy: str) -> FormulaError
             line = trace.tb_lineno
         trace = trace.tb_next
     return FormulaError(
-        f"{reference.__name__}() fails: {type(error).__name__}: {error}",
+        f"{name_of(reference)}() fails: {type(error).__name__}: {error}",
         file=place.file,
         line=line,
         remedy=remedy,

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from shaderlab.errors import CaseError
+from shaderlab.model.checked import Checked
 from shaderlab.model.state import one_of
 
 OBJECTS = (
@@ -42,7 +43,7 @@ COUNTERS = (
 
 
 @dataclass(frozen=True)
-class Object:
+class Object(Checked):
     """An object of the API, made when a call first names it: `Object("texture")`.
 
     `label` tells two of a kind apart: `Object("texture", "left")`. The first call that binds it
@@ -60,7 +61,7 @@ class Object:
 
 
 @dataclass(frozen=True)
-class Program:
+class Program(Checked):
     """The linked program of one of the case's draws; the last draw of the last pass by default."""
 
     pass_name: str | None = None
@@ -71,7 +72,7 @@ class Program:
 
 
 @dataclass(frozen=True)
-class Location:
+class Location(Checked):
     """Where a program has a uniform, −1 if it has no such one in use. The program is made the
     current one (glUseProgram) before the first call that names it."""
 
@@ -86,7 +87,7 @@ Argument = int | float | str | bytes | None | Object | Program | Location | Sequ
 
 
 @dataclass(frozen=True)
-class Call:
+class Call(Checked):
     """A function of the API with its arguments, in C's order.
 
     A word that begins with "GL_" is a constant ("GL_MAP_READ_BIT | GL_MAP_WRITE_BIT" several of

@@ -8,6 +8,7 @@ from typing import Any
 
 from shaderlab.errors import CaseError, nearest
 from shaderlab.frame import PassDraw
+from shaderlab.model.checked import Checked
 from shaderlab.model.expectation import Expectation
 from shaderlab.model.scene import Draw, Pass, Ramp, UniformBuffer
 from shaderlab.model.textures import Output, outputs_read
@@ -16,7 +17,7 @@ DEFAULT_VARIANT = "default"
 
 
 @dataclass(frozen=True)
-class Variant:
+class Variant(Checked):
     """A named change of a case's inputs.
 
     `changes` replaces uniforms, textures, ramps of the domain, or members of uniform blocks
@@ -35,7 +36,7 @@ class Variant:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Erratum:
+class Erratum(Checked):
     """A place where the text that a case follows is wrong: what it says, what is true, what proves
     it."""
 
@@ -46,7 +47,7 @@ class Erratum:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Case:
+class Case(Checked):
     """One lesson with its shaders and its checks.
 
     Args:

@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from shaderlab.frame import Array, Frame, PassDraw
+from shaderlab.model.checked import Checked
 from shaderlab.model.scene import Pixel
 from shaderlab.records import Curve, Outcome, Plot
 
@@ -89,7 +90,7 @@ class LazyArrays(Mapping[str, Array]):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Expectation(ABC):
+class Expectation(Checked, ABC):
     """What must hold of a scene.
 
     Attributes:

@@ -14,6 +14,7 @@ import numpy as np
 
 from shaderlab.errors import CaseError, nearest
 from shaderlab.frame import Array
+from shaderlab.model.checked import Checked
 from shaderlab.model.state import one_of
 
 PRIMITIVES = ("points", "lines", "line_strip", "triangles", "triangle_strip", "triangle_fan")
@@ -38,7 +39,7 @@ class Placement:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Mesh:
+class Mesh(Checked):
     """Vertices by attribute name, each an array of shape (vertices, components).
 
     Float arrays are uploaded as float32. A matrix attribute has shape (vertices, rows, columns),
@@ -75,6 +76,10 @@ class Mesh:
         object.__setattr__(self, "attributes", vertices)
         if not vertices:
             raise CaseError("Mesh: attributes need one common number of vertices, there are none")
+        if not self.vertices:
+            raise CaseError(
+                "Mesh: there are no vertices", remedy="give each attribute a row a vertex"
+            )
         instances = _checked("instance_attributes", "instances", self.instance_attributes)
         object.__setattr__(self, "instance_attributes", instances)
         for name in instances:

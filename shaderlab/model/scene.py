@@ -10,6 +10,7 @@ import numpy as np
 
 from shaderlab.errors import CaseError
 from shaderlab.frame import Array
+from shaderlab.model.checked import Checked, checked_arguments
 from shaderlab.model.mesh import Mesh
 from shaderlab.model.state import State, one_of
 from shaderlab.model.textures import COLOR_FORMATS, DEPTH_FORMATS, TextureSource
@@ -19,7 +20,7 @@ UniformValue = Number | Sequence[Any] | Array
 
 
 @dataclass(frozen=True)
-class Pixel:
+class Pixel(Checked):
     """A place in a frame: x to the right, y up, from (0, 0) at the lower left."""
 
     x: int
@@ -27,7 +28,7 @@ class Pixel:
 
 
 @dataclass(frozen=True)
-class Ramp:
+class Ramp(Checked):
     """A fragment input that varies linearly over the screen: `origin + s·dx + t·dy`.
 
     s and t run from 0 to 1 over the target, left to right and bottom to top; `origin`, `dx` and
@@ -41,19 +42,29 @@ class Ramp:
 
 def across(start: UniformValue, stop: UniformValue) -> Ramp:
     """An input that goes from `start` at the left edge to `stop` at the right one."""
-    return Ramp(start, dx=(np.asarray(stop, float) - np.asarray(start, float)).tolist())
+    return Ramp(start, dx=_difference("across", start, stop))
 
 
 def up(start: UniformValue, stop: UniformValue) -> Ramp:
     """An input that goes from `start` at the bottom edge to `stop` at the top one."""
-    return Ramp(start, dy=(np.asarray(stop, float) - np.asarray(start, float)).tolist())
+    return Ramp(start, dy=_difference("up", start, stop))
+
+
+def _difference(name: str, start: UniformValue, stop: UniformValue) -> Any:
+    try:
+        return (np.asarray(stop, float) - np.asarray(start, float)).tolist()
+    except (TypeError, ValueError):
+        raise CaseError(
+            f"{name}: {start!r:.60} and {stop!r:.60} are not numbers or vectors of one size",
+            remedy=f"{name}(0.0, 1.0), or {name}((0.0, 0.0), (1.0, 1.0))",
+        ) from None
 
 
 UNIT_SQUARE: Mapping[str, Ramp] = {"TexCoords": Ramp((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class UniformBuffer:
+class UniformBuffer(Checked):
     """Values for a uniform block's members, by their GLSL names inside the block ("projection",
     "lights[0].position"). The lab lays them out by the std140 rules.
 
@@ -65,7 +76,7 @@ class UniformBuffer:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Draw:
+class Draw(Checked):
     """One draw call: a program, what it draws, and everything that is bound while it does.
 
     Either `vertex` and `mesh` are given, or `domain` (the fragment shader's inputs laid over the
@@ -114,7 +125,7 @@ class Draw:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Target:
+class Target(Checked):
     """What a pass draws into.
 
     `colors` are formats by output name; None gives each of the fragment shader's outputs a
@@ -141,7 +152,7 @@ class Target:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Pass:
+class Pass(Checked):
     """A target and the draws into it, in order.
 
     With `onto` the name of an earlier pass, they go on where that one stopped, in its very target,
@@ -173,6 +184,7 @@ class Pass:
                 )
 
 
+@checked_arguments
 def fullscreen(
     fragment: str,
     *,
@@ -200,6 +212,7 @@ def fullscreen(
     return (Pass(name=name, target=target or Target(), draws=(draw,)),)
 
 
+@checked_arguments
 def mesh_pass(
     vertex: str,
     fragment: str,

@@ -11,6 +11,7 @@ import math
 from dataclasses import dataclass
 
 from shaderlab.errors import CaseError, nearest
+from shaderlab.model.checked import Checked
 
 COMPARISONS = (
     "never",
@@ -66,7 +67,7 @@ def one_of(owner: str, field: str, word: str, choices: tuple[str, ...]) -> None:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Depth:
+class Depth(Checked):
     """The depth test: passes where `incoming func stored`; `write` is the depth mask."""
 
     func: str = "less"
@@ -77,7 +78,7 @@ class Depth:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Stencil:
+class Stencil(Checked):
     """The stencil test: passes where `(reference & mask) func (stored & mask)`.
 
     `fail`, `depth_fail` and `depth_pass` say what happens to the stored value then; only the
@@ -102,7 +103,7 @@ class Stencil:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Blend:
+class Blend(Checked):
     """Blending: `source·src ∘ destination·dst`, the alpha channel by its own factors if given."""
 
     source: str = "src_alpha"
@@ -124,7 +125,7 @@ class Blend:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Cell:
+class Cell(Checked):
     """Confines a draw to one cell of a `columns` × `rows` grid laid over the target.
 
     Column 0, row 0 is the lower left. Viewport and scissor are both set to the cell, so a whole
@@ -144,7 +145,7 @@ class Cell:
 
 
 @dataclass(frozen=True, kw_only=True)
-class State:
+class State(Checked):
     """All fixed-function state of one draw. None turns that test or stage off.
 
     Attributes:

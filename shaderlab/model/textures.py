@@ -10,6 +10,7 @@ import numpy as np
 
 from shaderlab.errors import CaseError
 from shaderlab.frame import Array
+from shaderlab.model.checked import Checked
 from shaderlab.model.state import COMPARISONS, one_of
 
 COLOR_FORMATS = (
@@ -34,7 +35,7 @@ Levels = bool | Sequence[Array]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Sampling:
+class Sampling(Checked):
     """How a texture is sampled.
 
     Args:

@@ -38,6 +38,9 @@ def bind(draw: Draw, interface: Interface, texels: Contents) -> Bindings:
         CaseError: a uniform, a block's member or a texture is missing, unknown, or of the wrong
             type or shape.
     """
+    for name in draw.uniforms:
+        if name not in interface.uniforms:
+            blocks.refuse_member(draw, interface, name)
     samplers = {n: v for n, v in interface.uniforms.items() if "sampler" in v.type}
     uniforms = interface.uniforms.items()
     plain = {n: v for n, v in uniforms if n not in samplers and not n.startswith(PREFIX)}

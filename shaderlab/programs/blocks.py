@@ -36,6 +36,18 @@ def variables(interface: Interface) -> dict[str, Variable]:
     }
 
 
+def refuse_member(draw: Draw, interface: Interface, name: str) -> None:
+    """Raise CaseError where a name that is given as a uniform is that of a block's member."""
+    for block in uniform_blocks(interface).values():
+        for member in block.members:
+            if name in (member, f"{block.name}.{member}", f"{block.instance}.{member}"):
+                raise CaseError(
+                    f"{' + '.join(draw.shaders)}: {name!r} is a member of the uniform block "
+                    f"{block.name}, given as a uniform",
+                    remedy=f"blocks={{{block.name!r}: UniformBuffer(values={{{member!r}: …}})}}",
+                )
+
+
 def given(draw: Draw, interface: Interface) -> dict[str, Any]:
     """The values that a draw gives for its blocks' members, by the names of `variables`.
 

@@ -9,7 +9,16 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from textwrap import indent
 
 from shaderlab.files import display_path
-from shaderlab.records import CodeCoverage, Diagnostic, Outcome, Record, Run, Status, Worst
+from shaderlab.records import (
+    CodeCoverage,
+    Diagnostic,
+    Outcome,
+    Record,
+    Run,
+    Status,
+    Worst,
+    significant,
+)
 
 DEFAULT_VARIANT = "default"
 MARKS: Mapping[Status, str] = {
@@ -119,12 +128,13 @@ def _worst(worst: Worst) -> Iterator[str]:
 def _distance(worst: Worst) -> str:
     if math.isnan(worst.widths):
         return "not a number"
-    return f"{worst.widths:.3g} half band widths and {worst.ulp:.3g} ulp from the reference"
+    ulp = "" if math.isnan(worst.ulp) else f" and {worst.ulp:.3g} ulp"
+    return f"{worst.widths:.3g} half band widths{ulp} from the reference"
 
 
 def numbers(values: Sequence[float]) -> str:
     """A number, or a vector in parentheses, to the nine digits that tell float32 values apart."""
-    shown = [f"{float(value):.9g}" for value in values]
+    shown = [significant(float(value)) for value in values]
     return shown[0] if len(shown) == 1 else f"({', '.join(shown)})"
 
 

@@ -7,6 +7,8 @@ import math
 import re
 from datetime import datetime
 
+from shaderlab.records import significant
+
 # C0 and C1 controls (but tab and line ends), lone surrogates, and XML's two non-characters.
 _UNPRINTABLE = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]")
 # Characters that reorder or hide what is around them, so that code reads as it does not run.
@@ -31,7 +33,7 @@ def figure(value: float) -> str:
         return "NaN"
     if math.isinf(value):
         return "∞" if value > 0 else "−∞"
-    return f"{value:.9g}".replace("-", "−")
+    return significant(value).replace("-", "−")
 
 
 def short(value: float) -> str:

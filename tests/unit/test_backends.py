@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from shaderlab import Case, backends, exact, formula, fullscreen, gl_call, query
+from shaderlab import Case, Ramp, backends, exact, formula, fullscreen, gl_call, query
 from shaderlab.backends import Backend, Drawn, Session, Size
 from shaderlab.compiler import Source
 from shaderlab.errors import UnsupportedError, UsageError
@@ -85,7 +85,7 @@ def run(folder: Path, *expect: Expectation) -> Record:
     )
     case = Case(
         title="gray", file=str(folder / "gray.py"),
-        passes=fullscreen("gray.frag", uniforms={"gray": GRAY}, domain={"p": (0.0, 0.0)}),
+        passes=fullscreen("gray.frag", uniforms={"gray": GRAY}, domain={"p": Ramp((0.0, 0.0))}),
         expect=expect,
     )  # fmt: skip
     with Lab(RunOptions(size=8, driver="constant")) as lab:

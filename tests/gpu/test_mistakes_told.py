@@ -1,0 +1,142 @@
+"""A case's author errs: each mistake is a sentence with what to do, and never the lab's defect."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from shaderlab import Case, formula, fullscreen
+from shaderlab.cli import cli
+from shaderlab.evaluation import Lab
+from shaderlab.glslmath import vec4
+from shaderlab.options import RunOptions
+
+PLAIN = (
+    "#version 330 core\nin vec2 TexCoords;\nout vec4 color;\n"
+    "void main() { color = vec4(TexCoords, 0.0, 1.0); }\n"
+)
+BLOCK = PLAIN.replace("in vec2", "uniform Lights { vec4 tint; } lights;\nin vec2").replace(
+    "vec4(Tex", "lights.tint * vec4(Tex"
+)
+HASH = "#version 330 core\nuniform uint seed;\nout uint hash;\nvoid main() { hash = seed; }\n"
+
+
+def right(TexCoords: Any) -> Any:
+    return vec4(TexCoords, 0.0, 1.0)
+
+
+@pytest.fixture(scope="module")
+def lab() -> Iterator[Lab]:
+    with Lab(RunOptions(pictures=False, size=8)) as lab:
+        yield lab
+
+
+def told(lab: Lab, folder: Path, text: str, reference: Callable[..., Any], **given: Any) -> str:
+    """What the lab says of a case."""
+    (folder / "a.frag").write_text(text)
+    output = "hash" if "hash" in text else "color"
+    case = Case(
+        title="t",
+        file=str(folder / "a.py"),
+        passes=fullscreen("a.frag", **given),
+        expect=[formula(output, reference)],
+    )
+    (scene,) = case.scenes()
+    record = lab.run(scene)
+    assert record.status in ("fail", "error")
+    return "\n".join([record.message, *(o.message for o in record.expectations)])
+
+
+@pytest.mark.parametrize(
+    ("reference", "message"),
+    [
+        (lambda TexCoords: "red", "gives str 'red', no number"),
+        (lambda TexCoords: (TexCoords.x, 0.0, 0.0, 1.0), "vec4(…, …, …, …)"),
+        (lambda TexCoords: {}, "gives dict {}, no number"),
+        (lambda TexCoords: 3 + 4j, "no number"),
+        (lambda TexCoords: b"x", "no number"),
+        (lambda TexCoords: [[1, 2], [3]], "no number"),
+        (lambda TexCoords: np.array(["x"]), "no number"),
+        (lambda TexCoords: TexCoords, "gives 2 components, the shader's output has 4\n  → v.x is"),
+        (lambda TexCoords: np.sin(TexCoords), "gives 2 components"),
+        (lambda TexCoords: vec4("a", 0, 0, 1), "fails: ValueError"),
+        (lambda TexCoords: TexCoords.q, "has no attribute 'q'"),
+        (lambda TexCoords: 1.0 if TexCoords.x > 0.5 else 0.0, "truth value"),
+    ],
+)
+def test_a_reference_that_gives_no_vector(
+    lab: Lab, tmp_path: Path, reference: Callable[..., Any], message: str
+) -> None:
+    said = told(lab, tmp_path, PLAIN, reference)
+    assert message in said and "defect" not in said
+
+
+@pytest.mark.parametrize("name", ["tint", "Lights.tint", "lights.tint"])
+def test_a_blocks_member_that_is_given_as_a_uniform(lab: Lab, tmp_path: Path, name: str) -> None:
+    said = told(lab, tmp_path, BLOCK, right, uniforms={name: (1.0, 1.0, 1.0, 1.0)})
+    assert f"{name!r} is a member of the uniform block Lights, given as a uniform" in said
+    assert "blocks={'Lights': UniformBuffer(values={'tint': …})}" in said
+
+
+def test_what_an_include_lacks_points_to_the_include(lab: Lab, tmp_path: Path) -> None:
+    (tmp_path / "lib.glsl").write_text("\nfloat f() { return strength; }\n")
+    text = PLAIN.replace("in vec2", '#include "lib.glsl"\nin vec2')
+    said = told(lab, tmp_path, text, right)
+    assert "lib.glsl:2: 'strength' : undeclared identifier" in said
+    assert "a.frag:2: lib.glsl, included here, needs 'strength' declared before it" in said
+
+
+def test_integers_are_shown_whole(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("SHADERLAB_JOBS", "0")
+    Path("a.frag").write_text(HASH)
+    Path("a.py").write_text(
+        "from shaderlab import Case, exact, fullscreen\n"
+        'case = Case(title="t", passes=fullscreen("a.frag", uniforms={"seed": 2654435761}),\n'
+        '    expect=[exact("hash", 2654435760)])\n'
+    )
+    result = CliRunner().invoke(cli, ["run", "a.py", "--size", "4", "--no-pictures"])
+    assert "measured   2654435761\n" in result.output and "reference  2654435760" in result.output
+    assert "e+09" not in result.output and "nan" not in result.output
+
+
+def test_a_shader_with_other_names_is_one_message_and_can_be_renamed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("SHADERLAB_JOBS", "0")
+    Path("a.frag").write_text(PLAIN.replace("in vec2", "uniform float gain;\nin vec2"))
+    Path("a.py").write_text(
+        "from shaderlab import Case, formula, fullscreen\n"
+        "from shaderlab.glslmath import vec4\n"
+        "def right(TexCoords): return vec4(TexCoords, 0.0, 1.0)\n"
+        'case = Case(title="t", passes=fullscreen("a.frag", uniforms={"gain": 1.0}),\n'
+        '    expect=[formula("color", right)])\n'
+    )
+    other = Path("a.frag").read_text().replace("TexCoords", "vTexCoords").replace("gain", "uGain")
+    Path("mine.frag").write_text(other)
+
+    def run(*words: str) -> tuple[int, str]:
+        arguments = ["run", "a.py", "--size", "16", "--no-pictures", *words]
+        result = CliRunner().invoke(cli, arguments)
+        return result.exit_code, result.output
+
+    status, output = run("--shader", "a.frag=mine.frag")
+    renames = "--rename vTexCoords=TexCoords --rename uGain=gain"
+    assert status == 2 and output.count("mine.frag") == 1 and f"→ {renames}" in output
+    assert "of inputs it has vTexCoords and lacks TexCoords" in output
+    assert run("--shader", "a.frag=mine.frag", *renames.split())[0] == 0
+    Path("mine.frag").write_text(other.replace("vec4(v", "vec4(0.5 * v"))
+    assert run("--shader", "a.frag=mine.frag", *renames.split())[0] == 1
+    for wrong, message in {
+        "vTexCoords": "write it as NAME=OTHER",
+        "nothing=x": "has a name 'nothing'",
+        "uGain=color": "there is a 'color' already",
+    }.items():
+        status, output = run("--shader", "a.frag=mine.frag", "--rename", wrong)
+        assert status == 2 and message in output
