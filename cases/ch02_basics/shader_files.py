@@ -124,7 +124,7 @@ case = Case(
             "../secret.frag",
             message="shader '../secret.frag': leads out of the shader folders",
             file="",
-            remedy="name it by its path inside a shader folder",
+            remedy="name a file inside a shader folder, or add its folder: --include DIR",
             name="a path out of the folders",
         ),
     ],

@@ -14,14 +14,9 @@ from shaderlab.compiler.text import EXTENSIONS, normalise, read_shader, stage_of
 from shaderlab.errors import ShaderError, UsageError, nearest
 
 _SHADER_SUFFIXES = re.compile(r"\.(vert|vs|frag|fs|geom|gs|tesc|tcs|tese|tes|comp|cs|glsl|inc|h)")
-
-
 _NO_SHADERS = frozenset({"__pycache__", "node_modules", "site-packages"})
 _LEADS_OUT = "leads out of the shader folders"
-OUTSIDE_REMEDY = (
-    "name it by its path inside a shader folder, or add its folder: --include, or include = […] "
-    "in [tool.shaderlab] of the project's pyproject.toml"
-)
+OUTSIDE_REMEDY = "name a file inside a shader folder, or add its folder: --include DIR"
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ import numpy as np
 from shaderlab.activity import doing
 from shaderlab.bands import Band, Integer, Rules
 from shaderlab.bands.swizzles import Vector
+from shaderlab.bands.truth import Truth
 from shaderlab.errors import FormulaError, ShaderlabError, nearest
 from shaderlab.frame import Array, Bindings, Texels
 from shaderlab.judging.as_written import as_written
@@ -189,7 +190,7 @@ def name_of(reference: Reference) -> str:
 def _numeric(result: Any) -> Any:
     """What a formula gave, if bands and arrays can be made of it. Raises FormulaError."""
     numbers = isinstance(result, np.ndarray | np.generic) and result.dtype.kind in "fiub"
-    if numbers or isinstance(result, Band | Integer | int | float):
+    if numbers or isinstance(result, Band | Integer | Truth | int | float):
         return result
     if isinstance(result, list | tuple):
         several = ", ".join("…" for _ in result)
