@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from shaderlab.cli import FAILED, OK, USAGE
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.files import NO_ROOM, replacing, write_named
 from shaderlab.report.formats import FORMATS
@@ -126,6 +127,15 @@ def _is_summary(file: str) -> bool:
     """Whether a file is the summary of a CI job, to which each step adds its own."""
     summary = os.environ.get(SUMMARY_VARIABLE, "")
     return bool(summary) and os.path.realpath(file) == os.path.realpath(summary)
+
+
+def tell(problems: Sequence[ShaderlabError]) -> int:
+    """Say what could not be written; returns the exit status that follows from it."""
+    for problem in problems:
+        click.echo(f"shaderlab: {problem}", err=True)
+    if not problems:
+        return OK
+    return USAGE if isinstance(problems[0], UsageError) else FAILED
 
 
 def write_json(data: Mapping[str, Any] | Sequence[Any], file: str) -> None:

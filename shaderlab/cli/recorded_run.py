@@ -12,8 +12,15 @@ from typing import TYPE_CHECKING
 
 import click
 
-from shaderlab.cli import FAILED, INTERRUPTED, USAGE
-from shaderlab.cli.files import REPORTS, latest, new_run_folder, report_folder, write_outputs
+from shaderlab.cli import INTERRUPTED
+from shaderlab.cli.files import (
+    REPORTS,
+    latest,
+    new_run_folder,
+    report_folder,
+    tell,
+    write_outputs,
+)
 from shaderlab.cli.replacing import unread
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.execution.journal import FILE_NAME, Journal, RunPlan, read
@@ -169,14 +176,13 @@ def finish(
         latest(recorded.folder)
     if page is not None:
         show.where(page)
-    for problem in problems:
-        click.echo(f"shaderlab: {problem}", err=True)
+    unwritten = tell(problems)
     if not recorded.complete:
         folder = display_path(recorded.folder)
         show.console.print(f"go on with: shaderlab {command} --resume {folder}")
         return INTERRUPTED
     if problems:
-        return verdict or (USAGE if isinstance(problems[0], UsageError) else FAILED)
+        return verdict or unwritten
     if open_report and page is not None:
         click.launch(page.resolve().as_uri())
     return verdict

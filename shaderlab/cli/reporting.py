@@ -7,8 +7,8 @@ from pathlib import Path
 
 import click
 
-from shaderlab.cli.files import find_latest, output_options, uses_stdout, write_outputs
-from shaderlab.errors import UsageError
+from shaderlab.cli.files import find_latest, output_options, tell, uses_stdout, write_outputs
+from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.files import display_path
 
 
@@ -24,7 +24,7 @@ from shaderlab.files import display_path
 @click.option("--open", "open_report", is_flag=True, help="Open it in a browser.")
 def command(
     run_folder: str | None, earlier: str | None, outputs: Mapping[str, str], open_report: bool
-) -> None:
+) -> int:
     """Make the page of a run again, from the run.json in its folder.
 
     \b
@@ -43,12 +43,17 @@ def command(
     if earlier is not None:
         before = _run_folder(Path(earlier))
         against = store.load(before), before
-    page = html.write(run, folder, against)
-    for problem in write_outputs(run, outputs):
-        raise problem
-    click.echo(f"report: {display_path(page)}", err=to_stderr)
-    if open_report:
+    problems: list[ShaderlabError] = []
+    page = None
+    try:
+        page = html.write(run, folder, against)
+        click.echo(f"report: {display_path(page)}", err=to_stderr)
+    except ShaderlabError as error:  # the outputs are written all the same
+        problems.append(error)
+    problems += write_outputs(run, outputs)
+    if open_report and page is not None:
         click.launch(page.resolve().as_uri())
+    return tell(problems)
 
 
 def _run_folder(folder: Path) -> Path:

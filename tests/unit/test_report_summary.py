@@ -204,3 +204,14 @@ def test_a_worst_value_that_rows_show_is_not_shown_again(tmp_path: Path) -> None
         found = outcome(worst=worst(), rows_show_worst=shown)
         words = Page(write(run(record("a", expectations=(found,))), tmp_path)).words()
         assert ("Nearest to the edge" in words) is not shown
+
+
+def test_report_writes_whatever_can_be_written(tmp_path: Path) -> None:
+    save(run(record("a")), tmp_path)
+    for name in ("index.html", "out.json"):
+        (tmp_path / name).mkdir()
+    outputs = ["--json", str(tmp_path / "out.json"), "--markdown", str(tmp_path / "out.md")]
+    result = CliRunner().invoke(cli, ["report", str(tmp_path), *outputs])
+    assert result.exit_code == 1
+    assert "index.html: can't write" in result.stderr and "out.json: can't write" in result.stderr
+    assert (tmp_path / "out.md").is_file()
