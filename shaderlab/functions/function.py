@@ -71,7 +71,7 @@ class Function:
         """
         return self.evaluate(self.bind(*arguments, **named))
 
-    def check(self, law: Law | Callable[..., Any], *arguments: Any, **named: Any) -> None:
+    def check(self, law: Law | Callable[..., Any], /, *arguments: Any, **named: Any) -> None:
         """Check the function at these arguments.
 
         Args:

@@ -32,11 +32,12 @@ Test = Callable[..., Any]
 Values = dict[str, Array]
 
 
-def given(function: Function, **domains: Any) -> Callable[[Test], Test]:
+def given(function: Function, /, **domains: Any) -> Callable[[Test], Test]:
     """A test of a property: `@glsl.given(lighting.fresnel, cosine=glsl.floats(0, 1))`.
 
     The test gets the arguments by their names, and by any other name what the function gives for
-    them. It asserts on arrays, or on single numbers, or returns where the property holds.
+    them; with `out` parameters that is a mapping, or each of them by its own name. It asserts on
+    arrays, or on single numbers, or returns where the property holds.
 
     Args:
         function: what is called.
@@ -141,17 +142,19 @@ class Search:
         return found
 
     @cached_property
-    def _result_name(self) -> str | None:
-        """The test's parameter that gets the result."""
-        inputs = {i.name for s in self._function.signatures for i in (*s.given, *s.globals)}
+    def _result_names(self) -> list[str]:
+        """The test's parameters that get the result, or parts of it."""
+        signatures = self._function.signatures
+        inputs = {i.name for s in signatures for i in (*s.given, *s.globals)}
+        outputs = {name for s in signatures for name, _ in s.outputs}
         others = [n for n in inspect.signature(self._test).parameters if n not in inputs]
-        if len(others) > 1:
+        if len(others) > 1 and not outputs.issuperset(others):
             raise CallError(
                 f"{self._test.__name__} has parameters {', '.join(others)}, of which only one can "
                 f"be what {self._function.__name__} gives",
                 remedy=f"{self._function.__name__} takes {', '.join(sorted(inputs))}",
             )
-        return others[0] if others else None
+        return others
 
     def run(self, batch: Batch) -> None:
         """Try a batch. Raises what the test raises for its simplest counterexample."""
@@ -184,7 +187,7 @@ class Search:
         place = display_path(*self._function.place)
         note = f"{self._function.__name__} of {place}, at its simplest counterexample:\n"
         note += f"@glsl.example({', '.join(_spelt(values))})"
-        given = [f"{n} = {v!r}" for n, v in single.items() if n == self._result_name]
+        given = [f"{n} = {v!r}" for n, v in single.items() if n in self._result_names]
         note += "".join(f"\n{line}" for line in given)
         for some in (single, arguments):
             try:
@@ -291,12 +294,13 @@ class Search:
         fixed = {n: d for n, d in _flat(self._domains) if not isinstance(d, Domain)}
         named = _nested({**fixed, **values})
         result = self._function(**named)
+        parts: dict[str, Any] = getattr(result, "_asdict", dict)()
         wanted = inspect.signature(self._test).parameters
         count = len(next(iter(values.values())))
         found = {}
         for name in wanted:
-            if name == self._result_name:
-                found[name] = result
+            if name in self._result_names:
+                found[name] = parts.get(name, parts or result)
             elif name in named:
                 found[name] = named[name]
         return {name: _stretched(value, count) for name, value in found.items()}

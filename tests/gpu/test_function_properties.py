@@ -25,6 +25,7 @@ float several(float a, float b, float t) { return mix(a, b, t) + (t > 0.98 ? 0.1
 vec3 unit(vec3 v) { return normalize(v); }
 vec3 lit(Lamp lamp, float k) { return lamp.color * lamp.power * (k > 3.0 ? -1.0 : 1.0); }
 float scaled(float x) { return 2.0 * x; }
+float parted(float x, out float whole) { whole = floor(x); return x - whole; }
 """
 UNIT = glsl.floats(0.0, 1.0)
 
@@ -105,6 +106,18 @@ def test_vectors_directions_and_structs(shader: glsl.Library) -> None:
     said = failure(glsl.given(shader.lit, lamp=lamp, k=glsl.ints(0, 10))(not_dark))
     assert "lamp={'color': [" in said and "'power': 1.0}, k=4)" in said
     glsl.given(shader.lit, lamp=lamp, k=2.0)(not_dark)()
+
+
+@pytest.mark.usefixtures("few")
+def test_several_results_have_their_names(shader: glsl.Library) -> None:
+    def adds_up(x: Any, result: Any, whole: Any) -> Any:
+        return result + whole == x
+
+    def mapped(x: Any, y: Any) -> Any:
+        return y["whole"] <= x - 1.0
+
+    glsl.given(shader.parted, x=glsl.floats(0.0, 8.0))(adds_up)()
+    assert "whole" in failure(glsl.given(shader.parted, x=glsl.floats(0.0, 8.0))(mapped))
 
 
 def test_a_property_of_several_elements_fails_as_it_stands(shader: glsl.Library) -> None:
