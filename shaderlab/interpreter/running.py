@@ -125,8 +125,8 @@ class Run:
         return self._parts[key][1]
 
     def stored(self, line: int, name: str, value: Value, world: World) -> None:
-        """Tell the trace of a value that was stored."""
-        if self._trace is not None and name and not name.startswith("param"):
+        """Tell the trace of a value that was stored; "param" is what glslang calls an argument."""
+        if self._trace is not None and name not in ("", "param"):
             calls, reads = tuple(self.calls), tuple(self._reads)
             self._trace(Stored(line, name, value, world.mask, calls, reads))
             self._reads.clear()
