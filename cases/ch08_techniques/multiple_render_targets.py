@@ -3,7 +3,8 @@
 A framebuffer may have several colour attachments, and glDrawBuffers says which of them each output
 location goes to. So one pass over the scene yields what would take four: its light, what of it is
 bright enough to glow, its normals, and its luminance. Each attachment has a format of its own. An
-output that no draw buffer takes goes nowhere, and changes nothing in the others.
+output that no draw buffer takes goes nowhere, and changes nothing in the others. How many there may
+be is the driver's to say, 8 at least: GL_MAX_COLOR_ATTACHMENTS, GL_MAX_DRAW_BUFFERS.
 
 Look at: the four pictures of one draw: above the light and the bright parts alone, below normals as
 colours (x in red, y in green, z in blue) and luminance.
@@ -24,6 +25,7 @@ from shaderlab import (
     exact,
     formula,
     fullscreen,
+    gl_call,
 )
 from shaderlab.glslmath import dot, fract, max, normalize, sqrt, swizzle, vec3, vec4, where
 from shaderlab.reference import post_processing
@@ -146,5 +148,12 @@ case = Case(
             (0.402, 0.402, 0.402, 1.0),
         ),
         figure("all.Luminance", "luminance of coral, lit", CORAL, 0.503695),
+        *(
+            gl_call("glGetIntegerv", f"GL_MAX_{limit}", at_least=8, name=name)
+            for limit, name in (
+                ("COLOR_ATTACHMENTS", "colour attachments of a framebuffer"),
+                ("DRAW_BUFFERS", "of them, drawn into at once"),
+            )
+        ),
     ],
 )

@@ -16,10 +16,10 @@ from tests.catalogue import shipped
 
 ROWS = {
     1: "orange-triangle",
-    2: "triangle interleaved-attributes vertex-array indexed-quad compile-and-link swizzle "
-    "glsl-types uniform-over-time inactive-uniform uniform-types sampler-units shader-files "
-    "texture-origin texture-wrap texture-filter mipmap-chain mipmap-filters texture-compression "
-    "textured-quad texture-mix",
+    2: "triangle primitives interleaved-attributes vertex-array indexed-quad compile-and-link "
+    "swizzle glsl-types uniform-over-time inactive-uniform uniform-types sampler-units "
+    "shader-files texture-origin texture-wrap texture-filter mipmap-chain mipmap-filters "
+    "texture-compression textured-quad image-file texture-mix",
     3: "translate rotate scale mvp transform-order euler-angles quaternion",
     4: "coordinate-spaces handedness look-at camera-orbit orthographic perspective viewport "
     "ten-cubes",
