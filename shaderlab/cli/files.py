@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from shaderlab.cli import FAILED, OK, USAGE
+from shaderlab.cli.old_runs import mark_named, require_no_foreign_page
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.files import NO_ROOM, replacing, write_named
 from shaderlab.report.formats import FORMATS
@@ -50,12 +51,18 @@ def new_run_folder(parent: Path = REPORTS) -> Path:
 
 
 def report_folder(folder: Path) -> Path:
-    """Make the folder of `--report`, which may exist already; not on a full disk."""
+    """Make the folder of `--report`, which may exist already; not on a full disk.
+
+    Raises:
+        UsageError: it can't be made, or has a page that is no report.
+    """
+    require_no_foreign_page(folder)
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         if error.errno not in NO_ROOM:
             raise _unwritable(folder, error) from error
+    mark_named(folder)
     return folder
 
 

@@ -21,12 +21,14 @@ from shaderlab.cli.files import (
     tell,
     write_outputs,
 )
+from shaderlab.cli.old_runs import KEEP, mark_named, remove_old
 from shaderlab.cli.replacing import unread
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.execution.journal import FILE_NAME, Journal, RunPlan, read
 from shaderlab.files import display_path
 from shaderlab.options import Limits, RunOptions
 from shaderlab.records import CodeCoverage, Record, Run
+from shaderlab.settings import settings_of
 
 if TYPE_CHECKING:
     from shaderlab.cli.showing import Show
@@ -69,6 +71,8 @@ def resumed_plan(word: str, limits: Limits) -> tuple[RunPlan, list[Record]]:
         if not begun:
             raise UsageError(f"there is no run in {REPORTS}/", remedy="name its folder")
     folder = Path(word) if word else begun[-1].parent
+    if word:
+        mark_named(folder)
     plan, done, damaged = read(folder)
     for line in damaged:
         place = display_path(folder / FILE_NAME, line)
@@ -174,6 +178,7 @@ def finish(
     page, problems = write_report(recorded, outputs or {})
     if is_latest:
         latest(recorded.folder)
+        _remove_old(recorded.folder.parent)
     if page is not None:
         show.where(page)
     unwritten = tell(problems)
@@ -186,6 +191,14 @@ def finish(
     if open_report and page is not None:
         click.launch(page.resolve().as_uri())
     return verdict
+
+
+def _remove_old(parent: Path) -> None:
+    keep = settings_of(Path()).keep
+    count = remove_old(parent, KEEP if keep is None else keep)
+    if count:
+        what = "an old run" if count == 1 else f"{count} old runs"
+        click.echo(f"removed {what} from {parent}/ (keep in [tool.shaderlab])", err=True)
 
 
 def write_report(

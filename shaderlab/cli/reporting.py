@@ -8,6 +8,7 @@ from pathlib import Path
 import click
 
 from shaderlab.cli.files import find_latest, output_options, tell, uses_stdout, write_outputs
+from shaderlab.cli.old_runs import mark_named
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.files import display_path
 
@@ -37,7 +38,7 @@ def command(
     from shaderlab.report import html, store
 
     to_stderr = uses_stdout(outputs)
-    folder = _run_folder(find_latest() if run_folder is None else Path(run_folder))
+    folder = find_latest() if run_folder is None else _run_folder(Path(run_folder))
     run = store.load(folder)
     against = None
     if earlier is not None:
@@ -57,6 +58,7 @@ def command(
 
 
 def _run_folder(folder: Path) -> Path:
+    mark_named(folder)
     if not (folder / "run.json").is_file():
         raise UsageError(
             "there is no run.json in this folder",

@@ -83,7 +83,9 @@ class Location(Checked):
         return f"location of {self.uniform}"
 
 
-Argument = int | float | str | bytes | None | Object | Program | Location | Sequence[float]
+Argument = (
+    int | float | str | bytes | None | Object | Program | Location | Sequence[float] | Sequence[str]
+)
 
 
 @dataclass(frozen=True)

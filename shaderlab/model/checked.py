@@ -151,10 +151,7 @@ def _misfit(value: Any, hint: Any, path: str) -> tuple[str, Any, Any] | None:
         return None if value in inner else (path, value, hint)
     kind = origin or hint
     if kind in _SCALARS:
-        fits = isinstance(value, _SCALARS[kind][0])
-        if isinstance(value, bool) and kind in (int, float):
-            fits = False
-        return None if fits else (path, value, hint)
+        return None if isinstance(value, _SCALARS[kind][0]) else (path, value, hint)
     if kind is np.ndarray:
         return None if _is_array(value) else (path, value, hint)
     if kind is tuple or kind in (collections.abc.Sequence, collections.abc.Iterable, list):
