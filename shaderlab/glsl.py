@@ -21,4 +21,4 @@ from shaderlab.functions.laws import (
     table as table,
 )
 from shaderlab.functions.library import Library as Library, load as load
-from shaderlab.functions.searching import example as example, given as given
+from shaderlab.functions.properties import example as example, given as given

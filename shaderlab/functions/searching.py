@@ -1,97 +1,33 @@
-"""`given`: a property of a function, searched for a counterexample that is then made small.
+"""Searching for a counterexample to a property, and making it small.
 
-Hypothesis decides what is tried, and keeps what failed in its database. A draw of it is a batch of
-samples: the function is called once for all of them, and so is the test, on arrays. A test that was
+The function is called once for a batch of samples, and so is the test, on arrays. A test that was
 written for single numbers is called for each.
 """
 
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from shaderlab.errors import CallError, extra
+from shaderlab.errors import CallError
 from shaderlab.files import display_path
 from shaderlab.frame import Array
 from shaderlab.functions.domains import Domain, hints_of, weights
+from shaderlab.functions.nesting import Values, element, flat, nested, rows, spelt, stretched
 
 if TYPE_CHECKING:
     from shaderlab.functions.function import Function
 
 SAMPLES = 10_000
 """Samples of a draw."""
-DRAWS = 10
 _ROUNDS = 6
 
 Test = Callable[..., Any]
-Values = dict[str, Array]
-
-
-def given(function: Function, /, **domains: Any) -> Callable[[Test], Test]:
-    """A test of a property: `@glsl.given(lighting.fresnel, cosine=glsl.floats(0, 1))`.
-
-    The test gets the arguments by their names, and by any other name what the function gives for
-    them; with `out` parameters that is a mapping, or each of them by its own name. It asserts on
-    arrays, or on single numbers, or returns where the property holds.
-
-    Args:
-        function: what is called.
-        domains: for each parameter and global the domain that is searched, such as
-            `floats(0, 1)`, a mapping of domains for a struct, or a value.
-
-    Raises:
-        AssertionError: from the test, for a counterexample made as simple as possible; a note has
-            it as a line to paste above the test: `@glsl.example(…)`.
-    """
-
-    def decorated(test: Test) -> Test:
-        with extra("pytest", "glsl.given"):
-            import hypothesis
-            from hypothesis import strategies
-
-        search = Search(function, domains, test)
-
-        def run(batch: Batch) -> None:
-            __tracebackhide__ = True
-            search.run(batch)
-
-        # Hypothesis takes it for the test: failures show that, and the database knows it by that.
-        for name in ("__name__", "__qualname__", "__module__", "__doc__"):
-            setattr(run, name, getattr(test, name))
-        code = test.__code__
-        run.__code__ = run.__code__.replace(
-            co_filename=code.co_filename, co_firstlineno=code.co_firstlineno
-        )
-        settings = hypothesis.settings(
-            max_examples=DRAWS,
-            deadline=None,
-            verbosity=hypothesis.Verbosity.quiet,
-            phases=[p for p in hypothesis.Phase if p.name in ("explicit", "reuse", "generate")],
-            suppress_health_check=list(hypothesis.HealthCheck),
-        )
-        batches = strategies.integers(0, 2**32 - 1).map(Batch)
-        found: Test = settings(hypothesis.given(batch=batches)(run))
-        for values in reversed(getattr(test, "shaderlab_examples", ())):
-            found = hypothesis.example(batch=Batch(None, tuple(values.items())))(found)
-        return found
-
-    return decorated
-
-
-def example(**values: Any) -> Callable[[Test], Test]:
-    """Arguments that `given` tries first; stands below it."""
-
-    def decorated(test: Test) -> Test:
-        known = getattr(test, "shaderlab_examples", ())
-        test.shaderlab_examples = (values, *known)  # type: ignore[attr-defined]
-        return test
-
-    return decorated
 
 
 @dataclass(frozen=True)
@@ -129,7 +65,7 @@ class Search:
         """The type of each argument that is searched, members by their whole names."""
         inputs = {i.name: i.type for s in self._function.signatures for i in (*s.given, *s.globals)}
         found = {}
-        for name, _ in _flat(self._domains):
+        for name, _ in flat(self._domains):
             head, *members = name.split(".")
             if head not in inputs:
                 known = ", ".join(inputs)
@@ -160,10 +96,10 @@ class Search:
         """Try a batch. Raises what the test raises for its simplest counterexample."""
         __tracebackhide__ = True
         if batch.seed is None:
-            values = {n: np.asarray(v)[None] for n, v in _flat(dict(batch.values))}
+            values = {n: np.asarray(v)[None] for n, v in flat(dict(batch.values))}
         else:
             rng = np.random.default_rng(batch.seed)
-            searched = {n: d for n, d in _flat(self._domains) if isinstance(d, Domain)}
+            searched = {n: d for n, d in flat(self._domains) if isinstance(d, Domain)}
             values = {
                 name: domain.sample(rng, (SAMPLES, *self._types[name].shape), self._hints)
                 for name, domain in searched.items()
@@ -175,18 +111,18 @@ class Search:
         if wrong is None:
             return
         if wrong.stop - wrong.start > 1:  # no single one fails: it is about several together
-            self._call_test(self._arguments(_rows(values, wrong)))
+            self._call_test(self._arguments(rows(values, wrong)))
             return
-        self._report(self._smallest(_rows(values, wrong)))
+        self._report(self._smallest(rows(values, wrong)))
 
     def _report(self, values: Values) -> None:
         """Run the test on one element, to fail as it does."""
         __tracebackhide__ = True
         arguments = self._arguments(values)
-        single = {name: _element(value, 0) for name, value in arguments.items()}
+        single = {name: element(value, 0) for name, value in arguments.items()}
         place = display_path(*self._function.place)
         note = f"{self._function.__name__} of {place}, at its simplest counterexample:\n"
-        note += f"@glsl.example({', '.join(_spelt(values))})"
+        note += f"@glsl.example({', '.join(spelt(values))})"
         given = [f"{n} = {v!r}" for n, v in single.items() if n in self._result_names]
         note += "".join(f"\n{line}" for line in given)
         for some in (single, arguments):
@@ -203,7 +139,7 @@ class Search:
         for _ in range(_ROUNDS):
             before = sum(weights(v) for v in values.values())
             for name in values:
-                domain = dict(_flat(self._domains)).get(name)
+                domain = dict(flat(self._domains)).get(name)
                 if not isinstance(domain, Domain):
                     continue
                 shape = values[name].shape
@@ -228,8 +164,8 @@ class Search:
         tried = {n: np.repeat(v, len(choices), axis=0) for n, v in values.items()} | {name: many}
         arguments = self._arguments(tried)
         for n in range(len(choices)):
-            if self._fails({k: v[n : n + 1] for k, v in _flat(arguments)}):
-                return _rows(tried, slice(n, n + 1))
+            if self._fails({k: v[n : n + 1] for k, v in flat(arguments)}):
+                return rows(tried, slice(n, n + 1))
         return values
 
     def _failing(self, values: Values, count: int) -> slice | None:
@@ -253,13 +189,13 @@ class Search:
                 first = int(np.argmax(wrong))
                 return slice(first, first + 1)
         for n in range(count):
-            if self._fails_at({name: _element(value, n) for name, value in arguments.items()}):
+            if self._fails_at({name: element(value, n) for name, value in arguments.items()}):
                 return slice(n, n + 1)
         return None
 
     def _halved(self, arguments: dict[str, Any]) -> slice:
         """The fewest rows that fail, found by halving."""
-        parts = dict(_flat(arguments))
+        parts = dict(flat(arguments))
         start, stop = 0, len(next(iter(parts.values())))
         while stop - start > 1:
             middle = (start + stop) // 2
@@ -273,9 +209,9 @@ class Search:
 
     def _fails(self, parts: Values) -> bool:
         """Whether the test fails on some rows, given by whole names."""
-        arguments = _nested(parts)
+        arguments = nested(parts)
         if self._one_by_one:
-            arguments = {name: _element(value, 0) for name, value in arguments.items()}
+            arguments = {name: element(value, 0) for name, value in arguments.items()}
         return self._fails_at(arguments)
 
     def _fails_at(self, arguments: dict[str, Any]) -> bool:
@@ -291,8 +227,8 @@ class Search:
 
     def _arguments(self, values: Values) -> dict[str, Any]:
         """What the test gets for some values: those that it asks for, and the result."""
-        fixed = {n: d for n, d in _flat(self._domains) if not isinstance(d, Domain)}
-        named = _nested({**fixed, **values})
+        fixed = {n: d for n, d in flat(self._domains) if not isinstance(d, Domain)}
+        named = nested({**fixed, **values})
         result = self._function(**named)
         parts: dict[str, Any] = getattr(result, "_asdict", dict)()
         wanted = inspect.signature(self._test).parameters
@@ -303,65 +239,4 @@ class Search:
                 found[name] = parts.get(name, parts or result)
             elif name in named:
                 found[name] = named[name]
-        return {name: _stretched(value, count) for name, value in found.items()}
-
-
-def _flat(values: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:
-    """Mappings as one, with names such as "light.power"."""
-    for name, value in values.items():
-        if isinstance(value, Mapping):
-            yield from _flat(value, f"{before}{name}.")
-        else:
-            yield before + name, value
-
-
-def _nested(values: Mapping[str, Any]) -> dict[str, Any]:
-    """The reverse of `_flat`."""
-    found: dict[str, Any] = {}
-    for name, value in values.items():
-        *heads, last = name.split(".")
-        inner = found
-        for head in heads:
-            inner = inner.setdefault(head, {})
-        inner[last] = value
-    return found
-
-
-def _rows(values: Values, rows: slice) -> Values:
-    return {name: value[rows] for name, value in values.items()}
-
-
-def _stretched(value: Any, count: int) -> Any:
-    """Fixed values as many as there are samples."""
-    if isinstance(value, Mapping):
-        return {name: _stretched(v, count) for name, v in value.items()}
-    array = np.asanyarray(value)
-    return (
-        array
-        if array.ndim and len(array) == count
-        else np.broadcast_to(array, (count, *array.shape))
-    )
-
-
-def _element(value: Any, n: int) -> Any:
-    if isinstance(value, Mapping):
-        return {name: _element(v, n) for name, v in value.items()}
-    return value[n]
-
-
-def _spelt(values: Values) -> Iterator[str]:
-    def text(value: Any) -> str:
-        if isinstance(value, dict):
-            return "{" + ", ".join(f"{n!r}: {text(v)}" for n, v in value.items()) + "}"
-        single = np.asarray(value)[0]
-        if np.ndim(single):
-            return "[" + ", ".join(map(_number, np.ravel(single))) + "]"
-        return _number(single)
-
-    for name, value in _nested(values).items():
-        yield f"{name}={text(value)}"
-
-
-def _number(value: Any) -> str:
-    """The shortest text that gives the same float32, integer or boolean."""
-    return str(value) if np.asarray(value).dtype.kind != "f" else str(np.float32(value))
+        return {name: stretched(value, count) for name, value in found.items()}

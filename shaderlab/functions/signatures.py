@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
-from shaderlab.functions.declarations import Declarations, Item, Named, Spec, constant
+from shaderlab.functions.declarations import Declarations
+from shaderlab.functions.emission import Types, emitted, redeclares
+from shaderlab.functions.scanner import Item, Named, Spec
 from shaderlab.functions.types import Type
 
 PREFIX = "shaderlab_"
@@ -124,7 +126,7 @@ def signatures(found: Declarations) -> dict[str, list[Signature]]:
 
 def _signature(found: Declarations, own: Item) -> Signature:
     needed = found.needed(own)
-    types = _Types(found)
+    types = Types(found)
     obstacles: list[str] = []
     used = frozenset[str]().union(*(item.uses for item in needed))
 
@@ -172,7 +174,7 @@ def _signature(found: Declarations, own: Item) -> Signature:
         result=result,
         parameters=tuple(parameters),
         globals=tuple(globals_),
-        code=_renamed(before) + _renamed(_emitted(found, needed, types)),
+        code=_renamed(before) + _renamed(emitted(found, needed, types)),
         line=found.text.count("\n", 0, own.start) + 1,
         definition=found.text[own.start : own.end],
         per_pixel=FRAGMENT_ONLY.search(body) is not None,
@@ -204,7 +206,7 @@ def _renamed(text: str) -> str:
 def _given(items: list[Item]) -> Iterator[Named]:
     """The variables that somebody else sets; what GLSL declares itself may be declared again."""
     for item in items:
-        if not item.qualifiers & _GIVEN or _redeclares(item):
+        if not item.qualifiers & _GIVEN or redeclares(item):
             continue
         if item.kind == "variables":
             yield from item.members
@@ -216,81 +218,8 @@ def _given(items: list[Item]) -> Iterator[Named]:
             yield from item.members
 
 
-def _redeclares(item: Item) -> bool:
-    return any(name.startswith("gl_") for name in item.declares)
-
-
 def _state(items: list[Item]) -> Iterator[Named]:
     """The variables that the file's own functions may change."""
     for item in items:
         if item.kind in ("struct", "variables") and not item.qualifiers & (_GIVEN | {"const"}):
             yield from item.members if item.kind == "variables" else item.variables
-
-
-class _Types:
-    """A file's types by the way they are written."""
-
-    def __init__(self, found: Declarations) -> None:
-        self._constants: Mapping[str, int] = found.constants
-        self._structs = {i.name: i for i in found.items if i.kind in ("struct", "block")}
-
-    def of(self, spec: Spec) -> Type:
-        """Raises LookupError, which says what is not known."""
-        dims = []
-        for length in spec.lengths:
-            value = constant(length, self._constants)
-            if value is None or value < 1:
-                raise LookupError(f"the length of {spec.name}[{length}] is not known")
-            dims.append(value)
-        struct = self._structs.get(spec.name)
-        if struct is None:
-            return Type(spec.name, tuple(dims))
-        members = tuple((member.name, self.of(member.spec)) for member in struct.members)
-        return Type(spec.name, tuple(dims), members)
-
-
-def _emitted(found: Declarations, needed: list[Item], types: _Types) -> str:
-    """The file's text with nothing but the needed items, each on its own lines."""
-    parts, at = [], 0
-    text = found.text
-    for item in needed:
-        parts.append("\n" * text.count("\n", at, item.start))
-        whole = text[item.start : item.end]
-        new = _as_variables(item, whole, types)
-        parts.append(new + "\n" * (whole.count("\n") - new.count("\n")))
-        at = item.end
-    return "".join(parts)
-
-
-def _as_variables(item: Item, whole: str, types: _Types) -> str:
-    """An item's own text, or plain variables for what other stages and callers set."""
-    if _redeclares(item):
-        return ""
-    if item.kind == "block":
-        members = "".join(f"{_spelt(m)}; " for m in item.members)
-        if item.instance is None:
-            return members
-        return f"struct {item.name} {{ {members}}}; {_spelt(item.instance)};"
-    if item.kind == "struct" and item.variables:
-        head = whole[whole.index("struct") : whole.rindex("}") + 1]
-        return head + "; " + _plain_variables(item.variables, types)
-    if item.kind == "variables":
-        return _plain_variables(item.members, types)
-    return whole
-
-
-def _plain_variables(variables: tuple[Named, ...], types: _Types) -> str:
-    found = []
-    for named in variables:
-        try:
-            opaque = types.of(named.spec).opaque
-        except LookupError:
-            opaque = False
-        default = " = " + " ".join(named.default.split()) if named.default else ""
-        qualifier = "uniform " if opaque else "const " if "const" in named.qualifiers else ""
-        found.append(f"{qualifier}{_spelt(named)}{default};")
-    return " ".join(found)
-
-
-def _spelt(named: Named) -> str:
-    return f"{named.spec.name} {named.name}" + "".join(f"[{n}]" for n in named.spec.lengths)
