@@ -21,12 +21,7 @@ static int begin_bounds(Pass *pass, PyObject *const *args)
 
 static PyObject *two_arrays(Result *result)
 {
-    if (result->rare) {
-        drop(result);
-        Py_RETURN_NONE;
-    }
-    if (result->exact && !result->differ)
-        Py_SETREF(result->hi, (PyArrayObject *)Py_NewRef((PyObject *)result->lo));
+    if (!succeeded(result)) Py_RETURN_NONE;
     return Py_BuildValue("NN", result->lo, result->hi);
 }
 

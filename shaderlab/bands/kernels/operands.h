@@ -1,7 +1,7 @@
 /* Operands of a pass over arrays: any shape that broadcasts, presented as blocks of consecutive
- * values of the result. What has the result's shape is read where it lies; what repeats with a short
- * period is written out once; the rest is gathered block by block. So each pass is one loop over
- * consecutive values. */
+ * values of the result. What has the result's shape is read where it lies; what repeats with a
+ * short period is written out once; the rest is gathered block by block. So each pass is one loop
+ * over consecutive values. */
 
 #ifndef SHADERLAB_OPERANDS_H
 #define SHADERLAB_OPERANDS_H

@@ -5,7 +5,8 @@
 
 /* `steps` times the rounding among the terms is added; 0 for plain values, which have none. */
 LOOP int64_t multiply_block(
-    npy_intp count, const Value *a, const Value *b, double steps, double *restrict lo, double *restrict negated_hi,
+    npy_intp count, const Value *a, const Value *b, double steps, double *restrict lo,
+    double *restrict negated_hi,
     double *restrict size)
 {
     const double *a_lo = a->settled_low, *a_hi = a->settled_high, *a_size = a->size;
@@ -93,7 +94,8 @@ static PyObject *scale(Pass *pass, Value *a, Value *b)
 }
 
 LOOP int64_t square_block(
-    npy_intp count, const Value *a, double steps, double *restrict lo, double *restrict negated_hi, double *restrict size)
+    npy_intp count, const Value *a, double steps, double *restrict lo, double *restrict negated_hi,
+    double *restrict size)
 {
     const double *a_lo = a->low, *a_hi = a->high;
     double relative = RELATIVE_STEP;

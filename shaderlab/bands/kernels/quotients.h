@@ -8,7 +8,8 @@
 #define INVERSESQRT_ULPS 2.0
 
 LOOP int64_t divide_block(
-    npy_intp count, const Value *a, const Value *b, int terms, double *restrict lo, double *restrict negated_hi,
+    npy_intp count, const Value *a, const Value *b, int terms, double *restrict lo,
+    double *restrict negated_hi,
     double *restrict size)
 {
     const double *a_lo = a->settled_low, *a_hi = a->settled_high, *a_size = a->size;
@@ -17,7 +18,8 @@ LOOP int64_t divide_block(
     int64_t rare = 0;
     for (npy_intp i = 0; i < count; i++) {
         double below = b_lo[i], above = b_hi[i];
-        double nearer = smaller(fabs(below), fabs(above)), further = larger(fabs(below), fabs(above));
+        double nearer = smaller(fabs(below), fabs(above));
+        double further = larger(fabs(below), fabs(above));
         int outside = (nearer < SMALLEST_NORMAL) | (further > LARGEST_DIVISOR)
             | ((below <= 0.0) & (above >= 0.0));
         /* A quotient grows with the dividend where the divisor is positive. */

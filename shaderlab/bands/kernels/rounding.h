@@ -57,7 +57,8 @@ static inline void widen(double *lo, double *hi, double ulps_lo, double ulps_hi)
 
 /* Called while the processor rounds downward. The upper bound comes negated. */
 LOOP int64_t narrowed(
-    npy_intp count, int flush, const double *lo, const double *negated_hi, double *restrict out_lo, double *restrict out_hi)
+    npy_intp count, int flush, const double *lo, const double *negated_hi, double *restrict out_lo,
+    double *restrict out_hi)
 {
     int64_t differ = 0;
     double least = flush ? SMALLEST_NORMAL : 0.0;
@@ -74,7 +75,8 @@ LOOP int64_t narrowed(
 
 /* Rounds a block outward; nonzero if two bounds differ. */
 static int64_t narrow(
-    npy_intp count, int flush, const double *lo, const double *negated_hi, double *restrict out_lo, double *restrict out_hi)
+    npy_intp count, int flush, const double *lo, const double *negated_hi, double *restrict out_lo,
+    double *restrict out_hi)
 {
     fesetround(FE_DOWNWARD);
     int64_t differ = narrowed(count, flush, lo, negated_hi, out_lo, out_hi);

@@ -27,7 +27,8 @@ static void negate(Value *value, npy_intp count, double to[4][BLOCK])
 }
 
 LOOP int64_t add_plain(
-    npy_intp count, const double *a_size, const double *b_size, double *restrict lo, const double *negated_hi,
+    npy_intp count, const double *a_size, const double *b_size, double *restrict lo,
+    const double *negated_hi,
     double *restrict size, double *restrict slack)
 {
     int64_t rare = 0;
@@ -42,7 +43,8 @@ LOOP int64_t add_plain(
 }
 
 LOOP int64_t add_terms(
-    npy_intp count, const Value *a, const Value *b, double *restrict lo, double *restrict negated_hi, double *restrict size)
+    npy_intp count, const Value *a, const Value *b, double *restrict lo,
+    double *restrict negated_hi, double *restrict size)
 {
     const double *a_low = a->low, *a_high = a->high, *b_low = b->low, *b_high = b->high;
     const double *a_lo = a->settled_low, *a_hi = a->settled_high;
@@ -119,7 +121,8 @@ static PyObject *subtract(PyObject *self, PyObject *const *args, Py_ssize_t give
 
 /* What the terms of sums over the last axis come to. */
 typedef struct {
-    double lo[BLOCK], negated_hi[BLOCK], size[BLOCK], terms[BLOCK], positive[BLOCK], negative[BLOCK];
+    double lo[BLOCK], negated_hi[BLOCK], size[BLOCK], terms[BLOCK], positive[BLOCK],
+    negative[BLOCK];
 } Total;
 
 LOOP void first_term(npy_intp count, const Value *a, Total *restrict total)

@@ -73,7 +73,8 @@ LOOP void sizes(npy_intp count, const double *lo, const double *hi, double *rest
 }
 
 LOOP void settle(
-    npy_intp count, const double *lo, const double *hi, const double *slack, double *restrict low, double *restrict high)
+    npy_intp count, const double *lo, const double *hi, const double *slack, double *restrict low,
+    double *restrict high)
 {
     for (npy_intp i = 0; i < count; i++) {
         low[i] = lo[i] - slack[i];
@@ -133,18 +134,24 @@ static PyObject *or_none(PyArrayObject *array)
     return array ? (PyObject *)array : Py_NewRef(Py_None);
 }
 
-/* (lo, hi, mag, slack, count), `lo` twice where all is exact; None where something was rare. */
-static PyObject *finished(Result *result)
+/* Whether there is a result; `lo` twice where all of it is exact. */
+static int succeeded(Result *result)
 {
     if (result->rare) {
         drop(result);
-        Py_RETURN_NONE;
+        return 0;
     }
-    if (result->exact && !result->differ) {
+    if (result->exact && !result->differ)
         Py_SETREF(result->hi, (PyArrayObject *)Py_NewRef((PyObject *)result->lo));
-    }
-    return Py_BuildValue("NNNNl", result->lo, result->hi, or_none(result->mag), or_none(result->slack),
-                         (long)result->count);
+    return 1;
+}
+
+/* (lo, hi, mag, slack, count); None where something was rare. */
+static PyObject *finished(Result *result)
+{
+    if (!succeeded(result)) Py_RETURN_NONE;
+    PyObject *mag = or_none(result->mag), *slack = or_none(result->slack);
+    return Py_BuildValue("NNNNl", result->lo, result->hi, mag, slack, (long)result->count);
 }
 
 #endif
