@@ -1,4 +1,4 @@
-"""The compiled passes over bands are optional: a machine without a compiler installs all the same."""
+"""The compiled passes over bands are optional: a machine without a compiler installs as well."""
 
 from __future__ import annotations
 
