@@ -23,6 +23,7 @@ from .expectations.monotone import monotone as monotone
 from .expectations.query import query as query
 from .expectations.readings import reading as reading
 from .expectations.refused import refused as refused
+from .expectations.same_as import same_as as same_as
 from .expectations.sweep import sweep as sweep
 from .expectations.symmetric import symmetric as symmetric
 from .expectations.value import value as value

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,11 +15,13 @@ from shaderlab.cli.files import write_json
 from shaderlab.cli.options import INCLUDE, JSON, jobs_option, limits_option, make_local_executor
 from shaderlab.compiler.text import STAGES
 from shaderlab.errors import ShaderlabError, UsageError
-from shaderlab.options import Limits
+from shaderlab.options import Limits, RunOptions
 
 if TYPE_CHECKING:
-    from shaderlab.equivalence.answer import Answer
-    from shaderlab.equivalence.requests import ShaderOfFile
+    from shaderlab.cli.revisions import Revision
+    from shaderlab.equivalence import Answer, Plan
+    from shaderlab.execution.compare_shaders import ShaderOfFile
+    from shaderlab.execution.executor import LocalExecutor
 
 NO_ANSWER = USAGE
 """The exit status where it can't be said, for whatever reason."""
@@ -27,6 +30,13 @@ NO_ANSWER = USAGE
 @click.command("diff", short_help="Is a rewritten shader the same one?")
 @click.argument("old", type=click.Path(path_type=Path))
 @click.argument("new", type=click.Path(path_type=Path), required=False)
+@click.option(
+    "--against", metavar="REV", help="Compare one file with itself at this revision of Git."
+)
+@click.option(
+    "--case", metavar="ID | FILE.py",
+    help="On the inputs that this case gives OLD, which may be a file that others include.",
+)  # fmt: skip
 @click.option(
     "--range", "ranges", multiple=True, metavar="NAME=A:B",
     help="An input lies between A and B; NAME=unit: it has length 1. May be repeated.",
@@ -41,6 +51,8 @@ NO_ANSWER = USAGE
 def command(
     old: Path,
     new: Path | None,
+    against: str | None,
+    case: str | None,
     ranges: tuple[str, ...],
     strict: bool,
     stage: str | None,
@@ -50,8 +62,8 @@ def command(
     workers: int | None,
     json_file: str | None,
 ) -> int:
-    """Whether the shader NEW computes what OLD does, without a driver: both are interpreted on
-    the same inputs, which are made up by the inputs' names and types.
+    """Whether the shader NEW computes what OLD does, without a formula: both are interpreted on
+    the same inputs. They are made up by the inputs' names and types, or a case's and varied.
 
     Say what an input is where a guess won't do: --range distance=0:50, or a comment where it
     is declared, `uniform float distance; // range: 0..50` (or `// range: unit`).
@@ -62,30 +74,150 @@ def command(
     Examples:
       shaderlab diff lamp.frag lamp_fast.frag
       shaderlab diff old.vert new.vert --range scale=0.1:10 --strict
+      shaderlab diff lamp.frag --against HEAD~1
+      shaderlab diff lib/phong.glsl my_phong.glsl --case specular
     """
-    from shaderlab.equivalence.comparison import Plan
-    from shaderlab.equivalence.requests import CompareFiles
+    from shaderlab.equivalence import Plan
 
-    plan = Plan(ranges=dict(map(_range, ranges)))
-    if new is None:
-        raise UsageError("name two shaders: OLD and NEW")
-    request = CompareFiles(_shader(old, includes), _shader(new, includes), stage, plan)
+    if (new is None) == (against is None):
+        raise UsageError("name two shaders, OLD and NEW, or one and --against REV")
+    if case is not None and (ranges or stage):
+        raise UsageError("--range and --stage do not go with --case, whose inputs are known")
+    plan = Plan(ranges=dict(map(_range, ranges)), rounds=2 if case else Plan.rounds)
+    asking = _Asking(case, stage, includes, plan, limits, workers)
     try:
-        answer = _answer(request, limits, workers)
+        if against is None:
+            assert new is not None
+            answers = asking.about(old, new)
+        else:
+            answers = _against(asking, old, against)
     except UsageError:
         raise
     except ShaderlabError as error:
         click.echo(f"can't say: {error}", err=True)
         return NO_ANSWER
-    for line in answer.lines():
-        click.echo(line, err=json_file == "-")
-    if show_inputs or answer.same is not True:
-        _print_inputs(answer.inputs, err=json_file == "-")
+    to_stderr = json_file == "-"
+    for answer in answers:
+        _print(answer, show_inputs or answer.same is not True, to_stderr, len(answers) > 1)
     if json_file is not None:
-        write_json(answer.data(), json_file)
-    if answer.same is None:
-        return NO_ANSWER
-    return OK if answer.same and not (strict and not answer.same_numerics) else FAILED
+        write_json([answer.data() for answer in answers], json_file)
+    found = {answer.same for answer in answers}
+    if False in found or (strict and not all(answer.same_numerics for answer in answers)):
+        return FAILED
+    return NO_ANSWER if None in found else OK
+
+
+class _Asking:
+    """How two shaders are compared, whichever they are."""
+
+    def __init__(
+        self,
+        case: str | None,
+        stage: str | None,
+        includes: tuple[Path, ...],
+        plan: Plan,
+        limits: Limits,
+        workers: int | None,
+    ) -> None:
+        self.case = case
+        self.stage = stage
+        self.includes = includes
+        self.plan = plan
+        self.limits = limits
+        self.workers = 1 if workers is None else workers
+
+    def about(
+        self, old: Path, new: Path, then: Callable[[Path], Path] | None = None
+    ) -> list[Answer]:
+        """The answers on two files; `then` says where the old one and what it includes is.
+
+        Raises:
+            ShaderlabError: there is none.
+        """
+        with contextlib.closing(
+            make_local_executor(None, self.limits, self.workers, early=False)
+        ) as executor:
+            request = self._request(old, new, then, executor)
+            (result,) = executor.perform([request])
+        if result.status == "done":
+            answers: list[Answer] = result.value
+            return answers
+        if isinstance(result.value, ShaderlabError):
+            raise result.value
+        message = str(result.value) if result.status == "error" else result.message
+        raise ShaderlabError(f"{result.status} while {result.step or 'starting'}: {message}")
+
+    def _request(
+        self,
+        old: Path,
+        new: Path,
+        then: Callable[[Path], Path] | None,
+        executor: LocalExecutor,
+    ) -> object:
+        from shaderlab.execution import compare_shaders as requests
+
+        if self.case is None:
+            return requests.CompareFiles(
+                self._shader(old, then), self._shader(new, None), self.stage, self.plan
+            )
+        from shaderlab.cli.replacing import named
+        from shaderlab.cli.selecting import one
+        from shaderlab.execution.jobs import jobs_of
+
+        facts, _ = one(self.case, executor.load)
+        mine, other = (old, new) if then is None else (new, then(old))
+        if not other.is_file():
+            raise UsageError("there is no such file", file=other)
+        name = _inside(mine, Path(facts.file).parent, self.includes)
+        files = named({name: other}, jobs_of(facts), self.includes)
+        options = RunOptions(include=self.includes, limits=self.limits)
+        return requests.CompareInCase(Path(facts.file), files, then is not None, self.plan, options)
+
+    def _shader(self, path: Path, then: Callable[[Path], Path] | None) -> ShaderOfFile:
+        from shaderlab.compiler.shader_files import find_shaders
+        from shaderlab.discovery import data_folder
+        from shaderlab.execution.compare_shaders import ShaderOfFile
+        from shaderlab.settings import settings_of
+
+        if path.is_dir():
+            raise UsageError("this is a folder: name a shader file", file=path)
+        shipped = data_folder("shaders").resolve()
+        (file,) = find_shaders([then(path) if then else path], [shipped])
+        folders = [*self.includes, *settings_of(path.parent).shader_folders(path.parent), shipped]
+        return ShaderOfFile(file, tuple(str(then(f) if then else f) for f in folders))
+
+
+def _against(asking: _Asking, file: Path, name: str) -> list[Answer]:
+    """The answers on a file and what it was at a revision. Raises ShaderlabError."""
+    from shaderlab.cli.revisions import revision
+
+    if not file.is_file():
+        raise UsageError("there is no such file", file=file)
+    with revision(file, name) as before:
+        try:
+            answers = asking.about(file, file, before.then)
+        except ShaderlabError as error:
+            raise _renamed(error, before) from error
+    return [replace(answer, old=before.shown(answer.old)) for answer in answers]
+
+
+def _renamed(error: ShaderlabError, before: Revision) -> ShaderlabError:
+    if error.file is None:
+        return error
+    return type(error)(
+        error.message, file=before.shown(error.file), line=error.line, remedy=error.remedy
+    )
+
+
+def _inside(path: Path, folder: Path, includes: Sequence[Path]) -> str:
+    """A shader's name as the cases of a folder know it; what was typed where it is no file."""
+    from shaderlab.evaluation.search_path import shaders_of
+
+    if path.is_file():
+        for root in shaders_of(folder, {}, includes).folders:
+            if path.resolve().is_relative_to(root.resolve()):
+                return path.resolve().relative_to(root.resolve()).as_posix()
+    return path.as_posix()
 
 
 def _range(word: str) -> tuple[str, str]:
@@ -95,33 +227,13 @@ def _range(word: str) -> tuple[str, str]:
     return name.strip(), values.strip()
 
 
-def _shader(path: Path, includes: tuple[Path, ...]) -> ShaderOfFile:
-    from shaderlab.compiler.shader_files import find_shaders
-    from shaderlab.discovery import data_folder
-    from shaderlab.equivalence.requests import ShaderOfFile
-    from shaderlab.settings import settings_of
-
-    if path.is_dir():
-        raise UsageError("this is a folder: name a shader file", file=path)
-    shipped = data_folder("shaders").resolve()
-    (file,) = find_shaders([path], [shipped])
-    own = settings_of(path.parent).shader_folders(path.parent)
-    return ShaderOfFile(file, tuple(map(str, [*includes, *own, shipped])))
-
-
-def _answer(request: object, limits: Limits, workers: int | None) -> Answer:
-    """What a worker answers. Raises ShaderlabError where there is no answer."""
-    with contextlib.closing(
-        make_local_executor(None, limits, 1 if workers is None else workers, early=False)
-    ) as executor:
-        (result,) = executor.perform([request])
-    if result.status == "done":
-        answer: Answer = result.value
-        return answer
-    if isinstance(result.value, ShaderlabError):
-        raise result.value
-    message = str(result.value) if result.status == "error" else result.message
-    raise ShaderlabError(f"{result.status} while {result.step or 'starting'}: {message}")
+def _print(answer: Answer, inputs: bool, err: bool, heading: bool) -> None:
+    if heading:
+        click.echo(f"{answer.old} → {answer.new}", err=err)
+    for line in answer.lines():
+        click.echo(line, err=err)
+    if inputs:
+        _print_inputs(answer.inputs, err)
 
 
 def _print_inputs(inputs: Mapping[str, str], err: bool) -> None:

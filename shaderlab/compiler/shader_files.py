@@ -202,6 +202,11 @@ def inside(name: str, folder: str = "") -> str:
     return joined
 
 
+def is_shader(name: str) -> bool:
+    """Whether a file's name is a shader's, or an included one's."""
+    return _SHADER_SUFFIXES.fullmatch(os.path.splitext(name)[1]) is not None
+
+
 def _below(folder: Path) -> Iterator[str]:
     for path in map(Path, _walk(str(folder))):
         if _SHADER_SUFFIXES.fullmatch(path.suffix) and path.is_file():

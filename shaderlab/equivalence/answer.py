@@ -40,7 +40,7 @@ class Numerics:
         less = self.worse >= self.better
         how = "less" if less else "more"
         text = f"up to {_number(max(self.worse, self.better))} ULP {how} accurate"
-        text += f" near {shown(self.near)}" if self.near else ""
+        text += f" near {shown(self.near, 2)}" if self.near else ""
         return f"{text}, from {self.place}" if self.place else text
 
 
@@ -84,11 +84,13 @@ class OutputAnswer:
         if self.same is None:
             return f"{self.name}: nothing to compare: it is undefined, or noise, on all inputs"
         if self.same:
-            text = f"{self.name}: same"
-            if self.numerics is not None and self.numerics.differ:
-                text += f" mathematics, {self.numerics}"
-            text += f" on {self.judged:,} inputs"
-            return text + (f", if {' and '.join(self.conditions)}" if self.conditions else "")
+            numerics = self.numerics if self.numerics is not None and self.numerics.differ else None
+            text = (
+                f"{self.name}: same{' mathematics' if numerics else ''} on {self.judged:,} inputs"
+            )
+            if self.conditions:
+                text += f", if {' and '.join(self.conditions)}"
+            return f"{text}; {numerics}" if numerics else text
         share = 100.0 * self.different / self.judged
         text = f"{self.name}: different at {_percent(share)} % of {self.judged:,} inputs"
         if self.why == "value":
@@ -184,10 +186,10 @@ def _numbers(values: tuple[float, ...]) -> list[float | None]:
     return [value if math.isfinite(value) else None for value in values]
 
 
-def shown(inputs: Mapping[str, tuple[float, ...]]) -> str:
+def shown(inputs: Mapping[str, tuple[float, ...]], most: int = _SHOWN) -> str:
     """Some inputs as "x = 0.25, normal = (0, 0, 1)"."""
-    some = [f"{name} = {_vector(values)}" for name, values in list(inputs.items())[:_SHOWN]]
-    return ", ".join(some) + (", …" if len(inputs) > _SHOWN else "")
+    some = [f"{name} = {_vector(values)}" for name, values in list(inputs.items())[:most]]
+    return ", ".join(some) + (", …" if len(inputs) > most else "")
 
 
 def _vector(values: tuple[float, ...]) -> str:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from shaderlab.bands import Integer, Truth
-from shaderlab.equivalence.drawing import Given
+from shaderlab.equivalence.given import Given
 from shaderlab.equivalence.noise import Noisy
 from shaderlab.frame import Array
 from shaderlab.interpreter import Program, interpret
@@ -18,6 +18,7 @@ from shaderlab.interpreter.memory import Flags
 
 SEEDS = 3
 """Runs with noise, besides the one without."""
+_FEW, _SURE = 200, 12  # so few invocations are asked again, with so many seeds
 TIMES = 16.0
 """How many times the spread two outputs may lie apart."""
 _TINY = float(np.finfo(np.float32).tiny)  # smaller ones are zero on many devices
@@ -51,27 +52,53 @@ class Compared:
     why: str
 
 
-def run(program: Program, given: Given, seeds: int = SEEDS) -> Ran:
-    """A program on some inputs, without noise and with several.
+def run(program: Program, given: Given, seeds: Iterable[int] = range(SEEDS + 1)) -> Ran:
+    """A program on some inputs, with noise by several seeds; the first, 0, is without.
 
     Raises:
         NotInterpretedError: it does what the interpreter does not know, or does not end.
         FormulaError: it reads what is not given.
     """
-    found: dict[str, list[Array]] = {}
+    runs: list[dict[str, Array]] = []
     discarded = []
-    for seed in range(seeds + 1):
+    for seed in seeds:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")
             one = interpret(
                 program, given.each, given.bindings, Noisy(seed=seed),
                 count=given.count, unwritten=True,
             )  # fmt: skip
-            for name, values in flattened(one.outputs):
-                found.setdefault(name, []).append(values)
+            runs.append(dict(flattened(one.outputs)))
         discarded.append(np.broadcast_to(one.discarded.all_true, (given.count,)))
-    outputs = {name: np.stack(runs) for name, runs in found.items()}
+    shapes = {name: values.shape for outputs in runs for name, values in outputs.items()}
+    outputs = {  # a run in which all were discarded has none
+        name: np.stack([one.get(name, np.full(shape, np.nan)) for one in runs])
+        for name, shape in shapes.items()
+    }
     return Ran(outputs, np.stack(discarded))
+
+
+def confirmed(
+    programs: tuple[Program, Program], given: Given, compared: Compared, names: tuple[str, str]
+) -> Compared:
+    """The comparison once more, with more noise, where few invocations differ: by chance the first
+    noise may have cancelled there."""
+    rows = np.flatnonzero(compared.different)
+    if not 0 < len(rows) <= _FEW:
+        return compared
+    taken = np.union1d(*(given.rows_with(rows, program) for program in programs))
+    some = given.part(taken)
+    old, new = (run(program, some, range(_SURE + 1)) for program in programs)
+    again = compare(old, new, *names)
+    different, judged, apart = (
+        compared.different.copy(),
+        compared.judged.copy(),
+        compared.apart.copy(),
+    )
+    different[rows] = again.different[np.isin(taken, rows)]
+    judged[rows] &= again.judged[np.isin(taken, rows)]
+    apart[rows] = again.apart[np.isin(taken, rows)]
+    return Compared(different, judged, apart, again.why)
 
 
 def flattened(outputs: Mapping[str, Any]) -> list[tuple[str, Array]]:
@@ -91,9 +118,11 @@ def flattened(outputs: Mapping[str, Any]) -> list[tuple[str, Array]]:
     return found
 
 
-def compare(old: Ran, new: Ran, name: str, other: str = "") -> Compared:
-    """How the old program's output `name` and the new one's (`other`, or of that name) compare."""
-    a, b = old.outputs[name], new.outputs[other or name]
+def compare(old: Ran, new: Ran, name: str, other: str) -> Compared:
+    """How the old program's output `name` and the new one's `other` compare."""
+    a, b = old.outputs.get(name), new.outputs.get(other)
+    nothing = np.full((*old.discarded.shape, 1), np.nan)  # where all were discarded
+    a, b = nothing if a is None else a, nothing if b is None else b
     size = min(a.shape[-1], b.shape[-1])
     a, b = a[..., :size], b[..., :size]
     there = [_in_all(~ran.discarded) for ran in (old, new)]

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
-from shaderlab.equivalence.answer import Answer, OutputAnswer
-from shaderlab.equivalence.comparing import Compared, Ran, compare, run
-from shaderlab.equivalence.drawing import Given, drawn
+from shaderlab.equivalence.answer import Answer, Numerics, OutputAnswer
+from shaderlab.equivalence.comparing import Compared, Ran, compare, confirmed, run
+from shaderlab.equivalence.drawing import drawn
+from shaderlab.equivalence.given import Given, merged
 from shaderlab.equivalence.interface import Input, declared_ranges, inputs_of
 from shaderlab.equivalence.jumps import jumps
 from shaderlab.equivalence.locating import discards, first, steps
 from shaderlab.equivalence.noise import Noisy
+from shaderlab.equivalence.numerics import MOST, accuracy, bands_of
 from shaderlab.equivalence.roles import Role, roles_of, unknown_names
+from shaderlab.equivalence.varying import learned, varied
 from shaderlab.errors import UsageError, nearest
 from shaderlab.files import display_path
 from shaderlab.interpreter import Program
@@ -28,13 +32,15 @@ class Plan:
 
     Attributes:
         ranges: "a..b", "a:b" or "unit" for inputs, by name.
-        rounds: how many sets of random inputs.
-        count: invocations in each.
+        rounds: how many sets of inputs are made up, or captured ones varied.
+        count: invocations in each that is made up.
+        accuracy: whether bands are asked how accurate both are.
     """
 
     ranges: Mapping[str, str] = field(default_factory=dict)
     rounds: int = 5
     count: int = 4096
+    accuracy: bool = True
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,12 +53,20 @@ class _Found:
     new: Ran
 
 
-def compare_programs(old: Program, new: Program, plan: Plan | None = None) -> Answer:
+def compare_programs(
+    old: Program, new: Program, plan: Plan | None = None, captured: Sequence[Given] = ()
+) -> Answer:
     """Whether two programs of one stage compute the same.
+
+    Args:
+        old, new: the programs.
+        plan: how they are compared.
+        captured: inputs that a scene gave the old one. They are taken as they are, and varied;
+            without any, inputs are made up.
 
     Raises:
         NotInterpretedError: one does what the interpreter does not know, or does not end.
-        FormulaError: one reads what can't be made up.
+        FormulaError: one reads what is not given.
         UsageError: a range is wrong, or the stages differ.
     """
     plan = plan or Plan()
@@ -67,15 +81,26 @@ def compare_programs(old: Program, new: Program, plan: Plan | None = None) -> An
             raise UsageError(
                 f"{name} is {mine[name].type} in one, {theirs[name].type} in the other"
             )
-    declared = {**declared_ranges(old), **declared_ranges(new)}
-    roles = roles_of(inputs.values(), declared, plan.ranges)
-    comparison = _Comparison((old, new), inputs, roles, plan)
+    if captured:
+        captured = merged(captured, old, plan.count)
+        roles = learned(captured)
+
+        def make(roles: Mapping[str, Role], seed: int) -> Given:
+            return varied(captured[seed % len(captured)], roles, seed)
+    else:
+        declared = {**declared_ranges(old), **declared_ranges(new)}
+        roles = roles_of(inputs.values(), declared, plan.ranges)
+
+        def make(roles: Mapping[str, Role], seed: int) -> Given:
+            return drawn(inputs, roles, plan.count, seed)
+
+    comparison = _Comparison((old, new), inputs, roles, make, plan)
     return Answer(
         old=_file(old),
         new=_file(new),
-        outputs=tuple(comparison.outputs()),
+        outputs=tuple(comparison.outputs(captured)),
         notes=tuple(_notes(mine, theirs)),
-        inputs={name: f"{role} ({role.source})" for name, role in roles.items()},
+        inputs={name: f"{role} ({role.source})" for name, role in roles.items() if name in inputs},
     )
 
 
@@ -91,44 +116,49 @@ def _file(program: Program) -> str:
 
 
 class _Comparison:
-    """Two programs, and what is made up for them."""
+    """Two programs, and where their inputs come from."""
 
     def __init__(
         self,
         programs: tuple[Program, Program],
         inputs: Mapping[str, Input],
         roles: Mapping[str, Role],
+        make: Callable[[Mapping[str, Role], int], Given],
         plan: Plan,
     ) -> None:
         self.programs = programs
         self.inputs = inputs
         self.roles = roles
-        self.plan = plan
+        self.make = make
+        self.rounds = plan.rounds
+        self.accuracy = plan.accuracy
+        self._in_bands: tuple[Mapping[str, Any] | None, ...] = ()
 
-    def outputs(self) -> Iterator[OutputAnswer]:
-        """An answer for each output."""
-        sets: list[tuple[Given, Ran, Ran]] = []
-        for seed in range(self.plan.rounds):
-            given = self._drawn(self.roles, seed)
-            sets.append(self._run(given))
-        around = jumps(self.programs, sets[0][0], self.inputs, self.roles)
+    def outputs(self, captured: Sequence[Given]) -> Iterator[OutputAnswer]:
+        """An answer for each output, on captured inputs and on rounds of others."""
+        sets = [self._run(given) for given in captured]
+        sets += [self._run(self.make(self.roles, seed)) for seed in range(self.rounds)]
+        around = jumps(self.programs, sets[-1][0], self.roles) if self.rounds else None
         if around is not None:
             sets.append(self._run(around))
         for name, other in self._names(sets):
             if not name or not other:
                 yield OutputAnswer(name=name or other, why="missing")
                 continue
-            found = [_Found(g, compare(a, b, name, other), a, b) for g, a, b in sets]
+            found = [_Found(g, self._compared(g, a, b, name, other), a, b) for g, a, b in sets]
             answer = self._answer(found, name, other)
-            if answer.same:
+            if answer.same and self.accuracy:
+                answer = replace(answer, numerics=self._numerics(sets[0], name, other))
+            if answer.same and self.rounds:
                 answer = replace(answer, conditions=tuple(self._conditions(name, other)))
             yield answer
 
-    def _drawn(self, roles: Mapping[str, Role], seed: int) -> Given:
-        return drawn(self.inputs, roles, self.plan.count, seed)
-
     def _run(self, given: Given) -> tuple[Given, Ran, Ran]:
         return given, run(self.programs[0], given), run(self.programs[1], given)
+
+    def _compared(self, given: Given, old: Ran, new: Ran, name: str, other: str) -> Compared:
+        first = compare(old, new, name, other)
+        return confirmed(self.programs, given, first, (name, other))
 
     def _names(self, sets: Sequence[tuple[Given, Ran, Ran]]) -> list[tuple[str, str]]:
         """The outputs' names in pairs: of the same name, or the only ones that are left over."""
@@ -176,10 +206,32 @@ class _Comparison:
                 return _written(program, next((n for n in lines if n >= last), lines[-1]))
         return ""
 
+    def _numerics(self, one: tuple[Given, Ran, Ran], name: str, other: str) -> Numerics | None:
+        """How the accuracy changes, on some of the first inputs."""
+        some, ran = one[0].part(np.arange(min(one[0].count, MOST))), one[1]
+        old, new = self._bands(some)
+        if old is None or new is None or name not in old or other not in new:
+            return None
+        values = ran.outputs[name][0, : some.count]
+        found = accuracy(self.programs, some, (old[name], new[other]), values)
+        if found is None:
+            return None
+        return Numerics(
+            worse=found.worse,
+            better=found.better,
+            near=example(some, found.row, self.inputs),
+            place="" if found.step is None else _written(self.programs[1], found.step.line),
+        )
+
+    def _bands(self, given: Given) -> tuple[Mapping[str, Any] | None, ...]:
+        if not self._in_bands:
+            self._in_bands = tuple(bands_of(program, given) for program in self.programs)
+        return self._in_bands
+
     def _conditions(self, name: str, other: str) -> Iterator[str]:
         """What an output is the same under: assumptions about inputs without which it is not."""
         freed = {n: free for n, role in self.roles.items() if (free := role.freed) is not None}
-        seed = self.plan.rounds
+        seed = self.rounds
         if not freed or not self._differs({**self.roles, **freed}, seed, name, other):
             return
         for input_, role in freed.items():
@@ -187,8 +239,8 @@ class _Comparison:
                 yield self.roles[input_].condition(input_)
 
     def _differs(self, roles: Mapping[str, Role], seed: int, name: str, other: str) -> bool:
-        _, old, new = self._run(self._drawn(roles, seed))
-        return bool(compare(old, new, name, other).different.any())
+        given, old, new = self._run(self.make(roles, seed))
+        return bool(self._compared(given, old, new, name, other).different.any())
 
 
 def _written(program: Program, line: int) -> str:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
+from shaderlab.equivalence.given import Given
 from shaderlab.equivalence.interface import Input
 from shaderlab.equivalence.roles import Role, words_of
 from shaderlab.errors import NotInterpretedError
@@ -15,21 +15,6 @@ from shaderlab.frame import Array, Bindings, Texels
 _SIDE = 8  # of a texture
 _CORNERS = 0.08  # the share of numbers that are an end of their range, 0 or 1
 _PIXELS = 64  # in a row
-
-
-@dataclass(frozen=True, eq=False)
-class Given:
-    """What some invocations get.
-
-    Attributes:
-        each: what differs between them, by name, a row for each.
-        bindings: what does not.
-        count: how many there are.
-    """
-
-    each: Mapping[str, Array]
-    bindings: Bindings
-    count: int
 
 
 def drawn(inputs: Mapping[str, Input], roles: Mapping[str, Role], count: int, seed: int) -> Given:

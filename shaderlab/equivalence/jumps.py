@@ -12,9 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from shaderlab.equivalence.comparing import run
-from shaderlab.equivalence.drawing import Given
-from shaderlab.equivalence.interface import Input
-from shaderlab.equivalence.locating import taken
+from shaderlab.equivalence.given import Given
 from shaderlab.equivalence.roles import Role
 from shaderlab.frame import Array
 from shaderlab.interpreter import Program
@@ -48,18 +46,17 @@ class _Ways:
         """Each way several times, all of them one after the other."""
         rows = np.tile(np.arange(self.start.count), times)
         end = {name: values[rows] for name, values in self.end.items()}
-        return _Ways(taken(self.start, rows), end, self.roles)
+        return _Ways(self.start.part(rows), end, self.roles)
 
 
 def jumps(
     programs: tuple[Program, Program],
     given: Given,
-    inputs: Mapping[str, Input],
     roles: Mapping[str, Role],
 ) -> Given | None:
     """Inputs on both sides of places where one of the programs jumps; None where nothing can be
     varied steadily."""
-    ways = _ways(given, inputs, roles, np.random.default_rng(23))
+    ways = _ways(given, roles, np.random.default_rng(23))
     if ways is None:
         return None
     ends = []
@@ -75,19 +72,17 @@ def jumps(
     return Given(each, given.bindings, len(ends) * PAIRS)
 
 
-def _ways(
-    given: Given, inputs: Mapping[str, Input], roles: Mapping[str, Role], rng: np.random.Generator
-) -> _Ways | None:
+def _ways(given: Given, roles: Mapping[str, Role], rng: np.random.Generator) -> _Ways | None:
     steady = [
         name
-        for name, one in inputs.items()
-        if name in given.each and one.type.startswith(("float", "vec"))
-        and (name != "gl_FragCoord") and len(given.each[name]) == given.count
-    ]  # fmt: skip
+        for name, values in given.each.items()
+        if name != "gl_FragCoord" and len(values) == given.count
+        if values.dtype.kind == "f" and values.ndim == 2
+    ]
     if not steady or given.count < 2:
         return None
     rows = rng.integers(0, given.count, (2, PAIRS))
-    start, end = (taken(given, each) for each in rows)
+    start, end = (given.part(each) for each in rows)
     alone = rng.integers(0, len(steady), PAIRS)
     alone[: PAIRS // 2] = -1  # along all of them
     ends = {}
@@ -99,7 +94,7 @@ def _ways(
 
 def _values(program: Program, given: Given) -> dict[str, Array]:
     """Outputs without noise, with a jump's height where nothing is drawn or defined."""
-    ran = run(program, given, seeds=0)
+    ran = run(program, given, (0,))
     gone = ran.discarded[0][:, None]
     return {
         name: np.where(gone, _JUMP, np.where(np.isfinite(v[0]), v[0], -_JUMP))

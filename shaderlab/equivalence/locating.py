@@ -11,8 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.equivalence.drawing import Given
-from shaderlab.frame import Array
+from shaderlab.equivalence.given import Given
 from shaderlab.interpreter import Program, Stored, interpret
 from shaderlab.interpreter.arithmetic import Arithmetic
 
@@ -31,8 +30,9 @@ class Step:
 
 
 def steps(program: Program, given: Given, row: int, arithmetic: Arithmetic) -> list[Step]:
-    """What an invocation stores, in order. Its quad runs with it, for derivatives."""
-    quad, own = _quad(given, row)
+    """What an invocation stores, in order. Its quad runs with it where that matters."""
+    rows = given.rows_with(np.array([row]), program)
+    quad, own = given.part(rows), int(np.flatnonzero(rows == row)[0])
     found: list[Step] = []
     turns: Counter[str] = Counter()
 
@@ -74,21 +74,3 @@ def discards(program: Program) -> list[int]:
         for instruction in block
         if instruction.op == _KILL
     )
-
-
-def _quad(given: Given, row: int) -> tuple[Given, int]:
-    """The invocations of the quad that a row is in, and the row among them."""
-    places = given.each.get("gl_FragCoord")
-    if places is None:
-        rows = np.array([row])
-    else:
-        cell = np.floor(places[:, :2] / 2.0)
-        rows = np.flatnonzero((cell == cell[row]).all(axis=1))[:64]
-        rows = rows if row in rows else np.array([row])
-    return taken(given, rows), int(np.flatnonzero(rows == row)[0])
-
-
-def taken(given: Given, rows: Array) -> Given:
-    """Some of the invocations."""
-    each = {n: v if len(v) == 1 else v[rows] for n, v in given.each.items()}
-    return Given(each, given.bindings, len(rows))

@@ -30,7 +30,7 @@ class Noisy(Numbers):
 
     Operations err by 2^-52; numbers that the shader got or whose author wrote more digits than a
     float32 has, by half of a float32 ULP. What needs no rounding has no error: results that fit
-    into a float32, inputs of few bits. Seed 0 is float64 without noise.
+    into a float32, inputs all of whose numbers have few bits. Seed 0 is float64 without noise.
 
     GLSL's undefined results are NaN in all of them: pow of a negative base, what is read before
     it is written.
@@ -43,7 +43,7 @@ class Noisy(Numbers):
         found: Array = np.asarray(values, np.float32).astype(np.float64)
         if self.seed:
             with np.errstate(all="ignore"):
-                rounded = found.astype(np.float16) != found
+                rounded = (found.astype(np.float16) != found).any(axis=-1, keepdims=True)
             found = np.where(rounded, found * (1.0 + _INPUT * self._signs(found, "input")), found)
         return found
 

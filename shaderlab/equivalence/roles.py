@@ -7,6 +7,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
+import numpy as np
+
 from shaderlab.equivalence.interface import Input
 from shaderlab.errors import UsageError
 
@@ -20,14 +22,15 @@ class Role:
     Attributes:
         kind: numbers between `low` and `high`, vectors of length 1, matrices that turn, those that
             turn, scale and move, those of a perspective, or textures.
-        source: who says so: "given" by --range, "declared" in a comment, or "assumed".
+        source: who says so: "given" by --range, "declared" in a comment, "learned" of captures,
+            or "assumed".
         above: the name of an input than which this one is not less.
     """
 
     kind: Kind
     low: float = 0.0
     high: float = 1.0
-    source: Literal["given", "declared", "assumed"] = "assumed"
+    source: Literal["given", "declared", "assumed", "learned"] = "assumed"
     above: str = ""
 
     def condition(self, name: str) -> str:
@@ -39,7 +42,9 @@ class Role:
             "projection": f"{name} is a perspective projection",
             "texture": f"{name} within 0..1",
         }
-        return words.get(self.kind, f"{self.low:g} <= {name} <= {self.high:g}")
+        low = f"{self.low:g} <= " if np.isfinite(self.low) else ""
+        high = f" <= {self.high:g}" if np.isfinite(self.high) else ""
+        return words.get(self.kind, f"{low}{name}{high}")
 
     def __str__(self) -> str:
         words = {"unit": "of length 1", "projection": "a perspective projection",
@@ -51,8 +56,11 @@ class Role:
     @property
     def freed(self) -> Role | None:
         """The role without its assumption; None where somebody said it, or nothing is assumed."""
-        if self.source != "assumed" or self.kind in ("projection", "texture"):
+        if self.source in ("given", "declared") or self.kind in ("projection", "texture"):
             return None
+        if self.source == "learned":
+            free = Role("number", -np.inf, np.inf, "given")
+            return free if self.kind == "unit" or self.low == 0.0 else None
         if self.kind in ("unit", "rotation", "affine"):
             return Role("number", -2.0, 2.0)
         wide = self.high - self.low
@@ -118,7 +126,7 @@ def roles_of(
         else:
             found[one.name] = _assumed(one)
     for one in inputs:
-        lower = _lower(one.name, found)
+        lower = lower_one(one.name, found)
         if lower and found[one.name].kind == found[lower].kind == "number":
             found[one.name] = replace(found[one.name], above=lower)
     return found
@@ -146,7 +154,7 @@ def _assumed(one: Input) -> Role:
     if "mat" in one.type:
         turns = one.type != "mat4" or {"rotation", "normal", "turn"} & set(words)
         return Role("projection" if "projection" in words else "rotation" if turns else "affine")
-    if one.type in ("vec2", "vec3") and _UNIT & set(words[-2:]):
+    if one.type in ("vec2", "vec3") and is_direction(one.name):
         return Role("unit")
     if one.type in ("bool", "bvec2", "bvec3", "bvec4"):
         return Role("number")
@@ -167,7 +175,12 @@ def words_of(name: str) -> list[str]:
     return [word.lower() for word in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+", name)]
 
 
-def _lower(name: str, names: Iterable[str]) -> str:
+def is_direction(name: str) -> bool:
+    """Whether a name is one of a vector whose length is 1, as a rule."""
+    return bool(_UNIT & set(words_of(name)[-2:]))
+
+
+def lower_one(name: str, names: Iterable[str]) -> str:
     """The input that is named as the lower one of a pair in which this one is the higher."""
     start, own = _split(name)
     for high, low in _ORDERS:

@@ -9,6 +9,7 @@ from functools import lru_cache
 import numpy as np
 
 from shaderlab.compiler.sources import Source
+from shaderlab.equivalence.given import whole_quads
 from shaderlab.evaluation.evaluation import Evaluation
 from shaderlab.expectations.needs import CapturedFragments, CapturedVertices
 from shaderlab.frame import Array, Bindings, PassDraw
@@ -65,7 +66,7 @@ def fragments(
     source = _stage(evaluation, key, "fragment")
     captured = evaluation.answer(CapturedFragments(key))
     y, x = np.nonzero(captured.covered)
-    rows = _some(x, y, most)
+    rows = whole_quads(x, y, most)
     if among is not None:
         quads = among >> 1
         side = captured.covered.shape[1]
@@ -106,13 +107,3 @@ def vertices(evaluation: Evaluation, key: PassDraw, most: int | None = None) -> 
 def _stage(evaluation: Evaluation, key: PassDraw, stage: str) -> Source:
     sources = evaluation.programs[key[0]][key[1]].sources
     return next(source for source in sources if source.stage == stage)
-
-
-def _some(x: Array, y: Array, most: int | None) -> Array:
-    """The pixels of quads from all over a picture; all where there are not too many."""
-    if most is None or len(x) <= most:
-        return np.arange(len(x))
-    quad = (y >> 1) * (int(x.max()) + 1) + (x >> 1)
-    known = np.unique(quad)
-    taken = known[np.unique(np.linspace(0, len(known) - 1, most // 4).astype(int))]
-    return np.flatnonzero(np.isin(quad, taken))

@@ -42,7 +42,7 @@ from shaderlab.programs.prepare import Preparer, Programs
 from shaderlab.records import Explanation, Outcome, Record, Verdict
 from shaderlab.settings import settings_of
 
-_NO_TEXTS: Mapping[str, str] = {}
+_NO_TEXTS: Mapping[str, str | Path] = {}
 
 
 class Lab:
@@ -105,8 +105,10 @@ class Lab:
         """Versions of the packages that results depend on."""
         return packages.versions()
 
-    def prepare_for_opengl(self, scene: Scene, texts: Mapping[str, str] = _NO_TEXTS) -> Programs:
-        """The scene's programs, compiled for OpenGL alone, with some shaders' texts replaced.
+    def prepare_for_opengl(
+        self, scene: Scene, texts: Mapping[str, str | Path] = _NO_TEXTS
+    ) -> Programs:
+        """The scene's programs, compiled for OpenGL alone, with some shaders replaced.
 
         Raises:
             ShaderError, CaseError: a program does not compile, or does not fit the scene's data.

@@ -1,0 +1,73 @@
+"""A case's shaders with other texts: the programs that become others, and what they get."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from shaderlab.compiler.sources import Source
+from shaderlab.equivalence.given import Given, given_fragments, given_vertices
+from shaderlab.errors import CaseError
+from shaderlab.evaluation.evaluation import Evaluation
+from shaderlab.evaluation.lab import Lab
+from shaderlab.expectations.needs import CapturedFragments, CapturedVertices
+from shaderlab.frame import PassDraw
+from shaderlab.model import Case
+from shaderlab.programs.prepare import Programs
+
+_MOST = 2048  # invocations of a draw
+
+
+@dataclass(frozen=True, eq=False)
+class Rewritten:
+    """A stage that other texts make another one, and the inputs that a case's draws give it."""
+
+    old: Source
+    new: Source
+    given: list[Given] = field(default_factory=list)
+
+
+def rewritten(
+    lab: Lab, case: Case, changes: Sequence[Mapping[str, str | Path]]
+) -> list[list[Rewritten]]:
+    """For each change, the stages of the case's draws that it makes other ones, each once.
+
+    Args:
+        lab: draws the case, once for all changes.
+        case: whose draws give the inputs.
+        changes: other texts or files for some shaders, by their names.
+
+    Raises:
+        ShaderError: a shader does not compile, as it is or changed.
+        CaseError: no draw of the case uses any of a change's shaders.
+    """
+    found: list[dict[tuple[str, str], Rewritten]] = [{} for _ in changes]
+    for scene in case.scenes():
+        programs = lab.prepare_for_opengl(scene)
+        with lab.evaluation(scene, programs) as evaluation:
+            for change, known in zip(changes, found, strict=True):
+                for key, old, new in _changed(programs, lab.prepare_for_opengl(scene, change)):
+                    one = known.setdefault((old.text, new.text), Rewritten(old, new))
+                    one.given.extend(g for g in _given(evaluation, key, old.stage) if g.count)
+    for change, known in zip(changes, found, strict=True):
+        if not known:
+            raise CaseError(f"no draw uses {', '.join(change)}", file=case.file)
+    return [list(known.values()) for known in found]
+
+
+def _changed(programs: Programs, others: Programs) -> Iterator[tuple[PassDraw, Source, Source]]:
+    for name, draws in programs.items():
+        for i, draw in enumerate(draws):
+            for old, new in zip(draw.sources, others[name][i].sources, strict=True):
+                if old.text != new.text:
+                    yield (name, i), old, new
+
+
+def _given(evaluation: Evaluation, key: PassDraw, stage: str) -> Iterator[Given]:
+    """What a draw gives a stage, if that can be captured."""
+    bindings = evaluation.drawn.bindings[key]
+    if stage == "vertex":
+        yield given_vertices(evaluation.answer(CapturedVertices(key)), bindings, _MOST)
+    elif stage == "fragment":
+        yield given_fragments(evaluation.answer(CapturedFragments(key)), bindings, _MOST)

@@ -1,0 +1,165 @@
+"""Shaders compared on what a case gives them: `same_as`, `diff --case`, `diff --against`."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import CliRunner
+
+from shaderlab import Case
+from shaderlab.cli.diff import command
+from shaderlab.errors import CaseError, UsageError
+from shaderlab.evaluation import Lab
+from shaderlab.evaluation.rewriting import rewritten
+from shaderlab.options import RunOptions
+from shaderlab.records import Outcome
+
+SHADER = """#version 330 core
+#include "law.glsl"
+in vec3 normal;
+in vec3 position;
+uniform vec3 lamp;
+uniform sampler2D map;
+out vec4 color;
+void main()
+{
+    vec3 ray = lamp - position;
+    float cosine = max(dot(normalize(normal), normalize(ray)), 0.0);
+    if (cosine < 0.05)
+        discard;
+    color = vec4(texture(map, position.xy).rgb * cosine * fade(length(ray)), 1.0);
+}
+"""
+LAW = "float fade(float d) { return 1.0 / (1.0 + d * d); }\n"
+CASE = """from shaderlab import Case, Ramp, Texture, fullscreen, same_as
+import numpy as np
+texels = np.linspace(0.1, 1.0, 64).reshape(4, 4, 4)
+case = Case(
+    title="t",
+    id="t",
+    passes=fullscreen(
+        "lit.frag",
+        domain={
+            "normal": Ramp((-0.5, -0.5, 1.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)),
+            "position": Ramp((-1.0, -1.0, 0.0), (2.0, 0.0, 0.0), (0.0, 2.0, 0.5)),
+        },
+        uniforms={"lamp": (0.5, 1.0, 2.0)},
+        textures={"map": Texture(image=texels)},
+    ),
+    expect=[same_as("approved.frag", outputs=("color",))],
+)
+"""
+
+
+@pytest.fixture(scope="module")
+def lab() -> Iterator[Lab]:
+    with Lab(RunOptions(size=16)) as made:
+        yield made
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    for name, text in {
+        "lit.frag": SHADER,
+        "approved.frag": SHADER,
+        "law.glsl": LAW,
+        "lit.py": CASE,
+    }.items():
+        (tmp_path / name).write_text(text)
+    return tmp_path
+
+
+def case_in(folder: Path) -> Case:
+    names: dict[str, Any] = {}
+    exec((folder / "lit.py").read_text(), names)
+    case: Case = names["case"]
+    object.__setattr__(case, "file", str(folder / "lit.py"))
+    return case
+
+
+def outcome(lab: Lab, folder: Path, before: str, after: str) -> Outcome:
+    (folder / "lit.frag").write_text(SHADER.replace(before, after))
+    record = lab.run(case_in(folder).scene("default"))
+    assert record.expectations, record.message
+    return record.expectations[0]
+
+
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        ("max(dot(normalize(normal), normalize(ray)), 0.0)",
+         "clamp(dot(normal, ray) * inversesqrt(dot(ray, ray)) / length(normal), 0.0, 1.5)"),
+        ("cosine < 0.05", "!(cosine >= 0.05)"),
+        ("rgb * cosine * fade(length(ray))", "rgb * (fade(distance(position, lamp)) * cosine)"),
+    ],
+)  # fmt: skip
+def test_a_right_rewrite_is_the_same_as_the_approved_one(
+    lab: Lab, folder: Path, before: str, after: str
+) -> None:
+    found = outcome(lab, folder, before, after)
+    assert found.status == "pass", found.message
+    assert found.rows[0].measured.startswith("same") and found.judged >= 256
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "words"),
+    [
+        ("lamp - position", "lamp + position", "first at"),
+        ("cosine < 0.05", "cosine < 0.06", "only one discards"),
+        ("position.xy", "position.yx", "by up to"),
+        # In the scene all of these are the same: the lamp is varied as well.
+        ("lamp - position", "vec3(lamp.xy, 2.0) - position", "different"),
+    ],
+)
+def test_a_wrong_one_is_not(lab: Lab, folder: Path, before: str, after: str, words: str) -> None:
+    found = outcome(lab, folder, before, after)
+    assert found.status == "fail" and words in found.message
+
+
+def test_a_library_file_is_compared_in_all_programs_that_include_it(lab: Lab, folder: Path) -> None:
+    case = case_in(folder)
+    ((one,),) = rewritten(lab, case, [{"law.glsl": LAW.replace("1.0 + d", "2.0 + d")}])
+    assert one.old.stage == "fragment" and sum(given.count for given in one.given) == 256
+    assert "2.0 + d" in one.new.text and "1.0 + d" in one.old.text
+    with pytest.raises(CaseError, match="no draw uses approved"):
+        rewritten(lab, case, [{"approved.frag": SHADER + "\n"}])
+
+
+def test_the_command_compares_on_a_case_and_against_a_revision(folder: Path) -> None:
+    (folder / "new.glsl").write_text("float fade(float d) { return 1.0 / (d * d + 1.0); }\n")
+    (folder / "wrong.glsl").write_text("float fade(float d) { return 1.0 / (d * d + 1.1); }\n")
+
+    def diff(*words: str) -> tuple[Any, str]:
+        paths = [str(folder / word) if "." in word else word for word in words]
+        result = CliRunner().invoke(command, [*paths, "-j", "0"], standalone_mode=False)
+        return result.exception or result.return_value, result.output
+
+    status, text = diff("law.glsl", "new.glsl", "--case", "lit.py", "--json", "a.json")
+    assert status == 0 and text.startswith("color: same on ")
+    assert json.loads((folder / "a.json").read_text())[0]["same"] is True
+    status, text = diff("law.glsl", "wrong.glsl", "--case", "lit.py")
+    assert status == 1 and "first at" in text and "wrong.glsl:1" in text
+    assert "normal: -inf..inf (learned)" in text
+    assert isinstance(diff("law.glsl", "--against", "HEAD")[0], UsageError)
+
+    git = ["git", "-C", str(folder), "-c", "user.name=a", "-c", "user.email=a@b"]
+    for words in (["init", "-q"], ["add", "."], ["commit", "-qm", "first"]):
+        subprocess.run([*git, *words], check=True)
+    (folder / "law.glsl").write_text((folder / "wrong.glsl").read_text())
+    status, text = diff("lit.frag", "--against", "HEAD")
+    assert status == 1 and "law.glsl:1" in text
+    status, text = diff("law.glsl", "--against", "HEAD", "--case", "lit.py")
+    assert status == 1 and "law.glsl:1" in text
+    (folder / "law.glsl").write_text(LAW)
+    assert diff("lit.frag", "--against", "HEAD")[0] == 0
+    for words in (
+        ["lit.frag", "--against", "nowhere"],
+        ["lit.frag"],
+        ["no.frag", "--against", "HEAD"],
+    ):
+        assert isinstance(diff(*words)[0], UsageError)
