@@ -88,7 +88,10 @@ def _looks(bindings: Bindings) -> int:
 def _joined(parts: Sequence[Given]) -> Given:
     count = sum(part.count for part in parts)
     each = {}
-    for name in {**parts[0].each, **parts[0].bindings.uniforms}:
+    names = [{**part.each, **part.bindings.uniforms} for part in parts]
+    for name in names[0]:
+        if not all(name in others for others in names):
+            continue  # another stage's, which not all of these draws have
         rows = []
         for part in parts:
             values = part.each.get(name)
