@@ -62,6 +62,7 @@ def main() -> None:
     wanted = {rewrite: kind for kind in kinds for rewrite in listed[kind]}
     found = dict.fromkeys(kinds, 0)
     unsaid = dict.fromkeys(kinds, 0)
+    conditional = 0
     seconds = []
     with Lab(RunOptions()) as lab:
         for id_, case in load_cases(shipped_cases()).items():
@@ -71,6 +72,8 @@ def main() -> None:
                 seconds.append(spent)
                 unsaid[kind] += not answers
                 differs = any(answer.same is False for answer in answers)
+                if kind == "wrong" and answers and not differs:
+                    conditional += any(o.conditions for a in answers for o in a.outputs)
                 if answers and differs == (kind == "right"):
                     found[kind] += 1
                     print(f"  {kind}: {rewrite}", flush=True)
@@ -80,6 +83,10 @@ def main() -> None:
         verb = "called different" if kind == "right" else "called the same"
         print(
             f"{found[kind]} of {len(listed[kind])} {kind} ones {verb}, {unsaid[kind]} can't be said"
+        )
+    if conditional:
+        print(
+            f"{conditional} of the wrong ones called the same are so under a condition that is said"
         )
     if seconds:
         median, worst = np.median(seconds), max(seconds)

@@ -14,7 +14,7 @@ from click.testing import CliRunner
 from shaderlab.cli.diff import command
 from shaderlab.compiler import Shaders
 from shaderlab.equivalence import Answer, Plan, compare_programs
-from shaderlab.equivalence.given import Given
+from shaderlab.equivalence.given import Given, merged
 from shaderlab.equivalence.noise import Noisy
 from shaderlab.equivalence.varying import learned, varied
 from shaderlab.errors import NotInterpretedError, ShaderlabError, UsageError
@@ -235,6 +235,22 @@ def test_captured_inputs_are_varied_and_stay_what_they_are() -> None:
     assert (found["near"] <= found["far"]).all() and "count" not in found
     quads = found["near"].reshape(4, 2, 4, 2)
     assert (quads == quads[:, :1, :, :1]).all() and len(np.unique(found["near"])) > 8
+
+
+def test_draws_are_compared_together_where_pixels_do_not_depend_on_each_other() -> None:
+    draws = [
+        Given(
+            {"x": np.full((count, 1), count, np.float32)},
+            Bindings(uniforms={"u": np.float32([count]), **more}),
+            count,
+        )
+        for count, more in ((3, {"model": np.eye(4)}), (2, {}))
+    ]
+    text = "in float x; uniform float u; out float o; void main() { o = x * u; }"
+    (one,) = merged(draws, program(text), 64)
+    assert one.count == 5 and set(one.each) == {"x", "u"}
+    assert one.each["u"].ravel().tolist() == [3.0, 3.0, 3.0, 2.0, 2.0]
+    assert len(merged(draws, program(text.replace("x *", "dFdx(x) *")), 64)) == 2
 
 
 def test_a_loop_that_does_not_end_is_not_interpreted() -> None:
