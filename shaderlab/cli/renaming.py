@@ -23,7 +23,7 @@ def renames(words: Sequence[str], files: Sequence[Path]) -> dict[str, str]:
         UsageError: it is not of that form, no file has the old name, or one has the new one too.
     """
     found: dict[str, str] = {}
-    codes = {file: without_comments(read_shader(file)) for file in files}
+    codes = {file: without_comments(read_shader(file)) for file in files if words}
     for word in words:
         old, _, new = word.partition("=")
         if not re.fullmatch(r"[A-Za-z_]\w*", old) or not re.fullmatch(r"[A-Za-z_]\w*", new):
