@@ -18,7 +18,6 @@ from shaderlab import (
     Case,
     Erratum,
     Pass,
-    Ramp,
     Target,
     Variant,
     across,
@@ -46,8 +45,9 @@ EYE, LAMP = (0.0, 1.5, 4.6), (0.0, 1.1, 0.4)
 CAMERA = camera(EYE, (0.0, 0.0, 0.9), 42.0, 0.5, far=20.0)
 # The still life is built along x, and a quarter turn has it face the viewer.
 MODEL = rotate(radians(90.0), (0.0, 1.0, 0.0))
+FLOOR = assets.plane(size=12.0)
 STILL_LIFE = assets.joined(
-    assets.plane(size=12.0),
+    FLOOR,
     assets.moved(assets.torus(0.34, 0.15), translate((-1.5, 0.15, 0.0))),
     assets.moved(assets.sphere(0.3), translate((1.2, 0.42, 0.0))),
 )
@@ -61,23 +61,11 @@ def half(column, blinn):
 
 
 def turned_away(name, blinn):
-    """A piece of floor with the lamp 5° below it, seen from 10° above the other side."""
-    low, high = radians(5.0), radians(10.0)
-    return fullscreen(
-        "ch05_lighting/blinn_phong.frag",
-        name=f"{name}, lamp below",
-        domain={
-            "FragPos": Ramp((-0.5, 0.0, -0.5), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)),
-            "Normal": Ramp((0.0, 1.0, 0.0)),
-        },
-        uniforms={
-            "lightPos": (-9.0 * cos(low), -9.0 * sin(low), 0.0),
-            "viewPos": (9.0 * cos(high), 9.0 * sin(high), 0.0),
-            "shininess": 8.0,
-            "blinn": blinn,
-        },
-        target=Target(size=(32, 32), colors={"specular": "r32f"}),
-    )
+    """The floor with the lamp below it, behind the middle."""
+    uniforms = {"lightPos": (0.0, -0.3, -3.0), "viewPos": EYE, "shininess": 8.0, "blinn": blinn}
+    draw = lit.thing("ch05_lighting/blinn_phong.frag", FLOOR, MODEL, CAMERA, uniforms)
+    target = Target(size=(32, 32), colors={"specular": "r32f"}, depth="depth24")
+    return Pass(name=f"{name}, lamp below", target=target, draws=(draw,))
 
 
 def mirrored(FragPos, Normal, lightPos, viewPos, shininess, highlight=lobes.phong):
@@ -162,8 +150,8 @@ case = Case(
                 draws=(half(0, blinn=False), half(1, blinn=True)),
             )
         ),
-        *turned_away("Phong", blinn=False),
-        *turned_away("Blinn", blinn=True),
+        turned_away("Phong", blinn=False),
+        turned_away("Blinn", blinn=True),
         *fullscreen(
             "ch05_lighting/blinn_phong_lobes.frag",
             name="lobes",
