@@ -68,6 +68,20 @@ def turned_away(name, blinn):
     return Pass(name=f"{name}, lamp below", target=target, draws=(draw,))
 
 
+def over_slopes(name, degrees):
+    """Both lobes for viewers at slopes to both sides, the lamp so high above the surface."""
+    angle = radians(degrees)
+    return fullscreen(
+        "ch05_lighting/blinn_phong_lobes.frag",
+        name=name,
+        domain={"slope": across(-4.0, 4.0)},
+        uniforms={
+            "lightDir": (cos(radians(degrees)), sin(radians(degrees)), 0.0),
+            "shininess": 8.0,
+        },
+    )
+
+
 def mirrored(FragPos, Normal, lightPos, viewPos, shininess, highlight=lobes.phong):
     """Phong's lobe at a fragment."""
     return highlight(Normal, lightPos - FragPos, viewPos - FragPos, shininess)
@@ -152,12 +166,8 @@ case = Case(
         ),
         turned_away("Phong", blinn=False),
         turned_away("Blinn", blinn=True),
-        *fullscreen(
-            "ch05_lighting/blinn_phong_lobes.frag",
-            name="lobes",
-            domain={"slope": across(-4.0, 4.0)},
-            uniforms={"lightDir": (sin(radians(60.0)), cos(radians(60.0)), 0.0), "shininess": 8.0},
-        ),
+        *over_slopes("below", -5.0),
+        *over_slopes("lobes", 30.0),
     ),
     picture="picture.FragColor",
     expect=[
@@ -170,10 +180,12 @@ case = Case(
             lit.TURNED_AWAY,
             strongest,
             readings=[
-                reading(
-                    name, reads={"specular": f"{name}, lamp below.specular"}, equals=0.0, digits=6
+                reading(label, reads={"specular": output}, equals=0.0, digits=6)
+                for lobe in ("Phong", "Blinn")
+                for label, output in (
+                    (f"{lobe}, on the floor", f"{lobe}, lamp below.specular"),
+                    (f"{lobe}, over the slope", f"below.{lobe.lower()}"),
                 )
-                for name in ("Phong", "Blinn")
             ],
         ),
         *results(
