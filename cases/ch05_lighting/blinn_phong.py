@@ -75,10 +75,7 @@ def over_slopes(name, degrees):
         "ch05_lighting/blinn_phong_lobes.frag",
         name=name,
         domain={"slope": across(-4.0, 4.0)},
-        uniforms={
-            "lightDir": (cos(radians(degrees)), sin(radians(degrees)), 0.0),
-            "shininess": 8.0,
-        },
+        uniforms={"lightDir": (cos(angle), sin(angle), 0.0), "shininess": 8.0},
     )
 
 
