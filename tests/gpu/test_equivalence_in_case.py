@@ -130,6 +130,12 @@ def test_a_library_file_is_compared_in_all_programs_that_include_it(lab: Lab, fo
         rewritten(lab, case, [{"approved.frag": SHADER + "\n"}])
 
 
+def test_a_vertex_stage_that_the_lab_writes_is_not_compared(lab: Lab, folder: Path) -> None:
+    text = SHADER.replace("in vec3 normal;", "noperspective in vec3 normal;")
+    ((one,),) = rewritten(lab, case_in(folder), [{"lit.frag": text}])
+    assert one.old.stage == "fragment"
+
+
 def test_the_command_compares_on_a_case_and_against_a_revision(folder: Path) -> None:
     (folder / "new.glsl").write_text("float fade(float d) { return 1.0 / (d * d + 1.0); }\n")
     (folder / "wrong.glsl").write_text("float fade(float d) { return 1.0 / (d * d + 1.1); }\n")
