@@ -123,8 +123,8 @@ class Search:
         place = display_path(*self._function.place)
         note = f"{self._function.__name__} of {place}, at its simplest counterexample:\n"
         note += f"@glsl.example({', '.join(spelt(values))})"
-        given = [f"{n} = {v!r}" for n, v in single.items() if n in self._result_names]
-        note += "".join(f"\n{line}" for line in given)
+        results = {n: v for n, v in arguments.items() if n in self._result_names}
+        note += "".join(f"\n{line}" for line in spelt(results)).replace("=", " = ")
         for some in (single, arguments):
             try:
                 holds = self._test(**some)

@@ -445,6 +445,10 @@ TEXTS: dict[str, tuple[str, str, list[tuple[int | None, str]]]] = {
 }
 
 
+# For SPIR-V nothing is parsed where the preprocessor refuses the version.
+FIRST_ALONE = {"a compute stage too old": 1}
+
+
 @pytest.mark.parametrize("kind", TEXTS)
 def test_a_wrong_text_is_rejected_with_its_whole_message_at_its_line(kind: str) -> None:
     stage, text, messages = TEXTS[kind]
@@ -452,7 +456,8 @@ def test_a_wrong_text_is_rejected_with_its_whole_message_at_its_line(kind: str) 
     for verdict in compiled.verdicts:
         assert not verdict.ok
         assert verdict.spirv_bytes == 0
-        assert [(d.line, d.message) for d in verdict.diagnostics] == messages
+        told = messages if verdict.target == "glsl" else messages[: FIRST_ALONE.get(kind)]
+        assert [(d.line, d.message) for d in verdict.diagnostics] == told
         assert {(d.file, d.severity) for d in verdict.diagnostics} == {("wrong", "error")}
     assert compiled.interface is None
     assert compiled.spirv == {}
