@@ -1,18 +1,24 @@
-"""The tutorial works as printed, command by command, in an empty folder.
+"""The tutorial and the page on comparing shaders work as printed, command by command, in an empty
+folder.
 
-Its installation is what test_wheel.py and test_extras.py try.
+The tutorial's installation is what test_wheel.py and test_extras.py try.
 """
 
 from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from tests.meta.examples import Command, examples, execute, missing
 
 
-def test_each_command_prints_what_the_tutorial_shows(repository: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("page", "least"), [("tutorial", 8), ("diff", 4)])
+def test_each_command_prints_what_the_page_shows(
+    repository: Path, tmp_path: Path, page: str, least: int
+) -> None:
     commands = 0
-    for example in examples(repository / "docs" / "guide" / "tutorial.md"):
+    for example in examples(repository / "docs" / "guide" / f"{page}.md"):
         if not isinstance(example, Command):
             (tmp_path / example.name).write_text(example.text, encoding="utf-8")
             continue
@@ -22,7 +28,7 @@ def test_each_command_prints_what_the_tutorial_shows(repository: Path, tmp_path:
         assert done.returncode == example.status, printed
         lines = missing(example.shown, printed)
         assert not lines, f"{example.line} prints no {lines[0]!r}, but\n{printed}"
-    assert commands >= 8
+    assert commands >= least
 
 
 def test_a_line_that_is_not_printed_is_noticed() -> None:
