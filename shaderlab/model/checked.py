@@ -55,10 +55,11 @@ class Checked:
 
     def __post_init__(self) -> None:
         """Raise CaseError for the first field that has no value of its type."""
-        for name, wanted in _fields(type(self)).items():
+        kind: Any = type(self)
+        for name, wanted in _fields(kind).items():
             wrong = wanted.check(getattr(self, name))
             if wrong is not None:
-                raise _error(_called(type(self)), name, getattr(self, name), wanted, wrong)
+                raise _error(_called(kind), name, getattr(self, name), wanted, wrong)
 
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -131,7 +132,7 @@ def _fields(kind: type) -> dict[str, _Wanted]:
     found: dict[str, Any] = {}
     for owner in reversed(kind.__mro__):
         found |= _evaluated(vars(owner).get("__annotations__", {}), owner.__module__)
-    names = [field.name for field in fields(kind) if field.init]  # type: ignore[arg-type]
+    names = [field.name for field in fields(kind) if field.init]
     return _wanted({name: found[name] for name in names if name in found})
 
 
