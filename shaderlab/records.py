@@ -179,7 +179,8 @@ class Outcome:
     how they are to be read ("one channel in false colour, 0 to 2"). `values` is the file of the
     numbers behind those pictures (`shaderlab.pictures.Values`), likewise relative, or "".
     `sources` are the formula and the shader. `explanation` is there for a formula that fails over
-    pixels, if the shader can be interpreted.
+    pixels, if the shader can be interpreted. `line` is that of the record's file at which the
+    expectation stands, 0 where that is not known.
 
     Where the rows of several outcomes stand in one table, `rows_heading` goes before each label;
     `rows_per_variant` says whether they differ between a case's variants. `rows_show_worst` says
@@ -205,6 +206,7 @@ class Outcome:
     sources: tuple[SourceText, ...] = ()
     values: str = ""
     explanation: Explanation | None = None
+    line: int = 0
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import click
 
-from shaderlab.cli import FAILED, OK
-from shaderlab.cli.files import write_json
+from shaderlab.cli import FAILED
+from shaderlab.cli.files import finding_options, tell, uses_stdout, write_findings, write_json
 from shaderlab.cli.options import INCLUDE, JSON, TARGET, jobs_option, limits_option
 from shaderlab.cli.tallying import Tally, as_data, messages, progress_bar
 from shaderlab.compiler.engines import ENGINES
@@ -19,9 +19,11 @@ from shaderlab.compiler.harness import WORK, CompileOptions, FileResult, compile
 from shaderlab.compiler.shader_files import find_shaders
 from shaderlab.compiler.targets import TARGETS
 from shaderlab.compiler.text import STAGES
+from shaderlab.errors import ShaderlabError
 from shaderlab.execution import WorkerPool
 from shaderlab.execution.sizing import cores
 from shaderlab.options import Limits
+from shaderlab.report.findings import Finding, of_verdicts
 
 # Workers import the driver's room by this name; the command itself never touches a device.
 _DRIVER = "shaderlab.backends:driver_verdict"
@@ -41,6 +43,7 @@ _MOST_WORKERS = 4
 @limits_option("Give one file up after S seconds.", seconds=10.0)
 @jobs_option(f"one for every {_FILES_PER_WORKER} files, at most {_MOST_WORKERS}")
 @JSON
+@finding_options
 @click.option("--quiet", "-q", is_flag=True, help="Print messages, and nothing else.")
 def command(
     paths: tuple[str, ...],
@@ -54,6 +57,7 @@ def command(
     limits: Limits,
     workers: int | None,
     json_file: str | None,
+    outputs: Mapping[str, str],
     quiet: bool,
 ) -> int:
     """Compile shader files, or all those in folders, as plain GLSL, as OpenGL SPIR-V and as
@@ -96,19 +100,27 @@ def command(
             limits = replace(limits, seconds=time_limit(engine, limits.seconds))
             pool = stack.enter_context(WorkerPool(WORK, limits=limits, jobs=workers or most))
         results = compile_found(programs, options, pool)
-        tally = _print_results(results, len(programs), json_file, quiet)
+        tally, problems = _print_results(results, len(programs), json_file, outputs, quiet)
     if driver and not tally.has_driver:
         click.echo("no OpenGL driver gave a verdict: see `shaderlab doctor`", err=True)
-    return FAILED if tally.refused else OK
+    unwritten = tell(problems)
+    return FAILED if tally.refused else unwritten
 
 
 def _print_results(
-    results: Iterator[FileResult], count: int, json_file: str | None, quiet: bool
-) -> Tally:
-    """Print each result as it comes, then the summary; write all as JSON to `json_file`."""
+    results: Iterator[FileResult],
+    count: int,
+    json_file: str | None,
+    outputs: Mapping[str, str],
+    quiet: bool,
+) -> tuple[Tally, list[ShaderlabError]]:
+    """Print each result as it comes, then the summary; write all as JSON to `json_file`, and
+    what is wrong to `outputs`. Returns what can't be written as well."""
     tally = Tally()
     entries: list[dict[str, Any]] = []
-    to_stderr = json_file == "-"
+    found: list[Finding] = []
+    files = dict(outputs) if json_file is None else {**outputs, "json": json_file}
+    to_stderr = uses_stdout(files)
     with progress_bar(count, quiet=quiet) as advance:
         for result in results:
             for line in messages(result):
@@ -117,12 +129,14 @@ def _print_results(
             advance()
             if json_file is not None:
                 entries += as_data(result)
+            if outputs:
+                found += of_verdicts(result.verdicts, result.path)
     if not quiet:
         for line in tally.lines():
             click.echo(line, err=to_stderr)
     if json_file is not None:
         write_json({"files": entries}, json_file)
-    return tally
+    return tally, list(write_findings(found, "compile", outputs))
 
 
 def _macro(word: str) -> tuple[str, str]:

@@ -17,10 +17,11 @@ from shaderlab.cli import FAILED, OK, USAGE
 from shaderlab.cli.old_runs import mark_named, require_no_foreign_page
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.files import NO_ROOM, replacing, write_named
-from shaderlab.report.formats import FORMATS
+from shaderlab.report.formats import FINDING_FORMATS, FORMATS, Format
 
 if TYPE_CHECKING:
     from shaderlab.records import Run
+    from shaderlab.report.findings import Finding
 
 REPORTS = Path("reports")
 LATEST = "latest"
@@ -94,13 +95,21 @@ def output_options(command: Command) -> Command:
 
     It gets those that were named as `outputs`, a file for each format, which `write_outputs` takes.
     """
+    return _with_options(command, FORMATS)
 
+
+def finding_options(command: Command) -> Command:
+    """As `output_options`, for the formats of findings and `write_findings`."""
+    return _with_options(command, FINDING_FORMATS)
+
+
+def _with_options(command: Command, formats: Sequence[Format]) -> Command:
     def collect(context: click.Context, option: click.Parameter, file: str | None) -> None:
         outputs = context.params.setdefault("outputs", {})
         if file is not None:
             outputs[option.name] = file
 
-    for name, help in reversed(FORMATS):
+    for name, help in reversed(formats):
         command = click.option(
             f"--{name}", metavar="FILE", help=help, expose_value=False, callback=collect
         )(command)
@@ -121,11 +130,24 @@ def uses_stdout(outputs: Mapping[str, str]) -> bool:
 
 def write_outputs(run: Run, outputs: Mapping[str, str]) -> Iterator[ShaderlabError]:
     """Write each output of a run; yields an error for each that can't be written."""
-    for format in FORMATS:
+    yield from _written(FORMATS, outputs, lambda format: format.render(run))
+
+
+def write_findings(
+    findings: Sequence[Finding], command: str, outputs: Mapping[str, str]
+) -> Iterator[ShaderlabError]:
+    """As `write_outputs`, for what a command found."""
+    yield from _written(FINDING_FORMATS, outputs, lambda f: f.render_findings(findings, command))
+
+
+def _written(
+    formats: Sequence[Format], outputs: Mapping[str, str], text: Callable[[Format], str]
+) -> Iterator[ShaderlabError]:
+    for format in formats:
         if format.name in outputs:
             try:
                 file = outputs[format.name]
-                write_output(format.render(run), file, append=_is_summary(file))
+                write_output(text(format), file, append=_is_summary(file))
             except ShaderlabError as error:
                 yield error
 

@@ -27,6 +27,9 @@ shaders = [{shaders}]
 _WORKFLOW = """\
 name: shaders
 on: [push, pull_request]
+permissions:
+  contents: read
+  security-events: write  # for code scanning
 
 jobs:
   test:
@@ -38,10 +41,15 @@ jobs:
           python-version: "3.12"
       - run: sudo apt-get update && sudo apt-get install -y libegl1 libgl1-mesa-dri
       - run: pip install shaderlab  # or its wheel, or the address of its repository
-      - run: shaderlab compile {shaders}
-      - run: shaderlab run . --junit shaderlab.xml --markdown shaderlab.md
+      - run: shaderlab compile {shaders} --annotations -
+      - run: >
+          shaderlab run . --annotations - --sarif shaderlab.sarif --junit shaderlab.xml
+          --markdown "$GITHUB_STEP_SUMMARY"
       - if: always()
-        run: test ! -f shaderlab.md || cat shaderlab.md >> "$GITHUB_STEP_SUMMARY"
+        continue-on-error: true  # a private repository may have no code scanning
+        uses: github/codeql-action/upload-sarif@v3
+        with:
+          sarif_file: shaderlab.sarif
       - if: always()
         uses: actions/upload-artifact@v4
         with:

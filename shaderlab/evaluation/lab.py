@@ -259,6 +259,7 @@ class Lab:
                 images=files.files,
                 captions=files.captions,
                 values=files.values,
+                line=expectation.line_in(evaluation.scene.case.file),
             )
             builder.add_outcome(outcome, judgement)
 

@@ -8,15 +8,19 @@ for what it needs beyond the pictures (`needs`), and judges the frame that holds
 from __future__ import annotations
 
 import functools
+import os
+import sys
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
 from shaderlab.frame import Array, Frame, PassDraw
 from shaderlab.model.checked import Checked
 from shaderlab.model.scene import Pixel
 from shaderlab.records import Curve, Outcome, Plot
+
+_MOST_CALLERS = 32
 
 if TYPE_CHECKING:
     from shaderlab.model.case import Scene
@@ -107,6 +111,17 @@ class Expectation(Checked, ABC):
 
     name: str = field(default_factory=str)  # no class attribute: a kind may take it first
 
+    def __new__(cls, *given: Any, **named: Any) -> Self:
+        made = super().__new__(cls)
+        object.__setattr__(made, "_callers", tuple(_callers()))
+        return made
+
+    def line_in(self, file: str) -> int:
+        """The line of a case file at which it was made; 0 if that was elsewhere."""
+        wanted = os.path.abspath(file)
+        callers: Sequence[tuple[str, int]] = self.__dict__.get("_callers", ())
+        return next((line for name, line in callers if os.path.abspath(name) == wanted), 0)
+
     def name_by_default(self, name: str) -> None:
         """Take this name if the case gives none; for `__post_init__`."""
         if not self.name:
@@ -148,3 +163,16 @@ class Expectation(Checked, ABC):
         Raises:
             CaseError, FormulaError: it asks for what is not there.
         """
+
+
+def _callers() -> Iterator[tuple[str, int]]:
+    """Files and lines from the one that makes an expectation up to the import of its module."""
+    frame = sys._getframe(2)
+    for _ in range(_MOST_CALLERS):
+        name = frame.f_code.co_filename
+        if name.startswith("<frozen importlib"):
+            return
+        yield name, frame.f_lineno
+        if frame.f_back is None:
+            return
+        frame = frame.f_back

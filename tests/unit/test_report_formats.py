@@ -32,7 +32,7 @@ def test_commands_have_an_option_for_each(command: str, format: formats.Format) 
 
 @pytest.mark.parametrize("format", formats.FORMATS)
 def test_a_run_without_records_can_be_written(format: formats.Format) -> None:
-    assert format.render(run())
+    assert format.render(run()) or format.name == "annotations"  # of nothing there are none
 
 
 def test_a_new_format_is_a_module_and_a_line(

@@ -1,0 +1,200 @@
+"""What is wrong, at its file and line: what code reviews and editors show beside the code."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from shaderlab.files import read_regular
+from shaderlab.records import Diagnostic, Outcome, Record, Run, Severity, Verdict
+from shaderlab.report.grouping import PASSABLE, STATUS_WORDS
+from shaderlab.report.plain_text import label, outcome_details, printable
+from shaderlab.report.text import plural
+
+_PLACE = re.compile(r"(?P<file>[^\n]+?):(?P<line>\d+): ")
+_CASE = re.compile(r"case\s*[:=]")
+_MOST_BYTES = 1 << 24
+WORKSPACE = "GITHUB_WORKSPACE"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Finding:
+    """One thing that is wrong.
+
+    Attributes:
+        rule: what kind of thing, "compile-error" or "formula": the same from run to run.
+        file: where it is, "" where it is in no file.
+        line: counted from 1; 0 for the file as a whole.
+        severity: "error", "warning" or "info".
+        message: what is wrong; its first line says the most.
+        subject: what it is about: with the rule, the file and the line's text it tells a finding
+            from others, whatever the figures in its message are.
+        related: other files and lines that have to do with it.
+    """
+
+    rule: str
+    file: str
+    line: int
+    message: str
+    severity: Severity = "error"
+    subject: str = ""
+    related: tuple[tuple[str, int], ...] = field(default=())
+
+
+def findings_of(run: Run) -> list[Finding]:
+    """What is wrong in a run: compilers' messages, expectations that do not hold, and variants that
+    came to no verdict. What several variants of a case share is one finding."""
+    found: dict[tuple[object, ...], tuple[Finding, list[str]]] = {}
+    for record in run.records:
+        for finding in _of_record(record):
+            key = (finding.rule, finding.file, finding.line, finding.subject)
+            found.setdefault(key, (finding, []))[1].append(record.variant)
+    merged = [_of_variants(finding, variants) for finding, variants in found.values()]
+    merged += _of_other_drivers(run)
+    if run.missing:
+        message = f"the run was interrupted: {plural(run.missing, 'variant')} not run"
+        merged.append(Finding(rule="interrupted", file="", line=0, message=message))
+    return merged
+
+
+def of_verdicts(verdicts: Iterable[Verdict], path: str) -> Iterator[Finding]:
+    """The errors and warnings of compile targets about one program, each once."""
+    targets: dict[Diagnostic, list[str]] = {}
+    for verdict in verdicts:
+        for said in verdict.diagnostics:
+            if said.severity != "info":
+                targets.setdefault(said, []).append(verdict.target)
+        if not verdict.ok and not any(d.severity == "error" for d in verdict.diagnostics):
+            said = Diagnostic(file=path, line=None, severity="error", message="refused")
+            targets.setdefault(said, []).append(verdict.target)
+    for said, names in targets.items():
+        yield Finding(
+            rule=f"compile-{said.severity}",
+            file=said.file,
+            line=said.line or 0,
+            severity=said.severity,
+            message=f"{said.message} [{', '.join(dict.fromkeys(names))}]",
+            subject=said.message,
+        )
+
+
+def repository() -> Path:
+    """The folder that paths are relative to in a review: the checkout of a CI job, or else the
+    repository that holds the working folder."""
+    given = os.environ.get(WORKSPACE)
+    here = Path.cwd()
+    if given and here.is_relative_to(os.path.realpath(given)):
+        return Path(os.path.realpath(given))
+    return next((folder for folder in (here, *here.parents) if (folder / ".git").exists()), here)
+
+
+def path_in(root: Path, file: str) -> str | None:
+    """A file's path below a folder, with "/"; None if it is elsewhere."""
+    path = Path(os.path.abspath(file))
+    for one in (path, path.resolve()):
+        if one.is_relative_to(root):
+            return one.relative_to(root).as_posix()
+    return None
+
+
+class Lines:
+    """The text of files' lines, each file read once."""
+
+    def __init__(self) -> None:
+        self._files: dict[str, Sequence[str]] = {}
+
+    def __call__(self, file: str, line: int) -> str:
+        """A line without the space around it, "" if there is none."""
+        if file not in self._files:
+            try:
+                text = read_regular(file, _MOST_BYTES).decode("utf-8", "replace")
+            except OSError:
+                text = ""
+            self._files[file] = text.splitlines()
+        lines = self._files[file]
+        return lines[line - 1].strip() if 0 < line <= len(lines) else ""
+
+
+def _of_record(record: Record) -> Iterator[Finding]:
+    name = label(record.id, record.variant)
+    if record.status in PASSABLE:
+        return
+    refused = [f for p in record.programs for f in of_verdicts(p.verdicts, p.files[0])]
+    yield from refused
+    shown = {finding.subject for finding in refused if finding.severity == "error"}
+    wrong = [outcome for outcome in record.expectations if outcome.status != "pass"]
+    for outcome in wrong:
+        yield _of_outcome(record, outcome)
+    if not shown and not wrong:
+        yield _of_end(record, name)
+
+
+def _of_outcome(record: Record, outcome: Outcome) -> Finding:
+    file, line = record.file, outcome.line or _line_of_case(record.file)
+    related = [(source.file, source.line) for source in outcome.sources]
+    explained = outcome.explanation
+    if explained is not None and explained.file and explained.line:
+        related.insert(0, (file, line))
+        file, line = explained.file, explained.line
+    said = "\n".join(map(printable, outcome_details(outcome)))
+    name = f"{outcome.name} of {label(record.id, record.variant)}"
+    return Finding(
+        rule=outcome.kind,
+        file=file,
+        line=line,
+        message=f"{name}: {said or 'does not hold'}",
+        subject=f"{record.id}: {outcome.name}",
+        related=tuple(place for place in dict.fromkeys(related) if place != (file, line)),
+    )
+
+
+def _of_end(record: Record, name: str) -> Finding:
+    """Of a record that no expectation accounts for: its message begins with the place, if known."""
+    place = _PLACE.match(record.message)
+    file, line, said = record.file, 0, record.message
+    if place is not None and os.path.isfile(place["file"]):
+        file, line, said = place["file"], int(place["line"]), record.message[place.end() :]
+    return Finding(
+        rule=record.status if record.status != "fail" else "case",
+        file=file,
+        line=line or _line_of_case(file),
+        message=printable(f"{name}: {said or STATUS_WORDS[record.status]}"),
+        subject=record.id,
+    )
+
+
+def _of_other_drivers(run: Run) -> Iterator[Finding]:
+    """Scenes that pass on the first driver of several, and fail on another."""
+    records: Mapping[tuple[str, str], Record] = {(r.id, r.variant): r for r in run.records}
+    for result in run.drivers:
+        record = records.get((result.id, result.variant))
+        if record is not None and record.status in PASSABLE and result.status not in PASSABLE:
+            yield Finding(
+                rule="driver",
+                file=record.file,
+                line=_line_of_case(record.file),
+                message=f"{label(result.id, result.variant)}: {STATUS_WORDS[result.status]} "
+                f"on {result.driver}",
+                subject=f"{result.id}[{result.variant}] on {result.driver}",
+            )
+
+
+def _of_variants(finding: Finding, variants: Sequence[str]) -> Finding:
+    others = list(dict.fromkeys(variants))[1:]
+    if not others:
+        return finding
+    shown = ", ".join(others[:5]) + (", …" if len(others) > 5 else "")
+    return replace(finding, message=f"{finding.message}\nalso in {shown}")
+
+
+def _line_of_case(file: str) -> int:
+    """The line of a case file that has the case; 1 where that is not found."""
+    try:
+        text = read_regular(file, _MOST_BYTES).decode("utf-8", "replace")
+    except OSError:
+        return 1
+    lines = enumerate(text.splitlines(), 1)
+    return next((number for number, line in lines if _CASE.match(line)), 1)
