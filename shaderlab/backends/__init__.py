@@ -10,7 +10,7 @@ import importlib
 import os
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, suppress
 from dataclasses import dataclass, field
 
 from shaderlab.compiler.sources import Source
@@ -263,6 +263,18 @@ def prepare_process(driver: str | None = None) -> None:
     """
     chosen = known_driver(driver)
     importlib.import_module(MODULES[chosen]).prepare_process(chosen)
+
+
+def preload(driver: str | None = None) -> None:
+    """Import what a device of a driver needs, without opening one, where its module knows how to.
+
+    For a process that is the lab's alone and forks others. What can't be imported is left to those
+    who open a device, and who say so.
+    """
+    with suppress(Exception):
+        load = getattr(importlib.import_module(MODULES[known_driver(driver)]), "preload", None)
+        if load is not None:
+            load()
 
 
 def probe() -> Mapping[str, str]:

@@ -127,7 +127,7 @@ class ProcessExecutor(LocalExecutor):
             jobs=1 if workers is None else workers,
             batch=1,
             folder=folder,
-            warm="shaderlab.compiler.engines:warm_up",
+            warm="shaderlab.execution.warming:warm_up",
         )
         self._sized = workers is not None
         self._thread = ThreadPoolExecutor(1)

@@ -1,8 +1,7 @@
 """Worker processes side by side: items in, results out as they complete.
 
-A crash, a hang or runaway memory costs one item, no more. A worker is a fresh interpreter and not
-a fork: it inherits no threads, no OpenGL context and no `__main__`, and it is the same on every
-system.
+A crash, a hang or runaway memory costs one item, no more. A worker is forked from a fork server and
+not from this process: it inherits no threads, no OpenGL context and no `__main__`.
 """
 
 from __future__ import annotations
@@ -62,7 +61,7 @@ class _Batch:
 class _Worker:
     """A process, the thread that feeds it, and the key of its last batch.
 
-    The thread lives as long as the pool: on Linux a process ends with the thread that started it.
+    The thread lives as long as the pool.
     """
 
     def __init__(self, process: WorkerProcess) -> None:

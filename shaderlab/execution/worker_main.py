@@ -36,6 +36,7 @@ class Channel:
     def __init__(self, parent: socket.socket, seconds: float, steps: int) -> None:
         self._parent = parent
         self._seconds = seconds
+        self._process = os.getpid()
         # Mapped into memory: a note costs no system call, and outlives the process.
         self._steps = mmap.mmap(steps, STEP_BYTES)
 
@@ -44,7 +45,7 @@ class Channel:
         with open(os.devnull, "rb") as nothing:
             os.dup2(nothing.fileno(), self._parent.fileno())
         self._steps = mmap.mmap(-1, STEP_BYTES)
-        _die_with_parent()
+        die_with_parent(self._process)
 
     def note(self, step: str) -> None:
         """Note what the work is about to do; the parent reads it if this process dies."""
@@ -80,34 +81,46 @@ class Channel:
         return kind
 
 
-def main() -> None:
-    """Answer batches from the socket whose descriptor is the program's argument, as pickles.
+def main(socket_number: int, steps: int) -> None:
+    """Answer batches from the parent's socket, as pickles, until it is closed.
 
     Each answer is ("done", result) or ("error", exception); after an error the rest of the batch
     stays unanswered.
+
+    Args:
+        socket_number: the socket's descriptor.
+        steps: the descriptor of the file for steps.
     """
-    parent = socket.socket(fileno=int(sys.argv.pop()))
+    parent = socket.socket(fileno=socket_number)
     given = parent.makefile("rb")
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides what an interrupt means
-    _die_with_parent()
-    name, warm, seconds, memory, steps = pickle.load(given)
+    name, warm, seconds, memory = pickle.load(given)
     _limit_memory(memory)
     _keep_freed_memory()
     channel = Channel(parent, seconds, steps)
     os.register_at_fork(after_in_child=channel.leave)
-    wait = _named(warm)() if warm else None
-    gc.disable()  # nothing that is imported is garbage, and a tenth of the time goes into looking
-    work = _named(name)
+    work = prepared(name, warm)
     if isinstance(work, type):
         work = work(channel)
     gc.freeze()
     gc.enable()
-    if wait is not None:
-        wait()
     channel.send("ready", None)
     with contextlib.suppress(EOFError, ConnectionError):
         while True:
             _answer(work, pickle.load(given), channel)
+
+
+def prepared(name: str, warm: str) -> Any:
+    """Import the work that is called `name`, while what `warm` starts goes on; returns the work.
+
+    Both are "module:name"; `warm` may be "". See `shaderlab.execution.pool.WorkerPool`.
+    """
+    wait = _named(warm)() if warm else None
+    gc.disable()  # nothing that is imported is garbage, and a tenth of the time goes into looking
+    work = _named(name)
+    gc.freeze()
+    if wait is not None:
+        wait()
+    return work
 
 
 def _named(name: str) -> Any:
@@ -140,13 +153,15 @@ def _answer(work: Any, batch: Sequence[Any], channel: Channel) -> None:
     channel.set_alarm(0.0)
 
 
-def _die_with_parent() -> None:
-    """Ask the kernel to end this process with its parent, even in the middle of C code."""
+def die_with_parent(parent: int) -> None:
+    """Ask the kernel to end this process with its parent, even in the middle of C code.
+
+    `parent` is the number of the process that has forked this one.
+    """
     if not sys.platform.startswith("linux"):
         return  # elsewhere the closed socket or, inside an item, the alarm ends it
     import ctypes
 
-    parent = os.getppid()
     ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
     if os.getppid() != parent:  # it went away in between
         os._exit(1)

@@ -7,15 +7,14 @@ import os
 import pickle
 import signal
 import socket
-import subprocess
 import sys
-import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
 from shaderlab.errors import ShaderlabError
+from shaderlab.execution.fork_server import ForkServer, ServerDiedError, fork_server, last_words
 from shaderlab.execution.worker_main import STEP_BYTES
 from shaderlab.files import memory_file
 from shaderlab.module_path import pythons_first
@@ -29,7 +28,6 @@ _KEEP_MEMORY = dict.fromkeys(("MALLOC_MMAP_THRESHOLD_", "MALLOC_TRIM_THRESHOLD_"
 # NumPy's library for matrices starts a thread a core and has them all wait busily; workers share
 # the cores already, and multiply matrices of four rows.
 _ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1"}
-_PROGRAM = "from shaderlab.execution.worker_main import main; main()"
 
 
 def environment() -> dict[str, str]:
@@ -72,7 +70,8 @@ class WorkerProcess:
         self._limits = limits
         self._folder = folder
         self._environment = environment
-        self._child: subprocess.Popen[bytes] | None = None
+        self._path = environment.get("PYTHONPATH", "").split(os.pathsep)
+        self._server: ForkServer | None = None  # while there is a process
         self._ready = False
         self._fresh = True
 
@@ -96,7 +95,7 @@ class WorkerProcess:
 
     def launch(self) -> None:
         """Start the process, if there is none; it gets ready while this one goes on."""
-        if self._child is not None:
+        if self._server is not None:
             return
         self._ready, self._fresh = False, True
         try:
@@ -107,28 +106,21 @@ class WorkerProcess:
                 remedy="see what limits this system has: ulimit -a",
             ) from error
         memory = int(self._limits.gigabytes * (1 << 30))
-        steps = self._steps.fileno()
-        self._send((self._work, self._warm, self._limits.seconds, memory, steps))
+        self._send((self._work, self._warm, self._limits.seconds, memory))
 
     def _begin(self) -> None:
-        """Start the process itself. Raises OSError."""
+        """Have the process started. Raises OSError."""
+        server = fork_server(self._environment, self._work, self._warm)
         self._socket, theirs = socket.socketpair()
         self._answers = self._socket.makefile("rb")
-        # Both live as long as the child, and need no room on a disk that may be full.
+        # Both live as long as the process, and need no room on a disk that may be full.
         self._errors = memory_file()
         self._steps = memory_file()
         self._steps.truncate(STEP_BYTES)
         with theirs:
-            self._child = subprocess.Popen(
-                [sys.executable, "-P", "-c", _PROGRAM, str(theirs.fileno())],
-                stdin=subprocess.DEVNULL,
-                stdout=subprocess.DEVNULL,
-                stderr=self._errors,
-                cwd=self._folder,
-                env=self._environment,
-                pass_fds=[theirs.fileno(), self._steps.fileno()],
-                process_group=0,
-            )
+            files = [theirs.fileno(), self._steps.fileno(), self._errors.fileno()]
+            self._number = server.start(self._folder, self._environment, self._path, files)
+        self._server = server
 
     def start(self) -> None:
         """Start the process, if there is none, and wait until it is ready.
@@ -150,18 +142,26 @@ class WorkerProcess:
 
     def kill(self) -> None:
         """End the process, whatever it is doing; any thread may do that."""
-        child = self._child
-        if child is not None:
-            _kill(child)
+        server = self._server
+        if server is not None:
+            server.kill(self._number)
 
     def close(self) -> None:
         """End the process, and give everything back; for a time when no thread waits for it."""
-        if self._child is not None:
-            _kill(self._child)
-            self._child.wait()
+        with contextlib.suppress(ServerDiedError):
+            self._end()
+
+    def _end(self) -> int:
+        """As `close`; returns its exit status. Raises ServerDiedError when everything is back."""
+        if self._server is None:
+            return 0
+        server, self._server = self._server, None
+        server.kill(self._number)
+        try:
+            return server.reap(self._number)
+        finally:
             for stream in (self._answers, self._socket, self._errors, self._steps):
                 stream.close()
-            self._child = None
 
     def _send(self, value: Any) -> None:
         self._socket.settimeout(None)
@@ -181,15 +181,17 @@ class WorkerProcess:
         return answer
 
     def _died(self, seconds: float, late: bool = False) -> DiedError:
-        assert self._child is not None
-        # It is ending, and its exit status says how.
-        ended = not late and _ends(self._child, END_SECONDS)
-        _kill(self._child)
-        code = self._child.wait()
-        self._steps.seek(0)
-        step = self._steps.read(STEP_BYTES).rstrip(b"\0").decode("utf-8", "ignore")
-        said = self._last_words()
-        self.close()
+        assert self._server is not None
+        try:
+            # It is ending, and its exit status says how.
+            ended = not late and self._server.ends(self._number, END_SECONDS)
+            self._server.kill(self._number)  # before its last words are read
+            step, said = self._noted(), last_words(self._errors)
+            code = self._end()
+        except ServerDiedError as error:
+            self.close()
+            what = f"the process that starts workers died, {error}".rstrip(", ")
+            return DiedError("crash", what, "", self._fresh)
         if late or -code == signal.SIGALRM:
             return DiedError("timeout", f"took longer than {seconds:g} s", step, self._fresh)
         how = f"exit status {code}"
@@ -202,27 +204,6 @@ class WorkerProcess:
         message = f"the process died: {how}" + (f", {said}" if said else "")
         return DiedError("crash", message, step, self._fresh)
 
-    def _last_words(self) -> str:
-        """The last line that the process wrote to its standard error."""
-        size = self._errors.seek(0, os.SEEK_END)
-        self._errors.seek(max(size - 2000, 0))
-        lines = self._errors.read().decode("utf-8", "replace").split("\n")
-        return next((line.strip() for line in reversed(lines) if line.strip()), "")
-
-
-def _ends(child: subprocess.Popen[bytes], seconds: float) -> bool:
-    """Whether the process ends within so many seconds. Its number stays taken until `wait`, so
-    that its group can still be ended."""
-    until = time.monotonic() + seconds
-    while os.waitid(os.P_PID, child.pid, os.WEXITED | os.WNOWAIT | os.WNOHANG) is None:
-        if time.monotonic() > until:
-            return False
-        time.sleep(0.005)
-    return True
-
-
-def _kill(child: subprocess.Popen[bytes]) -> None:
-    """End the process with all that it has started."""
-    if child.returncode is None:  # else the number of its group may be another's
-        with contextlib.suppress(ProcessLookupError, PermissionError):
-            os.killpg(child.pid, signal.SIGKILL)
+    def _noted(self) -> str:
+        self._steps.seek(0)
+        return self._steps.read(STEP_BYTES).rstrip(b"\0").decode("utf-8", "ignore")

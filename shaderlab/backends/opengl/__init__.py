@@ -30,6 +30,19 @@ def prepare_process(driver: str) -> None:
     """Set the driver's environment for good and turn PyOpenGL's checks off; to be called before
     anything imports PyOpenGL, in a process that nobody else uses."""
     os.environ.update(_variables(driver))
+    _without_checks()
+
+
+def preload() -> None:
+    """Import what `open_backend` needs, PyOpenGL without its checks; for a process that nobody else
+    uses and that forks others."""
+    _without_checks()
+    from shaderlab.backends.opengl import backend, device
+
+    _ = backend, device
+
+
+def _without_checks() -> None:
     import OpenGL
 
     OpenGL.ERROR_CHECKING = False

@@ -1,0 +1,194 @@
+"""The fork server's side: import what workers need once, then fork a worker for each request."""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import os
+import pickle
+import select
+import signal
+import socket
+import sys
+import traceback
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from shaderlab.execution import worker_main
+
+HEADER = 8
+"""Bytes that say how long the message after them is."""
+CHECK_SECONDS = 5.0
+"""The server sees so often that its parent is still there."""
+NOT_FORKED = 1
+"""The exit status of a worker that there was no room for."""
+
+
+@dataclass(frozen=True)
+class Start:
+    """Asks for a worker; the descriptors of its socket, its file of steps and its standard error
+    come with the message.
+
+    Attributes:
+        number: what the worker is called in later requests.
+        folder: its working directory.
+        environment: its environment variables, all of them.
+        path: where it looks for modules, before the places that every Python looks at.
+    """
+
+    number: int
+    folder: str
+    environment: dict[str, str]
+    path: list[str]
+
+
+@dataclass(frozen=True)
+class Kill:
+    """Asks to end a worker with all that it has started."""
+
+    number: int
+
+
+@dataclass(frozen=True)
+class Ended:
+    """Asks whether a worker has ended: a bool."""
+
+    number: int
+
+
+@dataclass(frozen=True)
+class Reap:
+    """Asks for the exit status of a worker that was killed or has ended: a negative signal's number
+    where that ended it."""
+
+    number: int
+
+
+def main() -> None:
+    """Serve the socket whose descriptor is the program's argument, until its other end is closed.
+
+    The first message says what to import (see `worker_main.prepared`); `Start`, `Kill`, `Ended` and
+    `Reap` follow. In a worker this function goes on as the worker's.
+    """
+    control = socket.socket(fileno=int(sys.argv.pop()))
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides what an interrupt means
+    (work, warm), _ = received(control)
+    if work:
+        worker_main.prepared(work, warm)
+    as_worker = _Server(control).run()
+    if as_worker is not None:
+        as_worker()
+
+
+class _Server:
+    """The workers that were forked, by number; one that could not be is an exit status."""
+
+    def __init__(self, control: socket.socket) -> None:
+        self._control = control
+        own = os.environ.get("PYTHONPATH", "").split(os.pathsep)
+        self._everywhere = [folder for folder in sys.path if folder not in own]
+        self._process, self._parent = os.getpid(), os.getppid()
+        self._workers: dict[int, int] = {}
+        self._lost: dict[int, int] = {}
+
+    def run(self) -> Callable[[], None] | None:
+        """Answer requests. Returns, in a worker, what it has to do; None when all is over."""
+        while True:
+            try:
+                self._wait()
+                request, descriptors = received(self._control)
+            except (EOFError, OSError):
+                for number in list(self._workers):
+                    self._kill(number)
+                    self._reap(number)
+                return None
+            if isinstance(request, Start):
+                child = self._fork(request, descriptors)
+                if child is not None:
+                    return child
+            elif isinstance(request, Kill):
+                self._kill(request.number)
+            elif isinstance(request, Ended):
+                send(self._control, self._ended(request.number))
+            elif isinstance(request, Reap):
+                send(self._control, self._reap(request.number))
+
+    def _wait(self) -> None:
+        """Wait for a request. Raises EOFError where the parent is gone, though a copy of it may
+        hold the other end."""
+        while not select.select([self._control], [], [], CHECK_SECONDS)[0]:
+            if os.getppid() != self._parent:
+                raise EOFError
+
+    def _fork(self, request: Start, descriptors: list[int]) -> Callable[[], None] | None:
+        parent, steps, errors = descriptors
+        try:
+            process = os.fork()
+        except OSError:
+            os.write(errors, traceback.format_exc().encode())
+            self._lost[request.number] = NOT_FORKED
+        else:
+            if process == 0:
+                return lambda: self._become(request, parent, steps, errors)
+            self._workers[request.number] = process
+            with contextlib.suppress(OSError):  # the worker has done so itself by now
+                os.setpgid(process, process)
+        for descriptor in descriptors:
+            os.close(descriptor)
+        return None
+
+    def _become(self, request: Start, parent: int, steps: int, errors: int) -> None:
+        """Turn a fresh copy of this process into a worker, and do its work."""
+        os.setpgid(0, 0)
+        self._control.close()
+        os.dup2(errors, 2)
+        os.close(errors)
+        worker_main.die_with_parent(self._process)
+        os.chdir(request.folder)
+        os.environ.clear()
+        os.environ.update(request.environment)
+        sys.path[:] = dict.fromkeys([*request.path, *self._everywhere])
+        importlib.invalidate_caches()
+        worker_main.main(parent, steps)
+
+    def _kill(self, number: int) -> None:
+        if number in self._workers:  # not reaped: the number of its group is not another's
+            with contextlib.suppress(ProcessLookupError, PermissionError):
+                os.killpg(self._workers[number], signal.SIGKILL)
+
+    def _ended(self, number: int) -> bool:
+        """Its number stays taken until it is reaped, so that its group can still be ended."""
+        if number not in self._workers:
+            return True
+        wanted = os.WEXITED | os.WNOWAIT | os.WNOHANG
+        return os.waitid(os.P_PID, self._workers[number], wanted) is not None
+
+    def _reap(self, number: int) -> int:
+        if number not in self._workers:
+            return self._lost.pop(number)
+        _, status = os.waitpid(self._workers.pop(number), 0)
+        return os.waitstatus_to_exitcode(status)
+
+
+def send(control: socket.socket, message: Any, descriptors: list[int] | None = None) -> None:
+    """Send a message, with descriptors of files. Raises OSError."""
+    data = pickle.dumps(message, pickle.HIGHEST_PROTOCOL)
+    header = len(data).to_bytes(HEADER, "little")
+    socket.send_fds(control, [header], descriptors or [])
+    control.sendall(data)
+
+
+def received(control: socket.socket) -> tuple[Any, list[int]]:
+    """The next message, and the descriptors that came with it.
+
+    Raises:
+        EOFError: the other end is closed.
+        OSError: it was, in the middle of a message.
+    """
+    header, descriptors, _, _ = socket.recv_fds(control, HEADER, 3)
+    if not header:
+        raise EOFError
+    size = int.from_bytes(header, "little")
+    data = control.recv(size, socket.MSG_WAITALL)
+    return pickle.loads(data), descriptors

@@ -1,0 +1,147 @@
+"""Workers are forked from one process, which has neither threads nor a device, and end with it."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import resource
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from shaderlab.execution import WorkerPool
+from shaderlab.execution.fork_server import fork_server
+from shaderlab.execution.pool import ItemResult
+from shaderlab.execution.worker_process import environment
+from shaderlab.options import Limits
+
+WORK = """
+import os, sys, time
+
+def work(items):
+    for item in items:
+        if item == "die":
+            os._exit(3)
+        if item == "orphan":
+            os.kill(os.getppid(), 9)
+        if item in ("sleep", "orphan"):
+            time.sleep(600)
+        if item == "burn":
+            while time.process_time() < 0.3:
+                pass
+        yield os.getpid(), os.getppid(), os.environ.get("OMP_PLACES"), "mine" in sys.modules
+"""
+PARENT = """
+import sys
+from shaderlab.execution import WorkerPool
+
+with WorkerPool("mine:work") as pool:
+    for result in pool.run(["a", *sys.argv[1:]]):
+        print(*result.value, flush=True)
+"""
+
+
+@pytest.fixture
+def work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+    (tmp_path / "mine.py").write_text(WORK)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    return "mine:work"
+
+
+def only(results: list[ItemResult]) -> tuple[int, int, str | None, bool]:
+    (result,) = results
+    found: tuple[int, int, str | None, bool] = result.value
+    return found
+
+
+def test_all_workers_of_all_pools_are_forked_from_one_server(work: str) -> None:
+    with WorkerPool(work, batch=1) as pool:
+        first, _, second = pool.run(["a", "die", "b"])
+    with WorkerPool(work, limits=Limits(seconds=5.0)) as pool:
+        third = only(list(pool.run(["c"])))
+    servers = {first.value[1], second.value[1], third[1]}
+    assert len(servers) == 1 and os.getpid() not in servers
+    assert len({first.value[0], second.value[0], third[0]}) == 3
+
+
+def test_what_python_reads_when_it_starts_takes_a_server_of_its_own(
+    work: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with WorkerPool(work) as pool:
+        before = only(list(pool.run(["a"])))
+    monkeypatch.setenv("OMP_PLACES", "cores")
+    with WorkerPool(work) as pool:
+        after = only(list(pool.run(["a"])))
+    assert after[1] != before[1] and after[2] == "cores"
+
+
+def test_modules_of_others_are_not_kept(work: str, tmp_path: Path) -> None:
+    with WorkerPool(work) as pool:
+        assert len(only(list(pool.run(["a"])))) == 4
+    (tmp_path / "mine.py").write_text(
+        "def work(items):\n    yield from ('changed' for _ in items)\n"
+    )
+    with WorkerPool(work) as pool:
+        (result,) = pool.run(["a"])
+    assert result.value == "changed"
+
+
+@pytest.mark.skipif(not os.path.isdir("/proc/self"), reason="threads are looked up in /proc")
+def test_the_server_of_labs_has_one_thread_and_no_device() -> None:
+    """A thread would not be copied, and what it holds stays held; of a context two would draw."""
+    made = environment()
+    server = fork_server(
+        made, "shaderlab.execution.lab_worker:LabWorker", "shaderlab.execution.warming:warm_up"
+    )
+    server.ends(-1, 0.0)  # it answers when it has imported everything
+    number = server.process
+    assert len(os.listdir(f"/proc/{number}/task")) == 1
+    mapped = Path(f"/proc/{number}/maps").read_text()
+    assert "mgl" in mapped and "_umath" in mapped
+    assert "_dri.so" not in mapped and "libgallium" not in mapped
+
+
+def test_a_server_that_died_is_said_and_started_anew(work: str) -> None:
+    with WorkerPool(work, batch=1) as pool:
+        lost, after = pool.run(["orphan", "b"])
+        assert lost.status == "crash" and "starts workers died" in lost.message
+        os.kill(after.value[1], signal.SIGKILL)
+        assert only(list(pool.run(["c"])))[1] != after.value[1]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere workers end when they answer")
+def test_workers_end_with_the_process_that_asked_for_them(work: str, tmp_path: Path) -> None:
+    command = [sys.executable, "-c", PARENT, "sleep"]
+    path = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=path) as parent:
+        assert parent.stdout is not None
+        worker, server = map(int, parent.stdout.readline().split()[:2])
+        parent.kill()
+    until = time.monotonic() + 10.0
+    while (running(worker) or running(server)) and time.monotonic() < until:
+        time.sleep(0.01)
+    assert not running(worker) and not running(server)
+
+
+def test_what_workers_take_counts_as_their_parents(work: str) -> None:
+    before = childrens_seconds()
+    path = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    subprocess.run([sys.executable, "-c", PARENT, "burn"], check=True, env=path)
+    assert childrens_seconds() - before > 0.3
+
+
+def childrens_seconds() -> float:
+    """What this process's children have taken of the processors, once they were waited for."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
+def running(process: int) -> bool:
+    """Whether a process is there and no zombie."""
+    with contextlib.suppress(OSError):
+        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    return False
