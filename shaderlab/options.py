@@ -43,7 +43,7 @@ class RunOptions:
         gl_calls: whether the calls of OpenGL that drawing takes are recorded as well.
         driver: as in `shaderlab.backends.open_backend`; a process keeps the first it is given.
         frames: the folder in which `shaderlab.evaluation.stored_images` stores what each scene
-            draws; None stores nothing.
+            draws, on each of several drivers in a folder of its own; None stores nothing.
         limits: of each scene.
     """
 

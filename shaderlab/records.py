@@ -12,6 +12,7 @@ from typing import Literal
 
 Status = Literal["pass", "fail", "error", "unsupported", "timeout", "crash"]
 Severity = Literal["error", "warning", "info"]
+Agreement = Literal["equal", "within", "outside"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -318,6 +319,17 @@ class CallsRecord:
 
 
 @dataclass(frozen=True, kw_only=True)
+class DrawnOutput:
+    """One output of a scene, "pass.output": its (width, height), a digest of its values, and the
+    names of the expectations that read it and fail."""
+
+    name: str
+    size: tuple[int, int]
+    digest: str
+    failed: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
 class Record:
     """One variant of one case, run and judged. `id` and `variant` name it within a run.
 
@@ -329,6 +341,9 @@ class Record:
     `unread` are the outputs that no expectation reads (see
     `shaderlab.expectations.reads.unread_outputs`): whatever is drawn there, the record passes.
     `gl_calls` are there where they were asked for.
+
+    `driver_name` is the name given to `--drivers`, "" where a run has one driver. Where there are
+    several, `drawn` has each output, so that they can be compared.
 
     `driver` (renderer and version), `size` and `picture_size` (sides in pixels of the judged frame
     and of the picture, where a pass has no size of its own) are what the values depend on besides
@@ -365,6 +380,13 @@ class Record:
     chapter: str = ""
     unread: tuple[str, ...] = ()
     gl_calls: tuple[CallsRecord, ...] = ()
+    driver_name: str = ""
+    drawn: tuple[DrawnOutput, ...] = ()
+
+    @property
+    def key(self) -> tuple[str, str, str]:
+        """What tells it from the others of a run."""
+        return self.id, self.variant, self.driver_name
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -397,8 +419,11 @@ class ProgramRecord:
 
 @dataclass(frozen=True, kw_only=True)
 class DriverResult:
-    """One scene's result on one of several drivers; `driver` is the name given to `--drivers`.
-    `ulp` and `widths` are the largest of its outcomes' worst values."""
+    """One scene's result on one of several drivers; `driver` is the name given to `--drivers`,
+    `renderer` what draws there, "" if it never drew.
+    `ulp` and `widths` are the largest of its outcomes' worst values. `message` says why it did not
+    pass; `agrees` how its outputs compare with those on the first driver: the worst of
+    `Disagreement.verdict`, "" where either drew nothing."""
 
     driver: str
     renderer: str
@@ -407,12 +432,17 @@ class DriverResult:
     status: Status
     ulp: float = 0.0
     widths: float = 0.0
+    message: str = ""
+    agrees: Literal["", "equal", "within", "outside"] = ""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Disagreement:
     """One output of one scene on two drivers: how many of its pixels differ, and the largest
-    distance of two values, in units in the last place (steps of 1 for integers)."""
+    distance of two values, in units in the last place (steps of 1 for integers).
+
+    `verdict` is "equal" to the bit, "within" where both are in their bands, "outside" where a
+    driver leaves one; `outside` names those drivers."""
 
     id: str
     variant: str
@@ -421,6 +451,8 @@ class Disagreement:
     pixels: int
     differing: int
     ulp: float
+    verdict: Agreement = "equal"
+    outside: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -43,12 +43,14 @@ class RecordedRun:
         complete: whether all of the plan was run; an interrupt ends it early.
         problems: what could not be written, and files given in a shader's place that no program
             was made of.
+        records: those of all drivers, where the run has several.
     """
 
     run: Run
     folder: Path
     complete: bool
     problems: tuple[ShaderlabError, ...] = ()
+    records: tuple[Record, ...] = ()
 
 
 def new_plan(jobs: Sequence[Job], options: RunOptions, folder: str | None) -> RunPlan:
@@ -77,7 +79,9 @@ def resumed_plan(word: str, limits: Limits) -> tuple[RunPlan, list[Record]]:
     for line in damaged:
         place = display_path(folder / FILE_NAME, line)
         click.echo(f"shaderlab: {place}: this record is damaged; it is made again", err=True)
-    return replace(plan, options=replace(plan.options, folder=folder, limits=limits)), done
+    frames = plan.options.frames and folder / plan.options.frames.name
+    options = replace(plan.options, folder=folder, limits=limits, frames=frames)
+    return replace(plan, options=options), done
 
 
 def run_plan(
@@ -95,7 +99,7 @@ def run_plan(
         done: the records of a run that is resumed; their jobs are not run again.
     """
     assert plan.options.folder is not None
-    records = {(record.id, record.variant): record for record in done or ()}
+    records = {record.key: record for record in done or ()}
     waiting = {job.key: job for job in plan.jobs if job.key not in records}
     with (
         Journal(plan.options.folder, plan if done is None else None) as journal,
@@ -112,18 +116,20 @@ def run_plan(
             del waiting[job.key]
             progress.ends(record)
     about = executor.about()
+    made = tuple(records[job.key] for job in plan.jobs if job.key in records)
+    first = plan.jobs[0].driver if plan.jobs else ""
     run = Run(
         driver=about.driver,
         versions=about.versions,
         started=plan.started,
         seconds=time.perf_counter() - clock,
-        records=tuple(records[job.key] for job in plan.jobs if job.key in records),
+        records=tuple(record for record in made if record.driver_name == first),
         replaced={name: display_path(file) for name, file in plan.options.shaders.items()},
         missing=len(waiting),
     )
     ignored = () if waiting else unread(plan.options.shaders, run.records)
     problems = [ShaderlabError(journal.problem)] if journal.problem else []
-    return RecordedRun(run, plan.options.folder, not waiting, (*problems, *ignored))
+    return RecordedRun(run, plan.options.folder, not waiting, (*problems, *ignored), made)
 
 
 def with_coverage(
@@ -134,7 +140,7 @@ def with_coverage(
     from shaderlab.execution.executor import LocalExecutor, error_text
 
     assert isinstance(executor, LocalExecutor)
-    passed = {(r.id, r.variant) for r in recorded.run.records if r.status == "pass"}
+    passed = {record.key for record in recorded.run.records if record.status == "pass"}
     cases: dict[tuple[str, str], list[str]] = {}
     for job in plan.jobs:
         if job.key in passed:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-import tempfile
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -19,10 +18,6 @@ from shaderlab.execution.jobs import checked_driver
 from shaderlab.options import Limits, RunOptions
 
 if TYPE_CHECKING:
-    from shaderlab.cli.recorded_run import RecordedRun
-    from shaderlab.cli.showing import Show
-    from shaderlab.execution import Executor
-    from shaderlab.execution.journal import RunPlan
     from shaderlab.records import Record, Run
 
 
@@ -56,8 +51,8 @@ if TYPE_CHECKING:
 @running_options("variant")
 @click.option(
     "--drivers",
-    metavar="A,B",
-    help="Run on each of these drivers, and show where they disagree.",
+    metavar="A,B,…",
+    help="Run on each of these drivers, and show where they disagree and why.",
 )
 @click.option(
     "--resume",
@@ -134,7 +129,10 @@ def command(
     """
     compared = _compared_drivers(drivers)
     if compared and (driver is not None or resume is not None or workers == 0):
-        raise UsageError("--drivers goes with neither --driver, --resume nor -j 0")
+        raise UsageError(
+            "--drivers goes with neither --driver, --resume nor -j 0",
+            remedy="--resume knows the drivers of its run" if resume is not None else None,
+        )
     if coverage and scheduler is not None:
         raise UsageError("--coverage is measured on this machine: leave out --scheduler")
     if resume is not None and (targets or every or variants or folder):
@@ -155,16 +153,15 @@ def command(
         plan, done = resumed_plan(resume, limits)
         options = plan.options
 
-    def start(driver: str | None) -> Executor:
-        return make_executor(driver, limits, workers, scheduler)
-
     # Workers get ready while what follows is imported.
-    with contextlib.closing(start(options.driver)) as executor:
+    with contextlib.closing(make_executor(options.driver, limits, workers, scheduler)) as executor:
         from shaderlab.cli.recorded_run import finish, new_plan, run_plan, with_coverage
         from shaderlab.cli.renaming import renames
         from shaderlab.cli.replacing import named, parsed
         from shaderlab.cli.selecting import choose
+        from shaderlab.cli.several_drivers import compared_drivers, on_each
         from shaderlab.cli.showing import Show
+        from shaderlab.cli.showing_drivers import show_drivers
         from shaderlab.report.html import load_libraries
 
         load_libraries()
@@ -175,16 +172,14 @@ def command(
             names = renames(renamed, list(replacements.values()))
             in_place = named(replacements, jobs, includes, names)
             plan = new_plan(jobs, replace(options, shaders=in_place, renames=names), folder)
-        if compared:
-            recorded = _run_on_each(compared, executor, start, plan, show)
-        else:
-            recorded = run_plan(executor, plan, show, done)
+            plan = on_each(plan, compared)
+        recorded = compared_drivers(run_plan(executor, plan, show, done), plan)
         if coverage and recorded.complete:
             recorded = with_coverage(recorded, executor, plan, show)
         show.outcomes(recorded.run)
         show.gl_calls(recorded.run)
         show.coverage(recorded.run)
-        show.disagreements(recorded.run)
+        show_drivers(recorded.run, show.console)
         if profile:
             show.profile(recorded.run)
     is_latest = folder is None and resume is None
@@ -215,45 +210,3 @@ def _compared_drivers(names: str | None) -> tuple[str, ...]:
     if len(set(found)) != len(found) or len(found) < 2:
         raise UsageError(f"--drivers {names}: name two or more, each once")
     return found
-
-
-def _run_on_each(
-    drivers: Sequence[str],
-    executor: Executor,
-    start: Callable[[str], Executor],
-    plan: RunPlan,
-    show: Show,
-) -> RecordedRun:
-    """Run the plan on each driver; the run on the first one gets the comparison.
-
-    Args:
-        drivers: their names.
-        executor: on the first driver.
-        start: makes an executor on another driver.
-        plan, show: as for `run_plan`.
-    """
-    from shaderlab.cli.recorded_run import run_plan
-    from shaderlab.execution.drivers import disagreements, results
-
-    with tempfile.TemporaryDirectory(prefix="shaderlab-") as folder:
-        frames = {name: Path(folder, name) for name in drivers}
-        first = replace(plan.options, frames=frames[drivers[0]])
-        recorded = run_plan(executor, replace(plan, options=first), show)
-        if not recorded.complete:
-            return recorded
-        run = recorded.run
-        found = list(results(drivers[0], run.driver["renderer"], run.records))
-        for name in drivers[1:]:
-            options = replace(plan.options, driver=name, pictures=False, frames=frames[name])
-            records: dict[tuple[str, str], Record] = {}
-            with (
-                contextlib.closing(start(name)) as other,
-                show.progress(len(plan.jobs)) as progress,
-            ):
-                for job, record in other.run(plan.jobs, options):
-                    progress.ends(record)
-                    records[job.key] = record
-                renderer = other.about().driver["renderer"]
-            found += results(name, renderer, [records[job.key] for job in plan.jobs])
-        apart = tuple(disagreements(plan.jobs, frames))
-    return replace(recorded, run=replace(run, drivers=tuple(found), disagreements=apart))

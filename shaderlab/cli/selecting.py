@@ -42,7 +42,7 @@ def choose(targets: Sequence[str], every: bool, variants: Sequence[str], load: L
     facts = dict(zip(files, distinct(load(files)), strict=True))
     in_order = sorted((facts[f] for f in shipped), key=lambda case: place(case.section, case.id))
     chosen = [(case, None) for case in in_order] + [(facts[file], v) for file, v in wanted]
-    jobs: dict[tuple[str, str], Job] = {}
+    jobs: dict[tuple[str, str, str], Job] = {}
     for case, variant in chosen:
         jobs |= {job.key: job for job in _jobs(case, variant) if job.key not in jobs}
     errors = [case.error for case in facts.values() if case.error is not None]

@@ -144,27 +144,6 @@ class Show:
         """The path of the page."""
         self.console.print(f"report: {display_path(page)}")
 
-    def disagreements(self, run: Run) -> None:
-        """Where drivers disagree: a row for each output that differs between two of them."""
-        if not run.drivers:
-            return
-        numbers = ("pixels that differ", "most ulp")
-        table = plain_table("output", "drivers", *numbers, right=numbers)
-        for each in run.disagreements:
-            if each.differing:
-                name = f"{label(each.id, each.variant)}: {each.output}"
-                differing = f"{each.differing} of {each.pixels}"
-                table.add_row(name, " | ".join(each.drivers), differing, f"{each.ulp:.4g}")
-        same = sum(not each.differing for each in run.disagreements)
-        self.console.print()
-        if table.row_count:
-            self.console.print(table)
-        self.console.print(f"{same} of {len(run.disagreements)} outputs are the same everywhere")
-        for result in run.drivers:
-            if result.status not in ("pass", "unsupported"):
-                name = label(result.id, result.variant)
-                self.console.print(f"{result.status} on {result.driver}: {name}")
-
     def profile(self, run: Run) -> None:
         """The time of all records by phase, and the slowest of them."""
         spent: dict[str, float] = defaultdict(float)
@@ -200,9 +179,9 @@ class Reporter:
         self._done = 0
         self._next = time.monotonic() + HEARTBEAT
 
-    def starts(self, case_id: str, variant: str) -> None:
+    def starts(self, case_id: str, variant: str, driver: str = "") -> None:
         """A scene starts."""
-        name = label(case_id, variant)
+        name = label(case_id, variant) + (f" on {driver}" if driver else "")
         self._bar.update(self._task, description=f"{name:<32}")
         if time.monotonic() >= self._next:
             self._next = time.monotonic() + HEARTBEAT
@@ -212,7 +191,8 @@ class Reporter:
         """A scene is done."""
         self.advance()
         if failed(record):
-            self._say(f"{record.status}: {label(record.id, record.variant)}")
+            where = f" on {record.driver_name}" if record.driver_name else ""
+            self._say(f"{record.status}: {label(record.id, record.variant)}{where}")
 
     def advance(self) -> None:
         """A scene, or something else, is done."""

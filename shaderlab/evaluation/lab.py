@@ -208,6 +208,7 @@ class Lab:
         if self.options.frames is not None:
             with _unless_unwritable(builder, "the values that drivers are compared by"):
                 stored_images.save(self.options.frames, scene.case.id, scene.variant, drawn.images)
+            builder.set_drawn(drawn.images)
         builder.add_inactive_uniforms(drawn.inactive)
         evaluation.require_no_other_errors()
         self.judge_all(evaluation, builder, writer)

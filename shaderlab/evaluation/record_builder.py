@@ -16,8 +16,9 @@ from shaderlab.discovery import chapter_title
 from shaderlab.errors import ShaderlabError
 from shaderlab.evaluation.buffer_layouts import buffer_records
 from shaderlab.evaluation.picture_writer import PictureFiles
+from shaderlab.evaluation.stored_images import digest
 from shaderlab.files import display_path
-from shaderlab.frame import PassDraw, TracedCall
+from shaderlab.frame import Image, PassDraw, TracedCall
 from shaderlab.judging.figures import shown
 from shaderlab.model import Judgement, Ramp, Scene
 from shaderlab.programs.prepare import PreparedDraw
@@ -26,6 +27,7 @@ from shaderlab.records import (
     CallsRecord,
     Curve,
     Declared,
+    DrawnOutput,
     ErratumNote,
     Outcome,
     PassRecord,
@@ -59,6 +61,7 @@ class RecordBuilder:
         self._passes: tuple[PassRecord, ...] = ()
         self._buffers: tuple[BufferRecord, ...] = ()
         self._driver, self._size, self._picture_size = "", 0, 0
+        self._images: dict[tuple[str, str], tuple[tuple[int, ...], str]] = {}
 
     def set_failure(self, status: Status, error: ShaderlabError) -> None:
         """Give the reason why the scene could not be run to its end."""
@@ -108,6 +111,12 @@ class RecordBuilder:
         """Add a message that changes no verdict."""
         if text not in self._notices:
             self._notices.append(text)
+
+    def set_drawn(self, images: Mapping[tuple[str, str], Image]) -> None:
+        """Set what was drawn, to be compared with what another driver draws."""
+        self._images = {
+            key: (image.values.shape[1::-1], digest(image.values)) for key, image in images.items()
+        }
 
     def add_inactive_uniforms(self, names: frozenset[str]) -> None:
         """Add a notice for each declared uniform that the driver found to have no effect."""
@@ -169,7 +178,21 @@ class RecordBuilder:
             picture_size=self._picture_size,
             unread=self._unread,
             gl_calls=self._gl_calls,
+            drawn=tuple(self._drawn()),
         )
+
+    def _drawn(self) -> Iterator[DrawnOutput]:
+        """Each output with the expectations that read it and fail."""
+        failed: dict[tuple[str, str], list[str]] = {}
+        judged = zip(self._scene.expect, self._outcomes, strict=False)
+        for expectation, outcome in judged if self._images else ():
+            if outcome.status != "pass":
+                for read in expectation.reads(self._scene):
+                    failed.setdefault((read.pass_name, read.output), []).append(outcome.name)
+        for key, ((width, height), found) in self._images.items():
+            names = tuple(dict.fromkeys(failed.get(key, ())))
+            name = ".".join(key)
+            yield DrawnOutput(name=name, size=(width, height), digest=found, failed=names)
 
     def _final_status(self, verdicts: Mapping[str, str]) -> Status:
         if self._status != "pass":

@@ -25,6 +25,13 @@ def save(folder: Path, case_id: str, variant: str, images: Mapping[tuple[str, st
         np.savez(file, **arrays)  # type: ignore[arg-type]
 
 
+def digest(values: Array) -> str:
+    """A digest of an array's values, type and shape; zeros of both signs differ."""
+    found = hashlib.blake2s(f"{values.dtype.str}{values.shape}".encode(), digest_size=12)
+    found.update(np.ascontiguousarray(values).data)
+    return found.hexdigest()
+
+
 def load(folder: Path, case_id: str, variant: str) -> dict[str, Array]:
     """The images that `save` stored; empty if the scene was not drawn."""
     try:

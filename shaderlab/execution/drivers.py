@@ -9,54 +9,123 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from shaderlab.execution.jobs import Job
-from shaderlab.records import Disagreement, DriverResult, Record
+from shaderlab.records import Agreement, Disagreement, DrawnOutput, DriverResult, Record
 
 if TYPE_CHECKING:
     from shaderlab.frame import Array
 
+_ORDER: tuple[Agreement, ...] = ("equal", "within", "outside")
+_MOST = 3
 
-def results(driver: str, renderer: str, records: Sequence[Record]) -> Iterator[DriverResult]:
-    """What became of each scene on one driver."""
+
+def results(records: Sequence[Record], apart: Sequence[Disagreement]) -> Iterator[DriverResult]:
+    """What became of each scene on each driver.
+
+    Args:
+        records: of all drivers, those of the first one first.
+        apart: how they compare.
+    """
+    renderers: dict[str, str] = {}
+    for record in records:
+        if record.driver:
+            renderers.setdefault(record.driver_name, record.driver.partition(";")[0])
+    first = records[0].driver_name if records else ""
+    agreement: dict[tuple[str, str, str], Agreement] = {}
+    for each in apart:
+        if each.drivers[0] == first:
+            key = (each.id, each.variant, each.drivers[1])
+            agreement[key] = max(agreement.get(key, "equal"), each.verdict, key=_ORDER.index)
     for record in records:
         worst = [o.worst for o in record.expectations if o.worst is not None]
         yield DriverResult(
-            driver=driver,
-            renderer=renderer,
+            driver=record.driver_name,
+            renderer=renderers.get(record.driver_name, ""),
             id=record.id,
             variant=record.variant,
             status=record.status,
             ulp=max((w.ulp for w in worst), default=0.0),
             widths=max((w.widths for w in worst), default=0.0),
+            message=_reason(record),
+            agrees=agreement.get(record.key, ""),
         )
 
 
-def disagreements(jobs: Sequence[Job], frames: Mapping[str, Path]) -> Iterator[Disagreement]:
+def _reason(record: Record) -> str:
+    """Why a record did not pass, in a few lines."""
+    if record.status == "pass":
+        return ""
+    lines = record.message.splitlines()[:1]
+    wrong = [outcome for outcome in record.expectations if outcome.status != "pass"]
+    for outcome in wrong[:_MOST]:
+        said = outcome.message.splitlines()[:1]
+        said = said or [f"{outcome.outside} of {outcome.judged} values outside"]
+        if outcome.explanation is not None and outcome.explanation.verdict:
+            said.append(outcome.explanation.verdict)
+        lines.append(f"{outcome.name}: {'; '.join(said)}")
+    if len(wrong) > _MOST:
+        lines.append(f"… and {len(wrong) - _MOST} more")
+    return "\n".join(lines)
+
+
+def disagreements(records: Sequence[Record], frames: Path) -> Iterator[Disagreement]:
     """Each output of each scene, compared between every two drivers.
 
+    Arrays are read only where digests differ; without them nothing is said of an output.
+
     Args:
-        jobs: the scenes.
-        frames: by driver, the folder in which its frames were kept.
+        records: of all drivers.
+        frames: the folder in which each driver's frames were stored in a folder of its own.
     """
+    scenes: dict[tuple[str, str], list[Record]] = {}
+    for record in records:
+        scenes.setdefault((record.id, record.variant), []).append(record)
+    for scene in scenes.values():
+        arrays: dict[str, Mapping[str, Array]] = {}
+        for first, second in combinations(scene, 2):
+            others = {output.name: output for output in second.drawn}
+            for output in first.drawn:
+                other = others.get(output.name)
+                if other is not None and other.size == output.size:
+                    yield from _compared(first, second, output, other, frames, arrays)
+
+
+def _compared(
+    first: Record,
+    second: Record,
+    output: DrawnOutput,
+    other: DrawnOutput,
+    frames: Path,
+    arrays: dict[str, Mapping[str, Array]],
+) -> Iterator[Disagreement]:
     from shaderlab.evaluation.stored_images import load
 
-    for job in jobs:
-        drawn = {name: load(folder, job.id, job.variant) for name, folder in frames.items()}
-        for first, second in combinations(frames, 2):
-            for output, values in drawn[first].items():
-                other = drawn[second].get(output)
-                if other is None or other.shape != values.shape:
-                    continue
-                differing, distance = apart(values, other)
-                yield Disagreement(
-                    id=job.id,
-                    variant=job.variant,
-                    output=output,
-                    drivers=(first, second),
-                    pixels=values.shape[0] * values.shape[1],
-                    differing=differing,
-                    ulp=distance,
-                )
+    differing, distance = 0, 0.0
+    if output.digest != other.digest:
+        for record in (first, second):
+            name = record.driver_name
+            if name not in arrays:
+                arrays[name] = load(frames / name, record.id, record.variant)
+        values = [arrays[record.driver_name].get(output.name) for record in (first, second)]
+        one, two = values
+        if one is None or two is None or one.shape != two.shape:
+            return
+        differing, distance = apart(one, two)
+    outside = tuple(
+        record.driver_name
+        for record, drawn in ((first, output), (second, other))
+        if differing and drawn.failed
+    )
+    yield Disagreement(
+        id=first.id,
+        variant=first.variant,
+        output=output.name,
+        drivers=(first.driver_name, second.driver_name),
+        pixels=output.size[0] * output.size[1],
+        differing=differing,
+        ulp=distance,
+        verdict="outside" if outside else "within" if differing else "equal",
+        outside=outside,
+    )
 
 
 def apart(a: Array, b: Array) -> tuple[int, float]:

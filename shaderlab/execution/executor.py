@@ -81,7 +81,9 @@ class LocalExecutor(Executor):
             if job.broken:
                 yield job, failed_record(job, job.broken, job.trouble)
         requests = [RunJob(job, options) for job in jobs if not job.broken]
-        with contextlib.closing(self.perform(requests)) as results:
+        # Of several drivers each has processes of its own: a worker stays with one while it can.
+        key = (lambda request: request.job.driver) if any(job.driver for job in jobs) else None
+        with contextlib.closing(self.perform(requests, key=key)) as results:
             for result in results:
                 yield result.item.job, self._record(result)
 
@@ -94,9 +96,12 @@ class LocalExecutor(Executor):
             result.status,
             error_text(result),
             step=result.step,
-            driver=self.about().driver.get("renderer", "") if result.status != "error" else "",
+            driver=self._driver_of(result.item.job) if result.status != "error" else "",
             seconds=self.limits.seconds if result.status == "timeout" else 0.0,
         )
+
+    def _driver_of(self, job: Job) -> str:
+        return job.driver or self.about().driver.get("renderer", "")
 
 
 class ProcessExecutor(LocalExecutor):

@@ -63,6 +63,7 @@ class Job:
         trouble: why it could not be loaded.
         point: runs the variant with other inputs, judged by its formulas alone; `variant` is then
             the point's own name.
+        driver: where it is run, if the run has several drivers; "" for the run's own.
     """
 
     file: str
@@ -73,11 +74,12 @@ class Job:
     broken: str = ""
     trouble: str = ""
     point: Point | None = None
+    driver: str = ""
 
     @property
-    def key(self) -> tuple[str, str]:
-        """What tells it from the others of a run."""
-        return self.id, self.variant
+    def key(self) -> tuple[str, str, str]:
+        """What tells it from the others of a run, as of its record."""
+        return self.id, self.variant, self.driver
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -170,6 +172,7 @@ def failed_record(
         status=cast("Status", status),
         message="\n".join(lines),
         seconds=seconds,
+        driver_name=job.driver,
     )
 
 

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from shaderlab import evaluation
-from shaderlab.backends import prepare_process
+from shaderlab.backends import known_driver, prepare_process
 from shaderlab.catalogue import load_case
 from shaderlab.errors import CaseError
 from shaderlab.evaluation import Lab
@@ -37,6 +37,7 @@ class LabWorker:
     def __init__(self, channel: Channel | None = None) -> None:
         self._channel = channel
         self._lab: Lab | None = None
+        self._driver = ""
         self._scenes: dict[str, Mapping[str, Scene]] = {}
         self._kept: dict[str, tuple[Hashable, Any]] = {}
 
@@ -51,7 +52,14 @@ class LabWorker:
 
     def lab(self, options: RunOptions) -> Lab:
         """The process's lab, with these options for the scenes to come."""
+        if self._lab is not None and options.driver not in (None, self._driver):
+            # Mesa reads once in a process which driver it is to be.
+            if self._channel is not None:
+                os._exit(0)  # the parent starts another process and asks that one
+            self._lab.close()
+            self._lab = None
         if self._lab is None:
+            self._driver = known_driver(options.driver)
             if self._channel is not None:
                 prepare_process(options.driver)  # a worker is the lab's alone
             self._lab = evaluation.Lab(options, self.note)
@@ -88,9 +96,10 @@ class LabWorker:
     def run(self, job: Job, options: RunOptions) -> Record:
         """Run one job. Raises CaseError where the case file is wrong."""
         size = options.size if job.point is None else job.point.size or options.size
-        lab = self.lab(replace(options, size=size))
+        lab = self.lab(_of_driver(job.driver, replace(options, size=size)))
         self.note("loading the case file")
-        return lab.run(_scene_of(job, self.scenes(job.file)))
+        record = lab.run(_scene_of(job, self.scenes(job.file)))
+        return replace(record, driver_name=job.driver) if job.driver else record
 
     def keep(self, slot: str, key: Hashable, make: Callable[[], Any]) -> Any:
         """The value in `slot`, made now unless it was made for the same key."""
@@ -113,6 +122,18 @@ class LabWorker:
         """Close the lab."""
         if self._lab is not None:
             self._lab.close()
+
+
+def _of_driver(driver: str, options: RunOptions) -> RunOptions:
+    """The options on one of several drivers: only the first one's pictures are for people."""
+    if not driver:
+        return options
+    return replace(
+        options,
+        driver=driver,
+        pictures=options.pictures and driver == known_driver(options.driver),
+        frames=None if options.frames is None else options.frames / driver,
+    )
 
 
 def _scene_of(job: Job, scenes: Mapping[str, Scene]) -> Scene:

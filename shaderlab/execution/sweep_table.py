@@ -25,7 +25,7 @@ def rows(jobs: Sequence[Job], records: Sequence[Record]) -> list[Row]:
     `outside` and `judged` count values, `vacuous` is the largest share of values whose band allows
     anything. Then seconds: of all, and of each phase.
     """
-    found = {(record.id, record.variant): record for record in records}
+    found = {record.key: record for record in records}
     return [
         {**dict(coordinates(job)), **_figures(found[job.key])} for job in jobs if job.key in found
     ]

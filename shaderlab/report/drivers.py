@@ -1,10 +1,21 @@
-"""Several drivers side by side: each scene's verdict and distance on each of them."""
+"""Several drivers side by side: each scene's verdict on each of them, and how far they agree."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from itertools import groupby
 
-from shaderlab.records import DriverResult, Run
+from shaderlab.records import Agreement, Disagreement, DriverResult, Run
+from shaderlab.report.plain_text import MARKS
+
+AGREEMENTS: dict[Agreement, str] = {
+    "equal": "the same to the bit",
+    "within": "different, each within its band",
+    "outside": "outside of a band on one",
+}
+"""What a verdict on two drivers' values means, in words."""
 
 
 @dataclass(frozen=True)
@@ -21,22 +32,37 @@ class DriverRow:
         """Whether all verdicts are the same."""
         return len({result and result.status for result in self.results}) == 1
 
+    @property
+    def cells(self) -> tuple[str, ...]:
+        """Of each driver a few words: the verdict, and how its outputs compare with the first's."""
+        return tuple(_cell(result) for result in self.results)
+
 
 @dataclass(frozen=True)
 class DriverTable:
-    """`drivers` are (name, renderer); scenes with differing verdicts come first."""
+    """`drivers` are (name, renderer); scenes with differing verdicts come first. `apart` are the
+    outputs that differ, what leaves a band first, `outputs` counts all by verdict."""
 
     drivers: tuple[tuple[str, str], ...]
     rows: tuple[DriverRow, ...]
+    apart: tuple[Disagreement, ...] = ()
+    outputs: Counter[Agreement] = field(default_factory=Counter)
+    words = AGREEMENTS
 
     @property
     def disputed(self) -> int:
         """How many scenes have not the same verdict everywhere."""
         return sum(not row.agrees for row in self.rows)
 
+    def by_case(self) -> Iterator[tuple[str, int, tuple[str, ...]]]:
+        """Each case with the number of its variants whose cells are these."""
+        for case_id, rows in groupby(sorted(self.rows, key=lambda r: r.id), lambda row: row.id):
+            for cells, count in Counter(row.cells for row in rows).items():
+                yield case_id, count, cells
 
-def driver_table(run: Run, anchors: dict[tuple[str, str], str]) -> DriverTable | None:
-    """The table, or None for a single driver."""
+
+def driver_table(run: Run, anchors: Mapping[tuple[str, str], str]) -> DriverTable | None:
+    """The table, or None for a single driver; `anchors` are the variants' on the page."""
     names = {result.driver: result.renderer for result in run.drivers}
     if len(names) < 2:
         return None
@@ -47,4 +73,20 @@ def driver_table(run: Run, anchors: dict[tuple[str, str], str]) -> DriverTable |
         DriverRow(*scene, anchors.get(scene), tuple(results.get(name) for name in names))
         for scene, results in by_scene.items()
     ]
-    return DriverTable(tuple(names.items()), tuple(sorted(rows, key=lambda row: row.agrees)))
+    return DriverTable(
+        drivers=tuple(names.items()),
+        rows=tuple(sorted(rows, key=lambda row: row.agrees)),
+        apart=tuple(
+            sorted(
+                (each for each in run.disagreements if each.verdict != "equal"),
+                key=lambda each: each.verdict != "outside",
+            )
+        ),
+        outputs=Counter(each.verdict for each in run.disagreements),
+    )
+
+
+def _cell(result: DriverResult | None) -> str:
+    if result is None:
+        return "not run"
+    return f"{MARKS[result.status]} {result.agrees or result.status}"

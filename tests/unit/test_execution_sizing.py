@@ -91,7 +91,7 @@ def test_workers_are_added_when_it_is_known_what_there_is_to_do(
         made.load([Path(f"{n}.py") for n in range(9)])
         found = dict(made.run([*jobs, *broken], RunOptions()))
     assert set(found) == {*jobs, *broken}
-    assert all((record.id, record.variant) == job.key for job, record in found.items())
+    assert all(record.key == job.key for job, record in found.items())
     assert pools[0].asked == asked
 
 

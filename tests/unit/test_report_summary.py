@@ -146,13 +146,15 @@ def test_several_drivers_stand_side_by_side(tmp_path: Path) -> None:
     ]  # fmt: skip
     found = Disagreement(
         id="a", variant="default", output="factor", drivers=("llvmpipe", "softpipe"),
-        pixels=4096, differing=17, ulp=3.0,
+        pixels=4096, differing=17, ulp=3.0, verdict="outside", outside=("softpipe",),
     )  # fmt: skip
-    made = run(record("a"), record("b"), drivers=tuple(results), disagreements=(found,))
+    same = replace(found, output="other", differing=0, ulp=0.0, verdict="equal", outside=())
+    made = run(record("a"), record("b"), drivers=tuple(results), disagreements=(same, found))
     page = Page(write(made, tmp_path))
     words = page.words()
-    assert "2 variants on 2 drivers; 1 verdict differs, 1 output is not the same" in words
-    assert "factor llvmpipe, softpipe 17 4\u202f096 3" in words
+    assert "2 variants on 2 drivers; 1 verdict differs; of 2 outputs compared" in words
+    assert "1 outside of a band on one" in words and "other" not in words
+    assert "factor llvmpipe, softpipe outside on softpipe 17 4\u202f096 3" in words
     assert 'href="#case-a-default"' in page.source
     alone = Page(write(run(record("a"), drivers=tuple(results[:1])), tmp_path))
     assert "side by side" not in alone.words()

@@ -1,0 +1,54 @@
+"""How `shaderlab run --drivers` shows where drivers agree."""
+
+from __future__ import annotations
+
+from rich.console import Console
+from rich.text import Text
+
+from shaderlab.cli.rows import plain_table
+from shaderlab.records import Disagreement, Run
+from shaderlab.report.drivers import AGREEMENTS, driver_table
+from shaderlab.report.plain_text import label, printable
+
+_STYLES = {"✓": "green", "–": "yellow", "✗": "red"}
+_MOST = 40
+
+
+def show_drivers(run: Run, console: Console) -> None:
+    """A table of cases and drivers, why a driver did not pass, and what lies outside of a band;
+    nothing for a run on one driver."""
+    table = driver_table(run, {})
+    if table is None:
+        return
+    names = [name for name, _ in table.drivers]
+    shown = plain_table("case", "variants", *names, right={"variants"}, whole={"case", *names})
+    for case_id, count, cells in table.by_case():
+        texts = (Text(cell, _STYLES.get(cell[0], "")) for cell in cells)
+        shown.add_row(Text(printable(case_id)), Text(str(count)), *texts)
+    console.print()
+    console.print(shown)
+    console.print()
+    total = table.outputs.total()
+    for verdict, words in AGREEMENTS.items():
+        console.print(f"{table.outputs[verdict]} of {total} outputs: {words}")
+    for result in run.drivers:
+        if result.status != "pass":
+            name = label(result.id, result.variant)
+            style = "yellow" if result.status == "unsupported" else "red"
+            head = f"{result.status} on {result.driver}: {name}"
+            console.print(printable("\n  ".join([head, *result.message.splitlines()])), style=style)
+    outside = [each for each in table.apart if each.verdict == "outside"]
+    for each in outside[:_MOST]:
+        for line in _lines(each):
+            console.print(printable(line))
+    if len(outside) > _MOST:
+        console.print(f"… and {len(outside) - _MOST} more")
+
+
+def _lines(each: Disagreement) -> list[str]:
+    name = f"{label(each.id, each.variant)}: {each.output}"
+    pair = " | ".join(each.drivers)
+    return [
+        f"{name}  {pair}: {each.differing} of {each.pixels} pixels differ, by {each.ulp:.4g} ULP "
+        f"at most; outside on {', '.join(each.outside)}"
+    ]
