@@ -150,7 +150,8 @@ class TracedCall:
     """A call of the API that drawing a scene took: in which pass and for which draw of it (None for
     its target), and each argument by its parameter's name, as text: constants by their names.
     `returned` is the number of the object that it made, "" for none. A call that is not `effective`
-    sets what is set already, or what counts for nothing at that moment."""
+    sets what is set already, or what counts for nothing at that moment. `state` is a digest of all
+    state that a call finds which does more than set state; "" for others."""
 
     pass_name: str
     draw: int | None
@@ -158,6 +159,7 @@ class TracedCall:
     arguments: Mapping[str, str]
     returned: str = ""
     effective: bool = True
+    state: str = ""
 
     def __str__(self) -> str:
         called = f"{self.function}({', '.join(self.arguments.values())})"

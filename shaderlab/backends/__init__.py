@@ -29,6 +29,7 @@ from shaderlab.frame import (
     TracedCall,
 )
 from shaderlab.model import Call, Scene, TextureSource
+from shaderlab.model.call_edits import CallEdit
 from shaderlab.programs.prepare import Programs
 from shaderlab.records import Verdict
 
@@ -190,6 +191,19 @@ class Backend(ABC):
             temporary_programs: release what is linked for this session at its end too, as of
                 shaders that are drawn only once.
         """
+
+    def edited_session(
+        self, scene: Scene, programs: Programs, size: Size, edit: CallEdit | None
+    ) -> AbstractContextManager[Session]:
+        """As `session`, in a context of its own, with one call of the drawing made otherwise.
+
+        It holds for `draw` and for what `trace` tells of that; None changes no call. What the lab
+        reads and captures is not touched.
+
+        Raises:
+            ShaderlabError: drawing the scene takes no such call.
+        """
+        raise UnsupportedError("changing calls of OpenGL: this backend can't")
 
     @abstractmethod
     def driver_verdict(self, sources: Sequence[Source]) -> Verdict:

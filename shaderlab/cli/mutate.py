@@ -1,4 +1,5 @@
-"""`shaderlab mutate`: make mistakes in a case's shaders on purpose, and count what it notices."""
+"""`shaderlab mutate`: make mistakes in a case's shaders or calls on purpose, and count what it
+notices."""
 
 from __future__ import annotations
 
@@ -39,6 +40,10 @@ if TYPE_CHECKING:
     help="Mutate fixed-function state too: depth, stencil, blending, culling.",
 )  # fmt: skip
 @click.option(
+    "--api", is_flag=True,
+    help="Mutate the calls of OpenGL that drawing takes, in place of shaders and state.",
+)  # fmt: skip
+@click.option(
     "--limit", type=click.IntRange(0), default=0, metavar="N",
     help="At most N mutants a case, drawn at random. 0, the default, is all.",
 )  # fmt: skip
@@ -56,6 +61,7 @@ def command(
     every: bool,
     variants: tuple[str, ...],
     state: bool,
+    api: bool,
     limit: int,
     seed: int,
     limits: Limits,
@@ -72,10 +78,14 @@ def command(
     Of equivalent ones the compiler makes the same program; "no difference" is found in others, on
     wide random inputs too. These do not count.
 
+    With --api a mutant is one call of OpenGL dropped, given another argument, repeated or put off.
+    One that changes no pixel counts where the case has a gl_calls about such calls.
+
     \b
     Examples:
       shaderlab mutate spotlight                  which mistakes would get by
       shaderlab mutate --all --json scores.json   all cases
+      shaderlab mutate mesh-class --api           calls of OpenGL in place of shaders
       shaderlab mutate ./my_case.py --limit 100   a sample
       shaderlab mutate gamma --report reports/latest
 
@@ -83,15 +93,15 @@ def command(
     """
     from shaderlab.mutation import Campaign, MutationPlan, as_json, score
 
-    plan = MutationPlan(variants=variants, state=state, limit=limit, seed=seed)
+    plan = MutationPlan(variants=variants, state=state, api=api, limit=limit, seed=seed)
     console = _console(json_file == "-")
     with contextlib.closing(make_local_executor(None, limits, workers, early=False)) as executor:
         cases = _cases(targets, every, variants, executor)
         campaign = Campaign(cases, plan, executor)
         _judge(campaign, console)
     results = campaign.results()
-    _show(console, results)
-    data = {**as_json(results), "limit": limit, "seed": seed}
+    _show(console, results, "calls of OpenGL" if api else "shaders")
+    data = {**as_json(results), "api": api, "limit": limit, "seed": seed}
     try:
         if folder is not None:
             _into_report(data, report_folder(Path(folder)))
@@ -167,7 +177,7 @@ def _judge(campaign: Campaign, console: Console) -> None:
             progress.update(task, description=f"{case_id:<24} {survived} survived", advance=1)
 
 
-def _show(console: Console, results: Sequence[CaseResult]) -> None:
+def _show(console: Console, results: Sequence[CaseResult], mutated: str) -> None:
     from rich.table import Table
 
     from shaderlab.mutation import score
@@ -200,7 +210,7 @@ def _show(console: Console, results: Sequence[CaseResult]) -> None:
             console.print(f"  {tried.mutant}\n      {tried.fate.by}", markup=False)
     of_state = score(results, state=True)
     console.print(
-        f"\nmistakes in shaders noticed: {_percent(score(results))}"
+        f"\nmistakes in {mutated} noticed: {_percent(score(results))}"
         + ("" if of_state is None else f" · in state: {_percent(of_state)}"),
         style="bold",
         markup=False,

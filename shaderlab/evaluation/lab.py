@@ -37,6 +37,7 @@ from shaderlab.expectations.formula import Formula
 from shaderlab.expectations.gl_calls import Traced
 from shaderlab.expectations.reads import unread_outputs
 from shaderlab.model import Case, Judgement, Scene
+from shaderlab.model.call_edits import CallEdit
 from shaderlab.options import RunOptions
 from shaderlab.programs.prepare import Preparer, Programs
 from shaderlab.records import Explanation, Outcome, Record, Verdict
@@ -143,6 +144,17 @@ class Lab:
             scene, programs, size, temporary_programs=like is not None
         ) as session:
             yield Evaluation(session, self.backend, preparer, like)
+
+    @contextmanager
+    def edited_evaluation(
+        self, scene: Scene, programs: Programs, edit: CallEdit | None
+    ) -> Iterator[Evaluation]:
+        """As `evaluation`, with one call of the drawing made otherwise; see
+        `Backend.edited_session`."""
+        preparer = self._preparer(str(Path(scene.case.file).parent))
+        size = (self.options.size,) * 2
+        with self.backend.edited_session(scene, programs, size, edit) as session:
+            yield Evaluation(session, self.backend, preparer)
 
     def run(self, scene: Scene) -> Record:
         """Compile, draw and judge one scene.

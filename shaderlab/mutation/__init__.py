@@ -1,5 +1,6 @@
 """Mutation: realistic mistakes made on purpose, to measure what a case's expectations notice."""
 
+from shaderlab.mutation.api_mutants import ApiMutant as ApiMutant, api_mutants as api_mutants
 from shaderlab.mutation.campaign import Campaign as Campaign
 from shaderlab.mutation.mutants import (
     Mutant as Mutant,

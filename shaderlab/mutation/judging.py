@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 
 from shaderlab.errors import CaseError, ShaderError
 from shaderlab.evaluation import Evaluation, Lab
+from shaderlab.expectations.gl_calls import Traced
 from shaderlab.expectations.reads import Named, judged_outputs
+from shaderlab.frame import TracedCall
 from shaderlab.model import Case, Draw, Scene
 from shaderlab.mutation import compare, proof
+from shaderlab.mutation.api_judging import fate_of_unseen
 from shaderlab.mutation.mutants import Mutant
 from shaderlab.mutation.results import Fate
 from shaderlab.mutation.subjects import downstream, scenes_of
@@ -40,6 +43,7 @@ class Judge:
         self._judged = judged_outputs(self._scenes)
         self._originals = {s.variant: self._original(s) for s in self._scenes}
         self._wider = WiderInputs(lab, self._originals)
+        self._traces: dict[str, Sequence[TracedCall]] = {}
         self._sound: set[tuple[str, tuple[str, ...], tuple[int, ...]]] = set()
 
     def fate(self, mutant: Mutant) -> Fate:
@@ -83,10 +87,33 @@ class Judge:
         part = task.part(everything)
         original = self._originals[part.variant]
         programs = self._prepared(task, part)
-        with self._lab.evaluation(part, programs, like=original) as mutant:
+        edit = task.effect.edit
+        if edit is None:
+            run = self._lab.evaluation(part, programs, like=original)
+        else:
+            run = self._lab.edited_evaluation(part, programs, edit)
+        with run as mutant:
             yield mutant, original
 
+    def _fate_of_call(self, task: Task) -> Fate:
+        with self.evaluation(task, everything=True) as (mutant, original):
+            seen = self._killed(mutant, original) or self._seen(mutant, original)
+            if seen is not None:
+                return seen
+            trace = mutant.answer(Traced())
+        return fate_of_unseen(task.scene, trace, self._trace(task.scene))
+
+    def _trace(self, scene: Scene) -> Sequence[TracedCall]:
+        """The calls that drawing a scene takes unmutated."""
+        if scene.variant not in self._traces:
+            programs = self._originals[scene.variant].programs
+            with self._lab.edited_evaluation(scene, programs, None) as evaluation:
+                self._traces[scene.variant] = evaluation.answer(Traced())
+        return self._traces[scene.variant]
+
     def _fate_of(self, tasks: list[Task]) -> Fate:
+        if tasks and tasks[0].effect.edit is not None:
+            return self._fate_of_call(tasks[0])
         seen: Fate | None = None
         for task in tasks:
             if task.about:
@@ -120,15 +147,19 @@ class Judge:
     def _noticed(self, task: Task) -> Fate | None:
         """Killed by the first expectation that fails, else survived if anything has changed."""
         with self.evaluation(task) as (mutant, original):
-            part = mutant.scene
-            drawn = {p.name for p in part.passes}
-            errors = {k: v for k, v in original.drawn.gl_errors.items() if k[0] in drawn}
-            if mutant.drawn.gl_errors != errors:
-                return Fate(status="killed", by=f"{part.variant} · another GL error")
-            for expectation in part.expect:
-                if mutant.judge(expectation).outcome.status != "pass":
-                    return Fate(status="killed", by=f"{part.variant} · {expectation.name}")
-            return self._seen(mutant, original)
+            return self._killed(mutant, original) or self._seen(mutant, original)
+
+    def _killed(self, mutant: Evaluation, original: Evaluation) -> Fate | None:
+        """Killed by another GL error, or by the first expectation that fails."""
+        part = mutant.scene
+        drawn = {p.name for p in part.passes}
+        errors = {k: v for k, v in original.drawn.gl_errors.items() if k[0] in drawn}
+        if mutant.drawn.gl_errors != errors:
+            return Fate(status="killed", by=f"{part.variant} · another GL error")
+        for expectation in part.expect:
+            if mutant.judge(expectation).outcome.status != "pass":
+                return Fate(status="killed", by=f"{part.variant} · {expectation.name}")
+        return None
 
     def _seen(self, mutant: Evaluation, original: Evaluation) -> Fate | None:
         """Survived if any bit differs of all that a mutant drew and captured; what expectations

@@ -13,6 +13,7 @@ from shaderlab.compiler.sources import Source
 from shaderlab.compiler.syntax import Syntax, name_of, reachable, walk
 from shaderlab.files import display_path
 from shaderlab.model import Scene
+from shaderlab.model.call_edits import CallEdit
 from shaderlab.mutation.names import Names, names_of
 
 Change = tuple[str, Node, Node, str]
@@ -37,6 +38,7 @@ class Effect:
         vertex_passes: those of them in which it is a vertex or geometry shader.
         program: the shaders of the program whose text is changed.
         texts: the texts to take in place of some of its shaders', by name.
+        edit: what becomes of one call of its drawing.
     """
 
     scene: Scene
@@ -44,6 +46,7 @@ class Effect:
     vertex_passes: frozenset[str] = frozenset()
     program: tuple[str, ...] = ()
     texts: Mapping[str, str] = field(default_factory=dict)
+    edit: CallEdit | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,7 +57,7 @@ class Mutant(ABC):
         file, line: the place in the author's file, the line counted from 1; 0 for none.
         operator: the kind of mistake, such as "constant + 1 %".
         before, after: the expression or statement that shows it.
-        program: the shaders of the program that has it; none for a mistake in a case's state.
+        program: the shaders of the program that has it; none for a mistake in state or calls.
     """
 
     file: str

@@ -32,26 +32,35 @@ class MutationPlan:
     Attributes:
         variants: names of the only variants to judge by; all of them if empty.
         state: mutate the cases' fixed-function state as well.
+        api: mutate the calls of OpenGL that drawing takes, and nothing else.
         limit: the most mutants of a case, drawn at random by `seed`; 0 for all.
         seed: selects the mutants that `limit` draws.
     """
 
     variants: tuple[str, ...] = ()
     state: bool = True
+    api: bool = False
     limit: int = 0
     seed: int = 0
 
 
 @dataclass(frozen=True)
 class MakeMutants:
-    """Asks for a case's mutants. Raises ShaderError if a shader can't be read."""
+    """Asks for a case's mutants. Raises ShaderError if a shader can't be read; for mutants of calls
+    the case is drawn, and whatever is wrong with that is raised."""
 
     file: Path
     plan: MutationPlan
 
     def perform(self, worker: LabWorker) -> Sequence[Mutant]:
         """See `shaderlab.execution.jobs.Request`."""
-        return mutants_of_case(worker.case(str(self.file)), self.plan)
+        case = worker.case(str(self.file))
+        if not self.plan.api:
+            return mutants_of_case(case, self.plan)
+        from shaderlab.mutation.api_mutants import api_mutants
+
+        lab = worker.lab(RunOptions())
+        return _chosen(api_mutants(lab, case, self.plan.seed, self.plan.variants), self.plan)
 
 
 @dataclass(frozen=True)
@@ -90,7 +99,12 @@ def mutants_of_case(case: Case, plan: MutationPlan) -> list[Mutant]:
     found: list[Mutant] = [*glsl_mutants(case, plan.variants)]
     if plan.state:
         found += state_mutants(case, plan.seed, plan.variants)
-    if plan.limit and plan.limit < len(found):
-        chosen = random.Random(plan.seed).sample(range(len(found)), plan.limit)
-        found = [found[i] for i in sorted(chosen)]
-    return found
+    return _chosen(found, plan)
+
+
+def _chosen(found: Sequence[Mutant], plan: MutationPlan) -> list[Mutant]:
+    """As many of these, in their order, as the plan's limit allows."""
+    if not plan.limit or plan.limit >= len(found):
+        return list(found)
+    chosen = random.Random(plan.seed).sample(range(len(found)), plan.limit)
+    return [found[i] for i in sorted(chosen)]

@@ -22,6 +22,7 @@ from shaderlab.backends.opengl.linking import Linker
 from shaderlab.compiler.sources import Source
 from shaderlab.frame import Array, Fragments, PassDraw, Reply
 from shaderlab.model import Call, Program, Scene
+from shaderlab.model.call_edits import CallEdit
 from shaderlab.programs import captures
 from shaderlab.programs.prepare import Programs
 from shaderlab.records import Verdict
@@ -45,6 +46,19 @@ class OpenGLBackend(Backend):
         with self.device.unchecked(), ExitStack() as stack:
             session = OpenGLSession(self.device, linker, scene, programs, size, stack)
             session.cache = self.captures
+            yield session
+
+    @contextmanager
+    def edited_session(
+        self, scene: Scene, programs: Programs, size: Size, edit: CallEdit | None
+    ) -> Iterator[OpenGLSession]:
+        with (
+            self.device.unchecked(),
+            tracing.recording_device(self.device, edit) as device,
+            ExitStack() as stack,
+        ):
+            session = OpenGLSession(device, Linker(device), scene, programs, size, stack)
+            session.cache = captures.CaptureCache()
             yield session
 
     def driver_verdict(self, sources: Sequence[Source]) -> Verdict:

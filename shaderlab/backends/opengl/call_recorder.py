@@ -1,14 +1,14 @@
 """A context whose calls of OpenGL are written down: moderngl's, and those made through PyOpenGL.
 
 moderngl asks its context for each function's address, and gets one that writes the call down and
-passes it on. PyOpenGL's functions are replaced while calls are recorded, and put back.
+passes it on. PyOpenGL's functions are replaced while calls are recorded, and put back. What is
+written down is what the driver gets: an edit of one call (`edited_calls`) comes before that.
 """
 
 from __future__ import annotations
 
 import ctypes
-import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
@@ -16,15 +16,17 @@ from typing import Any
 import numpy as np
 
 from shaderlab.backends.opengl.api import prototypes
+from shaderlab.backends.opengl.edited_calls import VECTOR, Editor, numbers_of
 from shaderlab.backends.opengl.pyopengl import GL, GL_1_0, GL_1_2, GL_1_3
+from shaderlab.model.call_edits import CallEdit
 
-# What takes the address of values.
-_VECTOR = re.compile(
-    r"glUniform(?P<matrix>Matrix)?(?P<rows>\d)(?:x(?P<columns>\d))?(?P<kind>f|i|ui)v"
-)
-_NUMBERS = {"f": ctypes.c_float, "i": ctypes.c_int, "ui": ctypes.c_uint}
+_NUMBERS: Mapping[str, Any] = {"f": ctypes.c_float, "i": ctypes.c_int, "ui": ctypes.c_uint}
 # What only asks, or waits: it changes nothing that is drawn.
 _SILENT = ("glGet", "glIs", "glCheck", "glFinish", "glFlush", "glReadPixels", "glReadBuffer")
+
+
+Place = tuple[str, int | None]
+"""A pass, and a draw of it; None for its target."""
 
 
 @dataclass(frozen=True)
@@ -32,7 +34,7 @@ class Recorded:
     """One call: its place as `CallRecorder.place` was then, the C name, the arguments as they were
     passed, and what was returned."""
 
-    place: tuple[str, int | None]
+    place: Place | None
     function: str
     arguments: tuple[Any, ...]
     returned: Any
@@ -41,21 +43,33 @@ class Recorded:
 class CallRecorder:
     """Stands for a context of glcontext when moderngl asks for one.
 
+    Args:
+        context: the real one.
+        edit: a call that is made otherwise while calls are recorded.
+
     Attributes:
         calls: what was recorded.
-        place: the pass and the draw that calls are made for.
+        place: the pass and the draw that calls are made for; None for the lab's own reading.
     """
 
-    def __init__(self, context: Any) -> None:
+    def __init__(self, context: Any, edit: CallEdit | None = None) -> None:
         self.calls: list[Recorded] = []
-        self.place: tuple[str, int | None] = ("", None)
+        self.place: Place | None = ("", None)
         self._context = context
+        self._edit = edit
+        self._editor = Editor(edit)
         self._callbacks: list[Any] = []  # moderngl has their addresses only
         self._on = False
 
     @contextmanager
     def recording(self) -> Iterator[None]:
-        """Record what is called meanwhile."""
+        """Record what is called meanwhile, in place of what was recorded before.
+
+        Raises:
+            ShaderlabError: the call of the edit was not made.
+        """
+        self.calls.clear()
+        self._editor = Editor(self._edit)
         own = {
             (module, name): getattr(module, name)
             for module in (GL, GL_1_0, GL_1_2, GL_1_3)  # as the lab imports them
@@ -71,6 +85,7 @@ class CallRecorder:
             self._on = False
             for (module, name), function in own.items():
                 setattr(module, name, function)
+        self._editor.require_made()
 
     def load_opengl_function(self, name: str) -> int:
         """The address of a function that records its calls; 0 where the driver has none."""
@@ -94,17 +109,23 @@ class CallRecorder:
         self._context.release()
 
     def _recording(self, name: str, function: Callable[..., Any]) -> Callable[..., Any]:
-        def recorded(*arguments: Any) -> Any:
+        def made(*arguments: Any) -> Any:
             returned = function(*arguments)
-            if self._on:
-                kept, came = arguments, returned
-                if name.startswith(("glGen", "glDrawBuffers")) and _has_address(arguments):
-                    numbers = list((ctypes.c_uint * arguments[0]).from_address(arguments[1]))
-                    kept, came = (arguments[0], numbers), numbers
-                elif name.startswith("glUniform"):
-                    kept = _with_values(name, arguments)
-                self.calls.append(Recorded(self.place, name, kept, came))
+            kept, came = arguments, returned
+            if name.startswith(("glGen", "glDrawBuffers")) and _has_address(arguments):
+                numbers = list((ctypes.c_uint * arguments[0]).from_address(arguments[1]))
+                kept, came = (arguments[0], numbers), numbers
+            elif name.startswith("glUniform"):
+                kept = _with_values(name, arguments)
+            self.calls.append(Recorded(self.place, name, kept, came))
             return returned
+
+        def recorded(*arguments: Any) -> Any:
+            if not self._on:
+                return function(*arguments)
+            if self.place is None:
+                return made(*arguments)
+            return self._editor.make(name, arguments, made, self.place[0])
 
         return recorded
 
@@ -120,12 +141,11 @@ def _has_address(arguments: tuple[Any, ...]) -> bool:
 
 def _with_values(name: str, arguments: tuple[Any, ...]) -> tuple[Any, ...]:
     """The arguments of a glUniform…v function with the values themselves for their address."""
-    found = _VECTOR.fullmatch(name)
+    found = VECTOR.fullmatch(name)
     if found is None or not isinstance(arguments[-1], int):
         return arguments
-    rows, columns, kind = found["rows"], found["columns"], found["kind"]
-    each = int(rows) * int(columns or (rows if found["matrix"] else 1))
-    values = (_NUMBERS[kind] * (each * arguments[1])).from_address(arguments[-1])
+    count = numbers_of(name, arguments[1])
+    values = (_NUMBERS[found["kind"]] * count).from_address(arguments[-1])
     return (*arguments[:-1], np.array(values))
 
 

@@ -5,13 +5,16 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import moderngl
 
 from shaderlab.backends.opengl import environment
 from shaderlab.backends.opengl.pyopengl import ERROR_CHECKER, GL
 from shaderlab.errors import DriverError
+
+if TYPE_CHECKING:
+    from shaderlab.backends.opengl.call_recorder import CallRecorder
 
 INSTALL = (
     "Debian/Ubuntu: apt-get install libegl1 libgl1-mesa-dri · Fedora: dnf install "
@@ -27,12 +30,20 @@ class Device:
         context: a `moderngl.Context`.
         info: what the driver says of itself.
         driver: a name of `shaderlab.backends.DRIVERS`.
+        recorder: writes the context's calls down; None for a context that is the driver's own.
     """
 
-    def __init__(self, context: Any, info: Mapping[str, str], driver: str = "default") -> None:
+    def __init__(
+        self,
+        context: Any,
+        info: Mapping[str, str],
+        driver: str = "default",
+        recorder: CallRecorder | None = None,
+    ) -> None:
         self.context = context
         self.info = info
         self.driver = driver
+        self.recorder = recorder
         self._users = 0
 
     @property
@@ -45,6 +56,16 @@ class Device:
         """The newest GLSL it takes, as `#version` has it: 330 for "3.30"."""
         found = re.match(r"(\d+)\.(\d\d)", self.info["glsl"])
         return int(found[1]) * 100 + int(found[2]) if found else REQUIRED_VERSION
+
+    def at(self, pass_name: str, draw: int | None = None) -> None:
+        """Note the pass and the draw that calls are made for from now on."""
+        if self.recorder is not None:
+            self.recorder.place = (pass_name, draw)
+
+    def reading(self) -> None:
+        """Note that calls are the lab's own from now on: it reads what was drawn."""
+        if self.recorder is not None:
+            self.recorder.place = None
 
     @contextmanager
     def unchecked(self) -> Iterator[None]:

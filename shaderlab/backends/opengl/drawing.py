@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from contextlib import ExitStack
+from contextlib import ExitStack, nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -64,6 +64,11 @@ class Drawing(Session):
         self._named = scene.outputs_named()
 
     def draw(self) -> Drawn:
+        recorder = self.device.recorder
+        with nullcontext() if recorder is None else recorder.recording():
+            return self._draw_all()
+
+    def _draw_all(self) -> Drawn:
         for description in self.scene.passes:
             self._run_pass(description)
         return Drawn(
@@ -83,6 +88,7 @@ class Drawing(Session):
         draws = self.programs[description.name]
         colors = pass_colors(description, draws)
         extent = self.extent(description)
+        self.device.at(description.name)
         with doing("draw", f"making the target of pass {description.name!r}"):
             if description.onto:
                 earlier = {name: target.colors for name, target in self.targets.items()}
@@ -94,18 +100,22 @@ class Drawing(Session):
                 target.clear()
             self.targets[description.name] = target
             if description.target.samples:
+                self.device.reading()
                 self._sample_positions[description.name] = target.sample_positions()
         for index, draw in enumerate(draws):
             key = (description.name, index)
+            self.device.at(*key)
             check_reads(self.scene, description, draw.draw, self.targets)
             with doing("draw", step(key, draw)):
                 self.bindings[key] = self.bind(draw)
                 self._draw(key, draw, target)
         with doing("draw"):
+            self.device.at(description.name)
             target.resolve()
             # Drivers draw when they are made to: a program that hangs, hangs here.
             self.device.context.finish()
         with doing("read", f"reading pass {description.name!r}"):
+            self.device.reading()
             self._read(description, target)
 
     def _read(self, description: Pass, target: RenderTarget) -> None:

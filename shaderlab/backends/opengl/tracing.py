@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from contextlib import ExitStack
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import moderngl
 
@@ -17,46 +17,41 @@ from shaderlab.backends.opengl.drawing import Drawing
 from shaderlab.backends.opengl.effective_calls import StateTracker
 from shaderlab.backends.opengl.linking import Linker
 from shaderlab.frame import PassDraw, TracedCall
-from shaderlab.model import Pass
-
-if TYPE_CHECKING:
-    from shaderlab.backends.opengl.target import RenderTarget
-    from shaderlab.programs.prepare import PreparedDraw
+from shaderlab.model.call_edits import CallEdit
 
 # Parameters of textures whose values are constants.
 _WORDED = ("_FILTER", "_MODE", "_FUNC", "WRAP_S", "WRAP_T", "WRAP_R")
 
 
-class _Placed(Drawing):
-    """A drawing that tells a recorder which pass and draw it is at."""
+@contextmanager
+def recording_device(device: Device, edit: CallEdit | None = None) -> Iterator[Device]:
+    """A device in a context of its own, whose calls are recorded while a scene is drawn on it.
 
-    recorder: CallRecorder
-
-    def _run_pass(self, description: Pass) -> None:
-        self.recorder.place = (description.name, None)
-        super()._run_pass(description)
-
-    def _draw(self, key: PassDraw, draw: PreparedDraw, target: RenderTarget) -> None:
-        self.recorder.place = key
-        super()._draw(key, draw, target)
-        self.recorder.place = (key[0], None)
+    Args:
+        device: gives the driver.
+        edit: a call of the scene's drawing that is made otherwise.
+    """
+    with fresh_context(device) as raw:
+        recorder = CallRecorder(raw, edit)
+        options: Any = {"standalone": True, "context": recorder}  # mistyped in moderngl's stubs
+        context = moderngl.create_context(require=REQUIRED_VERSION, **options)
+        yield Device(context, device.info, device.driver, recorder)
 
 
 def trace(session: Drawing) -> Sequence[TracedCall]:
-    """As `Session.trace`: the scene is drawn once more, in a context of its own."""
-    with fresh_context(session.device) as raw, ExitStack() as stack:
-        recorder = CallRecorder(raw)
-        options: Any = {"standalone": True, "context": recorder}  # mistyped in moderngl's stubs
-        context = moderngl.create_context(require=REQUIRED_VERSION, **options)
-        device = Device(context, session.device.info, session.device.driver)
-        linker = Linker(device)
-        drawing = _Placed(device, linker, session.scene, session.programs, session.size, stack)
-        drawing.recorder = recorder
-        with recorder.recording():
-            drawing.draw()
+    """As `Session.trace`: what was recorded when the scene was drawn, or else it is drawn once
+    more, in a context of its own."""
+    recorder = session.device.recorder
+    if recorder is None:
+        with recording_device(session.device) as device, ExitStack() as stack:
+            linker = Linker(device)
+            Drawing(device, linker, session.scene, session.programs, session.size, stack).draw()
+            recorder = device.recorder
+    assert recorder is not None
     files = _program_files(recorder.calls, session)
     tracker = StateTracker()
-    return [_spelt(call, files, tracker) for call in recorder.calls]
+    spelt = [(call.place, _spelt(call, files, tracker)) for call in recorder.calls]
+    return [call for place, call in spelt if place is not None]
 
 
 def _program_files(calls: Sequence[Recorded], session: Drawing) -> dict[str, str]:
@@ -67,8 +62,9 @@ def _program_files(calls: Sequence[Recorded], session: Drawing) -> dict[str, str
 
     used: dict[PassDraw, int] = {}
     for call in calls:
-        if call.function == "glUseProgram" and call.arguments[0] and call.place[1] is not None:
-            used[call.place[0], call.place[1]] = int(call.arguments[0])
+        pass_name, draw = call.place or ("", None)
+        if call.function == "glUseProgram" and call.arguments[0] and draw is not None:
+            used[pass_name, draw] = int(call.arguments[0])
     return {
         f"program {number}": f"program {number} ({file_of(name, index)})"
         for (name, index), number in used.items()
@@ -87,11 +83,14 @@ def _spelt(call: Recorded, files: Mapping[str, str], tracker: StateTracker) -> T
         arguments["param"] = constant_for(call.function, "param", int(arguments["param"]))
     arguments = {name: files.get(word, word) for name, word in arguments.items()}
     made = call.function.startswith(("glGen", "glCreate"))
+    pass_name, draw = call.place or ("", None)
+    before = tracker.state_for(call.function)
     return TracedCall(
-        pass_name=call.place[0],
-        draw=call.place[1],
+        pass_name=pass_name,
+        draw=draw,
         function=call.function,
         arguments=arguments,
         returned=object_numbers(call.returned) if made else "",
         effective=tracker.changes(call.function, arguments),
+        state=before,
     )

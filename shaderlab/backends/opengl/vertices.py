@@ -18,13 +18,34 @@ _WRITE = 0x0002  # GL_MAP_WRITE_BIT
 _KINDS = {"f": 0x1406, "i": 0x1404, "u": 0x1405}
 
 
+class DeviceBuffer:
+    """A buffer that is made without any contents; moderngl's always reserves some. It is deleted
+    when nothing refers to it any more, as moderngl's objects are."""
+
+    def __init__(self, device: Device) -> None:
+        self.glo = int(GL.glGenBuffers(1))
+        self._device = device
+
+    def __del__(self) -> None:
+        context = self._device.context
+        if context.gc_mode == "auto":
+            self.release()
+        elif context.gc_mode == "context_gc":  # another context is current
+            context.objects.append(self)
+
+    def release(self) -> None:
+        """Delete it."""
+        with self._device.unchecked():
+            GL.glDeleteBuffers(1, np.array([self.glo], np.uint32))
+
+
 @dataclass(frozen=True)
 class VertexArray:
     """A vertex array with the buffers that it reads; `count` is how many vertices a draw takes."""
 
     made: Any
     count: int
-    buffers: tuple[Any, ...] = ()
+    buffers: tuple[DeviceBuffer, ...] = ()
     indices: Any = None
 
     def render(self, mode: int, *, instances: int = 1) -> None:
@@ -79,10 +100,10 @@ def read_layout(program: Any, vao: VertexArray, mesh: Mesh) -> dict[str, Attribu
     return found
 
 
-def _filled(device: Device, parts: list[tuple[int, bytes]], mesh: Mesh) -> Any:
+def _filled(device: Device, parts: list[tuple[int, bytes]], mesh: Mesh) -> DeviceBuffer:
     """One buffer with these pieces, made and written as the mesh asks for."""
     whole = b"".join(piece for _, piece in parts)
-    buffer = device.context.buffer(reserve=max(len(whole), 1))
+    buffer = DeviceBuffer(device)
     GL.glBindBuffer(GL.GL_ARRAY_BUFFER, buffer.glo)
     given = whole if mesh.upload == "data" and whole else None
     GL.glBufferData(GL.GL_ARRAY_BUFFER, max(len(whole), 1), given, named(mesh.usage))
