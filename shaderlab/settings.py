@@ -205,6 +205,7 @@ def defaults(settings: Settings) -> dict[str, dict[str, Any]]:
     return {
         "run": running,
         "sweep": running,
+        "watch": running,
         "mutate": dict(_given(gigabytes=settings.memory)),
         "compile": dict(
             _given(compile_targets=settings.targets or None, gigabytes=settings.memory)

@@ -24,6 +24,7 @@ INTERRUPTED = 130
 COMMANDS = {
     "list": "list_cases",
     "run": "run",
+    "watch": "watch",
     "sweep": "sweep",
     "compile": "compile",
     "explain": "explain",
@@ -116,6 +117,7 @@ def cli(context: click.Context, debug: bool) -> None:
       shaderlab run attenuation           one of them, judged
       shaderlab run --all --open          all of them, then the report in a browser
       shaderlab run ./my_case.py          a case file of your own
+      shaderlab watch                     judge again whatever is saved
       shaderlab sweep ID --param …        one case over a grid of inputs
       shaderlab compile my_shaders/       only ask the compilers
       shaderlab explain spotlight         what each line computes at a pixel

@@ -36,7 +36,7 @@ def choose(targets: Sequence[str], every: bool, variants: Sequence[str], load: L
     """
     if not targets and not every:
         raise UsageError("nothing to run", remedy="name cases or case files, or say --all")
-    wanted = [(file, variant) for target in targets for file, variant in _wanted(target)]
+    wanted = [(file, variant) for target in targets for file, variant in wanted_files(target)]
     shipped = list(shipped_cases()) if every else []
     files = list(dict.fromkeys([*shipped, *(file for file, _ in wanted)]))
     facts = dict(zip(files, distinct(load(files)), strict=True))
@@ -44,7 +44,7 @@ def choose(targets: Sequence[str], every: bool, variants: Sequence[str], load: L
     chosen = [(case, None) for case in in_order] + [(facts[file], v) for file, v in wanted]
     jobs: dict[tuple[str, str, str], Job] = {}
     for case, variant in chosen:
-        jobs |= {job.key: job for job in _jobs(case, variant) if job.key not in jobs}
+        jobs |= {job.key: job for job in jobs_in(case, variant) if job.key not in jobs}
     errors = [case.error for case in facts.values() if case.error is not None]
     if errors and all(job.broken for job in jobs.values()):
         raise errors[0]
@@ -58,22 +58,22 @@ def one(target: str, load: Load) -> tuple[CaseFacts, str]:
         UsageError: there is no such case or variant, or it stands for several cases.
         CaseError: the case file is wrong.
     """
-    wanted = _wanted(target)
+    wanted = wanted_files(target)
     if len(wanted) != 1:
         raise UsageError(f"{target}: {len(wanted)} cases; name one of them")
     ((file, variant),) = wanted
     (facts,) = load([file])
     if facts.error is not None:
         raise facts.error
-    return facts, _jobs(facts, variant)[0].variant
+    return facts, jobs_in(facts, variant)[0].variant
 
 
 def files_of(targets: Sequence[str]) -> list[Path]:
     """The case files of ids, case files and folders, each once. Raises UsageError."""
-    return list(dict.fromkeys(file for target in targets for file, _ in _wanted(target)))
+    return list(dict.fromkeys(file for target in targets for file, _ in wanted_files(target)))
 
 
-def _wanted(target: str) -> list[tuple[Path, str | None]]:
+def wanted_files(target: str) -> list[tuple[Path, str | None]]:
     """The case files that a word stands for, with the only variant; None for all variants."""
     path = Path(target)
     by_path = path.suffix == ".py" or "/" in target or "\\" in target or target in (".", "..")
@@ -105,7 +105,8 @@ def _wanted(target: str) -> list[tuple[Path, str | None]]:
     return [(known[case_id], variant)]
 
 
-def _jobs(case: CaseFacts, variant: str | None) -> list[Job]:
+def jobs_in(case: CaseFacts, variant: str | None) -> list[Job]:
+    """The jobs of a case, or of one of its variants. Raises UsageError."""
     if case.error is not None:
         status, trouble = case.status, _said(case.error)
         return [Job(file=case.file, id=case.id, variant="default", broken=status, trouble=trouble)]

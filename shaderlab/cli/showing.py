@@ -27,8 +27,10 @@ from shaderlab.report.plain_text import (
     label,
     replacements,
     summary,
+    tally,
     unread,
 )
+from shaderlab.report.text import duration
 
 HEARTBEAT = 10.0
 MOST_ROWS = 40
@@ -72,9 +74,7 @@ class Show:
         for record in run.records:
             if failed(record):
                 self.console.print()
-                for line in failure(record):
-                    style = "red" if line.lstrip().startswith(MARKS["fail"]) else None
-                    self.console.print(line, style=style)
+                self._failure(record)
         notes = [*replacements(run), *unread(run.records)]
         if notes:
             self.console.print()
@@ -84,6 +84,25 @@ class Show:
             self.console.print(f"… and {len(notes) - MOST_ROWS} more", style="yellow")
         self.console.print()
         self._summary(run, summary(run.records, run.seconds, run.missing))
+
+    def verdict(self, record: Record) -> None:
+        """A record's verdict as soon as it is there: a line, or a failure in full."""
+        if failed(record):
+            self._failure(record)
+        else:
+            name = label(record.id, record.variant)
+            said = f" ({record.message})" if record.message else ""
+            self.console.print(f"{MARKS[record.status]} {name}{said}", style=STYLES[record.status])
+
+    def total(self, records: Sequence[Record], seconds: float) -> None:
+        """The line that sums up some records, and the time from a save to it."""
+        style = "bold red" if any(map(failed, records)) else "bold green"
+        self.console.print(f"{tally(records)} in {duration(seconds)}", style=style)
+
+    def _failure(self, record: Record) -> None:
+        for line in failure(record):
+            style = "red" if line.lstrip().startswith(MARKS["fail"]) else None
+            self.console.print(line, style=style)
 
     def _summary(self, run: Run, words: str) -> None:
         """The line that sums up: red for a failure, green where all was run and passed."""

@@ -2,6 +2,7 @@
 
 from shaderlab.discovery.case_files import (
     case_files as case_files,
+    imported_files as imported_files,
     is_case_file as is_case_file,
     shipped_cases as shipped_cases,
     why_no_case as why_no_case,

@@ -54,6 +54,21 @@ def case_files(folder: Path, skipped: Callable[[Path, str], None] | None = None)
             skipped(path, reason)
 
 
+def imported_files(path: Path) -> set[Path]:
+    """The files of a project's own modules that a file imports at module level, and of those that
+    these import; a file that can't be parsed imports none."""
+    found: set[Path] = set()
+    waiting = [Path(os.path.abspath(path))]
+    while waiting:
+        module = _parsed(waiting.pop())
+        for imported in _imports(module) if module is not None else ():
+            other = _neighbour(module.path, *imported) if module is not None else None
+            if other is not None and other not in found:
+                found.add(other)
+                waiting.append(other)
+    return found
+
+
 def shipped_cases() -> Iterator[Path]:
     """The case files that come with the lab, sorted. Their text is matched, not parsed: parsing
     would take longer than loading them."""

@@ -76,9 +76,13 @@ class Lab:
     def configure(self, options: RunOptions) -> None:
         """Take other options for the scenes to come. The device stays, and with it the driver."""
         if _of_shaders(options) != _of_shaders(self.options):
-            self._preparer.cache_clear()
-            self._opengl_preparer.cache_clear()
+            self.forget_shaders()
         self.options = options
+
+    def forget_shaders(self) -> None:
+        """Read shaders anew from now on: their files may have changed."""
+        self._preparer.cache_clear()
+        self._opengl_preparer.cache_clear()
 
     def close(self) -> None:
         """Give the device back; the lab opens it again if it is used once more."""

@@ -85,9 +85,10 @@ class LocalExecutor(Executor):
         key = (lambda request: request.job.driver) if any(job.driver for job in jobs) else None
         with contextlib.closing(self.perform(requests, key=key)) as results:
             for result in results:
-                yield result.item.job, self._record(result)
+                yield result.item.job, self.record_of(result)
 
-    def _record(self, result: ItemResult) -> Record:
+    def record_of(self, result: ItemResult) -> Record:
+        """The record of a request with a `job`, also of one that came to no end."""
         if result.status == "done":
             record: Record = result.value
             return record

@@ -178,6 +178,11 @@ def replacements(run: Run) -> Iterator[str]:
 
 def summary(records: Iterable[Record], seconds: float, missing: int = 0) -> str:
     """`12 cases: 40 passed, 2 failed in 3.1 s`, counting variants; `missing` were not run."""
+    return f"{tally(records, missing)} in {seconds:.1f} s"
+
+
+def tally(records: Iterable[Record], missing: int = 0) -> str:
+    """A `summary` without the time."""
     some = list(records)
     cases = {(record.id, record.file) for record in some}
     counts = Counter(record.status for record in some)
@@ -185,4 +190,4 @@ def summary(records: Iterable[Record], seconds: float, missing: int = 0) -> str:
     parts = [f"{counts[s]} {words.get(s, s)}" for s in MARKS if counts.get(s)]
     parts += [f"{missing} not run"] if missing else []
     noun = "case" if len(cases) == 1 else "cases"
-    return f"{len(cases)} {noun}: {', '.join(parts) or 'nothing run'} in {seconds:.1f} s"
+    return f"{len(cases)} {noun}: {', '.join(parts) or 'nothing run'}"

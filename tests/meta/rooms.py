@@ -21,7 +21,7 @@ ORDER = (
     "compiler", "interpreter", "equivalence", "programs", "backends", "judging", "expectations",
     "discovery", "settings", "catalogue", "evaluation", "report", "execution", "mutation",
     "code_coverage", "functions", "glsl",
-    "doctor", "pytest_plugin", "cli", "__main__", "__init__",
+    "watching", "doctor", "pytest_plugin", "cli", "__main__", "__init__",
 )  # fmt: skip
 
 Import = tuple[int, str, str]

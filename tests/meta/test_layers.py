@@ -44,6 +44,7 @@ OWNERS: dict[str, set[str]] = {
     "distributed": {"execution"},
     "dask": {"execution"},
     "pyarrow": {"report"},
+    "watchfiles": {"watching"},
 }
 
 # What only comes with an extra, by the name of that extra.
@@ -55,6 +56,7 @@ OPTIONAL = {
     "pytest": "pytest",
     "hypothesis": "pytest",
     "pyarrow": "sweep",
+    "watchfiles": "watch",
 }
 
 CASES_MAY_IMPORT = {

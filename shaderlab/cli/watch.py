@@ -1,0 +1,246 @@
+"""`shaderlab watch`: judge again what depends on a file that was saved."""
+
+from __future__ import annotations
+
+import contextlib
+import datetime
+import os
+import time
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from shaderlab.cli import OK
+from shaderlab.cli.files import new_run_folder
+from shaderlab.cli.options import (
+    DRIVER,
+    INCLUDE,
+    TARGET,
+    jobs_option,
+    limits_option,
+    make_local_executor,
+)
+from shaderlab.errors import ShaderlabError, UsageError
+from shaderlab.files import display_path
+from shaderlab.options import Limits, RunOptions
+
+if TYPE_CHECKING:
+    from shaderlab.cli.showing import Show
+    from shaderlab.execution.executor import LocalExecutor
+    from shaderlab.execution.jobs import CaseFacts, Job
+    from shaderlab.records import Record
+    from shaderlab.report.live import LiveReport
+    from shaderlab.watching.changes import Changes, Contents
+    from shaderlab.watching.session import Session
+
+_SHOWN = 4
+
+
+@click.command("watch", short_help="Judge again what depends on a saved file.")
+@click.argument("targets", nargs=-1, metavar="[ID | FILE.py | FOLDER]…")
+@INCLUDE
+@TARGET
+@DRIVER
+@jobs_option()
+@limits_option("Give one variant up after S seconds.")
+@click.option(
+    "--open", "open_report", is_flag=True, help="Show the report in a browser; it reloads itself."
+)
+def command(
+    targets: tuple[str, ...],
+    includes: tuple[Path, ...],
+    compile_targets: tuple[str, ...],
+    driver: str | None,
+    workers: int | None,
+    limits: Limits,
+    open_report: bool,
+) -> int:
+    """Judge cases, then again those that depend on a file whenever it is saved: a shader or what
+    it includes, a case file or a module that it imports, an image. Without a name that is every
+    case below this folder.
+
+    Workers stay warm, with their device open. Ctrl-C ends it.
+
+    \b
+    Examples:
+      shaderlab watch                     all cases below this folder
+      shaderlab watch my_case.py --open   with the report in a browser
+      shaderlab watch 'attenuation[50]'   one variant
+
+    Exit code: 0 ended by Ctrl-C, 2 wrong usage.
+    """
+    if workers == 0:
+        raise UsageError("watch needs workers: leave out -j 0")
+    options = RunOptions(
+        pictures=False, include=includes, targets=compile_targets, driver=driver, limits=limits
+    )
+
+    def start() -> LocalExecutor:
+        return make_local_executor(driver, limits, workers)
+
+    from shaderlab.cli.showing import Show
+    from shaderlab.watching.changes import Changes, Contents
+    from shaderlab.watching.session import Session
+
+    wanted = _Wanted(targets or (".",))
+    files = wanted.files()
+    show = Show()
+    # Python takes its compiled modules for new as long as a file's second and size stay the same.
+    os.environ["PYTHONDONTWRITEBYTECODE"] = "1"
+    with (
+        contextlib.suppress(KeyboardInterrupt),
+        contextlib.ExitStack() as stack,
+    ):
+        changes = stack.enter_context(Changes(wanted.folders()))
+        session = stack.enter_context(contextlib.closing(Session(start, wanted.jobs, options)))
+        page = stack.enter_context(_page(options)) if open_report else None
+        _Watch(session, changes, Contents(), wanted, show, page).run(files)
+    return OK
+
+
+class _Wanted:
+    """What was named: its case files as they are now, and the jobs of these."""
+
+    def __init__(self, targets: Sequence[str]) -> None:
+        self._targets = targets
+        self._variants: dict[Path, set[str | None]] = {}
+
+    def files(self) -> list[Path]:
+        """The case files, absolute. Raises UsageError."""
+        from shaderlab.cli.selecting import wanted_files
+
+        self._variants = {}
+        for target in self._targets:
+            for file, variant in wanted_files(target):
+                self._variants.setdefault(Path(os.path.abspath(file)), set()).add(variant)
+        return list(self._variants)
+
+    def folders(self) -> set[Path]:
+        """The folders that the case files are in, and those that were named."""
+        named = {Path(os.path.abspath(t)) for t in self._targets if os.path.isdir(t)}
+        return named | {file.parent for file in self._variants}
+
+    def jobs(self, facts: Sequence[CaseFacts]) -> list[Job]:
+        """The jobs of case files, in order."""
+        from shaderlab.cli.selecting import distinct, jobs_in
+
+        return [
+            job
+            for case in distinct(facts)
+            for job in jobs_in(case, None)
+            if job.broken or {None, job.variant} & self._variants.get(Path(case.file), {None})
+        ]
+
+
+class _Watch:
+    """The loop: what changed, what that asks for, what came of it."""
+
+    def __init__(
+        self,
+        session: Session,
+        changes: Changes,
+        contents: Contents,
+        wanted: _Wanted,
+        show: Show,
+        page: _Page | None,
+    ) -> None:
+        self._session, self._changes, self._contents = session, changes, contents
+        self._wanted, self._show, self._page = wanted, show, page
+
+    def run(self, files: Collection[Path]) -> None:
+        """Judge all files, then wait for changes, until an interrupt."""
+        self._judge(self._session.follow(files), time.perf_counter())
+        while True:
+            self._show.console.print("watching; Ctrl-C ends it", style="dim")
+            waiting: set[Path] = set()
+            began = 0.0
+            while not waiting:
+                found = self._changes.next()
+                began = time.perf_counter()
+                waiting = self._after(self._changes.settled(found, self._session.files))
+            self._judge(waiting, began)
+
+    def _after(self, found: Collection[Path]) -> set[Path]:
+        """The case files to judge after these files changed."""
+        changed = self._contents.changed(found)
+        if not changed:
+            return set()
+        if any(path.suffix == ".py" for path in changed):
+            with contextlib.suppress(UsageError):  # there is no case at the moment
+                new = self._session.follow(self._wanted.files())
+        else:
+            new = set()
+        affected = new | self._session.affected(changed)
+        if affected:
+            names = sorted(display_path(path) for path in changed)
+            more = ", …" if len(names) > _SHOWN else ""
+            now = datetime.datetime.now().strftime("%H:%M:%S")
+            self._show.console.print(f"\n{now} {', '.join(names[:_SHOWN])}{more}", style="bold")
+        return affected
+
+    def _judge(self, case_files: Collection[Path], began: float) -> None:
+        records = []
+        self._contents.learn(self._session.files)
+        for _, record in self._session.judge(case_files, self._changes.pending):
+            self._show.verdict(record)
+            records.append(record)
+        self._show.total(records, time.perf_counter() - began)
+        files = self._session.files
+        self._contents.learn(files)
+        self._changes.add({path.parent for path in files})
+        if self._page is not None and not self._changes.pending():
+            self._page.write(self._session, case_files)
+
+
+class _Page:
+    """The report of all that is watched, in a browser."""
+
+    def __init__(self, report: LiveReport, folder: Path, options: RunOptions) -> None:
+        self._report, self._folder = report, folder
+        self._options = replace(options, folder=folder, pictures=True)
+        self._records: dict[tuple[str, str], Record] = {}
+        self._started = datetime.datetime.now().astimezone().isoformat(timespec="seconds")
+        self._opened = False
+
+    def write(self, session: Session, case_files: Collection[Path]) -> None:
+        """Run what was judged once more, with pictures, and write the page anew."""
+        from shaderlab.records import Run
+        from shaderlab.report import html, store
+
+        began = time.perf_counter()
+        jobs = [job for job in session.jobs if Path(job.file) in case_files]
+        for job, record in session.executor.run(jobs, self._options):
+            self._records[job.key] = record
+        about = session.executor.about()
+        run = Run(
+            driver=about.driver,
+            versions=about.versions,
+            started=self._started,
+            seconds=time.perf_counter() - began,
+            records=tuple(
+                self._records[job.key] for job in session.jobs if job.key in self._records
+            ),
+        )
+        try:
+            store.save(run, self._folder)
+            html.write(run, self._folder)
+        except ShaderlabError as error:
+            click.echo(f"shaderlab: {error}", err=True)
+            return
+        self._report.changed()
+        if not self._opened:
+            self._opened = True
+            click.echo(f"report: {self._report.address}")
+            click.launch(self._report.address)
+
+
+@contextlib.contextmanager
+def _page(options: RunOptions) -> Iterator[_Page]:
+    from shaderlab.report.live import live_report
+
+    folder = new_run_folder()
+    with live_report(folder) as report:
+        yield _Page(report, folder, options)

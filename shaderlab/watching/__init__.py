@@ -1,0 +1,1 @@
+"""Watching: files that are saved, and what depends on them, judged again by warm workers."""

@@ -1,0 +1,56 @@
+"""What watching asks of workers: a verdict, and the files that it depends on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from shaderlab.errors import CaseError
+from shaderlab.execution.jobs import CaseFacts, Job
+from shaderlab.options import RunOptions
+from shaderlab.watching.opened import OpenedFiles
+
+if TYPE_CHECKING:
+    from shaderlab.execution.lab_worker import LabWorker
+    from shaderlab.records import Record
+
+
+@dataclass(frozen=True)
+class LoadWatched:
+    """Asks for a file's `CaseFacts`, or why there are none, and the files that it reads."""
+
+    file: Path
+
+    def perform(self, worker: LabWorker) -> tuple[CaseFacts | CaseError, set[Path]]:
+        """See `shaderlab.execution.jobs.Request`."""
+        with _files(worker) as files:
+            try:
+                found: CaseFacts | CaseError = worker.facts(self.file)
+            except CaseError as error:
+                found = error
+        return found, files
+
+
+@dataclass(frozen=True)
+class RunWatched:
+    """Asks for a job's `Record`, of its shaders as they are now, and the files that it reads."""
+
+    job: Job
+    options: RunOptions
+
+    def perform(self, worker: LabWorker) -> tuple[Record, set[Path]]:
+        """See `shaderlab.execution.jobs.Request`. Raises CaseError."""
+        worker.lab(self.options).forget_shaders()
+        with _files(worker) as files:
+            record = worker.run(self.job, self.options)
+        return record, files
+
+
+@contextmanager
+def _files(worker: LabWorker) -> Iterator[set[Path]]:
+    opened: OpenedFiles = worker.keep("opened files", None, OpenedFiles)
+    with opened.noted() as files:
+        yield files

@@ -1,0 +1,200 @@
+"""A session of watching: what is judged, what it depends on, and what a saved file asks for."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from shaderlab.discovery import imported_files
+from shaderlab.errors import CaseError
+from shaderlab.execution.executor import LocalExecutor
+from shaderlab.execution.jobs import CaseFacts, Job, failed_record
+from shaderlab.options import RunOptions
+from shaderlab.records import Record
+from shaderlab.watching.opened import is_own
+from shaderlab.watching.requests import LoadWatched, RunWatched
+
+Select = Callable[[Sequence[CaseFacts]], Sequence[Job]]
+
+
+@dataclass
+class Watched:
+    """One case file: its variants' jobs and records, and the files that these depend on."""
+
+    file: Path
+    facts: CaseFacts | None = None
+    jobs: Sequence[Job] = ()
+    files: set[Path] = field(default_factory=set)
+    records: dict[str, Record] = field(default_factory=dict)
+
+    @property
+    def undecided(self) -> bool:
+        """Whether it came to no verdict: a file that was missing may be there now."""
+        return any(record.status in ("error", "crash") for record in self.records.values())
+
+
+class Session:
+    """Judges case files, and again those that depend on a file.
+
+    A worker that has read a Python module keeps it. So where one changes, the next worker
+    takes over, which waits with its device open and has read none.
+
+    Args:
+        start: starts an executor.
+        select: the jobs of case files, in order.
+        options: how scenes are run.
+    """
+
+    def __init__(
+        self, start: Callable[[], LocalExecutor], select: Select, options: RunOptions
+    ) -> None:
+        self._start = start
+        self._select = select
+        self._options = options
+        self._executor = start()
+        self._spare: LocalExecutor | None = None
+        self._retired: list[LocalExecutor] = []
+        self._stale = False
+        self._unfinished: set[Path] = set()
+        self._watched: dict[Path, Watched] = {}
+
+    def close(self) -> None:
+        """End the workers."""
+        for executor in (self._executor, self._spare, *self._retired):
+            if executor is not None:
+                executor.close()
+
+    @property
+    def executor(self) -> LocalExecutor:
+        """What runs the jobs now."""
+        return self._executor
+
+    @property
+    def records(self) -> list[Record]:
+        """The latest record of each variant, in order."""
+        return [w.records[j.variant] for w, j in self._in_order() if j.variant in w.records]
+
+    @property
+    def jobs(self) -> list[Job]:
+        """All jobs, in order."""
+        return [job for _, job in self._in_order()]
+
+    @property
+    def files(self) -> set[Path]:
+        """All files that a verdict depends on."""
+        return set().union(*(watched.files for watched in self._watched.values()))
+
+    def follow(self, case_files: Iterable[Path]) -> set[Path]:
+        """Watch these case files and no others; returns those that are new."""
+        wanted = dict.fromkeys(case_files)
+        new = {file for file in wanted if file not in self._watched}
+        self._watched = {
+            file: self._watched.get(file) or Watched(file, files={file}) for file in wanted
+        }
+        return new
+
+    def affected(self, changed: Collection[Path]) -> set[Path]:
+        """The case files that depend on one of these files, those without a verdict, and those that
+        `judge` did not come to."""
+        if any(path.suffix == ".py" for path in changed if path in self.files):
+            self._stale = True
+        found = self._unfinished & set(self._watched)
+        for file, watched in self._watched.items():
+            touched = watched.files & set(changed)
+            if any(path.suffix == ".py" for path in touched):
+                watched.facts = None
+            if touched or watched.undecided:
+                found.add(file)
+        return found
+
+    def judge(
+        self, case_files: Collection[Path], interrupted: Callable[[], bool] = lambda: False
+    ) -> Iterator[tuple[Job, Record]]:
+        """Judge these case files, the ones that failed first; each job with its record.
+
+        Args:
+            case_files: some of those that are followed.
+            interrupted: whether to begin no more jobs.
+        """
+        self._take_over()
+        self._load([w for f, w in self._watched.items() if f in case_files and w.facts is None])
+        jobs = [job for watched, job in self._in_order() if watched.file in case_files]
+        jobs.sort(key=self._passed)
+        self._unfinished = {Path(job.file) for job in jobs}
+        waiting = sum(not job.broken for job in jobs)
+        for job in (job for job in jobs if job.broken):
+            yield job, self._keep(job, failed_record(job, job.broken, job.trouble), set())
+        requests = [RunWatched(job, self._options) for job in jobs if not job.broken]
+        with contextlib.closing(self._executor.perform(requests)) as results:
+            for result in results:
+                job, files = result.item.job, set()
+                if result.status == "done":
+                    record, files = result.value
+                else:
+                    record = self._executor.record_of(result)
+                yield job, self._keep(job, record, files)
+                waiting -= 1
+                if waiting and interrupted():
+                    break
+            else:
+                self._unfinished = set()
+        self.prepare()
+
+    def prepare(self) -> None:
+        """Have the next worker get ready, and end those that know too much."""
+        while self._retired:
+            self._retired.pop().close()
+        if self._spare is None:
+            self._spare = self._start()
+
+    def _take_over(self) -> None:
+        if not self._stale:
+            return
+        self._stale = False
+        self._retired.append(self._executor)  # ending it takes time that a verdict is waited for
+        self._executor = self._spare or self._start()
+        self._spare = None
+
+    def _load(self, wanted: Sequence[Watched]) -> None:
+        requests = [LoadWatched(watched.file) for watched in wanted]
+        for result in self._executor.perform(requests):
+            watched = wanted[result.number]
+            found: CaseFacts | CaseError = CaseError(result.message)
+            files: set[Path] = set()
+            if result.status == "done":
+                found, files = result.value
+            elif result.status == "error":
+                found = CaseError(str(result.value))
+            if isinstance(found, CaseError):
+                status = "error" if result.status == "done" else result.status
+                case_id = watched.file.stem.replace("_", "-")
+                found = CaseFacts(file=str(watched.file), id=case_id, error=found, status=status)
+            watched.facts = found
+            own = {path for path in imported_files(watched.file) if is_own(path)}
+            watched.files |= {watched.file, *files, *own}
+        if wanted:
+            facts = [w.facts for w in self._watched.values() if w.facts is not None]
+            by_file: dict[str, list[Job]] = {}
+            for job in self._select(facts):
+                by_file.setdefault(job.file, []).append(job)
+            for watched in self._watched.values():
+                watched.jobs = by_file.get(str(watched.file), [])
+                names = {job.variant for job in watched.jobs}
+                watched.records = {v: r for v, r in watched.records.items() if v in names}
+
+    def _in_order(self) -> Iterator[tuple[Watched, Job]]:
+        for watched in self._watched.values():
+            for job in watched.jobs:
+                yield watched, job
+
+    def _passed(self, job: Job) -> bool:
+        record = self._watched[Path(job.file)].records.get(job.variant)
+        return record is None or record.status in ("pass", "unsupported")
+
+    def _keep(self, job: Job, record: Record, files: set[Path]) -> Record:
+        watched = self._watched[Path(job.file)]
+        watched.records[job.variant] = record
+        watched.files |= files
+        return record

@@ -1,0 +1,160 @@
+"""Saved files: what editors do to them, what was changed, and a report that reloads itself."""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+import urllib.error
+import urllib.request
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from shaderlab.discovery import imported_files
+from shaderlab.report.live import live_report
+from shaderlab.watching.changes import Changes, Contents
+from shaderlab.watching.opened import OpenedFiles
+
+
+@pytest.fixture
+def shader(tmp_path: Path) -> Path:
+    file = tmp_path / "shaders" / "lamp.frag"
+    file.parent.mkdir()
+    file.write_text("a")
+    return file
+
+
+@pytest.fixture
+def changes(shader: Path) -> Iterator[Changes]:
+    with Changes([shader.parent]) as changes:
+        time.sleep(0.1)  # the system's watch begins with the thread's first step
+        yield changes
+
+
+def until(changes: Changes, file: Path, known: set[Path]) -> set[Path]:
+    """What `changes` gives, up to the moment that has the file."""
+    found: set[Path] = set()
+    for _ in range(20):
+        found |= changes.settled(changes.next(0.5), known)
+        if file in found:
+            return found
+    raise AssertionError(f"{file} is not among {found}")
+
+
+def test_a_save_is_one_moment_however_it_is_done(changes: Changes, shader: Path) -> None:
+    contents = Contents()
+    contents.learn([shader])
+    draft = shader.with_name("lamp.frag~")
+
+    def saved() -> None:
+        found = until(changes, shader, {shader})
+        assert contents.changed(found) >= {shader}
+        assert not changes.next(0.1) & {shader}
+
+    shader.write_text("b")
+    saved()
+    draft.write_text("c")
+    draft.replace(shader)
+    saved()
+    for text in "def":
+        shader.write_text(text)
+    saved()
+    shader.unlink()
+    shader.write_text("g")
+    saved()
+    assert shader.read_text() == "g"
+
+
+def test_a_file_that_is_removed_for_a_moment_is_waited_for(changes: Changes, shader: Path) -> None:
+    shader.unlink()
+    found = changes.next(2.0)
+    while shader not in found:
+        found |= changes.next(2.0)
+    shader.write_text("b")
+    assert shader in changes.settled(found, {shader})
+    shader.unlink()
+    began = time.monotonic()
+    assert shader in until(changes, shader, {shader})  # it stays away, which is a change as well
+    assert time.monotonic() - began < 5.0
+
+
+def test_further_folders_are_watched_once(changes: Changes, shader: Path) -> None:
+    other = shader.parents[1] / "textures"
+    (shader.parent / "lib").mkdir()
+    other.mkdir()
+    changes.add([other, shader.parent / "lib", shader.parent, other / "missing"])
+    assert len(changes._threads) == 2
+    time.sleep(0.1)
+    (other / "a.png").write_bytes(b"x")
+    assert until(changes, other / "a.png", set())
+
+
+def test_what_was_only_touched_has_not_changed(shader: Path, tmp_path: Path) -> None:
+    contents, missing = Contents(), tmp_path / "missing"
+    contents.learn([shader, missing])
+    os.utime(shader)
+    assert contents.changed([shader, missing]) == set()
+    shader.write_text("b")
+    contents.learn([shader])
+    assert contents.changed([shader]) == {shader}
+    assert contents.changed([shader]) == set()
+    shader.unlink()
+    missing.write_text("")
+    assert contents.changed([shader, missing]) == {shader, missing}
+
+
+def test_files_that_are_read_are_noted_missing_ones_too(shader: Path) -> None:
+    opened = OpenedFiles()
+    with opened.noted() as files:
+        shader.read_text()
+        with pytest.raises(FileNotFoundError):
+            (shader.parent / "gone.glsl").read_bytes()
+        shader.with_name("written.txt").write_text("x")
+        Path(pytest.__file__).read_bytes()
+        Path(sys.modules[OpenedFiles.__module__].__file__ or "").read_bytes()
+    assert files == {shader, shader.parent / "gone.glsl"}
+    shader.read_text()
+    with opened.noted() as files:
+        pass
+    assert files == set()
+
+
+def test_modules_of_a_project_are_followed(tmp_path: Path) -> None:
+    (tmp_path / "case.py").write_text("import math\nfrom one import x\nfrom .sub import three\n")
+    (tmp_path / "one.py").write_text("import two, case\n")
+    (tmp_path / "two.py").write_text("def broken(:\n")
+    (tmp_path / "sub").mkdir()
+    (tmp_path / "sub" / "three.py").write_text("")
+    names = {path.relative_to(tmp_path).as_posix() for path in imported_files(tmp_path / "case.py")}
+    assert names == {"case.py", "one.py", "two.py", "sub/three.py"}
+
+
+def test_the_report_is_served_and_reloaded_on_this_machine_alone(tmp_path: Path) -> None:
+    (tmp_path / "index.html").write_text("<title>run</title>")
+    (tmp_path.parent / "secret").write_text("x")
+
+    def get(path: str, **headers: str) -> str:
+        request = urllib.request.Request(report.address.rstrip("/") + path, headers=headers)
+        with urllib.request.urlopen(request, timeout=5) as answer:
+            text: str = answer.read().decode()
+        return text
+
+    with live_report(tmp_path) as report:
+        assert "EventSource" in get("/")
+        assert get("/report/index.html") == "<title>run</title>"
+        for path in ("/index.html", "/report/../secret", "/report/%2e%2e/secret"):
+            with pytest.raises(urllib.error.HTTPError, match="404"):
+                get(path)
+        with pytest.raises(urllib.error.HTTPError, match="403"):
+            get("/report/index.html", Host="example.org")
+        with urllib.request.urlopen(f"{report.address}changes", timeout=5) as stream:
+            time.sleep(0.05)
+            report.changed()
+            assert stream.readline() == b"data: changed\n"
+            assert stream.readline() == b"\n"
+            report.changed()
+            assert stream.readline() == b"data: changed\n"
+    with pytest.raises(urllib.error.URLError):
+        get("/")
