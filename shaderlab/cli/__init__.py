@@ -29,6 +29,7 @@ COMMANDS = {
     "compile": "compile",
     "explain": "explain",
     "diff": "diff",
+    "audit": "audit",
     "mutate": "mutate",
     "report": "reporting",
     "init": "init",
@@ -122,6 +123,7 @@ def cli(context: click.Context, debug: bool) -> None:
       shaderlab compile my_shaders/       only ask the compilers
       shaderlab explain spotlight         what each line computes at a pixel
       shaderlab diff old.frag new.frag    is a rewritten shader the same one?
+      shaderlab audit lamp.frag           what may go wrong in it?
       pytest my_cases/                    the same cases as tests
 
     Settings of a project are in [tool.shaderlab] of its pyproject.toml.

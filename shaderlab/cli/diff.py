@@ -13,6 +13,7 @@ import click
 from shaderlab.cli import FAILED, OK, USAGE
 from shaderlab.cli.files import write_json
 from shaderlab.cli.options import INCLUDE, JSON, jobs_option, limits_option, make_local_executor
+from shaderlab.cli.shader_inputs import RANGES, shader_of_file
 from shaderlab.compiler.text import STAGES
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.options import Limits, RunOptions
@@ -20,7 +21,6 @@ from shaderlab.options import Limits, RunOptions
 if TYPE_CHECKING:
     from shaderlab.cli.revisions import Revision
     from shaderlab.equivalence import Answer, Plan
-    from shaderlab.execution.compare_shaders import ShaderOfFile
     from shaderlab.execution.executor import LocalExecutor
 
 NO_ANSWER = USAGE
@@ -37,10 +37,7 @@ NO_ANSWER = USAGE
     "--case", metavar="ID | FILE.py",
     help="On the inputs that this case gives OLD, which may be a file that others include.",
 )  # fmt: skip
-@click.option(
-    "--range", "ranges", multiple=True, metavar="NAME=A:B",
-    help="An input lies between A and B; NAME=unit: it has length 1. May be repeated.",
-)  # fmt: skip
+@RANGES
 @click.option("--strict", is_flag=True, help="Exit with 1 if only the accuracy changes, too.")
 @click.option("--stage", type=click.Choice(STAGES), help="Of both files, whatever they are called.")
 @click.option("--inputs", "show_inputs", is_flag=True, help="Print what each input was given.")
@@ -53,7 +50,7 @@ def command(
     new: Path | None,
     against: str | None,
     case: str | None,
-    ranges: tuple[str, ...],
+    ranges: dict[str, str],
     strict: bool,
     stage: str | None,
     show_inputs: bool,
@@ -83,7 +80,7 @@ def command(
         raise UsageError("name two shaders, OLD and NEW, or one and --against REV")
     if case is not None and (ranges or stage):
         raise UsageError("--range and --stage do not go with --case, whose inputs are known")
-    plan = Plan(ranges=dict(map(_range, ranges)), rounds=2 if case else Plan.rounds)
+    plan = Plan(ranges=ranges, rounds=2 if case else Plan.rounds)
     asking = _Asking(case, stage, includes, plan, limits, workers)
     try:
         if against is None:
@@ -158,7 +155,10 @@ class _Asking:
 
         if self.case is None:
             return requests.CompareFiles(
-                self._shader(old, then), self._shader(new, None), self.stage, self.plan
+                shader_of_file(old, self.includes, then),
+                shader_of_file(new, self.includes),
+                self.stage,
+                self.plan,
             )
         from shaderlab.cli.replacing import named
         from shaderlab.cli.selecting import one
@@ -172,19 +172,6 @@ class _Asking:
         files = named({name: other}, jobs_of(facts), self.includes)
         options = RunOptions(include=self.includes, limits=self.limits)
         return requests.CompareInCase(Path(facts.file), files, then is not None, self.plan, options)
-
-    def _shader(self, path: Path, then: Callable[[Path], Path] | None) -> ShaderOfFile:
-        from shaderlab.compiler.shader_files import find_shaders
-        from shaderlab.discovery import data_folder
-        from shaderlab.execution.compare_shaders import ShaderOfFile
-        from shaderlab.settings import settings_of
-
-        if path.is_dir():
-            raise UsageError("this is a folder: name a shader file", file=path)
-        shipped = data_folder("shaders").resolve()
-        (file,) = find_shaders([then(path) if then else path], [shipped])
-        folders = [*self.includes, *settings_of(path.parent).shader_folders(path.parent), shipped]
-        return ShaderOfFile(file, tuple(str(then(f) if then else f) for f in folders))
 
 
 def _against(asking: _Asking, file: Path, name: str) -> list[Answer]:
@@ -218,13 +205,6 @@ def _inside(path: Path, folder: Path, includes: Sequence[Path]) -> str:
             if path.resolve().is_relative_to(root.resolve()):
                 return path.resolve().relative_to(root.resolve()).as_posix()
     return path.as_posix()
-
-
-def _range(word: str) -> tuple[str, str]:
-    name, equals, values = word.partition("=")
-    if not equals:
-        raise UsageError(f"--range {word}", remedy="write --range NAME=A:B or NAME=unit")
-    return name.strip(), values.strip()
 
 
 def _print(answer: Answer, inputs: bool, err: bool, heading: bool) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from shaderlab.equivalence.given import Given
 from shaderlab.equivalence.interface import Input
-from shaderlab.equivalence.roles import Role, words_of
+from shaderlab.equivalence.roles import Role, keep_in_order, words_of
 from shaderlab.errors import NotInterpretedError
 from shaderlab.frame import Array, Bindings, Texels
 
@@ -38,10 +38,7 @@ def drawn(inputs: Mapping[str, Input], roles: Mapping[str, Role], count: int, se
             each[name] = _matrices(one.type, role, count, rng)
         else:
             each[name] = _numbers(one.type, role, count, rng)
-    for name, role in roles.items():
-        if role.above in each and name in each:
-            low, high = each[role.above], each[name]
-            each[role.above], each[name] = np.minimum(low, high), np.maximum(low, high)
+    keep_in_order(each, roles)
     if "gl_FragCoord" not in each:
         each["gl_FragCoord"] = _places(count, rng)  # of derivatives' neighbours
     return Given(each, Bindings(textures=textures), count)

@@ -11,6 +11,7 @@ import numpy as np
 
 from shaderlab.equivalence.interface import Input
 from shaderlab.errors import UsageError
+from shaderlab.frame import Array
 
 Kind = Literal["number", "unit", "rotation", "affine", "projection", "texture"]
 
@@ -88,6 +89,10 @@ _RANGES: Mapping[str, tuple[float, float]] = {
     **dict.fromkeys(("resolution", "viewport", "size"), (16.0, 1024.0)),
     "constant": (0.5, 1.5),
 }  # fmt: skip
+_PLACES = frozenset(
+    {"position", "positions", "pos", "eye", "target", "origin", "world", "center", "uv", "coord",
+     "coords", "st"}
+)  # fmt: skip
 _UNIT = frozenset(
     {"normal", "dir", "direction", "halfway", "tangent", "bitangent", "axis", "up", "forward"}
 )
@@ -180,6 +185,11 @@ def is_direction(name: str) -> bool:
     return bool(_UNIT & set(words_of(name)[-2:]))
 
 
+def is_place(name: str) -> bool:
+    """Whether a name is one of a place, as a rule: two of them are seldom the same one."""
+    return bool(_PLACES & set(words_of(name)))
+
+
 def lower_one(name: str, names: Iterable[str]) -> str:
     """The input that is named as the lower one of a pair in which this one is the higher."""
     start, own = _split(name)
@@ -195,6 +205,14 @@ def lower_one(name: str, names: Iterable[str]) -> str:
 def _split(name: str) -> tuple[str, str]:
     start, dot, own = name.rpartition(".")
     return start + dot, own.lower()
+
+
+def keep_in_order(each: dict[str, Array], roles: Mapping[str, Role]) -> None:
+    """Exchange values of inputs where the higher one of a pair is below the lower one."""
+    for name, role in roles.items():
+        if role.above in each and name in each and each[name].shape == each[role.above].shape:
+            low, high = each[role.above], each[name]
+            each[role.above], each[name] = np.minimum(low, high), np.maximum(low, high)
 
 
 def unknown_names(given: Sequence[str], inputs: Iterable[str]) -> list[str]:

@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from shaderlab.equivalence.given import Given, cells_of
-from shaderlab.equivalence.roles import Role, is_direction, lower_one
+from shaderlab.equivalence.roles import Role, is_direction, keep_in_order, lower_one
 from shaderlab.frame import Array, Texels
 
 _NEAR = 1e-3  # how far from 1 the length of a unit vector is found
@@ -71,10 +71,7 @@ def varied(given: Given, roles: Mapping[str, Role], seed: int) -> Given:
     for name, role in roles.items():
         if name in each:
             each[name] = _varied(each[name], role, group, rng)
-    for name, role in roles.items():
-        if role.above in each and name in each and each[name].shape == each[role.above].shape:
-            low, high = each[role.above], each[name]
-            each[role.above], each[name] = np.minimum(low, high), np.maximum(low, high)
+    keep_in_order(each, roles)
     if "gl_FragCoord" in each:
         each["gl_FragCoord"] = _moved(each["gl_FragCoord"], rng)
     textures = {name: _shuffled(texels, rng) for name, texels in given.bindings.textures.items()}

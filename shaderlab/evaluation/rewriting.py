@@ -1,4 +1,4 @@
-"""A case's shaders with other texts: the programs that become others, and what they get."""
+"""What a case's draws give its shaders; and with other texts, the programs that become others."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from shaderlab.evaluation.lab import Lab
 from shaderlab.expectations.needs import CapturedFragments, CapturedVertices
 from shaderlab.frame import PassDraw
 from shaderlab.model import Case
-from shaderlab.programs.prepare import Programs
+from shaderlab.programs.prepare import PreparedDraw, Programs
 
 _MOST = 2048  # invocations of a draw
 
@@ -26,6 +26,26 @@ class Rewritten:
     old: Source
     new: Source
     given: list[Given] = field(default_factory=list)
+
+
+def stages(lab: Lab, case: Case) -> list[tuple[Source, list[Given]]]:
+    """Each fragment and vertex stage of a case's draws, once, and the inputs that those give it.
+
+    Raises:
+        ShaderlabError: the case can't be drawn, or what a draw gives can't be captured.
+    """
+    found: dict[str, tuple[Source, list[Given]]] = {}
+    for scene in case.scenes():
+        programs = lab.prepare_for_opengl(scene)
+        with lab.evaluation(scene, programs) as evaluation:
+            for name, draws in programs.items():
+                for i, draw in enumerate(draws):
+                    for source in draw.sources:
+                        if not _is_own(source, draw):
+                            one = found.setdefault(source.text, (source, []))
+                            given = _given(evaluation, (name, i), source.stage)
+                            one[1].extend(g for g in given if g.count)
+    return [(source, given) for source, given in found.values() if given]
 
 
 def rewritten(
@@ -60,9 +80,13 @@ def _changed(programs: Programs, others: Programs) -> Iterator[tuple[PassDraw, S
     for name, draws in programs.items():
         for i, draw in enumerate(draws):
             for old, new in zip(draw.sources, others[name][i].sources, strict=True):
-                own = old.stage == "vertex" and draw.draw.mesh is None  # the lab's, of no interest
-                if old.text != new.text and not own:
+                if old.text != new.text and not _is_own(old, draw):
                     yield (name, i), old, new
+
+
+def _is_own(source: Source, draw: PreparedDraw) -> bool:
+    """Whether a stage is the lab's, of no interest."""
+    return source.stage == "vertex" and draw.draw.mesh is None
 
 
 def _given(evaluation: Evaluation, key: PassDraw, stage: str) -> Iterator[Given]:

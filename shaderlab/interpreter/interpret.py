@@ -15,7 +15,7 @@ from shaderlab.interpreter.arithmetic import Arithmetic
 from shaderlab.interpreter.binding import memory_of, outputs_of, undefined_outputs
 from shaderlab.interpreter.memory import Flags, World
 from shaderlab.interpreter.program import Program
-from shaderlab.interpreter.running import BLOCKS, TURNS, Run, Trace
+from shaderlab.interpreter.running import BLOCKS, TURNS, Run, Trace, Watch
 from shaderlab.interpreter.values import Missing
 
 _NOTHING = Bindings()
@@ -48,6 +48,7 @@ def interpret(
     turns: int = TURNS,
     blocks: int = BLOCKS,
     trace: Trace | None = None,
+    watch: Watch | None = None,
     unwritten: bool = False,
 ) -> Interpreted:
     """Run a stage on many invocations at once.
@@ -64,6 +65,7 @@ def interpret(
         turns: how often a loop may turn each time that it is entered.
         blocks: how many blocks may be run in all.
         trace: is called with each value that a variable, or a part of one, is given.
+        watch: is called after each instruction, and may change its result.
         unwritten: whether outputs hold an undefined value where an invocation writes none.
 
     Raises:
@@ -80,7 +82,10 @@ def interpret(
         if len(values) not in (1, count):
             raise FormulaError(f"{name!r} has {len(values)} rows, others {count}")
     places = each.get("gl_FragCoord")
-    run = Run(program, arithmetic, count, places=places, turns=turns, blocks=blocks, trace=trace)
+    run = Run(
+        program, arithmetic, count,
+        places=places, turns=turns, blocks=blocks, trace=trace, watch=watch,
+    )  # fmt: skip
     memory = memory_of(program, each, bindings, arithmetic)
     if unwritten:
         memory |= undefined_outputs(program, arithmetic)

@@ -55,6 +55,9 @@ class Stored:
 
 
 Trace = Callable[[Stored], object]
+Watch = Callable[["Run", Instruction, World, Value], Value]
+"""Is told of each instruction that was run, the last of a block left out, and of its result; gives
+the result that counts."""
 
 
 class Run:
@@ -79,6 +82,7 @@ class Run:
         turns: int = TURNS,
         blocks: int = BLOCKS,
         trace: Trace | None = None,
+        watch: Watch | None = None,
     ) -> None:
         self.program = program
         self.arithmetic = arithmetic
@@ -93,6 +97,7 @@ class Run:
         self._blocks = 0
         self._reads: list[Value] = []
         self._trace = trace
+        self._watch = watch
         self._constants: dict[int, Value] = {}
         self._parts: dict[tuple[int, Any], tuple[Value, Value]] = {}
 
@@ -205,6 +210,8 @@ class Run:
                 raise self.program.not_interpreted(error.message, instruction.line) from error
             if isinstance(result, Missing):
                 raise NotGivenError.of(result)
+            if self._watch is not None:
+                result = self._watch(self, instruction, world, result)
             if instruction.id:
                 self.results[instruction.id] = result
             if not world.mask.any():  # a call in which all were discarded

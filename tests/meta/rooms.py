@@ -18,9 +18,9 @@ BEGIN, END = "<!-- rooms: generated -->", "<!-- end of rooms -->"
 ORDER = (
     "errors", "files", "activity", "packages", "module_path", "options", "records", "frame",
     "bands", "sampling", "glslmath", "pictures", "model", "assets", "reference",
-    "compiler", "interpreter", "equivalence", "programs", "backends", "judging", "expectations",
-    "discovery", "settings", "catalogue", "evaluation", "report", "execution", "mutation",
-    "code_coverage", "functions", "glsl",
+    "compiler", "interpreter", "equivalence", "audit", "programs", "backends", "judging",
+    "expectations", "discovery", "settings", "catalogue", "evaluation", "report", "execution",
+    "mutation", "code_coverage", "functions", "glsl",
     "watching", "doctor", "pytest_plugin", "cli", "__main__", "__init__",
 )  # fmt: skip
 

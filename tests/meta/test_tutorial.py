@@ -1,4 +1,4 @@
-"""The tutorial and the page on comparing shaders work as printed, command by command, in an empty
+"""The tutorial and the pages on comparing and auditing shaders work as printed, in an empty
 folder.
 
 The tutorial's installation is what test_wheel.py and test_extras.py try.
@@ -13,7 +13,7 @@ import pytest
 from tests.meta.examples import Command, examples, execute, missing
 
 
-@pytest.mark.parametrize(("page", "least"), [("tutorial", 8), ("diff", 4)])
+@pytest.mark.parametrize(("page", "least"), [("tutorial", 8), ("diff", 4), ("audit", 1)])
 def test_each_command_prints_what_the_page_shows(
     repository: Path, tmp_path: Path, page: str, least: int
 ) -> None:

@@ -169,6 +169,8 @@ def _gather(*, compared: bool) -> Handler:
 def _size(run: Run, at: Instruction, world: World) -> Any:
     texels: Texels = run.value(at.operands[0])
     level = int(run.value(at.operands[1]).lo.flat[0]) if len(at.operands) > 1 else 0
+    if not 0 <= level <= len(texels.smaller):
+        raise FormulaError(f"textureSize of level {level}, which is not there")
     found = sampling.textureSize(Sampler(texels, run.arithmetic.rules), level)
     return Integer(found.lo[None], rules=run.arithmetic.rules)
 

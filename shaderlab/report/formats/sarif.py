@@ -24,7 +24,9 @@ _RULES = {
     "crash": "A case took its process down",
     "driver": "A case fails on another driver",
     "error": "A case could not be judged",
+    "hazard": "A shader does what GLSL does not define, on some inputs",
     "interrupted": "The run was interrupted",
+    "not-audited": "A shader can't be audited",
     "timeout": "A case took too long",
 }
 

@@ -1,0 +1,133 @@
+"""A program audited: what may go wrong in it, on the inputs that it may get."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from shaderlab.audit.checks import INDEX, OVERFLOW
+from shaderlab.audit.consequences import depending, reached_by_0
+from shaderlab.audit.divergence import divergent
+from shaderlab.audit.hazard import Audit, Hazard
+from shaderlab.audit.population import DRAWN, EQUAL
+from shaderlab.audit.searching import Hunt, Witness, watched, witnesses_of
+from shaderlab.audit.undefined import undefined_values
+from shaderlab.equivalence.comparison import example
+from shaderlab.equivalence.given import Given
+from shaderlab.equivalence.interface import Input, declared_ranges, inputs_of
+from shaderlab.equivalence.roles import Role, roles_of, unknown_names
+from shaderlab.errors import UsageError, nearest
+from shaderlab.interpreter import Program
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plan:
+    """How a program is audited.
+
+    Attributes:
+        ranges: "a..b", "a:b" or "unit" for inputs, by name.
+        count: invocations that are drawn at random.
+    """
+
+    ranges: Mapping[str, str] = field(default_factory=dict)
+    count: int = 4096
+
+
+def audit_program(
+    program: Program, plan: Plan | None = None, captured: Sequence[Given] = ()
+) -> Audit:
+    """What may go wrong in a program.
+
+    Args:
+        program: one stage.
+        plan: how it is audited.
+        captured: what a scene's draws give it. Without any, inputs are made up and searched.
+
+    Raises:
+        NotInterpretedError: it does what the interpreter does not know, or does not end.
+        FormulaError: it reads what is not given.
+        UsageError: a range is wrong.
+    """
+    plan = plan or Plan()
+    inputs = inputs_of(program)
+    for name in unknown_names(list(plan.ranges), inputs):
+        raise UsageError(f"the shader does not read {name!r}", remedy=nearest(name, inputs))
+    if captured:
+        witnesses = [
+            witness
+            for given in captured
+            for witness in witnesses_of(watched(program, given), given, np.full(given.count, DRAWN))
+        ]
+        tried, roles = sum(given.count for given in captured), {}
+        sets = list(captured)
+    else:
+        roles = roles_of(inputs.values(), declared_ranges(program), plan.ranges)
+        hunt = Hunt(program, inputs, roles, plan.count)
+        hunt.run()
+        witnesses, tried = list(hunt.witnesses.values()), hunt.tried
+        sets = [hunt.drawn]
+    hazards = [f for w in witnesses for f in _hazards(program, w, inputs)]
+    for given in sets:
+        hazards += undefined_values(program, given, inputs)
+        hazards += divergent(program, given, inputs, made_up=not captured)
+    return Audit(
+        file="" if program.source is None else program.source.path,
+        hazards=tuple(_distinct(hazards)),
+        tried=tried,
+        inputs=_in_words(roles, inputs, captured),
+    )
+
+
+def _in_words(
+    roles: Mapping[str, Role], inputs: Mapping[str, Input], captured: Sequence[Given]
+) -> dict[str, str]:
+    if captured:
+        return dict.fromkeys(inputs, "as the case gives it")
+    return {name: f"{role} ({role.source})" for name, role in roles.items()}
+
+
+def _hazards(program: Program, witness: Witness, inputs: Mapping[str, Input]) -> Sequence[Hazard]:
+    """The hazard about an instruction; none where no output depends on what it gives."""
+    place, one = witness.place, witness.watched
+    outputs = depending(program, witness.given, witness.row, place)
+    if not outputs and place.kind != INDEX.kind:
+        return ()
+    if witness.crossing and not reached_by_0(
+        program, witness.given, witness.row, place, witness.operands[-1]
+    ):
+        return ()
+    file, line = program.place(one.at.line)
+    words = one.check.words(*witness.operands)
+    if witness.crossing:
+        words = f"{words}, nearly: the divisor passes through 0 here"
+    if witness.origin != DRAWN:
+        words += (
+            "; only if two inputs are equal"
+            if witness.origin == EQUAL
+            else "; only if an input is 0"
+        )
+    return (
+        Hazard(
+            file=file,
+            line=line,
+            kind=place.kind,
+            message=f"{place.kind}: {words}" if not words.startswith(place.kind) else words,
+            evident=witness.origin == DRAWN,
+            inputs=example(witness.given, witness.row, inputs),
+            outputs={name: tuple(map(float, value)) for name, value in outputs.items()},
+            calls=tuple(program.place(call)[1] for call in place.calls),
+        ),
+    )
+
+
+def _distinct(hazards: Sequence[Hazard]) -> list[Hazard]:
+    """One of each line and kind, evident ones before others; by line."""
+    found: dict[tuple[str, int, str], Hazard] = {}
+    for hazard in sorted(hazards, key=lambda f: not f.evident):
+        found.setdefault((hazard.file, hazard.line, hazard.kind), hazard)
+    explained = {(file, line) for file, line, kind in found if kind != OVERFLOW.kind}
+    for key in [key for key in found if key[2] == OVERFLOW.kind and key[:2] in explained]:
+        del found[key]
+    return sorted(found.values(), key=lambda f: (f.file, f.line, f.kind))

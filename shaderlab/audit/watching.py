@@ -1,0 +1,205 @@
+"""Watching a program run: how far each instruction is from going wrong, by invocation."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from shaderlab.audit.checks import CHECKS, INDEX, OVERFLOW, Check, arguments_of, number_of
+from shaderlab.bands import Integer
+from shaderlab.equivalence.given import Given
+from shaderlab.frame import Array
+from shaderlab.interpreter import FLOAT32, Arithmetic, Interpreted, Program, interpret
+from shaderlab.interpreter.memory import Flags, Pointer, World
+from shaderlab.interpreter.program import Instruction
+from shaderlab.interpreter.running import Run, Watch
+
+_ACCESS = (65, 66)  # OpAccessChain, OpInBoundsAccessChain
+_DYNAMIC = {77: 1, 78: 2}  # OpVectorExtractDynamic, OpVectorInsertDynamic: where the index is
+_FLOATS = frozenset({12, *range(127, 149)})
+_SIZED = ("vector", "matrix", "array")
+
+
+@dataclass(frozen=True)
+class Place:
+    """An instruction by its id, the lines of the calls that led to it, and what is looked for."""
+
+    id: int
+    calls: tuple[int, ...]
+    kind: str
+
+
+@dataclass(eq=False)
+class Watched:
+    """An instruction that may go wrong.
+
+    Attributes:
+        at, check: what is looked at.
+        margin: how far each invocation is from going wrong, infinite of those that don't come
+            here, (count,).
+        bad: which of them go wrong.
+        operands: those of a bad invocation, by its row: one component's.
+    """
+
+    at: Instruction
+    check: Check
+    margin: Array
+    bad: Flags
+    operands: dict[int, tuple[float, ...]] = field(default_factory=dict)
+
+
+class Watcher:
+    """A `Watch` that looks at each instruction.
+
+    Attributes:
+        found: what may go wrong, by place.
+    """
+
+    def __init__(self, count: int) -> None:
+        self.count = count
+        self.found: dict[Place, Watched] = {}
+
+    def __call__(self, run: Run, at: Instruction, world: World, result: Any) -> Any:
+        """See `shaderlab.interpreter.running.Watch`."""
+        checks = CHECKS.get(number_of(at.op, at.operands), ())
+        if checks or at.op in _FLOATS:
+            values = [numbers(v) for v in run.values(arguments_of(at.op, at.operands))]
+            if all(v is not None for v in values):
+                known = np.zeros(1, np.bool_)
+                for check in checks:
+                    known = known | self._look(run, at, world, check, values)
+                self._overflow(run, at, world, values, result, known)
+        elif at.op in _ACCESS or at.op in _DYNAMIC:
+            for index, size in indices_of(run, at):
+                self._look(run, at, world, INDEX, [index, np.full((1, 1), float(size))])
+        return result
+
+    def _look(
+        self, run: Run, at: Instruction, world: World, check: Check, values: list[Any]
+    ) -> Flags:
+        with np.errstate(all="ignore"):
+            margin = np.asarray(check.margin(*values), np.float64)
+        return self._note(run, at, world, check, values, margin)
+
+    def _overflow(
+        self,
+        run: Run,
+        at: Instruction,
+        world: World,
+        values: list[Any],
+        result: Any,
+        known_bad: Flags,
+    ) -> None:
+        """Note results that are no numbers although all operands are, and good ones."""
+        value = numbers(result) if isinstance(result, np.ndarray) else None
+        if value is None:
+            return
+        with np.errstate(all="ignore"):
+            peak = _rows(np.abs(value)).max(axis=1, keepdims=True)
+            if not (peak > 1e15).any() and not np.isnan(peak).any():
+                return
+            known = ~known_bad[:, None]
+            for operand in values:
+                known = known & np.isfinite(_rows(operand)).all(axis=1, keepdims=True)
+            worst = np.where(known, np.where(np.isfinite(peak), peak, np.nan), 0.0)
+            margin = np.where(np.isnan(worst), -2.0, np.asarray(OVERFLOW.margin(worst)))
+        self._note(run, at, world, OVERFLOW, [peak], margin)
+
+    def _note(
+        self,
+        run: Run,
+        at: Instruction,
+        world: World,
+        check: Check,
+        values: list[Any],
+        margin: Array,
+    ) -> Flags:
+        """Note the margin where it is less than before; the invocations that go wrong."""
+        place = Place(at.id, tuple(run.calls), check.kind)
+        here = world.mask[:, None]
+        with np.errstate(all="ignore"):
+            bad = np.asarray(check.bad(margin)) & ~np.isnan(margin)
+        size = np.where(np.isnan(margin), np.inf, np.abs(margin))
+        nearest = size.argmin(axis=-1)[:, None]
+        own = np.where(np.isnan(margin), np.inf, margin)
+        least = (
+            np.take_along_axis(own, nearest, -1) if check.crosses else own.min(-1, keepdims=True)
+        )
+        least = np.where(here, least, np.inf)[:, 0]
+        flags: Flags = np.asarray((here & bad).any(axis=-1))
+        known = self.found.get(place)
+        if known is None:
+            known = Watched(at, check, np.full(self.count, np.inf), np.zeros(self.count, np.bool_))
+            self.found[place] = known
+        closer = np.abs(least) < np.abs(known.margin) if check.crosses else least < known.margin
+        known.margin = np.where(closer, least, known.margin)
+        for row in np.flatnonzero(flags & ~known.bad)[:_KEPT]:
+            known.operands[int(row)] = _component(values, margin, bad, int(row))
+        if check.crosses and not flags.any():
+            row = int(np.abs(least).argmin())
+            known.operands.setdefault(row, _component(values, margin, bad, row))
+        known.bad = known.bad | flags
+        return flags
+
+
+_KEPT = 4  # rows whose operands are kept
+
+
+def run_watched(
+    program: Program, given: Given, watch: Watch | None = None, arithmetic: Arithmetic = FLOAT32
+) -> Interpreted:
+    """Run a program on some invocations. Raises as `interpret` does."""
+    with warnings.catch_warnings(), np.errstate(all="ignore"):
+        warnings.simplefilter("ignore")
+        return interpret(
+            program, given.each, given.bindings, arithmetic,
+            count=given.count, watch=watch, unwritten=True,
+        )  # fmt: skip
+
+
+def _component(values: list[Any], margin: Array, bad: Flags, row: int) -> tuple[float, ...]:
+    """The operands of a row's component that is bad, or the first one."""
+    flags = bad[row if len(bad) > 1 else 0]
+    k = int(flags.argmax())
+    found = []
+    for value in values:
+        one = value[row if len(value) > 1 else 0]
+        found.append(float(one.ravel()[min(k, one.size - 1)]))
+    return tuple(found)
+
+
+def _rows(value: Array) -> Array:
+    return value.reshape(len(value), -1)
+
+
+def numbers(value: Any) -> Array | None:
+    """A float or an integer as float64, (count or 1, components); None of anything else."""
+    if isinstance(value, Integer):
+        return value.lo.astype(np.float64)
+    if isinstance(value, np.ndarray):
+        return value.astype(np.float64)
+    return None
+
+
+def indices_of(run: Run, at: Instruction) -> Iterator[tuple[Array, int]]:
+    """The indices in an instruction, each with how many elements there are to choose from."""
+    if at.op in _DYNAMIC:
+        size = run.value(at.operands[0]).shape[-1]
+        yield run.value(at.operands[_DYNAMIC[at.op]]).lo.astype(np.float64), size
+        return
+    base, *steps = at.operands
+    pointer = run.value(base)
+    if not isinstance(pointer, Pointer):
+        return
+    type_, _ = run.program.variables[pointer.variable]
+    for index in pointer.path:
+        type_ = type_.part(index if isinstance(index, int) else 0)
+    for step in steps:
+        index = run.value(step)
+        if type_.kind in _SIZED and type_.count:
+            yield index.lo.astype(np.float64), type_.count
+        type_ = type_.part(int(index.lo.flat[0]) if type_.kind == "struct" else 0)

@@ -1,0 +1,156 @@
+"""`shaderlab audit`: what may go wrong in a shader, without a reference."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from shaderlab.cli import FAILED, USAGE
+from shaderlab.cli.files import finding_options, tell, uses_stdout, write_findings, write_json
+from shaderlab.cli.options import (
+    DRIVER,
+    INCLUDE,
+    JSON,
+    jobs_option,
+    limits_option,
+    make_local_executor,
+)
+from shaderlab.cli.shader_inputs import RANGES, shaders_of_paths
+from shaderlab.compiler.text import EXTENSIONS, STAGES
+from shaderlab.errors import ShaderlabError, UsageError
+from shaderlab.options import Limits, RunOptions
+
+if TYPE_CHECKING:
+    from shaderlab.audit import Audit, Plan
+    from shaderlab.report.findings import Finding
+
+NO_ANSWER = USAGE
+"""The exit status where it can't be said of a shader, for whatever reason."""
+
+
+@click.command("audit", short_help="What may go wrong in a shader, without a reference.")
+@click.argument("targets", nargs=-1, required=True, metavar="FILE | FOLDER | ID | CASE.py…")
+@RANGES
+@click.option("--possible", is_flag=True, help="Print what no input was found for, too.")
+@click.option("--inputs", "show_inputs", is_flag=True, help="Print what each input was given.")
+@click.option("--stage", type=click.Choice(STAGES), help="Of all files, whatever they are called.")
+@INCLUDE
+@DRIVER
+@limits_option("Give up on a shader after S seconds.", seconds=60.0)
+@jobs_option("1")
+@JSON
+@finding_options
+def command(
+    targets: tuple[str, ...],
+    ranges: dict[str, str],
+    possible: bool,
+    show_inputs: bool,
+    stage: str | None,
+    includes: tuple[Path, ...],
+    driver: str | None,
+    limits: Limits,
+    workers: int | None,
+    json_file: str | None,
+    outputs: Mapping[str, str],
+) -> int:
+    """Look for inputs at which a shader divides by 0, takes the square root of a negative number,
+    reads what nobody wrote, or does anything else that GLSL does not define; and for outputs that
+    depend on it. No formula is needed.
+
+    A case gives its shaders the inputs of its draws. Those of a shader file are made up by name and
+    type, and searched; say what they are where a guess won't do: --range distance=0:50, or
+    a comment where one is declared, `uniform float distance; // range: 0..50`.
+
+    Exit code: 0 no hazard was shown, 1 one was, 2 it can't be said, or wrong usage.
+
+    \b
+    Examples:
+      shaderlab audit lamp.frag
+      shaderlab audit shaders/ --range exposure=0:8 --sarif hazards.sarif
+      shaderlab audit specular my_case.py
+    """
+    from shaderlab.audit import Plan
+
+    files = dict(outputs) if json_file is None else {**outputs, "json": json_file}
+    to_stderr = uses_stdout(files)
+    audits: list[Audit] = []
+    workers = 1 if workers is None else workers
+    with contextlib.closing(make_local_executor(driver, limits, workers, early=False)) as executor:
+        options = RunOptions(driver=driver, include=includes, limits=limits)
+        requests = list(_requests(targets, Plan(ranges=ranges), stage, options))
+        for audit in _audits(executor.perform(requests)):
+            audits.append(audit)
+            for line in audit.lines(possible):
+                click.echo(line, err=to_stderr)
+            if show_inputs or audit.clean is False:
+                for name, role in audit.inputs.items():
+                    click.echo(f"  {name}: {role}", err=to_stderr)
+    if json_file is not None:
+        write_json([audit.data() for audit in audits], json_file)
+    findings = [finding for audit in audits for finding in _findings(audit)]
+    unwritten = tell(list(write_findings(findings, "audit", outputs)))
+    found = {audit.clean for audit in audits}
+    if False in found:
+        return FAILED
+    return NO_ANSWER if None in found or not audits else unwritten
+
+
+def _requests(
+    targets: Sequence[str], plan: Plan, stage: str | None, options: RunOptions
+) -> Iterator[Any]:
+    """What is asked of workers: one request for each shader file, and for each case."""
+    from shaderlab.cli.selecting import files_of
+    from shaderlab.execution.audit_shaders import AuditCase, AuditFile
+
+    shaders = [Path(t) for t in targets if _is_shader(t, stage)]
+    for shader in shaders_of_paths(shaders, options.include):
+        yield AuditFile(shader, stage, plan)
+    cases = [target for target in targets if not _is_shader(target, stage)]
+    if cases and plan.ranges:
+        raise UsageError("--range does not go with a case, whose inputs are known")
+    for file in files_of(cases):
+        yield AuditCase(file, plan, options)
+
+
+def _is_shader(target: str, stage: str | None) -> bool:
+    path = Path(target)
+    return path.is_dir() or path.suffix in EXTENSIONS or (stage is not None and path.is_file())
+
+
+def _audits(results: Iterable[Any]) -> Iterator[Audit]:
+    """The audits of requests; one that was refused where there is no answer."""
+    from shaderlab.audit import Audit
+    from shaderlab.execution.executor import error_text
+
+    for result in results:
+        if result.status == "done":
+            yield from result.value
+            continue
+        if isinstance(result.value, UsageError):
+            raise result.value
+        if isinstance(result.value, ShaderlabError):
+            why = str(result.value)
+        else:
+            why = f"{result.item.name}: {result.status} while {result.step or 'starting'}: "
+            why += error_text(result)
+        yield Audit(file=result.item.name, hazards=(), tried=0, refused=why)
+
+
+def _findings(audit: Audit) -> Iterator[Finding]:
+    """An audit's hazards as what reviews show at their lines."""
+    from shaderlab.report.findings import Finding
+
+    for hazard in audit.hazards:
+        text = str(hazard)
+        yield Finding(
+            rule="hazard", file=hazard.file, line=hazard.line, subject=hazard.kind,
+            message=text.partition(": ")[2], severity="error" if hazard.evident else "info",
+        )  # fmt: skip
+    if audit.refused:
+        yield Finding(
+            rule="not-audited", file=audit.file, line=0, message=audit.refused, severity="warning"
+        )

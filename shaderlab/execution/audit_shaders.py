@@ -1,0 +1,72 @@
+"""What `shaderlab audit` asks of a worker, where a shader that never ends costs one answer."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from shaderlab.audit import Audit, Plan, audit_program
+from shaderlab.errors import FormulaError, NotInterpretedError
+from shaderlab.execution.compare_shaders import ShaderOfFile
+from shaderlab.interpreter import load
+from shaderlab.options import RunOptions
+
+if TYPE_CHECKING:
+    from shaderlab.execution.lab_worker import LabWorker
+
+
+@dataclass(frozen=True)
+class AuditFile:
+    """Asks for the `Audit` of a shader file, as a list.
+
+    Raises as `shaderlab.interpreter.load` and `audit_program`.
+    """
+
+    shader: ShaderOfFile
+    stage: str | None
+    plan: Plan
+
+    @property
+    def name(self) -> str:
+        """What is audited, in words."""
+        return self.shader.file.path
+
+    def perform(self, worker: LabWorker) -> list[Audit]:
+        """See `shaderlab.execution.jobs.Request`."""
+        worker.note("compiling")
+        program = load(self.shader.source(self.stage))
+        worker.note("interpreting")
+        return [audit_program(program, self.plan)]
+
+
+@dataclass(frozen=True)
+class AuditCase:
+    """Asks for an `Audit` of each stage of a case's draws, on what those give it.
+
+    Raises as `shaderlab.evaluation.rewriting.stages` and `shaderlab.interpreter.load`.
+    """
+
+    case: Path
+    plan: Plan
+    options: RunOptions
+
+    @property
+    def name(self) -> str:
+        """What is audited, in words."""
+        return str(self.case)
+
+    def perform(self, worker: LabWorker) -> list[Audit]:
+        """See `shaderlab.execution.jobs.Request`."""
+        from shaderlab.evaluation.rewriting import stages
+
+        worker.note("drawing the case")
+        lab, case = worker.lab(self.options), worker.case(str(self.case))
+        audits = []
+        for source, given in stages(lab, case):
+            worker.note("interpreting")
+            try:
+                audits.append(audit_program(load(source), self.plan, given))
+            except (NotInterpretedError, FormulaError) as error:
+                audits.append(Audit(file=source.path, hazards=(), tried=0, refused=str(error)))
+        return audits

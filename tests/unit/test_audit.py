@@ -1,0 +1,192 @@
+"""Hazards are found at their lines, by inputs that show them; what is guarded is none."""
+
+from __future__ import annotations
+
+import functools
+import json
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from shaderlab.audit import Audit, Hazard, Plan, audit_program
+from shaderlab.cli.audit import command
+from shaderlab.compiler import Shaders
+from shaderlab.errors import NotInterpretedError, UsageError
+from shaderlab.interpreter import load
+
+_START = """#version 330 core
+in vec2 uv; // range: 0..1
+uniform float x; // range: -1..1
+uniform float y; // range: 0..1
+uniform vec3 v;
+uniform vec3 lightPos;
+uniform vec3 FragPos;
+uniform int n; // range: 0..40
+uniform sampler2D image;
+out vec4 FragColor;
+float ratio(float a, float b) { return a / b; }
+void main()
+{
+"""
+_PLANTED = {
+    "division by 0": "1.0 / (uv.x - 0.3)",
+    "sqrt of a negative number": "sqrt(x)",
+    "log of 0 or less": "log(y)",
+    "log2 of 0 or less": "log2(x + 0.5)",
+    "inversesqrt of 0 or less": "inversesqrt(y * y)",
+    "pow of a negative number": "pow(x, 2.2)",
+    "pow of 0 to 0 or less": "pow(y, x)",
+    "acos beyond 1": "acos(x * 1.1)",
+    "asin beyond 1": "asin(y + 0.1)",
+    "normalize of nothing": "normalize(v).x",
+    "smoothstep between crossed edges": "smoothstep(y, uv.x, 0.5)",
+    "clamp between crossed bounds": "clamp(0.5, y, uv.x)",
+    "index out of range": "float[3](1.0, 2.0, 3.0)[n]",
+    "integer division by 0": "float(100 / n)",
+    "shift beyond 31 bits": "float(1 << n)",
+    "overflow": "exp(100.0 * y)",
+    "atan of nothing": "atan(x, y)",
+}
+_GUARDED = (
+    "uv.x != 0.3 ? 1.0 / (uv.x - 0.3) : 0.0",
+    "x > 0.0 ? log(x) : 0.0",
+    "sqrt(max(x, 0.0))",
+    "acos(clamp(x * 1.1, -1.0, 1.0))",
+    "pow(abs(x) + 0.001, 2.2)",
+    "y / max(y, 0.001)",
+    "n < 3 ? float[3](1.0, 2.0, 3.0)[n] : 0.0",
+    "float(1 << (n & 31))",
+    "exp(-100.0 * y)",
+    "length(v) > 0.0 ? normalize(v).x : 0.0",
+    "texture(image, uv).r / (texture(image, uv).a + 0.1)",
+)
+
+
+@functools.cache
+def audit(body: str, ranges: tuple[tuple[str, str], ...] = ()) -> Audit:
+    """The audit of a fragment shader; an expression is what it draws, at line 14."""
+    lines = body if ";" in body else f"    float value = {body};\n    FragColor = vec4(value);"
+    shaders = Shaders([Path()], overrides={"a.frag": f"{_START}{lines}\n}}\n"})
+    return audit_program(load(shaders.load("a.frag", "fragment")), Plan(ranges=dict(ranges)))
+
+
+def evident(found: Audit) -> list[Hazard]:
+    return [hazard for hazard in found.hazards if hazard.evident]
+
+
+@pytest.mark.parametrize("kind", _PLANTED)
+def test_a_hazard_is_found_at_its_line(kind: str) -> None:
+    hazards = evident(audit(_PLANTED[kind]))
+    assert [(hazard.line, hazard.kind) for hazard in hazards] == [(14, kind)]
+    assert hazards[0].inputs
+
+
+@pytest.mark.parametrize("expression", _GUARDED)
+def test_what_a_condition_keeps_out_is_no_hazard(expression: str) -> None:
+    assert audit(expression).clean
+
+
+def test_the_inputs_that_are_shown_do_it() -> None:
+    (hazard,) = evident(audit("sqrt(uv.x - 0.999)"))
+    assert hazard.inputs["uv"][0] < 0.999
+    (exact,) = evident(audit("1.0 / (uv.x - 0.3)"))
+    assert exact.inputs["uv"][0] == pytest.approx(0.3, abs=1e-6)
+
+
+def test_a_result_that_nothing_depends_on_is_no_hazard() -> None:
+    body = "    float bad = log(x);\n    FragColor = vec4(x > 0.0 ? bad : 0.0);"
+    assert audit(body).clean
+    assert not audit(body.replace("x > 0.0", "x > -0.5")).clean
+
+
+def test_two_places_seldom_meet_and_two_vectors_do() -> None:
+    (hazard,) = audit("normalize(lightPos - FragPos).x").hazards
+    assert not hazard.evident
+    assert "only if two inputs are equal" in hazard.message
+    said = (("lightPos", "-1..1"), ("FragPos", "-1..1"))
+    assert not audit("normalize(lightPos - FragPos).x", said).clean
+
+
+def test_ranges_decide() -> None:
+    assert not audit("sqrt(v.x)").clean
+    assert audit("sqrt(v.x)", (("v", "0..3"),)).clean
+    with pytest.raises(UsageError, match="does not read 'w'"):
+        audit("sqrt(v.x)", (("w", "0..3"),))
+
+
+def test_a_call_is_named() -> None:
+    (hazard,) = evident(audit("ratio(1.0, y)"))
+    assert (hazard.line, hazard.calls) == (11, (14,))
+
+
+def test_what_nobody_wrote() -> None:
+    body = "    float sum;\n    if (x > 0.5) sum = 1.0;\n    FragColor.rgb = vec3(sum);"
+    found = [(hazard.line, hazard.kind) for hazard in evident(audit(body))]
+    assert found == [(10, "output not written"), (16, "uninitialised read")]
+    whole = body.replace("sum;\n", "sum = 0.0;\n", 1).replace(".rgb = vec3", " = vec4")
+    assert audit(whole).clean
+
+
+def test_derivatives_in_divergent_control_flow() -> None:
+    body = "    float d = 0.0;\n    if (uv.x > 0.5) {\n        d = dFdx(uv.y);\n    }\n"
+    body += "    FragColor = vec4(d);"
+    assert [(h.line, h.kind) for h in evident(audit(body))] == [
+        (16, "derivative in divergent control flow")
+    ]
+    assert audit(body.replace("uv.x > 0.5", "x > 0.5")).clean
+
+
+def test_textures_diverge_only_with_mipmaps() -> None:
+    body = "    float d = 0.0;\n    if (uv.x > 0.5) {\n        d = texture(image, uv).r;\n    }\n"
+    (hazard,) = audit(body + "    FragColor = vec4(d);").hazards
+    assert not hazard.evident and "only if the texture has mipmaps" in hazard.message
+
+
+def test_a_loop_that_never_ends_can_not_be_audited() -> None:
+    with pytest.raises(NotInterpretedError, match="goes on after"):
+        audit("    float s = 0.0;\n    while (y >= 0.0) s += y;\n    FragColor = vec4(s);")
+
+
+def run(tmp_path: Path, expression: str, *options: str) -> tuple[int, str]:
+    file = tmp_path / "a.frag"
+    file.write_text(f"{_START}    FragColor = vec4({expression});\n}}\n")
+    result = CliRunner().invoke(command, [str(file), "-j", "0", *options], standalone_mode=False)
+    return result.return_value, result.output
+
+
+def test_the_command_says_where_and_with_what(tmp_path: Path) -> None:
+    status, output = run(tmp_path, "log(x)")
+    assert status == 1
+    assert "a.frag:14: log of 0 or less: log(" in output
+    assert "    with x = " in output
+    assert "1 hazard on " in output
+    assert "  x: -1..1 (declared)" in output
+
+
+def test_the_command_is_quiet_about_the_rest(tmp_path: Path) -> None:
+    status, output = run(tmp_path, "normalize(lightPos - FragPos).x")
+    assert status == 0
+    assert output.count("\n") == 1 and "no hazards, 1 possible" in output
+    assert (
+        "only if two inputs are equal (possible)"
+        in run(tmp_path, "normalize(lightPos - FragPos).x", "--possible")[1]
+    )
+
+
+def test_the_command_writes_what_programs_read(tmp_path: Path) -> None:
+    files = {name: tmp_path / name for name in ("json", "sarif")}
+    status, _ = run(tmp_path, "1.0 / y", *(w for n, f in files.items() for w in (f"--{n}", str(f))))
+    assert status == 1
+    ((audited,),) = [json.loads(files["json"].read_text())]
+    (hazard,) = audited["hazards"]
+    assert (hazard["line"], hazard["kind"], hazard["evident"]) == (14, "division by 0", True)
+    assert hazard["outputs"]["FragColor"][0] in ("inf", "-inf")
+    (found,) = json.loads(files["sarif"].read_text())["runs"][0]["results"]
+    assert (found["ruleId"], found["level"]) == ("hazard", "error")
+
+
+def test_what_can_not_be_audited_is_status_2(tmp_path: Path) -> None:
+    status, output = run(tmp_path, "undeclared")
+    assert status == 2
+    assert "can't say: " in output and "undeclared" in output
