@@ -4,8 +4,9 @@
     python -m benchmarks.report reports/latest  a run of your own
 
 Each record has a picture of 512 × 512, and two checks with three pictures and the numbers of
-64 × 64 pixels, of one and of four components; four records share a case. Page opening is measured
-in headless Chromium where there is one, from the first request to the end of the load event.
+64 × 64 pixels, of one and of four components; four records share a case. How long pages take to
+open is measured in headless Chromium where there is one, from the first request to the end of the
+load event: the front page, the median and the largest of the cases' pages.
 """
 
 from __future__ import annotations
@@ -28,14 +29,16 @@ began = time.perf_counter()
 run = load(sys.argv[1])
 loaded = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 page = write(run, sys.argv[1])
+cases = sorted((page.parent / "cases").iterdir(), key=lambda path: path.stat().st_size)
 print(json.dumps({
     "seconds": time.perf_counter() - began,
     "loaded": loaded / 1024,
     "peak": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
     "records": len(run.records),
     "cases": len({record.id for record in run.records}),
-    "bytes": page.stat().st_size,
-    "page": str(page),
+    "front": page.stat().st_size,
+    "bytes": sum(path.stat().st_size for path in cases),
+    "pages": [str(page), str(cases[len(cases) // 2]), str(cases[-1])],
 }))
 """
 
@@ -48,7 +51,10 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("run", type=Path, nargs="?", help="a run's folder, not made-up records")
     run: Path | None = parser.parse_args().run
-    print("records  cases  make (s)  peak memory (MB)  after load (MB)  page (MB)  opens (s)")
+    print(
+        "records  cases  make (s)  peak memory (MB)  after load (MB)  "
+        "front (kB)  cases (MB)  opens (s)"
+    )
     if run is not None:
         _measure(run)
         return
@@ -66,17 +72,17 @@ def _measure(folder: Path) -> None:
         [sys.executable, "-c", MAKE, str(folder)], capture_output=True, text=True, check=True
     )
     found = json.loads(done.stdout)
-    opened = _opening(Path(found["page"]))
+    opened = [_opening(Path(page)) for page in found["pages"]]
     print(
         f"{found['records']:7} {found['cases']:6} {found['seconds']:9.1f} {found['peak']:17.0f} "
-        f"{found['loaded']:16.0f} {found['bytes'] / 1e6:10.1f} "
-        f"{'–' if opened is None else format(opened, '10.2f')}",
+        f"{found['loaded']:16.0f} {found['front'] / 1e3:11.0f} {found['bytes'] / 1e6:11.1f}  "
+        f"{' '.join('–' if time is None else format(time, '.2f') for time in opened)}",
         flush=True,
     )
 
 
 def _opening(page: Path) -> float | None:
-    """Seconds until the page is loaded, the better of two times; None without a browser."""
+    """Seconds until the page is loaded, the least of three times; None without a browser."""
     try:
         from playwright.sync_api import sync_playwright
     except ImportError:
@@ -89,7 +95,7 @@ def _opening(page: Path) -> float | None:
     with sync_playwright() as driver:
         browser = driver.chromium.launch(executable_path=path, args=FLAGS)
         times = []
-        for _ in range(2):
+        for _ in range(3):
             tab = browser.new_page()
             tab.goto(page.resolve().as_uri(), timeout=120_000)
             times.append(

@@ -1,4 +1,4 @@
-"""`shaderlab report`: makes a run's page again, alone or against an earlier run."""
+"""`shaderlab report`: makes a run's pages again, alone or against an earlier run."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.files import display_path
 
 
-@click.command("report", short_help="Make a run's page again.")
+@click.command("report", short_help="Make a run's pages again.")
 @click.argument("run_folder", required=False, metavar="[RUN_FOLDER]")
 @click.option(
     "--against",
@@ -21,18 +21,28 @@ from shaderlab.files import display_path
     metavar="RUN_FOLDER",
     help="Show what changed since another run; written to against.html.",
 )
+@click.option(
+    "--single-file",
+    metavar="FILE",
+    help="Also write the report as one file that needs no other, for mailing.",
+)
 @output_options
 @click.option("--open", "open_report", is_flag=True, help="Open it in a browser.")
 def command(
-    run_folder: str | None, earlier: str | None, outputs: Mapping[str, str], open_report: bool
+    run_folder: str | None,
+    earlier: str | None,
+    single_file: str | None,
+    outputs: Mapping[str, str],
+    open_report: bool,
 ) -> int:
-    """Make the page of a run again, from the run.json in its folder.
+    """Make the pages of a run again, from the run.json in its folder.
 
     \b
     Examples:
       shaderlab report                              the latest run
       shaderlab report reports/20260101-120000 --open
       shaderlab report --against reports/20260101-120000
+      shaderlab report --single-file to-mail.html
       shaderlab report --markdown "$GITHUB_STEP_SUMMARY"
     """
     from shaderlab.report import html, store
@@ -51,6 +61,11 @@ def command(
         click.echo(f"report: {display_path(page)}", err=to_stderr)
     except ShaderlabError as error:  # the outputs are written all the same
         problems.append(error)
+    if single_file is not None:
+        try:
+            html.write_single(run, folder, single_file)
+        except ShaderlabError as error:
+            problems.append(error)
     problems += write_outputs(run, outputs)
     if open_report and page is not None:
         click.launch(page.resolve().as_uri())

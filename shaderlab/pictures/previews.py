@@ -44,17 +44,13 @@ def save_previews(path: str | Path, pixels: NDArray[np.uint8], sides: tuple[int,
             write(_copy_path(Path(path), side, "png"), png)
 
 
-def preview(path: str | Path, side: int) -> bytes:
-    """The bytes of a PNG file's copy of at most `side` pixels, or of the file if there is none.
-
-    Raises:
-        OSError: it can't be read.
-    """
+def preview(path: str | Path, side: int) -> Path:
+    """A PNG file's copy of at most `side` pixels, or the file itself if there is none."""
     for suffix in ("webp", "png"):
         file = _copy_path(Path(path), side, suffix)
         if file.is_file():
-            return file.read_bytes()
-    return Path(path).read_bytes()
+            return file
+    return Path(path)
 
 
 def _copy_path(path: Path, side: int, suffix: str) -> Path:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -22,6 +23,9 @@ from shaderlab.report.sources import Shown, compiled, listings
 from shaderlab.report.text import Anchors
 from shaderlab.report.worst import worst_panel
 
+# The folder of the cases' own pages.
+CASES = "cases"
+_LONGEST_NAME = 120
 # The overview's pictures, and those of several variants side by side.
 SMALL = 320
 # A case shows so many figures in one table; if there are more, each variant shows its own.
@@ -61,6 +65,7 @@ def _case(
 ) -> CaseView:
     first = group.first
     anchor = anchors.new("case", group.id)
+    source = anchors.next_short
     several = len(group.records) > 1
     glsl, python = listings(group, anchors, shown)
     figures = tuple(
@@ -81,6 +86,8 @@ def _case(
     return CaseView(
         group=group,
         anchor=anchor,
+        page=f"{CASES}/{_file_name(anchor)}",
+        source=source,
         status=group.status,
         lesson=markup.lesson(first.lesson),
         formula=markup.formula(first.formula),
@@ -101,6 +108,14 @@ def _case(
         variants=tuple(variants),
         passes=tuple(_steps(group, pictures)),
     )
+
+
+def _file_name(anchor: str) -> str:
+    """A case's page, named by its anchor: file systems have no room for very long ones."""
+    name = anchor.removeprefix("case-")
+    if len(name) > _LONGEST_NAME:
+        name = f"{name[:_LONGEST_NAME]}-{hashlib.blake2s(name.encode(), digest_size=4).hexdigest()}"
+    return f"{name}.html"
 
 
 def _rows(outcome: Outcome) -> tuple[Row, ...]:

@@ -34,7 +34,7 @@ class Change:
 
     title: str
     variant: str
-    anchor: str | None
+    link: str | None
     before: Side | None
     after: Side | None
     pictures: tuple[Picture, Picture] | None
@@ -63,14 +63,14 @@ class Comparison:
 
 
 def compare(
-    run: Run, folder: Path, before: Run, before_folder: Path, anchors: Mapping[Key, str]
+    run: Run, folder: Path, before: Run, before_folder: Path, links: Mapping[Key, str]
 ) -> Comparison:
     """Everything that is not the same in `run` as in the earlier one.
 
     Args:
         run, folder: the later run and where its pictures lie.
         before, before_folder: the earlier one.
-        anchors: where the page shows each (case, variant) of the later run.
+        links: where the report shows each (case, variant) of the later run.
     """
     old, new = (
         {(record.id, record.variant): record for record in each.records} for each in (before, run)
@@ -87,7 +87,7 @@ def compare(
         record = pair[1] or pair[0]
         assert record is not None
         changes.append(
-            Change(record.title, record.variant, anchors.get(key), sides[0], sides[1], pictures)
+            Change(record.title, record.variant, links.get(key), sides[0], sides[1], pictures)
         )
     return Comparison(
         before=before,

@@ -24,7 +24,7 @@ class DriverRow:
 
     id: str
     variant: str
-    anchor: str | None
+    link: str | None
     results: tuple[DriverResult | None, ...]
 
     @property
@@ -61,8 +61,8 @@ class DriverTable:
                 yield case_id, count, cells
 
 
-def driver_table(run: Run, anchors: Mapping[tuple[str, str], str]) -> DriverTable | None:
-    """The table, or None for a single driver; `anchors` are the variants' on the page."""
+def driver_table(run: Run, links: Mapping[tuple[str, str], str]) -> DriverTable | None:
+    """The table, or None for a single driver; `links` lead to the variants."""
     names = {result.driver: result.renderer for result in run.drivers}
     if len(names) < 2:
         return None
@@ -70,7 +70,7 @@ def driver_table(run: Run, anchors: Mapping[tuple[str, str], str]) -> DriverTabl
     for result in run.drivers:
         by_scene.setdefault((result.id, result.variant), {})[result.driver] = result
     rows = [
-        DriverRow(*scene, anchors.get(scene), tuple(results.get(name) for name in names))
+        DriverRow(*scene, links.get(scene), tuple(results.get(name) for name in names))
         for scene, results in by_scene.items()
     ]
     return DriverTable(

@@ -24,7 +24,7 @@ from jinja2 import (
 from jinja2.bccache import Bucket
 
 from shaderlab import pictures
-from shaderlab.report import inline, markup, text
+from shaderlab.report import inline, markup, search, text
 from shaderlab.report.grouping import STATUS_WORDS, STATUSES
 
 
@@ -51,6 +51,7 @@ def environment() -> Environment:
         text.short,
         markup.code_spans,
         inline.numbers,
+        search.words,
     ):
         made.filters[function.__name__] = function
     made.globals.update(

@@ -1,75 +1,101 @@
-"""The report as one self-contained HTML file that asks nothing of any network."""
+"""The report as a small site in the run's folder: a front page, and a page for each case.
+
+It opens from disk, where a page may not read files but may link to them and run scripts: what is
+shown on demand is a script. It asks nothing of any network. The same as one file is for mailing.
+"""
 
 from __future__ import annotations
 
-import base64
-import hashlib
 import importlib
 import threading
-from importlib.resources import files
+from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 from shaderlab.files import write_text
 from shaderlab.records import Run
-from shaderlab.report import mutants
+from shaderlab.report import mutants, parts
 from shaderlab.report.build import build
 from shaderlab.report.compare import compare
 from shaderlab.report.drivers import driver_table
 from shaderlab.report.inline import Pictures
+from shaderlab.report.page import Page
+from shaderlab.report.search import script
 
 FILE_NAME = "index.html"
 AGAINST_NAME = "against.html"
 
-# In this order; each is one file of the package's style folder.
-_STYLES = (
-    "base", "front", "way", "overview", "case", "check", "inspector", "chart", "passes", "compare",
-    "code", "print",
-)  # fmt: skip
-_SCRIPTS = (
-    "numbers", "values", "paint", "view", "marks", "histogram", "readout", "pointer", "inspector",
-    "curves", "blink", "filter", "folds", "way",
-)  # fmt: skip
-
 
 def write(run: Run, folder: str | Path, against: tuple[Run, Path] | None = None) -> Path:
-    """Write `folder`/index.html from a run whose pictures lie in `folder`; return its path.
+    """Write the pages of a run whose pictures lie in `folder`; return the front page's path.
 
-    With an earlier run and its folder in `against`, it is `folder`/against.html and begins with
-    what changed.
-
-    The page is one file: pictures, styles and scripts are in it, and its own security policy
-    forbids everything else. A report that was there stays unless the new one was all written.
+    That is `folder`/index.html; with an earlier run and its folder in `against` it is
+    `folder`/against.html and begins with what changed. Cases are in `folder`/cases, what the pages
+    share in `folder`/page. Each file is written whole or not at all, the front page last.
 
     The results of `shaderlab mutate --report` in that folder are shown too.
 
     Raises:
-        ShaderlabError: the file can't be written, or `mutation.json` is damaged. Missing pictures
+        ShaderlabError: a file can't be written, or `mutation.json` is damaged. Missing pictures
             are only noted.
     """
-    from shaderlab.report.environment import environment
-
     target = Path(folder)
     page = build(run, Pictures(target), mutants.load(target))
-    style = _together("style", _STYLES, "css")
-    script = _together("script", _SCRIPTS, "js")
-    compared = against and compare(run, target, *against, page.anchors)
-    pieces = (
-        environment()
-        .get_template("page.html.j2")
-        .stream(
-            page=page,
-            run=run,
-            against=compared,
-            drivers=driver_table(run, page.anchors),
-            style=style,
-            script=script,
-            style_hash=_hash(style),
-            script_hash=_hash(script),
+    shared = target / parts.FOLDER
+    write_text(shared / "style.css", parts.style())
+    write_text(shared / "script.js", parts.script())
+    write_text(shared / "search.js", script((c.anchor, c.group.records) for c in page.cases))
+    render = partial(_render, page=page, run=run, single=False, policy=parts.SITE_POLICY)
+    for earlier, (chapter, case), later in _with_neighbours(page):
+        pieces = render(
+            "case_page.html.j2",
+            root="../",
+            level=1,
+            here=chapter,
+            case=case,
+            earlier=earlier,
+            later=later,
         )
-    )
+        write_text(target / case.page, pieces)
     path = target / (AGAINST_NAME if against else FILE_NAME)
-    write_text(path, pieces)
+    links = page.links(single=False)
+    front = render(
+        "index.html.j2",
+        root="",
+        here="",
+        against=against and compare(run, target, *against, links),
+        drivers=driver_table(run, links),
+        links=links,
+    )
+    write_text(path, front)
     return path
+
+
+def write_single(run: Run, folder: str | Path, path: str | Path) -> None:
+    """Write a run whose pictures lie in `folder` as one file that needs no other.
+
+    Raises:
+        ShaderlabError: as `write`.
+    """
+    page = build(run, Pictures(Path(folder)), mutants.load(Path(folder)))
+    links = page.links(single=True)
+    pieces = _render(
+        "single.html.j2",
+        page=page,
+        run=run,
+        single=True,
+        root="",
+        level=3,
+        here="",
+        policy=parts.single_policy(),
+        style=parts.style(),
+        script=parts.script(),
+        against=None,
+        drivers=driver_table(run, links),
+        links=links,
+    )
+    write_text(path, pieces)
 
 
 def load_libraries() -> None:
@@ -94,13 +120,14 @@ def load_libraries() -> None:
     threading.Thread(target=load, daemon=True).start()
 
 
-def _together(folder: str, names: tuple[str, ...], suffix: str) -> str:
-    root = files(__package__).joinpath(folder)
-    parts = [root.joinpath(f"{name}.{suffix}").read_text(encoding="utf-8") for name in names]
-    # Browsers hash what stands between the tags after line ends are normalised.
-    return "\n".join(parts).replace("\r\n", "\n")
+def _render(template: str, **values: Any) -> Iterator[str]:
+    from shaderlab.report.environment import environment
+
+    return environment().get_template(template).stream(boot=parts.BOOT, **values)
 
 
-def _hash(source: str) -> str:
-    digest = hashlib.sha256(source.encode("utf-8")).digest()
-    return "sha256-" + base64.b64encode(digest).decode("ascii")
+def _with_neighbours(page: Page) -> Iterator[tuple[Any, Any, Any]]:
+    """The case before, (its chapter's anchor, the case), and the case after."""
+    cases = [(chapter.anchor, case) for chapter in page.chapters for case in chapter.cases]
+    around = [None, *(case for _, case in cases), None]
+    return zip(around, cases, around[2:], strict=False)

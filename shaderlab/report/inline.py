@@ -1,6 +1,6 @@
-"""Files of a run's folder as data in the page, so that it is one file.
+"""Files of a run's folder for its pages: linked, or as data where a page is to be one file.
 
-Nothing is read before the page is written, and nothing is kept: a page may hold more pictures
+Nothing is read before a page is written, and nothing is kept: a page may hold more pictures
 than fit into memory.
 """
 
@@ -12,6 +12,7 @@ import struct
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from urllib.parse import quote
 
 from markupsafe import Markup
 
@@ -29,7 +30,8 @@ class Picture:
 
     The page may show its small copy instead (`shaderlab.pictures.preview`).
 
-    `side` is the most pixels that the page may have of it in each direction; 0 for all.
+    `side` is the most pixels that the page may have of it in each direction; 0 for all. `folder`
+    is the run's.
     """
 
     path: Path = Path()
@@ -38,12 +40,18 @@ class Picture:
     pixelated: bool = False
     missing: str = ""
     side: int = 0
+    folder: str = ""
+
+    @property
+    def link(self) -> str:
+        """Where it is in the run's folder, as a relative URL."""
+        return quote(os.path.relpath(pictures.preview(self.path, self.side), self.folder))
 
     @property
     def uri(self) -> Markup:
         """The picture as a data URI; an empty one if the file has gone or is damaged."""
         try:
-            data = pictures.preview(self.path, self.side)
+            data = read_regular(pictures.preview(self.path, self.side))
         except OSError:
             data = b""
         kind = "webp" if data[:4] == b"RIFF" else "png"
@@ -90,7 +98,8 @@ class Pictures:
         if side:
             scale = side / longest
         shown = max(1, round(width * scale)), max(1, round(height * scale))
-        return Picture(path, *shown, pixelated=scale >= 1 and width <= 600, side=side)
+        pixelated = scale >= 1 and width <= 600
+        return Picture(path, *shown, pixelated=pixelated, side=side, folder=self._root)
 
     def same(self, one: str | None, other: str | None) -> bool:
         """Whether two files are there and equal in every byte."""

@@ -26,7 +26,7 @@ class Listing:
     """A source ready to print: `count` lines, counted from `first`. `variants` says which variants
     use it, empty for all of them.
 
-    `repeated`: an earlier case shows the same listing, under the same anchors.
+    `repeated`: an earlier case has the same listing, under the same anchors.
     """
 
     file: str

@@ -93,10 +93,16 @@ class Compiled:
 
 @dataclass(frozen=True)
 class CaseView:
-    """A case with all its variants."""
+    """A case with all its variants.
+
+    `page` is its own page in the run's folder, `source` the number in the anchor of the first
+    source or SPIR-V text that no earlier case has.
+    """
 
     group: CaseGroup
     anchor: str
+    page: str
+    source: int
     status: Status
     lesson: Markup
     formula: Markup
@@ -120,16 +126,10 @@ class CaseView:
         """Whether there is more than one variant to tell apart."""
         return len(self.variants) > 1
 
-    @property
-    def search(self) -> str:
-        """The text that the filter box searches."""
-        record = self.group.first
-        names = " ".join(variant.record.variant for variant in self.variants)
-        return f"{record.id} {record.title} {record.section} {record.file} {names}".lower()
-
-    def anchor_of(self, file: str, line: int | None) -> str | None:
-        """The anchor of a source line, if one of the listings shows it."""
-        return None if line is None else anchor_of((*self.glsl, *self.python), file, line)
+    def link_to(self, file: str, line: int | None) -> str | None:
+        """A link to a source line, if one of the listings shows it."""
+        anchor = None if line is None else anchor_of((*self.glsl, *self.python), file, line)
+        return anchor and f"#{anchor}"
 
 
 @dataclass(frozen=True)
@@ -162,11 +162,14 @@ class Page:
         """What to know before anything else: files that stood in a shader's place."""
         return list(replacements(self.run))
 
-    @property
-    def anchors(self) -> dict[tuple[str, str], str]:
-        """Where each (case, variant) is shown."""
+    def links(self, single: bool) -> dict[tuple[str, str], str]:
+        """Where each (case, variant) is shown, as a link from the front page.
+
+        `single` says that all of them are on that page.
+        """
         return {
-            (variant.record.id, variant.record.variant): variant.anchor
+            (variant.record.id, variant.record.variant): f"{'' if single else case.page}"
+            f"#{variant.anchor}"
             for case in self.cases
             for variant in case.variants
         }

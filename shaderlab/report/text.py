@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 import re
 from datetime import datetime
@@ -120,15 +119,16 @@ def slug(name: str) -> str:
 
 
 class Anchors:
-    """Hands out anchors, never one twice."""
+    """Hands out anchors, never one twice; `next_short` is the number of the next short one."""
 
     def __init__(self) -> None:
         self._taken: set[str] = set()
-        self._numbers = itertools.count(1)
+        self.next_short = 1
 
     def short(self) -> str:
         """A short anchor, for listings that repeat it in each line."""
-        return self.new(f"s{next(self._numbers)}")
+        self.next_short += 1
+        return self.new(f"s{self.next_short - 1}")
 
     def new(self, *parts: str) -> str:
         """An anchor that begins with the slugs of `parts`."""

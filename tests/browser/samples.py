@@ -21,7 +21,7 @@ from shaderlab.records import (
     Verdict,
     Worst,
 )
-from shaderlab.report.html import write
+from shaderlab.report.html import write, write_single
 from shaderlab.report.store import save
 from tests.unit.test_report_samples import curve, outcome, record, run
 
@@ -32,11 +32,20 @@ BROKEN = (2, 9)
 
 @dataclass(frozen=True)
 class Sample:
-    """A page, the run that it shows, and the arrays behind the failing check's pictures."""
+    """A front page, the run that it shows, and the arrays behind the failing check's pictures."""
 
     page: Path
     run: Run
     arrays: dict[str, Array]
+
+    def case(self, id: str) -> Path:
+        """The page of a case."""
+        return self.page.parent / "cases" / f"{id}.html"
+
+    @property
+    def single(self) -> Path:
+        """The report as one file."""
+        return self.page.parent / "single.html"
 
 
 def arrays(seed: int, *, wrong: bool) -> dict[str, Array]:
@@ -123,4 +132,5 @@ def lamp(folder: Path) -> Sample:
     )  # fmt: skip
     made = run(*lamp_records, other)
     save(made, folder)
+    write_single(made, folder, folder / "single.html")
     return Sample(write(made, folder), made, bad)

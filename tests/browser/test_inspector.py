@@ -30,7 +30,7 @@ def fresh(visit: Callable[..., Any], lamp: Sample) -> Any:
 
 def inspected(visit: Callable[..., Any], lamp: Sample) -> Any:
     """The page at its failing check, the inspector running."""
-    found = visit(lamp.page)
+    found = visit(lamp.case("lamp"))
     found.locator(CHECK).scroll_into_view_if_needed()
     found.locator(f"{CHECK} canvas").first.wait_for()
     return found

@@ -194,7 +194,7 @@ def test_run_lists_gaps_in_the_terminal_the_page_and_the_json(
     assert found["id"] == "my" and found["items"] == 2
     assert found["gaps"] == [{"file": "s.frag", "line": 4, "text": "max(x, 0.0)",
                               "what": "never gives its second argument"}]  # fmt: skip
-    page = Path("r/index.html").read_text()
+    page = Path("r/cases/my.html").read_text()
     assert "never gives its second argument" in page and "What its inputs exercise" in page
     assert "What its inputs exercise" not in _page_without(tmp_path)
 
@@ -202,4 +202,4 @@ def test_run_lists_gaps_in_the_terminal_the_page_and_the_json(
 def _page_without(folder: Path) -> str:
     done = CliRunner().invoke(cli, ["run", "my.py", "--no-pictures", "-j", "0", "--report", "s"])
     assert done.exit_code == 0, done.output
-    return (folder / "s" / "index.html").read_text()
+    return (folder / "s" / "cases" / "my.html").read_text()

@@ -41,7 +41,7 @@ def test_run_passes_and_the_report_shows_its_rows(folder: Path) -> None:
     assert found["judged"] == 64 * 64
     (row,) = found["values"]
     assert (row["label"], row["expected"], row["measured"]) == ("brightest", "≤ 0.5", "0.246")
-    page = (folder / "out" / "index.html").read_text(encoding="utf-8")
+    page = (folder / "out" / "cases" / "wall.html").read_text(encoding="utf-8")
     assert NAME in page and "brightest" in page and "0.246" in page
 
 
@@ -51,7 +51,7 @@ def test_mutate_kills_by_it(folder: Path) -> None:
     assert done.returncode == 0, done.stdout + done.stderr
     (case,) = json.loads((folder / "mutants.json").read_text(encoding="utf-8"))["cases"]
     assert case["killed"] >= 1 and case["survived"]  # an upper bound can't see what is too dark
-    page = (folder / "out" / "index.html").read_text(encoding="utf-8")
+    page = (folder / "out" / "cases" / "wall.html").read_text(encoding="utf-8")
     assert case["survived"][0]["operator"] in page
 
 

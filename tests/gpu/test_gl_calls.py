@@ -96,5 +96,5 @@ def test_run_lists_them(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None
     assert done.exit_code == 0, done.output
     assert "pass 'main', draw 0:" in done.output
     assert "  glDrawArraysInstanced(GL_TRIANGLES, 0, 3, 1)" in done.output
-    page = Path("out/index.html").read_text(encoding="utf-8")
+    page = Path("out/cases/orange-triangle.html").read_text(encoding="utf-8")
     assert "OpenGL's calls" in page and "glDrawArraysInstanced(GL_TRIANGLES, 0, 3, 1)" in page

@@ -204,7 +204,7 @@ def test_a_disk_without_room_for_the_runs_folder_costs_no_verdict(
     result = shaderlab("run", case_folder / "lamp.py", "--json", "-", *folder)
     assert result.exit_code == 1 and ran(log) == ["lamp[near]", "lamp[far]"]
     assert len(json.loads(result.stdout)["cases"]) == 2
-    for file in ("run.json", "index.html", "records.jsonl"):
+    for file in ("run.json", "page/style.css", "records.jsonl"):
         assert file in result.stderr
     assert result.stderr.count("No space left on device") == 3
 

@@ -15,9 +15,8 @@ from shaderlab.expectations.measure import Measure
 from shaderlab.frame import Bindings, Frame, Image, Texels
 from shaderlab.model import Judgement
 from shaderlab.records import Plot, PlotPoint
-from shaderlab.report.html import write
 from shaderlab.report.store import load, save
-from tests.unit.test_report_samples import NAN, Page, record, run
+from tests.unit.test_report_samples import NAN, Page, record, run, write
 
 LIT = np.linspace(0.0, 1.0, 16, dtype=np.float32).reshape(4, 4, 1)
 

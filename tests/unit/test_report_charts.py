@@ -14,7 +14,6 @@ from shaderlab.records import (
     ProgramRecord,
     SourceText,
 )
-from shaderlab.report.html import write
 from tests.unit.test_report_samples import (
     INF,
     NAN,
@@ -24,6 +23,7 @@ from tests.unit.test_report_samples import (
     record,
     run,
     worst,
+    write,
 )
 
 

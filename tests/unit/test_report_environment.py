@@ -15,7 +15,7 @@ from shaderlab.report.build import build
 from shaderlab.report.inline import Pictures
 from tests.unit.test_report_samples import outcome, record, run
 
-PAGE = "page.html.j2"
+PAGE = "single.html.j2"
 
 
 @pytest.fixture
@@ -118,7 +118,7 @@ def pieces(folder: Path, count: int) -> list[str]:
             for v in range(4)
         )
     )
-    names = ("against", "drivers", "style", "script", "style_hash", "script_hash")
+    empty = dict.fromkeys(("against", "drivers", "links", "policy", "style", "script", "root"), "")
     page = build(made, Pictures(folder))
     template = environment.environment().get_template(PAGE)
-    return list(template.stream(dict.fromkeys(names, ""), page=page, run=made))
+    return list(template.stream(empty, page=page, run=made, single=True, level=3, here=""))

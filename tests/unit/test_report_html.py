@@ -17,7 +17,6 @@ from shaderlab.records import (
     SourceText,
     Verdict,
 )
-from shaderlab.report.html import write
 from tests.unit.test_report_samples import (
     Page,
     curve,
@@ -25,6 +24,7 @@ from tests.unit.test_report_samples import (
     record,
     run,
     worst,
+    write,
 )
 
 
@@ -155,7 +155,7 @@ def test_chapters_come_in_order_with_your_own_last(tmp_path: Path) -> None:
     html = write(run(*records), tmp_path).read_text()
     order = re.findall(r'<article class="case"[^>]*aria-labelledby="case-([a-z]+)"', html)
     assert order == ["early", "five", "ten", "own", "odd"]
-    words = Page(tmp_path / "index.html").words()
+    words = Page(tmp_path / "report.html").words()
     assert "5 Lighting" in words and "10 Buffers" in words and "Your own" in words
 
 
@@ -209,6 +209,6 @@ def test_a_source_that_cases_share_is_in_the_page_once(tmp_path: Path) -> None:
     shared = SourceText(file="lib.glsl", line=1, language="glsl", text="float shared_by_all;\n")
     program = ProgramRecord(files=("lib.glsl",), sources=(shared,), verdicts=())
     page = Page(write(run(*(record(i, programs=(program,)) for i in "abc")), tmp_path))
-    assert page.source.count("shared_by_all") == 1
+    assert page.words().count("shared_by_all") == 1
     copies = page.attributes("data-copy")
     assert len(copies) == 2 and set(copies) <= set(page.attributes("id"))

@@ -8,8 +8,7 @@ import pytest
 from shaderlab.errors import ShaderlabError
 from shaderlab.records import ProgramRecord, SourceText
 from shaderlab.report import mutants
-from shaderlab.report.html import write
-from tests.unit.test_report_samples import record, run
+from tests.unit.test_report_samples import record, run, write
 
 SURVIVOR = {
     "file": "lamp.frag", "line": 3, "operator": "constant", "before": "1.0", "after": "<b>1.01",

@@ -14,7 +14,6 @@ import pytest
 
 from shaderlab import pictures
 from shaderlab.errors import ShaderlabError
-from shaderlab.report.html import write
 from shaderlab.report.inline import Pictures
 from tests.unit.test_report_samples import (
     Page,
@@ -22,6 +21,7 @@ from tests.unit.test_report_samples import (
     hostile,
     record,
     run,
+    write,
 )
 
 
@@ -105,7 +105,7 @@ def test_a_failed_write_leaves_the_old_page(
         write(run(), tmp_path)
     assert caught.value.file == str(path)
     assert path.read_bytes() == before
-    assert [p.name for p in tmp_path.iterdir()] == ["index.html"]
+    assert [p.name for p in tmp_path.iterdir()] == ["report.html"]
 
 
 def test_links_are_followed_to_what_is_in_the_folder_only(tmp_path: Path) -> None:

@@ -22,10 +22,18 @@ from shaderlab.records import (
     Verdict,
     Worst,
 )
+from shaderlab.report.html import write_single
 
 HOSTILE = "</script></style><img src=x onerror=alert(1)>\"'&{{ 7*7 }}\x00\x1b\u202e\udc80"
 NAN, INF = float("nan"), float("inf")
 VOID = {"meta", "img", "br", "input", "link", "hr"}
+
+
+def write(run: Run, folder: Path) -> Path:
+    """The report of a run as one file, which holds all that can be seen of it."""
+    path = folder / "report.html"
+    write_single(run, folder, path)
+    return path
 
 
 class Page(HTMLParser):

@@ -6,10 +6,9 @@ import dataclasses
 from pathlib import Path
 
 from shaderlab.records import Explanation, Record, Step
-from shaderlab.report.html import write
 from shaderlab.report.plain_text import failure
 from shaderlab.report.store import load, save
-from tests.unit.test_report_samples import run
+from tests.unit.test_report_samples import run, write
 
 STEP = Step(
     file="shaders/lamp.frag",

@@ -25,9 +25,17 @@ from shaderlab.records import (
 )
 from shaderlab.report.compare import compare
 from shaderlab.report.formats.markdown import render as summary
-from shaderlab.report.html import write
 from shaderlab.report.store import save
-from tests.unit.test_report_samples import HOSTILE, Page, hostile, outcome, record, run, worst
+from tests.unit.test_report_samples import (
+    HOSTILE,
+    Page,
+    hostile,
+    outcome,
+    record,
+    run,
+    worst,
+    write,
+)
 
 
 def test_the_summary_leads_with_the_verdict_and_names_the_worst_value() -> None:

@@ -216,7 +216,7 @@ def test_each_point_is_run_and_told(
     ]
     run = json.loads(Path("out/run.json").read_text())
     assert [plot["x_label"] for plot in run["plots"]] == ["reach", "reach"]
-    assert "half band widths over reach" in Path("out/index.html").read_text()
+    assert "half band widths over reach" in next(Path("out/cases").iterdir()).read_text()
 
 
 def test_a_sweep_that_was_cut_short_goes_on(

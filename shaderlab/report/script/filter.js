@@ -1,7 +1,37 @@
 // Shows the cases whose text holds every word of the box and whose status is switched on: their
 // titles, lessons, checks and shaders.
+
+/** Each case's words by its anchor: in the page, or in a script of the site. */
+const searchWords = (() => {
+  let words = null;
+  return () => {
+    words ??= new Promise((resolve) => {
+      const inside = document.getElementById("search");
+      if (inside) {
+        resolve(Object.fromEntries([...inside.content.children]
+          .map((item) => [item.dataset.case, item.textContent])));
+        return;
+      }
+      const script = document.createElement("script");
+      script.src = `${document.documentElement.dataset.root}page/search.js`;
+      script.onload = () => resolve(globalThis.shaderlabWords);
+      script.onerror = () => resolve({});  // titles are found all the same
+      document.head.append(script);
+    });
+    return words;
+  };
+})();
+
 const filterForm = document.querySelector(".controls");
 if (filterForm) watchFilter(filterForm);
+
+document.addEventListener("keydown", (event) => {
+  const typing = event.target.closest && event.target.closest("input, textarea, select");
+  if (event.key !== "/" || typing || event.ctrlKey || event.metaKey || event.altKey) return;
+  event.preventDefault();
+  if (filterForm) filterForm.querySelector("#find").focus();
+  else location.assign(`${document.documentElement.dataset.root}index.html#find`);
+});
 
 function watchFilter(form) {
   const box = form.querySelector("#find");
@@ -10,24 +40,16 @@ function watchFilter(form) {
   const cases = [...document.querySelectorAll("[data-case]")];
   const shelves = [...document.querySelectorAll("[data-shelf]")];
   const cards = cases.filter((item) => item.tagName === "LI");
-  const texts = new Map();
 
-  /** All that a case or its card can be found by; read from the page when it is first asked for. */
-  function textOf(item) {
-    const goal = item.querySelector("a.card")?.hash.slice(1);
-    const article = goal ? document.getElementById(goal).closest("[data-case]") : item;
-    if (!texts.has(article)) {
-      // A source that an earlier case shows too stands in the page once.
-      const copied = [...article.querySelectorAll("[data-copy]")]
-        .map((copy) => document.getElementById(copy.dataset.copy)?.textContent ?? "");
-      texts.set(article, [article.dataset.search, article.textContent, ...copied]
-        .join(" ").toLowerCase());
-    }
-    return texts.get(article);
-  }
+  let updates = 0;
 
-  function update() {
+  async function update() {
+    updates += 1;
+    const own = updates;
     const words = box.value.toLowerCase().split(/\s+/).filter(Boolean);
+    const texts = words.length ? await searchWords() : {};
+    if (own !== updates) return;  // something else was typed meanwhile
+    const textOf = (item) => texts[item.dataset.case] ?? item.textContent.toLowerCase();
     const off = new Set(switches.filter((b) => b.getAttribute("aria-pressed") === "false")
       .map((b) => b.dataset.status));
     for (const item of cases) {
@@ -40,6 +62,7 @@ function watchFilter(form) {
   }
 
   form.hidden = false;
+  box.addEventListener("focus", searchWords, { once: true });
   form.addEventListener("submit", (event) => event.preventDefault());
   box.addEventListener("input", update);
   for (const button of switches) {
@@ -48,15 +71,10 @@ function watchFilter(form) {
       update();
     });
   }
-  document.addEventListener("keydown", (event) => {
-    const typing = event.target.closest && event.target.closest("input, textarea, select");
-    if (event.key === "/" && !typing && !event.ctrlKey && !event.metaKey && !event.altKey) {
-      event.preventDefault();
-      box.focus();
-    } else if (event.key === "Escape" && event.target === box) {
-      box.value = "";
-      update();
-    }
+  box.addEventListener("keydown", (event) => {
+    if (event.key !== "Escape") return;
+    box.value = "";
+    update();
   });
   // Browsers keep a box's text over a reload.
   update();

@@ -36,12 +36,33 @@ fillOnOpening("details[data-copy]", (details) => {
   details.querySelector("p").replaceWith(copy);
 });
 
+/** The page of the case that has an anchor; null where no card of this page leads there. */
+function pageOf(anchor) {
+  const cards = [...document.querySelectorAll("a.card[data-source]")];
+  const line = /^s(\d+)(-L\d+)?$/.exec(anchor);
+  const nameOf = (card) => card.closest("[data-case]").dataset.case;
+  const found = line
+    // Texts are numbered from the first case to the last.
+    ? cards.filter((card) => Number(card.dataset.source) <= Number(line[1])).at(-1)
+    : cards.filter((card) => anchor === nameOf(card) || anchor.startsWith(`${nameOf(card)}-`))
+      .sort((one, other) => nameOf(one).length - nameOf(other).length).at(-1);
+  return found ? found.getAttribute("href") : null;
+}
+
 function reveal() {
   // Anchors of this page are plain letters, digits and hyphens.
   const name = location.hash.slice(1);
   // A case's id alone will do, in a link from elsewhere.
   const goal = document.getElementById(name) ?? document.getElementById(`case-${name}`);
-  if (!goal) return;
+  if (!goal) {
+    const page = pageOf(name) ?? pageOf(`case-${name}`);
+    if (page) location.replace(`${page}#${name}`);
+    return;
+  }
+  if (goal.matches("input")) {
+    goal.focus();
+    return;
+  }
   for (let node = goal; node; node = node.parentElement) {
     if (node.tagName === "DETAILS") node.open = true;
     if (node.matches("[data-case], [data-shelf]")) node.hidden = false;

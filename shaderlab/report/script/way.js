@@ -1,6 +1,9 @@
-// Marks the chapter that is being read in the line of chapters at the top.
+// Marks the chapter that is being read in the line of chapters at the top; on a case's own page the
+// chapter is marked already.
 const way = document.querySelector(".way");
-if (way) followChapters(way);
+if (way && !document.documentElement.dataset.root) followChapters(way);
+const marked = way?.querySelector("[aria-current]");
+if (marked) marked.closest("ol").scrollLeft = marked.offsetLeft - marked.closest("ol").offsetLeft;
 
 function followChapters(nav) {
   const links = [...nav.querySelectorAll("ol a")];
