@@ -39,6 +39,7 @@ MODULES: Mapping[str, str] = {
     "llvmpipe": "shaderlab.backends.opengl",
     "softpipe": "shaderlab.backends.opengl",
     "default": "shaderlab.backends.opengl",
+    "llvmpipe-spirv": "shaderlab.backends.opengl",
 }
 """Each driver's name, and the module that opens it: with `open_backend` and `prepare_process`,
 both of which take the driver's name."""

@@ -53,7 +53,8 @@ DRIVER = click.option(
     "--driver",
     metavar="NAME",
     callback=lambda context, option, name: name if name is None else checked_driver(name),
-    help="llvmpipe, softpipe, or default for the machine's own.  [default: llvmpipe]",
+    help="llvmpipe, softpipe, llvmpipe-spirv (which gets SPIR-V modules), or default for the "
+    "machine's own.  [default: llvmpipe]",
 )
 
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
+
 from rich.console import Console
 from rich.text import Text
 
 from shaderlab.cli.rows import plain_table
-from shaderlab.records import Disagreement, Run
+from shaderlab.records import Disagreement, DriverResult, Run
 from shaderlab.report.drivers import AGREEMENTS, driver_table
 from shaderlab.report.plain_text import label, printable
 
@@ -31,18 +33,26 @@ def show_drivers(run: Run, console: Console) -> None:
     total = table.outputs.total()
     for verdict, words in AGREEMENTS.items():
         console.print(f"{table.outputs[verdict]} of {total} outputs: {words}")
-    for result in run.drivers:
-        if result.status != "pass":
-            name = label(result.id, result.variant)
-            style = "yellow" if result.status == "unsupported" else "red"
-            head = f"{result.status} on {result.driver}: {name}"
-            console.print(printable("\n  ".join([head, *result.message.splitlines()])), style=style)
+    for result, labels in _alike(run.drivers):
+        style = "yellow" if result.status == "unsupported" else "red"
+        head = f"{result.status} on {result.driver}: {', '.join(labels)}"
+        console.print(printable("\n  ".join([head, *result.message.splitlines()])), style=style)
     outside = [each for each in table.apart if each.verdict == "outside"]
     for each in outside[:_MOST]:
         for line in _lines(each):
             console.print(printable(line))
     if len(outside) > _MOST:
         console.print(f"… and {len(outside) - _MOST} more")
+
+
+def _alike(results: Iterable[DriverResult]) -> Iterator[tuple[DriverResult, list[str]]]:
+    """What did not pass: one result and the scenes of all that say the same."""
+    found: dict[tuple[str, str, str], list[DriverResult]] = {}
+    for result in results:
+        if result.status != "pass":
+            found.setdefault((result.driver, result.status, result.message), []).append(result)
+    for alike in found.values():
+        yield alike[0], [label(result.id, result.variant) for result in alike]
 
 
 def _lines(each: Disagreement) -> list[str]:

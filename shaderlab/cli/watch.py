@@ -201,7 +201,7 @@ class _Page:
     def __init__(self, report: LiveReport, folder: Path, options: RunOptions) -> None:
         self._report, self._folder = report, folder
         self._options = replace(options, folder=folder, pictures=True)
-        self._records: dict[tuple[str, str], Record] = {}
+        self._records: dict[tuple[str, str, str], Record] = {}
         self._started = datetime.datetime.now().astimezone().isoformat(timespec="seconds")
         self._opened = False
 

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from shaderlab.backends.opengl.backend import OpenGLBackend
 
 SOFTWARE = ("llvmpipe", "softpipe")
+SPIRV = "-spirv"
+"""What the name of a driver ends with that gets programs as SPIR-V modules instead of text."""
 
 
 def open_backend(driver: str) -> OpenGLBackend:
@@ -69,6 +71,7 @@ def _variables(driver: str) -> dict[str, str]:
         name: os.environ.get(name, value)
         for name, value in (("EGL_PLATFORM", "surfaceless"), ("PYOPENGL_PLATFORM", "egl"))
     }
-    if driver in SOFTWARE:
-        wanted |= {"LIBGL_ALWAYS_SOFTWARE": "1", "GALLIUM_DRIVER": driver}
+    mesas = driver.removesuffix(SPIRV)
+    if mesas in SOFTWARE:
+        wanted |= {"LIBGL_ALWAYS_SOFTWARE": "1", "GALLIUM_DRIVER": mesas}
     return wanted

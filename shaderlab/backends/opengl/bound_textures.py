@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from shaderlab.backends.opengl.device import Device
+from shaderlab.backends.opengl.linking import uniform_location
 from shaderlab.backends.opengl.pyopengl import GL, named
 from shaderlab.backends.opengl.target import RenderTarget
 from shaderlab.backends.opengl.textures import (
@@ -90,7 +91,7 @@ class BoundTextures:
 
     def bind(self, program: Any, unit: int, variable: Variable, source: TextureSource) -> bool:
         """Bind a texture to a unit, and the sampler to that; False if the program lacks it."""
-        location = int(GL.glGetUniformLocation(program.glo, variable.name.encode()))
+        location = uniform_location(program, variable.name)
         if location < 0:
             return False
         texture = self._find(source, self._kind(source, variable)).texture

@@ -5,11 +5,12 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import moderngl
 
-from shaderlab.backends.opengl import environment
+from shaderlab.backends.opengl import SPIRV, environment
 from shaderlab.backends.opengl.pyopengl import ERROR_CHECKER, GL
 from shaderlab.errors import DriverError
 
@@ -21,6 +22,8 @@ INSTALL = (
     "mesa-libEGL mesa-dri-drivers · Arch: pacman -S mesa · or run `shaderlab doctor`"
 )
 REQUIRED_VERSION = 330
+_TAKES_SPIRV = "GL_ARB_gl_spirv"
+_NOTHING = "#version 330 core\nvoid main() { gl_Position = vec4(0.0); }\n"
 
 
 class Device:
@@ -31,6 +34,9 @@ class Device:
         info: what the driver says of itself.
         driver: a name of `shaderlab.backends.DRIVERS`.
         recorder: writes the context's calls down; None for a context that is the driver's own.
+
+    Attributes:
+        takes_spirv: whether it gets programs as SPIR-V modules.
     """
 
     def __init__(
@@ -45,6 +51,12 @@ class Device:
         self.driver = driver
         self.recorder = recorder
         self._users = 0
+        self.takes_spirv = driver.endswith(SPIRV)
+
+    @cached_property
+    def any_program(self) -> Any:
+        """A program without any inputs, for what moderngl makes for a program of its own only."""
+        return self.context.program(vertex_shader=_NOTHING)
 
     @property
     def version(self) -> int:
@@ -93,7 +105,8 @@ def open_device(driver: str) -> Device:
             reads it once.
 
     Raises:
-        DriverError: there is no EGL, no driver, or none that offers OpenGL 3.3.
+        DriverError: there is no EGL, no driver, or none that offers OpenGL 3.3, or SPIR-V where
+            that is asked for.
     """
     options: Any = {"standalone": True, "backend": "egl"}  # mistyped in moderngl's stubs
     try:
@@ -102,9 +115,14 @@ def open_device(driver: str) -> Device:
     except Exception as error:  # moderngl raises plain Exception for whatever EGL says
         raise DriverError(f"no OpenGL 3.3 context on EGL ({error})", remedy=INSTALL) from error
     context.gc_mode = "auto"
+    if driver.endswith(SPIRV) and _TAKES_SPIRV not in context.extensions:
+        raise DriverError(
+            f"driver {driver}: {context.info['GL_RENDERER']} takes no SPIR-V ({_TAKES_SPIRV})",
+            remedy="Mesa's llvmpipe does, in version 21 or newer: --driver llvmpipe-spirv",
+        )
     known = context.info
     info = {
-        "renderer": str(known["GL_RENDERER"]),
+        "renderer": str(known["GL_RENDERER"]) + (", SPIR-V" if driver.endswith(SPIRV) else ""),
         "vendor": str(known["GL_VENDOR"]),
         "version": str(known["GL_VERSION"]),
         "glsl": GL.glGetString(GL.GL_SHADING_LANGUAGE_VERSION).decode(errors="replace"),

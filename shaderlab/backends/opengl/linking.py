@@ -18,7 +18,8 @@ CAPACITY = 64
 
 
 class Linker:
-    """Linked programs by their stages' text, so that equal ones are linked once.
+    """Linked programs by their stages' text, so that equal ones are linked once. A driver that
+    `takes_spirv` gets the text's modules.
 
     The `CAPACITY` most recently used ones are kept: a software driver's machine code takes a
     megabyte.
@@ -32,7 +33,8 @@ class Linker:
         self._linked: dict[tuple[Any, ...], Any] = {}
 
     def link(self, stages: Mapping[str, str], *, feedback: Sequence[str] = ()) -> Any:
-        """A `moderngl.Program` of these stages (text by "vertex", "geometry", "fragment").
+        """A `moderngl.Program` of these stages (text by "vertex", "geometry", "fragment"), or a
+        `SpirvProgram`, which can do what the lab needs of one.
 
         `feedback` are the vertex outputs to be captured by transform feedback.
 
@@ -46,12 +48,7 @@ class Linker:
         if program is None:
             try:
                 with doing("link"):
-                    program = self._device.context.program(
-                        vertex_shader=stages["vertex"],
-                        fragment_shader=stages.get("fragment"),
-                        geometry_shader=stages.get("geometry"),
-                        varyings=tuple(feedback),
-                    )
+                    program = self._new(stages, feedback)
             except moderngl.Error as error:
                 message = f"the driver refuses the program: {str(error).strip()}"
                 raise ShaderError(message) from error
@@ -60,9 +57,35 @@ class Linker:
             del self._linked[next(iter(self._linked))]
         return program
 
+    def _new(self, stages: Mapping[str, str], feedback: Sequence[str]) -> Any:
+        if self._device.takes_spirv:
+            from shaderlab.backends.opengl.spirv_program import link_modules
+
+            return link_modules(self._device, stages, feedback)
+        return self._device.context.program(
+            vertex_shader=stages["vertex"],
+            fragment_shader=stages.get("fragment"),
+            geometry_shader=stages.get("geometry"),
+            varyings=tuple(feedback),
+        )
+
+
+def has_names(program: Any) -> bool:
+    """Whether the driver knows a program's variables by their names: not those of a module."""
+    return isinstance(program, moderngl.Program)
+
+
+def uniform_location(program: Any, name: str) -> int:
+    """Where a linked program has a uniform; −1 for none."""
+    if not has_names(program):
+        return int(program.location(name))
+    return int(GL.glGetUniformLocation(program.glo, name.encode()))
+
 
 def output_locations(program: Any, names: Iterable[str]) -> dict[str, int]:
     """Where the linked program writes each of its fragment outputs; −1 for one it has not."""
+    if not has_names(program):
+        return {name: program.output(name) for name in names}
     return {name: int(GL.glGetFragDataLocation(program.glo, name.encode())) for name in names}
 
 

@@ -11,6 +11,7 @@ with environment():
     from OpenGL import GL as GL
     from OpenGL.error import GLError as GLError, NullFunctionError as NullFunctionError
     from OpenGL.raw.GL import _errors
+    from OpenGL.raw.GL.ARB import gl_spirv as gl_spirv
     from OpenGL.raw.GL.VERSION import GL_1_0 as GL_1_0, GL_1_2 as GL_1_2, GL_1_3 as GL_1_3
 
 ERROR_CHECKER = _errors._error_checker

@@ -11,7 +11,7 @@ import numpy as np
 
 from shaderlab.backends.opengl import state
 from shaderlab.backends.opengl.drawing import Drawing, drain_errors, submit
-from shaderlab.backends.opengl.linking import output_locations
+from shaderlab.backends.opengl.linking import output_locations, uniform_location
 from shaderlab.backends.opengl.pyopengl import GL, named
 from shaderlab.backends.opengl.target import RenderTarget
 from shaderlab.backends.opengl.uniform_buffers import read_block
@@ -111,7 +111,7 @@ def locations(drawing: Drawing, key: PassDraw) -> dict[str, int]:
     draw = drawing.programs[key[0]][key[1]]
     program = drawing.linker.link(draw.texts)
     return {
-        name: int(GL.glGetUniformLocation(program.glo, name.encode()))
+        name: uniform_location(program, name)
         for name in draw.interface.uniforms
         if not name.startswith(PREFIX)
     }

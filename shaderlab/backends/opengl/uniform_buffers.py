@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from shaderlab.backends.opengl.device import Device
+from shaderlab.backends.opengl.linking import has_names
 from shaderlab.backends.opengl.pyopengl import GL
 from shaderlab.compiler.interface import Block
 from shaderlab.errors import CaseError, DriverError
@@ -56,7 +57,7 @@ class UniformBuffers:
             if not known[name]:
                 yield name
                 continue
-            program[name].binding = point
+            GL.glUniformBlockBinding(program.glo, _index(program, block), point)
             buffer = self._buffer(draw.draw.blocks[name], block, blocks.packed(block, uniforms))
             buffer.bind_to_uniform_block(point)
 
@@ -84,16 +85,27 @@ def read_block(program: Any, block: Block) -> BlockReading:
     """Where the driver has a block's members, and where the lab has them."""
     size = np.zeros(1, np.int32)
     offsets: dict[str, int | None] = {}
-    index = int(GL.glGetUniformBlockIndex(program.glo, block.name.encode()))
+    index = _index(program, block)
     if index != _NONE:
         GL.glGetActiveUniformBlockiv(program.glo, index, GL.GL_UNIFORM_BLOCK_DATA_SIZE, size)
-        offsets = {name: _offset(program, blocks.spelt(block, name)) for name in block.members}
+        if not has_names(program):  # the module itself says where members lie
+            offsets = {name: member.offset for name, member in block.members.items()}
+        else:
+            offsets = {name: _offset(program, blocks.spelt(block, name)) for name in block.members}
     return BlockReading(
         offsets={name: at for name, at in offsets.items() if at is not None},
         size=int(size[0]),
         placed={name: member.offset for name, member in block.members.items()},
         placed_size=block.size,
     )
+
+
+def _index(program: Any, block: Block) -> int:
+    """The block's index in a program, _NONE where it has no effect."""
+    if not has_names(program):
+        found: int | None = program.block(block)
+        return _NONE if found is None else found
+    return int(GL.glGetUniformBlockIndex(program.glo, block.name.encode()))
 
 
 def check_against_driver(program: Any, block: Block) -> bool:

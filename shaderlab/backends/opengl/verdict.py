@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 
 from shaderlab.backends.opengl.device import Device
 from shaderlab.backends.opengl.pyopengl import GL, GLError, named
 from shaderlab.compiler.driver_verdict import DRIVER, parse_driver_log
 from shaderlab.compiler.sources import Source
-from shaderlab.errors import DriverError
+from shaderlab.errors import DriverError, UnsupportedError
 from shaderlab.records import Diagnostic, Verdict
 
 _NEEDS = {"tess_control": 400, "tess_evaluation": 400, "compute": 430}
@@ -33,6 +33,14 @@ def driver_verdict(device: Device, sources: Sequence[Source]) -> Verdict:
     for source in sources:
         if device.version < _NEEDS.get(source.stage, 0):
             raise DriverError(f"this driver has no {source.stage} stage", file=source.path)
+    modules: Mapping[str, bytes] = {}
+    if device.takes_spirv:
+        from shaderlab.backends.opengl.spirv_program import modules_of, specialise
+
+        try:
+            modules = modules_of(sources)[0]
+        except UnsupportedError as error:
+            raise DriverError(error.message, file=error.file, line=error.line) from error
     shaders: list[int] = []
     program = GL.glCreateProgram()
     try:
@@ -41,9 +49,12 @@ def driver_verdict(device: Device, sources: Sequence[Source]) -> Verdict:
         for source in sources:
             shader = GL.glCreateShader(named(f"{source.stage}_shader"))
             shaders.append(shader)
-            GL.glShaderSource(shader, source.text)
-            with suppress(GLError):  # the status says it
-                GL.glCompileShader(shader)
+            if source.stage in modules:
+                specialise(shader, modules[source.stage])
+            else:
+                GL.glShaderSource(shader, source.text)
+                with suppress(GLError):  # the status says it
+                    GL.glCompileShader(shader)
             good = bool(GL.glGetShaderiv(shader, GL.GL_COMPILE_STATUS))
             found += parse_driver_log(_text(GL.glGetShaderInfoLog(shader)), source, ok=good)
             ok = ok and good

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from shaderlab.backends.opengl.device import Device
+from shaderlab.backends.opengl.linking import has_names
 from shaderlab.backends.opengl.pyopengl import GL, named
 from shaderlab.errors import DriverError
 from shaderlab.frame import Array, AttributeReading
@@ -41,16 +42,24 @@ class DeviceBuffer:
 
 @dataclass(frozen=True)
 class VertexArray:
-    """A vertex array with the buffers that it reads; `count` is how many vertices a draw takes."""
+    """A vertex array with the buffers that it reads, for one program; `count` is how many vertices
+    a draw takes."""
 
     made: Any
+    program: Any
     count: int
     buffers: tuple[DeviceBuffer, ...] = ()
     indices: Any = None
 
     def render(self, mode: int, *, instances: int = 1) -> None:
         """Issue the draw call."""
-        self.made.render(mode, vertices=self.count, instances=instances)
+        GL.glUseProgram(self.program.glo)
+        GL.glBindVertexArray(self.made.glo)
+        if self.indices is None:
+            GL.glDrawArraysInstanced(mode, 0, self.count, instances)
+        else:
+            kind = GL.GL_UNSIGNED_INT
+            GL.glDrawElementsInstanced(mode, self.count, kind, ctypes.c_void_p(0), instances)
 
 
 def vertex_array(device: Device, program: Any, mesh: Mesh | None) -> VertexArray:
@@ -60,17 +69,19 @@ def vertex_array(device: Device, program: Any, mesh: Mesh | None) -> VertexArray
         DriverError: a buffer can't be mapped.
     """
     context = device.context
+    # moderngl makes and deletes it; a program of modules is none of moderngl's.
+    owner = program if has_names(program) else device.any_program
     if mesh is None:
-        return VertexArray(context.vertex_array(program, []), 3)
+        return VertexArray(context.vertex_array(owner, []), program, 3)
     indices = None if mesh.indices is None else context.buffer(mesh.indices)
-    made = context.vertex_array(program, [], index_buffer=indices, index_element_size=4)
+    made = context.vertex_array(owner, [], index_buffer=indices, index_element_size=4)
     buffers = tuple(_filled(device, parts, mesh) for parts in mesh.parts())
     for name, place in mesh.placements().items():
         member = program.get(name, None)
         if member is not None:  # else it is declared, but the driver found that it has no effect
             _point(made.glo, buffers[place.buffer].glo, member, mesh.inputs[name], place)
     count = mesh.vertices if mesh.indices is None else len(mesh.indices)
-    return VertexArray(made, count, buffers, indices)
+    return VertexArray(made, program, count, buffers, indices)
 
 
 def read_layout(program: Any, vao: VertexArray, mesh: Mesh) -> dict[str, AttributeReading]:

@@ -1,0 +1,70 @@
+"""The driver that gets programs as SPIR-V modules: what cases draw with text they draw so."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+
+from shaderlab.backends.opengl import device
+from shaderlab.backends.opengl.spirv_program import SpirvProgram
+from shaderlab.catalogue import load_case
+from shaderlab.compiler.compile import compile_program
+from shaderlab.compiler.sources import Shaders
+from shaderlab.compiler.spirv_tools import validate
+from shaderlab.compiler.transform_feedback import with_feedback
+from shaderlab.discovery import shipped_cases
+from shaderlab.errors import DriverError, UnsupportedError
+from shaderlab.evaluation import Lab
+from shaderlab.options import RunOptions
+from shaderlab.report.plain_text import failure
+
+VERTEX = """#version 330 core
+in vec3 corner;
+out VS_OUT { vec2 uv; float shade[2]; } vs_out;
+out mat2 turn;
+void main() {
+    vs_out.uv = corner.xy;
+    vs_out.shade[0] = 0.0;
+    vs_out.shade[1] = 1.0;
+    turn = mat2(1.0);
+    gl_Position = vec4(corner, 1.0);
+}
+"""
+
+
+@pytest.fixture(scope="module")
+def lab() -> Iterator[Lab]:
+    with Lab(RunOptions(driver="llvmpipe-spirv", pictures=False)) as opened:
+        yield opened
+
+
+@pytest.mark.parametrize(
+    "case_id",
+    # uniforms of every kind, doubles too; a geometry stage that is captured; uniform blocks;
+    # samplers in structs; instanced attributes
+    ["glsl-types", "geometry-explode", "uniform-buffer", "lighting-maps", "batching"],
+)
+def test_a_case_passes_as_with_text(lab: Lab, case_id: str) -> None:
+    files = {file.stem.replace("_", "-"): file for file in shipped_cases()}
+    scene = list(load_case(files[case_id]).scenes())[-1]
+    record = lab.run(scene)
+    assert record.status == "pass", failure(record)
+    assert record.driver.partition(";")[0].endswith("SPIR-V")
+    linked = lab.backend._linker._linked.values()  # type: ignore[attr-defined]
+    assert linked and all(isinstance(program, SpirvProgram) for program in linked)
+
+
+def test_a_captured_module_is_valid_and_whole_variables_are_captured() -> None:
+    source = Shaders([]).from_text(VERTEX, "vertex", "v.vert")
+    module = compile_program([source], ("glsl", "opengl")).spirv["opengl"]["vertex"]
+    sizes = {"gl_Position": 4, "VS_OUT.uv": 2, "VS_OUT.shade": 2, "turn": 4}
+    assert validate(with_feedback(module, sizes), "opengl4.5") is None
+    with pytest.raises(UnsupportedError, match="no such output"):
+        with_feedback(module, {"VS_OUT.normal": 3})
+
+
+def test_a_driver_without_spirv_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(device, "_TAKES_SPIRV", "GL_ARB_no_such_thing")
+    with pytest.raises(DriverError, match=r"llvmpipe-spirv: .* takes no SPIR-V"):
+        device.open_device("llvmpipe-spirv")
