@@ -41,6 +41,7 @@ def examine() -> tuple[Finding, ...]:
         _compile_cache(),
         *_data(),
         *_driver(),
+        *_vulkan(),
     )
 
 
@@ -170,3 +171,18 @@ def _driver() -> Iterator[Finding]:
     names = {"renderer": "driver", "version": "OpenGL", "glsl": "GLSL"}
     for key, value in driver.items():
         yield Finding(name=names.get(key, key.replace("_", " ")), found=value)
+
+
+def _vulkan() -> Iterator[Finding]:
+    """The drivers of Vulkan, which only `--driver` asks for."""
+    from . import backends
+
+    for name in ("lavapipe", "swiftshader", "vulkan"):
+        try:
+            driver = backends.probe(name)
+        except ShaderlabError as error:
+            remedy = "\n".join((error.remedy or "").split(" · "))
+            yield Finding(name=name, found=error.message, ok=False, necessary=False, remedy=remedy)
+            continue
+        found = "; ".join(driver[key] for key in ("renderer", "version") if key in driver)
+        yield Finding(name=name, found=found, necessary=False)

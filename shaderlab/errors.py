@@ -67,6 +67,10 @@ class UnsupportedError(DriverError):
     """This driver truly lacks a feature that the case needs; the message names the feature."""
 
 
+class DeviceLostError(DriverError):
+    """The device is gone, and all that was on it; the message says what it was doing."""
+
+
 class FormulaError(ShaderlabError):
     """A reference formula asks for an input that is not there, or fails on the inputs it got."""
 

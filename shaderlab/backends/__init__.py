@@ -40,6 +40,9 @@ MODULES: Mapping[str, str] = {
     "softpipe": "shaderlab.backends.opengl",
     "default": "shaderlab.backends.opengl",
     "llvmpipe-spirv": "shaderlab.backends.opengl",
+    "lavapipe": "shaderlab.backends.vulkan",
+    "swiftshader": "shaderlab.backends.vulkan",
+    "vulkan": "shaderlab.backends.vulkan",
 }
 """Each driver's name, and the module that opens it: with `open_backend` and `prepare_process`,
 both of which take the driver's name."""
@@ -260,7 +263,8 @@ def open_backend(driver: str | None = None) -> Backend:
 
     Args:
         driver: one of DRIVERS; None reads SHADERLAB_DRIVER, then takes "llvmpipe", Mesa's
-            software driver, which is the same everywhere. "default" is the machine's own.
+            software driver, which is the same everywhere. "default" is the machine's own of
+            OpenGL, "vulkan" that of Vulkan.
 
     Raises:
         DriverError: there is no such driver here, or it offers too little.
@@ -292,9 +296,9 @@ def preload(driver: str | None = None) -> None:
             load()
 
 
-def probe() -> Mapping[str, str]:
-    """Open a device, read what it is, close it. Raises DriverError as `open_backend` does."""
-    backend = open_backend()
+def probe(driver: str | None = None) -> Mapping[str, str]:
+    """Open a device, read what it is, close it. Takes and raises what `open_backend` does."""
+    backend = open_backend(driver)
     try:
         return backend.info
     finally:

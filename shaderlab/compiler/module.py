@@ -19,7 +19,7 @@ MAGIC = 0x07230203
 class Op:
     """The opcodes of declarations and of their uses."""
 
-    NAME, MEMBER_NAME, EXECUTION_MODE = 5, 6, 16
+    NAME, MEMBER_NAME, EXECUTION_MODE, CAPABILITY = 5, 6, 16, 17
     TYPE_VOID, TYPE_BOOL, TYPE_INT, TYPE_FLOAT, TYPE_VECTOR, TYPE_MATRIX = 19, 20, 21, 22, 23, 24
     TYPE_IMAGE, TYPE_SAMPLER, TYPE_SAMPLED_IMAGE = 25, 26, 27
     TYPE_ARRAY, TYPE_RUNTIME_ARRAY, TYPE_STRUCT, TYPE_POINTER = 28, 29, 30, 32
@@ -68,6 +68,7 @@ class Module:
         constants: the words of scalar ones; `values` has the instruction of every constant.
         specials: id of each specialisation constant → the instruction that declares it.
         initialisers: id of each variable that has one → the id of the constant.
+        capabilities: the numbers of those that it takes.
         entry: the id of the function that is the stage's `main`.
         decoration_words: (id, decoration) → index of its first literal in the module's words.
         body: the instructions inside functions.
@@ -89,6 +90,7 @@ class Module:
     variables: dict[int, tuple[int, int]] = field(default_factory=dict)
     initialisers: dict[int, int] = field(default_factory=dict)
     entry: int = 0
+    capabilities: set[int] = field(default_factory=set)
     modes: dict[int, tuple[int, ...]] = field(default_factory=dict)
     body: list[Instruction] = field(default_factory=list)
 
@@ -147,6 +149,8 @@ def _declare(module: Module, instruction: Instruction) -> None:
         module.decoration_words[words[0], words[1]] = at + 3
     elif op == Op.MEMBER_DECORATE:
         module.member_decorations.setdefault((words[0], words[1]), {})[words[2]] = words[3:]
+    elif op == Op.CAPABILITY:
+        module.capabilities.add(words[0])
     elif op == Op.ENTRY_POINT:
         module.entry = words[1]
     elif op == Op.EXECUTION_MODE:

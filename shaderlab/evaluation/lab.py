@@ -23,6 +23,7 @@ from shaderlab.compiler.targets import TARGETS
 from shaderlab.errors import (
     AssetError,
     CaseError,
+    DeviceLostError,
     DriverError,
     ShaderlabError,
     UnsupportedError,
@@ -174,6 +175,9 @@ class Lab:
                 self._run(scene, builder)
         except UnsupportedError as error:
             builder.set_failure("unsupported", error)
+        except DeviceLostError as error:
+            builder.set_failure("crash", DriverError(f"{self.options.driver}: {error.message}"))
+            self.close()  # the next scene opens another one
         except MemoryError as error:
             self.exhausted = True
             builder.set_failure("error", ShaderlabError(f"out of memory: {error}".rstrip(": ")))

@@ -143,6 +143,16 @@ class Cell(Checked):
                 f"Cell: ({self.column}, {self.row}) lies outside {self.columns} × {self.rows} cells"
             )
 
+    def rectangle(self, size: tuple[int, int]) -> Rectangle:
+        """The cell's pixels in a target of `size`; neighbouring cells share no pixel and no gap.
+
+        >>> Cell(column=1, row=0, columns=3, rows=8).rectangle((64, 64))
+        (21, 0, 21, 8)
+        """
+        x, right = (size[0] * k // self.columns for k in (self.column, self.column + 1))
+        y, top = (size[1] * k // self.rows for k in (self.row, self.row + 1))
+        return x, y, right - x, top - y
+
 
 @dataclass(frozen=True, kw_only=True)
 class State(Checked):

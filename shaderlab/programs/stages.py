@@ -95,6 +95,13 @@ def capture_fragment(
     return _with_ending(text, declared, written, calls=not keep_all), captured
 
 
+def with_point_size(text: str, size: float) -> str:
+    """A shader whose points have this size in pixels, whatever it writes itself."""
+    if "EmitVertex" in text:
+        return _emitting(text, [f"    gl_PointSize = {size!r};"], [])
+    return _with_ending(text, [], [f"    gl_PointSize = {size!r};"])
+
+
 def counting_vertex(text: str) -> str:
     """A vertex shader that also tells a geometry shader which instance it is of."""
     return _with_ending(
@@ -125,14 +132,25 @@ def counting_geometry(text: str) -> str:
     """A geometry shader whose vertices also say which instance and primitive they were made of,
     and which of its vertices they are, counted from 0. It feeds on `counting_vertex`."""
     instance, primitive, index = EMITTED.values()
-    added = [
+    declared = [
         f"flat in int {PREFIX}instance[];",
         *(f"flat out int {name};" for name in EMITTED.values()),
         f"int {PREFIX}count = 0;",
-        f"void {PREFIX}emit() {{",
+    ]
+    written = [
         f"    {instance} = {PREFIX}instance[0];",
         f"    {primitive} = gl_PrimitiveIDIn;",
         f"    {index} = {PREFIX}count++;",
+    ]
+    return _emitting(text, written, declared)
+
+
+def _emitting(text: str, written: Sequence[str], declared: Sequence[str]) -> str:
+    """A geometry shader that does something more as it emits each vertex."""
+    added = [
+        *declared,
+        f"void {PREFIX}emit() {{",
+        *written,
         "    EmitVertex();",
         "}",
         f"#define EmitVertex {PREFIX}emit",

@@ -116,8 +116,8 @@ def test_what_a_backend_lacks_is_unsupported_by_name(
 
 
 def test_an_unknown_driver_is_an_error_that_names_the_known() -> None:
-    with pytest.raises(UsageError, match="unknown driver 'lavapipe'"):
-        backends.open_backend("lavapipe")
+    with pytest.raises(UsageError, match=r"unknown driver 'lavapip'\n.*lavapipe"):
+        backends.open_backend("lavapip")
 
 
 def test_names_come_from_the_environment_where_none_is_given(

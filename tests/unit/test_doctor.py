@@ -16,7 +16,7 @@ from shaderlab.errors import DriverError
 
 @pytest.fixture
 def no_driver(monkeypatch: pytest.MonkeyPatch) -> None:
-    def probe() -> Mapping[str, str]:
+    def probe(driver: str | None = None) -> Mapping[str, str]:
         raise DriverError("no context", remedy="Debian: this · Fedora: that")
 
     monkeypatch.setattr("shaderlab.backends.probe", probe)
@@ -24,7 +24,9 @@ def no_driver(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def driver(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("shaderlab.backends.probe", lambda: {"renderer": "paint", "glsl": "3.30"})
+    monkeypatch.setattr(
+        "shaderlab.backends.probe", lambda driver=None: {"renderer": "paint", "glsl": "3.30"}
+    )
 
 
 def doctor(*args: str) -> tuple[int, str]:
@@ -65,6 +67,21 @@ def test_a_missing_package_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     assert not found["moderngl"].ok and "pip install 'moderngl" in found["moderngl"].remedy
     assert not found["rich"].ok and found["rich"].found.startswith("0.1 (wanted: >=")
     assert doctor()[0] == 1
+
+
+@pytest.mark.usefixtures("driver")
+def test_a_vulkan_driver_that_is_not_there_is_named_with_its_cure(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def probe(driver: str | None = None) -> Mapping[str, str]:
+        if driver == "swiftshader":
+            raise DriverError("no manifest", remedy="Debian: this · Fedora: that")
+        return {"renderer": "paint", "version": "9"}
+
+    monkeypatch.setattr("shaderlab.backends.probe", probe)
+    code, output = doctor()
+    assert code == 0, output  # no case needs it
+    assert "✓ lavapipe " in output and "– swiftshader " in output and "→ Fedora: that" in output
 
 
 @pytest.mark.usefixtures("driver")

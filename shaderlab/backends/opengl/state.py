@@ -9,13 +9,13 @@ from __future__ import annotations
 
 from shaderlab.backends.opengl.pyopengl import GL, named
 from shaderlab.errors import UnsupportedError
-from shaderlab.model import Blend, Cell, Depth, State, Stencil
+from shaderlab.model import Blend, Depth, State, Stencil
 
 
 def apply(state: State, size: tuple[int, int]) -> None:
     """Make the current context's state what `state` says, for a target of `size` pixels."""
     whole = (0, 0, *size)
-    cell = None if state.cell is None else rectangle(state.cell, size)
+    cell = None if state.cell is None else state.cell.rectangle(size)
     scissor = cell or state.scissor
     switches = {
         GL.GL_SCISSOR_TEST: scissor is not None,
@@ -51,17 +51,6 @@ def apply(state: State, size: tuple[int, int]) -> None:
     GL.glFrontFace(named(state.front_face))
     GL.glColorMask(*state.color_mask)
     GL.glPointSize(state.point_size if isinstance(state.point_size, int | float) else 1.0)
-
-
-def rectangle(cell: Cell, size: tuple[int, int]) -> tuple[int, int, int, int]:
-    """The cell's pixels as (x, y, width, height); neighbouring cells share no pixel and no gap.
-
-    >>> rectangle(Cell(column=1, row=0, columns=3, rows=8), (64, 64))
-    (21, 0, 21, 8)
-    """
-    x, right = (size[0] * k // cell.columns for k in (cell.column, cell.column + 1))
-    y, top = (size[1] * k // cell.rows for k in (cell.row, cell.row + 1))
-    return x, y, right - x, top - y
 
 
 def _stencil(face: int, stencil: Stencil) -> None:

@@ -1,0 +1,239 @@
+"""The textures of one scene on the device: uploaded once, attachments of earlier passes among
+them; what they hold as exact values, and their views and samplers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from shaderlab.backends.vulkan.descriptors import Image as BoundImage
+from shaderlab.backends.vulkan.device import Device
+from shaderlab.backends.vulkan.fetching import fetched
+from shaderlab.backends.vulkan.formats import stored_as
+from shaderlab.backends.vulkan.images import (
+    DeviceImage,
+    copy_level,
+    fill,
+    generate_levels,
+    new_image,
+    new_view,
+    read,
+    write,
+)
+from shaderlab.backends.vulkan.linking import Linker
+from shaderlab.backends.vulkan.memory import Resources
+from shaderlab.backends.vulkan.samplers import new_sampler
+from shaderlab.backends.vulkan.target import RenderTarget
+from shaderlab.compiler.interface import Variable
+from shaderlab.errors import UnsupportedError
+from shaderlab.frame import Array, Image, Texels
+from shaderlab.model import CompressedTexture, Output, TextureSource
+from shaderlab.model.textures import level_sizes
+from shaderlab.programs.compressed import blocks_of
+from shaderlab.programs.formats import DEPTH, format_of
+from shaderlab.programs.textures import check_sampler, contents, find_image, kind_of
+
+_USES = ("sampled", "transfer_src", "transfer_dst")
+
+
+@dataclass(frozen=True)
+class _Bound:
+    """A texture on the device, and what its levels hold. The source is kept with it, so that no
+    other one gets its id."""
+
+    source: TextureSource
+    view: Any
+    format: str
+    values: Array
+    smaller: tuple[Array, ...] = ()
+
+
+class BoundTextures:
+    """What a scene's samplers read.
+
+    Args:
+        resources: where they are made, to be released with the scene.
+        linker: makes the programs that read texels.
+        folder: what the paths of their files are relative to.
+        images: what passes have drawn so far.
+        targets: the passes' targets.
+    """
+
+    def __init__(
+        self,
+        resources: Resources,
+        linker: Linker,
+        folder: Path,
+        images: Mapping[tuple[str, str], Image],
+        targets: Mapping[str, RenderTarget],
+    ) -> None:
+        self._resources = resources
+        self._linker = linker
+        self._folder = folder
+        self._images = images
+        self._targets = targets
+        self._uploaded: dict[int, _Bound] = {}
+        self._attachments: dict[tuple[str, str, str, bool], _Bound] = {}
+        self._samplers: dict[tuple[Any, ...], Any] = {}
+
+    @property
+    def _device(self) -> Device:
+        return self._resources.device
+
+    def texels(self, program: str, variable: Variable, source: TextureSource) -> Texels:
+        """What a sampler will read, exactly.
+
+        Raises:
+            CaseError: the texture can't be made, or is none that such a sampler reads.
+            AssetError: an image file can't be read.
+            UnsupportedError: the device has no such texture.
+        """
+        kind = self._kind(source, variable)
+        check_sampler(program, variable, source, kind, self._format(source))
+        found = self._find(source, kind)
+        return Texels(
+            found.values, source.filter, source.wrap, source.border,
+            kind=kind, format=found.format, smaller=found.smaller, compare=source.compare,
+            lod=source.lod, seamless=getattr(source, "seamless", True),
+        )  # fmt: skip
+
+    def bound(self, variable: Variable, source: TextureSource) -> BoundImage:
+        """The view and the sampler of a texture that `texels` has looked at."""
+        found = self._find(source, self._kind(source, variable))
+        if any(word != "nearest" for word in source.filter):
+            stored_as(self._device, found.format, "sampled_image_filter_linear")
+        seamless = getattr(source, "seamless", True)
+        key = (source.filter, source.wrap, source.border, source.compare, source.lod, seamless)
+        if key not in self._samplers:
+            self._samplers[key] = new_sampler(self._resources, source, seamless=seamless)
+        return BoundImage(found.view, self._samplers[key])
+
+    def _kind(self, source: TextureSource, variable: Variable) -> str:
+        samples = 0
+        if isinstance(source, Output) and source.pass_name in self._targets:
+            drawn = self._targets[source.pass_name].samples
+            samples = drawn if drawn > 1 else 0
+        return kind_of(source, variable.type, samples)
+
+    def _format(self, source: TextureSource) -> str:
+        if isinstance(source, CompressedTexture):
+            return "rgba8"  # what its texels are once they are decoded
+        if isinstance(source, Output):
+            return find_image(source, self._images).format
+        return source.format
+
+    def _find(self, source: TextureSource, kind: str) -> _Bound:
+        if isinstance(source, Output):
+            key = (source.pass_name, source.name, kind, source.mipmaps)
+            if key not in self._attachments:
+                self._attachments[key] = self._attachment(source, kind)
+            return self._attachments[key]
+        if id(source) not in self._uploaded:
+            self._uploaded[id(source)] = self._upload(source)
+        return self._uploaded[id(source)]
+
+    def _attachment(self, source: Output, kind: str) -> _Bound:
+        image = find_image(source, self._images)
+        target = self._targets[source.pass_name]
+        if kind == "2DMS":
+            return self._multisampled(source, image, target)
+        if source.name not in target.colors and target.samples > 1:
+            raise UnsupportedError(
+                f"sampling the {source.name} of this target",
+                remedy="Target(samples=0): the depth of several samples a pixel has no one value",
+            )
+        if source.name == "stencil":
+            raise UnsupportedError("sampling the stencil of this target")
+        drawn = target.images.get(source.name, target.depth_image)
+        assert drawn is not None
+        levels: tuple[Array, ...] = ()
+        if source.mipmaps:
+            whole = self._image(drawn.word, drawn.size, mipmaps=True)
+            copy_level(self._device, drawn, whole)
+            generate_levels(self._device, whole)
+            drawn, levels = whole, self._smaller(whole, image.values.shape[-1])
+        view = new_view(self._resources, drawn, sampled=True)
+        return _Bound(source, view, image.format, image.values, levels)
+
+    def _multisampled(self, source: Output, image: Image, target: RenderTarget) -> _Bound:
+        drawn = target.drawn_image(source.name)
+        view = new_view(self._resources, drawn, sampled=True)
+        each = [
+            fetched(self._linker, view, "2DMS", number, target.size, "rgba32f")
+            for number in range(target.samples)
+        ]
+        channels = format_of(image.format).components
+        return _Bound(source, view, image.format, np.stack(each)[..., :channels])
+
+    def _upload(self, source: TextureSource) -> _Bound:
+        assert not isinstance(source, Output)
+        if isinstance(source, CompressedTexture):
+            return self._compressed(source)
+        kind = kind_of(source, "", 0)
+        images = contents(source, self._folder, self._images)
+        height, width = images.layers[0].shape[:2]
+        format = stored_as(self._device, source.format, "sampled_image")
+        given = [np.stack(images.layers), *(level[None] for level in images.smaller)]
+        made = self._image(
+            format, (width, height), kind=kind, layers=len(images.layers),
+            mipmaps=source.mipmaps is True, levels=len(given),
+        )  # fmt: skip
+        fill(self._device, made, given)
+        values, smaller = images.layers[0], tuple(images.smaller)
+        if kind != "2D" or format in DEPTH:
+            # A depth is rounded to its format's codes on the way.
+            values = self._read(made, 0)
+        if source.mipmaps is True:
+            generate_levels(self._device, made)
+        if source.mipmaps is True or (smaller and format in DEPTH):
+            smaller = self._smaller(made)
+        return _Bound(source, self._view(made), format, values, smaller)
+
+    def _compressed(self, source: CompressedTexture) -> _Bound:
+        blocks = blocks_of(source, self._folder)
+        stored_as(self._device, blocks.format, "sampled_image")
+        sizes = level_sizes(*blocks.size)[: len(blocks.levels)]
+        made = new_image(
+            self._resources, blocks.format, blocks.size, "sampled", "transfer_dst",
+            levels=len(blocks.levels),
+        )  # fmt: skip
+        write(self._device, made, blocks.levels)
+        view = self._view(made)
+        first, *smaller = (
+            fetched(self._linker, view, "2D", level, size, "rgba8")
+            for level, size in enumerate(sizes)
+        )
+        return _Bound(source, view, "rgba8", first, tuple(smaller))
+
+    def _image(
+        self,
+        format: str,
+        size: tuple[int, int],
+        *,
+        kind: str = "2D",
+        layers: int = 1,
+        mipmaps: bool = False,
+        levels: int = 1,
+    ) -> DeviceImage:
+        count = len(level_sizes(*size)) if mipmaps else levels
+        if mipmaps:
+            stored_as(self._device, format, "blit_src", "blit_dst", "sampled_image_filter_linear")
+        return new_image(
+            self._resources, format, size, *_USES, kind=kind, layers=layers, levels=count
+        )
+
+    def _view(self, image: DeviceImage) -> Any:
+        return new_view(self._resources, image, sampled=True)
+
+    def _read(self, image: DeviceImage, level: int) -> Array:
+        found = read(self._device, image, level)
+        return found[0] if image.kind == "2D" else found
+
+    def _smaller(self, image: DeviceImage, channels: int = 4) -> tuple[Array, ...]:
+        """The levels below the first, as the device has them."""
+        levels = range(1, image.levels)
+        return tuple(self._read(image, level)[..., :channels] for level in levels)

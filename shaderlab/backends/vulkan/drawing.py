@@ -1,0 +1,266 @@
+"""Drawing a scene's passes, and reading back what they drew."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack
+from pathlib import Path
+
+import numpy as np
+
+from shaderlab.activity import doing
+from shaderlab.backends import Drawn, Session, Size
+from shaderlab.backends.vulkan import state as fixed
+from shaderlab.backends.vulkan.bound_textures import BoundTextures
+from shaderlab.backends.vulkan.commands import Commands, recording
+from shaderlab.backends.vulkan.descriptors import (
+    DEFAULT_BLOCK,
+    STORED,
+    UNIFORM,
+    Image as BoundImage,
+    new_set,
+    sampler_place,
+)
+from shaderlab.backends.vulkan.device import Device
+from shaderlab.backends.vulkan.linking import Linker
+from shaderlab.backends.vulkan.memory import Buffer, Resources
+from shaderlab.backends.vulkan.modules import for_vulkan, with_point_size
+from shaderlab.backends.vulkan.program import Layout, Program
+from shaderlab.backends.vulkan.ready import Ready
+from shaderlab.backends.vulkan.target import RenderTarget
+from shaderlab.backends.vulkan.vertices import VertexBuffers, layout_of, upload
+from shaderlab.compiler.interface import Block
+from shaderlab.errors import UnsupportedError
+from shaderlab.frame import Array, Bindings, Image, PassDraw
+from shaderlab.model import Mesh, Pass, Scene, State
+from shaderlab.programs import bind, blocks
+from shaderlab.programs.formats import components_of
+from shaderlab.programs.passes import check_continues, check_reads
+from shaderlab.programs.prepare import PreparedDraw, Programs, output_types, pass_colors, step
+
+_POINTS_OUT = re.compile(r"\blayout\s*\([^)]*\bpoints\b[^)]*\)\s*out\b")
+
+
+class Drawing(Session):
+    """One scene on the device: its targets and textures, kept until the session ends.
+
+    Args:
+        device: where to draw.
+        linker: makes its programs.
+        scene: what to draw.
+        programs: each pass's draws, compiled.
+        size: (width, height) for targets that do not say.
+        stack: releases device memory in the end.
+    """
+
+    def __init__(
+        self,
+        device: Device,
+        linker: Linker,
+        scene: Scene,
+        programs: Programs,
+        size: Size,
+        stack: ExitStack,
+    ) -> None:
+        super().__init__(scene, programs)
+        self.device = device
+        self.linker = linker
+        self.size = size
+        self.stack = stack
+        self.bindings: dict[PassDraw, Bindings] = {}
+        self.images: dict[tuple[str, str], Image] = {}
+        self.targets: dict[str, RenderTarget] = {}
+        self._sample_positions: dict[str, Array] = {}
+        self._resources = stack.enter_context(Resources(device))
+        folder = Path(scene.case.file).parent
+        self._textures = BoundTextures(self._resources, linker, folder, self.images, self.targets)
+        self._inactive: set[str] = set()
+        self._named = scene.outputs_named()
+
+    def draw(self) -> Drawn:
+        for description in self.scene.passes:
+            self._run_pass(description)
+        return Drawn(
+            images=self.images,
+            bindings=self.bindings,
+            inactive=frozenset(self._inactive),
+            sample_positions=self._sample_positions,
+        )
+
+    def extent(self, description: Pass) -> Size:
+        """The size in pixels of a pass's target."""
+        return description.target.size or self.size
+
+    def _run_pass(self, description: Pass) -> None:
+        draws = self.programs[description.name]
+        colors = pass_colors(description, draws)
+        extent = self.extent(description)
+        with doing("draw", f"making the target of pass {description.name!r}"):
+            if description.onto:
+                earlier = {name: target.colors for name, target in self.targets.items()}
+                check_continues(self.scene, description, colors, earlier)
+                target = self.targets[description.onto]
+            else:
+                target = RenderTarget(self.device, description.target, colors, extent)
+                self.stack.callback(target.release)
+                target.clear()
+            self.targets[description.name] = target
+            if description.target.samples:
+                self._sample_positions[description.name] = target.sample_positions()
+        for index, draw in enumerate(draws):
+            key = (description.name, index)
+            check_reads(self.scene, description, draw.draw, self.targets)
+            with doing("draw", step(key, draw)):
+                self.bindings[key] = self.bind(draw)
+                self.render(draw, self.bindings[key], target)
+        with doing("draw"):
+            target.resolve()
+        with doing("read", f"reading pass {description.name!r}"):
+            self._read(description, target)
+
+    def _read(self, description: Pass, target: RenderTarget) -> None:
+        kinds = output_types(self.programs[description.name])
+        for name in target.colors:
+            image = target.read(name)
+            if description.target.colors is None:
+                # There is no three-component attachment: drop what the shader never wrote.
+                count = components_of(kinds[name])
+                image = Image(image.values[..., :count], image.format)
+            self.images[description.name, name] = image
+        for name in self._named.get(description.name, ()):
+            if name in target.attached and name not in target.colors:
+                self.images[description.name, name] = target.read(name)
+
+    def bind(self, draw: PreparedDraw) -> Bindings:
+        """The draw's uniforms and textures as the shader will get them."""
+        return bind.bind(draw.draw, draw.interface, self._textures.texels)
+
+    def render(
+        self,
+        draw: PreparedDraw,
+        bindings: Bindings,
+        target: RenderTarget,
+        *,
+        texts: Mapping[str, str] | None = None,
+        fixed_state: State | None = None,
+        around: Callable[[Commands, Callable[[], None]], None] | None = None,
+    ) -> None:
+        """Draw into a target, and wait until it is drawn.
+
+        Args:
+            draw: what to draw.
+            bindings: its uniforms and textures.
+            target: what to draw into.
+            texts: the stages' texts where they are others than its own.
+            fixed_state: another state in place of its own.
+            around: records the draw by calling what it is given, with commands of its own
+                before and after.
+
+        Raises:
+            UnsupportedError: Vulkan, or the device, has no such thing; the message names it.
+        """
+        with Resources(self.device) as own:
+            ready = self.ready(own, draw, bindings, target, texts=texts, fixed_state=fixed_state)
+            with recording(self.device) as commands:
+
+                def drawn() -> None:
+                    target.begin(commands, ready.locations, srgb=ready.state.srgb)
+                    ready.record(commands, target.size)
+                    target.end(commands)
+
+                if around is None:
+                    drawn()
+                else:
+                    around(commands, drawn)
+
+    def ready(
+        self,
+        own: Resources,
+        draw: PreparedDraw,
+        bindings: Bindings,
+        target: RenderTarget,
+        *,
+        texts: Mapping[str, str] | None = None,
+        fixed_state: State | None = None,
+        stored: Mapping[str, Buffer] | None = None,
+        discard: bool = False,
+    ) -> Ready:
+        """All that a draw takes, on the device; `own` are what is released after it.
+
+        Args:
+            texts, fixed_state: as in `render`.
+            stored: storage buffers by the names of their blocks.
+            discard: whether nothing is to reach the rasteriser.
+        """
+        description, state = draw.draw, fixed_state or draw.draw.state
+        if not description.vertex_array:
+            raise UnsupportedError("vertex_array=False: Vulkan has no vertex arrays to leave out")
+        program = self.program(draw, texts or draw.texts)
+        locations = program.locations(target.colors)
+        layout = Layout(
+            layout_of(description.mesh, program.attributes),
+            tuple(target.formats(locations, srgb=state.srgb).items()),
+            target.depth, target.samples, fixed.in_pipeline(state), discard,
+        )  # fmt: skip
+        return Ready(
+            program, layout, locations, state,
+            self._vertices(description.mesh, program), description.instances,
+            self._descriptors(own, program, draw, bindings, stored or {}),
+        )  # fmt: skip
+
+    def program(self, draw: PreparedDraw, texts: Mapping[str, str]) -> Program:
+        """The program of a draw, its stages having these texts."""
+        own = dict(texts)
+        if "fragment" in own:
+            own["fragment"] = for_vulkan(own["fragment"])
+        if (draw.draw.mesh is not None and draw.draw.mesh.primitive == "points") or _emits_points(
+            own
+        ):
+            own = with_point_size(own, draw.draw.state.point_size)
+        return self.linker.link(own, draw.compiling, draw.sources)
+
+    def _vertices(self, mesh: Mesh | None, program: Program) -> VertexBuffers:
+        return upload(self._resources, mesh, program.attributes)
+
+    def _descriptors(
+        self,
+        own: Resources,
+        program: Program,
+        draw: PreparedDraw,
+        bindings: Bindings,
+        stored: Mapping[str, Buffer],
+    ) -> object:
+        values = dict(bindings.uniforms)
+        if draw.draw.domain is not None:
+            values |= bind.ramp_uniforms(draw.draw, draw.interface.varyings)
+        buffers = {}
+        for name, binding in program.bindings.items():
+            if binding.kind == STORED:
+                if name not in stored:
+                    raise UnsupportedError(f"{name}: storage buffers have no values here")
+                buffers[name] = stored[name].handle
+            elif binding.kind == UNIFORM:
+                assert binding.block is not None
+                data = _packed(binding.block, values)
+                buffers[name] = own.buffer("uniform_buffer", data).handle
+        images: dict[str, BoundImage] = {}
+        for name, source in draw.draw.textures.items():
+            if sampler_place(name, program.bindings) is None:
+                self._inactive.add(name)
+                continue
+            images[name] = self._textures.bound(draw.interface.uniforms[name], source)
+        return new_set(own, program.set_layout, program.bindings, buffers, images)
+
+
+def _packed(block: Block, values: Mapping[str, Array]) -> bytes:
+    """A block's bytes; what a struct got for the samplers that were lifted out of it is 0."""
+    given = dict(values)
+    for member in block.members.values():
+        if block.name == DEFAULT_BLOCK and member.name not in given:
+            given[member.name] = np.zeros(1, np.float32)
+    return blocks.packed(block, given)
+
+
+def _emits_points(texts: Mapping[str, str]) -> bool:
+    return bool(_POINTS_OUT.search(texts.get("geometry", "")))

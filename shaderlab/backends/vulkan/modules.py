@@ -1,0 +1,115 @@
+"""From a program's text to the SPIR-V modules that Vulkan runs.
+
+The text is the one that OpenGL gets, but for two things that Vulkan counts otherwise: pictures are
+kept with their lowest row first, so a point's coordinates run the other way than Vulkan has them;
+and a point has the size that its last stage writes, in Vulkan always.
+"""
+
+from __future__ import annotations
+
+import itertools
+import re
+from collections.abc import Mapping, Sequence
+
+from shaderlab.backends.vulkan.device import Device
+from shaderlab.compiler.compile import Compile
+from shaderlab.compiler.module import parse
+from shaderlab.compiler.sources import Shaders, Source
+from shaderlab.errors import ShaderError, UnsupportedError
+from shaderlab.programs import stages
+
+# Source: SPIR-V Specification 1.6, 3.2.30, and Vulkan 1.3 Specification, appendix A: what each
+# capability takes; those without a feature are always there.
+_CAPABILITIES = {
+    0: "", 1: "", 40: "", 43: "", 44: "", 46: "", 47: "", 49: "", 50: "", 51: "",
+    2: "geometryShader", 3: "tessellationShader", 10: "shaderFloat64", 11: "shaderInt64",
+    22: "shaderInt16", 23: "shaderTessellationAndGeometryPointSize",
+    24: "shaderTessellationAndGeometryPointSize", 25: "shaderImageGatherExtended",
+    27: "shaderStorageImageMultisample", 28: "shaderUniformBufferArrayDynamicIndexing",
+    29: "shaderSampledImageArrayDynamicIndexing", 30: "shaderStorageBufferArrayDynamicIndexing",
+    31: "shaderStorageImageArrayDynamicIndexing", 32: "shaderClipDistance",
+    33: "shaderCullDistance", 34: "imageCubeArray", 35: "sampleRateShading",
+    45: "imageCubeArray", 55: "shaderStorageImageReadWithoutFormat",
+    56: "shaderStorageImageWriteWithoutFormat", 57: "multiViewport",
+}  # fmt: skip
+_POINT = re.compile(r"\bgl_PointCoord\b")
+_LOCATED = re.compile(r"\blayout\s*\([^)]*\blocation\s*=\s*(\d+)[^)]*\)\s*out\b")
+_ADDED = re.compile(rf"^out \w+ {stages.PREFIX}\w+;", re.MULTILINE)
+_NO_FILES = Shaders(())
+
+
+def for_vulkan(text: str) -> str:
+    """A fragment shader's text as Vulkan is to get it.
+
+    Raises:
+        UnsupportedError: it counts pixels from the upper left corner.
+    """
+    if "origin_upper_left" in text:
+        raise UnsupportedError("origin_upper_left: pictures have their lowest row first here")
+    return _numbered(_POINT.sub("vec2(gl_PointCoord.x, 1.0 - gl_PointCoord.y)", text))
+
+
+def _numbered(text: str) -> str:
+    """The text, the outputs that the lab adds having locations where the author's have: glslang
+    gives those without one the locations that others have already."""
+    taken = {int(number) for number in _LOCATED.findall(text)}
+    if not taken:
+        return text
+    free = itertools.filterfalse(taken.__contains__, itertools.count())
+    return _ADDED.sub(lambda found: f"layout(location = {next(free)}) {found[0]}", text)
+
+
+def sources_of(texts: Mapping[str, str], known: Sequence[Source] = ()) -> tuple[Source, ...]:
+    """The stages with these texts, as compilers take them: the `known` ones where their text is the
+    same."""
+    own = {source.stage: source for source in known}
+    return tuple(
+        own[stage] if stage in own and own[stage].text == text else
+        _NO_FILES.from_text(text, stage, own[stage].path if stage in own else f"<{stage}>")
+        for stage, text in texts.items()
+    )  # fmt: skip
+
+
+def modules_of(sources: Sequence[Source], compiling: Compile) -> Mapping[str, bytes]:
+    """A program's modules by stage.
+
+    Raises:
+        ShaderError: it is no GLSL.
+        UnsupportedError: it is GLSL, but none that can be made into modules for Vulkan.
+    """
+    compiled = compiling(sources, ("vulkan",))
+    if "vulkan" in compiled.spirv:
+        return compiled.spirv["vulkan"]
+    compiling(sources, ("glsl",)).require()
+    try:
+        compiled.require()
+    except ShaderError as error:
+        raise UnsupportedError(
+            f"in Vulkan: {error.message}", file=error.file, line=error.line, remedy=error.remedy
+        ) from error
+    raise UnsupportedError("in Vulkan: the program has no modules", file=sources[0].path)
+
+
+def check_capabilities(device: Device, modules: Mapping[str, bytes]) -> None:
+    """Raise UnsupportedError where a module takes a feature that the device lacks."""
+    for stage, data in modules.items():
+        for number in sorted(parse(data).capabilities):
+            feature = _CAPABILITIES.get(number)
+            if feature is None:
+                raise UnsupportedError(f"the {stage} stage takes SPIR-V capability {number}")
+            if feature and feature not in device.features:
+                raise UnsupportedError(f"the {stage} stage takes {feature}: this device has none")
+
+
+def with_point_size(texts: Mapping[str, str], size: float | str | None) -> dict[str, str]:
+    """The texts of a program that draws points, whose last stage writes their size.
+
+    Args:
+        texts: by stage.
+        size: as in `State.point_size`.
+    """
+    last = "geometry" if "geometry" in texts else "vertex"
+    writes = "gl_PointSize" in texts[last]
+    if isinstance(size, str) or (size is None and writes):
+        return dict(texts)
+    return {**texts, last: stages.with_point_size(texts[last], 1.0 if size is None else size)}

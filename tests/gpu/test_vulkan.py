@@ -1,0 +1,109 @@
+"""Cases on Vulkan's software drivers, with Khronos' validation layer where it is installed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from shaderlab import Case, Ramp, formula, fullscreen
+from shaderlab.backends.vulkan.manifests import manifest_of
+from shaderlab.errors import DriverError
+from shaderlab.evaluation import Lab
+from shaderlab.model import Expectation
+from shaderlab.options import RunOptions
+from shaderlab.records import Record
+from tests.catalogue import judged_only
+
+LAYER = "VK_LAYER_KHRONOS_validation"
+WAVE = """#version 330 core
+in vec2 place;
+out float level;
+uniform float height;
+void main() { level = height * place.x * place.y; }
+"""
+RIGHT = formula("level", lambda height, place: height * place.x * place.y)
+
+
+def installed() -> bool:
+    folders = ("/usr/share/vulkan/explicit_layer.d", "/etc/vulkan/explicit_layer.d")
+    return any(Path(folder, "VkLayer_khronos_validation.json").exists() for folder in folders)
+
+
+@pytest.fixture(scope="module", params=["lavapipe", "swiftshader"])
+def lab(request: pytest.FixtureRequest) -> Iterator[Lab]:
+    patch = pytest.MonkeyPatch()
+    patch.setenv("VK_INSTANCE_LAYERS", LAYER)  # the loader goes on without it where it is not there
+    with Lab(RunOptions(size=16, driver=request.param)) as lab:
+        try:
+            assert lab.backend.info["renderer"]
+        except DriverError as error:
+            pytest.skip(str(error))
+        yield lab
+    patch.undo()
+
+
+@pytest.fixture
+def unasked(capfd: pytest.CaptureFixture[str]) -> Iterator[list[str]]:
+    """What the layer says, which is nothing."""
+    said: list[str] = []
+    yield said
+    said += [line for line in capfd.readouterr().out.splitlines() if "Validation" in line]
+    assert said == []
+
+
+def wave(lab: Lab, folder: Path, *expect: Expectation) -> Record:
+    (folder / "wave.frag").write_text(WAVE)
+    case = Case(
+        title="wave", file=str(folder / "wave.py"), expect=expect,
+        passes=fullscreen(
+            "wave.frag", uniforms={"height": 0.3},
+            domain={"place": Ramp((1.0, 2.0), (3.0, 0.0), (0.0, 5.0))},
+        ),
+    )  # fmt: skip
+    return lab.run(case.scene("default"))
+
+
+@pytest.mark.usefixtures("unasked")
+def test_a_formula_is_judged_at_each_pixel(lab: Lab, tmp_path: Path) -> None:
+    record = wave(lab, tmp_path, RIGHT)
+    assert (record.status, record.message) == ("pass", "")
+    assert record.expectations[0].judged == 256
+    wrong = formula("level", lambda height, place: height * place.x * place.x)
+    assert wave(lab, tmp_path, wrong).status == "fail"
+
+
+@pytest.mark.usefixtures("unasked")
+@pytest.mark.parametrize("name", ["gamma", "texture-wrap"])
+def test_shipped_cases_pass(lab: Lab, name: str) -> None:
+    record = lab.run(next(judged_only(name).scenes()))
+    assert (record.status, record.message) == ("pass", "")
+
+
+def test_the_layer_is_on(lab: Lab, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    """An image in the wrong layout is told."""
+    from shaderlab.backends.vulkan.commands import Commands
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Commands, "make_usable", lambda *_: None)
+        assert wave(lab, tmp_path, RIGHT).status == "pass"
+    said = capfd.readouterr().out
+    if not installed():
+        pytest.skip("the validation layer is not installed")
+    assert "InvalidImageLayout" in said
+
+
+def test_a_driver_that_is_not_there_is_an_error_with_its_remedy(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    for name in ("XDG_DATA_DIRS", "XDG_CONFIG_DIRS", "PATH"):
+        monkeypatch.setenv(name, str(tmp_path))
+    monkeypatch.setattr("shaderlab.backends.vulkan.manifests._ELSEWHERE", ())
+    for driver, package in (("lavapipe", "mesa-vulkan-drivers"), ("swiftshader", "chromium")):
+        with pytest.raises(DriverError, match=f"(?s)no manifest.*{driver}.*{package}"):
+            manifest_of(driver)
+    assert manifest_of("vulkan") is None
+    (tmp_path / "vulkan" / "icd.d").mkdir(parents=True)
+    (tmp_path / "vulkan" / "icd.d" / "lvp_icd.json").write_text("{}")
+    assert manifest_of("lavapipe") == tmp_path / "vulkan" / "icd.d" / "lvp_icd.json"
