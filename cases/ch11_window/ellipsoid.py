@@ -147,7 +147,7 @@ case = Case(
     picture="picture.FragColor",
     expect=[
         softened_check(),
-        enlarged_check("both", "scene", edges=0.005),
+        enlarged_check("both", "scene", edges=0.0),
         formula("mesh.gl_Position", clip),
         formula("mesh.Local", unchanged("aPos")),
         formula("mesh.gradient", gradient),

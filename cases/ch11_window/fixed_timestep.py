@@ -171,7 +171,7 @@ case = Case(
     ),
     picture="picture.FragColor",
     expect=[
-        enlarged_check(edges=0.01),
+        enlarged_check(edges=0.0),
         *each_draw("small.FragColor", ground, {4 * k: f"strip {k}" for k in range(3)}),
         *each_draw("small.FragColor", dot_color, PARTS, discards=outside),
         *each_draw(

@@ -132,7 +132,9 @@ def enlarged(
     return picture(draws, size, **colors), picture(draws, small, judged, **target)
 
 
-def enlarged_check(judged: str = "small", large: str = "picture", *, edges: float = 0.0) -> Any:
+def enlarged_check(
+    judged: str = "small", large: str = "picture", *, edges: float | None = None
+) -> Any:
     """What a small pass shows, the picture shows: its pixels that have the same centres are alike.
 
     Both are to differ by less than half a code of eight bits, which no eye sees: places are
@@ -141,17 +143,19 @@ def enlarged_check(judged: str = "small", large: str = "picture", *, edges: floa
     Args:
         judged: the small pass.
         large: the one that is an odd number of times as large.
-        edges: the share of pixels that may differ, as meshes have edges there: corners are moved to
-            a grid within the pixels (OpenGL 3.3, 3.6.1), which is finer in the large picture.
+        edges: given where meshes have edges. Corners are moved to a grid within the pixels
+            (OpenGL 3.3, 3.6.1), which is finer in the large picture, so an edge may lie one small
+            pixel further: a pixel of each must be like one of the other's neighbours then, but for
+            this share, as an edge that is shaded may have a colour of its own.
 
     >>> enlarged_check().name
     'the picture is the judged one, enlarged'
     """
     return measure(
         "the picture is the judged one, enlarged",
-        share_unlike,
+        share_unlike if edges is None else share_unlike_but_edges,
         reads={"large": f"{large}.FragColor", "small": f"{judged}.FragColor"},
-        at_most=edges,
+        at_most=edges or 0.0,
         note="the share of pixels that are half a code of eight bits apart, or more",
     )
 
@@ -165,9 +169,39 @@ def share_unlike(large: npt.NDArray[Any], small: npt.NDArray[Any]) -> float:
     >>> share_unlike(large, small)
     0.5
     """
-    by = len(large) // len(small)
-    apart = np.abs(large[by // 2 :: by, by // 2 :: by] - small).max(axis=-1)
+    apart = np.abs(middles(large, small) - small).max(axis=-1)
     return float(np.mean(apart >= 0.5 / 255.0))
+
+
+def share_unlike_but_edges(large: npt.NDArray[Any], small: npt.NDArray[Any]) -> float:
+    """As `share_unlike`, where a neighbour's colour will do: what one has and the other lacks
+    counts, and what lies a pixel further does not.
+
+    >>> small = np.zeros((1, 6, 1))
+    >>> small[0, 1] = 1.0
+    >>> large = np.repeat(np.repeat(np.roll(small, 1, axis=1), 3, axis=0), 3, axis=1)
+    >>> share_unlike_but_edges(large, small), share_unlike_but_edges(0.0 * large, small) > 0.1
+    (0.0, True)
+    """
+    middle = middles(large, small)
+    apart = np.maximum(to_neighbours(middle, small), to_neighbours(small, middle))
+    return float(np.mean(apart >= 0.5 / 255.0))
+
+
+def middles(large: npt.NDArray[Any], small: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """The pixels of a large picture that have the centres of a small one's."""
+    by = len(large) // len(small)
+    return large[by // 2 :: by, by // 2 :: by]
+
+
+def to_neighbours(of: npt.NDArray[Any], among: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """How far each pixel is from that of another image at its place, or of the eight about it,
+    that is most like it."""
+    height, width = of.shape[:2]
+    around = np.pad(among, ((1, 1), (1, 1), (0, 0)), mode="edge")
+    places = [(y, x) for y in range(3) for x in range(3)]
+    apart = [np.abs(of - around[y : y + height, x : x + width]).max(axis=-1) for y, x in places]
+    return np.min(apart, axis=0)
 
 
 def softened_pass(

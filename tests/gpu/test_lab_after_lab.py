@@ -1,4 +1,4 @@
-"""Labs one after the other in one process do not disturb each other."""
+"""Labs in one process do not disturb each other: one after the other, or in turn."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import gc
 import numpy as np
 
 from shaderlab.backends import open_backend
+from shaderlab.backends.opengl.api import fresh_context
 
 
 def test_what_outlives_its_device_deletes_nothing_of_the_next_one() -> None:
@@ -24,3 +25,42 @@ def test_what_outlives_its_device_deletes_nothing_of_the_next_one() -> None:
         assert [np.frombuffer(b.read(), "f4").tolist() for b in fresh] == [values.tolist()] * 8
     finally:
         second.close()
+
+
+def test_devices_are_used_in_turn() -> None:
+    """Each draws in its own context, and gives back only there what Python drops elsewhere."""
+    first, second = open_backend("llvmpipe"), open_backend("llvmpipe")
+    try:
+        values = np.arange(4, dtype="f4")
+        with first.device.in_use():  # type: ignore[attr-defined]
+            stale = [first.device.context.buffer(values) for _ in range(8)]  # type: ignore[attr-defined]
+        with second.device.in_use():  # type: ignore[attr-defined]
+            fresh = [second.device.context.buffer(values) for _ in range(8)]  # type: ignore[attr-defined]
+            assert {b.glo for b in fresh} & {b.glo for b in stale}
+            del stale[4:]
+            gc.collect()
+            assert [np.frombuffer(b.read(), "f4").tolist() for b in fresh] == [values.tolist()] * 8
+        waiting = first.device.context.objects  # type: ignore[attr-defined]
+        assert len(waiting) == 4
+        with first.device.in_use():  # type: ignore[attr-defined]
+            assert not waiting
+            assert [np.frombuffer(b.read(), "f4").tolist() for b in stale] == [values.tolist()] * 4
+    finally:
+        first.close()
+        second.close()
+
+
+def test_what_is_dropped_beside_a_fresh_context_is_given_back_afterwards() -> None:
+    """One of two buffers had been released before Python dropped it."""
+    backend = open_backend("llvmpipe")
+    try:
+        device = backend.device  # type: ignore[attr-defined]
+        released, dropped = device.context.buffer(reserve=4), device.context.buffer(reserve=4)
+        released.release()
+        with fresh_context(device):
+            del released, dropped
+            gc.collect()
+            assert len(device.context.objects) == 2
+        assert not device.context.objects
+    finally:
+        backend.close()

@@ -7,9 +7,8 @@ import re
 import pytest
 
 from shaderlab.discovery import data_folder
-from shaderlab.evaluation import Lab
-from shaderlab.options import RunOptions
 from tests.catalogue import shipped
+from tests.negative.broken import failures, mistaken
 
 CHESS = "if (((int(gl_FragCoord.x) + int(gl_FragCoord.y)) & 1) == 1) discard;"
 # case, shader, what comes behind its main
@@ -31,16 +30,11 @@ def test_pixels_that_are_left_out_make_a_case_fail(case_id: str, shader: str, en
     text, renamed = re.subn(r"\bvoid main\(", "void whole(", text)
     assert renamed == 1
     text += f"\nvoid main() {{ whole(); {ending} }}\n"
-    with Lab(RunOptions(texts={shader: text})) as lab:
-        record = lab.run(next(shipped()[case_id].scenes()))
-    assert record.status == "fail", record.message
-    assert any("missing: " in outcome.message for outcome in record.expectations)
+    found = failures(next(shipped()[case_id].scenes()), {shader: text})
+    assert any("missing: " in outcome.message for outcome in found)
 
 
 def test_a_shader_that_discards_nothing_any_more_is_caught() -> None:
     shader = "ch06_tests/alpha_discard.frag"
-    text = (data_folder("shaders") / shader).read_text(encoding="utf-8")
-    assert text.count("discard;") == 1
-    with Lab(RunOptions(texts={shader: text.replace("discard;", "")})) as lab:
-        record = lab.run(next(shipped()["alpha-discard"].scenes()))
-    assert any("surplus: " in outcome.message for outcome in record.expectations)
+    found = failures(next(shipped()["alpha-discard"].scenes()), mistaken(shader, "discard;", ""))
+    assert any("surplus: " in outcome.message for outcome in found)

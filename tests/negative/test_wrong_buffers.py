@@ -10,12 +10,9 @@ import numpy as np
 import pytest
 
 from shaderlab import UniformBuffer
-from shaderlab.discovery import data_folder
-from shaderlab.evaluation import Lab
 from shaderlab.model import Case, Draw, Mesh, Pass
-from shaderlab.options import RunOptions
-from shaderlab.records import Record
 from tests.catalogue import shipped
+from tests.negative.broken import failing, failures, first_failure, mistaken, with_draws
 
 CH2, CH8, CH10 = "ch02_basics", "ch08_techniques", "ch10_buffers"
 ROSETTE = f"{CH10}/rosette"
@@ -83,28 +80,13 @@ SHADERS = [
 ]  # fmt: skip
 
 
-def run(case: Case, shaders: dict[str, str] | None = None) -> Record:
-    scenes = list(case.scenes())
-    with Lab(RunOptions(texts=shaders or {})) as lab:
-        return lab.run(scenes[-1])  # the last kernel is the one that is not symmetric
-
-
 @pytest.mark.parametrize(
     ("case_id", "shader", "right", "wrong"),
     SHADERS,
     ids=[f"{case}-{wrong[:40]}" for case, _, _, wrong in SHADERS],
 )
 def test_a_mistake_makes_its_case_fail(case_id: str, shader: str, right: str, wrong: str) -> None:
-    text = (data_folder("shaders") / shader).read_text(encoding="utf-8")
-    assert right in text, f"{shader} does not read {right!r} any more"
-    record = run(shipped()[case_id], {shader: text.replace(right, wrong)})
-    assert record.status == "fail", record.message
-
-
-def with_draws(case: Case, change: Callable[[Pass, Draw], Draw]) -> Case:
-    """The case with each of its draws changed."""
-    passes = tuple(replace(p, draws=tuple(change(p, d) for d in p.draws)) for p in case.passes)
-    return replace(case, passes=passes)
+    assert first_failure(shipped()[case_id], mistaken(shader, right, wrong))
 
 
 def with_mesh(case: Case, *, only: str = "", **memory: Any) -> Case:
@@ -119,9 +101,7 @@ def with_mesh(case: Case, *, only: str = "", **memory: Any) -> Case:
 
 
 def failed(case: Case) -> set[str]:
-    record = run(case)
-    assert record.status == "fail", record.message
-    return {o.name for o in record.expectations if o.status == "fail"}
+    return failing(next(case.scenes()))
 
 
 @pytest.mark.parametrize(
@@ -186,14 +166,10 @@ def test_plausible_wrong_matrices_in_the_buffer_are_noticed(
     def change(_: Pass, draw: Draw) -> Draw:
         return replace(draw, blocks={**draw.blocks, "Matrices": wrong})
 
-    with Lab() as lab:
-        right = lab.run(next(case.scenes()))
-        record = lab.run(next(with_draws(case, change).scenes()))
     # A formula judges each program by what the buffer holds; figures judge what that should be.
-    assert right.status == "pass"
-    assert record.status == "fail"
-    failures = {o.name for o in record.expectations if o.status == "fail"}
-    assert "red: one step to the right" in failures
+    figure = ["red: one step to the right"]
+    assert not list(failures(next(case.scenes()), only=figure))
+    assert list(failures(next(with_draws(case, change).scenes()), only=figure))
 
 
 def test_culling_the_wrong_side_is_noticed() -> None:

@@ -8,10 +8,8 @@ import pytest
 
 from shaderlab.compiler import Shaders
 from shaderlab.discovery import data_folder
-from shaderlab.evaluation import Lab
-from shaderlab.options import RunOptions
-from shaderlab.records import Record
 from tests.catalogue import shipped
+from tests.negative.broken import first_failure, mistaken
 
 # case, shader, what stands there, the mistake
 MISTAKES = [
@@ -76,20 +74,6 @@ SHARED = {
 }  # fmt: skip
 
 
-def with_mistake(case_id: str, shader: str, right: str, wrong: str) -> list[Record]:
-    """The records of a case's variants, up to the first that does not pass."""
-    text = (data_folder("shaders") / shader).read_text(encoding="utf-8")
-    assert right in text, f"{shader} does not read {right!r} any more"
-    case = shipped()[case_id]
-    with Lab(RunOptions(texts={shader: text.replace(right, wrong)})) as lab:
-        records = []
-        for scene in case.scenes():
-            records.append(lab.run(scene))
-            if records[-1].status != "pass":
-                break
-        return records
-
-
 @pytest.mark.parametrize(
     ("case_id", "shader", "right", "wrong"),
     MISTAKES,
@@ -98,13 +82,9 @@ def with_mistake(case_id: str, shader: str, right: str, wrong: str) -> list[Reco
 def test_a_mistake_makes_its_case_fail_and_names_a_place(
     case_id: str, shader: str, right: str, wrong: str
 ) -> None:
-    records = with_mistake(case_id, shader, right, wrong)
-    assert "fail" in {record.status for record in records}
-    assert "error" not in {record.status for record in records}
-    failures = [o for r in records for o in r.expectations if o.status == "fail"]
-    assert any(o.worst is not None or o.kind == "coverage" for o in failures)
-    pixels = [o.worst for o in failures if o.worst is not None]
-    assert all(worst.widths > 1.0 for worst in pixels)
+    found = first_failure(shipped()[case_id], mistaken(shader, right, wrong), placed=True)
+    assert found is not None
+    assert found.worst is None or not found.worst.widths <= 1.0
 
 
 def users() -> dict[str, set[str]]:

@@ -7,16 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from shaderlab.discovery import data_folder
-from shaderlab.evaluation import Lab
 from shaderlab.expectations.compile_fails import CompileFails
 from shaderlab.expectations.computed import Computed
 from shaderlab.expectations.inactive_uniforms import InactiveUniforms
 from shaderlab.expectations.refused import Refused
-from shaderlab.model import Case, Output
-from shaderlab.options import RunOptions
-from shaderlab.records import Record
-from tests.catalogue import judged_only
+from shaderlab.model import Output
+from tests.catalogue import judged_only, shipped
+from tests.negative.broken import failing, first_failure, mistaken
 
 CH2, CH11 = "ch02_basics", "ch11_window"
 
@@ -75,22 +72,13 @@ MISTAKES = [
 MINE = {case_id for case_id, *_ in MISTAKES}
 
 
-def run(case: Case, shaders: dict[str, str] | None = None) -> list[Record]:
-    with Lab(RunOptions(texts=shaders or {})) as lab:
-        return [lab.run(scene) for scene in case.scenes()]
-
-
 @pytest.mark.parametrize(
     ("case_id", "shader", "right", "wrong"),
     MISTAKES,
     ids=[f"{case}-{wrong[:40]}" for case, _, _, wrong in MISTAKES],
 )
 def test_a_mistake_makes_its_case_fail(case_id: str, shader: str, right: str, wrong: str) -> None:
-    text = (data_folder("shaders") / shader).read_text(encoding="utf-8")
-    assert right in text, f"{shader} does not read {right!r} any more"
-    records = run(judged_only(case_id), {shader: text.replace(right, wrong)})
-    assert "fail" in {record.status for record in records}
-    assert {record.status for record in records} <= {"pass", "fail", "unsupported"}
+    assert first_failure(shipped()[case_id], mistaken(shader, right, wrong))
 
 
 def test_every_case_is_broken_at_least_twice() -> None:
@@ -107,8 +95,7 @@ def test_a_refusal_in_other_words_is_noticed() -> None:
         ("point-cloud", Refused),
     ):
         case = judged_only(case_id)
-        (record,) = run(replace(case, expect=[shortened(e) for e in case.expect]))
-        failed = {outcome.name for outcome in record.expectations if outcome.status == "fail"}
+        failed = failing(next(replace(case, expect=[shortened(e) for e in case.expect]).scenes()))
         assert failed == {e.name for e in case.expect if isinstance(e, kind)}
 
 
@@ -130,9 +117,8 @@ def test_a_screen_that_reads_the_back_buffer_is_noticed() -> None:
             draw = replace(made.draws[0], textures={"front": Output("two 2 half.FragColor")})
             made = replace(made, draws=(draw,))
         passes.append(made)
-    (record,) = run(replace(case, passes=tuple(passes)))
-    failed = [o.name for o in record.expectations if o.status == "fail"]
-    assert failed == ["two buffers, refresh 3: frame 1, whole"]
+    failed = failing(next(replace(case, passes=tuple(passes)).scenes()))
+    assert failed == {"two buffers, refresh 3: frame 1, whole"}
 
 
 def test_another_file_s_figures_are_noticed() -> None:
@@ -142,8 +128,7 @@ def test_another_file_s_figures_are_noticed() -> None:
             replace(e, equals=np.add(e.equals, 1e-3)) if isinstance(e, Computed) else e
             for e in case.expect
         ]
-        (record,) = run(replace(case, expect=wrong))
-        failed = {o.name for o in record.expectations if o.status == "fail"}
+        failed = failing(next(replace(case, expect=wrong).scenes()))
         figures = {e.name for e in case.expect if isinstance(e, Computed) and e.digits >= 6}
         assert figures and figures <= failed
 
@@ -155,6 +140,5 @@ def test_an_active_uniform_that_is_called_inactive_is_noticed() -> None:
             replace(e, uniforms=names) if isinstance(e, InactiveUniforms) else e
             for e in case.expect
         ]
-        (record,) = run(replace(case, expect=expect))
-        failed = [o.name for o in record.expectations if o.status == "fail"]
-        assert failed == ["location −1"]
+        failed = failing(next(replace(case, expect=expect).scenes()))
+        assert failed == {"location −1"}

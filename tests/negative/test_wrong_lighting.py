@@ -2,17 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
 
 from cases.scenes.lit import TURNED_AWAY
-from shaderlab.discovery import data_folder
-from shaderlab.evaluation import Lab
-from shaderlab.model import Case
-from shaderlab.options import RunOptions
-from shaderlab.records import Record
-from tests.catalogue import shipped
+from tests.catalogue import judged_only, shipped
+from tests.negative.broken import failing, failures, mistaken
 
 FOLDER = "ch05_lighting"
 PHONG, LIGHTS, FACETS = "lib/reflection.glsl", "lib/lights.glsl", "lib/microfacets.glsl"
@@ -79,35 +73,12 @@ MISTAKES = [
 ]  # fmt: skip
 
 
-# Passes that are drawn for people.
-WHOLE = {"hdr", "obj-model", "shadow-map"}  # what they judge is drawn large as well
-LARGE = {"scene", "drawing", "picture", "small"}
 # The lessons of sections 5.1 to 5.7.1, 5.11 and 5.13.
 LESSONS = {
     "colour-product", "ambient", "diffuse", "specular", "shininess", "material", "light-struct",
     "lighting-maps", "directional-light", "point-light", "spotlight-hard", "multiple-lights",
     "phong-vs-blinn", "hdr", "pbr",
 }  # fmt: skip
-
-
-def without_picture(case: Case) -> Case:
-    """The case without its large picture, which takes longer than all its checks."""
-    if case.id in WHOLE:
-        return case
-    kept = [p for p in case.passes if p.name not in LARGE]
-    expect = [e for e in case.expect if getattr(e, "output", "").split(".")[0] not in LARGE]
-    return replace(case, passes=tuple(kept), expect=expect, picture="")
-
-
-def with_mistake(case_id: str, shader: str, right: str, wrong: str) -> list[Record]:
-    path = shader if shader.startswith("lib/") else f"{FOLDER}/{shader}"
-    text = (data_folder("shaders") / path).read_text(encoding="utf-8")
-    assert right in text, f"{path} does not read {right!r} any more"
-    case = shipped()[case_id]
-    if shader != "finish.frag":
-        case = without_picture(case)
-    with Lab(RunOptions(texts={path: text.replace(right, wrong)})) as lab:
-        return [lab.run(scene) for scene in case.scenes()]
 
 
 @pytest.mark.parametrize(
@@ -118,12 +89,12 @@ def with_mistake(case_id: str, shader: str, right: str, wrong: str) -> list[Reco
 def test_a_mistake_makes_its_case_fail_and_names_a_place(
     case_id: str, shader: str, right: str, wrong: str
 ) -> None:
-    records = with_mistake(case_id, shader, right, wrong)
-    assert {record.status for record in records} == {"fail"}
-    failures = [o for r in records for o in r.expectations if o.status == "fail"]
-    places = [o.worst for o in failures if o.worst is not None]
-    assert places
-    assert all(worst.widths > 1.0 for worst in places)
+    path = shader if shader.startswith("lib/") else f"{FOLDER}/{shader}"
+    texts = mistaken(path, right, wrong)
+    for scene in shipped()[case_id].scenes():
+        placed = (o.worst for o in failures(scene, texts) if o.worst is not None)
+        worst = next(placed, None)
+        assert worst is not None and not worst.widths <= 1.0, scene.variant
 
 
 # All lessons with a highlight that a face turned away from the lamp could have.
@@ -136,10 +107,9 @@ SHINING = [
 
 @pytest.mark.parametrize("case_id", SHINING)
 def test_without_the_gate_one_check_fails_and_says_so(case_id: str) -> None:
-    gate = "return dot(normal, lightDir) > 0.0;"
-    for record in with_mistake(case_id, PHONG, gate, "return true;"):
-        failed = [outcome.name for outcome in record.expectations if outcome.status != "pass"]
-        assert failed == [TURNED_AWAY], record.variant
+    texts = mistaken(PHONG, "return dot(normal, lightDir) > 0.0;", "return true;")
+    for scene in judged_only(case_id).scenes():
+        assert failing(scene, texts) == {TURNED_AWAY}, scene.variant
 
 
 def test_every_lighting_lesson_is_broken_at_least_twice() -> None:

@@ -6,13 +6,10 @@ from dataclasses import replace
 
 import pytest
 
-from shaderlab.discovery import data_folder
-from shaderlab.evaluation import Lab
 from shaderlab.expectations.measure import Measure
 from shaderlab.model import Case
-from shaderlab.options import RunOptions
-from shaderlab.records import Outcome
 from tests.catalogue import shipped
+from tests.negative.broken import failures, mistaken
 
 FOLDER = "ch05_lighting"
 SHADOW, LIT = "lib/shadow.glsl", "shadow_map.frag"
@@ -88,25 +85,6 @@ OF_STATE = {
 }
 
 
-def judged(case: Case) -> Case:
-    """Without the large picture, which takes longer than many of the checks."""
-    large = ("scene", "scene-backwards", "picture")
-    kept = tuple(p for p in case.passes if p.name not in large)
-    expect = [
-        e
-        for e in case.expect
-        if getattr(e, "output", "").partition(".")[0] not in large and "large picture" not in e.name
-    ]
-    return replace(case, passes=kept, expect=expect, picture="")
-
-
-def failures_of(case: Case, shaders: dict[str, str]) -> list[Outcome]:
-    with Lab(RunOptions(texts=shaders)) as lab:
-        record = lab.run(case.scene("default"))
-    assert record.status == "fail", record.message
-    return [o for o in record.expectations if o.status == "fail"]
-
-
 @pytest.mark.parametrize(
     ("case_id", "shader", "right", "wrong", "by"),
     MISTAKES,
@@ -116,10 +94,8 @@ def test_a_mistake_makes_its_case_fail(
     case_id: str, shader: str, right: str, wrong: str, by: str
 ) -> None:
     path = shader if shader.startswith("lib/") else f"{FOLDER}/{shader}"
-    text = (data_folder("shaders") / path).read_text(encoding="utf-8")
-    assert right in text, f"{path} does not read {right!r} any more"
-    case = judged(shipped()[case_id])
-    assert by in {o.name for o in failures_of(case, {path: text.replace(right, wrong)})}
+    scene = shipped()[case_id].scene("default")
+    assert list(failures(scene, mistaken(path, right, wrong), only=[by]))
 
 
 @pytest.mark.parametrize(
@@ -134,14 +110,14 @@ def test_a_mistake_makes_its_case_fail(
     ],
 )
 def test_a_wrong_depth_test_shows_what_is_hidden(case_id: str, name: str, by: str) -> None:
-    case = without_depth_test(judged(shipped()[case_id]), name)
-    assert by in {o.name for o in failures_of(case, {})}
+    case = without_depth_test(shipped()[case_id], name)
+    assert list(failures(case.scene("default"), only=[by]))
 
 
 def test_a_wrong_depth_test_shows_a_lamp_that_is_hidden() -> None:
     case = without_depth_test(shipped()["point-shadow"], "scene")
     by = "pixels of the large picture that the order of drawing changes"
-    assert by in {o.name for o in failures_of(case, {})}
+    assert list(failures(case.scene("default"), only=[by]))
 
 
 def without_depth_test(case: Case, name: str) -> Case:

@@ -3,17 +3,11 @@ expectations notice."""
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
 
-from shaderlab.discovery import data_folder
-from shaderlab.evaluation import Lab
 from shaderlab.expectations.measure import Measure
-from shaderlab.model import Case
-from shaderlab.options import RunOptions
-from shaderlab.records import Outcome
 from tests.catalogue import shipped
+from tests.negative.broken import failures, mistaken
 
 FOLDER = "ch05_lighting"
 FURNACE, FACETS = "lib/furnace.glsl", "lib/microfacets.glsl"
@@ -59,25 +53,6 @@ MISTAKES = [
 LESSONS = {"normal-map", "deferred-shading", "pbr-furnace"}
 
 
-def judged(case: Case) -> Case:
-    """Without the large picture, which takes longer than all checks of a normal map."""
-    if case.id != "normal-map":
-        return case
-    kept = tuple(p for p in case.passes if p.name not in ("scene", "picture"))
-    expect = [e for e in case.expect if not getattr(e, "output", "").startswith("picture")]
-    return replace(case, passes=kept, expect=expect, picture="")
-
-
-def with_mistake(case_id: str, shader: str, right: str, wrong: str) -> tuple[str, list[Outcome]]:
-    path = shader if shader.startswith("lib/") else f"{FOLDER}/{shader}"
-    text = (data_folder("shaders") / path).read_text(encoding="utf-8")
-    assert right in text, f"{path} does not read {right!r} any more"
-    case = judged(shipped()[case_id])
-    with Lab(RunOptions(texts={path: text.replace(right, wrong)})) as lab:
-        record = lab.run(case.scene("default"))
-    return record.status, [o for o in record.expectations if o.status == "fail"]
-
-
 @pytest.mark.parametrize(
     ("case_id", "shader", "right", "wrong", "by"),
     MISTAKES,
@@ -86,9 +61,9 @@ def with_mistake(case_id: str, shader: str, right: str, wrong: str) -> tuple[str
 def test_a_mistake_makes_its_case_fail(
     case_id: str, shader: str, right: str, wrong: str, by: str
 ) -> None:
-    status, failures = with_mistake(case_id, shader, right, wrong)
-    assert status == "fail"
-    assert by in {outcome.name for outcome in failures}
+    path = shader if shader.startswith("lib/") else f"{FOLDER}/{shader}"
+    scene = shipped()[case_id].scene("default")
+    assert list(failures(scene, mistaken(path, right, wrong), only=[by]))
 
 
 def test_every_lesson_is_broken_at_least_twice() -> None:

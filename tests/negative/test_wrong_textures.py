@@ -9,11 +9,8 @@ from typing import Any
 import pytest
 
 from shaderlab import Case, CubeTexture, Texture
-from shaderlab.discovery import data_folder
-from shaderlab.evaluation import Lab
-from shaderlab.options import RunOptions
-from shaderlab.records import Record
-from tests.catalogue import judged_only
+from tests.catalogue import judged_only, shipped
+from tests.negative.broken import failing, first_failure, mistaken, with_draws
 
 CH2, CH7, CH13 = "ch02_basics", "ch07_maps", "ch13_skybox"
 
@@ -64,14 +61,8 @@ MISTAKES = [
 ]  # fmt: skip
 
 
-def run(case: Case, shaders: dict[str, str]) -> Record:
-    with Lab(RunOptions(texts=dict(shaders))) as lab:
-        return lab.run(next(iter(case.scenes())))
-
-
-def failed(record: Record) -> set[str]:
-    assert record.status == "fail", record.message or record.status
-    return {o.name for o in record.expectations if o.status == "fail"}
+def failed(case: Case) -> set[str]:
+    return failing(next(case.scenes()))
 
 
 @pytest.mark.parametrize(
@@ -80,9 +71,7 @@ def failed(record: Record) -> set[str]:
     ids=[f"{case}-{wrong[:40]}" for case, _, _, wrong in MISTAKES],
 )
 def test_a_mistake_makes_its_case_fail(case_id: str, shader: str, right: str, wrong: str) -> None:
-    text = (data_folder("shaders") / shader).read_text(encoding="utf-8")
-    assert right in text, f"{shader} does not read {right!r} any more"
-    assert failed(run(judged_only(case_id), {shader: text.replace(right, wrong)}))
+    assert first_failure(shipped()[case_id], mistaken(shader, right, wrong))
 
 
 def test_every_case_is_broken_at_least_twice() -> None:
@@ -96,8 +85,7 @@ def with_textures(case: Case, change: Callable[[Any], Any]) -> Case:
     def of_draw(draw: Any) -> Any:
         return replace(draw, textures={n: change(t) for n, t in draw.textures.items()})
 
-    passes = tuple(replace(p, draws=tuple(map(of_draw, p.draws))) for p in case.passes)
-    return replace(case, passes=passes)
+    return with_draws(case, lambda _, draw: of_draw(draw))
 
 
 def test_printed_figures_tell_the_wrap_modes_and_the_border() -> None:
@@ -110,24 +98,22 @@ def test_printed_figures_tell_the_wrap_modes_and_the_border() -> None:
         return replace(texture, border=(0.0,) * 4)
 
     case = judged_only("texture-wrap")
-    found = failed(run(with_textures(case, repeated), {}))
+    found = failed(with_textures(case, repeated))
     assert {"MIRRORED_REPEAT: 1.25 is 0.75", "LINEAR towards a border of 1, at −0.05"} <= found
-    assert "LINEAR towards a border of 1, at 1.05" in failed(
-        run(with_textures(case, blackened), {})
-    )
+    assert "LINEAR towards a border of 1, at 1.05" in failed(with_textures(case, blackened))
 
 
 def test_printed_figures_tell_the_filters() -> None:
     def coarse(texture: Texture) -> Texture:
         return replace(texture, filter=("nearest", "nearest"))
 
-    found = failed(run(with_textures(judged_only("texture-filter"), coarse), {}))
+    found = failed(with_textures(judged_only("texture-filter"), coarse))
     assert "LINEAR between two texels is their mean" in found
 
     def stepping(texture: Texture) -> Texture:
         return replace(texture, filter=("nearest_mipmap_nearest", "nearest"))
 
-    found = failed(run(with_textures(judged_only("mipmap-filters"), stepping), {}))
+    found = failed(with_textures(judged_only("mipmap-filters"), stepping))
     assert "NEAREST_MIPMAP_LINEAR at level 1.25" in found
 
 
@@ -136,7 +122,7 @@ def test_an_image_upside_down() -> None:
         image = texture.image() if callable(texture.image) else texture.image
         return replace(texture, image=image[::-1])  # type: ignore[index]
 
-    found = failed(run(with_textures(judged_only("texture-origin"), turned), {}))
+    found = failed(with_textures(judged_only("texture-origin"), turned))
     assert "the first row in memory is the lowest" in found
 
 
@@ -148,4 +134,4 @@ def test_faces_in_another_order() -> None:
         return replace(texture, faces=[faces[1], faces[0], *faces[2:]])
 
     case = with_textures(judged_only("cubemap"), swapped)
-    assert "the texel's face is the table's" in failed(run(case, {}))
+    assert "the texel's face is the table's" in failed(case)

@@ -6,12 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from shaderlab.discovery import data_folder
-from shaderlab.evaluation import Lab
-from shaderlab.model import Case
-from shaderlab.options import RunOptions
-from shaderlab.records import Record
 from tests.catalogue import judged_only, shipped
+from tests.negative.broken import failing, first_failure, mistaken, with_draws
 
 CH3, CH4 = "ch03_transforms", "ch04_spaces"
 
@@ -77,34 +73,20 @@ MINE = {
 }  # fmt: skip
 
 
-def run(case: Case, shaders: dict[str, str]) -> Record:
-    with Lab(RunOptions(texts=shaders)) as lab:
-        return lab.run(next(case.scenes()))
-
-
-def mistaken(shader: str, right: str, wrong: str) -> dict[str, str]:
-    text = (data_folder("shaders") / shader).read_text(encoding="utf-8")
-    assert right in text, f"{shader} does not read {right!r} any more"
-    return {shader: text.replace(right, wrong)}
-
-
 @pytest.mark.parametrize(
     ("case_id", "shader", "right", "wrong"),
     MISTAKES,
     ids=[f"{case}-{wrong[:40]}" for case, _, _, wrong in MISTAKES],
 )
 def test_a_mistake_makes_its_case_fail(case_id: str, shader: str, right: str, wrong: str) -> None:
-    record = run(judged_only(case_id), mistaken(shader, right, wrong))
-    assert record.status == "fail", record.message
-    failures = [o for o in record.expectations if o.status == "fail"]
-    worst = [o.worst for o in failures if o.worst is not None]
-    assert worst and all(not w.widths <= 1.0 for w in worst)
+    found = first_failure(shipped()[case_id], mistaken(shader, right, wrong), placed=True)
+    assert found is not None
+    assert found.worst is None or not found.worst.widths <= 1.0
 
 
 def test_a_texel_taken_twice_shows_in_the_picture() -> None:
     mistake = mistaken(f"{CH3}/soften.frag", "vec2(-0.5, 0.5)", "vec2(-0.5, -0.5)")
-    record = run(shipped()["translate"], mistake)
-    assert [o.name for o in record.expectations if o.status == "fail"] == ["four texels a pixel"]
+    assert failing(next(shipped()["translate"].scenes()), mistake) == {"four texels a pixel"}
 
 
 def test_every_case_is_broken_at_least_twice() -> None:
@@ -116,12 +98,7 @@ def test_every_case_is_broken_at_least_twice() -> None:
 def test_depth_testing_is_what_sorts_the_boxes() -> None:
     """Without it the last box drawn wins, and both the rays and the other order disagree."""
     case = judged_only("ten-cubes")
-    undepthed = tuple(
-        replace(p, draws=tuple(replace(d, state=replace(d.state, depth=None)) for d in p.draws))
-        for p in case.passes
-    )
-    with Lab() as lab:
-        record = lab.run(next(replace(case, passes=undepthed).scenes()))
-    failed = {o.name for o in record.expectations if o.status == "fail"}
+    undepthed = with_draws(case, lambda _, d: replace(d, state=replace(d.state, depth=None)))
+    failed = failing(next(undepthed.scenes()))
     assert "the box that a ray meets" in failed
     assert sum("order of drawing" in name for name in failed) == 2  # of colours, and of boxes

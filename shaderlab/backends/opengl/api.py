@@ -76,8 +76,6 @@ def fresh_context(device: Device) -> Iterator[Any]:
     it. The device's is untouched, and current again afterwards."""
     import glcontext
 
-    # Objects that Python drops meanwhile belong to the other context: they wait till it is back.
-    device.context.gc_mode = "context_gc"
     names = {"glversion": REQUIRED_VERSION, "mode": "standalone"}
     try:
         with environment(device.driver):
@@ -88,6 +86,4 @@ def fresh_context(device: Device) -> Iterator[Any]:
         yield fresh
     finally:
         fresh.release()
-        device.context.__enter__()
-        device.context.gc()
-        device.context.gc_mode = "auto"
+        device.make_current()

@@ -43,7 +43,7 @@ class OpenGLBackend(Backend):
         self, scene: Scene, programs: Programs, size: Size, *, temporary_programs: bool = False
     ) -> Iterator[OpenGLSession]:
         linker = Linker(self.device, self._linker) if temporary_programs else self._linker
-        with self.device.unchecked(), ExitStack() as stack:
+        with self.device.in_use(), ExitStack() as stack:
             session = OpenGLSession(self.device, linker, scene, programs, size, stack)
             session.cache = self.captures
             yield session
@@ -62,14 +62,14 @@ class OpenGLBackend(Backend):
             yield session
 
     def driver_verdict(self, sources: Sequence[Source]) -> Verdict:
-        with self.device.unchecked():
+        with self.device.in_use():
             return verdict.driver_verdict(self.device, sources)
 
     def storage(self, count: int) -> AbstractContextManager[Callable[[], Array]]:
         return storage.bound(self.device, count)
 
     def evaluate(self, evaluation: Evaluation, inputs: Array, outputs: Array) -> None:
-        with self.device.unchecked():
+        with self.device.in_use():
             self._evaluator.evaluate(evaluation, inputs, outputs)
 
     def close(self) -> None:

@@ -27,7 +27,7 @@ _NOTHING = "#version 330 core\nvoid main() { gl_Position = vec4(0.0); }\n"
 
 
 class Device:
-    """An open context.
+    """An open context. Several may be open in one process, and used in turn.
 
     Args:
         context: a `moderngl.Context`.
@@ -79,14 +79,28 @@ class Device:
         if self.recorder is not None:
             self.recorder.place = None
 
+    def make_current(self) -> None:
+        """Make the context the one that calls go to, and give back what Python has dropped.
+
+        Objects are deleted by their numbers, which mean something else in another context: what
+        is dropped waits until its own one is current.
+        """
+        self.context.__enter__()
+        waiting = self.context.objects
+        while waiting:
+            dropped = waiting.popleft()
+            if hasattr(dropped, "release"):  # else it was released before Python dropped it
+                dropped.release()
+
     @contextmanager
-    def unchecked(self) -> Iterator[None]:
-        """Suspend PyOpenGL's check after each call, if the process has it on: the lab reads GL
-        errors itself. Can be nested.
+    def in_use(self) -> Iterator[None]:
+        """Make the context current, and suspend PyOpenGL's check after each call if the process
+        has it on: the lab reads GL errors itself. Can be nested.
 
         The checks of compiling and linking can't be suspended: those two raise GLError.
         """
         self._users += 1
+        self.make_current()
         if ERROR_CHECKER is not None:
             ERROR_CHECKER.onBegin()  # as between glBegin and glEnd
         try:
@@ -114,7 +128,7 @@ def open_device(driver: str) -> Device:
             context = moderngl.create_context(require=REQUIRED_VERSION, **options)
     except Exception as error:  # moderngl raises plain Exception for whatever EGL says
         raise DriverError(f"no OpenGL 3.3 context on EGL ({error})", remedy=INSTALL) from error
-    context.gc_mode = "auto"
+    context.gc_mode = "context_gc"  # see Device.make_current
     if driver.endswith(SPIRV) and _TAKES_SPIRV not in context.extensions:
         raise DriverError(
             f"driver {driver}: {context.info['GL_RENDERER']} takes no SPIR-V ({_TAKES_SPIRV})",

@@ -173,9 +173,7 @@ class SpirvProgram:
         self._interface = interface
 
     def __del__(self) -> None:
-        if self._context.gc_mode == "auto":
-            self.release()
-        elif self._context.gc_mode == "context_gc":  # another context is current
+        if self._context.gc_mode == "context_gc":  # see Device.make_current
             self._context.objects.append(self)
 
     def release(self) -> None:
