@@ -201,7 +201,8 @@ def to_neighbours(of: npt.NDArray[Any], among: npt.NDArray[Any]) -> npt.NDArray[
     around = np.pad(among, ((1, 1), (1, 1), (0, 0)), mode="edge")
     places = [(y, x) for y in range(3) for x in range(3)]
     apart = [np.abs(of - around[y : y + height, x : x + width]).max(axis=-1) for y, x in places]
-    return np.min(apart, axis=0)
+    nearest: npt.NDArray[Any] = np.min(apart, axis=0)
+    return nearest
 
 
 def softened_pass(

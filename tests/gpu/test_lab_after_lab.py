@@ -35,6 +35,8 @@ def test_devices_are_used_in_turn() -> None:
         with first.device.in_use():  # type: ignore[attr-defined]
             stale = [first.device.context.buffer(values) for _ in range(8)]  # type: ignore[attr-defined]
         with second.device.in_use():  # type: ignore[attr-defined]
+            with first.device.in_use():  # type: ignore[attr-defined]
+                pass
             fresh = [second.device.context.buffer(values) for _ in range(8)]  # type: ignore[attr-defined]
             assert {b.glo for b in fresh} & {b.glo for b in stale}
             del stale[4:]
@@ -42,7 +44,7 @@ def test_devices_are_used_in_turn() -> None:
             assert [np.frombuffer(b.read(), "f4").tolist() for b in fresh] == [values.tolist()] * 8
         waiting = first.device.context.objects  # type: ignore[attr-defined]
         assert len(waiting) == 4
-        with first.device.in_use():  # type: ignore[attr-defined]
+        with second.device.in_use(), first.device.in_use():  # type: ignore[attr-defined]
             assert not waiting
             assert [np.frombuffer(b.read(), "f4").tolist() for b in stale] == [values.tolist()] * 4
     finally:

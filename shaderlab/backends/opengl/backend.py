@@ -53,7 +53,7 @@ class OpenGLBackend(Backend):
         self, scene: Scene, programs: Programs, size: Size, edit: CallEdit | None
     ) -> Iterator[OpenGLSession]:
         with (
-            self.device.unchecked(),
+            self.device.in_use(),
             tracing.recording_device(self.device, edit) as device,
             ExitStack() as stack,
         ):

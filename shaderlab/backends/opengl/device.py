@@ -94,13 +94,26 @@ class Device:
 
     @contextmanager
     def in_use(self) -> Iterator[None]:
-        """Make the context current, and suspend PyOpenGL's check after each call if the process
-        has it on: the lab reads GL errors itself. Can be nested.
+        """Make the context current for a while, and suspend checks as `unchecked` does. Can be
+        nested, in the use of another device too."""
+        _IN_USE.append(self)
+        self.make_current()
+        try:
+            with self.unchecked():
+                yield
+        finally:
+            _IN_USE.remove(self)
+            if _IN_USE and _IN_USE[-1] is not self:
+                _IN_USE[-1].make_current()
+
+    @contextmanager
+    def unchecked(self) -> Iterator[None]:
+        """Suspend PyOpenGL's check after each call, if the process has it on: the lab reads GL
+        errors itself. Can be nested.
 
         The checks of compiling and linking can't be suspended: those two raise GLError.
         """
         self._users += 1
-        self.make_current()
         if ERROR_CHECKER is not None:
             ERROR_CHECKER.onBegin()  # as between glBegin and glEnd
         try:
@@ -109,6 +122,9 @@ class Device:
             self._users -= 1
             if ERROR_CHECKER is not None and not self._users:
                 ERROR_CHECKER.onEnd()
+
+
+_IN_USE: list[Device] = []  # the innermost last
 
 
 def open_device(driver: str) -> Device:

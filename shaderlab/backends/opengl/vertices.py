@@ -29,9 +29,7 @@ class DeviceBuffer:
 
     def __del__(self) -> None:
         context = self._device.context
-        if context.gc_mode == "auto":
-            self.release()
-        elif context.gc_mode == "context_gc":  # another context is current
+        if context.gc_mode == "context_gc":  # see Device.make_current
             context.objects.append(self)
 
     def release(self) -> None:
