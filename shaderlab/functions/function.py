@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from shaderlab.compiler.sources import Source
@@ -10,6 +12,7 @@ from shaderlab.errors import CallError
 from shaderlab.functions import checking
 from shaderlab.functions.binding import Call, bound, replaced
 from shaderlab.functions.laws import Law
+from shaderlab.functions.notes import notes
 from shaderlab.functions.running import evaluate
 from shaderlab.functions.signatures import Signature
 
@@ -69,7 +72,11 @@ class Function:
             CallError: the arguments fit no overload, or the call hangs or crashes.
             ShaderError: the function does not compile.
         """
-        return self.evaluate(self.bind(*arguments, **named))
+        call = self.bind(*arguments, **named)
+        found = notes()
+        if found is not None:
+            found.add_call(self._source, checking.source_of_glsl(self, call))
+        return self.evaluate(call)
 
     def check(self, law: Law | Callable[..., Any], /, *arguments: Any, **named: Any) -> None:
         """Check the function at these arguments.
@@ -88,6 +95,10 @@ class Function:
         __tracebackhide__ = True
         call = self.bind(*arguments, **named)
         outcome = checking.judged(self, law, call)
+        found = notes()
+        if found is not None:
+            found.add_call(self._source, checking.source_of_glsl(self, call))
+            found.outcomes.append(replace(outcome, line=sys._getframe(1).f_lineno))
         if outcome.status != "pass":
             raise AssertionError(checking.text_of(self, call, outcome))
 

@@ -6,11 +6,15 @@ samples.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from shaderlab.errors import extra
-from shaderlab.functions.searching import Batch, Search, Test
+from shaderlab.functions.notes import notes
+from shaderlab.functions.searching import SAMPLES, Batch, Search, Test
+from shaderlab.records import Outcome, SourceText
 
 if TYPE_CHECKING:
     from shaderlab.functions.function import Function
@@ -44,7 +48,8 @@ def given(function: Function, /, **domains: Any) -> Callable[[Test], Test]:
 
         def run(batch: Batch) -> None:
             __tracebackhide__ = True
-            search.run(batch)
+            with _noted(function, test, batch):
+                search.run(batch)
 
         # Hypothesis takes it for the test: failures show that, and the database knows it by that.
         for name in ("__name__", "__qualname__", "__module__", "__doc__"):
@@ -67,6 +72,31 @@ def given(function: Function, /, **domains: Any) -> Callable[[Test], Test]:
         return found
 
     return decorated
+
+
+@contextmanager
+def _noted(function: Function, test: Test, batch: Batch) -> Iterator[None]:
+    """Note how a batch fares, where a report wants it."""
+    __tracebackhide__ = True
+    found = notes()
+    file, line = function.place
+    outcome = Outcome(
+        name=function.__name__,
+        kind="given",
+        status="pass",
+        judged=1 if batch.seed is None else SAMPLES,
+        sources=(SourceText(file=file, line=line, language="glsl", text=str(function.__doc__)),),
+        line=test.__code__.co_firstlineno,
+    )
+    try:
+        yield
+    except Exception as error:
+        if found is not None:
+            said = "\n".join([str(error) or type(error).__name__, *getattr(error, "__notes__", ())])
+            found.outcomes.append(replace(outcome, status="fail", outside=1, message=said))
+        raise
+    if found is not None:
+        found.outcomes.append(outcome)
 
 
 def example(**values: Any) -> Callable[[Test], Test]:

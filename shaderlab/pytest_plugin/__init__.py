@@ -14,6 +14,8 @@ each, nothing is run ahead.
 limits of one variant and of one call of a GLSL function (`shaderlab.glsl`) and go before those in
 `[tool.shaderlab]`; `shaderlab_jobs` is the number of workers. SHADERLAB_JOBS goes before it; with 0
 everything runs in pytest's own process, for debuggers.
+
+`--shaderlab-report DIR` writes the page of `shaderlab run` (`shaderlab.pytest_plugin.report`).
 """
 
 from __future__ import annotations
@@ -84,12 +86,12 @@ class CaseItem(pytest.Item):
     def __init__(self, *, job: Job, **kwargs: Any) -> None:
         super().__init__(**kwargs)
         self.job = job
-        self.seconds = 0.0
+        self.record: Record | None = None
 
     def runtest(self) -> None:
-        self.seconds = 0.0
+        self.record = None
         record = prefetcher_of(self.config).record(self.job, lambda: following(self))
-        self.seconds = record.seconds
+        self.record = record
         if record.status == "unsupported":
             pytest.skip(record.message or "this driver lacks what the case needs")
         if failed(record):
@@ -120,7 +122,10 @@ def prefetcher_of(config: pytest.Config) -> Prefetcher:
             if workers == 0
             else ProcessExecutor(settings.driver, limits, workers, early=False)
         )
-        options = RunOptions(pictures=False, driver=settings.driver, limits=limits)
+        folder = _report_folder(config)
+        options = RunOptions(
+            pictures=folder is not None, folder=folder, driver=settings.driver, limits=limits
+        )
         prefetcher = Prefetcher(executor, options, ahead=workers not in (0, 1))
         config.stash[_PREFETCHER] = prefetcher
     return prefetcher
@@ -139,16 +144,36 @@ def following(item: CaseItem) -> Iterator[Job]:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Calls of GLSL functions have the limits of variants."""
+    """Calls of GLSL functions have the limits of variants; a report needs records."""
+    folder = _report_folder(config)
+    if folder is not None:
+        from shaderlab.pytest_plugin.report import Recorder, ReportWriter, attach
+
+        config.pluginmanager.register(Recorder(attach))
+        if not hasattr(config, "workerinput"):  # of pytest-xdist, whose first process writes it
+            folder.mkdir(parents=True, exist_ok=True)
+            writer = ReportWriter(folder, lambda: prefetcher_of(config).executor.about())
+            config.pluginmanager.register(writer)
     if config.getini("shaderlab_timeout") or config.getini("shaderlab_memory"):
         CALL_LIMITS.set(_limits(config))
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """Settings for pytest's configuration file, or for -o on its command line."""
+    """`--shaderlab-report`; and settings for pytest's configuration file, or for its -o."""
+    parser.getgroup("shaderlab").addoption(
+        "--shaderlab-report",
+        metavar="DIR",
+        help="write the report of cases, and of tests of GLSL functions, into DIR",
+    )
     parser.addini("shaderlab_timeout", "seconds that one variant may take; else 30", default="")
     parser.addini("shaderlab_memory", "gigabytes of it; 0 for any amount; else 4", default="")
     parser.addini("shaderlab_jobs", f"worker processes; 0 for none; else {WORDS}", default="")
+
+
+def _report_folder(config: pytest.Config) -> Path | None:
+    """The folder of `--shaderlab-report`."""
+    given: str | None = config.getoption("--shaderlab-report", None)
+    return Path(config.invocation_params.dir, given) if given else None
 
 
 def _workers(config: pytest.Config) -> int | None:
@@ -240,8 +265,8 @@ def pytest_runtest_makereport(
 ) -> Generator[None, pytest.TestReport, pytest.TestReport]:
     """What a variant took is its own time, wherever and whenever it ran."""
     report = yield
-    if call.when == "call" and isinstance(item, CaseItem) and item.seconds > 0.0:
-        report.duration = item.seconds
+    if call.when == "call" and isinstance(item, CaseItem) and item.record is not None:
+        report.duration = item.record.seconds or report.duration
     return report
 
 

@@ -1,0 +1,95 @@
+"""`pytest --shaderlab-report`: cases and tests of GLSL functions on one page."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from shaderlab.records import Record
+from shaderlab.report import store
+from shaderlab.report.findings import findings_of
+
+LIGHT = "float half_of(float x) { return 0.5 * x; }\nfloat same(float x) { return x; }\n"
+TESTS = '''\
+"""Halves."""
+import numpy as np
+import pytest
+from shaderlab import glsl
+
+light = glsl.load("light.glsl")
+X = np.linspace(1, 2, 11)
+
+def test_right():
+    light.half_of.check(lambda x: 0.5 * x, X)
+    light.half_of.check(lambda x: x * 0.5, X)
+
+def test_wrong():
+    light.half_of.check(lambda x: 0.51 * x, X)
+
+@glsl.given(light.same, x=glsl.floats(0, 4))
+def test_searched(x, y):
+    assert y <= 3
+
+def test_asserts():
+    assert light.same(1.0) == 2.0
+
+def test_other():
+    pass
+
+@pytest.mark.skip(reason="later")
+def test_skipped():
+    light.same.check(lambda x: x, X)
+'''
+
+
+@pytest.fixture
+def tests(pytester: pytest.Pytester, case_folder: Path) -> pytest.Pytester:
+    for file in case_folder.iterdir():
+        (pytester.path / file.name).write_text(file.read_text())
+    (pytester.path / "light.glsl").write_text(LIGHT)
+    (pytester.path / "test_light.py").write_text(TESTS)
+    return pytester
+
+
+def by_variant(folder: Path) -> dict[str, Record]:
+    return {record.variant: record for record in store.load(folder).records}
+
+
+def test_cases_and_functions_stand_on_one_page(
+    tests: pytest.Pytester, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("SHADERLAB_JOBS", "0")
+    result = tests.runpytest_subprocess("--shaderlab-report", "out", "-n", "1")
+    assert "report: out/index.html" in result.stdout.str(), result.stdout.str()
+    found = by_variant(tests.path / "out")
+    assert {name: r.status for name, r in found.items() if r.id == "test_light"} == {
+        "test_right": "pass",
+        "test_wrong": "fail",
+        "test_searched": "fail",
+        "test_asserts": "fail",
+    }
+    lamps = [record for record in found.values() if record.id == "lamp"]
+    assert lamps and all(record.images for record in lamps if record.status == "pass")
+    assert found["test_right"].title == "Halves."
+    names = [outcome.name for outcome in found["test_right"].expectations]
+    assert names == ["half_of", "half_of (2)"]
+    (wrong,) = found["test_wrong"].expectations
+    assert wrong.kind == "formula" and wrong.worst is not None and wrong.line == 14
+    (searched,) = found["test_searched"].expectations
+    assert searched.kind == "given" and "@glsl.example(x=" in searched.message
+    (own,) = found["test_asserts"].expectations
+    assert own.kind == "test" and "light.same(1.0) == 2.0" in own.message
+    assert [s.files for s in found["test_wrong"].programs] == [("light.glsl",)]
+    page = (tests.path / "out" / "index.html").read_text()
+    assert "test_wrong" in page and "half_of" in page
+    places = {(f.rule, f.file, f.line) for f in findings_of(store.load(tests.path / "out"))}
+    assert places >= {("formula", "test_light.py", 14), ("test", "test_light.py", 20)}
+
+
+def test_a_session_without_such_tests_has_no_report(tests: pytest.Pytester) -> None:
+    tests.makepyfile(test_plain="def test_plain(): pass")
+    result = tests.runpytest_inprocess("test_plain.py", "--shaderlab-report", "out")
+    result.assert_outcomes(passed=1)
+    result.stdout.fnmatch_lines(["no test of cases or of GLSL functions: no report is written"])
+    assert not (tests.path / "out" / "index.html").exists()
