@@ -89,7 +89,7 @@ def test_cases_and_functions_stand_on_one_page(
 
 def test_a_session_without_such_tests_has_no_report(tests: pytest.Pytester) -> None:
     tests.makepyfile(test_plain="def test_plain(): pass")
-    result = tests.runpytest_inprocess("test_plain.py", "--shaderlab-report", "out")
+    result = tests.runpytest_subprocess("test_plain.py", "--shaderlab-report", "out")
     result.assert_outcomes(passed=1)
     result.stdout.fnmatch_lines(["no test of cases or of GLSL functions: no report is written"])
     assert not (tests.path / "out" / "index.html").exists()
