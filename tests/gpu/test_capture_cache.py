@@ -196,12 +196,13 @@ def fragments_only(one: Scene) -> Scene:
 
 
 def test_the_catalogue_gets_what_it_would_get_by_itself() -> None:
-    """A scene of each case over a domain, with and without what others before it captured."""
+    """Scenes over a domain, with and without what others before them captured. Every other case
+    of the catalogue: what is shared goes by the domain, and many have the same."""
     over = [
         fragments_only(one)
         for one in (next(iter(case.scenes())) for case in shipped().values())
         if all(draw.domain is not None for each in one.passes for draw in each.draws)
-    ]
+    ][::2]
     may_share = []
     with Watched() as sharing:
         for one in over:

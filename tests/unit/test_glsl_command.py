@@ -168,10 +168,14 @@ def test_plain_verdicts_and_messages_are_the_commands_own(tree: list[Source]) ->
 def test_linked_verdicts_and_modules_are_the_commands_own(
     tree: list[Source], tmp_path: Path
 ) -> None:
-    """One process a file and target, since the command links all the files that it is given."""
+    """One process a file and target, since the command links all the files that it is given: for
+    the texts that do not link, and for a quarter of those that do. `benchmarks.verdicts` takes all.
+    """
     library = choose("library")
     accepted = [source for source in tree if library.check(source).ok]
     assert len(accepted) > 80
+    linking = [source for source in accepted if library.link([source], "glsl").ok]
+    accepted = [source for source in accepted if source not in linking] + linking[::4]
 
     def compare(number: int) -> tuple[int, int]:
         source = accepted[number]
@@ -199,7 +203,7 @@ def test_linked_verdicts_and_modules_are_the_commands_own(
 
     with ThreadPoolExecutor(2) as threads:
         counts = list(threads.map(compare, range(len(accepted))))
-    assert sum(made for made, _ in counts) > 140
+    assert sum(made for made, _ in counts) > 35
     assert sum(failed for _, failed in counts) >= 5
 
 
