@@ -19,6 +19,7 @@ from shaderlab.report import mutants, parts
 from shaderlab.report.build import build
 from shaderlab.report.compare import compare
 from shaderlab.report.drivers import driver_table
+from shaderlab.report.history import history, save
 from shaderlab.report.inline import Pictures
 from shaderlab.report.page import Page
 from shaderlab.report.search import script
@@ -34,7 +35,8 @@ def write(run: Run, folder: str | Path, against: tuple[Run, Path] | None = None)
     `folder`/against.html and begins with what changed. Cases are in `folder`/cases, what the pages
     share in `folder`/page. Each file is written whole or not at all, the front page last.
 
-    The results of `shaderlab mutate --report` in that folder are shown too.
+    The results of `shaderlab mutate --report` in that folder are shown too, and what changed since
+    earlier runs whose folders stand beside it.
 
     Raises:
         ShaderlabError: a file can't be written, or `mutation.json` is damaged. Missing pictures
@@ -46,6 +48,8 @@ def write(run: Run, folder: str | Path, against: tuple[Run, Path] | None = None)
     write_text(shared / "style.css", parts.style())
     write_text(shared / "script.js", parts.script())
     write_text(shared / "search.js", script((c.anchor, c.group.records) for c in page.cases))
+    links = page.links(single=False)
+    past = history(run, target, links)
     render = partial(_render, page=page, run=run, single=False, policy=parts.SITE_POLICY)
     for earlier, (chapter, case), later in _with_neighbours(page):
         pieces = render(
@@ -56,10 +60,10 @@ def write(run: Run, folder: str | Path, against: tuple[Run, Path] | None = None)
             case=case,
             earlier=earlier,
             later=later,
+            trend=past and past.trends.get(case.group.id),
         )
         write_text(target / case.page, pieces)
     path = target / (AGAINST_NAME if against else FILE_NAME)
-    links = page.links(single=False)
     front = render(
         "index.html.j2",
         root="",
@@ -67,7 +71,9 @@ def write(run: Run, folder: str | Path, against: tuple[Run, Path] | None = None)
         against=against and compare(run, target, *against, links),
         drivers=driver_table(run, links),
         links=links,
+        past=past,
     )
+    save(run, target)
     write_text(path, front)
     return path
 
@@ -94,6 +100,7 @@ def write_single(run: Run, folder: str | Path, path: str | Path) -> None:
         against=None,
         drivers=driver_table(run, links),
         links=links,
+        past=history(run, Path(folder), links),
     )
     write_text(path, pieces)
 

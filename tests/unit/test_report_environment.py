@@ -118,7 +118,9 @@ def pieces(folder: Path, count: int) -> list[str]:
             for v in range(4)
         )
     )
-    empty = dict.fromkeys(("against", "drivers", "links", "policy", "style", "script", "root"), "")
+    empty = dict.fromkeys(
+        ("against", "drivers", "links", "policy", "style", "script", "root", "past"), ""
+    )
     page = build(made, Pictures(folder))
     template = environment.environment().get_template(PAGE)
     return list(template.stream(empty, page=page, run=made, single=True, level=3, here=""))

@@ -13,7 +13,7 @@ function followChapters(nav) {
 
   function mark() {
     waiting = false;
-    const line = nav.getBoundingClientRect().bottom + 40;
+    const line = nav.getBoundingClientRect().bottom + 90;
     // A hidden chapter's heading has no place.
     const passed = heads.filter((head) => head.offsetParent
       && head.getBoundingClientRect().top < line);
