@@ -7,10 +7,10 @@ has no `main`, is found when the program is linked. A program that was never ask
 compiled and linked draws nothing, and does not say why.
 
 Look at: the panels. Each has a lamp for the vertex shader, the fragment shader and the link: green
-for good, red for refused, dark for never reached. From the upper left: no semicolon, an undeclared
-name, a profile that does not exist; no main, types that differ, and the program that is right,
-which alone draws its triangle. The table has every message, with file and line, in glslang's words
-and in the driver's.
+for good, red for refused, dark for never reached. From the upper left: a misspelt gl_Position, three
+numbers where four belong, no semicolon, an undeclared name; a profile that does not exist, no main,
+types that differ, and the program that is right, which alone draws its triangle. The table has every
+message, with file and line, in glslang's words and in the driver's.
 """
 
 import numpy as np
@@ -22,18 +22,50 @@ from ..scenes.figures import each_draw
 from ..scenes.laws import device_place, opaque, unchanged
 from ..scenes.panels import cell, enlarged, enlarged_check, panel, square
 
-GOOD, BAD, NEVER = (0.30, 0.75, 0.40), (0.85, 0.25, 0.20), (0.20, 0.24, 0.30)
-PANELS = [
-    (GOOD, BAD, NEVER),  # no semicolon
-    (GOOD, BAD, NEVER),  # undeclared
-    (GOOD, BAD, NEVER),  # es profile
-    (GOOD, GOOD, BAD),  # no main
-    (GOOD, GOOD, BAD),  # types differ
-    (GOOD, GOOD, GOOD),
-]
-CORNERS = np.array([(-0.5, -0.3, 0.0), (0.5, -0.3, 0.0), (0.0, 0.7, 0.0)])
 VERTEX = "ch02_basics/compile_and_link.vert"
-CELLS = [cell(k, 3, 2, from_above=True) for k in range(6)]
+GOOD, BAD, NEVER = (0.30, 0.75, 0.40), (0.85, 0.25, 0.20), (0.20, 0.24, 0.30)
+FRAGMENT = "ch02_basics/compile_and_link.frag"
+# What is refused, and when: the broken file, the line, the whole message, what is wrong.
+REFUSED = (
+    (
+        "vertex", "misspelt.vert", 9, "'gl_Positon' : undeclared identifier",
+        "a misspelt gl_Position",
+    ),
+    (
+        "vertex", "three_of_four.vert", 9,
+        "'assign' : cannot convert from 'layout( location=0) in 3-component vector of float' to "
+        "' gl_Position 4-component vector of float Position'",
+        "three numbers for a position",
+    ),
+    (
+        "fragment", "no_semicolon.frag", 9,
+        "syntax error, unexpected RIGHT_BRACE, expecting COMMA or SEMICOLON", "a missing semicolon",
+    ),
+    (
+        "fragment", "undeclared.frag", 8, "'colour' : undeclared identifier", "an undeclared name",
+    ),
+    (
+        "fragment", "es_profile.frag", 1, "only version 300, 310, and 320 support the es profile",
+        "a profile that 330 does not have",
+    ),
+    (
+        "link", "no_main.frag", None,
+        "fragment stage: Missing entry point: Each stage requires one entry point", "no main",
+    ),
+    (
+        "link", "type_mismatch.frag", 2,
+        "vertex and fragment stages: Types must match:\n"
+        '    vertex stage: " vec3 color"\n'
+        '    fragment stage: " vec4 color"',
+        "an output and an input that differ in type",
+    ),
+)  # fmt: skip
+STAGES = {
+    "vertex": (BAD, GOOD, NEVER), "fragment": (GOOD, BAD, NEVER), "link": (GOOD, GOOD, BAD),
+}  # fmt: skip
+PANELS = [*(STAGES[stage] for stage, *_ in REFUSED), (GOOD, GOOD, GOOD)]
+CORNERS = np.array([(-0.5, -0.3, 0.0), (0.5, -0.3, 0.0), (0.0, 0.7, 0.0)])
+CELLS = [cell(k, 4, 2, from_above=True) for k in range(8)]
 # Three lamps and an empty outline each.
 LAMPS = [
     panel("ch02_basics/compile_and_link_panel.frag", {"place": square()}, {"lamps": lamps}, cell=at)
@@ -43,8 +75,7 @@ LAMPS = [
 
 def right(**state):
     """The triangle of the program that is right."""
-    shaders = VERTEX, "ch02_basics/compile_and_link.frag"
-    return mesh_pass(*shaders, Mesh(attributes={"aPos": CORNERS}), **state)[0].draws[0]
+    return mesh_pass(VERTEX, FRAGMENT, Mesh(attributes={"aPos": CORNERS}), **state)[0].draws[0]
 
 
 def corner_color(aPos):
@@ -68,10 +99,15 @@ def lit_lamps(place, lamps):
     return color
 
 
-def fails(file, line, message, name):
-    """The program with one of the broken fragment shaders: glslang's words, file and line."""
-    broken = f"ch02_basics/errata/{file}.frag"
-    return compile_fails((VERTEX, broken), (broken, line, message), name=name)
+def fails(stage, file, line, message, name):
+    """The program with one of the broken shaders, which this stage refuses: glslang's words, and
+    the file and line of both compilers. The linker's messages say so; it has no line for the
+    driver."""
+    broken = f"ch02_basics/errata/{file}"
+    shaders = (broken, FRAGMENT) if stage == "vertex" else (VERTEX, broken)
+    if stage == "link":
+        return compile_fails(shaders, (broken, line, f"Linking {message}"), name=name)
+    return compile_fails(shaders, (broken, line, message), driver=(broken, line), name=name)
 
 
 case = Case(
@@ -79,40 +115,14 @@ case = Case(
     section="2.2.4",
     math=r"\text{compile}(v) \wedge \text{compile}(f) \wedge \text{link}(v, f)",
     passes=(
-        *enlarged((*LAMPS, right(state=State(cell=CELLS[5]))), (81, 54), 9),
+        *enlarged((*LAMPS, right(state=State(cell=CELLS[7]))), (108, 54), 7),
         Pass(draws=(right(),)),
     ),
     picture="picture.FragColor",
     expect=[
-        fails(
-            "no_semicolon",
-            9,
-            "syntax error, unexpected RIGHT_BRACE, expecting COMMA or SEMICOLON",
-            "a missing semicolon",
-        ),
-        fails("undeclared", 8, "'colour' : undeclared identifier", "an undeclared name"),
-        fails(
-            "es_profile",
-            1,
-            "only version 300, 310, and 320 support the es profile",
-            "a profile that 330 does not have",
-        ),
-        fails(
-            "no_main",
-            None,
-            "Linking fragment stage: Missing entry point: Each stage requires one entry point",
-            "no main",
-        ),
-        fails(
-            "type_mismatch",
-            2,
-            "Linking vertex and fragment stages: Types must match:\n"
-            '    vertex stage: " vec3 color"\n'
-            '    fragment stage: " vec4 color"',
-            "an output and an input that differ in type",
-        ),
+        *(fails(*refused) for refused in REFUSED),
         enlarged_check(),
-        *each_draw("small.FragColor", opaque(lit_lamps), {k: f"panel {k + 1}" for k in range(6)}),
+        *each_draw("small.FragColor", opaque(lit_lamps), {k: f"panel {k + 1}" for k in range(8)}),
         formula("small.FragColor", opaque(unchanged("color")), name="the triangle in its panel"),
         formula("gl_Position", device_place),
         formula("color", corner_color),

@@ -1,7 +1,8 @@
 """Renderbuffers: attachments that are drawn into and never sampled, and what makes a set complete.
 
 Depth and stencil are needed while a scene is drawn, and seldom afterwards. A renderbuffer is memory
-for that alone, in whatever arrangement suits the driver. A framebuffer is complete when each of its
+for that alone, in whatever arrangement suits the driver: it is bound to a framebuffer only, and to
+no texture unit, so that no sampler reads it. A framebuffer is complete when each of its
 attachments is, when there is at least one, and when their numbers of samples agree. There need be
 no colour, a depth attachment alone is complete; and sizes may differ, then what all of them cover
 can be drawn.
@@ -26,6 +27,7 @@ from shaderlab import (
     exact,
     formula,
     gl_call,
+    gl_calls,
 )
 from shaderlab.expectations.gl_call import Object, call
 from shaderlab.glslmath import swizzle, vec4
@@ -53,11 +55,44 @@ def squares(column, depth):
 
 
 def window(name, depth_format):
-    """Both halves, over one depth format or none."""
-    return Pass(
-        name=name,
-        target=Target(size=(512, 256), depth=depth_format, clear=PAPER),
-        draws=(*squares(0, Depth()), *squares(1, None)),
+    """Both halves, over a renderbuffer of one depth format."""
+    target = Target(size=(512, 256), depth=depth_format, depth_storage="renderbuffer", clear=PAPER)
+    return Pass(name=name, target=target, draws=(*squares(0, Depth()), *squares(1, None)))
+
+
+def depth_kept_in(name, word, point):
+    """A pass draws with a renderbuffer of this format, made once, and with no depth texture."""
+    of_depth = {"target": "GL_FRAMEBUFFER", "attachment": point}
+    return (
+        gl_calls(
+            "glRenderbufferStorage",
+            internalformat=word,
+            width=512,
+            height=256,
+            times=1,
+            pass_name=name,
+            name=f"{name}: memory for one renderbuffer",
+        ),
+        gl_calls(
+            "glFramebufferRenderbuffer",
+            **of_depth,
+            times=1,
+            pass_name=name,
+            name=f"{name}: it is attached",
+        ),
+        gl_calls(
+            "glFramebufferTexture2D",
+            attachment="GL_COLOR_ATTACHMENT0",
+            times=1,
+            pass_name=name,
+            name=f"{name}: the colour is a texture",
+        ),
+        gl_calls(
+            "glFramebufferTexture2D",
+            times=1,
+            pass_name=name,
+            name=f"{name}: and nothing else is",
+        ),
     )
 
 
@@ -125,6 +160,38 @@ case = Case(
             "24 bits.FragColor",
             np.concatenate([half(True), half(False)], axis=1),
             name="depth alone does as well as depth and stencil",
+        ),
+        *depth_kept_in("tested", "GL_DEPTH24_STENCIL8", "GL_DEPTH_STENCIL_ATTACHMENT"),
+        *depth_kept_in("24 bits", "GL_DEPTH_COMPONENT24", "GL_DEPTH_ATTACHMENT"),
+        gl_call(
+            "glBindTexture",
+            "GL_RENDERBUFFER",
+            1,
+            raises="invalid_enum",
+            name="no unit takes a renderbuffer: it can't be sampled",
+        ),
+        gl_call(
+            "glFramebufferTexture2D",
+            "GL_FRAMEBUFFER",
+            DEPTH,
+            "GL_TEXTURE_2D",
+            Object("renderbuffer"),
+            0,
+            before=(BIND, call("glBindRenderbuffer", "GL_RENDERBUFFER", Object("renderbuffer"))),
+            raises="invalid_operation",
+            name="nor does its name stand for a texture",
+        ),
+        gl_call(
+            "glGetIntegerv",
+            "GL_MAX_COLOR_ATTACHMENTS",
+            at_least=8,
+            name="a framebuffer takes eight colours or more",
+        ),
+        gl_call(
+            "glGetIntegerv",
+            "GL_MAX_DRAW_BUFFERS",
+            at_least=8,
+            name="and draws into eight at once or more",
         ),
         formula("tested.gl_Position", placed, draw=0, name="the near square"),
         formula("tested.gl_Position", placed, draw=1, name="the far square"),

@@ -94,7 +94,6 @@ case = Case(
                 name=f"{usage.upper()} is what the driver is told",
             )
             for usage in USAGES
-            if usage != "static_draw"
         ),
         *(
             exact(f"{usage}.FragColor", Output("stream_draw.FragColor"), name=usage.upper())

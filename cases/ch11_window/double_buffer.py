@@ -1,10 +1,13 @@
-"""Two buffers in turn: the screen never shows a frame that is only half drawn.
+"""Two buffers in turn, a model: the screen never shows a frame that is only half drawn.
 
 A frame takes many draws, and the screen refreshes when it likes. With one buffer it is read in the
 middle of the next frame: first the sky has been painted over everything, then, a moment later, the
 ball is there again, and the ball flickers. With two, the draws go into the back buffer while the
 screen reads the front one, and the two exchange their parts when the frame is done. What is seen is
 late by one frame at most, and always whole.
+
+Swapping is the window system's, and there is no window here: two targets, made once and drawn into
+in turn, take the parts of the front and the back buffer, and a copy the part of the screen.
 
 Look at: seven refreshes while a ball rolls to the right, from left to right in time: every second
 one comes in the middle of a frame. Above, with one buffer, those (framed red) show the sky alone.
@@ -23,6 +26,7 @@ from shaderlab import (
     coverage,
     exact,
     formula,
+    gl_calls,
     value,
 )
 from shaderlab.glslmath import abs, dot, max, mix, swizzle, vec3, vec4, where
@@ -140,7 +144,7 @@ HALF_DRAWN = [f"one {k}" for k in REFRESHES if k % 2]
 DARK, RED = (0.07, 0.08, 0.10), (0.85, 0.20, 0.15)
 
 case = Case(
-    title="Double buffering",
+    title="Double buffering, a model",
     section="11.2",
     math=r"\text{front}_{k+1} = \text{back}_k, \qquad \text{back}_{k+1} = \text{front}_k",
     passes=(
@@ -203,6 +207,24 @@ case = Case(
                 name=f"two buffers, refresh {k}: frame {k // 2}, whole",
             )
             for k in REFRESHES
+        ),
+        *(
+            gl_calls(
+                "glGenFramebuffers",
+                times=int(k < 2),
+                pass_name=f"two {k} half" if k else "two 0",
+                name=f"frame {k} goes into the " + ("next buffer" if k < 2 else "one before last"),
+            )
+            for k in range(FRAMES)
+        ),
+        *(
+            gl_calls(
+                "glGenFramebuffers",
+                times=0,
+                pass_name=f"one {k} half",
+                name=f"one buffer: frame {k} goes into it",
+            )
+            for k in range(1, FRAMES)
         ),
         *(
             exact(

@@ -22,13 +22,15 @@ class Verdicts:
     """What the compilers said of a program that must be refused.
 
     `errors` are those of the plain GLSL compiler, `stages` each file's stage by its name;
-    `driver` is the driver's own verdict, None where the driver lacks such a stage.
+    `driver` is the driver's own verdict, None where the driver lacks such a stage; `driver_errors`
+    are its errors.
     """
 
     errors: tuple[Place, ...]
     accepted: bool
     stages: Mapping[str, str] = field(default_factory=dict)
     driver: Verdict | None = None
+    driver_errors: tuple[Place, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -48,28 +50,34 @@ class CompilerVerdicts(Need):
                 driver = context.driver_verdict(sources)
         except DriverError:  # it has no such stage: glslang's verdict is the only one
             driver = None
-        return Verdicts(
-            errors=tuple(
+
+        def errors(said: Verdict | None) -> tuple[Place, ...]:
+            return tuple(
                 (names.get(d.file) or context.shortened(d.file), d.line, d.message)
-                for d in verdict.diagnostics
+                for d in (said.diagnostics if said else ())
                 if d.severity == "error"
-            ),
+            )
+
+        return Verdicts(
+            errors=errors(verdict),
             accepted=verdict.ok,
             stages={source.name: source.stage for source in sources},
             driver=driver,
+            driver_errors=errors(driver),
         )
 
 
 @dataclass(frozen=True, kw_only=True)
 class CompileFails(Expectation):
     """The plain GLSL compiler refuses the shaders with exactly these messages. `driver` says
-    whether the driver must refuse them too; in which words is up to the driver."""
+    whether the driver must refuse them too, and in which file and line; in which words is up to
+    the driver."""
 
     kind = "compile fails"
 
     shaders: tuple[str, ...]
     messages: tuple[Place, ...]
-    driver: bool = True
+    driver: bool | tuple[str, int] = True
 
     def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
         yield CompilerVerdicts(self.shaders)
@@ -98,22 +106,23 @@ class CompileFails(Expectation):
         elif not all(row.ok for row in rows):
             message = f"{what} is refused with other messages"
         if verdicts.driver is not None:
-            rows.append(self._driver_row(verdicts.driver))
+            rows.append(self._driver_row(verdicts.driver, verdicts.driver_errors))
             if not rows[-1].ok:
-                message = message or f"the driver accepts {what}"
+                wrong = "accepts" if verdicts.driver.ok else "refuses another place of"
+                message = message or f"the driver {wrong} {what}"
         return judge_rows(self.name, self.kind, rows, message, judged=len(rows) or 1)
 
-    def _driver_row(self, verdict: Verdict) -> Row:
-        said = [
-            f"line {d.line}: {d.message}" if d.line is not None else d.message
-            for d in verdict.diagnostics
-            if d.severity == "error"
-        ]
+    def _driver_row(self, verdict: Verdict, errors: Sequence[Place]) -> Row:
+        expected = "refused, in its own words" if self.driver else "either"
+        ok = not verdict.ok or not self.driver
+        if isinstance(self.driver, tuple):
+            expected = f"refused at {_spot((*self.driver, ''))}"
+            ok = ok and bool(errors) and errors[0][:2] == self.driver
         return Row(
             label="the driver",
-            expected="refused, in its own words" if self.driver else "either",
-            measured="accepted" if verdict.ok else "; ".join(said),
-            ok=not verdict.ok or not self.driver,
+            expected=expected,
+            measured="accepted" if verdict.ok else "; ".join(f"{_spot(e)}: {e[2]}" for e in errors),
+            ok=ok,
         )
 
 
@@ -121,7 +130,7 @@ class CompileFails(Expectation):
 def compile_fails(
     shader: str | Sequence[str],
     *messages: tuple[int | None, str] | Place,
-    driver: bool = True,
+    driver: bool | tuple[str, int] = True,
     name: str = "",
 ) -> CompileFails:
     """`shader` is refused with these whole messages, each (line, text), in this order.
@@ -131,8 +140,9 @@ def compile_fails(
         messages: all errors of the plain GLSL compiler, in its words. For several files each is
             (file, line, text). A message of the linker that no declaration can be found for has
             the line None.
-        driver: whether the driver must refuse it, too. Its words differ from those of another
-            driver: they are shown, and not compared.
+        driver: whether the driver must refuse it, too; or the (file, line) that its first error
+            must name. Its words differ from those of another driver: they are shown, and not
+            compared.
         name: how outcomes call it.
 
     Raises:

@@ -131,12 +131,15 @@ class Target(Checked):
     `colors` are formats by output name; None gives each of the fragment shader's outputs a
     32-bit float (or integer) attachment of its own. `size` is (width, height) in pixels; None is
     the size the case is judged at (64 × 64) and, once more, the size its picture is drawn at.
-    `clear` is the value every colour attachment starts from.
+    `clear` is the value every colour attachment starts from. `depth_storage` is where depth and
+    stencil are kept: in a "texture", which later passes can sample, or in a "renderbuffer", which
+    can only be drawn with; of several samples a pixel it is a renderbuffer in any case.
     """
 
     size: tuple[int, int] | None = None
     colors: Mapping[str, str] | None = None
     depth: str | None = None
+    depth_storage: str = "texture"
     samples: int = 0
     clear: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
     clear_depth: float = 1.0
@@ -147,6 +150,7 @@ class Target(Checked):
             one_of(f"Target: color {name!r}", "format", word, COLOR_FORMATS)
         if self.depth is not None:
             one_of("Target", "depth", self.depth, DEPTH_FORMATS)
+        one_of("Target", "depth_storage", self.depth_storage, ("texture", "renderbuffer"))
         if self.size is not None and not all(0 < n <= 16384 for n in self.size):
             raise CaseError(f"Target: size must lie in 1…16384, not {self.size}")
 

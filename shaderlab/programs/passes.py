@@ -44,13 +44,22 @@ def check_reads(scene: Scene, description: Pass, draw: Draw, earlier: Iterable[s
     """Check that all that a draw reads is still there; `earlier` are the passes before its own.
 
     Raises:
-        CaseError: a texture has been drawn over since, or is the target that is being drawn into.
+        CaseError: a texture has been drawn over since, is the target that is being drawn into, or
+            is a renderbuffer.
     """
     owners = {name: _owner(scene, name) for name in earlier}
     for name, source in draw.textures.items():
-        for read in (output.pass_name for output in outputs_read(source)):
+        for output in outputs_read(source):
+            read = output.pass_name
             if read not in owners:
                 continue  # what is read does not exist: reported where it is looked for
+            drawn = scene.find_pass(read).target
+            if output.name == "depth" and drawn.depth and drawn.depth_storage == "renderbuffer":
+                raise CaseError(
+                    f"{name!r} is the depth of pass {read!r}, which keeps it in a renderbuffer: "
+                    "that is drawn with, and no sampler reads it",
+                    remedy=f"give {read!r} a Target(depth_storage='texture')",
+                )
             if owners[read] == _owner(scene, description.name):
                 raise CaseError(
                     f"pass {description.name!r} reads {name!r} from the target it draws into",

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from shaderlab.backends.opengl import drawing, uniform_buffers, vertices
+from shaderlab.backends.opengl import drawing, target, uniform_buffers, vertices
 from shaderlab.backends.opengl.pyopengl import named
 from shaderlab.evaluation import Lab
 from tests.catalogue import shipped
@@ -52,6 +52,27 @@ def always_written(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(uniform_buffers.UniformBuffers, "bind", bound)
 
 
+def depth_in_textures(patch: pytest.MonkeyPatch) -> None:
+    """No depth is kept in a renderbuffer."""
+    attach = target.attach_depth
+    patch.setattr(
+        target,
+        "attach_depth",
+        lambda made, wanted, size: attach(made, replace(wanted, depth_storage="texture"), size),
+    )
+
+
+def as_many_buffers_as_frames(patch: pytest.MonkeyPatch) -> None:
+    """Each frame of the two buffers is begun in memory of its own."""
+    run = drawing.Drawing._run_pass
+
+    def anew(self: Any, description: Any) -> None:
+        halfway = description.name.startswith("two") and description.name.endswith("half")
+        run(self, replace(description, onto="") if halfway else description)
+
+    patch.setattr(drawing.Drawing, "_run_pass", anew)
+
+
 @pytest.mark.parametrize(
     ("case_id", "patched"),
     [
@@ -60,6 +81,8 @@ def always_written(patch: pytest.MonkeyPatch) -> None:
         ("buffer-map", always_copied),
         ("mesh-class", always_anew),
         ("uniform-buffer", always_written),
+        ("framebuffer-renderbuffer", depth_in_textures),
+        ("double-buffer", as_many_buffers_as_frames),
     ],
 )
 def test_a_call_that_is_left_out_is_noticed(

@@ -12,7 +12,7 @@ import pytest
 from shaderlab import Case, compile_fails, fullscreen, inactive_uniforms, refused
 from shaderlab.errors import CaseError, ShaderError
 from shaderlab.expectations.base import Context
-from shaderlab.expectations.compile_fails import Verdicts
+from shaderlab.expectations.compile_fails import Place, Verdicts
 from shaderlab.frame import Frame
 from shaderlab.model import Expectation
 from shaderlab.records import Diagnostic, Outcome, Verdict
@@ -55,7 +55,7 @@ def test_another_answer_of_the_compiler_fails(said: Verdicts) -> None:
     right = outcome(check, answer(("a.frag", 3, UNDECLARED), driver=DRIVER))
     assert right.status == "pass"
     assert right.rows[0].label == "fragment a.frag:3"
-    assert right.rows[1].measured == "line 3: no x"
+    assert right.rows[1].expected == "refused, in its own words"
     assert outcome(check, said).status == "fail"
 
 
@@ -109,3 +109,21 @@ def test_folders_are_left_out_of_paths() -> None:
     context = Context(session, {}, preparer, lambda sources: DRIVER)
     said = "/lab/shaders/a.frag:3 includes /lab/b.glsl, not in /lab/shaders"
     assert context.shortened(said) == "a.frag:3 includes b.glsl, not in shaders"
+
+
+@pytest.mark.parametrize(
+    ("places", "status"),
+    [
+        ((("a.frag", 3, "no x"), ("a.frag", 9, "more")), "pass"),
+        ((("a.frag", 4, "no x"),), "fail"),
+        ((("b.frag", 3, "no x"),), "fail"),
+        ((), "fail"),
+    ],
+)
+def test_the_place_that_the_driver_names(places: tuple[Place, ...], status: str) -> None:
+    check = compile_fails("a.frag", (3, UNDECLARED), driver=("a.frag", 3))
+    said = answer(("a.frag", 3, UNDECLARED), driver=DRIVER, driver_errors=places)
+    found = outcome(check, said)
+    assert found.status == status
+    assert found.rows[1].expected == "refused at a.frag:3"
+    assert status == "pass" or "another place" in found.message

@@ -57,7 +57,7 @@ def word(function: str, name: str, value: Any) -> str:
     if isinstance(value, bytes | bytearray | memoryview):
         return f"{len(value)} bytes"
     if isinstance(value, np.ndarray):
-        text = " ".join(f"{x:g}" for x in value.ravel()[:17])
+        text = " ".join(str(x) if x.dtype.kind in "iu" else f"{x:g}" for x in value.ravel()[:17])
         return f"[{text}]" if value.size <= 16 else f"{value.size} values"
     text = " ".join(str(value).split())
     return text if len(text) <= _LONGEST else f"{len(text)} characters"

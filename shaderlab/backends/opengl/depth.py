@@ -15,12 +15,13 @@ from shaderlab.model import Target
 from shaderlab.programs.formats import DEPTH
 
 UNREADABLE = "Target(samples=0): the depth of several samples a pixel has no one value"
+NO_TEXTURE = 'Target(depth_storage="texture"): no sampler reads a renderbuffer'
 _COMPLETE = 0x8CD5
 
 
 @dataclass(frozen=True)
 class Attached:
-    """A depth attachment: a texture, or a renderbuffer where there are several samples a pixel."""
+    """A depth attachment: a texture or a renderbuffer."""
 
     texture: DeviceTexture | None
     renderbuffer: int | None = None
@@ -33,20 +34,26 @@ class Attached:
             GL.glDeleteRenderbuffers(1, [self.renderbuffer])
 
 
-def attach_depth(framebuffer: Any, word: str, size: tuple[int, int], samples: int) -> Attached:
-    """Give a framebuffer depth, and stencil if the format has it.
+def attach_depth(framebuffer: Any, target: Target, size: tuple[int, int]) -> Attached:
+    """Give a framebuffer the depth of a target, and stencil if the format has it.
 
     Raises:
         UnsupportedError: the driver can't draw with such a format.
     """
+    word, samples = target.depth, target.samples
+    assert word is not None
     made_as = depth_storage(word)
     stencil = DEPTH[word].stencil
     point = GL.GL_DEPTH_STENCIL_ATTACHMENT if stencil else GL.GL_DEPTH_ATTACHMENT
     framebuffer.use()
-    if samples:
+    if samples or target.depth_storage == "renderbuffer":
         buffer = int(GL.glGenRenderbuffers(1))
         GL.glBindRenderbuffer(GL.GL_RENDERBUFFER, buffer)
-        GL.glRenderbufferStorageMultisample(GL.GL_RENDERBUFFER, samples, made_as.internal, *size)
+        kind = GL.GL_RENDERBUFFER
+        if samples:
+            GL.glRenderbufferStorageMultisample(kind, samples, made_as.internal, *size)
+        else:
+            GL.glRenderbufferStorage(kind, made_as.internal, *size)
         GL.glFramebufferRenderbuffer(GL.GL_FRAMEBUFFER, point, GL.GL_RENDERBUFFER, buffer)
         made = Attached(None, buffer)
     else:

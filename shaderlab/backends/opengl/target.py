@@ -9,7 +9,13 @@ import moderngl
 import numpy as np
 
 from shaderlab.backends.opengl import state
-from shaderlab.backends.opengl.depth import UNREADABLE, Attached, attach_depth, read_depth
+from shaderlab.backends.opengl.depth import (
+    NO_TEXTURE,
+    UNREADABLE,
+    Attached,
+    attach_depth,
+    read_depth,
+)
 from shaderlab.backends.opengl.device import Device
 from shaderlab.backends.opengl.multisample import read_samples
 from shaderlab.backends.opengl.pyopengl import GL, named
@@ -58,7 +64,7 @@ class RenderTarget:
         self._drawn = self._framebuffer(self._sampled) if target.samples else self._resolved
         self._depth: Attached | None = None
         if target.depth is not None:
-            self._depth = attach_depth(self._drawn, target.depth, size, target.samples)
+            self._depth = attach_depth(self._drawn, target, size)
 
     def __enter__(self) -> Self:
         self.clear()
@@ -102,7 +108,8 @@ class RenderTarget:
             return DeviceTexture(self.textures[name].glo, "2D")
         if name == "depth" and self._depth is not None and self._depth.texture is not None:
             return self._depth.texture
-        raise UnsupportedError(f"sampling the {name} of this target", remedy=UNREADABLE)
+        remedy = UNREADABLE if self.samples else NO_TEXTURE
+        raise UnsupportedError(f"sampling the {name} of this target", remedy=remedy)
 
     def clear(self) -> None:
         """Bind the target and set every attachment to its clear value, unmasked."""
