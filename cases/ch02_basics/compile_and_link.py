@@ -7,10 +7,10 @@ has no `main`, is found when the program is linked. A program that was never ask
 compiled and linked draws nothing, and does not say why.
 
 Look at: the panels. Each has a lamp for the vertex shader, the fragment shader and the link: green
-for good, red for refused, dark for never reached. From the upper left: a misspelt gl_Position, three
-numbers where four belong, no semicolon, an undeclared name; a profile that does not exist, no main,
-types that differ, and the program that is right, which alone draws its triangle. The table has every
-message, with file and line, in glslang's words and in the driver's.
+for good, red for refused, dark for never reached. From the upper left: a misspelt gl_Position,
+three numbers where four belong, no semicolon, an undeclared name; a profile that does not exist, no
+main, types that differ, and the program that is right, which alone draws its triangle. The table
+has every message, with file and line, in glslang's words and in the driver's.
 """
 
 import numpy as np

@@ -11,7 +11,18 @@ brighter. In the third the right one, `unused`, was turned instead, all the way,
 as in the first, to the bit.
 """
 
-from shaderlab import Case, Output, exact, formula, fullscreen, inactive_uniforms, value
+from shaderlab import (
+    Case,
+    Output,
+    exact,
+    formula,
+    fullscreen,
+    gl_call,
+    gl_calls,
+    inactive_uniforms,
+    value,
+)
+from shaderlab.expectations.gl_call import Location, Program
 from shaderlab.glslmath import (
     abs,
     cos,
@@ -40,6 +51,8 @@ from ..scenes.panels import cell, enlarged, enlarged_check, panel, square
 
 # name: strength, unused
 SETTINGS = {"first": (0.35, 0.2), "strength-turned": (0.9, 0.2), "unused-turned": (0.35, 1.0)}
+
+LIT = Program("first")
 
 
 def lit(name, strength, unused):
@@ -115,6 +128,28 @@ case = Case(
             "small.FragColor", opaque(lamp_and_dials), {k: f"panel {k + 1}" for k in range(3)}
         ),
         inactive_uniforms("unused", "neverAsked", pass_name="first", name="location −1"),
+        *(
+            gl_calls(
+                function,
+                location=-1,
+                value=sent,
+                times=1,
+                pass_name="unused-turned",
+                name=f"{name} is set all the same",
+            )
+            for name, function, sent in (
+                ("unused", "glUniform1fv", "[1]"),
+                ("neverAsked", "glUniform2fv", "[1 1]"),
+            )
+        ),
+        gl_call("glUniform1f", Location("unused", LIT), 1.0, name="which raises no error"),
+        gl_call(
+            "glGetUniformLocation",
+            LIT,
+            "strenght",
+            returns=-1,
+            name="a misspelt name is nowhere, too",
+        ),
         formula("first.FragColor", shines),
         formula("strength-turned.FragColor", shines, name="another strength"),
         exact(

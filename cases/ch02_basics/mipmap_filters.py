@@ -4,6 +4,8 @@ In GL_NEAREST_MIPMAP_LINEAR the first word says how a level is sampled, the seco
 between levels: NEAREST takes the one that is nearer, LINEAR mixes the two around. The level is the
 logarithm of how many texels a pixel covers. All four are for minifying alone: there is nothing
 larger than the image itself, and as a magnifying filter OpenGL refuses each of them with 0x500.
+Below level 0 the magnifying filter has its turn: here NEAREST beside LINEAR_MIPMAP_…, and LINEAR
+beside NEAREST_MIPMAP_….
 
 Look at: a texture whose levels have each a colour of their own, from level −1 below to 5 above. On
 the left are the filters that choose one level, on the right those that mix two; NEAREST within the
@@ -12,7 +14,7 @@ level below, LINEAR above. Steps against a smooth change, and sharp chessboards 
 
 import numpy as np
 
-from shaderlab import Case, Texture, gl_call, up
+from shaderlab import Case, Texture, gl_call, measure, up
 from shaderlab.expectations.gl_call import Object, call
 from shaderlab.sampling import textureLod
 
@@ -20,6 +22,8 @@ from ..scenes.figures import each_draw, figure
 from ..scenes.panels import cell, enlarged, enlarged_check, panel, picture, rectangle
 
 SIDE = 32
+FIELD = 8  # pixels a side, of fields whose level comes from derivatives
+LEVEL = (1.3, 1.7)
 COLORS = (
     (0.80, 0.25, 0.20), (0.90, 0.60, 0.15), (0.55, 0.70, 0.25), (0.20, 0.62, 0.55),
     (0.25, 0.42, 0.75), (0.50, 0.30, 0.66),
@@ -42,11 +46,41 @@ NOISE = [np.random.default_rng(n).random((16 >> n, 16 >> n, 4)) for n in range(5
 RUNGS = [np.full((16 >> n, 16 >> n, 4), float(n)) for n in range(5)]
 
 
+def magnifying(word):
+    """The magnifying filter beside one for minifying: not the one that it has within a level."""
+    return "nearest" if word.startswith("linear") else "linear"
+
+
+def derived():
+    """The four filters, each with 2^1.3 and 2^1.7 texels a pixel: here the level follows from the
+    derivatives of the coordinates."""
+    for k, (word, lod) in enumerate((word, lod) for lod in LEVEL for word in FILTERS):
+        extent = (2.0**lod * FIELD / 16.0,) * 2
+        image = Texture(image=RUNGS[0], mipmaps=RUNGS[1:], filter=(word, magnifying(word)))
+        yield panel(
+            "ch02_basics/textured.frag",
+            {"TexCoords": rectangle((0.013, 0.027), extent)},
+            textures={"image": image},
+            cell=cell(k, 4, 2),
+        )
+
+
+def derived_level(k):
+    """The level that the k-th field of them shows."""
+
+    def shown(FragColor):
+        left, below = FIELD * (k % 4), FIELD * (k // 4)
+        block = FragColor[below : below + FIELD, left : left + FIELD]
+        return float(block.mean()) if np.ptp(block) < 1e-6 else float("nan")
+
+    return shown
+
+
 def fields(levels, lods, extent):
     """The four filters, in a field each: the level grows from below to above."""
     domain = {"TexCoords": rectangle((0.013, 0.027), extent), "lod": up(*lods)}
     for k, word in enumerate(FILTERS):
-        image = Texture(image=levels[0], mipmaps=levels[1:], filter=(word, "linear"))
+        image = Texture(image=levels[0], mipmaps=levels[1:], filter=(word, magnifying(word)))
         yield panel(
             "ch02_basics/mipmapped.frag", domain, textures={"image": image}, cell=cell(k, 2, 2)
         )
@@ -93,6 +127,7 @@ case = Case(
         *enlarged(fields(LEVELS, (-1.0, 5.4), (0.5, 0.375)), (146, 110), 7),
         picture(fields(NOISE, (-0.93, 4.61), (1.71, 1.13)), (74, 122), "judged"),
         picture(fields(RUNGS, (-1.0, 5.0), (1.0, 1.0)), (8, 8), "rungs"),
+        picture(derived(), (4 * FIELD, 2 * FIELD), "derived"),
     ),
     picture="picture.FragColor",
     expect=[
@@ -108,6 +143,24 @@ case = Case(
         rung(3, 2.75, 2.75),
         rung(3, 9.0, 4.0),
         rung(3, -2.0, 0.0),
+        *each_draw(
+            "rungs.FragColor", sampled, {k: f"{word}, the level" for k, word in enumerate(WORDS)}
+        ),
+        # An isotropic footprint: the level is the logarithm of texels a pixel (equations 8.7 to
+        # 8.11, where a driver may be off by what its logarithm and its fraction of 8 bits are).
+        *(
+            measure(
+                f"{word}, 2^{lod} texels a pixel",
+                derived_level(k),
+                reads={"FragColor": "derived.FragColor"},
+                **(
+                    {"between": (lod - 0.05, lod + 0.05)}
+                    if word.endswith("LINEAR")
+                    else {"equals": round(lod), "digits": 6}
+                ),
+            )
+            for k, (word, lod) in enumerate((word, lod) for lod in LEVEL for word in WORDS)
+        ),
         *(told("MAG", w, raises="invalid_enum", name=f"{w} cannot magnify") for w in WORDS),
         *(told("MIN", w, name=f"{w} minifies") for w in WORDS),
     ],

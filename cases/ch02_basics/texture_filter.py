@@ -4,6 +4,8 @@ A texel is a sample at its centre. GL_NEAREST takes the texel that the point lie
 mixes the four whose centres are around it, by how near they are: along s first, then along t. The
 centre of a texel i of n is at (i + ½)/n, so half a texel is taken off before the parts are read.
 How finely the weights are kept is the hardware's: 8 bits are usual, and a band is as wide as that.
+A texture has two filters: GL_TEXTURE_MAG_FILTER where a pixel covers less than a texel, and
+GL_TEXTURE_MIN_FILTER where it covers more. Here each has the one that the other has not.
 
 Look at: the same small fruit, of 12 × 12 texels, with NEAREST on the left and LINEAR on the
 right. In the row below are five texels of one line: steps, and straight ramps from centre to
@@ -46,8 +48,9 @@ WORDS = ("nearest", "linear")
 
 
 def filtered(image, word):
-    """A texture with one filter, which ends at its edges."""
-    return Texture(image=image, filter=(word, word), wrap=("clamp_to_edge", "clamp_to_edge"))
+    """A texture that one filter magnifies and the other minifies, and that ends at its edges."""
+    other = WORDS[1 - WORDS.index(word)]
+    return Texture(image=image, filter=(other, word), wrap=("clamp_to_edge", "clamp_to_edge"))
 
 
 def magnified(image, word, **state):
@@ -67,8 +70,13 @@ def line_of(word):
 
 
 def sampled(image, TexCoords):
-    """The specification's equations, by the texture's own filter."""
-    return texture(image, TexCoords)
+    """The specification's equations. A pixel covers less than a texel: the level is below 0."""
+    return texture(image, TexCoords, lod=-1.0)
+
+
+def minified(image, TexCoords):
+    """The same where a pixel covers more than a texel."""
+    return texture(image, TexCoords, lod=1.0)
 
 
 def in_place(left, bottom, width, height):
@@ -76,7 +84,7 @@ def in_place(left, bottom, width, height):
 
     def seen(image, frag_coord):
         from_corner = swizzle(frag_coord, "xy") - vec2(left, bottom)
-        return texture(image, from_corner / vec2(width, height))
+        return texture(image, from_corner / vec2(width, height), lod=-1.0)
 
     return seen
 
@@ -118,6 +126,11 @@ case = Case(
             (128, 62),
             "judged",
         ),
+        picture(
+            (magnified(TEXELS, word, cell=cell(k, 2)) for k, word in enumerate(WORDS)),
+            (4, 2),
+            "minified",
+        ),
         *line_of("nearest"),
         *line_of("linear"),
     ),
@@ -131,6 +144,12 @@ case = Case(
             also={"NumPy, equation 8.17": linear_sample},
             name="LINEAR, every pixel",
         ),
+        *each_draw(
+            "minified.FragColor",
+            minified,
+            {0: "minified by the other one: LINEAR", 1: "minified by the other one: NEAREST"},
+        ),
+        *(formula(f"line-{word}.FragColor", sampled, name=f"a line, {word}") for word in WORDS),
         *figures(
             "line-linear.FragColor",
             {

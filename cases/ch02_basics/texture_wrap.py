@@ -97,6 +97,10 @@ case = Case(
             )
             for k, (word, wrap) in enumerate(FIELDS)
         ),
+        *(
+            formula(f"{name}.FragColor", sampled, name=f"a row of texels, {name}")
+            for name in ("repeat", "mirror", "edge", "border")
+        ),
         at("repeat", -0.25, 0.75, "REPEAT: −0.25 is 0.75"),
         at("repeat", 1.25, 0.25, "REPEAT: 1.25 is 0.25"),
         at("mirror", 1.25, 0.75, "MIRRORED_REPEAT: 1.25 is 0.75"),

@@ -1,9 +1,11 @@
 """One call for each type: float, int, uint, a vector, arrays, a member of a struct, a matrix.
 
 `glUniform` comes in many forms, and the suffix says what is sent: `1f`, `1i`, `1ui`, `3f`, `4fv`.
-A form that does not fit the declared type is an error, and nothing is set. A struct has no form of
-its own: each member is a uniform by the name `material.shininess`, each element of an array one by
-`pairs[1]`. What arrives is what was sent, bit for bit, for no arithmetic has happened yet.
+A form that does not fit the declared type is an error, and nothing is set; so is a call while no
+program is in use. What was set stays with its program, also while another one is used. A struct
+has no form of its own: each member is a uniform by the name `material.shininess`, each element of
+an array one by `pairs[1]`. What arrives is what was sent, bit for bit, for no arithmetic has
+happened yet.
 
 Look at: the eight instruments, each of which shows one uniform and nothing else. From the upper
 left a float, an int as so many dots, the low byte of a uint, a vec3 as a colour; below them
@@ -13,7 +15,8 @@ variant all of them have moved.
 
 import numpy as np
 
-from shaderlab import Case, Variant, exact, formula, fullscreen
+from shaderlab import Case, Variant, exact, formula, fullscreen, gl_call, gl_calls
+from shaderlab.expectations.gl_call import Location, Program, call
 from shaderlab.glslmath import (
     abs,
     atan,
@@ -142,6 +145,33 @@ def instruments(sent):
     return seen
 
 
+# One function for each type, as the suffix has it: which one, how many elements.
+FORMS = {
+    "f": ("1fv", 1), "i": ("1iv", 1), "u": ("1uiv", 1), "v3": ("3fv", 1), "fv": ("1fv", 4),
+    "pairs": ("2fv", 2), "material.ambient": ("3fv", 1), "material.shininess": ("1fv", 1),
+    "m": ("Matrix2x3fv", 1),
+}  # fmt: skip
+SENT = Program("main")
+IN_USE = call("glUseProgram", SENT)
+
+
+def sent_as(sent):
+    """Each uniform is sent once, by the function for its type and in as many elements."""
+    for name, (form, count) in FORMS.items():
+        values = np.array(sent[name])
+        flat = (values.T if name == "m" else values).ravel()
+        kind = {"i": np.int64, "u": np.int64}.get(name, np.float32)
+        words = " ".join(f"{x}" if kind is np.int64 else f"{x:g}" for x in flat.astype(kind))
+        yield gl_calls(
+            f"glUniform{form}",
+            count=count,
+            value=f"[{words}]",
+            times=1,
+            pass_name="main",
+            name=f"{name} by glUniform{form}",
+        )
+
+
 def arrives(sent):
     """Every uniform comes out as it was sent."""
     m = np.float32(sent["m"])
@@ -158,6 +188,7 @@ def arrives(sent):
     return [
         *(exact(name, expected) for name, expected in whole.items()),
         formula("small.FragColor", instruments(sent), name="the instruments"),
+        *sent_as(sent),
     ]
 
 
@@ -181,7 +212,48 @@ case = Case(
         *fullscreen("ch02_basics/uniform_types.frag", domain={}, uniforms=FIRST),
     ),
     picture="picture.FragColor",
-    expect=[enlarged_check()],
+    expect=[
+        enlarged_check(),
+        gl_call("glUniform1f", 0, 0.5, raises="invalid_operation", name="no program: 0x0502"),
+        gl_call(
+            "glUniform1i",
+            Location("f", SENT),
+            1,
+            before=[IN_USE],
+            raises="invalid_operation",
+            name="an int for a float: 0x0502",
+        ),
+        gl_call(
+            "glUniform2f",
+            Location("v3", SENT),
+            0.5,
+            0.5,
+            before=[IN_USE],
+            raises="invalid_operation",
+            name="two numbers for three: 0x0502",
+        ),
+        gl_call(
+            "glGetUniformfv",
+            SENT,
+            Location("f", SENT),
+            before=[
+                IN_USE,
+                call("glUniform1f", Location("f", SENT), 0.375),
+                call("glUseProgram", 0),
+                IN_USE,
+            ],
+            returns=0.375,
+            name="what was sent stays with the program",
+        ),
+        gl_call(
+            "glGetUniformfv",
+            SENT,
+            Location("f", SENT),
+            before=[IN_USE],
+            returns=0.0,
+            name="before that it is 0",
+        ),
+    ],
     variants=[
         Variant("first", expect=arrives(FIRST)),
         Variant("second", SECOND, expect=arrives(SECOND)),

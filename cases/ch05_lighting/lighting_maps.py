@@ -14,7 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from shaderlab import Case, Mesh, Pass, State, Target, Texture, assets, formula
+from shaderlab import Case, Mesh, Pass, State, Target, Texture, assets, formula, gl_calls
 from shaderlab.glslmath import swizzle, vec4
 from shaderlab.reference.lighting import diffuse_factor, specular_factor
 from shaderlab.reference.transforms import clip_position, translate
@@ -160,6 +160,17 @@ case = Case(
             at=POINT,
             reference=color,
         ),
+        *(
+            gl_calls(
+                "glUniform1i",
+                v0=unit,
+                times=1,
+                pass_name="four",
+                name=f"one sampler is told unit {unit}",
+            )
+            for unit in (0, 1)
+        ),
+        gl_calls("glUniform1i", times=2, pass_name="four", name="and there are two"),
         figure(
             "four.highlight",
             "nearly 90° from the mirrored ray",

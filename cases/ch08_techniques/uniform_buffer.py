@@ -27,6 +27,7 @@ from shaderlab import (
     block_layout,
     formula,
     gl_calls,
+    measure,
     query,
     value,
 )
@@ -34,6 +35,7 @@ from shaderlab.glslmath import dot, max, mul, normalize, sqrt, swizzle, vec2, ve
 from shaderlab.reference.rasterisation import samples_passed
 from shaderlab.reference.transforms import clip_position, look_at, perspective, rotate, translate
 
+PAPER = (0.13, 0.14, 0.17, 1.0)
 PROJECTION = perspective(radians(38.0), 1.0, 0.1, 20.0)
 VIEW = look_at((1.6, 2.2, 5.2), (0.0, 0.0, 0.0))
 MATRICES = UniformBuffer(values={"projection": PROJECTION, "view": VIEW})
@@ -139,6 +141,11 @@ def from_below(color, draw, equals):
     )
 
 
+def off_paper(FragColor):
+    """How far the corners of the picture are from the colour that it was cleared to."""
+    return np.abs(FragColor[:: SIDE - 1, :: SIDE - 1] - PAPER).max()
+
+
 case = Case(
     title="Uniform buffers",
     section="8.4",
@@ -146,7 +153,7 @@ case = Case(
     r"a(\mathtt{float}) = 4,\; a(\mathtt{vec3}) = a(\mathtt{mat4}) = 16",
     passes=(
         Pass(
-            target=Target(depth="depth24", clear=(0.13, 0.14, 0.17, 1.0)),
+            target=Target(depth="depth24", clear=PAPER),
             draws=tuple(cube(c, p) for c, p in zip(COLORS, PLACES, strict=True)),
         ),
     ),
@@ -161,7 +168,20 @@ case = Case(
             )
             for k, color in enumerate(COLORS)
         ),
-        gl_calls("glBufferData", size=128, times=2, name="each block is written once"),
+        *(
+            gl_calls("glBufferData", size=size, usage="GL_STATIC_DRAW", times=times, name=name)
+            for size, times, name in (
+                (128, 2, "each block is written once"),
+                (144, 4, "so are the indices of each cube"),
+                (288, 8, "and its places and normals"),
+            )
+        ),
+        gl_calls("glBufferData", times=14, name="and nothing else"),
+        measure(
+            "the paper around the cubes",
+            off_paper,
+            at_most=2.0**-24,
+        ),
         *(
             gl_calls(
                 "glBindBufferRange",

@@ -23,8 +23,9 @@ MOST_ALIKE = 2  # of calls that differ in the numbers of their objects alone, so
 
 # What makes objects and programs and takes them down: without it there is nothing to draw.
 _MAKING = (
-    "glGen", "glCreate", "glDelete", "glShaderSource", "glCompileShader", "glAttachShader",
-    "glLinkProgram", "glBindAttribLocation", "glBindFragDataLocation",
+    "glGenBuffers", "glGenFramebuffers", "glGenRenderbuffers", "glGenSamplers", "glGenTextures",
+    "glGenVertexArrays", "glCreate", "glDelete", "glShaderSource", "glCompileShader",
+    "glAttachShader", "glLinkProgram", "glBindAttribLocation", "glBindFragDataLocation",
 )  # fmt: skip
 _USED_AT_ONCE = ("glMapBuffer", "glFenceSync")  # the caller goes on with what it gets
 _KEPT = (

@@ -13,6 +13,7 @@ from shaderlab.errors import CaseError
 from shaderlab.evaluation import Lab
 from shaderlab.model import Expectation, Scene
 from shaderlab.records import Record
+from tests.catalogue import shipped
 
 VERTEX = """#version 330 core
 in vec3 aPos;
@@ -87,6 +88,14 @@ def test_recording_changes_nothing_that_is_drawn(tmp_path: Path) -> None:
     assert calls.count("glEnable(GL_DEPTH_TEST)") == 1
     assert "glUseProgram(program 1 (s.frag))" in calls
     assert not any(call.startswith(("glGet", "glBlend", "glStencil")) for call in calls)
+
+
+def test_making_mipmaps_makes_no_object() -> None:
+    """Where a case has them made by the driver."""
+    one = next(shipped()["mipmap-chain"].scenes())
+    with Lab() as lab, lab.evaluation(one, lab.prepare_for_opengl(one)) as evaluation:
+        calls = {str(call) for call in evaluation.session.trace()}
+    assert "glGenerateMipmap(GL_TEXTURE_2D)" in calls
 
 
 def test_run_lists_them(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

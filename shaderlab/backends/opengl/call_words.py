@@ -49,7 +49,7 @@ def word(function: str, name: str, value: Any) -> str:
     if value is None or (isinstance(value, ctypes.c_void_p) and value.value is None):
         return "NULL"
     if isinstance(value, ctypes.c_void_p):
-        return f"byte {value.value}"
+        return f"byte {value.value}" if value.value < 1 << 31 else "a pointer"
     if name == "bufs":
         return f"[{' '.join(constant_for(function, 'attachment', int(x)) for x in value)}]"
     if isinstance(value, float | np.floating):
@@ -113,6 +113,11 @@ def _bits(function: str, value: int) -> str:
             if any(part in word for part in ours):
                 found.setdefault(number, word)
     return " | ".join(found.values()) or str(value)
+
+
+def makes_objects(function: str) -> bool:
+    """Whether a function makes objects: glGenerateMipmap does not."""
+    return function.startswith(("glGen", "glCreate")) and not function.startswith("glGenerate")
 
 
 def object_numbers(value: Any) -> str:

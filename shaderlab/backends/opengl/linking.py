@@ -93,16 +93,32 @@ def set_uniforms(program: Any, values: Mapping[str, Array]) -> list[str]:
     """Upload uniforms; matrices are transposed into GLSL's columns-first order.
 
     Returns the names that the driver does not know: declared, but with no effect on any output.
-    Members of uniform blocks are no uniforms to be set; leave them out.
+    They are set as well, at the location −1, which OpenGL ignores. Members of uniform blocks are no
+    uniforms to be set; leave them out.
     """
     inactive = []
     for name, array in values.items():
         member = program.get(name, None)
         if member is None:
             inactive.append(name)
+            _set_nowhere(program, array)
             continue
         matrix = member.dimension in (4, 6, 8, 9, 12, 16) and array.ndim >= 2
         data = np.ascontiguousarray(np.swapaxes(array, -1, -2) if matrix else array)
         count = getattr(member, "array_length", 1)
         member.write(data.reshape(-1)[: count * member.dimension].tobytes())
     return inactive
+
+
+def _set_nowhere(program: Any, array: Array) -> None:
+    """Set a uniform that has no location, by the function for its type."""
+    GL.glUseProgram(program.glo)
+    kind = {"f": "f", "u": "ui"}.get(array.dtype.kind, "i")
+    if array.ndim >= 2 and kind == "f":
+        rows, columns = array.shape[-2:]
+        if 2 <= rows <= 4 and 2 <= columns <= 4:
+            size = str(rows) if rows == columns else f"{columns}x{rows}"
+            getattr(GL, f"glUniformMatrix{size}fv")(-1, 1, False, np.swapaxes(array, -1, -2).copy())
+            return
+    components = array.shape[-1] if array.ndim and array.shape[-1] <= 4 else 1
+    getattr(GL, f"glUniform{components}{kind}v")(-1, array.size // components, array)

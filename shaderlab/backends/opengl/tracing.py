@@ -11,7 +11,7 @@ import moderngl
 
 from shaderlab.backends.opengl.api import fresh_context, prototypes
 from shaderlab.backends.opengl.call_recorder import CallRecorder, Recorded
-from shaderlab.backends.opengl.call_words import constant_for, object_numbers, word
+from shaderlab.backends.opengl.call_words import constant_for, makes_objects, object_numbers, word
 from shaderlab.backends.opengl.device import REQUIRED_VERSION, Device
 from shaderlab.backends.opengl.drawing import Drawing
 from shaderlab.backends.opengl.effective_calls import StateTracker
@@ -77,12 +77,12 @@ def _spelt(call: Recorded, files: Mapping[str, str], tracker: StateTracker) -> T
         name: word(call.function, name, value)
         for name, value in zip(names, call.arguments, strict=False)
     }
-    if call.function.startswith("glGen") and len(call.arguments) == 2:
+    if makes_objects(call.function) and len(call.arguments) == 2:
         del arguments[names[1]]
     if arguments.get("pname", "").endswith(_WORDED) and arguments.get("param", "").isdigit():
         arguments["param"] = constant_for(call.function, "param", int(arguments["param"]))
     arguments = {name: files.get(word, word) for name, word in arguments.items()}
-    made = call.function.startswith(("glGen", "glCreate"))
+    made = makes_objects(call.function)
     pass_name, draw = call.place or ("", None)
     before = tracker.state_for(call.function)
     return TracedCall(

@@ -1,0 +1,176 @@
+"""The page of the course: section of the notes, what is proved, by which expectations.
+
+`python -m tests.meta.course` writes it from the cases; a test holds both equal.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+from shaderlab.model import Case
+from tests.catalogue import shipped
+
+PAGE = "docs/guide/course.md"
+_MADE = "<!-- Made by `python -m tests.meta.course`; do not edit. -->"
+_TEXT = """\
+# The course
+
+The lessons follow a set of study notes on OpenGL, section by section. For each section: the lesson
+and its law, and the expectations that fail where that does not hold, by kind and name. Of those
+whose names differ in a number one is listed, and five of a kind at most. Where a lesson proves more
+than its own law, the expectations that do are named. `shaderlab run ID` draws a lesson and judges
+all of this; [writing cases](cases.md) says what the kinds are.
+"""
+_SHOWN = 5  # names of a kind
+
+SECTIONS: Mapping[str, str] = {
+    "1.2.2": "A first window, a first triangle",
+    "2.1.2": "Right-handed and left-handed",
+    "2.2.2": "Primitives, attributes, vertex arrays, clipping",
+    "2.2.4": "Compiling and linking",
+    "2.2.7": "Indices",
+    "2.3.2": "Types and swizzles",
+    "2.3.4": "Uniforms",
+    "2.3.5": "Shaders from files",
+    "2.4.1": "Where a texture begins",
+    "2.4.2": "Wrapping, in two and three dimensions",
+    "2.4.3": "Filters",
+    "2.4.4": "Mipmaps",
+    "2.4.5": "Compression",
+    "2.4.6": "Textures from images, several at once",
+    "3.1": "Translation",
+    "3.2": "Rotation",
+    "3.3": "Scale",
+    "3.4": "Model, view, projection",
+    "3.5": "The order of transforms",
+    "3.6": "Euler angles",
+    "3.7": "Quaternions",
+    "4.1": "The five spaces",
+    "4.3": "The camera",
+    "4.4": "Projections, by an angle or by six planes",
+    "4.5": "The viewport",
+    "5.1": "Colours",
+    "5.2.1": "Ambient light",
+    "5.2.2": "Diffuse light",
+    "5.2.3": "Specular light",
+    "5.3": "Materials",
+    "5.3.3": "Lights as structs",
+    "5.4": "Lighting maps",
+    "5.5.1": "Directional light",
+    "5.5.2": "Point light and attenuation",
+    "5.5.3": "Spotlight",
+    "5.6": "Many lights",
+    "5.7": "Blinn–Phong",
+    "5.7.1": "Phong against Blinn",
+    "5.7.2": "The halfway vector",
+    "5.8": "Gamma",
+    "5.9.1": "Shadow maps",
+    "5.9.2": "Shadows of a point light",
+    "5.9.3": "Cascaded shadows",
+    "5.10": "Normal maps",
+    "5.11": "High dynamic range",
+    "5.12": "Deferred shading",
+    "5.13": "Physically based rendering",
+    "6.1.1": "The stencil test",
+    "6.1.2": "Outlines",
+    "6.2.1": "The depth test",
+    "6.2.2": "The precision of depth",
+    "6.2.3": "Z-fighting",
+    "6.3": "Transparency and its order",
+    "6.3.1": "Discarded fragments",
+    "6.3.2": "Blending",
+    "7.1": "Several textures",
+    "7.2": "Light maps",
+    "7.4": "Cube maps",
+    "7.4.2": "The sky box's view",
+    "8.1": "Face culling",
+    "8.2": "Framebuffers",
+    "8.2.3": "Post-processing",
+    "8.3": "Batched attributes",
+    "8.4": "Uniform buffers",
+    "8.5": "Batching",
+    "8.6": "Geometry shaders",
+    "8.7": "Reduced resolution",
+    "9.1": "Samples in a pixel",
+    "9.2": "Multisample antialiasing",
+    "9.3": "Multisampling off the screen",
+    "10": "Buffers: usage, mapping, pixels, indices, deletion",
+    "11.2": "Double buffering",
+    "11.3": "Steps of time",
+    "11.4": "Where a window begins",
+    "11.5": "An ellipsoid",
+    "12": "Models",
+    "13": "Sky box",
+    "14": "Point clouds",
+}
+"""Sections of the notes with something to prove, and what each is about."""
+
+WITHIN: Mapping[tuple[str, str], tuple[str, tuple[str, ...]]] = {
+    ("2.3.4", "uniform-types"): (
+        "Uniforms need a program, and stay with it",
+        ("no program: 0x0502", "what was sent stays with the program", "before that it is 0"),
+    ),
+    ("8.2", "framebuffer-renderbuffer"): (
+        "How many colours a framebuffer takes",
+        ("a framebuffer takes eight colours or more",),
+    ),
+}
+"""What a lesson proves beside its own law: by section and lesson, and by which expectations."""
+
+
+def page() -> str:
+    """The page's text."""
+    parts = [_TEXT, _MADE, ""]
+    for section, title in SECTIONS.items():
+        parts += [f"## {section} · {title}", ""]
+        parts += ["| lesson | what is proved | by |", "|---|---|---|"]
+        parts += [f"| `{lesson}` | {what} | {by} |" for lesson, what, by in rows(section)]
+        parts.append("")
+    return "\n".join(parts).rstrip() + "\n"
+
+
+def rows(section: str) -> Iterator[tuple[str, str, str]]:
+    """The lessons of a section: id, what is proved, by which expectations."""
+    for case in sorted(shipped().values(), key=lambda c: c.file):
+        if case.section == section:
+            yield case.id, _cell(_law(case)), _by(case)
+    for (of, lesson), (what, names) in WITHIN.items():
+        if of == section:
+            yield lesson, _cell(what), _cell(", ".join(names))
+
+
+def names_of(case: Case) -> dict[str, list[str]]:
+    """The names of a case's expectations by kind, each once."""
+    found: dict[str, dict[str, None]] = {}
+    for scene in case.scenes():
+        for expectation in scene.expect:
+            found.setdefault(expectation.kind, {})[expectation.name] = None
+    return {kind: list(names) for kind, names in found.items()}
+
+
+def _law(case: Case) -> str:
+    """The first sentence of the lesson."""
+    first = " ".join(case.lesson.split("\n\n")[0].split())
+    return first.rstrip(".")
+
+
+def _by(case: Case) -> str:
+    parts = []
+    for kind, names in names_of(case).items():
+        alike = {re.sub(r"\d+", "0", name): name for name in reversed(names)}
+        some = list(reversed(alike.values()))
+        more = f" and {len(some) - _SHOWN} more" if len(some) > _SHOWN else ""
+        parts.append(f"*{kind}*: {', '.join(map(_cell, some[:_SHOWN]))}{more}")
+    return " · ".join(parts)
+
+
+def _cell(text: str) -> str:
+    """Text that is no markup in a table."""
+    return re.sub(r"([|*_<`\[\]])", r"\\\1", text)
+
+
+if __name__ == "__main__":
+    path = Path(__file__).resolve().parents[2] / PAGE
+    path.write_text(page(), encoding="utf-8")

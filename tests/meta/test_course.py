@@ -1,0 +1,30 @@
+"""The page of the course is what the cases make of it, and no section is without a proof."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from tests.catalogue import shipped
+from tests.meta.course import PAGE, SECTIONS, WITHIN, names_of, page, rows
+
+
+def test_the_page_is_what_the_cases_make_of_it(repository: Path) -> None:
+    found = (repository / PAGE).read_text(encoding="utf-8")
+    assert found == page(), "run `python -m tests.meta.course`"
+
+
+def test_every_section_has_a_proof() -> None:
+    proved = {section: [by for _, _, by in rows(section)] for section in SECTIONS}
+    assert {section for section, found in proved.items() if not found or not all(found)} == set()
+
+
+def test_every_lesson_is_of_a_section() -> None:
+    assert {case.id for case in shipped().values() if case.section not in SECTIONS} == set()
+
+
+def test_expectations_that_are_named_exist() -> None:
+    missing = set()
+    for (section, lesson), (_, named) in WITHIN.items():
+        names = {n for some in names_of(shipped()[lesson]).values() for n in some}
+        missing |= {(section, lesson, name) for name in named if name not in names}
+    assert missing == set()
