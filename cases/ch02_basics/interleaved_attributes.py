@@ -3,8 +3,10 @@
 A vertex is a position, a colour and a place in a texture: 3 + 3 + 2 floats, 32 bytes. Behind each
 other in one buffer they stand as 123123123: every attribute comes around again after a *stride* of
 32 bytes, and within a vertex the position begins at byte 0, the colour at 12, the texture place at
-24. OpenGL copies nothing and sorts nothing, it reads at offset + stride · n. Each of the three
-corners has one whole primary colour, so the colour of a pixel is its three barycentric coordinates.
+24. Numbers may be bytes, too, which are fractions of 255 if they are to be normalised; and an
+attribute that is not enabled has one value for all vertices. OpenGL copies nothing and sorts
+nothing, it reads at offset + stride · n. Each of the three corners has one whole primary colour, so
+the colour of a pixel is its three barycentric coordinates.
 
 Look at: the corners, pure red, green and blue, and the fields, which are an eighth of the texture's
 coordinates wide and high. Both grow evenly over the triangle: they are interpolated alike.
@@ -21,12 +23,15 @@ from shaderlab import (
     coverage,
     exact,
     formula,
+    gl_call,
     measure,
     mesh_pass,
 )
+from shaderlab.expectations.gl_call import Object, Program, call
 from shaderlab.glslmath import floor, mod, swizzle, vec4, where
 from shaderlab.reference.rasterisation import barycentric
 
+from ..scenes.api import ONE_PIXEL
 from ..scenes.figures import figure
 from ..scenes.laws import device_place, unchanged
 
@@ -66,6 +71,23 @@ def off_by(share):
     return np.abs(share - expected)[inside].max()
 
 
+ONE_POINT = (
+    *ONE_PIXEL,
+    call("glUseProgram", Program()),
+    call("glBindVertexArray", Object("vertex_array")),
+)
+
+
+def byte_colors(normalized):
+    """The colour from three bytes, the position as it is at first."""
+    return (
+        call("glBindBuffer", "GL_ARRAY_BUFFER", Object("buffer")),
+        call("glBufferData", "GL_ARRAY_BUFFER", 4, bytes((64, 255, 0, 0)), "GL_STATIC_DRAW"),
+        call("glVertexAttribPointer", 1, 3, "GL_UNSIGNED_BYTE", normalized, 0, 0),
+        call("glEnableVertexAttribArray", 1),
+    )
+
+
 case = Case(
     title="Attributes in one buffer",
     section="2.2.2",
@@ -76,6 +98,25 @@ case = Case(
         attribute_layout(
             {"aPos": (0, 32), "aColor": (12, 32), "aTexCoord": (24, 32)},
             name="stride 32, offsets 0, 12, 24",
+        ),
+        *(
+            gl_call(
+                "glReadPixels",
+                *(0, 0, 1, 1, "GL_RGBA", "GL_UNSIGNED_BYTE"),
+                before=(*ONE_POINT, *steps, call("glDrawArrays", "GL_POINTS", 0, 1)),
+                returns=(*color, 255),
+                name=name,
+            )
+            for name, color, steps in (
+                ("bytes that are normalised: 0…255 is 0…1", (64, 255, 0), byte_colors("GL_TRUE")),
+                ("bytes that are not: 64 is 64", (255, 255, 0), byte_colors("GL_FALSE")),
+                (
+                    "an attribute that is not enabled is the same for all vertices",
+                    (51, 102, 153),
+                    (call("glVertexAttrib3f", 1, 0.2, 0.4, 0.6),),
+                ),
+                ("and (0, 0, 0) at first", (0, 0, 0), ()),
+            )
         ),
         formula("gl_Position", device_place),
         formula("ourColor", unchanged("aColor")),

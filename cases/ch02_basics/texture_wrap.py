@@ -4,7 +4,8 @@ GL_REPEAT drops the integer part, so that the image begins anew at each integer.
 turns every other copy round. GL_CLAMP_TO_EDGE goes on with the outermost texel, and
 GL_CLAMP_TO_BORDER with a colour of one's own; with GL_LINEAR the edge is mixed with that colour
 over a texel's width. It is texels that are wrapped, by their numbers, not coordinates: so LINEAR
-mixes across the seam, from the last texel to the first.
+mixes across the seam, from the last texel to the first. A texture in three dimensions is a stack
+of layers, with a wrap mode for r, the third coordinate, as well.
 
 Look at: one image and u and v from −1.5 to 2.5, so that it fits four times. From left to right
 stand REPEAT, MIRRORED_REPEAT, CLAMP_TO_EDGE and CLAMP_TO_BORDER, below with NEAREST and above with
@@ -13,7 +14,8 @@ LINEAR. Where copies meet, LINEAR blurs under REPEAT and has nothing to blur und
 
 import numpy as np
 
-from shaderlab import Case, Target, Texture, assets, formula, fullscreen
+from shaderlab import Case, Target, Texture, assets, formula, fullscreen, gl_call
+from shaderlab.expectations.gl_call import Object, call
 from shaderlab.reference.filtering import linear_sample
 from shaderlab.sampling import texture
 
@@ -26,6 +28,15 @@ FIELDS = [(word, wrap) for word in ("nearest", "linear") for wrap in WRAPS]
 # The picture's image, and one of 5 × 3 texels that are all different, to be judged.
 CHART = assets.uv_grid(64, 4)
 TEXELS = np.random.default_rng(24).random((3, 5, 4))
+# Two texels side by side, in three layers.
+TEXELS_3D = bytes(range(24))
+VOLUME = (
+    call("glBindTexture", "GL_TEXTURE_3D", Object("texture")),
+    call(
+        "glTexImage3D",
+        *("GL_TEXTURE_3D", 0, "GL_RGBA8", 2, 1, 3, 0, "GL_RGBA", "GL_UNSIGNED_BYTE", TEXELS_3D),
+    ),
+)
 BORDER = (0.93, 0.55, 0.20, 1.0)
 
 
@@ -96,6 +107,33 @@ case = Case(
                 also={"equation 8.17": linear_sample} if word == "linear" else {},
             )
             for k, (word, wrap) in enumerate(FIELDS)
+        ),
+        gl_call(
+            "glGetTexImage",
+            *("GL_TEXTURE_3D", 0, "GL_RGBA", "GL_UNSIGNED_BYTE"),
+            before=VOLUME,
+            returns=tuple(TEXELS_3D),
+            name="a texture in three dimensions keeps its layers",
+        ),
+        gl_call(
+            "glGetTexLevelParameteriv",
+            *("GL_TEXTURE_3D", 0, "GL_TEXTURE_DEPTH"),
+            before=VOLUME,
+            returns=3,
+            name="it has a depth",
+        ),
+        gl_call(
+            "glTexParameteri",
+            *("GL_TEXTURE_3D", "GL_TEXTURE_WRAP_R", "GL_MIRRORED_REPEAT"),
+            before=VOLUME,
+            name="and a third wrap mode, R",
+        ),
+        gl_call(
+            "glTexImage2D",
+            *("GL_TEXTURE_3D", 0, "GL_RGBA8", 1, 1, 0, "GL_RGBA", "GL_UNSIGNED_BYTE", None),
+            before=VOLUME[:1],
+            raises="invalid_enum",
+            name="no image in two dimensions fits it: 0x0500",
         ),
         *(
             formula(f"{name}.FragColor", sampled, name=f"a row of texels, {name}")

@@ -5,6 +5,10 @@ write the positions, seven times three floats, to byte 0, and the colours, anoth
 84. So all of one attribute stands before all of the next (111222333): the stride is the size of one
 of them, 12 bytes, and the colours' pointer begins at byte 84.
 
+Buffers are not for vertices alone. While one is bound as GL_PIXEL_PACK_BUFFER, glReadPixels writes
+into it, and while one is bound as GL_PIXEL_UNPACK_BUFFER, a texture's image is read from it: the
+pointer is then a number of bytes into the buffer.
+
 Look at: the rosette. Were the second piece written to byte 0, or the pointer left there, positions
 would serve as colours, and three corners with negative coordinates would be black.
 """
@@ -23,9 +27,12 @@ from shaderlab import (
     mesh_pass,
     value,
 )
-from shaderlab.expectations.gl_call import Object
+from shaderlab.expectations.gl_call import Object, call
 
+from ..scenes.api import ONE_PIXEL
 from ..scenes.rosette import as_it_is, color_of, encoded, rosette
+
+PIXELS, TEXEL = Object("buffer"), bytes(range(10, 90, 10))
 
 
 def drawn(name, **memory):
@@ -90,6 +97,40 @@ case = Case(
                 ("PIXEL_PACK", "a buffer that pixels are read into"),
                 ("UNIFORM", "a buffer of uniforms"),
             )
+        ),
+        gl_call(
+            "glGetBufferSubData",
+            "GL_PIXEL_PACK_BUFFER",
+            0,
+            4,
+            before=(
+                *ONE_PIXEL,
+                call("glClearColor", 0.2, 0.4, 0.6, 1.0),
+                call("glClear", "GL_COLOR_BUFFER_BIT"),
+                call("glBindBuffer", "GL_PIXEL_PACK_BUFFER", PIXELS),
+                call("glBufferData", "GL_PIXEL_PACK_BUFFER", 4, None, "GL_STREAM_READ"),
+                call("glReadPixels", 0, 0, 1, 1, "GL_RGBA", "GL_UNSIGNED_BYTE", 0),
+            ),
+            returns=(51, 102, 153, 255),
+            name="pixels are read into a buffer",
+        ),
+        gl_call(
+            "glGetTexImage",
+            "GL_TEXTURE_2D",
+            0,
+            "GL_RGBA",
+            "GL_UNSIGNED_BYTE",
+            before=(
+                call("glBindBuffer", "GL_PIXEL_UNPACK_BUFFER", PIXELS),
+                call("glBufferData", "GL_PIXEL_UNPACK_BUFFER", 8, TEXEL, "GL_STREAM_DRAW"),
+                call("glBindTexture", "GL_TEXTURE_2D", Object("texture")),
+                call(
+                    "glTexImage2D",
+                    *("GL_TEXTURE_2D", 0, "GL_RGBA8", 1, 1, 0, "GL_RGBA", "GL_UNSIGNED_BYTE", 4),
+                ),
+            ),
+            returns=tuple(TEXEL[4:]),
+            name="a texture is filled from byte 4 of a buffer",
         ),
         # The nearest pixels are half a pixel off the white vertex both ways, and 208 pixels from
         # there all channels have fallen by 1 at most: to 0.9966, whose root is 0.9983.

@@ -3,6 +3,8 @@
 The constructor does what is slow: it makes the buffers, fills them, and describes the attributes to
 a vertex array object. To draw is to bind that object and to call glDrawElements. So one mesh is
 drawn as often as one likes, each time with other uniforms; what is in its buffers stays as it was.
+The destructor deletes what the constructor made: a name that is deleted is free, a buffer that was
+bound is so no more, and a program that is in use goes when another one is used.
 
 Look at: sixteen rosettes of one mesh, each drawn with an offset of its own. The vertex array is
 described once: stride and offsets are the same behind the last draw as behind the first.
@@ -19,10 +21,12 @@ from shaderlab import (
     coverage,
     exact,
     formula,
+    gl_call,
     gl_calls,
     query,
     value,
 )
+from shaderlab.expectations.gl_call import Object, Program, call
 from shaderlab.glslmath import swizzle, vec4
 
 from ..scenes.rosette import color_of, encoded, rosette
@@ -55,6 +59,9 @@ def moved(aPos, offset, size):
     return vec4(swizzle(aPos, "xy") * size + offset, swizzle(aPos, "z"), 1.0)
 
 
+KEPT, USED = Object("buffer"), Program("kept")
+MADE = (call("glBindBuffer", "GL_ARRAY_BUFFER", KEPT),)
+DELETE = call("glDeleteBuffers", 1, (KEPT,))
 LAYOUT = {"aPos": (0, 24), "aColor": (12, 24)}
 
 case = Case(
@@ -73,6 +80,36 @@ case = Case(
         attribute_layout(LAYOUT, pass_name="kept", draw=-1, name="layout, last draw"),
         gl_calls("glGenVertexArrays", times=1, pass_name="kept", name="one vertex array for all"),
         gl_calls("glGenVertexArrays", times=16, pass_name="made anew", name="or one for each"),
+        gl_call("glIsBuffer", KEPT, before=MADE, returns="GL_TRUE", name="made: it is a buffer"),
+        gl_call(
+            "glIsBuffer", KEPT, before=(*MADE, DELETE), returns="GL_FALSE", name="deleted: none"
+        ),
+        gl_call(
+            "glGetIntegerv",
+            "GL_ARRAY_BUFFER_BINDING",
+            before=(*MADE, DELETE),
+            returns=0,
+            name="what is deleted is not bound any more",
+        ),
+        gl_call(
+            "glIsProgram",
+            USED,
+            before=(call("glUseProgram", USED), call("glDeleteProgram", USED)),
+            returns="GL_TRUE",
+            name="a program that is deleted while it is used lives on",
+        ),
+        gl_call(
+            "glIsProgram",
+            USED,
+            before=(
+                call("glUseProgram", USED),
+                call("glDeleteProgram", USED),
+                call("glUseProgram", 0),
+            ),
+            returns="GL_FALSE",
+            name="until another one is used",
+        ),
+        gl_call("glDeleteBuffers", 1, (0,), name="deleting 0 is no error"),
         query("vertices_submitted", equals=18, pass_name="kept", name="vertices of one draw"),
         coverage(9360, pass_name="kept", draw=0, name="pixels of the first"),
         coverage(9360, pass_name="kept", draw=-1, name="pixels of the last"),

@@ -3,7 +3,8 @@
 glDrawArrays takes vertices as they stand, from the first to the last one. glDrawElements takes them
 in the order of an index buffer, each as often as it is listed. For points that share no corners
 neither is better: seven vertices go in either way, and any order of the indices will do, as long as
-no point covers another one. A point is a square of gl_PointSize pixels around its vertex.
+no point covers another one. An index is an unsigned byte, short or int, and no signed one. A point
+is a square of gl_PointSize pixels around its vertex.
 
 Look at: the seven squares, 24 pixels wide each: 576 pixels, 4032 together.
 """
@@ -24,7 +25,9 @@ from shaderlab import (
     query,
     value,
 )
+from shaderlab.expectations.gl_call import Object, Program, call
 
+from ..scenes.api import ONE_PIXEL
 from ..scenes.rosette import as_it_is, color_of, encoded, rosette
 
 SIDE, SIZE = 256, 24.0
@@ -69,6 +72,26 @@ def one_square(FragColor):
     return np.count_nonzero((FragColor[square(116, 116)] == 1.0).all(axis=-1))
 
 
+# Three points in one place in as many colours, and indices of a byte each.
+INDEXED = (
+    *ONE_PIXEL,
+    call("glUseProgram", Program("arrays")),
+    call("glBindVertexArray", Object("vertex_array")),
+    call("glBindBuffer", "GL_ARRAY_BUFFER", Object("buffer", "colours")),
+    call(
+        "glBufferData",
+        *("GL_ARRAY_BUFFER", 12, bytes((255, 0, 0, 0, 255, 0, 0, 0, 0, 255, 255, 0))),
+        "GL_STATIC_DRAW",
+    ),
+    call("glVertexAttribPointer", 1, 3, "GL_UNSIGNED_BYTE", "GL_TRUE", 4, 0),
+    call("glEnableVertexAttribArray", 1),
+    call("glBindBuffer", "GL_ELEMENT_ARRAY_BUFFER", Object("buffer", "indices")),
+    call(
+        "glBufferData",
+        *("GL_ELEMENT_ARRAY_BUFFER", 28, bytes((0, 0, 0, 2)) + bytes(24), "GL_STATIC_DRAW"),
+    ),
+)
+
 case = Case(
     title="Points by arrays and by elements",
     section="10",
@@ -89,6 +112,35 @@ case = Case(
             None,
             raises="invalid_operation",
             name="glIndexPointer is gone from OpenGL's core",
+        ),
+        *(
+            gl_call(
+                "glDrawElements",
+                "GL_POINTS",
+                7,
+                f"GL_{kind}",
+                0,
+                before=INDEXED,
+                raises=raises,
+                name=f"indices of GL_{kind}",
+            )
+            for kind, raises in (
+                ("UNSIGNED_BYTE", "no_error"),
+                ("UNSIGNED_SHORT", "no_error"),
+                ("UNSIGNED_INT", "no_error"),
+                ("BYTE", "invalid_enum"),
+                ("FLOAT", "invalid_enum"),
+            )
+        ),
+        gl_call(
+            "glReadPixels",
+            *(0, 0, 1, 1, "GL_RGBA", "GL_UNSIGNED_BYTE"),
+            before=(
+                *INDEXED,
+                call("glDrawElements", "GL_POINTS", 1, "GL_UNSIGNED_BYTE", 3),
+            ),
+            returns=(0, 255, 255, 255),
+            name="the fourth byte is the index 2, whose colour is cyan",
         ),
         formula("gl_Position", as_it_is),
         formula("gl_PointSize", size_of),

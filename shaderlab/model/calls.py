@@ -84,8 +84,9 @@ class Location(Checked):
 
 
 Argument = (
-    int | float | str | bytes | None | Object | Program | Location | Sequence[float] | Sequence[str]
-)
+    int | float | str | bytes | None | Object | Program | Location
+    | Sequence[float] | Sequence[str] | Sequence[Object]
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -94,7 +95,8 @@ class Call(Checked):
 
     A word that begins with "GL_" is a constant ("GL_MAP_READ_BIT | GL_MAP_WRITE_BIT" several of
     them), any other word a C string, a sequence an array of the parameter's own type, None a null
-    pointer. The array that a glGet… function fills, its last parameter, is left out.
+    pointer. The array that a function fills, its last parameter, is left out: of a glGet… function
+    in its own type, of glReadPixels, glGetTexImage and glGetBufferSubData in bytes.
     """
 
     function: str

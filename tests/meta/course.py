@@ -108,6 +108,40 @@ SECTIONS: Mapping[str, str] = {
 """Sections of the notes with something to prove, and what each is about."""
 
 WITHIN: Mapping[tuple[str, str], tuple[str, tuple[str, ...]]] = {
+    ("2.2.2", "interleaved-attributes"): (
+        "Normalised attributes, and those that are not enabled",
+        (
+            "bytes that are normalised: 0…255 is 0…1",
+            "bytes that are not: 64 is 64",
+            "an attribute that is not enabled is the same for all vertices",
+            "and (0, 0, 0) at first",
+        ),
+    ),
+    ("2.4.2", "texture-wrap"): (
+        "Textures in three dimensions",
+        ("a texture in three dimensions keeps its layers", "and a third wrap mode, R"),
+    ),
+    ("10", "buffer-subdata"): (
+        "Buffers of pixels",
+        ("pixels are read into a buffer", "a texture is filled from byte 4 of a buffer"),
+    ),
+    ("10", "points-and-elements"): (
+        "Indices of one, two and four bytes",
+        (
+            "indices of GL_UNSIGNED_BYTE",
+            "indices of GL_BYTE",
+            "the fourth byte is the index 2, whose colour is cyan",
+        ),
+    ),
+    ("10", "mesh-class"): (
+        "Deleting",
+        (
+            "deleted: none",
+            "what is deleted is not bound any more",
+            "a program that is deleted while it is used lives on",
+            "until another one is used",
+        ),
+    ),
     ("2.3.4", "uniform-types"): (
         "Uniforms need a program, and stay with it",
         ("no program: 0x0502", "what was sent stays with the program", "before that it is 0"),
@@ -136,6 +170,10 @@ def rows(section: str) -> Iterator[tuple[str, str, str]]:
     for case in sorted(shipped().values(), key=lambda c: c.file):
         if case.section == section:
             yield case.id, _cell(_law(case)), _by(case)
+    for case in sorted(shipped().values(), key=lambda c: c.file):
+        for erratum in case.errata:
+            if (erratum.section or case.section) == section:
+                yield case.id, _cell(f"against the notes: {erratum.truth}"), _cell(erratum.proof)
     for (of, lesson), (what, names) in WITHIN.items():
         if of == section:
             yield lesson, _cell(what), _cell(", ".join(names))

@@ -46,10 +46,12 @@ def word(function: str, name: str, value: Any) -> str:
         return "GL_TRUE" if value else "GL_FALSE"
     if isinstance(value, int | np.integer):
         return _number(function, name, int(value))
-    if value is None or (isinstance(value, ctypes.c_void_p) and value.value is None):
-        return "NULL"
     if isinstance(value, ctypes.c_void_p):
-        return f"byte {value.value}" if value.value < 1 << 31 else "a pointer"
+        value = value.value
+        if value is not None:
+            return f"byte {value}" if value < 1 << 31 else "a pointer"
+    if value is None:
+        return "NULL"
     if name == "bufs":
         return f"[{' '.join(constant_for(function, 'attachment', int(x)) for x in value)}]"
     if isinstance(value, float | np.floating):

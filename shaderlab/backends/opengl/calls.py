@@ -29,6 +29,7 @@ _ARRAYS: Mapping[str, type[np.generic]] = {
     "GLfloat": np.float32, "GLdouble": np.float64, "GLboolean": np.uint8, "GLubyte": np.uint8,
     "GLint64": np.int64, "GLuint64": np.uint64, "GLintptr": np.int64, "GLsizeiptr": np.int64,
 }  # fmt: skip
+_READS_BYTES = ("glGetBufferSubData", "glGetTexImage", "glReadPixels")
 _ROOM = 4096  # numbers that a call may write
 
 
@@ -77,15 +78,18 @@ class _Maker:
         """Make one call: the first `returns` values that it returned or wrote."""
         function = prototype(call.function)
         types = tuple(function.argtypes or ())
-        writes = len(call.arguments) == len(types) - 1 and _element(types[-1]) is not None
+        kind = np.uint8 if call.function in _READS_BYTES else types and _element(types[-1])
+        writes = len(call.arguments) == len(types) - 1 and bool(kind)
         if len(call.arguments) != len(types) and not writes:
             raise CaseError(
                 f"{call}: {call.function} takes {len(types)} arguments",
                 remedy=f"{call.function}({', '.join(function.argNames)})",
             )
         values = [self._value(call, a, t) for a, t in zip(call.arguments, types, strict=False)]
-        room = np.zeros(_ROOM, _element(types[-1])) if writes else None
-        got = self._called(call, function, values if room is None else [*values, room])
+        room = np.zeros(_ROOM, kind) if writes else None
+        if room is not None:
+            values.append(room.ctypes.data_as(ctypes.c_void_p) if _is_address(types[-1]) else room)
+        got = self._called(call, function, values)
         if room is not None:
             return tuple(room[:returns].tolist())
         got = got.decode(errors="replace") if isinstance(got, bytes) else got
@@ -115,6 +119,8 @@ class _Maker:
             return GL.glGetUniformLocation(program, argument.uniform.encode())
         if _is_constant(argument):
             return constant(argument)
+        if isinstance(argument, tuple) and any(isinstance(each, Object) for each in argument):
+            return np.array([self._value(call, each, kind) for each in argument], np.uint32)
         return _passed(call, argument, kind)
 
     def _object(self, wanted: Object) -> int:
@@ -145,7 +151,7 @@ class _Maker:
 
 def _passed(call: Call, argument: Any, kind: Any) -> Any:
     """A number, text, array or null pointer for a parameter of this C type."""
-    if isinstance(argument, int) and kind.__name__ == "c_void_p":
+    if isinstance(argument, int) and _is_address(kind):
         return ctypes.c_void_p(argument)  # an offset into the buffer that is bound
     if argument is None or isinstance(argument, bytes | int | float):
         return argument
@@ -158,6 +164,10 @@ def _passed(call: Call, argument: Any, kind: Any) -> Any:
     if _element(kind) is None:
         raise CaseError(f"{call}: {several} where no array is taken", remedy="bytes, or a number")
     return np.array(several, _element(kind))
+
+
+def _is_address(kind: Any) -> bool:
+    return bool(kind.__name__ == "c_void_p")
 
 
 def _element(kind: Any) -> type[np.generic] | None:
