@@ -19,6 +19,20 @@ Array = npt.NDArray[Any]
 PassDraw = tuple[str, int]
 
 
+def every_component(holds: Array) -> Array:
+    """Where something holds of all of a value's components, (…, components) → (…).
+
+    NumPy takes ten times as long to reduce a last axis of four.
+
+    >>> every_component(np.array([[True, True], [True, False]])).tolist()
+    [True, False]
+    """
+    found: Array = np.ones(holds.shape[:-1], np.bool_)
+    for component in range(holds.shape[-1]):
+        found &= holds[..., component]
+    return found
+
+
 @dataclass(frozen=True)
 class Image:
     """One attachment, read back in its own components and type; `format` as in `Target`."""

@@ -23,8 +23,11 @@ def slab_distance(origin: Matrix, direction: Matrix) -> Matrix:
     2.5
     """
     with np.errstate(divide="ignore", invalid="ignore"):
-        ends = np.stack([(-0.5 - origin) / direction, (0.5 - origin) / direction])
-    enter, leave = ends.min(axis=0).max(axis=-1), ends.max(axis=0).min(axis=-1)
+        one, other = (-0.5 - origin) / direction, (0.5 - origin) / direction
+    near, far = np.minimum(one, other), np.maximum(one, other)
+    # Three arrays at a time: a reduction over an axis of three takes ten times as long.
+    enter = np.maximum(np.maximum(near[..., 0], near[..., 1]), near[..., 2])
+    leave = np.minimum(np.minimum(far[..., 0], far[..., 1]), far[..., 2])
     return np.where((enter >= 0.0) & (enter <= leave), enter, np.inf)
 
 

@@ -8,6 +8,8 @@ Alternating Images", Proc. ACM Comput. Graph. Interact. Tech. 3(2), 2020, by its
 
 from __future__ import annotations
 
+import functools
+import hashlib
 from typing import Any
 
 import numpy as np
@@ -41,9 +43,19 @@ def flip(reference: Array, test: Array) -> float:
     with extra("course", "FLIP"):
         from flip_evaluator import evaluate
 
-    pictures = (np.ascontiguousarray(_colors(p), np.float32) for p in (reference, test))
-    _, mean, _ = evaluate(*pictures, "LDR", applyMagma=False)
-    return float(mean)
+    one, other = (np.ascontiguousarray(_colors(p), np.float32) for p in (reference, test))
+    pair = hashlib.blake2b(one.tobytes() + other.tobytes(), key=str(one.shape).encode()).digest()
+    known = _found()
+    if pair not in known:
+        known[pair] = float(evaluate(one, other, "LDR", applyMagma=False)[1])
+    return known[pair]
+
+
+@functools.cache
+def _found() -> dict[bytes, float]:
+    """What FLIP has found between two pictures: it takes a tenth of a second, and several checks
+    ask it about the same ones."""
+    return {}
 
 
 def _colors(picture: Array) -> Array:

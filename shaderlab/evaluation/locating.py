@@ -84,7 +84,7 @@ def _reference_at(
     y, x = np.nonzero(captured.covered)
     rows = np.flatnonzero((x >> 1 == pixel[0] >> 1) & (y >> 1 == pixel[1] >> 1))
     row = int(np.flatnonzero((x[rows] == pixel[0]) & (y[rows] == pixel[1]))[0])
-    found, result = reference_locals(formula.reference, subject.inputs.part(rows))  # type: ignore[arg-type]
+    found, result = reference_locals(formula.reference, subject.inputs.part(rows))
 
     def at(value: Any) -> Any:
         array = np.asarray(value, np.float64)

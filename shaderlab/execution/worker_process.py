@@ -25,9 +25,9 @@ END_SECONDS = 5.0
 # glibc gives large arrays back to the system one by one, and pays for each page when it takes
 # them again; a worker makes arrays of the same sizes all the time.
 _KEEP_MEMORY = dict.fromkeys(("MALLOC_MMAP_THRESHOLD_", "MALLOC_TRIM_THRESHOLD_"), str(1 << 25))
-# NumPy's library for matrices starts a thread a core and has them all wait busily; workers share
-# the cores already, and multiply matrices of four rows.
-_ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1"}
+# Libraries for matrices and pictures start a thread a core and have them all wait busily; workers
+# share the cores already, and multiply matrices of four rows.
+_ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
 
 
 def environment() -> dict[str, str]:

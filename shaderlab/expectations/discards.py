@@ -18,7 +18,7 @@ from shaderlab.errors import FormulaError
 from shaderlab.expectations.base import OfOutput
 from shaderlab.expectations.needs import CapturedFragments, Probe
 from shaderlab.expectations.subject import inputs_of
-from shaderlab.frame import Array, Fragments, Frame, PassDraw
+from shaderlab.frame import Array, Fragments, Frame, PassDraw, every_component
 from shaderlab.judging.inputs import evaluate, name_of, source_of
 from shaderlab.model import Expectation, Programs, Scene
 from shaderlab.programs.prepare import PreparedDraw
@@ -125,7 +125,7 @@ def _seen_alike(found: Fragments, everything: Fragments) -> Array:
     seen: Array = found.covered.copy()
     for one, other in pairs:
         same = (one == other) | ((one != one) & (other != other))
-        seen &= same.reshape(*seen.shape, -1).all(axis=-1)
+        seen &= every_component(same.reshape(*seen.shape, -1))
     return seen
 
 

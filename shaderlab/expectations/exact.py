@@ -11,7 +11,7 @@ import numpy as np
 from shaderlab.errors import CaseError
 from shaderlab.expectations.base import OfOutput
 from shaderlab.expectations.subject import find_image
-from shaderlab.frame import Array, Frame
+from shaderlab.frame import Array, Frame, every_component
 from shaderlab.judging.figures import plain
 from shaderlab.model import Judgement, Need, Output, Programs, Read, Scene
 from shaderlab.records import Outcome, Worst
@@ -69,7 +69,7 @@ class Exact(OfOutput):
         if isinstance(expected, Output):
             expected = find_image(expected.path, scene, frame).values
         wanted = laid_over(expected, values, self.name)
-        same = (_bits(values) == _bits(wanted)).all(axis=2)
+        same = every_component(_bits(values) == _bits(wanted))
         outside = int((~same).sum())
         outcome = Outcome(
             name=self.name,

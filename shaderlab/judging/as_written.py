@@ -9,7 +9,6 @@ functions that it calls in modules of formulas. In float64 the formula itself ru
 from __future__ import annotations
 
 import ast
-import copy
 import dis
 import functools
 import inspect
@@ -132,16 +131,31 @@ def _global(names: dict[str, Any], name: str, value: Any, rules: Rules) -> Any:
     return Literal.of(value, rules)
 
 
-class _Unfolding(ast.NodeTransformer):
-    """Replaces a float constant by a global name that is spelt as it, which Python cannot fold."""
-
-    def visit_Constant(self, node: ast.Constant) -> ast.expr:
+def _without_floats(node: Any) -> Any:
+    """A syntax tree with a global name for each float constant, spelt as it, which Python cannot
+    fold; the very same one where it has none."""
+    if isinstance(node, ast.Constant):
         if type(node.value) is not float or not repr(node.value)[0].isdigit():
             return node
         return ast.copy_location(ast.Name(repr(node.value), ast.Load()), node)
-
-    def visit_MatchValue(self, node: ast.MatchValue) -> ast.MatchValue:
+    if not isinstance(node, ast.AST) or isinstance(node, ast.MatchValue):
         return node
+    parts = dict(ast.iter_fields(node))
+    made = {
+        name: [_without_floats(each) for each in part]
+        if isinstance(part, list)
+        else _without_floats(part)
+        for name, part in parts.items()
+    }
+    if all(_same(made[name], part) for name, part in parts.items()):
+        return node
+    return ast.copy_location(type(node)(**made), node)
+
+
+def _same(one: Any, other: Any) -> bool:
+    if isinstance(one, list):
+        return all(a is b for a, b in zip(one, other, strict=True))
+    return one is other
 
 
 @functools.lru_cache(maxsize=256)
@@ -167,8 +181,7 @@ def _assigned(file: str, name: str) -> CodeType | None:
         if value is None or not any(isinstance(t, ast.Name) and t.id == name for t in targets):
             continue
         if all(isinstance(node, _ARITHMETIC) for node in ast.walk(value)):
-            changed = _Unfolding().visit(copy.deepcopy(value))
-            return compile(ast.Expression(changed), file, "eval")
+            return compile(ast.Expression(_without_floats(value)), file, "eval")
     return None
 
 
@@ -197,12 +210,16 @@ def _pieces(file: str, number: int) -> dict[Any, CodeType]:
     before = [
         s for s in body[:number] if isinstance(s, ast.Import | ast.ImportFrom | ast.If | ast.Try)
     ]
-    original, changed = (
-        compile(ast.Module([*before, statement], []), file, "exec", dont_inherit=True)
-        for statement in (body[number], _Unfolding().visit(copy.deepcopy(body[number])))
-    )
+    own = body[number]
+    unfolded = _without_floats(own)
+    original = _compiled([*before, own], file)
+    changed = original if unfolded is own else _compiled([*before, unfolded], file)
     pairs = zip(_parts(original), _parts(changed), strict=True)
     return {_place(before): after for before, after in pairs}
+
+
+def _compiled(statements: list[ast.stmt], file: str) -> CodeType:
+    return compile(ast.Module(statements, []), file, "exec", dont_inherit=True)
 
 
 def _assigns_outside(code: CodeType) -> bool:

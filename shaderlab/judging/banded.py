@@ -50,23 +50,32 @@ class Exact:
         rows = quad_rows(self.inputs, self.asked, start, stop)
         return self._values(rows)[start - rows.start : stop - rows.start]
 
-    def _values(self, rows: slice) -> Array:
+    def _values(self, rows: slice | Array) -> Array:
         part = self.inputs.part(rows)
         found = evaluate(self.reference, part, rules=None, decimal=False, asked=self.asked)
         values = np.asarray(found).astype(np.float64, copy=False)
-        shape = len(range(*rows.indices(self.shape[0]))), self.shape[1]
+        if isinstance(rows, slice):
+            shape = len(range(*rows.indices(self.shape[0]))), self.shape[1]
+        else:
+            shape = len(rows), self.shape[1]
         _check_shape(self.reference, values.shape, shape)
         return in_format(np.broadcast_to(values, shape), self.format)
 
-    def some(self, count: int) -> Array:
-        """At least `count` rows from all over, or all if there are fewer. Raises FormulaError."""
+    def sample(self, count: int, row: int) -> tuple[Array, Array]:
+        """At least `count` rows from all over, or all if there are fewer; and one row,
+        (1, components), if there is any. Raises FormulaError."""
         step = max(self.shape[0] // count, 1)
+        if step == 1:
+            values = self._values(slice(0, self.shape[0]))
+            return values, values[row : row + 1]
         # An odd step meets all columns of a frame whose width is a power of two.
         step -= 1 - step % 2
-        if step > 1 and PLACE in self.asked:  # it may see a pixel's neighbours
+        if PLACE in self.asked:  # it may see a pixel's neighbours
             starts = range(0, self.shape[0], self.shape[0] // 8)
-            return np.concatenate([self.part(start, count // 8) for start in starts])
-        return self._values(slice(0, self.shape[0], step))
+            rows = np.concatenate([self.part(start, count // 8) for start in starts])
+            return rows, self.part(row)
+        values = self._values(np.append(np.arange(0, self.shape[0], step), row))
+        return values[:-1], values[-1:]
 
     def whole(self) -> Array:
         """All rows, (count, components), a chunk at a time. Raises FormulaError."""
@@ -108,8 +117,17 @@ class Banded(Placed):
     @cached_property
     def informative_share(self) -> float:
         """The share of values whose band excludes something plausible (see `informative`)."""
-        plausible = Plausible.of(self.exact.some(SAMPLED), self.exact.format)
+        plausible = Plausible.of(self._sample[0], self.exact.format)
         return plausible.informative_share(self.low, self.high)
+
+    @cached_property
+    def _furthest(self) -> tuple[int, int]:
+        return self.furthest()
+
+    @cached_property
+    def _sample(self) -> tuple[Array, Array]:
+        """What the formula gives in float64 in rows from all over, and in the worst value's."""
+        return self.exact.sample(SAMPLED, self._furthest[0] if self.measured.size else 0)
 
     def worst(self, covered: Array | None = None) -> Worst | None:
         """The value furthest from its band's middle, as seen from the band; None of nothing.
@@ -118,8 +136,8 @@ class Banded(Placed):
         """
         if not self.measured.size:
             return None
-        i, c = self.furthest()
-        reference = self.exact.part(i)[0]
+        i, c = self._furthest
+        reference = self._sample[1][0]
         self._require_inside(i, reference)
         return Worst(
             pixel=None if covered is None else _pixel(covered, i),

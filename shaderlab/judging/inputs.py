@@ -10,7 +10,9 @@ import inspect
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from types import FunctionType
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -25,6 +27,7 @@ from shaderlab.records import SourceText
 from shaderlab.sampling import Sampler
 
 Reference = Callable[..., Any]
+_SOURCES: WeakKeyDictionary[FunctionType, SourceText] = WeakKeyDictionary()
 _INDEXED = re.compile(r"\[(\d+)\]")
 
 
@@ -72,8 +75,8 @@ class Inputs:
             arrays=bindings.arrays - constants.keys(),
         )
 
-    def part(self, rows: slice) -> Inputs:
-        """The inputs of some of the judged values; `decimal` is left out."""
+    def part(self, rows: slice | Array) -> Inputs:
+        """The inputs of some judged values, a slice or their numbers; `decimal` is left out."""
         each = {name: values[rows] for name, values in self.each.items()}
         return replace(self, each=each, decimal={})
 
@@ -205,6 +208,14 @@ def source_of(reference: Reference) -> SourceText:
     target = inspect.unwrap(reference)
     while hasattr(target, "func"):
         target = target.func
+    if not isinstance(target, FunctionType):
+        return _source_of(target, reference)
+    if target not in _SOURCES:  # a formula is asked for it once a variant
+        _SOURCES[target] = _source_of(target, reference)
+    return _SOURCES[target]
+
+
+def _source_of(target: Any, reference: Reference) -> SourceText:
     try:
         lines, line = inspect.getsourcelines(target)
         file = inspect.getsourcefile(target) or "?"

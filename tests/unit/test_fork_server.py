@@ -110,6 +110,7 @@ def test_a_server_that_died_is_said_and_started_anew(work: str) -> None:
         lost, after = pool.run(["orphan", "b"])
         assert lost.status == "crash" and "starts workers died" in lost.message
         os.kill(after.value[1], signal.SIGKILL)
+        gone(after.value[0])
         assert only(list(pool.run(["c"])))[1] != after.value[1]
 
 
@@ -121,10 +122,7 @@ def test_workers_end_with_the_process_that_asked_for_them(work: str, tmp_path: P
         assert parent.stdout is not None
         worker, server = map(int, parent.stdout.readline().split()[:2])
         parent.kill()
-    until = time.monotonic() + 10.0
-    while (running(worker) or running(server)) and time.monotonic() < until:
-        time.sleep(0.01)
-    assert not running(worker) and not running(server)
+    gone(worker, server)
 
 
 def test_what_workers_take_counts_as_their_parents(work: str) -> None:
@@ -138,6 +136,14 @@ def childrens_seconds() -> float:
     """What this process's children have taken of the processors, once they were waited for."""
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
+
+
+def gone(*processes: int) -> None:
+    """Wait until none of the processes is there."""
+    until = time.monotonic() + 10.0
+    while any(map(running, processes)) and time.monotonic() < until:
+        time.sleep(0.01)
+    assert not any(map(running, processes))
 
 
 def running(process: int) -> bool:

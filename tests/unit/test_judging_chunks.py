@@ -51,7 +51,7 @@ def test_pieces_are_judged_as_the_whole(monkeypatch: pytest.MonkeyPatch, chunk: 
 
 
 def test_float64_is_asked_only_for_what_is_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of a check without pictures, the row of the worst value."""
+    """Of a check without pictures, a sample and the row of the worst value, at once."""
     asked: list[int] = []
 
     def counted(normal: Any, light: Any, gain: Any) -> Any:
@@ -62,12 +62,13 @@ def test_float64_is_asked_only_for_what_is_looked_at(monkeypatch: pytest.MonkeyP
     given = inputs(95)
     values = measured(given)
     monkeypatch.setattr(banded, "CHUNK", 10)
+    monkeypatch.setattr(banded, "SAMPLED", 30)
     judged = judge_band(values, counted, given, rules=None)
     assert asked == []
     found = judged.worst()
-    assert found is not None and asked == [1]
+    assert found is not None and judged.informative_share == 1.0 and asked == [32 + 1]
     np.testing.assert_array_equal(judged.exact.part(57)[0], judged.reference[57])
-    assert asked[:2] == [1, 1] and sum(asked[2:]) == 95
+    assert asked[1] == 1 and sum(asked[2:]) == 95
 
 
 def test_a_formula_that_fails_in_float64_only_is_no_pass() -> None:

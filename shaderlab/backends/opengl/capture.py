@@ -81,7 +81,7 @@ def probe_fragments(
     except ShaderError as error:
         raise refused(draw, error.message) from error
     with RenderTarget(drawing.device, probe.target, probe.colors, probe.size) as target:
-        fixed.apply(probe.draw.draw.state, probe.size)
+        fixed.apply(probe.draw.draw.state, probe.size, drawing.device.version)
         given = probe.bindings(bindings)
         drawing.use(program, probe.draw, given)
         vao = vertex_array(drawing.device, program, probe.draw.draw.mesh)

@@ -190,7 +190,7 @@ class Drawing(Session):
         self.use(program, draw, bindings)
         vao = self._vertex_array(program, draw.draw.mesh)
         target.bind(output_locations(program, target.colors))
-        state.apply(fixed or draw.draw.state, target.size)
+        state.apply(fixed or draw.draw.state, target.size, self.device.version)
         return program, vao
 
     def _vertex_array(self, program: Any, mesh: Mesh | None) -> VertexArray:

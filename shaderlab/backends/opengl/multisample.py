@@ -45,7 +45,7 @@ def read_samples(
     corners = context.vertex_array(program, [])
     values = np.empty((samples, size[1], size[0], 4), np.float32)
     framebuffer.use()
-    state.apply(State(), size)
+    state.apply(State(), size, device.version)
     GL.glActiveTexture(GL.GL_TEXTURE0)
     GL.glBindTexture(texture.target, texture.glo)
     GL.glUseProgram(program.glo)

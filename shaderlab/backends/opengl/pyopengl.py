@@ -5,6 +5,8 @@ All modules of this backend take it from here.
 
 from __future__ import annotations
 
+import functools
+
 from shaderlab.backends.opengl import environment
 
 with environment():
@@ -18,6 +20,7 @@ ERROR_CHECKER = _errors._error_checker
 """What PyOpenGL asks for errors after each call, or None in a process without such checks."""
 
 
+@functools.cache
 def named(word: str) -> int:
     """The number of a constant by its name as `shaderlab.model` has it: in lower case, bare.
 

@@ -140,7 +140,7 @@ def _settings(
         locations = output_locations(program, target.colors)
         calls.append(lambda: target.bind(locations))
     if before is None or before.draw.state != own.state:
-        calls.append(lambda: state.apply(own.state, target.size))
+        calls.append(lambda: state.apply(own.state, target.size, drawing.device.version))
     same = before is not None and before.sources == draw.sources
     if not (same and before is not None and _alike(before, draw)):
         bindings = drawing.bindings[key]

@@ -11,9 +11,14 @@ from shaderlab.backends.opengl.pyopengl import GL, named
 from shaderlab.errors import UnsupportedError
 from shaderlab.model import Blend, Depth, State, Stencil
 
+_NO_DEPTH, _NO_STENCIL, _NO_BLEND = Depth(), Stencil(), Blend()
 
-def apply(state: State, size: tuple[int, int]) -> None:
-    """Make the current context's state what `state` says, for a target of `size` pixels."""
+
+def apply(state: State, size: tuple[int, int], version: int) -> None:
+    """Make the current context's state what `state` says, for a target of `size` pixels.
+
+    `version` is the context's OpenGL version: 450 for 4.5.
+    """
     whole = (0, 0, *size)
     cell = None if state.cell is None else state.cell.rectangle(size)
     scissor = cell or state.scissor
@@ -30,7 +35,7 @@ def apply(state: State, size: tuple[int, int]) -> None:
         GL.GL_MULTISAMPLE: state.multisample,
         GL.GL_SAMPLE_ALPHA_TO_COVERAGE: state.alpha_to_coverage,
     }
-    if int(GL.glGetIntegerv(GL.GL_MAJOR_VERSION)) >= 4:
+    if version >= 400:
         switches[GL.GL_SAMPLE_SHADING] = state.sample_shading is not None
         GL.glMinSampleShading(state.sample_shading or 0.0)
     elif state.sample_shading is not None:
@@ -39,14 +44,14 @@ def apply(state: State, size: tuple[int, int]) -> None:
         (GL.glEnable if on else GL.glDisable)(capability)
     GL.glViewport(*(cell or state.viewport or whole))
     GL.glScissor(*(scissor or whole))
-    depth = state.depth or Depth()
+    depth = state.depth or _NO_DEPTH
     GL.glDepthFunc(named(depth.func))
     GL.glDepthMask(depth.write)
     GL.glDepthRange(*state.depth_range)
     GL.glPolygonOffset(*(state.polygon_offset or (0.0, 0.0)))
-    _stencil(GL.GL_FRONT, state.stencil or Stencil())
-    _stencil(GL.GL_BACK, state.stencil_back or state.stencil or Stencil())
-    _blend(state.blend or Blend())
+    _stencil(GL.GL_FRONT, state.stencil or _NO_STENCIL)
+    _stencil(GL.GL_BACK, state.stencil_back or state.stencil or _NO_STENCIL)
+    _blend(state.blend or _NO_BLEND)
     GL.glCullFace(named(state.cull or "back"))
     GL.glFrontFace(named(state.front_face))
     GL.glColorMask(*state.color_mask)

@@ -114,7 +114,7 @@ class RenderTarget:
     def clear(self) -> None:
         """Bind the target and set every attachment to its clear value, unmasked."""
         self.bind({name: index for index, name in enumerate(self.colors)})
-        state.apply(State(), self.size)
+        state.apply(State(), self.size, self._device.version)
         for index, word in enumerate(self.colors.values()):
             if COLOR[word].integer:
                 values = np.array(self._target.clear, np.int32)
