@@ -72,45 +72,39 @@ def strips(TexCoords, whole, halved, halvedSmooth, quartered, quarteredSmooth):
     return vec4(swizzle(color, "xyz"), 1.0)
 
 
-def compared(label, statistic, y_label, figures):
-    """A table of a statistic over resolutions and filters, each within a fortieth of its figure.
+def signal(reference, test, than=None):
+    """The PSNR in decibel; or by how much it is more than another picture's."""
+    return psnr(reference, test) - (0.0 if than is None else psnr(reference, than))
 
-    The figures are bounds on regressions: what llvmpipe draws of this scene. What must hold of any
-    scene, as that a smaller picture is a worse one, is measured beside them.
-    """
+
+def seen(reference, test, than=None):
+    """What FLIP finds; or by how much it is more than in another picture."""
+    return flip(reference, test) - (0.0 if than is None else flip(reference, than))
+
+
+def drawn(name, filter_):
+    """An enlarged picture's output."""
+    return f"{name} {filter_}.FragColor"
+
+
+def more(label, test, than):
+    """A row that says that one picture has more than another."""
+    return reading(label, reads={"test": drawn(*test), "than": drawn(*than)}, at_least=0.0)
+
+
+def table(label, statistic, y_label, *laws):
+    """A statistic of each picture, which goes by the scene, and what holds of any scene."""
+    pictures = [(name, filter_) for name in SMALL for filter_ in FILTERS]
     return measure(
         label,
         statistic,
+        reads={"reference": "full.FragColor"},
         readings=[
-            reading(
-                f"{name}, {filter_}",
-                reads={"reference": "full.FragColor", "test": f"{name} {filter_}.FragColor"},
-                between=(figure * 0.975, figure * 1.025),
-            )
-            for (name, filter_), figure in figures.items()
+            *(reading(", ".join(p), reads={"test": drawn(*p)}) for p in pictures),
+            *laws,
         ],
         y_label=y_label,
     )
-
-
-def lost(reference, larger, smaller):
-    """How many decibel a quarter is worse than a half."""
-    return psnr(reference, larger) - psnr(reference, smaller)
-
-
-def seen_more(reference, larger, smaller):
-    """How much more FLIP finds after a quarter than after a half."""
-    return flip(reference, smaller) - flip(reference, larger)
-
-
-def more_signal(nearest, linear, reference):
-    """By how many decibel LINEAR is nearer to the picture in full than NEAREST."""
-    return psnr(reference, linear) - psnr(reference, nearest)
-
-
-def more_seen(nearest, linear, reference):
-    """How much more FLIP finds after LINEAR than after NEAREST."""
-    return flip(reference, linear) - flip(reference, nearest)
 
 
 case = Case(
@@ -131,73 +125,21 @@ case = Case(
         formula("quarter nearest.FragColor", copied, name="quarter, nearest"),
         formula("strips.FragColor", strips, name="five strips"),
         formula("edges.FragColor", strips, name="where one strip ends and the next begins"),
-        compared(
+        table(
             "PSNR",
-            psnr,
+            signal,
             "dB",
-            {
-                ("half", "nearest"): 27.098,
-                ("half", "linear"): 28.788,
-                ("quarter", "nearest"): 24.134,
-                ("quarter", "linear"): 26.176,
-            },
+            *(more(f"half over quarter, {f}", ("half", f), ("quarter", f)) for f in FILTERS),
+            *(more(f"LINEAR over NEAREST, {n}", (n, "linear"), (n, "nearest")) for n in SMALL),
         ),
-        compared(
+        table(
             "FLIP",
-            flip,
+            seen,
             "mean FLIP",
-            {
-                ("half", "nearest"): 0.03447,
-                ("half", "linear"): 0.04240,
-                ("quarter", "nearest"): 0.07099,
-                ("quarter", "linear"): 0.08063,
-            },
+            *(more(f"quarter over half, {f}", ("quarter", f), ("half", f)) for f in FILTERS),
+            *(more(f"LINEAR over NEAREST, {n}", (n, "linear"), (n, "nearest")) for n in SMALL),
         ),
-        *(
-            measure(
-                label,
-                statistic,
-                readings=[
-                    reading(
-                        name,
-                        reads={
-                            "reference": "full.FragColor",
-                            "nearest": f"{name} nearest.FragColor",
-                            "linear": f"{name} linear.FragColor",
-                        },
-                        at_least=0.0,
-                    )
-                    for name in SMALL
-                ],
-            )
-            for label, statistic in (
-                ("PSNR prefers LINEAR, by", more_signal),
-                ("FLIP prefers NEAREST, by", more_seen),
-            )
-        ),
-        *(
-            measure(
-                label,
-                statistic,
-                readings=[
-                    reading(
-                        filter_,
-                        reads={
-                            "reference": "full.FragColor",
-                            "larger": f"half {filter_}.FragColor",
-                            "smaller": f"quarter {filter_}.FragColor",
-                        },
-                        at_least=0.0,
-                    )
-                    for filter_ in FILTERS
-                ],
-            )
-            for label, statistic in (
-                ("a quarter is worse than a half, in PSNR by", lost),
-                ("a quarter is worse than a half, in FLIP by", seen_more),
-            )
-        ),
-        *photograph_checks(shares=(4.445, 10.962, 5.865), pass_name="full"),
+        *photograph_checks(side=SIDE, pass_name="full"),
         cost(
             {
                 "enlarged": {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ import numpy.typing as npt
 from shaderlab import Pass, Target, measure
 from shaderlab.assets.meshes import Geometry, joined, moved, sphere, torus
 from shaderlab.assets.solids import box, painted
+from shaderlab.reference.rasterisation import samples_seen
 
 from .cameras import camera
 from .figures import figure
@@ -22,6 +24,7 @@ Array = npt.NDArray[Any]
 
 CAMERA = camera((0.0, 2.4, 4.4), (0.0, 0.35, 0.1), 38.0)
 CORAL, BLUE, GREEN = (1.0, 0.5, 0.31), (0.10, 0.22, 0.75), (0.16, 0.52, 0.20)
+HUES = {"coral": CORAL, "blue": BLUE, "green": GREEN}
 
 
 @remembered
@@ -50,17 +53,12 @@ def photographed(name: str = "scene", size: tuple[int, int] | None = None) -> Pa
     return Pass(name=name, target=target, draws=(draw,))
 
 
-def photograph_checks(
-    *, shares: tuple[float, float, float] = (4.468, 10.962, 5.957), pass_name: str = "scene"
-) -> tuple[Any, ...]:
+def photograph_checks(*, side: int = 64, pass_name: str = "scene") -> tuple[Any, ...]:
     """What must hold of the still life: as of a prop; and what is in front hides what is behind, so
-    that coral, blue and green each have their share of the picture, in per cent.
+    that coral, blue and green each have as much of the picture as the mesh says.
 
-    `shares` are what llvmpipe drew, by default at 64 × 64: bounds on regressions, and no formula's.
-    0.08 % are three pixels of these, whose middles an edge may pass on either side: corners are
-    moved to a grid within the pixels (OpenGL 3.3, 3.6.1).
+    `side` is that of its target, by default as cases are judged.
     """
-    found = dict(zip(("coral", "blue", "green"), shares, strict=True))
     return (
         *prop_checks(pass_name=pass_name),
         figure(
@@ -73,24 +71,38 @@ def photograph_checks(
         *(
             measure(
                 f"{word} in the picture",
-                _share,
+                _count,
                 reads={"picture": f"{pass_name}.FragColor"},
-                given={"of": color_of},
-                between=(found[word] - 0.08, found[word] + 0.08),
-                note="per cent of the pixels; what stands in front hides the rest",
+                given={"of": HUES[word]},
+                between=counts,
+                note="pixels; what stands in front hides the rest",
             )
-            for word, color_of in (("coral", CORAL), ("blue", BLUE), ("green", GREEN))
+            for word, counts in zip(HUES, _in_sight(side), strict=True)
         ),
     )
 
 
-def _share(picture: Array, of: Array) -> float:
-    """Per cent of the pixels whose channels are in the proportions of one colour."""
-    light = np.clip(picture[..., :3], 0.0, 1.0) ** 2.2
-    wanted = np.asarray(of, float) / np.max(of)
-    level = light.max(axis=-1, keepdims=True)
-    alike = np.abs(light / np.maximum(level, 1e-6) - wanted).max(axis=-1) < 0.02
-    return float(100.0 * np.mean(alike & (level[..., 0] < 0.999)))
+@functools.cache
+def _in_sight(side: int) -> tuple[tuple[int, int], ...]:
+    """How many pixels of each hue are seen, at least and at most: from the mesh."""
+    geometry, draw = still_life(), photographed().draws[0]
+    matrices = (np.asarray(draw.uniforms[name]) for name in ("projection", "view", "model"))
+    places = np.insert(geometry["attributes"]["aPos"], 3, 1.0, axis=1)
+    corners = geometry["indices"].reshape(-1, 3)
+    clip = (places @ functools.reduce(np.matmul, matrices).T)[corners]
+    colors = geometry["attributes"]["aColor"][corners[:, 0]]
+    of = [np.isclose(colors, hue).all(axis=1) for hue in HUES.values()]
+    draws = [*(clip[mine] for mine in of), clip[~np.any(of, axis=0)]]
+    return samples_seen(draws, (side, side))[: len(HUES)]
+
+
+def _count(picture: Array, of: Array) -> int:
+    """The pixels that are one colour in some light, cut off at white."""
+    shown = np.clip(picture[..., :3], 0.0, 1.0) ** 2.2
+    least = np.argmin(of)
+    light = shown[..., least, None] / of[least]
+    alike = np.abs(np.minimum(light * of, 1.0) - shown).max(axis=-1) < 0.02 * shown.max(axis=-1)
+    return int(np.count_nonzero(alike))
 
 
 def _field(x: int, z: int) -> Geometry:

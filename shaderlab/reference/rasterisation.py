@@ -1,4 +1,4 @@
-"""Rasterisation: barycentric coordinates, and the number of samples that pass the depth test.
+"""Rasterisation: barycentric coordinates, and the samples that pass the depth test.
 
 Source: The OpenGL Graphics System: A Specification (version 4.5 core profile), M. Segal and
 K. Akeley, 2017, §14.6.1, "Basic polygon rasterization" (barycentric coordinates as ratios of
@@ -8,7 +8,7 @@ areas; a fragment for each pixel whose centre lies inside), §14.6 (SUBPIXEL_BIT
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -67,34 +67,55 @@ def samples_passed(draws: Sequence[Array], size: tuple[int, int]) -> tuple[tuple
     >>> samples_passed([square[None]], (16, 16))
     ((28, 36),)
     """
-    width, height = size
-    depth = np.ones((len(_NUDGES), height, width))
-    counts = []
-    for triangles in draws:
-        passed = np.zeros(depth.shape, int)
-        for corners in np.asarray(triangles, float):
-            device = corners[:, :3] / corners[:, 3:]
-            window = (0.5 + 0.5 * device[:, :2]) * size
-            low = np.clip(np.floor(window.min(axis=0) - 0.5).astype(int), 0, size)
-            high = np.clip(np.ceil(window.max(axis=0) + 0.5).astype(int), 0, size)
+    counts = [np.zeros((len(_NUDGES), *size[::-1]), int) for _ in draws]
+    for number, here, passes in _passing(draws, size):
+        counts[number][here] += passes
+    return tuple(_least_and_greatest(count) for count in counts)
+
+
+def samples_seen(draws: Sequence[Array], size: tuple[int, int]) -> tuple[tuple[int, int], ...]:
+    """The number of samples of each draw that nothing hides in the end, under the depth test LESS.
+
+    Args, and what is returned: as of `samples_passed`.
+
+    >>> far = np.array([(-0.5, -0.5, 0.5, 1), (0.5, -0.5, 0.5, 1), (0.5, 0.5, 0.5, 1)])
+    >>> samples_seen([far[None], far[None] - (0, 0, 0.1, 0)], (16, 16))
+    ((0, 0), (28, 36))
+    """
+    owner = np.full((len(_NUDGES), *size[::-1]), -1)
+    for number, here, passes in _passing(draws, size):
+        owner[here][passes] = number
+    return tuple(_least_and_greatest(owner == number) for number in range(len(draws)))
+
+
+def _least_and_greatest(counts: Array) -> tuple[int, int]:
+    return int(counts.min(axis=0).sum()), int(counts.max(axis=0).sum())
+
+
+def _passing(
+    draws: Sequence[Array], size: tuple[int, int]
+) -> Iterator[tuple[int, tuple[slice, ...], Array]]:
+    """The triangles in drawing order: of which draw, and which samples of which part of the target
+    pass, for each nudge."""
+    depth = np.ones((len(_NUDGES), *size[::-1]))
+    for number, triangles in enumerate(draws):
+        corners = np.asarray(triangles, float).reshape(-1, 3, 4)
+        device = corners[..., :3] / corners[..., 3:]
+        windows, depths = (0.5 + 0.5 * device[..., :2]) * size, 0.5 + 0.5 * device[..., 2]
+        areas = _cross(windows[:, 1] - windows[:, 0], windows[:, 2] - windows[:, 0])
+        reach = 0.5 + np.abs(_NUDGES).max()
+        lows = np.clip(np.ceil(windows.min(axis=1) - reach), 0, size).astype(int)
+        highs = np.clip(np.floor(windows.max(axis=1) + reach), 0, size).astype(int)
+        for index in np.flatnonzero((areas != 0.0) & (lows < highs).all(axis=1)):
+            low, high = lows[index], highs[index]
             here = (slice(None), slice(low[1], high[1]), slice(low[0], high[0]))
-            _draw_triangle(window, 0.5 + 0.5 * device[:, 2], low, depth[here], passed[here])
-        counts.append((int(passed.min(axis=0).sum()), int(passed.max(axis=0).sum())))
-    return tuple(counts)
-
-
-def _draw_triangle(window: Array, z: Array, low: Array, depth: Array, passed: Array) -> None:
-    """Draw into the parts of `depth` and `passed` that begin at pixel `low`."""
-    if not depth.size or not _cross(window[1] - window[0], window[2] - window[0]):
-        return
-    _, height, width = depth.shape
-    y, x = np.mgrid[0:height, 0:width] + 0.5
-    points = np.stack([x, y], axis=-1) + low + _NUDGES[:, None, None, :]
-    shares = barycentric(points, window)
-    new = shares @ z
-    passes = (shares >= 0.0).all(axis=-1) & (new < depth)
-    depth[passes] = new[passes]
-    passed[passes] += 1
+            y, x = np.mgrid[low[1] : high[1], low[0] : high[0]] + 0.5
+            points = np.stack([x, y], axis=-1) + _NUDGES[:, None, None, :]
+            shares = barycentric(points, windows[index])
+            z = shares @ depths[index]
+            passes = (shares >= 0.0).all(axis=-1) & (z < depth[here])
+            depth[here][passes] = z[passes]
+            yield number, here, passes
 
 
 def _cross(u: Array, v: Array) -> Array:

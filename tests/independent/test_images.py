@@ -268,8 +268,8 @@ def test_barycentric(triangle: Any, place: Any) -> None:
 
 
 @against("each pixel's nearest triangle so far, by winding numbers and a plane through the corners",
-         rasterisation.samples_passed)  # fmt: skip
-def test_samples_passed() -> None:
+         rasterisation.samples_passed, rasterisation.samples_seen)  # fmt: skip
+def test_samples_passed_and_seen() -> None:
     size = 16
 
     def triangle(places: Any, z: Any) -> Any:
@@ -279,17 +279,22 @@ def test_samples_passed() -> None:
     first = [(1.2, 1.7), (14.3, 3.1), (5.6, 13.9)]
     second = [(2.4, 12.2), (3.3, 2.6), (14.7, 8.4)]
     depths = ((-0.2, 0.3, 0.1), (0.2, -0.3, 0.25))
-    counts, stored = [], np.full((size, size), 1.0)
+    counts, stored, owner = [], np.full((size, size), 1.0), np.full((size, size), -1)
     for places, z in zip((first, second), depths, strict=True):
         plane = np.linalg.solve([[x, y, 1.0] for x, y in places], z)
         passed = 0
         for x, y in itertools.product(range(size), range(size)):
             new = float(plane @ (x + 0.5, y + 0.5, 1.0))
             if inside((x + 0.5, y + 0.5), places) and new < stored[y, x]:
-                stored[y, x], passed = new, passed + 1
+                stored[y, x], owner[y, x], passed = new, len(counts), passed + 1
         counts.append(passed)
     draws = [triangle(places, z)[None] for places, z in zip((first, second), depths, strict=True)]
-    for count, (least, most) in zip(
-        counts, rasterisation.samples_passed(draws, (size, size)), strict=True
-    ):
-        assert least <= count <= most and most - least < 0.35 * count
+    passed_and_seen = (
+        rasterisation.samples_passed(draws, (size, size)),
+        rasterisation.samples_seen(draws, (size, size)),
+    )
+    in_sight = [int(np.count_nonzero(owner == number)) for number in range(2)]
+    assert in_sight[0] < counts[0] and in_sight[1] == counts[1]
+    for expected, bounds in zip((counts, in_sight), passed_and_seen, strict=True):
+        for count, (least, most) in zip(expected, bounds, strict=True):
+            assert least <= count <= most and most - least < 0.35 * count
