@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -81,8 +82,9 @@ def test_nothing_is_left_in_the_context(device: Backend) -> None:
 
 
 def test_a_stage_that_the_driver_lacks_is_no_verdict() -> None:
-    class Old:
+    class Old(nullcontext[None]):
         version_code = 330
+        objects = ()
 
     with pytest.raises(DriverError, match="has no compute stage"):
         OpenGLBackend(Device(Old(), {})).driver_verdict(program(compute=COMPUTE))

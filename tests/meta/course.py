@@ -8,9 +8,12 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from shaderlab.model import Case
 from tests.catalogue import shipped
+
+if TYPE_CHECKING:
+    from shaderlab.model import Case
 
 PAGE = "docs/guide/course.md"
 _MADE = "<!-- Made by `python -m tests.meta.course`; do not edit. -->"

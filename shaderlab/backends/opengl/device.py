@@ -96,8 +96,8 @@ class Device:
     def in_use(self) -> Iterator[None]:
         """Make the context current for a while, and suspend checks as `unchecked` does. Can be
         nested, in the use of another device too."""
-        _IN_USE.append(self)
         self.make_current()
+        _IN_USE.append(self)
         try:
             with self.unchecked():
                 yield
