@@ -17,6 +17,7 @@ COORD = PREFIX + "coord"
 VERSION = re.compile(r"^[ \t]*#[ \t]*version[^\n]*", re.MULTILINE)
 _DIRECTIVE = re.compile(r"^[ \t]*#[ \t]*(?:version|extension)[^\n]*\n?", re.MULTILINE)
 MOST_OUTPUTS = 8
+_POINTS_OUT = re.compile(r"\blayout\s*\([^)]*\bpoints\b[^)]*\)\s*out\b")
 _MAY_KEEP_OUT = ("discard", "gl_FragDepth", "gl_SampleMask")
 # Words that change the value of an input, or of gl_FragCoord, in the shader that has them.
 _CHANGE_INPUTS = ("mediump", "lowp", "origin_upper_left", "pixel_center_integer")
@@ -92,24 +93,40 @@ def capture_fragment(
     written += [f"    {name} = {_padded_value(p, shader)};" for p, name in captured.items()]
     if keep_all and writes_depth(text):  # what names it has to write it
         written.append("    gl_FragDepth = gl_FragCoord.z;")
-    return _with_ending(text, declared, written, calls=not keep_all), captured
+    return with_ending(text, declared, written, calls=not keep_all), captured
 
 
-def with_point_size(text: str, size: float) -> str:
-    """A shader whose points have this size in pixels, whatever it writes itself."""
-    if "EmitVertex" in text:
-        return _emitting(text, [f"    gl_PointSize = {size!r};"], [])
-    return _with_ending(text, [], [f"    gl_PointSize = {size!r};"])
+_OFF_SCREEN = (
+    "    if (any(greaterThan(abs(gl_Position.xyz), vec3(gl_Position.w))))",
+    "        gl_Position = vec4(64.0, 64.0, 0.0, 1.0);",
+)
+
+
+def drawing_points(text: str, size: float | None) -> str:
+    """The last stage of a program that draws points, which drops those whose middle is outside of
+    the clip volume.
+
+    Args:
+        text: a vertex or a geometry shader.
+        size: a point's size in pixels, whatever the shader writes; None leaves that to it.
+    """
+    lines = [*([] if size is None else [f"    gl_PointSize = {size!r};"]), *_OFF_SCREEN]
+    return _emitting(text, lines, []) if "EmitVertex" in text else with_ending(text, [], lines)
 
 
 def counting_vertex(text: str) -> str:
     """A vertex shader that also tells a geometry shader which instance it is of."""
-    return _with_ending(
+    return with_ending(
         text, [f"flat out int {PREFIX}instance;"], [f"    {PREFIX}instance = gl_InstanceID;"]
     )
 
 
-def _with_ending(
+def emits_points(texts: Mapping[str, str]) -> bool:
+    """Whether a program has a geometry stage that makes points."""
+    return bool(_POINTS_OUT.search(texts.get("geometry", "")))
+
+
+def with_ending(
     text: str, declared: Sequence[str], written: Sequence[str], *, calls: bool = True
 ) -> str:
     """The author's main renamed, and one that calls it (or not) and goes on with `written`."""

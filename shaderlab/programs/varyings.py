@@ -18,7 +18,9 @@ from shaderlab.compiler.text import without_comments
 from shaderlab.errors import UnsupportedError
 from shaderlab.frame import Array
 
-_BLOCK = re.compile(r"\bin\s+(\w+)\s*\{([^{}]*)\}\s*(\w*)\s*((?:\[[^\]]*\]\s*)*);")
+_BLOCK = re.compile(
+    r"\b(?P<direction>in|out)\s+(\w+)\s*\{([^{}]*)\}\s*(\w*)\s*((?:\[[^\]]*\]\s*)*);"
+)
 _STRUCT = re.compile(r"\bstruct\s+(\w+)\s*\{[^{}]*\}\s*;")
 _QUALIFIERS = r"(?:layout\s*\([^)]*\)\s*|flat\s+|smooth\s+|noperspective\s+|centroid\s+|sample\s+)*"
 
@@ -54,11 +56,13 @@ class Piece:
 
 
 class Declared:
-    """The input declarations in a fragment shader's text (after includes)."""
+    """The input declarations in a fragment shader's text (after includes); with "out" for a
+    direction, a vertex or geometry shader's outputs."""
 
-    def __init__(self, text: str) -> None:
+    def __init__(self, text: str, direction: str = "in") -> None:
         self._text = without_comments(text)
-        self.blocks = {b[0]: Block(*b) for b in _BLOCK.findall(self._text)}
+        found = _BLOCK.findall(self._text)
+        self.blocks = {b[1]: Block(*b[1:]) for b in found if b[0] == direction}
 
     def spelt(self, name: str) -> str:
         """An input as the shader itself writes it: a block's name becomes its instance's.

@@ -1,14 +1,10 @@
-"""What vertices come out of the last stage before rasterisation, by transform feedback.
-
-Without a geometry shader each stored vertex is run once an instance, whatever the primitive; with
-one the mesh is drawn as it is, and every vertex that is emitted is captured.
-"""
+"""What vertices come out of the last stage before rasterisation, by transform feedback."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -19,36 +15,25 @@ from shaderlab.backends.opengl.target import RenderTarget
 from shaderlab.backends.opengl.vertices import vertex_array
 from shaderlab.errors import DriverError
 from shaderlab.frame import Array, Bindings, PassDraw, Samples
-from shaderlab.model import Mesh, Target
-from shaderlab.programs import stages
+from shaderlab.model import Target
+from shaderlab.programs import vertex_capture
 from shaderlab.programs.formats import components_of, numpy_type
 from shaderlab.programs.prepare import PreparedDraw
-from shaderlab.programs.varyings import Piece, assembled
-from shaderlab.programs.vertices import corners, probed_mesh, vertex_inputs, vertex_pieces
+from shaderlab.programs.varyings import Piece
 
 # What every OpenGL 3.3 driver can write of one vertex at once.
 MAX_COMPONENTS = 64
 
 
 def vertices(drawing: Drawing, key: PassDraw) -> Samples:
-    """Every vertex that a draw hands to rasterisation.
-
-    Outputs are gl_Position and every `out` variable, arrays and matrices as their elements and
-    columns ("v[1]"). Inputs of a vertex stage are the attributes, gl_VertexID and gl_InstanceID.
-    Inputs of a geometry stage are all outputs of the vertices of its primitive
-    ("gl_in[0].gl_Position", "Normal[2]"), gl_PrimitiveIDIn, gl_InstanceID, and `emitted`, which
-    counts the vertices that one invocation emits, from 0.
+    """Every vertex that a draw hands to rasterisation; see `shaderlab.programs.vertex_capture`.
 
     Raises:
         UnsupportedError: an output is of double precision.
         DriverError: the driver writes down fewer vertices than it says there are.
     """
     draw = drawing.programs[key[0]][key[1]]
-    mesh = draw.draw.mesh
-    assert mesh is not None
-    if draw.draw.geometry is None:
-        return _stored(drawing, draw, drawing.bindings[key], mesh, draw.draw.instances)
-    return _emitted(drawing, draw, drawing.bindings[key], mesh)
+    return vertex_capture.vertices(draw, drawing.bindings[key], partial(_captured, drawing))
 
 
 def probe_vertices(
@@ -60,51 +45,7 @@ def probe_vertices(
         UnsupportedError: a geometry stage follows, which takes whole primitives.
     """
     draw = drawing.programs[key[0]][key[1]]
-    return _stored(drawing, draw, bindings, probed_mesh(draw.draw, inputs), 1)
-
-
-def _stored(
-    drawing: Drawing, draw: PreparedDraw, bindings: Bindings, mesh: Mesh, instances: int
-) -> Samples:
-    text = {"vertex": draw.text("vertex") or ""}
-    parts = vertex_pieces(text["vertex"], draw.vertex_interface)
-    points = replace(draw, draw=replace(
-        draw.draw, mesh=replace(mesh.made(), indices=None, primitive="points"), instances=instances
-    ))  # fmt: skip
-    got = _captured(drawing, points, text, parts, bindings, mesh.vertices * instances)
-    return Samples(
-        inputs=vertex_inputs(mesh, instances), outputs={p.name + p.path: v for p, v in got.items()}
-    )
-
-
-def _emitted(drawing: Drawing, draw: PreparedDraw, bindings: Bindings, mesh: Mesh) -> Samples:
-    given = _stored(drawing, draw, bindings, mesh, draw.draw.instances)
-    texts = {
-        "vertex": stages.counting_vertex(draw.text("vertex") or ""),
-        "geometry": stages.counting_geometry(draw.text("geometry") or ""),
-    }
-    counters = [Piece(name, "", "int") for name in stages.EMITTED.values()]
-    parts = vertex_pieces(texts["geometry"], draw.interface)
-    got = _captured(drawing, draw, texts, [*parts, *counters], bindings, None)
-    source = {
-        name: got.pop(counter) for name, counter in zip(stages.EMITTED, counters, strict=True)
-    }
-    which = corners(mesh)[source["gl_PrimitiveIDIn"][:, 0]]
-    first = source["gl_InstanceID"] * mesh.vertices
-    vertex = vertex_pieces(draw.text("vertex") or "", draw.vertex_interface)
-    outputs = {piece: given.outputs[piece.name + piece.path] for piece in vertex}
-    inputs: dict[str, Array] = dict(source)
-    for name, values in assembled(outputs).items():
-        for corner in range(which.shape[1]):
-            inputs[_of_corner(name, corner)] = values[(first + which)[:, corner]]
-    return Samples(inputs=inputs, outputs={p.name + p.path: v for p, v in got.items()})
-
-
-def _of_corner(name: str, corner: int) -> str:
-    """A vertex stage's output as a geometry shader has it of one vertex of its primitive."""
-    if name.startswith("gl_"):
-        return f"gl_in[{corner}].{name}"
-    return re.sub(r"^\w+", rf"\g<0>[{corner}]", name)
+    return vertex_capture.probe(draw, bindings, inputs, partial(_captured, drawing))
 
 
 def _captured(

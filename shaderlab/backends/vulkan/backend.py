@@ -6,14 +6,15 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 
 from shaderlab.backends import Backend, Size
-from shaderlab.backends.vulkan import capture
+from shaderlab.backends.vulkan import capture, queries, vertex_storage
 from shaderlab.backends.vulkan.device import Device
 from shaderlab.backends.vulkan.drawing import Drawing
 from shaderlab.backends.vulkan.linking import Linker
 from shaderlab.backends.vulkan.verdict import driver_verdict
 from shaderlab.compiler.sources import Source
-from shaderlab.frame import Array, Fragments, PassDraw
-from shaderlab.model import Scene
+from shaderlab.errors import UnsupportedError
+from shaderlab.frame import Array, Fragments, PassDraw, Reply, TracedCall
+from shaderlab.model import Call, Scene
 from shaderlab.programs import captures
 from shaderlab.programs.prepare import Programs
 from shaderlab.records import Verdict
@@ -55,6 +56,12 @@ class VulkanSession(Drawing):
     cache: captures.CaptureCache
 
     probe_fragments = capture.probe_fragments
+    vertices = vertex_storage.vertices
+    probe_vertices = vertex_storage.probe_vertices
+    count = queries.counted
+    time = queries.timed
+    attributes = queries.attributes
+    blocks = queries.block_readings
 
     def fragments(self, key: PassDraw) -> Fragments:
         """As `Session.fragments`. Arrays from the cache can't be written to (see
@@ -64,3 +71,12 @@ class VulkanSession(Drawing):
 
     def written(self, key: PassDraw, text: str, outputs: Mapping[str, str]) -> Mapping[str, Array]:
         return capture.written(self, key, text, outputs)
+
+    def locations(self, key: PassDraw) -> Mapping[str, int]:
+        raise UnsupportedError("locations of uniforms: Vulkan has none, they lie in a block")
+
+    def trace(self) -> Sequence[TracedCall]:
+        raise UnsupportedError("calls of OpenGL are recorded on OpenGL's drivers only")
+
+    def call(self, made: Sequence[Call], returns: Sequence[int | float | str]) -> Reply:
+        raise UnsupportedError("calls of OpenGL are answered by OpenGL's drivers only")

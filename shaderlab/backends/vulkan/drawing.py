@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from pathlib import Path
@@ -25,7 +24,7 @@ from shaderlab.backends.vulkan.descriptors import (
 from shaderlab.backends.vulkan.device import Device
 from shaderlab.backends.vulkan.linking import Linker
 from shaderlab.backends.vulkan.memory import Buffer, Resources
-from shaderlab.backends.vulkan.modules import for_vulkan, with_point_size
+from shaderlab.backends.vulkan.modules import drawing_points, for_vulkan
 from shaderlab.backends.vulkan.program import Layout, Program
 from shaderlab.backends.vulkan.ready import Ready
 from shaderlab.backends.vulkan.target import RenderTarget
@@ -34,12 +33,10 @@ from shaderlab.compiler.interface import Block
 from shaderlab.errors import UnsupportedError
 from shaderlab.frame import Array, Bindings, Image, PassDraw
 from shaderlab.model import Mesh, Pass, Scene, State
-from shaderlab.programs import bind, blocks
+from shaderlab.programs import bind, blocks, stages, storing
 from shaderlab.programs.formats import components_of
 from shaderlab.programs.passes import check_continues, check_reads
 from shaderlab.programs.prepare import PreparedDraw, Programs, output_types, pass_colors, step
-
-_POINTS_OUT = re.compile(r"\blayout\s*\([^)]*\bpoints\b[^)]*\)\s*out\b")
 
 
 class Drawing(Session):
@@ -184,14 +181,12 @@ class Drawing(Session):
         texts: Mapping[str, str] | None = None,
         fixed_state: State | None = None,
         stored: Mapping[str, Buffer] | None = None,
-        discard: bool = False,
     ) -> Ready:
         """All that a draw takes, on the device; `own` are what is released after it.
 
         Args:
             texts, fixed_state: as in `render`.
             stored: storage buffers by the names of their blocks.
-            discard: whether nothing is to reach the rasteriser.
         """
         description, state = draw.draw, fixed_state or draw.draw.state
         if not description.vertex_array:
@@ -201,7 +196,7 @@ class Drawing(Session):
         layout = Layout(
             layout_of(description.mesh, program.attributes),
             tuple(target.formats(locations, srgb=state.srgb).items()),
-            target.depth, target.samples, fixed.in_pipeline(state), discard,
+            target.depth, target.samples, fixed.in_pipeline(state),
         )  # fmt: skip
         return Ready(
             program, layout, locations, state,
@@ -214,11 +209,14 @@ class Drawing(Session):
         own = dict(texts)
         if "fragment" in own:
             own["fragment"] = for_vulkan(own["fragment"])
-        if (draw.draw.mesh is not None and draw.draw.mesh.primitive == "points") or _emits_points(
-            own
+        mesh = draw.draw.mesh
+        # The points of a capture are no picture's: none is dropped, and they have a size already.
+        plain_points = mesh is not None and mesh.primitive == "points" and "geometry" not in own
+        if storing.BLOCK not in own.get("geometry", own["vertex"]) and (
+            plain_points or stages.emits_points(own)
         ):
-            own = with_point_size(own, draw.draw.state.point_size)
-        return self.linker.link(own, draw.compiling, draw.sources)
+            own = drawing_points(own, draw.draw.state.point_size)
+        return self.linker.link(own, draw.sources)
 
     def _vertices(self, mesh: Mesh | None, program: Program) -> VertexBuffers:
         return upload(self._resources, mesh, program.attributes)
@@ -260,7 +258,3 @@ def _packed(block: Block, values: Mapping[str, Array]) -> bytes:
         if block.name == DEFAULT_BLOCK and member.name not in given:
             given[member.name] = np.zeros(1, np.float32)
     return blocks.packed(block, given)
-
-
-def _emits_points(texts: Mapping[str, str]) -> bool:
-    return bool(_POINTS_OUT.search(texts.get("geometry", "")))

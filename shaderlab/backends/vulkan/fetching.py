@@ -14,7 +14,6 @@ from shaderlab.backends.vulkan.program import Layout
 from shaderlab.backends.vulkan.ready import Ready
 from shaderlab.backends.vulkan.target import RenderTarget
 from shaderlab.backends.vulkan.vertices import VertexBuffers, VertexLayout
-from shaderlab.compiler.compile_cache import cached_compiler
 from shaderlab.frame import Array
 from shaderlab.model import State, Target
 
@@ -49,7 +48,7 @@ def fetched(
         (height, width, channels)
     """
     texts = {"vertex": _CORNERS, "fragment": _FETCH.format(kind=kind)}
-    program = linker.link(texts, cached_compiler())
+    program = linker.link(texts)
     colors = {"color": word}
     with Resources(linker.device) as own, RenderTarget(linker.device, Target(), colors, size) as to:
         sampler = own.create("Sampler", Structs()("SamplerCreateInfo", maxLod=1000.0))

@@ -8,7 +8,6 @@ from shaderlab.activity import doing
 from shaderlab.backends.vulkan.device import Device
 from shaderlab.backends.vulkan.modules import modules_of, sources_of
 from shaderlab.backends.vulkan.program import Program
-from shaderlab.compiler.compile import Compile
 from shaderlab.compiler.sources import Source
 
 CAPACITY = 64
@@ -28,14 +27,11 @@ class Linker:
         self._first = first
         self._linked: dict[tuple[tuple[str, str], ...], Program] = {}
 
-    def link(
-        self, texts: Mapping[str, str], compiling: Compile, known: Sequence[Source] = ()
-    ) -> Program:
+    def link(self, texts: Mapping[str, str], known: Sequence[Source] = ()) -> Program:
         """The program of these stages.
 
         Args:
             texts: by stage.
-            compiling: what compiles them.
             known: sources, some of whose texts these may be.
 
         Raises:
@@ -49,7 +45,7 @@ class Linker:
             return self._first._linked[key]
         if program is None:
             with doing("compile"):
-                modules = modules_of(sources_of(texts, known), compiling)
+                modules = modules_of(sources_of(texts, known))
             with doing("link"):
                 program = Program(self.device, modules)
         self._linked[key] = program

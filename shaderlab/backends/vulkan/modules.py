@@ -12,7 +12,7 @@ import re
 from collections.abc import Mapping, Sequence
 
 from shaderlab.backends.vulkan.device import Device
-from shaderlab.compiler.compile import Compile
+from shaderlab.compiler.compile_cache import cached_compiler
 from shaderlab.compiler.module import parse
 from shaderlab.compiler.sources import Shaders, Source
 from shaderlab.errors import ShaderError, UnsupportedError
@@ -70,13 +70,14 @@ def sources_of(texts: Mapping[str, str], known: Sequence[Source] = ()) -> tuple[
     )  # fmt: skip
 
 
-def modules_of(sources: Sequence[Source], compiling: Compile) -> Mapping[str, bytes]:
+def modules_of(sources: Sequence[Source]) -> Mapping[str, bytes]:
     """A program's modules by stage.
 
     Raises:
         ShaderError: it is no GLSL.
         UnsupportedError: it is GLSL, but none that can be made into modules for Vulkan.
     """
+    compiling = cached_compiler()
     compiled = compiling(sources, ("vulkan",))
     if "vulkan" in compiled.spirv:
         return compiled.spirv["vulkan"]
@@ -101,15 +102,17 @@ def check_capabilities(device: Device, modules: Mapping[str, bytes]) -> None:
                 raise UnsupportedError(f"the {stage} stage takes {feature}: this device has none")
 
 
-def with_point_size(texts: Mapping[str, str], size: float | str | None) -> dict[str, str]:
-    """The texts of a program that draws points, whose last stage writes their size.
+def drawing_points(texts: Mapping[str, str], size: float | str | None) -> dict[str, str]:
+    """The texts of a program that draws points: its last stage writes their size, and drops those
+    that OpenGL clips. lavapipe (Mesa 22.3) and SwiftShader report that they do, and draw them.
 
     Args:
         texts: by stage.
         size: as in `State.point_size`.
     """
     last = "geometry" if "geometry" in texts else "vertex"
-    writes = "gl_PointSize" in texts[last]
-    if isinstance(size, str) or (size is None and writes):
-        return dict(texts)
-    return {**texts, last: stages.with_point_size(texts[last], 1.0 if size is None else size)}
+    if isinstance(size, str) or (size is None and "gl_PointSize" in texts[last]):
+        given = None
+    else:
+        given = 1.0 if size is None else float(size)
+    return {**texts, last: stages.drawing_points(texts[last], given)}

@@ -35,7 +35,6 @@ class Layout:
         depth: the format of depth and stencil, "" for none.
         samples: how many a pixel has.
         state: the fixed-function state, as `state.in_pipeline` has it.
-        discard: whether nothing reaches the rasteriser.
     """
 
     vertices: VertexLayout
@@ -43,7 +42,6 @@ class Layout:
     depth: str
     samples: int
     state: State
-    discard: bool = False
 
 
 class Program:
@@ -106,8 +104,6 @@ class Program:
             for stage, made in self._stages.items()
         ]
         clip = structs("PipelineViewportDepthClipControlCreateInfoEXT", negativeOneToOne=1)
-        raster = fixed.rasterisation(structs, device, layout.state)
-        raster.rasterizerDiscardEnable = layout.discard
         info = structs(
             "GraphicsPipelineCreateInfo", pNext=rendering, stageCount=len(stages), pStages=stages,
             layout=self.layout, pVertexInputState=layout.vertices.input_state(structs),
@@ -117,7 +113,7 @@ class Program:
             pViewportState=structs(
                 "PipelineViewportStateCreateInfo", pNext=clip, viewportCount=1, scissorCount=1
             ),
-            pRasterizationState=raster,
+            pRasterizationState=fixed.rasterisation(structs, device, layout.state),
             pMultisampleState=fixed.multisampling(structs, device, layout.state, layout.samples),
             pDepthStencilState=fixed.depth_and_stencil(structs, layout.state),
             pColorBlendState=fixed.blending(structs, layout.state, colors, count),

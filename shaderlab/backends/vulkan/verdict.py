@@ -6,7 +6,6 @@ from collections.abc import Sequence
 
 from shaderlab.backends.vulkan.device import Device
 from shaderlab.backends.vulkan.modules import check_capabilities, modules_of
-from shaderlab.compiler.compile_cache import cached_compiler
 from shaderlab.compiler.driver_verdict import DRIVER
 from shaderlab.compiler.sources import Source
 from shaderlab.errors import DriverError, ShaderError
@@ -21,7 +20,7 @@ def driver_verdict(device: Device, sources: Sequence[Source]) -> Verdict:
         UnsupportedError: Vulkan has no such program, or the device lacks what it takes.
     """
     try:
-        modules = modules_of(sources, cached_compiler())
+        modules = modules_of(sources)
     except ShaderError as error:
         raise DriverError(
             "a Vulkan driver takes no GLSL, and of this program there are no modules",

@@ -1,0 +1,86 @@
+"""What vertices come out of the last stage before rasterisation, by a storage buffer that the stage
+writes to."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from shaderlab.backends.vulkan.commands import recording
+from shaderlab.backends.vulkan.drawing import Drawing
+from shaderlab.backends.vulkan.memory import Resources
+from shaderlab.backends.vulkan.modules import modules_of, sources_of
+from shaderlab.backends.vulkan.target import RenderTarget
+from shaderlab.compiler.module import parse
+from shaderlab.errors import UnsupportedError
+from shaderlab.frame import Array, Bindings, PassDraw, Samples
+from shaderlab.model import Target
+from shaderlab.programs import storing, vertex_capture
+from shaderlab.programs.prepare import PreparedDraw
+from shaderlab.programs.varyings import Piece
+from shaderlab.programs.vertices import corners
+
+_OUTPUT_VERTICES = 26  # SPIR-V's execution mode for max_vertices
+_FEATURE = "vertexPipelineStoresAndAtomics"
+
+
+def vertices(drawing: Drawing, key: PassDraw) -> Samples:
+    """Every vertex that a draw hands to rasterisation; see `shaderlab.programs.vertex_capture`.
+
+    Raises:
+        UnsupportedError: an output is of double precision, or the device's vertex stages can't
+            write to buffers.
+    """
+    draw = drawing.programs[key[0]][key[1]]
+    return vertex_capture.vertices(draw, drawing.bindings[key], partial(_captured, drawing))
+
+
+def probe_vertices(
+    drawing: Drawing, key: PassDraw, bindings: Bindings, inputs: Mapping[str, Array]
+) -> Samples:
+    """Run the vertex stage on given inputs, each an array (count, components).
+
+    Raises:
+        UnsupportedError: a geometry stage follows, which takes whole primitives; or as `vertices`.
+    """
+    draw = drawing.programs[key[0]][key[1]]
+    return vertex_capture.probe(draw, bindings, inputs, partial(_captured, drawing))
+
+
+def _captured(
+    drawing: Drawing,
+    draw: PreparedDraw,
+    texts: Mapping[str, str],
+    parts: Sequence[Piece],
+    bindings: Bindings,
+    _: int | None,
+) -> Mapping[Piece, Array]:
+    if _FEATURE not in drawing.device.features:
+        raise UnsupportedError(f"capturing vertices: this device has no {_FEATURE}")
+    mesh = draw.draw.mesh
+    assert mesh is not None
+    most, each = 1, mesh.vertices
+    if "geometry" in texts:
+        module = parse(modules_of(sources_of(draw.texts, draw.sources))["geometry"])
+        most = module.modes[_OUTPUT_VERTICES][0]
+        each = most * len(corners(mesh))
+    program = storing.storing(texts, parts, most)
+    words = storing.words_of(parts) * each * draw.draw.instances
+    own = {storing.PER_INSTANCE: np.array([each], np.int32)}
+    given = replace(bindings, uniforms={**bindings.uniforms, **own})
+    with (
+        Resources(drawing.device) as resources,
+        RenderTarget(drawing.device, Target(), {}, (1, 1)) as target,
+    ):
+        buffer = resources.buffer("storage_buffer", size=4 * words)
+        ready = drawing.ready(
+            resources, draw, given, target, texts=program, stored={storing.BLOCK: buffer}
+        )
+        with recording(drawing.device) as commands:
+            target.begin(commands, {})
+            ready.record(commands, target.size)
+            target.end(commands)
+        return storing.restored(parts, buffer.bytes[: 4 * words].copy().view(np.uint32))

@@ -1,0 +1,101 @@
+"""The vertices that a draw hands to rasterisation, whatever writes them down. No device: the caller
+draws."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+
+from shaderlab.frame import Array, Bindings, Samples
+from shaderlab.model import Mesh, State
+from shaderlab.programs import stages
+from shaderlab.programs.prepare import PreparedDraw
+from shaderlab.programs.varyings import Piece, assembled
+from shaderlab.programs.vertices import corners, probed_mesh, vertex_inputs, vertex_pieces
+
+Capture = Callable[
+    [PreparedDraw, Mapping[str, str], Sequence[Piece], Bindings, int | None], Mapping[Piece, Array]
+]
+"""Draws with the stages of these texts, and gives the pieces of each vertex that comes out of the
+last of them, (vertices, components), in the order of instances, primitives and emission; the number
+is how many come out, or None where that is not known."""
+
+
+def vertices(draw: PreparedDraw, bindings: Bindings, capture: Capture) -> Samples:
+    """Every vertex that a draw of a mesh hands to rasterisation.
+
+    Without a geometry shader each stored vertex is run once an instance, whatever the primitive;
+    with one the mesh is drawn as it is, and every vertex that is emitted is captured.
+
+    Outputs are gl_Position and every `out` variable, arrays and matrices as their elements and
+    columns ("v[1]"). Inputs of a vertex stage are the attributes, gl_VertexID and gl_InstanceID.
+    Inputs of a geometry stage are all outputs of the vertices of its primitive
+    ("gl_in[0].gl_Position", "Normal[2]"), gl_PrimitiveIDIn, gl_InstanceID, and `emitted`, which
+    counts the vertices that one invocation emits, from 0.
+
+    Raises:
+        UnsupportedError: an output is of double precision.
+    """
+    mesh = draw.draw.mesh
+    assert mesh is not None
+    given = _stored(draw, bindings, mesh, draw.draw.instances, capture)
+    return given if draw.draw.geometry is None else _emitted(draw, bindings, mesh, given, capture)
+
+
+def probe(
+    draw: PreparedDraw, bindings: Bindings, inputs: Mapping[str, Array], capture: Capture
+) -> Samples:
+    """Run the vertex stage on given inputs, each an array (count, components).
+
+    Raises:
+        UnsupportedError: a geometry stage follows, which takes whole primitives.
+    """
+    return _stored(draw, bindings, probed_mesh(draw.draw, inputs), 1, capture)
+
+
+def _stored(
+    draw: PreparedDraw, bindings: Bindings, mesh: Mesh, instances: int, capture: Capture
+) -> Samples:
+    text = {"vertex": draw.text("vertex") or ""}
+    parts = vertex_pieces(text["vertex"], draw.vertex_interface)
+    points = replace(draw, draw=replace(
+        draw.draw, mesh=replace(mesh.made(), indices=None, primitive="points"),
+        instances=instances, vertex_array=True, state=State(),
+    ))  # fmt: skip
+    got = capture(points, text, parts, bindings, mesh.vertices * instances)
+    return Samples(
+        inputs=vertex_inputs(mesh, instances), outputs={p.name + p.path: v for p, v in got.items()}
+    )
+
+
+def _emitted(
+    draw: PreparedDraw, bindings: Bindings, mesh: Mesh, given: Samples, capture: Capture
+) -> Samples:
+    texts = {
+        "vertex": stages.counting_vertex(draw.text("vertex") or ""),
+        "geometry": stages.counting_geometry(draw.text("geometry") or ""),
+    }
+    counters = [Piece(name, "", "int") for name in stages.EMITTED.values()]
+    parts = vertex_pieces(draw.text("geometry") or "", draw.interface)
+    plain = replace(draw, draw=replace(draw.draw, vertex_array=True, state=State()))
+    got = dict(capture(plain, texts, [*parts, *counters], bindings, None))
+    source = {
+        name: got.pop(counter) for name, counter in zip(stages.EMITTED, counters, strict=True)
+    }
+    which = corners(mesh)[source["gl_PrimitiveIDIn"][:, 0]]
+    first = source["gl_InstanceID"] * mesh.vertices
+    vertex = vertex_pieces(draw.text("vertex") or "", draw.vertex_interface)
+    outputs = {piece: given.outputs[piece.name + piece.path] for piece in vertex}
+    inputs: dict[str, Array] = dict(source)
+    for name, values in assembled(outputs).items():
+        for corner in range(which.shape[1]):
+            inputs[_of_corner(name, corner)] = values[(first + which)[:, corner]]
+    return Samples(inputs=inputs, outputs={p.name + p.path: v for p, v in got.items()})
+
+
+def _of_corner(name: str, corner: int) -> str:
+    """A vertex stage's output as a geometry shader has it of one vertex of its primitive."""
+    if name.startswith("gl_"):
+        return f"gl_in[{corner}].{name}"
+    return re.sub(r"^\w+", rf"\g<0>[{corner}]", name)
