@@ -22,13 +22,14 @@ from shaderlab.cli.options import (
     report_option,
 )
 from shaderlab.errors import CaseError, UsageError
+from shaderlab.files import display_path
 from shaderlab.options import Limits
 
 if TYPE_CHECKING:
     from rich.console import Console
 
     from shaderlab.execution.executor import LocalExecutor
-    from shaderlab.mutation import Campaign, CaseResult
+    from shaderlab.mutation import Campaign, CaseResult, MutationPlan, Subject
 
 
 @click.command("mutate", short_help="Make mistakes in cases' shaders; see which get by.")
@@ -78,6 +79,9 @@ def command(
     Of equivalent ones the compiler makes the same program; "no difference" is found in others, on
     wide random inputs too. These do not count.
 
+    Of a file of tests that load GLSL functions (glsl.load) the mutants are those of the functions
+    that the tests ask for, and a failing test kills.
+
     With --api a mutant is one call of OpenGL dropped, given another argument, repeated or put off.
     One that changes no pixel counts where the case has a gl_calls about such calls.
 
@@ -87,6 +91,7 @@ def command(
       shaderlab mutate --all --json scores.json   all cases
       shaderlab mutate mesh-class --api           calls of OpenGL in place of shaders
       shaderlab mutate ./my_case.py --limit 100   a sample
+      shaderlab mutate tests/test_lighting.py     which tests of functions notice
       shaderlab mutate gamma --report reports/latest
 
     Exit code: 0 measured, 1 a case fails as it is or --fail-under is not reached, 2 wrong usage.
@@ -96,8 +101,7 @@ def command(
     plan = MutationPlan(variants=variants, state=state, api=api, limit=limit, seed=seed)
     console = _console(json_file == "-")
     with contextlib.closing(make_local_executor(None, limits, workers, early=False)) as executor:
-        cases = _cases(targets, every, variants, executor)
-        campaign = Campaign(cases, plan, executor)
+        campaign = Campaign(_subjects(targets, every, plan, executor), executor)
         _judge(campaign, console)
     results = campaign.results()
     _show(console, results, "calls of OpenGL" if api else "shaders")
@@ -125,6 +129,28 @@ def _into_report(data: Mapping[str, Any], folder: Path) -> None:
     write_json(data, str(path))
     if (folder / store.FILE_NAME).is_file():
         click.echo(f"report: {html.write(store.load(folder), folder)}", err=True)
+
+
+def _subjects(
+    targets: Sequence[str], every: bool, plan: MutationPlan, executor: LocalExecutor
+) -> list[Subject]:
+    """The cases that are named, and the files of tests. Raises UsageError, CaseError."""
+    from shaderlab.cli.selecting import test_files, without_test_files
+    from shaderlab.mutation import CaseSubject
+
+    files = test_files(targets)
+    rest = without_test_files(targets, files)
+    found: list[Subject] = []
+    if rest or every or not files:
+        cases = _cases(rest, every, plan.variants, executor)
+        found += [CaseSubject(file, case_id, plan) for file, case_id in cases.items()]
+    if files:
+        from shaderlab.function_tests.mutants import TestSubject
+
+        if plan.api:
+            raise UsageError(f"--api is about cases, and {display_path(files[0])} has tests")
+        found += [TestSubject(file, display_path(file), plan) for file in files]
+    return found
 
 
 def _cases(
@@ -208,6 +234,10 @@ def _show(console: Console, results: Sequence[CaseResult], mutated: str) -> None
             console.print(f"\nsurvived in {result.id}:", style="bold", markup=False)
         for tried in result.survivors:
             console.print(f"  {tried.mutant}\n      {tried.fate.by}", markup=False)
+        if result.noticed:
+            console.print(f"\nnoticed in {result.id}, by test:", style="bold", markup=False)
+        for name, count in result.noticed.items():
+            console.print(f"  {count:>5}  {name}", markup=False)
     of_state = score(results, state=True)
     console.print(
         f"\nmistakes in {mutated} noticed: {_percent(score(results))}"

@@ -5,6 +5,7 @@ Case files are found by name and read, never imported here: executors load them.
 
 from __future__ import annotations
 
+import os
 import re
 from collections import Counter
 from collections.abc import Callable, Sequence
@@ -13,9 +14,10 @@ from pathlib import Path
 
 import click
 
-from shaderlab.discovery import case_files, place, shipped_cases
+from shaderlab.discovery import case_files, is_case_file, place, shipped_cases
 from shaderlab.errors import CaseError, UsageError, nearest
 from shaderlab.execution.jobs import CaseFacts, Job, jobs_of
+from shaderlab.function_tests.finding import function_tests, is_function_test
 
 Load = Callable[[Sequence[Path]], list[CaseFacts]]
 _WITH_VARIANT = re.compile(r"(?P<id>[^\[\]]+)\[(?P<variant>.*)\]")
@@ -71,6 +73,31 @@ def one(target: str, load: Load) -> tuple[CaseFacts, str]:
 def files_of(targets: Sequence[str]) -> list[Path]:
     """The case files of ids, case files and folders, each once. Raises UsageError."""
     return list(dict.fromkeys(file for target in targets for file, _ in wanted_files(target)))
+
+
+def test_files(targets: Sequence[str]) -> list[Path]:
+    """The files among these targets, and in the folders, with tests of GLSL functions; absolute."""
+    found: list[Path] = []
+    for target in targets:
+        path = Path(target)
+        if path.is_dir():
+            found += function_tests(path)
+        elif is_function_test(path) and not is_case_file(path):
+            found.append(path)
+    return list(dict.fromkeys(Path(os.path.abspath(path)) for path in found))
+
+
+def without_test_files(targets: Sequence[str], files: Sequence[Path]) -> list[str]:
+    """The targets that stand for cases: not the files of tests, nor folders with such alone."""
+
+    def has_cases(target: str) -> bool:
+        path = Path(os.path.abspath(target))
+        if path in files:
+            return False
+        inside = any(file.is_relative_to(path) for file in files)
+        return not inside or any(True for _ in case_files(path))
+
+    return [target for target in targets if has_cases(target)]
 
 
 def wanted_files(target: str) -> list[tuple[Path, str | None]]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import cached_property
 
 from tree_sitter import Language, Node, Parser
@@ -92,10 +92,10 @@ def arguments_of(call: Node) -> list[Node]:
     return [n for n in field(call, "arguments").named_children if n.type != "comment"]
 
 
-def reachable(file: Syntax) -> set[str]:
-    """Names of the functions that a shader's `main` reaches, its own included."""
+def reachable(file: Syntax, roots: Iterable[str] = ("main",)) -> set[str]:
+    """Names of the functions that a shader's `main` reaches, or others; their own included."""
     found: set[str] = set()
-    open_ends = ["main"]
+    open_ends = list(roots)
     while open_ends:
         name = open_ends.pop()
         if name not in found and name in file.functions:

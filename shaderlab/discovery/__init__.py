@@ -7,6 +7,7 @@ from shaderlab.discovery.case_files import (
     shipped_cases as shipped_cases,
     why_no_case as why_no_case,
 )
+from shaderlab.discovery.own_files import is_own as is_own
 from shaderlab.discovery.trees import (
     TREE_FILE as TREE_FILE,
     chapter_title as chapter_title,

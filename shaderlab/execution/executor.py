@@ -181,16 +181,22 @@ class ProcessExecutor(LocalExecutor):
 
 
 class InProcessExecutor(LocalExecutor):
-    """Runs jobs in this very process: nothing is isolated or limited, and debuggers work."""
+    """Runs jobs in this very process: nothing is isolated or limited, and debuggers work.
 
-    def __init__(self, driver: str | None = None) -> None:
+    Args:
+        driver: as in `shaderlab.backends.open_backend`.
+        worker: performs the requests; by default one of its own.
+    """
+
+    def __init__(self, driver: str | None = None, worker: LabWorker | None = None) -> None:
         self._driver = driver
+        self._given = worker
 
     @cached_property
     def _worker(self) -> LabWorker:
         from shaderlab.execution.lab_worker import LabWorker
 
-        return LabWorker()
+        return self._given or LabWorker()
 
     def about(self) -> About:
         """See `Executor`."""

@@ -6,9 +6,11 @@ import atexit
 import functools
 import os
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from shaderlab.backends import Evaluation
 from shaderlab.compiler.sources import Source
@@ -20,6 +22,9 @@ from shaderlab.functions.memory import SharedMemory
 from shaderlab.functions.requests import Evaluate, Preprocess
 from shaderlab.options import CALL_LIMITS
 from shaderlab.settings import settings_of
+
+if TYPE_CHECKING:
+    from shaderlab.execution.lab_worker import LabWorker
 
 
 class Caller:
@@ -84,8 +89,28 @@ class Caller:
         raise CallError(f"{what}: {result.message}")
 
 
-@functools.cache
+_CALLER: ContextVar[Caller | None] = ContextVar("_CALLER", default=None)
+
+
+@contextmanager
+def called_in(worker: LabWorker) -> Iterator[None]:
+    """Inside a worker: calls are made in this process, on its own device."""
+    driver = settings_of(Path.cwd()).driver
+    made = worker.keep("caller", driver, lambda: Caller(InProcessExecutor(driver, worker), driver))
+    token = _CALLER.set(made)
+    try:
+        yield
+    finally:
+        _CALLER.reset(token)
+
+
 def caller() -> Caller:
+    """What makes calls: inside `called_in` its worker, else this process's own."""
+    return _CALLER.get() or _own()
+
+
+@functools.cache
+def _own() -> Caller:
     """This process's own, started at the first call; SHADERLAB_JOBS=0 calls in this process."""
     executor: LocalExecutor
     settings = settings_of(Path.cwd())

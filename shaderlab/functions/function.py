@@ -12,9 +12,10 @@ from shaderlab.errors import CallError
 from shaderlab.functions import checking
 from shaderlab.functions.binding import Call, bound, replaced
 from shaderlab.functions.laws import Law
-from shaderlab.functions.notes import notes
+from shaderlab.functions.notes import Notes, notes
 from shaderlab.functions.running import evaluate
 from shaderlab.functions.signatures import Signature
+from shaderlab.functions.substitutes import loads
 
 
 class Function:
@@ -73,9 +74,7 @@ class Function:
             ShaderError: the function does not compile.
         """
         call = self.bind(*arguments, **named)
-        found = notes()
-        if found is not None:
-            found.add_call(self._source, checking.source_of_glsl(self, call))
+        self._note(call)
         return self.evaluate(call)
 
     def check(self, law: Law | Callable[..., Any], /, *arguments: Any, **named: Any) -> None:
@@ -95,12 +94,20 @@ class Function:
         __tracebackhide__ = True
         call = self.bind(*arguments, **named)
         outcome = checking.judged(self, law, call)
-        found = notes()
+        found = self._note(call)
         if found is not None:
-            found.add_call(self._source, checking.source_of_glsl(self, call))
             found.outcomes.append(replace(outcome, line=sys._getframe(1).f_lineno))
         if outcome.status != "pass":
             raise AssertionError(checking.text_of(self, call, outcome))
+
+    def _note(self, call: Call) -> Notes | None:
+        """Note a call for the test that runs, or that no test makes it."""
+        found = notes()
+        if found is not None:
+            found.add_call(self._source, checking.source_of_glsl(self, call))
+        elif (known := loads()) is not None:
+            known.called_outside.add(self._source.path)
+        return found
 
     def again(self, call: Call, values: Mapping[str, Any]) -> Any:
         """The results of a call with other values of some arguments, by name."""

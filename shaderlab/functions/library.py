@@ -18,6 +18,7 @@ from shaderlab.functions.calling import caller
 from shaderlab.functions.declarations import declarations
 from shaderlab.functions.function import Function
 from shaderlab.functions.signatures import Signature, signatures
+from shaderlab.functions.substitutes import loads
 from shaderlab.settings import settings_of
 
 # What a file without `#version` is read as. What it may need of later versions, the driver takes.
@@ -60,7 +61,8 @@ class Library:
     """
 
     def __init__(self, source: Source, folder: str, given: Mapping[str, Any]) -> None:
-        self._source = source
+        self._written = source
+        self._source = source if (known := loads()) is None else known.take(source)
         self._folder = folder
         self._given = dict(given)
 
@@ -79,6 +81,8 @@ class Library:
         if found is None:
             message = f"{self._source.path} has no function {name!r}"
             raise AttributeError(f"{message}\n  → {nearest(name, self._functions)}")
+        if (known := loads()) is not None:
+            known.use(self._written, name)
         return Function(self._read, found, self._folder, self._given)
 
     def __iter__(self) -> Iterator[Function]:

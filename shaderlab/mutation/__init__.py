@@ -1,7 +1,11 @@
 """Mutation: realistic mistakes made on purpose, to measure what a case's expectations notice."""
 
 from shaderlab.mutation.api_mutants import ApiMutant as ApiMutant, api_mutants as api_mutants
-from shaderlab.mutation.campaign import Campaign as Campaign
+from shaderlab.mutation.campaign import (
+    Campaign as Campaign,
+    CaseSubject as CaseSubject,
+    Subject as Subject,
+)
 from shaderlab.mutation.mutants import (
     Mutant as Mutant,
     ShaderMutant as ShaderMutant,
@@ -9,6 +13,7 @@ from shaderlab.mutation.mutants import (
 )
 from shaderlab.mutation.requests import (
     MutationPlan as MutationPlan,
+    chosen as chosen,
     mutants_of_case as mutants_of_case,
 )
 from shaderlab.mutation.results import (

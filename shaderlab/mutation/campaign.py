@@ -3,24 +3,60 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Protocol
 
 from shaderlab.errors import ShaderlabError
 from shaderlab.execution.executor import LocalExecutor, error_text
+from shaderlab.execution.jobs import Request
 from shaderlab.execution.pool import ItemResult
 from shaderlab.mutation.mutants import Mutant
 from shaderlab.mutation.requests import OPENING, JudgeMutant, MakeMutants, MutationPlan
 from shaderlab.mutation.results import CaseResult, Fate, Tried
 
 
-@dataclass
-class _CaseCampaign:
-    """The mutants of one case, and the fates of those that were judged."""
+class Subject(Protocol):
+    """What mistakes are made in, and what judges them: a case, say."""
+
+    @property
+    def file(self) -> Path:
+        """Its file; a worker keeps to the requests of one."""
+
+    @property
+    def id(self) -> str:
+        """What results call it."""
+
+    def make(self) -> Request:
+        """The request for its mutants."""
+
+    def judge(self, mutant: Mutant) -> Request:
+        """The request for a mutant's `Fate`."""
+
+
+@dataclass(frozen=True)
+class CaseSubject:
+    """A case as a subject."""
 
     file: Path
     id: str
+    plan: MutationPlan
+
+    def make(self) -> MakeMutants:
+        """See `Subject`."""
+        return MakeMutants(self.file, self.plan)
+
+    def judge(self, mutant: Mutant) -> JudgeMutant:
+        """See `Subject`."""
+        return JudgeMutant(self.file, self.plan.variants, mutant)
+
+
+@dataclass
+class _CaseCampaign:
+    """The mutants of one subject, and the fates of those that were judged."""
+
+    subject: Subject
     mutants: Sequence[Mutant] = ()
     fates: dict[int, Fate] = field(default_factory=dict)
     seconds: float = 0.0
@@ -28,34 +64,31 @@ class _CaseCampaign:
 
     def result(self) -> CaseResult:
         tried = tuple(Tried(self.mutants[i], fate) for i, fate in sorted(self.fates.items()))
-        return CaseResult(id=self.id, tried=tried, seconds=self.seconds, message=self.message)
+        return CaseResult(
+            id=self.subject.id, tried=tried, seconds=self.seconds, message=self.message
+        )
 
 
 class Campaign:
-    """Makes the mutants of some cases, then judges them.
+    """Makes the mutants of some cases, or other subjects, then judges them.
 
     Args:
-        cases: the case files, and each one's id.
-        plan: which mutants.
+        subjects: the cases.
         executor: performs everything; its time limit is that of one mutant.
 
     Raises:
         ShaderlabError: the mutants of a case can't be made, as a shader can't be read.
     """
 
-    def __init__(
-        self, cases: Mapping[Path, str], plan: MutationPlan, executor: LocalExecutor
-    ) -> None:
-        self._plan = plan
+    def __init__(self, subjects: Sequence[Subject], executor: LocalExecutor) -> None:
         self._executor = executor
-        files = list(cases)
-        self._cases = [_CaseCampaign(file, case_id) for file, case_id in cases.items()]
-        for result in executor.perform([MakeMutants(file, plan) for file in files]):
+        self._cases = [_CaseCampaign(subject) for subject in subjects]
+        for result in executor.perform([subject.make() for subject in subjects]):
             if result.status != "done":
                 if isinstance(result.value, ShaderlabError):
                     raise result.value
                 raise ShaderlabError(
-                    f"making the mutants: {error_text(result)}", file=files[result.number]
+                    f"making the mutants: {error_text(result)}", file=subjects[result.number].file
                 )
             self._cases[result.number].mutants = result.value
         self.total = sum(len(case.mutants) for case in self._cases)
@@ -64,16 +97,13 @@ class Campaign:
         """The id of a case and the fate of one of its mutants, for each as it is judged; None for
         those that are left out because the case does not pass unmutated."""
         waiting = {
-            (case.file, index): (case, index)
+            (case.subject.file, index): (case, index)
             for case in self._cases
             for index in range(len(case.mutants))
         }
         while waiting:
             batch = list(waiting.values())
-            requests = [
-                JudgeMutant(case.file, self._plan.variants, case.mutants[index])
-                for case, index in batch
-            ]
+            requests = [case.subject.judge(case.mutants[index]) for case, index in batch]
             results = self._executor.perform(requests, key=lambda request: request.file)
             with contextlib.closing(results):
                 for result in results:
@@ -82,13 +112,13 @@ class Campaign:
                     fate = _fate(result)
                     if fate is None:
                         case.message = _broken(result)
-                        for key in [key for key in waiting if key[0] == case.file]:
+                        for key in [key for key in waiting if key[0] == case.subject.file]:
                             del waiting[key]
-                            yield case.id, None
+                            yield case.subject.id, None
                         break  # no other worker shall open it
                     case.fates[index] = fate
-                    del waiting[case.file, index]
-                    yield case.id, fate
+                    del waiting[case.subject.file, index]
+                    yield case.subject.id, fate
 
     def results(self) -> list[CaseResult]:
         """What was found so far, a result for each case."""

@@ -100,7 +100,10 @@ class ShaderMutant(Mutant):
 
 
 def mutants_of(
-    source: Source, program: tuple[str, ...], operators: Iterable[Operator] | None = None
+    source: Source,
+    program: tuple[str, ...],
+    operators: Iterable[Operator] | None = None,
+    functions: Iterable[str] = ("main",),
 ) -> list[ShaderMutant]:
     """Every mutant of one stage of a program, in the order of its text; two ways to the same text
     count once. Functions that its `main` does not reach are left alone.
@@ -110,16 +113,17 @@ def mutants_of(
         program: the names of the program's shaders.
         operators: kinds of mistakes; all of `shaderlab.mutation.operators.all_operators` by
             default.
+        functions: the names of those that are called from outside, in place of `main`.
     """
     if operators is None:
         from shaderlab.mutation.operators import all_operators
 
         operators = all_operators()
     file = Syntax(source.text, source.stage)
-    names, functions, chosen = names_of(file), reachable(file), tuple(operators)
+    names, reached, chosen = names_of(file), reachable(file, functions), tuple(operators)
     found: dict[str, ShaderMutant] = {}
     for node in walk(file.root):
-        if _is_left_alone(node, file, functions):
+        if _is_left_alone(node, file, reached):
             continue
         for operator in chosen:
             for kind, shown, old, new in operator(node, file, names):

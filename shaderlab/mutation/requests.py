@@ -60,7 +60,7 @@ class MakeMutants:
         from shaderlab.mutation.api_mutants import api_mutants
 
         lab = worker.lab(RunOptions())
-        return _chosen(api_mutants(lab, case, self.plan.seed, self.plan.variants), self.plan)
+        return chosen(api_mutants(lab, case, self.plan.seed, self.plan.variants), self.plan)
 
 
 @dataclass(frozen=True)
@@ -99,12 +99,12 @@ def mutants_of_case(case: Case, plan: MutationPlan) -> list[Mutant]:
     found: list[Mutant] = [*glsl_mutants(case, plan.variants)]
     if plan.state:
         found += state_mutants(case, plan.seed, plan.variants)
-    return _chosen(found, plan)
+    return chosen(found, plan)
 
 
-def _chosen(found: Sequence[Mutant], plan: MutationPlan) -> list[Mutant]:
-    """As many of these, in their order, as the plan's limit allows."""
+def chosen(found: Sequence[Mutant], plan: MutationPlan) -> list[Mutant]:
+    """As many of these, in their order, as a plan's limit allows."""
     if not plan.limit or plan.limit >= len(found):
         return list(found)
-    chosen = random.Random(plan.seed).sample(range(len(found)), plan.limit)
-    return [found[i] for i in sorted(chosen)]
+    numbers = random.Random(plan.seed).sample(range(len(found)), plan.limit)
+    return [found[i] for i in sorted(numbers)]

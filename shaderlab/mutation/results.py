@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from shaderlab.mutation.mutants import Mutant
@@ -23,11 +23,13 @@ class Fate:
             input was found that tells it from the original; "invalid" where a compiler refuses it.
         by: the variant and expectation that killed it, or what else there is to say.
         unread: whether it survived because no expectation reads what changes.
+        noticed: of a file of tests, whether each test notices it.
     """
 
     status: Status
     by: str = ""
     unread: bool = False
+    noticed: Mapping[str, bool] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -66,6 +68,15 @@ class CaseResult:
         return [t for t in self.tried if t.fate.status == status]
 
     @property
+    def noticed(self) -> dict[str, int]:
+        """Of a file of tests, how many mutants each test notices."""
+        found: dict[str, int] = {}
+        for tried in self.tried:
+            for name, failed in tried.fate.noticed.items():
+                found[name] = found.get(name, 0) + failed
+        return found
+
+    @property
     def score(self) -> float | None:
         """Shader mutants killed, of killed and survived; None of nothing."""
         return score([self])
@@ -99,6 +110,7 @@ def as_json(results: Sequence[CaseResult]) -> dict[str, Any]:
                 "killed_in_state": sum(
                     t.of_state and t.fate.status == "killed" for t in result.tried
                 ),
+                **({"noticed": result.noticed} if result.noticed else {}),
                 "seconds": round(result.seconds, 3),
                 **({"message": result.message} if result.message else {}),
             }

@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 import contextlib
-import functools
 import importlib.util
 import os
 import sys
-import sysconfig
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from shaderlab.compiler.compile_cache import cache_folder
-
-_SYSTEM = ("/proc", "/dev", "/sys", "/etc")
-_LIBRARIES = ("stdlib", "platstdlib", "purelib", "platlib")
+from shaderlab.discovery import is_own
 
 
 class OpenedFiles:
@@ -46,19 +41,6 @@ class OpenedFiles:
         name, _, flags = arguments
         if isinstance(name, str | bytes) and flags & os.O_ACCMODE == os.O_RDONLY:
             self._names.add(os.fsdecode(name))
-
-
-def is_own(path: Path) -> bool:
-    """Whether a file belongs to a project: not to Python, to a package, to the system, or to the
-    compile cache."""
-    return not any(map(path.is_relative_to, _foreign()))
-
-
-@functools.cache
-def _foreign() -> tuple[str | Path, ...]:
-    package = Path(__file__).resolve().parents[1]
-    libraries = [sysconfig.get_path(name) for name in _LIBRARIES]
-    return (package, *libraries, *_SYSTEM, *filter(None, [cache_folder()]))
 
 
 def _source(name: str) -> Path:

@@ -7,13 +7,12 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from shaderlab.discovery import imported_files
+from shaderlab.discovery import imported_files, is_own
 from shaderlab.errors import CaseError
 from shaderlab.execution.executor import LocalExecutor
 from shaderlab.execution.jobs import CaseFacts, Job, failed_record
 from shaderlab.options import RunOptions
 from shaderlab.records import Record
-from shaderlab.watching.opened import is_own
 from shaderlab.watching.requests import LoadWatched, RunWatched
 
 Select = Callable[[Sequence[CaseFacts]], Sequence[Job]]

@@ -18,6 +18,7 @@ from shaderlab.evaluation import Lab
 from shaderlab.execution import ProcessExecutor
 from shaderlab.mutation import (
     Campaign,
+    CaseSubject,
     Fate,
     MutationPlan,
     ShaderMutant,
@@ -440,7 +441,7 @@ def test_what_hangs_or_crashes_is_killed_and_the_rest_goes_on(folder: Path) -> N
     file.write_text(file.read_text() + TROUBLE)
     plan = MutationPlan(state=False)
     with contextlib.closing(ProcessExecutor(limits=Limits(seconds=60.0), workers=2)) as executor:
-        campaign = Campaign({file: "law"}, plan, executor)
+        campaign = Campaign([CaseSubject(file, "law", plan)], executor)
         told = list(campaign.judge())
     (result,) = campaign.results()
     assert len(told) == campaign.total == len(result.tried) == len(expected)
@@ -465,7 +466,8 @@ def test_a_case_that_dies_unmutated_is_not_opened_for_each_mutant(folder: Path) 
     )
     with contextlib.closing(ProcessExecutor(workers=1)) as executor:
         files = {folder / "dies.py": "dies", folder / "law.py": "law"}
-        campaign = Campaign(files, MutationPlan(limit=5), executor)
+        plan = MutationPlan(limit=5)
+        campaign = Campaign([CaseSubject(f, i, plan) for f, i in files.items()], executor)
         told = list(campaign.judge())
     broken, good = campaign.results()
     assert "does not run to its end: the process died: exit status 3" in broken.message

@@ -21,7 +21,7 @@ ORDER = (
     "compiler", "interpreter", "equivalence", "audit", "programs", "backends", "judging",
     "expectations", "discovery", "settings", "catalogue", "evaluation", "report", "execution",
     "mutation", "code_coverage", "functions", "glsl",
-    "watching", "doctor", "pytest_plugin", "cli", "__main__", "__init__",
+    "pytest_plugin", "function_tests", "watching", "doctor", "cli", "__main__", "__init__",
 )  # fmt: skip
 
 Import = tuple[int, str, str]

@@ -1,0 +1,25 @@
+"""Tells a project's own files from those of Python, of packages and of the system."""
+
+from __future__ import annotations
+
+import functools
+import sysconfig
+from pathlib import Path
+
+from shaderlab.compiler.compile_cache import cache_folder
+
+_SYSTEM = ("/proc", "/dev", "/sys", "/etc")
+_LIBRARIES = ("stdlib", "platstdlib", "purelib", "platlib")
+
+
+def is_own(path: Path) -> bool:
+    """Whether a file belongs to a project: not to Python, to a package, to the system, or to the
+    compile cache."""
+    return not any(map(path.is_relative_to, _foreign()))
+
+
+@functools.cache
+def _foreign() -> tuple[str | Path, ...]:
+    package = Path(__file__).resolve().parents[1]
+    libraries = [sysconfig.get_path(name) for name in _LIBRARIES]
+    return (package, *libraries, *_SYSTEM, *filter(None, [cache_folder()]))
