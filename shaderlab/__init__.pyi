@@ -20,6 +20,7 @@ from .expectations.inactive_uniforms import inactive_uniforms as inactive_unifor
 from .expectations.mean_of import mean_of as mean_of
 from .expectations.measure import measure as measure
 from .expectations.monotone import monotone as monotone
+from .expectations.portable import portable as portable
 from .expectations.query import query as query
 from .expectations.readings import reading as reading
 from .expectations.refused import refused as refused

@@ -8,5 +8,11 @@ A hazard is shown by an invocation: in float32 an instruction's operands are one
 defines no result there, and an output depends on what the instruction gives.
 """
 
-from shaderlab.audit.auditing import Plan as Plan, audit_program as audit_program
+from shaderlab.audit.auditing import (
+    Plan as Plan,
+    audit_program as audit_program,
+    spread as spread,
+    widest as widest,
+)
 from shaderlab.audit.hazard import Audit as Audit, Hazard as Hazard
+from shaderlab.audit.portability import Spread as Spread

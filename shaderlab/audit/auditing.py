@@ -11,15 +11,19 @@ from shaderlab.audit.checks import INDEX, OVERFLOW
 from shaderlab.audit.consequences import depending, reached_by_0
 from shaderlab.audit.divergence import divergent
 from shaderlab.audit.hazard import Audit, Hazard
+from shaderlab.audit.mediump import mediump
 from shaderlab.audit.population import DRAWN, EQUAL
+from shaderlab.audit.portability import Spread, portability, sample
 from shaderlab.audit.searching import Hunt, Witness, watched, witnesses_of
 from shaderlab.audit.undefined import undefined_values
 from shaderlab.equivalence.comparison import example
-from shaderlab.equivalence.given import Given
+from shaderlab.equivalence.given import Given, merged
 from shaderlab.equivalence.interface import Input, declared_ranges, inputs_of
 from shaderlab.equivalence.roles import Role, roles_of, unknown_names
 from shaderlab.errors import UsageError, nearest
 from shaderlab.interpreter import Program
+
+_MOST = 16_384  # invocations that a case's draws give, of those with the same textures
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,10 +33,12 @@ class Plan:
     Attributes:
         ranges: "a..b", "a:b" or "unit" for inputs, by name.
         count: invocations that are drawn at random.
+        precision: whether it is asked how far devices may differ, at highp and at mediump.
     """
 
     ranges: Mapping[str, str] = field(default_factory=dict)
     count: int = 4096
+    precision: bool = False
 
 
 def audit_program(
@@ -55,6 +61,7 @@ def audit_program(
     for name in unknown_names(list(plan.ranges), inputs):
         raise UsageError(f"the shader does not read {name!r}", remedy=nearest(name, inputs))
     if captured:
+        captured = merged(captured, program, _MOST)
         witnesses = [
             witness
             for given in captured
@@ -72,12 +79,40 @@ def audit_program(
     for given in sets:
         hazards += undefined_values(program, given, inputs)
         hazards += divergent(program, given, inputs, made_up=not captured)
+    spreads = (
+        [s for given in sets for s in spread(program, given, inputs)] if plan.precision else []
+    )
     return Audit(
         file="" if program.source is None else program.source.path,
         hazards=tuple(_distinct(hazards)),
         tried=tried,
         inputs=_in_words(roles, inputs, captured),
+        spreads=tuple(widest(spreads)),
     )
+
+
+def spread(
+    program: Program,
+    given: Given,
+    inputs: Mapping[str, Input],
+    precisions: Sequence[str] = ("highp", "mediump"),
+) -> list[Spread]:
+    """How far devices may differ at each float output, on some of the invocations."""
+    some = sample(given)
+    found = portability(program, some, inputs) if "highp" in precisions else []
+    if "mediump" in precisions and program.stage == "fragment":
+        found += mediump(program, some, inputs)
+    return found
+
+
+def widest(spreads: Sequence[Spread]) -> list[Spread]:
+    """The widest of each output and precision."""
+    found: dict[tuple[str, str], Spread] = {}
+    for one in spreads:
+        known = found.setdefault((one.output, one.precision), one)
+        if (one.codes, one.ulp) > (known.codes, known.ulp):
+            found[one.output, one.precision] = one
+    return list(found.values())
 
 
 def _in_words(

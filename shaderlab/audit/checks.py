@@ -12,6 +12,8 @@ from typing import Any
 
 import numpy as np
 
+FLOATS = frozenset({12, *range(127, 149)})
+"""The opcodes of arithmetic on floats, and of GLSL.std.450."""
 _EXTENDED = 12
 _INT, _UINT = (-(2.0**31), 2.0**31), (-1.0, 2.0**32)
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from shaderlab.audit.checks import FLOATS, arguments_of
 from shaderlab.audit.watching import Place, run_watched
 from shaderlab.bands import Integer
 from shaderlab.equivalence.comparing import flattened
@@ -18,24 +19,27 @@ from shaderlab.interpreter.memory import World
 from shaderlab.interpreter.program import Instruction
 from shaderlab.interpreter.running import Run, Watch
 
-_VALUES = (0.37, 41.0, -2.6, 7.5e3)
+_VALUES = (None, 0.37, 41.0, -2.6, 7.5e3)
 _STAND_IN = 0.5
 _DISCARDED = "discard"
 
 
 @dataclass(frozen=True)
 class _Replacing:
-    """A `Watch` that gives an instruction another result; and a number for any other result that
-    is none, which would hide what depends on this one."""
+    """A `Watch` that gives an instruction another result, or leaves it as it is with None. Other
+    results that are no number although all operands are become one: they would hide what depends
+    on this one."""
 
     place: Place
-    value: float
+    value: float | None
 
     def __call__(self, run: Run, at: Instruction, world: World, result: Any) -> Any:
         if at.id == self.place.id and tuple(run.calls) == self.place.calls:
-            return _other(result, self.value)
-        if isinstance(result, np.ndarray) and not np.isfinite(result).all():
-            return np.where(np.isfinite(result), result, np.float32(_STAND_IN))
+            return result if self.value is None else _other(result, self.value)
+        if isinstance(result, np.ndarray) and at.op in FLOATS and not np.isfinite(result).all():
+            values = run.values(arguments_of(at.op, at.operands))
+            if all(np.isfinite(v).all() for v in values if isinstance(v, np.ndarray)):
+                return np.where(np.isfinite(result), result, np.float32(_STAND_IN))
         return result
 
 

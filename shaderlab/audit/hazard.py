@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from shaderlab.audit.portability import Spread
 from shaderlab.equivalence.answer import shown
 from shaderlab.files import display_path
 
@@ -69,6 +70,7 @@ class Audit:
         tried: how many invocations were run.
         inputs: what each input was given, in words, by name.
         refused: why nothing can be said of it, if so.
+        spreads: how far devices may differ at each output, if that was asked for.
     """
 
     file: str
@@ -76,6 +78,7 @@ class Audit:
     tried: int
     inputs: Mapping[str, str] = field(default_factory=dict)
     refused: str = ""
+    spreads: tuple[Spread, ...] = ()
 
     @property
     def clean(self) -> bool | None:
@@ -89,6 +92,7 @@ class Audit:
         if self.refused:
             yield f"can't say: {self.refused}"
             return
+        yield from map(str, self.spreads)
         evident = [hazard for hazard in self.hazards if hazard.evident]
         yield from map(str, self.hazards if possible else evident)
         text = f"{len(evident) or 'no'} hazard{'' if len(evident) == 1 else 's'}"
@@ -106,6 +110,7 @@ class Audit:
             "tried": self.tried,
             "inputs": dict(self.inputs),
             "refused": self.refused,
+            "spreads": [spread.data() for spread in self.spreads],
         }
 
 

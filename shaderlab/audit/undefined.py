@@ -30,6 +30,7 @@ from shaderlab.interpreter.values import null
 READ, UNWRITTEN = "uninitialised read", "output not written"
 _UNDEFINED, _VARIABLE, _LOAD = 1, 59, 61
 _VALUES = (0.21, 3.4)
+_ARGUMENT = "param"  # what glslang calls the copy of an argument
 _INTERFACE = ("gl_",)  # built-in outputs need no value, but for gl_FragDepth
 
 
@@ -150,8 +151,8 @@ def _read(
     for watch in watches:
         _run(program, some, watch)
     file, line = program.place(program.definitions[id_].line)
-    for (at, _, a), (_, _, b) in zip(*(watch.loads for watch in watches), strict=False):
-        if not np.array_equal(a, b, equal_nan=True):
+    for (at, name, a), (_, _, b) in zip(*(watch.loads for watch in watches), strict=False):
+        if name != _ARGUMENT and not np.array_equal(a, b, equal_nan=True):
             file, line = program.place(at)
             break
     name = program.name(id_) or "a function's result"

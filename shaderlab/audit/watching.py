@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.audit.checks import CHECKS, INDEX, OVERFLOW, Check, arguments_of, number_of
+from shaderlab.audit.checks import CHECKS, FLOATS, INDEX, OVERFLOW, Check, arguments_of, number_of
 from shaderlab.bands import Integer
 from shaderlab.equivalence.given import Given
 from shaderlab.frame import Array
@@ -20,7 +20,6 @@ from shaderlab.interpreter.running import Run, Watch
 
 _ACCESS = (65, 66)  # OpAccessChain, OpInBoundsAccessChain
 _DYNAMIC = {77: 1, 78: 2}  # OpVectorExtractDynamic, OpVectorInsertDynamic: where the index is
-_FLOATS = frozenset({12, *range(127, 149)})
 _SIZED = ("vector", "matrix", "array")
 
 
@@ -66,7 +65,7 @@ class Watcher:
     def __call__(self, run: Run, at: Instruction, world: World, result: Any) -> Any:
         """See `shaderlab.interpreter.running.Watch`."""
         checks = CHECKS.get(number_of(at.op, at.operands), ())
-        if checks or at.op in _FLOATS:
+        if checks or at.op in FLOATS:
             values = [numbers(v) for v in run.values(arguments_of(at.op, at.operands))]
             if all(v is not None for v in values):
                 known = np.zeros(1, np.bool_)

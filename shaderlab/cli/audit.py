@@ -36,6 +36,10 @@ NO_ANSWER = USAGE
 @click.argument("targets", nargs=-1, required=True, metavar="FILE | FOLDER | ID | CASE.py…")
 @RANGES
 @click.option("--possible", is_flag=True, help="Print what no input was found for, too.")
+@click.option(
+    "--precision", is_flag=True,
+    help="Say how far conforming devices may differ at each output, and devices at mediump.",
+)  # fmt: skip
 @click.option("--inputs", "show_inputs", is_flag=True, help="Print what each input was given.")
 @click.option("--stage", type=click.Choice(STAGES), help="Of all files, whatever they are called.")
 @INCLUDE
@@ -48,6 +52,7 @@ def command(
     targets: tuple[str, ...],
     ranges: dict[str, str],
     possible: bool,
+    precision: bool,
     show_inputs: bool,
     stage: str | None,
     includes: tuple[Path, ...],
@@ -81,7 +86,9 @@ def command(
     workers = 1 if workers is None else workers
     with contextlib.closing(make_local_executor(driver, limits, workers, early=False)) as executor:
         options = RunOptions(driver=driver, include=includes, limits=limits)
-        requests = list(_requests(targets, Plan(ranges=ranges), stage, options))
+        requests = list(
+            _requests(targets, Plan(ranges=ranges, precision=precision), stage, options)
+        )
         for audit in _audits(executor.perform(requests)):
             audits.append(audit)
             for line in audit.lines(possible):

@@ -36,7 +36,7 @@ class Op:
 class Decoration:
     """The decorations that an interface depends on."""
 
-    SPEC_ID = 1
+    RELAXED_PRECISION, SPEC_ID = 0, 1
     BLOCK, BUFFER_BLOCK, ROW_MAJOR = 2, 3, 4
     ARRAY_STRIDE, MATRIX_STRIDE, BUILT_IN, NO_PERSPECTIVE, FLAT = 6, 7, 11, 13, 14
     LOCATION, BINDING, DESCRIPTOR_SET, OFFSET = 30, 33, 34, 35

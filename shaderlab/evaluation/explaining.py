@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.bands import Band
 from shaderlab.bands.rounding import ulp
 from shaderlab.errors import UsageError
 from shaderlab.evaluation.driver_values import DriverValues, driver_values
@@ -16,6 +15,7 @@ from shaderlab.evaluation.evaluation import Evaluation
 from shaderlab.evaluation.interpreting import Invocations, fragments
 from shaderlab.frame import PassDraw
 from shaderlab.interpreter import FLOAT32, FLOAT64, Arithmetic, Bands, Stored, interpret
+from shaderlab.interpreter.losing import is_vector, lost, row_of, width
 from shaderlab.judging.formats import stored
 from shaderlab.records import Explanation, Step
 
@@ -100,7 +100,7 @@ def _leaves(
     if state.blend or state.srgb or target.samples or not all(state.color_mask):
         return False
     for name, band in bands.outputs.items():
-        if name in given.measured and _is_vector(band):
+        if name in given.measured and is_vector(band):
             measured = given.measured[name][row : row + 1]
             components = min(measured.shape[-1], band.shape[-1])
             allowed = stored(band[row : row + 1, :components], given.formats[name], components)
@@ -116,13 +116,13 @@ def steps_at(given: Invocations, bands: Trace, driver: DriverValues, row: int) -
     last = {(line, name): key for key in banded for line, _, name, _ in [key]}
     steps = []
     for key, event in banded.items():
-        if not _is_vector(event.value) or key not in single or key not in exact:
+        if not is_vector(event.value) or key not in single or key not in exact:
             continue
-        value, measured = _row(single[key].value, row), False
+        value, measured = row_of(single[key].value, row), False
         slot = (event.line, event.name)
         if slot in driver.values and last[slot] == key and driver.values[slot][1][row]:
             value, measured = driver.values[slot][0][row].astype(np.float64), True
-        steps.append(_step(given, event, value, measured, _row(exact[key].value, row), row))
+        steps.append(_step(given, event, value, measured, row_of(exact[key].value, row), row))
     return tuple(steps)
 
 
@@ -130,13 +130,9 @@ def _step(
     given: Invocations, event: Stored, value: Any, measured: bool, exact: Any, row: int
 ) -> Step:
     file, line = given.program.place(event.line)
-    low, high = _row(event.value.lo, row), _row(event.value.hi, row)
+    low, high = row_of(event.value.lo, row), row_of(event.value.hi, row)
     with np.errstate(all="ignore"):
         off = np.nanmax(np.abs(value - exact) / ulp(exact), initial=0.0)
-    width, reads = _width(event.value, row), [v for v in event.reads if _is_vector(v)]
-    # 1 - x that may be 0 has no size of its own: what it is made of has.
-    scale = max((_size(v, row) for v in reads), default=0.0)
-    lost = _width(event.value, row, scale) - max((_width(v, row) for v in reads), default=0.0)
     return Step(
         file=file,
         line=line,
@@ -148,35 +144,9 @@ def _step(
         low=tuple(map(float, low)),
         high=tuple(map(float, high)),
         off=float(off),
-        width=width,
-        lost=max(lost, 0.0) if np.isfinite(width) else width,
+        width=width(event.value, row),
+        lost=lost(event, row),
     )
-
-
-def _is_vector(value: Any) -> bool:
-    return isinstance(value, Band) and value.ndim == 2
-
-
-def _size(band: Band, row: int) -> float:
-    """The largest absolute value that a band allows."""
-    return float(np.maximum(np.abs(_row(band.lo, row)), np.abs(_row(band.hi, row))).max())
-
-
-def _width(band: Band, row: int, scale: float = 0.0) -> float:
-    """A band's width in ULP of its larger bound, or of `scale` where it holds 0 and that is larger;
-    in the component where that is most."""
-    low, high = _row(band.lo, row), _row(band.hi, row)
-    with np.errstate(all="ignore"):
-        size = np.maximum(np.abs(low), np.abs(high))
-        unit = ulp(np.where((low <= 0.0) & (high >= 0.0), np.maximum(size, scale), size))
-        found = np.where(high == low, 0.0, (high - low) / unit)
-    return float(np.nan_to_num(found, nan=np.inf).max())
-
-
-def _row(values: Any, row: int) -> Any:
-    """One row of what has a row for each invocation, or one for all."""
-    array = np.asarray(values, np.float64)
-    return array[row if len(array) > 1 else 0]
 
 
 def widest_pixel(evaluation: Evaluation, key: PassDraw, most: int = 1024) -> tuple[int, int]:
@@ -196,7 +166,7 @@ def widest_pixel(evaluation: Evaluation, key: PassDraw, most: int = 1024) -> tup
     )
     widths = np.zeros(given.count)
     for band in result.outputs.values():
-        if _is_vector(band):
+        if is_vector(band):
             with np.errstate(all="ignore"):
                 unit = ulp(np.maximum(np.abs(band.lo), np.abs(band.hi)))
                 found = np.nan_to_num((band.hi - band.lo) / unit, nan=0.0, posinf=0.0)

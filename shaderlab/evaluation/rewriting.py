@@ -93,6 +93,10 @@ def _given(evaluation: Evaluation, key: PassDraw, stage: str) -> Iterator[Given]
     """What a draw gives a stage, if that can be captured."""
     bindings = evaluation.drawn.bindings[key]
     if stage == "vertex":
-        yield given_vertices(evaluation.answer(CapturedVertices(key)), bindings, _MOST)
+        vertices = CapturedVertices(key)
+        yield given_vertices(evaluation.answer(vertices), bindings, _MOST)
+        del evaluation.answers[vertices]  # of many draws, all are more than fits into memory
     elif stage == "fragment":
-        yield given_fragments(evaluation.answer(CapturedFragments(key)), bindings, _MOST)
+        fragments = CapturedFragments(key)
+        yield given_fragments(evaluation.answer(fragments), bindings, _MOST)
+        del evaluation.answers[fragments]

@@ -55,7 +55,9 @@ def type_check(hint: Any) -> Check:
     if origin in UNIONS:
         return _union(hint, [type_check(one) for one in inner])
     if origin is typing.Literal:
-        return _predicate(hint, lambda value: value in inner)
+        kinds = tuple({type(one) for one in inner})
+        # An array can't be compared with a word.
+        return _predicate(hint, lambda value: isinstance(value, kinds) and value in inner)
     if kind in SCALARS:
         return _instance(hint, SCALARS[kind][0])
     if kind is np.ndarray:

@@ -190,3 +190,40 @@ def test_what_can_not_be_audited_is_status_2(tmp_path: Path) -> None:
     status, output = run(tmp_path, "undeclared")
     assert status == 2
     assert "can't say: " in output and "undeclared" in output
+
+
+def test_where_precision_is_lost_is_named() -> None:
+    body = "    float big = 1000.0 + y;\n    float small = big - 1000.0;\n"
+    body += "    FragColor = vec4(small);"
+    source = f"{_START}{body}\n}}\n"
+    program = load(Shaders([Path()], overrides={"a.frag": source}).load("a.frag", "fragment"))
+    highp, mediump = audit_program(program, Plan(precision=True)).spreads
+    assert (highp.precision, highp.line) == ("highp", 15)
+    assert 0.01 < highp.codes < 1.0
+    assert (mediump.precision, mediump.line) == ("mediump", 15)
+    assert mediump.codes > 50.0  # 1000 + y has steps of a half there
+    plain = audit("y", ()).spreads
+    assert plain == ()
+
+
+def test_what_is_declared_highp_stays_so() -> None:
+    text = """#version 310 es
+precision mediump float;
+in PRECISION vec2 uv; // range: 0..1
+out vec4 FragColor;
+void main()
+{
+    highp float big = 1000.0 + uv.x;
+    FragColor = vec4(big - 1000.0);
+}
+"""
+    codes = []
+    for word in ("highp", "mediump"):
+        overrides = {"a.frag": text.replace("PRECISION", word)}
+        program = load(Shaders([Path()], overrides=overrides).load("a.frag", "fragment"))
+        (found,) = [
+            s for s in audit_program(program, Plan(precision=True)).spreads
+            if s.precision == "mediump"
+        ]  # fmt: skip
+        codes.append(found.codes)
+    assert codes[0] < 5.0 and codes[1] > 50.0
