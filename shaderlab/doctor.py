@@ -133,11 +133,12 @@ def _bands() -> Finding:
 def _compile_cache() -> Finding:
     """Where the compile cache is, and how large."""
     from .compiler.cache_store import Store
-    from .compiler.compile_cache import FOLDER_VARIABLE, cache_folder
+    from .compiler.compile_cache import cache_folder
+    from .files import CACHE_VARIABLE
 
     folder = cache_folder()
     if folder is None:
-        found = f"no cache: {FOLDER_VARIABLE} is empty, or there is no home folder"
+        found = f"no cache: {CACHE_VARIABLE} is empty, or there is no home folder"
     else:
         usage = Store(folder).usage()
         found = f"{usage.entries} files, {usage.size / 1e6:.1f} MB in {folder}"

@@ -24,6 +24,27 @@ NO_ROOM = (errno.ENOSPC, errno.EDQUOT)
 _HELD = (errno.EACCES, errno.EPERM, errno.EROFS, errno.EBUSY)
 
 
+CACHE_VARIABLE = "SHADERLAB_CACHE_DIR"
+
+
+def cache_root() -> Path | None:
+    """The folder for what is kept from one command to the next: SHADERLAB_CACHE_DIR, or else one
+    in the user's cache folder.
+
+    None if the variable is empty or the user has no home folder.
+    """
+    configured, base = os.environ.get(CACHE_VARIABLE), os.environ.get("XDG_CACHE_HOME", "")
+    if configured == "":
+        return None
+    try:
+        if configured is not None:
+            return Path(configured).expanduser().absolute()
+        caches = Path(base) if os.path.isabs(base) else Path.home() / ".cache"
+    except (OSError, RuntimeError):  # no such user, no home, no working directory
+        return None
+    return caches / "shaderlab"
+
+
 @contextmanager
 def replacing(path: str | Path) -> Iterator[Path]:
     """A path in the same folder to write to, which replaces `path` when the block ends.

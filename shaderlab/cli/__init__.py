@@ -20,21 +20,21 @@ USAGE = 2
 INTERRUPTED = 130
 """Exit statuses; a command returns one."""
 
-# Each command's module in this package.
+# Each command's module in this package, and what it does, which `--help` says without importing it.
 COMMANDS = {
-    "list": "list_cases",
-    "run": "run",
-    "watch": "watch",
-    "sweep": "sweep",
-    "compile": "compile",
-    "explain": "explain",
-    "diff": "diff",
-    "audit": "audit",
-    "mutate": "mutate",
-    "report": "reporting",
-    "init": "init",
-    "new": "new",
-    "doctor": "doctor",
+    "list": ("list_cases", "The cases there are."),
+    "run": ("run", "Run cases, judge them, write the report."),
+    "watch": ("watch", "Judge again what depends on a saved file."),
+    "sweep": ("sweep", "Run one case over a grid of inputs; a table and plots."),
+    "compile": ("compile", "Only ask the compilers."),
+    "explain": ("explain", "What each line of a shader computes at a pixel."),
+    "diff": ("diff", "Is a rewritten shader the same one?"),
+    "audit": ("audit", "What may go wrong in a shader, without a reference."),
+    "mutate": ("mutate", "Make mistakes in cases' shaders; see which get by."),
+    "report": ("reporting", "Make a run's pages again."),
+    "init": ("init", "Settings, a CI workflow and a .gitignore line for a repository."),
+    "new": ("new", "First tests for the functions of a shader."),
+    "doctor": ("doctor", "What is there, what is missing, how to get it."),
 }
 
 
@@ -47,9 +47,13 @@ class Commands(click.Group):
     def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
         if name not in COMMANDS:
             return None
-        module = importlib.import_module(f".{COMMANDS[name]}", __name__)
+        module = importlib.import_module(f".{COMMANDS[name][0]}", __name__)
         command: click.Command = module.command
         return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, does) for name, (_, does) in COMMANDS.items()])
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]

@@ -32,7 +32,7 @@ NO_ANSWER = USAGE
 """The exit status where it can't be said of a shader, for whatever reason."""
 
 
-@click.command("audit", short_help="What may go wrong in a shader, without a reference.")
+@click.command("audit")
 @click.argument("targets", nargs=-1, required=True, metavar="FILE | FOLDER | ID | CASE.py…")
 @RANGES
 @click.option("--possible", is_flag=True, help="Print what no input was found for, too.")

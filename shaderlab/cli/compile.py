@@ -31,7 +31,7 @@ _FILES_PER_WORKER = 500
 _MOST_WORKERS = 4
 
 
-@click.command("compile", short_help="Only ask the compilers.")
+@click.command("compile")
 @click.argument("paths", nargs=-1, required=True, metavar="PATH…")
 @TARGET
 @click.option("--stage", type=click.Choice(STAGES), help="Of every file, whatever its name says.")

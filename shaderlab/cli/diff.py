@@ -27,7 +27,7 @@ NO_ANSWER = USAGE
 """The exit status where it can't be said, for whatever reason."""
 
 
-@click.command("diff", short_help="Is a rewritten shader the same one?")
+@click.command("diff")
 @click.argument("old", type=click.Path(path_type=Path))
 @click.argument("new", type=click.Path(path_type=Path), required=False)
 @click.option(

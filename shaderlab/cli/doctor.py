@@ -11,7 +11,7 @@ from shaderlab.cli.files import write_json
 from shaderlab.cli.options import JSON
 
 
-@click.command("doctor", short_help="What is there, what is missing, how to get it.")
+@click.command("doctor")
 @JSON
 def command(json_file: str | None) -> int:
     """Look at everything shaderlab needs: Python, packages, the compilers, the OpenGL driver.

@@ -28,7 +28,7 @@ def _pixel(context: click.Context, option: click.Parameter, text: str | None) ->
     return int(parts[0]), int(parts[1])
 
 
-@click.command("explain", short_help="What each line of a shader computes at a pixel.")
+@click.command("explain")
 @click.argument("target", metavar="ID | ID[VARIANT] | FILE.py")
 @click.option(
     "--pixel", metavar="X,Y", callback=_pixel,

@@ -62,7 +62,7 @@ _WORKFLOW_FILE = Path(".github", "workflows", "shaders.yml")
 _IGNORED = "/reports/"
 
 
-@click.command("init", short_help="Settings, a CI workflow and a .gitignore line for a repository.")
+@click.command("init")
 def command() -> int:
     """Write into this folder what a repository needs for shader tests: a table [tool.shaderlab] in
     pyproject.toml with the folder of its shaders, a workflow for GitHub Actions, and a line in

@@ -8,14 +8,13 @@ from collections.abc import Sequence
 import click
 
 from shaderlab.cli import FAILED, OK
-from shaderlab.cli.files import write_json
 from shaderlab.cli.options import JSON, make_local_executor
 from shaderlab.errors import UsageError, nearest
 from shaderlab.execution.jobs import CaseFacts
 from shaderlab.options import Limits
 
 
-@click.command("list", short_help="The cases there are.")
+@click.command("list")
 @click.argument("targets", nargs=-1, metavar="[ID | FILE.py | FOLDER]…")
 @click.option("--chapter", type=int, metavar="N", help="Only chapter N.")
 @JSON
@@ -45,6 +44,8 @@ def command(targets: tuple[str, ...], chapter: int | None, json_file: str | None
                 f"chapter {chapter} has no cases", remedy=nearest(str(chapter), chapters)
             )
     if json_file is not None:
+        from shaderlab.cli.files import write_json
+
         write_json([_entry(case) for case in cases], json_file)
     if json_file != "-" and cases:
         click.echo("\n".join(_lines(cases)))
@@ -52,6 +53,13 @@ def command(targets: tuple[str, ...], chapter: int | None, json_file: str | None
 
 
 def _shipped() -> list[CaseFacts]:
+    from shaderlab.cli.case_index import kept_facts
+    from shaderlab.discovery import data_folder
+
+    return kept_facts(data_folder("cases"), _imported)
+
+
+def _imported() -> list[CaseFacts]:
     from shaderlab.catalogue import load_cases
     from shaderlab.discovery import shipped_cases
 

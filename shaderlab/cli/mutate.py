@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from shaderlab.mutation import Campaign, CaseResult, MutationPlan, Subject
 
 
-@click.command("mutate", short_help="Make mistakes in cases' shaders; see which get by.")
+@click.command("mutate")
 @click.argument("targets", nargs=-1, metavar="[ID | FILE.py | FOLDER]…")
 @click.option("--all", "every", is_flag=True, help="Every case that comes with shaderlab.")
 @click.option("--variant", "variants", multiple=True, metavar="V", help="Judge by this one only.")

@@ -13,7 +13,7 @@ from shaderlab.errors import UsageError
 from shaderlab.settings import settings_of
 
 
-@click.command("new", short_help="First tests for the functions of a shader.")
+@click.command("new")
 @click.argument("shader", type=click.Path(path_type=Path))
 @click.option(
     "-o",

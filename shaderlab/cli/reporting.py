@@ -13,7 +13,7 @@ from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.files import display_path
 
 
-@click.command("report", short_help="Make a run's pages again.")
+@click.command("report")
 @click.argument("run_folder", required=False, metavar="[RUN_FOLDER]")
 @click.option(
     "--against",

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from shaderlab.records import Record, Run
 
 
-@click.command("run", short_help="Run cases, judge them, write the report.")
+@click.command("run")
 @click.argument("targets", nargs=-1, metavar="[ID | FILE.py | FOLDER]…")
 @click.option("--all", "every", is_flag=True, help="Every case that comes with shaderlab.")
 @click.option("--variant", "variants", multiple=True, metavar="V", help="Only this variant.")

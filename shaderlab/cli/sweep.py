@@ -17,7 +17,7 @@ from shaderlab.records import Record
 TABLE = "sweep.csv"
 
 
-@click.command("sweep", short_help="Run one case over a grid of inputs; a table and plots.")
+@click.command("sweep")
 @click.argument("target", required=False, metavar="ID | ID[VARIANT] | FILE.py")
 @click.option(
     "--param", "params", multiple=True, metavar="NAME=VALUES",

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 _SHOWN = 4
 
 
-@click.command("watch", short_help="Judge again what depends on a saved file.")
+@click.command("watch")
 @click.argument("targets", nargs=-1, metavar="[ID | FILE.py | FOLDER]…")
 @INCLUDE
 @TARGET

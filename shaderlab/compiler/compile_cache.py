@@ -30,9 +30,8 @@ from shaderlab.compiler.interface import Block, Interface, Member, SpecConstant,
 from shaderlab.compiler.library import files
 from shaderlab.compiler.sources import Source
 from shaderlab.errors import ShaderError
+from shaderlab.files import cache_root
 from shaderlab.records import Diagnostic, Verdict
-
-FOLDER_VARIABLE = "SHADERLAB_CACHE_DIR"
 
 _LARGEST = 64 << 20  # bytes that an entry may inflate to
 # A file written after this process started may differ from what the process has loaded.
@@ -41,20 +40,9 @@ _CLOCK_TICK = 2.0  # seconds; coarser than any file system's clock
 
 
 def cache_folder() -> Path | None:
-    """The cache's folder: below SHADERLAB_CACHE_DIR, else below the user's cache folder.
-
-    None if the variable is empty or the user has no home folder.
-    """
-    configured, base = os.environ.get(FOLDER_VARIABLE), os.environ.get("XDG_CACHE_HOME", "")
-    if configured == "":
-        return None
-    try:
-        if configured is not None:
-            return Path(configured).expanduser().absolute() / "compiled"
-        caches = Path(base) if os.path.isabs(base) else Path.home() / ".cache"
-    except (OSError, RuntimeError):  # no such user, no home, no working directory
-        return None
-    return caches / "shaderlab" / "compiled"
+    """The cache's folder below `shaderlab.files.cache_root`; None if there is none."""
+    root = cache_root()
+    return None if root is None else root / "compiled"
 
 
 def cached_compiler() -> Compile:

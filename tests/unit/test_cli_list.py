@@ -11,7 +11,9 @@ from click.testing import CliRunner
 
 from shaderlab import catalogue
 from shaderlab.cli import COMMANDS, cli
+from shaderlab.cli.case_index import kept_facts
 from shaderlab.errors import CaseError, UsageError
+from shaderlab.execution.jobs import CaseFacts
 from tests.catalogue import shipped
 
 
@@ -83,9 +85,50 @@ def test_errors_are_one_block_unless_debugging(
         raise error
 
     monkeypatch.setattr(catalogue, "load_cases", fail)
+    monkeypatch.setenv("SHADERLAB_CACHE_DIR", "")  # nor are the facts of another time taken
     result = call("list")
     assert result.exit_code == code
     assert result.stderr == f"shaderlab: {error}\n"
     assert call("--debug", "list").exception is error
     monkeypatch.setenv("SHADERLAB_DEBUG", "1")
     assert call("list").exception is error
+
+
+def test_facts_are_kept_for_these_very_files(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("SHADERLAB_CACHE_DIR", str(tmp_path / "cache"))
+    course = tmp_path / "course"
+    (course / "chapter").mkdir(parents=True)
+    lamp = course / "chapter" / "lamp.py"
+    lamp.write_text("case = 1\n")
+    loaded = []
+
+    def load() -> list[CaseFacts]:
+        loaded.append(lamp.read_text())
+        return [CaseFacts(file=str(lamp), id="lamp", title="Ein Licht ☼", variants=("a", "b"))]
+
+    first = kept_facts(course, load)
+    assert kept_facts(course, load) == first == load()
+    assert len(loaded) == 2  # the second one is the line above
+    lamp.write_text("case = 2\n")
+    kept_facts(course, load)
+    assert loaded[2:] == ["case = 2\n"]
+    (kept,) = (tmp_path / "cache").glob("cases-*.json")
+    for damaged in (b"", b"[]", b'{"key": 1}', kept.read_bytes().replace(b'"id"', b'"di"')):
+        kept.write_bytes(damaged)
+        assert kept_facts(course, load) == first
+    assert len(loaded) == 7
+    monkeypatch.setenv("SHADERLAB_CACHE_DIR", "")
+    assert kept_facts(course, load) == first and len(loaded) == 8
+
+
+def test_what_a_case_raises_is_not_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SHADERLAB_CACHE_DIR", str(tmp_path / "cache"))
+
+    def fails() -> list[CaseFacts]:
+        raise CaseError("so it is")
+
+    for _ in range(2):
+        with pytest.raises(CaseError, match="so it is"):
+            kept_facts(tmp_path, fails)
