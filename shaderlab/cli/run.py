@@ -173,7 +173,8 @@ def command(
             in_place = named(replacements, jobs, includes, names)
             plan = new_plan(jobs, replace(options, shaders=in_place, renames=names), folder)
             plan = on_each(plan, compared)
-        recorded = compared_drivers(run_plan(executor, plan, show, done), plan)
+        recorded = run_plan(executor, plan, show, done)
+        recorded = compared_drivers(recorded, plan, executor, show)
         if coverage and recorded.complete:
             recorded = with_coverage(recorded, executor, plan, show)
         show.outcomes(recorded.run)

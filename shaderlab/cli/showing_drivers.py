@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Iterator
 
 from rich.console import Console
@@ -33,6 +34,10 @@ def show_drivers(run: Run, console: Console) -> None:
     total = table.outputs.total()
     for verdict, words in AGREEMENTS.items():
         console.print(f"{table.outputs[verdict]} of {total} outputs: {words}")
+    causes = Counter(each.cause for each in table.apart if each.verdict == "within" and each.cause)
+    if causes:
+        shown_causes = (f"{count} by {cause}" for cause, count in causes.most_common())
+        console.print(f"within their bands: {', '.join(shown_causes)}", style="dim")
     for result, labels in _alike(run.drivers):
         style = "yellow" if result.status == "unsupported" else "red"
         head = f"{result.status} on {result.driver}: {', '.join(labels)}"
@@ -60,5 +65,6 @@ def _lines(each: Disagreement) -> list[str]:
     pair = " | ".join(each.drivers)
     return [
         f"{name}  {pair}: {each.differing} of {each.pixels} pixels differ, by {each.ulp:.4g} ULP "
-        f"at most; outside on {', '.join(each.outside)}"
+        f"at most; outside on {', '.join(each.outside)}",
+        *([f"  {each.cause}: {each.why}"] if each.why else []),
     ]

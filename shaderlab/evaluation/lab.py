@@ -39,6 +39,7 @@ from shaderlab.expectations.gl_calls import Traced
 from shaderlab.expectations.reads import unread_outputs
 from shaderlab.model import Case, Judgement, Scene
 from shaderlab.model.call_edits import CallEdit
+from shaderlab.observations import Look, Observation
 from shaderlab.options import RunOptions
 from shaderlab.programs.prepare import Preparer, Programs
 from shaderlab.records import Explanation, Outcome, Record, Verdict
@@ -193,6 +194,23 @@ class Lab:
         except BaseException as error:  # SystemExit, say, which only a case's own code raises
             builder.set_failure("error", _raised(error))
         return builder.build(time.perf_counter() - started, activity.ordered())
+
+    def observe(self, scene: Scene, looks: Sequence[Look]) -> tuple[Observation, ...]:
+        """What the driver does at some pixels of a scene, drawn once more.
+
+        Raises:
+            ShaderlabError: it can't be drawn.
+        """
+        from shaderlab.evaluation.observing import observe  # few runs look at anything
+
+        with Activity(self._notice).watch():
+            preparer = self._preparer(str(Path(scene.case.file).parent))
+            programs = {
+                p.name: tuple(preparer.prepare(d, self._targets(scene.case)) for d in p.draws)
+                for p in scene.passes
+            }
+            with self.evaluation(scene, programs) as evaluation:
+                return observe(evaluation, looks)
 
     def _run(self, scene: Scene, builder: RecordBuilder) -> None:
         preparer = self._preparer(str(Path(scene.case.file).parent))

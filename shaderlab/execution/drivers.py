@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import combinations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from shaderlab.execution.difference_pictures import shades
+from shaderlab.observations import Pixel
 from shaderlab.records import Agreement, Disagreement, DrawnOutput, DriverResult, Record
 
 if TYPE_CHECKING:
@@ -16,6 +19,7 @@ if TYPE_CHECKING:
 
 _ORDER: tuple[Agreement, ...] = ("equal", "within", "outside")
 _MOST = 3
+_PIXELS = 8  # of an output that are looked at
 
 
 def results(records: Sequence[Record], apart: Sequence[Disagreement]) -> Iterator[DriverResult]:
@@ -67,7 +71,17 @@ def _reason(record: Record) -> str:
     return "\n".join(lines)
 
 
-def disagreements(records: Sequence[Record], frames: Path) -> Iterator[Disagreement]:
+@dataclass(frozen=True)
+class Difference:
+    """A disagreement; the pixels to look at, the one that differs most first; and its picture's
+    shades. Both are empty where outputs are equal."""
+
+    found: Disagreement
+    pixels: tuple[Pixel, ...] = ()
+    shades: Array | None = None
+
+
+def disagreements(records: Sequence[Record], frames: Path) -> Iterator[Difference]:
     """Each output of each scene, compared between every two drivers.
 
     Arrays are read only where digests differ; without them nothing is said of an output.
@@ -96,10 +110,10 @@ def _compared(
     other: DrawnOutput,
     frames: Path,
     arrays: dict[str, Mapping[str, Array]],
-) -> Iterator[Disagreement]:
+) -> Iterator[Difference]:
     from shaderlab.evaluation.stored_images import load
 
-    differing, distance = 0, 0.0
+    steps = None
     if output.digest != other.digest:
         for record in (first, second):
             name = record.driver_name
@@ -109,27 +123,43 @@ def _compared(
         one, two = values
         if one is None or two is None or one.shape != two.shape:
             return
-        differing, distance = apart(one, two)
+        steps = apart(one, two)
+    differing = 0 if steps is None else int((steps > 0).sum())
     outside = tuple(
         record.driver_name
         for record, drawn in ((first, output), (second, other))
         if differing and drawn.failed
     )
-    yield Disagreement(
+    found = Disagreement(
         id=first.id,
         variant=first.variant,
         output=output.name,
         drivers=(first.driver_name, second.driver_name),
         pixels=output.size[0] * output.size[1],
         differing=differing,
-        ulp=distance,
+        ulp=0.0 if steps is None else float(steps.max(initial=0.0)),
         verdict="outside" if outside else "within" if differing else "equal",
         outside=outside,
     )
+    if steps is None or not differing:
+        yield Difference(found)
+        return
+    pixels = _pixels(steps)
+    yield Difference(replace(found, pixel=pixels[0]), pixels, shades(steps))
 
 
-def apart(a: Array, b: Array) -> tuple[int, float]:
-    """How many pixels of two images (height, width, components) differ, and by how much at most.
+def _pixels(steps: Array) -> tuple[Pixel, ...]:
+    """The pixel that differs most, and others from all over what differs."""
+    y, x = np.nonzero(steps > 0)
+    rows = np.unique(np.linspace(0, len(y) - 1, min(_PIXELS - 1, len(y))).astype(int))
+    worst = np.unravel_index(int(steps.argmax()), steps.shape)
+    places = [(int(worst[1]), int(worst[0])), *((int(x[row]), int(y[row])) for row in rows)]
+    return tuple(dict.fromkeys(places))
+
+
+def apart(a: Array, b: Array) -> Array:
+    """By how much the pixels of two images (height, width, components) differ at most, (height,
+    width).
 
     The distance is in units in the last place for floats, in steps for integers; two NaN are the
     same, NaN and a number are infinitely far apart.
@@ -142,7 +172,8 @@ def apart(a: Array, b: Array) -> tuple[int, float]:
         nan_a, nan_b = np.isnan(a), np.isnan(b)
         steps[nan_a & nan_b] = 0.0
         steps[nan_a ^ nan_b] = np.inf
-    return int((steps > 0).any(axis=-1).sum()), float(steps.max(initial=0.0))
+    found: Array = steps.max(axis=-1)
+    return found
 
 
 def _ordered(values: Array, kind: type) -> Array:

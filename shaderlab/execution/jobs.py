@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, cast
 
 from shaderlab.errors import CaseError, UsageError, nearest
+from shaderlab.observations import Look
 from shaderlab.options import RunOptions
 
 if TYPE_CHECKING:
@@ -64,6 +65,7 @@ class Job:
         point: runs the variant with other inputs, judged by its formulas alone; `variant` is then
             the point's own name.
         driver: where it is run, if the run has several drivers; "" for the run's own.
+        looks: what to look at, in place of judging it: the record has `observed` alone.
     """
 
     file: str
@@ -75,6 +77,7 @@ class Job:
     trouble: str = ""
     point: Point | None = None
     driver: str = ""
+    looks: tuple[Look, ...] = ()
 
     @property
     def key(self) -> tuple[str, str, str]:
@@ -137,6 +140,11 @@ def jobs_of(facts: CaseFacts) -> list[Job]:
         Job(file=facts.file, id=facts.id, variant=name, title=facts.title, section=facts.section)
         for name in facts.variants
     ]
+
+
+def bare_record(job: Job, status: str) -> Record:
+    """A record that says of a job what it was, and nothing else."""
+    return failed_record(job, status, "")
 
 
 def failed_record(

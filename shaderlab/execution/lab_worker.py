@@ -19,7 +19,7 @@ from shaderlab.backends import known_driver, prepare_process
 from shaderlab.catalogue import load_case
 from shaderlab.errors import CaseError
 from shaderlab.evaluation import Lab
-from shaderlab.execution.jobs import CaseFacts, Job, Request
+from shaderlab.execution.jobs import CaseFacts, Job, Request, bare_record
 from shaderlab.execution.worker_main import Channel
 from shaderlab.model import Case, Ramp, Scene
 from shaderlab.options import RunOptions
@@ -98,7 +98,10 @@ class LabWorker:
         size = options.size if job.point is None else job.point.size or options.size
         lab = self.lab(_of_driver(job.driver, replace(options, size=size)))
         self.note("loading the case file")
-        record = lab.run(_scene_of(job, self.scenes(job.file)))
+        scene = _scene_of(job, self.scenes(job.file))
+        if job.looks:
+            return replace(bare_record(job, "pass"), observed=lab.observe(scene, job.looks))
+        record = lab.run(scene)
         return replace(record, driver_name=job.driver) if job.driver else record
 
     def keep(self, slot: str, key: Hashable, make: Callable[[], Any]) -> Any:

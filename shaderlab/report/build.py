@@ -17,7 +17,16 @@ from shaderlab.report.grouping import CaseGroup, group_cases, total
 from shaderlab.report.inline import Picture, Pictures
 from shaderlab.report.listing import Listing, anchor_of
 from shaderlab.report.mutants import Mutants, combined
-from shaderlab.report.page import CaseView, ChapterView, Check, Page, Plate, Step, VariantView
+from shaderlab.report.page import (
+    Apart,
+    CaseView,
+    ChapterView,
+    Check,
+    Page,
+    Plate,
+    Step,
+    VariantView,
+)
 from shaderlab.report.plot import plot_view
 from shaderlab.report.sources import Shown, compiled, listings
 from shaderlab.report.text import Anchors
@@ -46,6 +55,7 @@ def build(run: Run, pictures: Pictures, mutants: Mapping[str, Mutants] | None = 
             _case(group, anchors, pictures, shown, packed),
             mutants=known.get(group.id),
             coverage=covered.get(group.id),
+            apart=_apart(run, group.id, pictures),
         )
         for group in groups
     )
@@ -58,6 +68,15 @@ def build(run: Run, pictures: Pictures, mutants: Mapping[str, Mutants] | None = 
         chapters.append(ChapterView(number, name, anchor, tuple(members)))
     noticed = combined(known[group.id] for group in groups if group.id in known)
     return Page(run, total(run, groups), tuple(chapters), cases, noticed)
+
+
+def _apart(run: Run, case_id: str, pictures: Pictures) -> tuple[Apart, ...]:
+    """Where drivers differ, what leaves a band first."""
+    own = [d for d in run.disagreements if d.id == case_id and d.verdict != "equal"]
+    return tuple(
+        Apart(found, pictures.picture(found.image) if found.image else None)
+        for found in sorted(own, key=lambda found: found.verdict != "outside")
+    )
 
 
 def _case(

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from shaderlab.records import (
     CodeCoverage,
     Declared,
+    Disagreement,
     ErratumNote,
     Outcome,
     Record,
@@ -72,6 +73,14 @@ class Step:
 
 
 @dataclass(frozen=True)
+class Apart:
+    """An output on which two drivers differ, and a picture of where, if there is one."""
+
+    found: Disagreement
+    picture: Picture | None
+
+
+@dataclass(frozen=True)
 class VariantView:
     """A record; its figures are shown here only where the case's own table is too long."""
 
@@ -120,6 +129,7 @@ class CaseView:
     passes: tuple[Step, ...] = ()
     mutants: Mutants | None = None
     coverage: CodeCoverage | None = None
+    apart: tuple[Apart, ...] = ()
 
     @property
     def several(self) -> bool:

@@ -16,8 +16,8 @@ BEGIN, END = "<!-- rooms: generated -->", "<!-- end of rooms -->"
 
 # Bottom to top: a room may import those before it.
 ORDER = (
-    "errors", "files", "activity", "packages", "module_path", "options", "records", "frame",
-    "bands", "sampling", "glslmath", "pictures", "model", "assets", "reference",
+    "errors", "files", "activity", "packages", "module_path", "options", "observations", "records",
+    "frame", "bands", "sampling", "glslmath", "pictures", "model", "assets", "reference",
     "compiler", "interpreter", "equivalence", "audit", "programs", "backends", "judging",
     "expectations", "discovery", "settings", "catalogue", "evaluation", "report", "execution",
     "mutation", "code_coverage", "functions", "glsl",

@@ -19,7 +19,7 @@ import numpy as np
 from shaderlab.backends.opengl.device import Device
 from shaderlab.backends.opengl.pyopengl import GL, GLError, gl_spirv, named
 from shaderlab.compiler.compile_cache import cached_compiler
-from shaderlab.compiler.interface import Block, Interface, Variable
+from shaderlab.compiler.interface import Interface, Variable
 from shaderlab.compiler.module import parse
 from shaderlab.compiler.sources import Shaders, Source
 from shaderlab.compiler.transform_feedback import with_feedback
@@ -205,9 +205,11 @@ class SpirvProgram:
         found = self._interface.outputs.get(name)
         return -1 if found is None else found.location or 0
 
-    def block(self, block: Block) -> int | None:
-        """An active uniform block's index."""
-        return self._blocks.get(block.binding or 0)
+    def block(self, name: str) -> int | None:
+        """An active uniform block's index. Its binding is this program's own: another of the same
+        vertex stage may number its blocks otherwise."""
+        own = self._interface.blocks.get(name)
+        return None if own is None else self._blocks.get(own.binding or 0)
 
     @cached_property
     def _active(self) -> Mapping[str, frozenset[int]]:

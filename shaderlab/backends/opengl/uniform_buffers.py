@@ -103,7 +103,7 @@ def read_block(program: Any, block: Block) -> BlockReading:
 def _index(program: Any, block: Block) -> int:
     """The block's index in a program, _NONE where it has no effect."""
     if not has_names(program):
-        found: int | None = program.block(block)
+        found: int | None = program.block(block.name)
         return _NONE if found is None else found
     return int(GL.glGetUniformBlockIndex(program.glo, block.name.encode()))
 

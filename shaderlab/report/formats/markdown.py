@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from itertools import groupby
 
 from shaderlab.records import Outcome, Record, Run
+from shaderlab.report.drivers import AGREEMENTS, driver_table
 from shaderlab.report.grouping import (
     PASSABLE,
     STATUS_WORDS,
@@ -59,6 +60,7 @@ def render(run: Run) -> str:
             lines += _failure(record)
         if len(failed) > _MOST_FAILURES:
             lines.append(f"- and {plural(len(failed) - _MOST_FAILURES, 'more variant')}")
+    lines += _drivers(run)
     unjudged = list(unread(run.records))
     if unjudged:
         lines += ["", "### What no check reads", ""]
@@ -89,6 +91,29 @@ def _chapters(cases: list[CaseGroup]) -> Iterable[str]:
         counted = Counter(case.status for case in members)
         title = f"{number} {escape(name)}" if number else name
         yield f"| {title} | " + " | ".join(str(counted[s] or "") for s in present) + " |"
+
+
+def _drivers(run: Run) -> Iterable[str]:
+    """A table of cases and drivers, and what leaves a band; nothing for a single driver."""
+    table = driver_table(run, {})
+    if table is None:
+        return
+    names = [escape(name) for name, _ in table.drivers]
+    yield from ("", "### Drivers", "", f"| Case | {' | '.join(names)} |")
+    yield "|---" * (len(names) + 1) + "|"
+    rows = list(table.by_case())
+    for case_id, many, cells in rows[:_MOST_FAILURES]:
+        case = f"{escape(case_id)} ({many})" if many > 1 else escape(case_id)
+        yield f"| {case} | " + " | ".join(map(escape, cells)) + " |"
+    if len(rows) > _MOST_FAILURES:
+        yield f"\nand {plural(len(rows) - _MOST_FAILURES, 'more case')}"
+    counts = (f"{count(table.outputs[v])} {words}" for v, words in AGREEMENTS.items())
+    yield from ("", f"{plural(table.outputs.total(), 'output')} compared: {', '.join(counts)}", "")
+    outside = [each for each in table.apart if each.verdict == "outside"]
+    for each in outside[:_MOST_FAILURES]:
+        name = escape(f"{label(each.id, each.variant)}: {each.output}")
+        why = f" · {escape(each.cause)}: {escape(each.why)}" if each.why else ""
+        yield f"- **{name}** {escape(' | '.join(each.drivers))}{why}"
 
 
 def _failure(record: Record) -> Iterable[str]:

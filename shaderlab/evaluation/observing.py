@@ -1,0 +1,318 @@
+"""What a driver does at some pixels of an output, and whether its own inputs allow that."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+
+from shaderlab.errors import ShaderlabError
+from shaderlab.evaluation import interpreting
+from shaderlab.evaluation.evaluation import Evaluation
+from shaderlab.evaluation.explaining import explain
+from shaderlab.evaluation.rasterised import Covered, covered, interpolated
+from shaderlab.expectations.needs import CapturedFragments, CapturedVertices
+from shaderlab.files import display_path
+from shaderlab.frame import Array, Fragments, PassDraw
+from shaderlab.interpreter import Bands, interpret
+from shaderlab.judging.formats import FLOAT_FORMATS, stored
+from shaderlab.model import outputs_read
+from shaderlab.observations import Fault, Look, Observation
+from shaderlab.programs.stages import may_keep_out
+
+_VERTICES = 64  # that are interpreted of a draw
+_BLOCKS = 10_000
+_DRAWS = 32  # of a pass, whose vertices are looked at
+_WORK = 40_000_000  # pixels times draws, a second or two on a software driver
+
+
+def observe(evaluation: Evaluation, looks: Sequence[Look]) -> tuple[Observation, ...]:
+    """Look at outputs of a scene that was drawn. What can't be looked at is named, no error; large
+    passes of many draws are not, once `_WORK` is done."""
+    images = evaluation.drawn.images
+    budget = Budget(_WORK)
+    found = {}
+    for look in sorted(looks, key=lambda look: images[_key(look)].values.size):
+        found[look.output] = _Observer(evaluation, look, budget).observation()
+    return tuple(found[look.output] for look in looks)
+
+
+class Budget:
+    """How many pixels may still be drawn."""
+
+    def __init__(self, left: int) -> None:
+        self._left = left
+
+    def take(self, cost: int) -> bool:
+        """Whether so many may be drawn; then they are."""
+        if cost > self._left:
+            return False
+        self._left -= cost
+        return True
+
+
+def _key(look: Look) -> tuple[str, str]:
+    pass_name, _, output = look.output.rpartition(".")
+    return pass_name, output
+
+
+class _Observer:
+    def __init__(self, evaluation: Evaluation, look: Look, budget: Budget) -> None:
+        self._budget = budget
+        self._evaluation = evaluation
+        self._look = look
+        self._pass, self._output = _key(look)
+        self._pixels = np.array(look.pixels)
+        self._refused: list[str] = []
+        self._vertices: dict[str, str] = {}
+        self._nobody = np.zeros(len(look.pixels), np.bool_)
+        self._edges = np.zeros(len(look.pixels), np.bool_)
+        self._size = evaluation.drawn.images[self._pass, self._output].values.shape[1::-1]
+        self._target = evaluation.scene.find_pass(self._pass).target
+
+    def observation(self) -> Observation:
+        draws = self._evaluation.programs[self._pass]
+        seen = np.full(len(self._pixels), -1)
+        inputs: list[Mapping[str, tuple[float, ...]]] = [{} for _ in self._look.pixels]
+        captures: dict[int, Fragments] = {}
+        unknown = np.ones(len(self._pixels), np.bool_)
+        for index in reversed(range(len(draws))):
+            if not unknown.any():
+                break
+            captured = self._captured(index)
+            if captured is None:
+                continue
+            captures[index] = captured
+            for row, at in self._where(captured):
+                seen[row], inputs[row] = index, _inputs(captured, at)
+            place = captured.frag_coord[self._pixels[:, 1], self._pixels[:, 0], 3]
+            self._nobody |= place == 0.0
+            unknown &= place < 0.0  # there another draw is seen
+        fault = next(self._faults(captures, seen), None)
+        return Observation(
+            output=self._look.output,
+            seen=tuple(map(int, seen)),
+            inputs=tuple(inputs),
+            at_edge=tuple(map(bool, self._edges)),
+            vertices=self._vertices,
+            reads=tuple(dict.fromkeys(
+                read.path for draw in draws for texture in draw.draw.textures.values()
+                for read in outputs_read(texture)
+            )),
+            samples_textures=any(draw.draw.textures for draw in draws),
+            after=self._after(),
+            fault=fault,
+            refused=tuple(dict.fromkeys(self._refused)),
+        )  # fmt: skip
+
+    def _captured(self, index: int) -> Fragments | None:
+        """What a draw's fragments got; None where that can't be told."""
+        need = CapturedFragments((self._pass, index))
+        known = need in self._evaluation.answers
+        cost = self._size[0] * self._size[1] * len(self._evaluation.programs[self._pass])
+        if not known and not self._budget.take(cost):
+            self._refused.append("the pass is too large, or has too many draws")
+            return None
+        try:
+            found: Fragments = self._evaluation.answer(need)
+        except ShaderlabError as error:
+            self._refused.append(error.message)
+            return None
+        return found
+
+    def _where(self, captured: Fragments) -> Iterator[tuple[int, tuple[int, int]]]:
+        """The pixels at which a draw is seen: their number, and (row, column)."""
+        for row, (x, y) in enumerate(self._look.pixels):
+            if captured.covered[y, x]:
+                yield row, (y, x)
+
+    def _after(self) -> str:
+        if self._target.samples:
+            return "resolving samples"
+        states = [draw.draw.state for draw in self._evaluation.programs[self._pass]]
+        return "blending" if any(state.blend for state in states) else ""
+
+    def _faults(self, captures: Mapping[int, Fragments], seen: Array) -> Iterator[Fault]:
+        """What no inputs of a stage's own allow, the earliest stage first."""
+        count = len(self._evaluation.programs[self._pass])
+        for index in sorted({*captures, *range(min(count, _DRAWS))}):
+            yield from self._of_vertices((self._pass, index), captures.get(index))
+        for index in sorted(captures):
+            yield from self._of_fragments((self._pass, index), seen == index)
+        yield from self._of_clearing(captures)
+
+    def _of_vertices(self, key: PassDraw, captured: Fragments | None) -> Iterator[Fault]:
+        draw = self._evaluation.programs[key[0]][key[1]]
+        if draw.draw.mesh is None:
+            return
+        try:
+            samples = self._evaluation.answer(CapturedVertices(key))
+        except ShaderlabError as error:
+            self._refused.append(error.message)
+            return
+        found = hashlib.blake2s()
+        for values in samples.outputs.values():
+            found.update(np.ascontiguousarray(values).data)
+        self._vertices[str(key[1])] = found.hexdigest()
+        if draw.draw.geometry is not None:
+            return
+        yield from self._of_vertex_stage(key)
+        what = covered(
+            draw.draw.mesh, draw.draw.instances, samples, draw.draw.state, self._size, self._pixels
+        )
+        if what is None or self._target.samples:
+            return
+        self._edges |= what.possible & ~what.inside
+        yield from self._of_coverage(key, captured, what)
+        if captured is not None:
+            yield from self._of_interpolation(key, captured, what)
+
+    def _of_vertex_stage(self, key: PassDraw) -> Iterator[Fault]:
+        try:
+            given = interpreting.vertices(self._evaluation, key, _VERTICES)
+            bands = interpret(
+                given.program, given.each, given.bindings, Bands(), count=given.count,
+                blocks=_BLOCKS,
+            ).outputs  # fmt: skip
+        except ShaderlabError as error:
+            self._refused.append(error.message)
+            return
+        for name, band in bands.items():
+            if name not in given.measured or not hasattr(band, "contains"):
+                continue
+            measured = given.measured[name]
+            count = min(measured.shape[-1], band.shape[-1])
+            inside = np.asarray(band[..., :count].contains(measured[..., :count]))
+            if not inside.all():
+                row = int(np.argwhere(~inside)[0][0])
+                file = self._evaluation.programs[key[0]][key[1]].sources[0].path
+                values = ", ".join(f"{v:.6g}" for v in measured[row])
+                text = f"{name} of vertex {row} is ({values}), which {display_path(file)} rules out"
+                yield Fault(kind="vertex stage", text=text, file=display_path(file))
+                return
+
+    def _of_coverage(
+        self, key: PassDraw, captured: Fragments | None, what: Covered
+    ) -> Iterator[Fault]:
+        draw = self._evaluation.programs[key[0]][key[1]]
+        state = draw.draw.state
+        optional = (
+            state.depth or state.stencil or state.alpha_to_coverage
+            or may_keep_out(draw.text("fragment") or "")
+        )  # fmt: skip
+        for row, (x, y) in enumerate(self._look.pixels):
+            seen = captured is not None and captured.covered[y, x]
+            if seen and not what.possible[row]:
+                text = f"draw {key[1]} covers pixel ({x}, {y}), which none of its triangles does"
+                yield Fault(kind="coverage", text=text, pixel=(x, y))
+            elif what.inside[row] and self._nobody[row] and not optional:
+                text = f"draw {key[1]} leaves out pixel ({x}, {y}), which lies in a triangle of it"
+                yield Fault(kind="coverage", text=text, pixel=(x, y))
+
+    def _of_interpolation(
+        self, key: PassDraw, captured: Fragments, what: Covered
+    ) -> Iterator[Fault]:
+        draw = self._evaluation.programs[key[0]][key[1]]
+        outputs = self._evaluation.answer(CapturedVertices(key)).outputs
+        position = outputs["gl_Position"]
+        given = {
+            name: (captured.inputs[name], outputs[name], variable.interpolation)
+            for name, variable in draw.interface.varyings.items()
+            if name in outputs and captured.inputs.get(name, position).ndim == 3
+        }
+        if draw.draw.state.polygon_offset is None:
+            depths = _window_depth(position, draw.draw.state.depth_range)
+            given["gl_FragCoord.z"] = (captured.frag_coord[..., 2:3], depths, "noperspective")
+        for name, (got_all, of_vertices, how) in given.items():
+            for row, (x, y) in enumerate(self._look.pixels):
+                if not captured.covered[y, x] or what.triangle[row, 0] < 0:
+                    continue
+                got = got_all[y, x].astype(np.float64)
+                wanted, give = interpolated(of_vertices, position, what, row, how)
+                if not (np.abs(got - wanted) <= give).all():
+                    text = (
+                        f"{name} is ({', '.join(f'{v:.6g}' for v in got)}) at pixel ({x}, {y}), "
+                        f"where its vertices give ({', '.join(f'{v:.6g}' for v in wanted)})"
+                    )
+                    yield Fault(kind="interpolation", text=text, pixel=(x, y))
+
+    def _of_fragments(self, key: PassDraw, here: Array) -> Iterator[Fault]:
+        """Where a draw writes what its program's band rules out."""
+        evaluation, state = self._evaluation, self._evaluation.programs[key[0]][key[1]].draw.state
+        if not here.any() or state.blend or state.srgb or self._target.samples:
+            return
+        try:
+            given = interpreting.fragments(evaluation, key, among=self._pixels[here])
+            bands = interpret(
+                given.program, given.each, given.bindings, Bands(), count=given.count,
+                blocks=_BLOCKS,
+            ).outputs  # fmt: skip
+            band, measured = bands.get(self._output), given.measured.get(self._output)
+            if band is None or measured is None or isinstance(band, tuple):
+                return
+            count = min(measured.shape[-1], band.shape[-1])
+            allowed = stored(band[..., :count], given.formats[self._output], count)
+        except ShaderlabError as error:
+            self._refused.append(error.message)
+            return
+        inside = np.asarray(allowed.contains(measured[..., :count])).all(axis=-1)
+        assert given.pixels is not None
+        wanted = {tuple(map(int, pixel)) for pixel in self._pixels[here]}
+        for row in np.flatnonzero(~inside):
+            x, y = map(int, given.pixels[row])
+            if (x, y) in wanted:
+                yield self._explained(key, (x, y), measured[row])
+
+    def _explained(self, key: PassDraw, pixel: tuple[int, int], measured: Array) -> Fault:
+        """The first statement at which the driver leaves the band, if it tells."""
+        source = self._evaluation.programs[key[0]][key[1]].draw.fragment
+        values = ", ".join(f"{float(v):.6g}" for v in measured)
+        text = f"{self._output} is ({values}) at pixel {pixel}, which {source} rules out"
+        try:
+            steps = explain(self._evaluation, key, pixel).steps
+        except ShaderlabError as error:
+            self._refused.append(error.message)
+            steps = ()
+        for step in steps:
+            if step.by_driver and not step.inside:
+                file = display_path(step.file)
+                text = f"{text}; first at {display_path(step.file, step.line)}: {step.name}"
+                return Fault(
+                    kind="fragment stage", text=text, pixel=pixel, file=file, line=step.line
+                )
+        return Fault(kind="fragment stage", text=text, pixel=pixel)
+
+    def _of_clearing(self, captures: Mapping[int, Fragments]) -> Iterator[Fault]:
+        """A pixel that no draw touches has another value than it was cleared to."""
+        image = self._evaluation.drawn.images[self._pass, self._output]
+        continued = self._evaluation.scene.find_pass(self._pass).onto
+        colors = self._target.colors
+        if image.format not in FLOAT_FORMATS or continued or not captures or self._target.samples:
+            return
+        if colors is not None and self._output not in colors:
+            return
+        wanted = np.array(self._target.clear, np.float32)
+        for x, y in self._look.pixels:
+            # Another draw, or one that was blended or discarded, may have been here.
+            if any(captured.frag_coord[y, x, 3] != 0.0 for captured in captures.values()):
+                continue
+            got = image.values[y, x]
+            if not np.array_equal(got, wanted[: len(got)]):
+                values = ", ".join(f"{float(v):.6g}" for v in got)
+                text = f"pixel ({x}, {y}) is ({values}), and nothing was drawn there"
+                yield Fault(kind="clear", text=text, pixel=(x, y))
+
+
+def _window_depth(position: Array, depth_range: tuple[float, float]) -> Array:
+    """Window depths of clip coordinates, (count, 1)."""
+    near, far = depth_range
+    with np.errstate(all="ignore"):
+        found: Array = position[:, 2:3].astype(np.float64) / position[:, 3:]
+    return found * (far - near) / 2.0 + (near + far) / 2.0
+
+
+def _inputs(captured: Fragments, at: tuple[int, int]) -> Mapping[str, tuple[float, ...]]:
+    found = {name: values[at] for name, values in captured.inputs.items()}
+    found["gl_FragCoord"] = captured.frag_coord[at]
+    return {name: tuple(map(float, np.ravel(value))) for name, value in found.items()}
