@@ -174,10 +174,10 @@ def test_a_leak_is_caught(
     """The same comparison, with a lab that leaves something on after a case that culls."""
     right = fixed.apply
 
-    def leaking(state: State, size: tuple[int, int]) -> None:
+    def leaking(state: State, size: tuple[int, int], version: int) -> None:
         from OpenGL import GL  # only once a device is open, which chooses its platform
 
-        right(state, size)
+        right(state, size, version)
         if state.cull is not None and leak is not None:
             LEAKS[leak](GL)
 
