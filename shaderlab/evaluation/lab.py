@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import time
 import traceback
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import lru_cache
@@ -238,8 +238,7 @@ class Lab:
         picture_size = 0 if folder is None else self.options.picture_size
         builder.set_device(self.driver, self.options.size, picture_size)
         with self.evaluation(scene, programs) as evaluation:
-            for expectation in scene.expect:
-                evaluation.gather(expectation)
+            unanswered = _gathered(evaluation)
             if self.options.gl_calls:
                 builder.set_gl_calls(evaluation.answer(Traced()))
         drawn = evaluation.drawn
@@ -249,7 +248,11 @@ class Lab:
             builder.set_drawn(drawn.images)
         builder.add_inactive_uniforms(drawn.inactive)
         evaluation.require_no_other_errors()
-        self.judge_all(evaluation, builder, writer)
+        self.judge_all(evaluation, builder, writer, unanswered)
+        if unanswered:
+            names = ", ".join(repr(scene.expect[index].name) for index in unanswered)
+            builder.add_notice(f"not judged on this driver: {names}")
+            builder.set_unanswered(next(iter(unanswered.values())))
         if folder is not None:
             with doing("picture", "drawing the picture"):
                 enlarged = self._enlarged(scene, programs, drawn)
@@ -262,11 +265,18 @@ class Lab:
         return self._verdicts[sources]
 
     def judge_all(
-        self, evaluation: Evaluation, builder: RecordBuilder, writer: PictureWriter
+        self,
+        evaluation: Evaluation,
+        builder: RecordBuilder,
+        writer: PictureWriter,
+        unanswered: Container[int] = (),
     ) -> None:
-        """Judge all expectations of a scene that was drawn, and write the pictures of each."""
+        """Judge all expectations of a scene that was drawn, but for those with these numbers, and
+        write the pictures of each."""
         explained = False
         for index, expectation in enumerate(evaluation.scene.expect):
+            if index in unanswered:
+                continue
             files = PictureFiles()
             try:
                 judgement = evaluation.judge(expectation)
@@ -368,6 +378,18 @@ def _require_compiled(programs: Programs) -> None:
     for draws in programs.values():
         for draw in draws:
             _ = draw.interface
+
+
+def _gathered(evaluation: Evaluation) -> dict[int, UnsupportedError]:
+    """Ask for all that a scene's expectations need. Returns the numbers of those that the driver
+    has no answer for, and why; the others are judged all the same."""
+    unanswered = {}
+    for index, expectation in enumerate(evaluation.scene.expect):
+        try:
+            evaluation.gather(expectation)
+        except UnsupportedError as error:
+            unanswered[index] = error
+    return unanswered
 
 
 def _picture_of(scene: Scene, drawn: Drawn) -> tuple[str, str]:

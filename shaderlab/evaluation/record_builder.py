@@ -70,6 +70,11 @@ class RecordBuilder:
         remedy = f"\n→ {error.remedy}" if error.remedy else ""
         self._message = f"{place}{error.message}{remedy}"
 
+    def set_unanswered(self, error: ShaderlabError) -> None:
+        """Give the reason why some expectations were not judged; one that fails weighs more."""
+        if all(outcome.status == "pass" for outcome in self._outcomes):
+            self.set_failure("unsupported", error)
+
     def set_device(self, driver: Mapping[str, str], size: int, picture_size: int) -> None:
         """Set what the drawn values depend on besides the case."""
         self._driver = f"{driver['renderer']}; {driver['version']}"

@@ -115,6 +115,15 @@ def test_what_a_backend_lacks_is_unsupported_by_name(
     assert record.message == f"{what}: this backend can't"
 
 
+def test_what_a_backend_can_answer_is_judged_beside_what_it_cannot(tmp_path: Path) -> None:
+    calls = gl_call("glFinish", name="finish")
+    record = run(tmp_path, exact("color", GRAY), calls)
+    assert record.status == "unsupported" and record.message.startswith("calls of OpenGL")
+    assert [(o.kind, o.status) for o in record.expectations] == [("exact", "pass")]
+    assert record.notices == ("not judged on this driver: 'finish'",)
+    assert run(tmp_path, exact("color", 0.5), calls).status == "fail"
+
+
 def test_an_unknown_driver_is_an_error_that_names_the_known() -> None:
     with pytest.raises(UsageError, match=r"unknown driver 'lavapip'\n.*lavapipe"):
         backends.open_backend("lavapip")
