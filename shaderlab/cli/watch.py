@@ -58,15 +58,16 @@ def command(
     limits: Limits,
     open_report: bool,
 ) -> int:
-    """Judge cases, then again those that depend on a file whenever it is saved: a shader or what
-    it includes, a case file or a module that it imports, an image. Without a name that is every
-    case below this folder.
+    """Judge cases and tests of GLSL functions, then again those that depend on a file whenever it
+    is saved: a shader or what it includes, a case or test file or a module that it imports, an
+    image. Without a name that is everything below this folder.
 
     Workers stay warm, with their device open. Ctrl-C ends it.
 
     \b
     Examples:
-      shaderlab watch                     all cases below this folder
+      shaderlab watch                     all cases and tests below this folder
+      shaderlab watch tests/test_light.py
       shaderlab watch my_case.py --open   with the report in a browser
       shaderlab watch 'attenuation[50]'   one variant
 
@@ -86,7 +87,7 @@ def command(
     from shaderlab.watching.session import Session
 
     wanted = _Wanted(targets or (".",))
-    files = wanted.files()
+    case_files, test_files = wanted.files()
     show = Show()
     # Python takes its compiled modules for new as long as a file's second and size stay the same.
     os.environ["PYTHONDONTWRITEBYTECODE"] = "1"
@@ -97,7 +98,7 @@ def command(
         changes = stack.enter_context(Changes(wanted.folders()))
         session = stack.enter_context(contextlib.closing(Session(start, wanted.jobs, options)))
         page = stack.enter_context(_page(options)) if open_report else None
-        _Watch(session, changes, Contents(), wanted, show, page).run(files)
+        _Watch(session, changes, Contents(), wanted, show, page).run(case_files, test_files)
     return OK
 
 
@@ -107,21 +108,23 @@ class _Wanted:
     def __init__(self, targets: Sequence[str]) -> None:
         self._targets = targets
         self._variants: dict[Path, set[str | None]] = {}
+        self._tests: list[Path] = []
 
-    def files(self) -> list[Path]:
-        """The case files, absolute. Raises UsageError."""
-        from shaderlab.cli.selecting import wanted_files
+    def files(self) -> tuple[list[Path], list[Path]]:
+        """The case files, and those with tests of functions; absolute. Raises UsageError."""
+        from shaderlab.cli.selecting import test_files, wanted_files, without_test_files
 
         self._variants = {}
-        for target in self._targets:
+        self._tests = test_files(self._targets)
+        for target in without_test_files(self._targets, self._tests):
             for file, variant in wanted_files(target):
                 self._variants.setdefault(Path(os.path.abspath(file)), set()).add(variant)
-        return list(self._variants)
+        return list(self._variants), self._tests
 
     def folders(self) -> set[Path]:
         """The folders that the case files are in, and those that were named."""
         named = {Path(os.path.abspath(t)) for t in self._targets if os.path.isdir(t)}
-        return named | {file.parent for file in self._variants}
+        return named | {file.parent for file in (*self._variants, *self._tests)}
 
     def jobs(self, facts: Sequence[CaseFacts]) -> list[Job]:
         """The jobs of case files, in order."""
@@ -150,9 +153,9 @@ class _Watch:
         self._session, self._changes, self._contents = session, changes, contents
         self._wanted, self._show, self._page = wanted, show, page
 
-    def run(self, files: Collection[Path]) -> None:
+    def run(self, case_files: Collection[Path], test_files: Collection[Path]) -> None:
         """Judge all files, then wait for changes, until an interrupt."""
-        self._judge(self._session.follow(files), time.perf_counter())
+        self._judge(self._session.follow(case_files, test_files), time.perf_counter())
         while True:
             self._show.console.print("watching; Ctrl-C ends it", style="dim")
             waiting: set[Path] = set()
@@ -170,7 +173,7 @@ class _Watch:
             return set()
         if any(path.suffix == ".py" for path in changed):
             with contextlib.suppress(UsageError):  # there is no case at the moment
-                new = self._session.follow(self._wanted.files())
+                new = self._session.follow(*self._wanted.files())
         else:
             new = set()
         affected = new | self._session.affected(changed)
@@ -184,7 +187,7 @@ class _Watch:
     def _judge(self, case_files: Collection[Path], began: float) -> None:
         records = []
         self._contents.learn(self._session.files)
-        for _, record in self._session.judge(case_files, self._changes.pending):
+        for record in self._session.judge(case_files, self._changes.pending):
             self._show.verdict(record)
             records.append(record)
         self._show.total(records, time.perf_counter() - began)
@@ -201,7 +204,7 @@ class _Page:
     def __init__(self, report: LiveReport, folder: Path, options: RunOptions) -> None:
         self._report, self._folder = report, folder
         self._options = replace(options, folder=folder, pictures=True)
-        self._records: dict[tuple[str, str, str], Record] = {}
+        self._records: dict[tuple[str, str], Record] = {}
         self._started = datetime.datetime.now().astimezone().isoformat(timespec="seconds")
         self._opened = False
 
@@ -212,17 +215,15 @@ class _Page:
 
         began = time.perf_counter()
         jobs = [job for job in session.jobs if Path(job.file) in case_files]
-        for job, record in session.executor.run(jobs, self._options):
-            self._records[job.key] = record
+        for _, record in session.executor.run(jobs, self._options):
+            self._records[record.id, record.variant] = record
         about = session.executor.about()
         run = Run(
             driver=about.driver,
             versions=about.versions,
             started=self._started,
             seconds=time.perf_counter() - began,
-            records=tuple(
-                self._records[job.key] for job in session.jobs if job.key in self._records
-            ),
+            records=tuple(self._records.get((r.id, r.variant), r) for r in session.records),
         )
         try:
             store.save(run, self._folder)

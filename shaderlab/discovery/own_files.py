@@ -9,13 +9,14 @@ from pathlib import Path
 from shaderlab.compiler.compile_cache import cache_folder
 
 _SYSTEM = ("/proc", "/dev", "/sys", "/etc")
+_OF_TOOLS = frozenset({"__pycache__", ".git", ".hypothesis", ".pytest_cache"})
 _LIBRARIES = ("stdlib", "platstdlib", "purelib", "platlib")
 
 
 def is_own(path: Path) -> bool:
-    """Whether a file belongs to a project: not to Python, to a package, to the system, or to the
-    compile cache."""
-    return not any(map(path.is_relative_to, _foreign()))
+    """Whether a file belongs to a project: not to Python, to a package, to the system, to a tool
+    that keeps files of its own there, or to the compile cache."""
+    return _OF_TOOLS.isdisjoint(path.parts) and not any(map(path.is_relative_to, _foreign()))
 
 
 @functools.cache

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from shaderlab.errors import CaseError
 from shaderlab.execution.jobs import CaseFacts, Job
+from shaderlab.function_tests.running import RunTestFile
 from shaderlab.options import RunOptions
 from shaderlab.watching.opened import OpenedFiles
 
@@ -47,6 +48,19 @@ class RunWatched:
         with _files(worker) as files:
             record = worker.run(self.job, self.options)
         return record, files
+
+
+@dataclass(frozen=True)
+class RunWatchedTests:
+    """Asks for the records of a file's tests of GLSL functions, and the files that they read."""
+
+    file: Path
+
+    def perform(self, worker: LabWorker) -> tuple[Sequence[Record], set[Path]]:
+        """See `shaderlab.execution.jobs.Request`. Raises UsageError: pytest is not installed."""
+        with _files(worker) as files:
+            result = RunTestFile(self.file).perform(worker)
+        return result.records, files
 
 
 @contextmanager

@@ -9,20 +9,24 @@ from pathlib import Path
 
 from shaderlab.discovery import imported_files, is_own
 from shaderlab.errors import CaseError
-from shaderlab.execution.executor import LocalExecutor
+from shaderlab.execution.executor import LocalExecutor, error_text
 from shaderlab.execution.jobs import CaseFacts, Job, failed_record
+from shaderlab.execution.pool import ItemResult
+from shaderlab.functions.test_records import record_of_test
 from shaderlab.options import RunOptions
-from shaderlab.records import Record
-from shaderlab.watching.requests import LoadWatched, RunWatched
+from shaderlab.records import Record, Status
+from shaderlab.watching.requests import LoadWatched, RunWatched, RunWatchedTests
 
 Select = Callable[[Sequence[CaseFacts]], Sequence[Job]]
 
 
 @dataclass
 class Watched:
-    """One case file: its variants' jobs and records, and the files that these depend on."""
+    """One case file: its variants' jobs and records, and the files that these depend on; or a file
+    with tests of GLSL functions, which has no jobs, but a record for each test."""
 
     file: Path
+    tests: bool = False
     facts: CaseFacts | None = None
     jobs: Sequence[Job] = ()
     files: set[Path] = field(default_factory=set)
@@ -72,8 +76,12 @@ class Session:
 
     @property
     def records(self) -> list[Record]:
-        """The latest record of each variant, in order."""
-        return [w.records[j.variant] for w, j in self._in_order() if j.variant in w.records]
+        """The latest record of each variant and of each test, in order."""
+        found = []
+        for watched in self._watched.values():
+            names = [job.variant for job in watched.jobs] or list(watched.records)
+            found += [watched.records[name] for name in names if name in watched.records]
+        return found
 
     @property
     def jobs(self) -> list[Job]:
@@ -85,12 +93,13 @@ class Session:
         """All files that a verdict depends on."""
         return set().union(*(watched.files for watched in self._watched.values()))
 
-    def follow(self, case_files: Iterable[Path]) -> set[Path]:
-        """Watch these case files and no others; returns those that are new."""
-        wanted = dict.fromkeys(case_files)
+    def follow(self, case_files: Iterable[Path], test_files: Iterable[Path] = ()) -> set[Path]:
+        """Watch these files and no others; returns those that are new."""
+        wanted = {**dict.fromkeys(case_files, False), **dict.fromkeys(test_files, True)}
         new = {file for file in wanted if file not in self._watched}
         self._watched = {
-            file: self._watched.get(file) or Watched(file, files={file}) for file in wanted
+            file: self._watched.get(file) or Watched(file, tests, files={file})
+            for file, tests in wanted.items()
         }
         return new
 
@@ -110,36 +119,63 @@ class Session:
 
     def judge(
         self, case_files: Collection[Path], interrupted: Callable[[], bool] = lambda: False
-    ) -> Iterator[tuple[Job, Record]]:
-        """Judge these case files, the ones that failed first; each job with its record.
+    ) -> Iterator[Record]:
+        """Judge these files, what failed first: the records of variants and of tests.
 
         Args:
             case_files: some of those that are followed.
             interrupted: whether to begin no more jobs.
         """
         self._take_over()
-        self._load([w for f, w in self._watched.items() if f in case_files and w.facts is None])
+        chosen = [watched for file, watched in self._watched.items() if file in case_files]
+        self._load([w for w in chosen if w.facts is None and not w.tests])
         jobs = [job for watched, job in self._in_order() if watched.file in case_files]
         jobs.sort(key=self._passed)
-        self._unfinished = {Path(job.file) for job in jobs}
-        waiting = sum(not job.broken for job in jobs)
+        self._unfinished = {watched.file for watched in chosen}
         for job in (job for job in jobs if job.broken):
-            yield job, self._keep(job, failed_record(job, job.broken, job.trouble), set())
-        requests = [RunWatched(job, self._options) for job in jobs if not job.broken]
+            yield self._keep(job, failed_record(job, job.broken, job.trouble), set())
+        requests: list[RunWatched | RunWatchedTests] = [
+            *(RunWatched(job, self._options) for job in jobs if not job.broken),
+            *(RunWatchedTests(watched.file) for watched in chosen if watched.tests),
+        ]
+        waiting = len(requests)
         with contextlib.closing(self._executor.perform(requests)) as results:
             for result in results:
-                job, files = result.item.job, set()
-                if result.status == "done":
-                    record, files = result.value
+                if isinstance(result.item, RunWatchedTests):
+                    yield from self._tested(result)
                 else:
-                    record = self._executor.record_of(result)
-                yield job, self._keep(job, record, files)
+                    yield self._ran(result)
                 waiting -= 1
                 if waiting and interrupted():
                     break
             else:
                 self._unfinished = set()
         self.prepare()
+
+    def _ran(self, result: ItemResult) -> Record:
+        if result.status != "done":
+            return self._keep(result.item.job, self._executor.record_of(result), set())
+        record, files = result.value
+        return self._keep(result.item.job, record, files)
+
+    def _tested(self, result: ItemResult) -> Iterator[Record]:
+        watched = self._watched[result.item.file]
+        if result.status == "done":
+            records, files = result.value
+            watched.files |= files
+        else:
+            status: Status = "timeout" if result.status == "timeout" else "crash"
+            records = [
+                record_of_test(
+                    str(watched.file),
+                    result.step.rpartition("::")[2] or "all tests",
+                    1,
+                    status="error" if result.status == "error" else status,
+                    message=error_text(result),
+                )
+            ]
+        watched.records = {record.variant: record for record in records}
+        yield from records
 
     def prepare(self) -> None:
         """Have the next worker get ready, and end those that know too much."""
@@ -178,7 +214,7 @@ class Session:
             by_file: dict[str, list[Job]] = {}
             for job in self._select(facts):
                 by_file.setdefault(job.file, []).append(job)
-            for watched in self._watched.values():
+            for watched in (w for w in self._watched.values() if not w.tests):
                 watched.jobs = by_file.get(str(watched.file), [])
                 names = {job.variant for job in watched.jobs}
                 watched.records = {v: r for v, r in watched.records.items() if v in names}

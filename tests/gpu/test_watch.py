@@ -58,8 +58,8 @@ def session(project: Path) -> Iterator[Session]:
         return [job for one in facts for job in jobs_in(one, None)]
 
     session = Session(InProcessExecutor, select, RunOptions(pictures=False))
-    new = session.follow(sorted((project / "tests").glob("*.py")))
-    assert [record.status for _, record in session.judge(new)] == ["pass", "pass"]
+    new = session.follow(sorted((project / "tests").glob("*_case.py")))
+    assert [record.status for record in session.judge(new)] == ["pass", "pass"]
     yield session
     session.close()
 
@@ -67,7 +67,7 @@ def session(project: Path) -> Iterator[Session]:
 def judged(session: Session, *changed: Path) -> list[tuple[str, str]]:
     """The ids and statuses of what is judged because these files changed."""
     files = session.affected(changed)
-    return [(record.id, record.status) for _, record in session.judge(files)]
+    return [(record.id, record.status) for record in session.judge(files)]
 
 
 def test_what_depends_on_a_file_is_judged_again(session: Session, project: Path) -> None:
@@ -101,9 +101,36 @@ def test_an_interrupted_round_is_taken_up_again(session: Session, project: Path)
     assert judged(session, sky) == [("sky-case", "pass")]
     law.write_text(LAW.replace("2.0", "2.5"))
     both = session.affected([law])
-    first = [record.id for _, record in session.judge(both, lambda: True)]
+    first = [record.id for record in session.judge(both, lambda: True)]
     assert first == ["lamp-case"]
     assert judged(session, project / "README.md") == [("lamp-case", "fail"), ("sky-case", "fail")]
+
+
+def test_tests_of_functions_are_watched_too(session: Session, project: Path) -> None:
+    file, law = project / "tests" / "test_law.py", project / "shaders" / "law.glsl"
+    file.write_text(
+        "from shaderlab import glsl\n"
+        'LAW = glsl.load("law.glsl")\n'
+        "def test_law():\n    assert LAW.law(2.0) == 4.0\n"
+        "@glsl.given(LAW.law, x=glsl.floats(0, 1))\ndef test_given(x, y):\n    return y == 2 * x\n"
+    )
+    cases = sorted((project / "tests").glob("*_case.py"))
+    assert session.follow(cases, [file]) == {file}
+    assert [(r.variant, r.status) for r in session.judge([file])] == [
+        ("test_law", "pass"), ("test_given", "pass"),
+    ]  # fmt: skip
+    assert {file, law} <= session.files and not any(".hyp" in str(p) for p in session.files)
+    law.write_text(LAW.replace("2.0", "2.5"))
+    assert judged(session, law) == [
+        ("lamp-case", "fail"), ("test_law", "fail"), ("test_law", "fail"),
+    ]  # fmt: skip
+    assert [r.status for r in session.records] == ["fail", "pass", "fail", "fail"]
+    law.write_text("float law(float x) { return")
+    assert judged(session, law)[1:] == [("test_law", "error")]
+    law.write_text(LAW)
+    assert {status for _, status in judged(session, law)} == {"pass"}
+    assert session.follow(cases) == set()
+    assert len(session.records) == 2
 
 
 def test_a_terminal_shows_verdicts_until_ctrl_c(project: Path) -> None:

@@ -99,4 +99,6 @@ class Evaluator:
 
     def _new_target(self, size: Size, words: int, lanes: int) -> Any:
         context = self._device.context
+        # A new one is made, then the one bound before is bound again: a scene's is gone by now.
+        context.detect_framebuffer(0).use()
         return context.framebuffer([context.texture(size, lanes, dtype="u4") for _ in range(words)])
