@@ -8,8 +8,8 @@ import io
 import linecache
 import os
 import sys
-from collections.abc import Collection, Mapping
-from contextlib import ExitStack, redirect_stdout
+from collections.abc import Collection, Iterator, Mapping
+from contextlib import ExitStack, contextmanager, redirect_stdout
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -69,8 +69,10 @@ class RunTestFile:
         with extra("pytest", "running tests of functions"):
             import pytest
 
-        _forget_project()
+        linecache.checkcache()
+        importlib.invalidate_caches()
         with ExitStack() as stack:
+            stack.enter_context(_forgotten())
             stack.enter_context(called_in(worker))
             loads = stack.enter_context(loading(self.texts))
             session = _Session(worker, self.file, self.only)
@@ -137,12 +139,15 @@ class _Session:
             self.refused = True
 
 
-def _forget_project() -> None:
-    """Import a project's modules anew: they may have loaded GLSL that has changed."""
-    for name, module in list(sys.modules.items()):
-        file = getattr(module, "__file__", None)
-        known = name == "__main__" or name.partition(".")[0] == "shaderlab"
-        if not known and file and is_own(Path(os.path.abspath(file))):
-            del sys.modules[name]
-    importlib.invalidate_caches()
-    linecache.checkcache()
+@contextmanager
+def _forgotten() -> Iterator[None]:
+    """Modules of a project that the block imports are imported anew by the next one: they may have
+    loaded GLSL that has changed."""
+    before = set(sys.modules)
+    try:
+        yield
+    finally:
+        for name in set(sys.modules) - before:
+            file = getattr(sys.modules[name], "__file__", None)
+            if file and is_own(Path(os.path.abspath(file))):
+                del sys.modules[name]
