@@ -35,6 +35,7 @@ from shaderlab.errors import DriverError, NotInterpretedError, ShaderlabError
 from shaderlab.evaluation import Lab
 from shaderlab.evaluation.evaluation import Evaluation
 from shaderlab.evaluation.interpreting import Invocations, fragments, vertices
+from shaderlab.evaluation.modules import shows_what_is_written
 from shaderlab.expectations.formula import Formula
 from shaderlab.expectations.subject import subject_of
 from shaderlab.frame import PassDraw
@@ -168,7 +169,7 @@ def of_program(
             interpret(given.program, given.each, given.bindings, arithmetic, count=given.count)
         survey.by_numbers = time.process_time() - started
     kept = result.discarded.all_false
-    if survey.stage == "vertex" or is_plain(evaluation, key):
+    if survey.stage == "vertex" or shows_what_is_written(evaluation, key):
         for name, band in result.outputs.items():
             if name in given.measured and isinstance(band, Band | Integer):
                 compare(survey, name, band, given, kept)
@@ -190,13 +191,6 @@ def erring(survey: Survey, given: Invocations, result: Interpreted, seed: int) -
             survey.adversary[1] += found
             if found:
                 print(f"adversary: {found} outside: {survey.case} {survey.file} {name} {seed}")
-
-
-def is_plain(evaluation: Evaluation, key: PassDraw) -> bool:
-    """Whether a draw's fragments are in the attachments as they were written."""
-    target = evaluation.scene.find_pass(key[0]).target
-    state = evaluation.programs[key[0]][key[1]].draw.state
-    return state.blend is None and not state.srgb and all(state.color_mask) and target.samples == 0
 
 
 def compare(survey: Survey, name: str, band: Any, given: Invocations, kept: Any) -> None:

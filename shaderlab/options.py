@@ -41,6 +41,7 @@ class RunOptions:
         include: further folders in which shaders are found.
         targets: what programs are compiled for; if empty, what the case or its project says.
         gl_calls: whether the calls of OpenGL that drawing takes are recorded as well.
+        modules: whether each draw is held against its own shader's band as well.
         driver: as in `shaderlab.backends.open_backend`; a process keeps the first it is given.
         frames: the folder in which `shaderlab.evaluation.stored_images` stores what each scene
             draws, on each of several drivers in a folder of its own; None stores nothing.
@@ -57,6 +58,7 @@ class RunOptions:
     include: tuple[Path, ...] = ()
     targets: tuple[str, ...] = ()
     gl_calls: bool = False
+    modules: bool = False
     driver: str | None = None
     frames: Path | None = None
     limits: Limits = Limits()

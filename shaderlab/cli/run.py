@@ -74,6 +74,11 @@ if TYPE_CHECKING:
     is_flag=True,
     help="Also list the calls of OpenGL that each pass takes, here and on the page.",
 )
+@click.option(
+    "--modules",
+    is_flag=True,
+    help="Also judge each draw by its own shader: a driver that miscompiles one is caught.",
+)
 @click.option("--profile", is_flag=True, help="Show where the time went.")
 @click.option("--open", "open_report", is_flag=True, help="Open the report in a browser.")
 def command(
@@ -96,6 +101,7 @@ def command(
     pictures: bool,
     coverage: bool,
     gl_calls: bool,
+    modules: bool,
     profile: bool,
     open_report: bool,
 ) -> int:
@@ -143,6 +149,7 @@ def command(
         include=includes,
         targets=compile_targets,
         gl_calls=gl_calls,
+        modules=modules,
         driver=compared[0] if compared else driver,
         limits=limits,
     )

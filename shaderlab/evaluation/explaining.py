@@ -13,10 +13,10 @@ from shaderlab.errors import UsageError
 from shaderlab.evaluation.driver_values import DriverValues, driver_values
 from shaderlab.evaluation.evaluation import Evaluation
 from shaderlab.evaluation.interpreting import Invocations, fragments
+from shaderlab.evaluation.modules import outside, shows_what_is_written
 from shaderlab.frame import PassDraw
 from shaderlab.interpreter import FLOAT32, FLOAT64, Arithmetic, Bands, Stored, interpret
 from shaderlab.interpreter.losing import is_vector, lost, row_of, width
-from shaderlab.judging.formats import stored
 from shaderlab.records import Explanation, Step
 
 _MOST_BLOCKS = 10_000  # a few seconds, for so few invocations
@@ -95,18 +95,10 @@ def _leaves(
 ) -> bool:
     """Whether what the driver wrote lies outside of the program's band; False where attachments
     hold something else than what was written."""
-    state = evaluation.programs[key[0]][key[1]].draw.state
-    target = evaluation.scene.find_pass(key[0]).target
-    if state.blend or state.srgb or target.samples or not all(state.color_mask):
+    if not shows_what_is_written(evaluation, key):
         return False
-    for name, band in bands.outputs.items():
-        if name in given.measured and is_vector(band):
-            measured = given.measured[name][row : row + 1]
-            components = min(measured.shape[-1], band.shape[-1])
-            allowed = stored(band[row : row + 1, :components], given.formats[name], components)
-            if not allowed.contains(measured[:, :components]).all():
-                return True
-    return False
+    found = (outside(given, name, band) for name, band in bands.outputs.items())
+    return any(flags is not None and flags[row] for flags in found)
 
 
 def steps_at(given: Invocations, bands: Trace, driver: DriverValues, row: int) -> tuple[Step, ...]:

@@ -29,7 +29,7 @@ from shaderlab.errors import (
     UnsupportedError,
     nearest,
 )
-from shaderlab.evaluation import stored_images
+from shaderlab.evaluation import modules, stored_images
 from shaderlab.evaluation.evaluation import Evaluation
 from shaderlab.evaluation.picture_writer import PictureFiles, PictureWriter
 from shaderlab.evaluation.record_builder import RecordBuilder
@@ -241,6 +241,10 @@ class Lab:
             unanswered = _gathered(evaluation)
             if self.options.gl_calls:
                 builder.set_gl_calls(evaluation.answer(Traced()))
+            of_modules = None
+            if self.options.modules:
+                with doing("judge", "judging each draw by its shader"):
+                    of_modules = modules.judge_modules(evaluation)
         drawn = evaluation.drawn
         if self.options.frames is not None:
             with _unless_unwritable(builder, "the values that drivers are compared by"):
@@ -253,6 +257,8 @@ class Lab:
             names = ", ".join(repr(scene.expect[index].name) for index in unanswered)
             builder.add_notice(f"not judged on this driver: {names}")
             builder.set_unanswered(next(iter(unanswered.values())))
+        if of_modules is not None:
+            builder.add_outcome(of_modules.outcome, of_modules)
         if folder is not None:
             with doing("picture", "drawing the picture"):
                 enlarged = self._enlarged(scene, programs, drawn)
