@@ -305,14 +305,14 @@ def probe(driver: str | None = None) -> Mapping[str, str]:
         backend.close()
 
 
-def driver_verdict(sources: Sequence[Source]) -> Verdict:
+def driver_verdict(sources: Sequence[Source], driver: str | None = None) -> Verdict:
     """`Backend.driver_verdict` on a device of this process's own, opened at the first call.
 
     Workers call it by its name: "shaderlab.backends:driver_verdict".
     """
-    return _own_backend().driver_verdict(sources)
+    return _own_backend(driver).driver_verdict(sources)
 
 
 @functools.cache
-def _own_backend() -> Backend:
-    return open_backend()
+def _own_backend(driver: str | None) -> Backend:
+    return open_backend(driver)

@@ -19,8 +19,9 @@ from shaderlab.compiler.harness import WORK, CompileOptions, FileResult, compile
 from shaderlab.compiler.shader_files import find_shaders
 from shaderlab.compiler.targets import TARGETS
 from shaderlab.compiler.text import STAGES
-from shaderlab.errors import ShaderlabError
+from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.execution import WorkerPool
+from shaderlab.execution.jobs import checked_driver
 from shaderlab.execution.sizing import cores
 from shaderlab.options import Limits
 from shaderlab.report.findings import Finding, of_verdicts
@@ -29,6 +30,7 @@ from shaderlab.report.findings import Finding, of_verdicts
 _DRIVER = "shaderlab.backends:driver_verdict"
 _FILES_PER_WORKER = 500
 _MOST_WORKERS = 4
+_DIED = ("crash", "timeout")
 
 
 @click.command("compile")
@@ -38,7 +40,14 @@ _MOST_WORKERS = 4
 @click.option("--define", "-D", "defines", multiple=True, metavar="NAME[=VALUE]", help="A macro.")
 @INCLUDE
 @click.option("--link", is_flag=True, help="The files are the stages of one program.")
-@click.option("--driver", is_flag=True, help="Ask the OpenGL driver as well.")
+@click.option(
+    "--driver",
+    "drivers",
+    multiple=True,
+    metavar="NAME",
+    callback=lambda context, option, names: tuple(map(checked_driver, dict.fromkeys(names))),
+    help="Ask this driver's own compiler as well, as of `run`; may be repeated.",
+)
 @click.option("--engine", type=click.Choice(ENGINES), help="Libraries, or the system's commands.")
 @limits_option("Give one file up after S seconds.", seconds=10.0)
 @jobs_option(f"one for every {_FILES_PER_WORKER} files, at most {_MOST_WORKERS}")
@@ -52,7 +61,7 @@ def command(
     defines: tuple[str, ...],
     includes: tuple[Path, ...],
     link: bool,
-    driver: bool,
+    drivers: tuple[str, ...],
     engine: str | None,
     limits: Limits,
     workers: int | None,
@@ -73,7 +82,7 @@ def command(
     Examples:
       shaderlab compile lamp.frag
       shaderlab compile my_shaders/ --define LIGHTS=4 --include common/
-      shaderlab compile --link --driver lamp.vert lamp.frag
+      shaderlab compile --link lamp.vert lamp.frag --driver llvmpipe --driver lavapipe
     """
     from shaderlab.discovery import data_folder
     from shaderlab.settings import settings_of
@@ -90,21 +99,42 @@ def command(
         stage=stage,
         engine=engine,
         seconds=limits.seconds,
-        driver=_DRIVER if driver else "",
     )
+    if workers == 0 and len(drivers) > 1:
+        raise UsageError("several drivers do not go with -j 0: a process has one")
+    limits = replace(limits, seconds=time_limit(engine, limits.seconds))
+    # A worker takes as long to start as two hundred files take to compile.
+    most = min(cores(), _MOST_WORKERS, 1 + len(programs) // _FILES_PER_WORKER)
     with contextlib.ExitStack() as stack:
-        pool = None
-        if workers != 0:
-            # A worker takes as long to start as two hundred files take to compile.
-            most = min(cores(), _MOST_WORKERS, 1 + len(programs) // _FILES_PER_WORKER)
-            limits = replace(limits, seconds=time_limit(engine, limits.seconds))
-            pool = stack.enter_context(WorkerPool(WORK, limits=limits, jobs=workers or most))
-        results = compile_found(programs, options, pool)
+
+        def compiled(how: CompileOptions) -> Iterator[FileResult]:
+            pool = None
+            if workers != 0:
+                pool = stack.enter_context(WorkerPool(WORK, limits=limits, jobs=workers or most))
+            return compile_found(programs, how, pool)
+
+        asked = [replace(options, driver=_DRIVER, driver_name=name) for name in drivers]
+        first, *others = asked or [options]
+        results = compiled(first)
+        for how in others:
+            answers = compiled(replace(how, targets=("glsl",)))
+            results = _with_verdicts(results, answers, how.driver_name)
         tally, problems = _print_results(results, len(programs), json_file, outputs, quiet)
-    if driver and not tally.has_driver:
-        click.echo("no OpenGL driver gave a verdict: see `shaderlab doctor`", err=True)
+    for name in drivers:
+        if name not in tally.targets:
+            click.echo(f"{name} gave no verdict: see `shaderlab doctor`", err=True)
     unwritten = tell(problems)
     return FAILED if tally.refused else unwritten
+
+
+def _with_verdicts(
+    results: Iterator[FileResult], answers: Iterator[FileResult], driver: str
+) -> Iterator[FileResult]:
+    """The results with another driver's verdict on each; where it died, that is its verdict."""
+    for result, answer in zip(results, answers, strict=True):
+        died = [replace(v, target=driver) for v in answer.verdicts if v.status in _DIED]
+        own = [v for v in answer.verdicts if v.target == driver]
+        yield replace(result, verdicts=(*result.verdicts, *(own or died)))
 
 
 def _print_results(

@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from ..compiler.driver_verdict import DRIVER
 from ..compiler.harness import FileResult
 from ..report.plain_text import diagnostic_line
 
@@ -26,9 +25,9 @@ class Tally:
         self.refused = 0
 
     @property
-    def has_driver(self) -> bool:
-        """Whether a driver gave verdicts."""
-        return DRIVER in self._counts
+    def targets(self) -> tuple[str, ...]:
+        """All that gave verdicts."""
+        return tuple(self._counts)
 
     def add(self, result: FileResult) -> None:
         self.files += 1

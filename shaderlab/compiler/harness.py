@@ -8,12 +8,12 @@ import os
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal, Protocol
 
 from shaderlab.compiler.compile import compile_program
-from shaderlab.compiler.driver_verdict import mark_disagreement
+from shaderlab.compiler.driver_verdict import DRIVER, mark_disagreement
 from shaderlab.compiler.engines import COMMAND_VARIABLE, ENGINES, CompilerDiedError, Engine, choose
 from shaderlab.compiler.shader_files import ShaderFile, find_shaders
 from shaderlab.compiler.sources import Shaders, Source
@@ -50,6 +50,7 @@ class CompileOptions:
         seconds: time limit for one file, enforced by worker processes and by the "process" engine;
             a library in this process can't be stopped.
         driver: the function that returns a driver's verdict on a program, as "module:function".
+        driver_name: the driver that it is asked for, and what its verdicts' target is called then.
         keep: whether to return SPIR-V modules.
 
     Raises:
@@ -63,6 +64,7 @@ class CompileOptions:
     engine: str | None = None
     seconds: float = 10.0
     driver: str = ""
+    driver_name: str = ""
     keep: bool = False
 
     def __post_init__(self) -> None:
@@ -244,8 +246,12 @@ def _compile(job: CompileJob, stages: Sequence[Source], engine: Engine) -> FileR
     module, _, function = job.options.driver.partition(":")
     if module:
         with suppress(DriverError):  # there is no driver, or it lacks such a stage
-            verdict = getattr(importlib.import_module(module), function)(stages)
+            ask, name = getattr(importlib.import_module(module), function), job.options.driver_name
+            verdict = ask(stages, name) if name else ask(stages)
             verdicts = mark_disagreement([*verdicts, verdict])
+            verdicts = tuple(
+                replace(v, target=name) if name and v.target == DRIVER else v for v in verdicts
+            )
     return FileResult(
         path=job.path,
         stage=" + ".join(source.stage for source in compiled.sources),

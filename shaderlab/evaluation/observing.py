@@ -11,10 +11,10 @@ from shaderlab.errors import ShaderlabError
 from shaderlab.evaluation import interpreting
 from shaderlab.evaluation.evaluation import Evaluation
 from shaderlab.evaluation.explaining import explain
-from shaderlab.evaluation.rasterised import Covered, covered, interpolated
+from shaderlab.evaluation.rasterised import EDGE, Covered, covered, interpolated
 from shaderlab.expectations.needs import CapturedFragments, CapturedVertices
 from shaderlab.files import display_path
-from shaderlab.frame import Array, Fragments, PassDraw
+from shaderlab.frame import Array, Fragments, PassDraw, Samples
 from shaderlab.interpreter import Bands, interpret
 from shaderlab.judging.formats import FLOAT_FORMATS, stored
 from shaderlab.model import outputs_read
@@ -158,6 +158,8 @@ class _Observer:
         if draw.draw.geometry is not None:
             return
         yield from self._of_vertex_stage(key)
+        if draw.draw.mesh.primitive == "points" and captured is not None:
+            yield from self._of_points(key, captured, samples)
         what = covered(
             draw.draw.mesh, draw.draw.instances, samples, draw.draw.state, self._size, self._pixels
         )
@@ -236,6 +238,30 @@ class _Observer:
                         f"where its vertices give ({', '.join(f'{v:.6g}' for v in wanted)})"
                     )
                     yield Fault(kind="interpolation", text=text, pixel=(x, y))
+
+    def _of_points(self, key: PassDraw, captured: Fragments, samples: Samples) -> Iterator[Fault]:
+        """A gl_PointCoord that no point of the draw gives. Source: OpenGL 4.5 core profile
+        specification, equations 14.2 and 14.3."""
+        found = captured.inputs.get("gl_PointCoord")
+        state = self._evaluation.programs[key[0]][key[1]].draw.state
+        if found is None or self._target.samples or state.viewport or state.cell:
+            return
+        position = samples.outputs["gl_Position"].astype(np.float64)
+        size = state.point_size if isinstance(state.point_size, int | float) else 1.0
+        sizes = samples.outputs.get("gl_PointSize", np.full((len(position), 1), size))
+        centres = (position[:, :2] / position[:, 3:] + 1.0) / 2.0 * self._size
+        for x, y in self._look.pixels:
+            if not captured.covered[y, x]:
+                continue
+            off = (np.array([x, y]) + 0.5 - centres) * (1.0, -1.0)
+            apart = np.abs((found[y, x].astype(np.float64) - 0.5) * sizes - off).max(axis=1)
+            # NaN is a point behind the eye.
+            if not np.nanmin(np.where(np.isnan(apart), np.inf, apart)) <= EDGE:
+                text = (
+                    f"gl_PointCoord at pixel ({x}, {y}) is {np.nanmin(apart):.3g} pixels from what "
+                    "any point of the draw gives"
+                )
+                yield Fault(kind="interpolation", text=text, pixel=(x, y))
 
     def _of_fragments(self, key: PassDraw, here: Array) -> Iterator[Fault]:
         """Where a draw writes what its program's band rules out."""

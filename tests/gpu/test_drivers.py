@@ -73,3 +73,53 @@ def test_softpipe_runs_alone(tmp_path: Path) -> None:
     faulty.write(tmp_path / "cases", "same")
     done = faulty.shaderlab("./cases", "--driver", "softpipe", cwd=tmp_path)
     assert done.returncode == 0 and "on softpipe" in done.stdout
+
+
+POINTS = """from shaderlab import Case, Mesh, State, coverage, mesh_pass
+at = Mesh(attributes={"place": [(0.03, 0.07)]}, primitive="points")
+case = Case(
+    title="a point",
+    passes=mesh_pass("point.vert", "point.frag", at, state=State(point_size=9.0)),
+    expect=[coverage(81)],
+)
+"""
+NUMBERED = """from shaderlab import Case, Mesh, exact, mesh_pass
+at = Mesh(attributes={"place": [(-0.5, -0.5), (0.5, -0.5), (0.0, 0.5)]})
+case = Case(
+    title="a number", passes=mesh_pass("point.vert", "number.frag", at),
+    expect=[exact("color", (0.0, 0.0, 0.0, 0.0))],
+)
+"""
+
+
+def test_what_softpipe_can_not_do_is_found_out(tmp_path: Path) -> None:
+    """Its gl_PointCoord lies an eighth of a pixel off, and it draws nothing where a fragment stage
+    reads gl_PrimitiveID."""
+    folder = tmp_path / "cases"
+    folder.mkdir()
+    head = "#version 330 core\n"
+    (folder / "point.vert").write_text(
+        head + "in vec2 place;\nvoid main() { gl_Position = vec4(place, 0.0, 1.0); }\n"
+    )
+    (folder / "point.frag").write_text(
+        head + "out vec4 color;\nvoid main() { color = vec4(gl_PointCoord, 0.5, 1.0); }\n"
+    )
+    (folder / "number.frag").write_text(
+        head + "out vec4 color;\nvoid main() { color = vec4(float(gl_PrimitiveID)); }\n"
+    )
+    (folder / "points.py").write_text(POINTS)
+    (folder / "numbered.py").write_text(NUMBERED)
+    done = faulty.shaderlab(
+        "./cases", "--drivers", "llvmpipe,softpipe", "--size", "32", "--json", "out.json",
+        "--report", "run", cwd=tmp_path,
+    )  # fmt: skip
+    data = json.loads((tmp_path / "out.json").read_text())
+    found = {(r["driver"], r["id"]): r for r in data["drivers"]}
+    numbered = found["softpipe", "numbered"]
+    assert numbered["status"] == "unsupported" and "gl_PrimitiveID" in numbered["message"]
+    assert found["llvmpipe", "numbered"]["status"] == "pass", done.stdout
+    (point,) = data["disagreements"]
+    assert (point["verdict"], point["outside"]) == ("outside", ["softpipe"]), done.stdout
+    assert point["cause"] == "interpolation" and "gl_PointCoord" in point["why"]
+    assert (tmp_path / "run" / point["image"]).is_file()
+    assert "Where drivers differ" in (tmp_path / "run" / "cases" / "points.html").read_text()

@@ -37,6 +37,7 @@ class Device:
 
     Attributes:
         takes_spirv: whether it gets programs as SPIR-V modules.
+        probed: what `probes` found out so far.
     """
 
     def __init__(
@@ -52,6 +53,7 @@ class Device:
         self.recorder = recorder
         self._users = 0
         self.takes_spirv = driver.endswith(SPIRV)
+        self.probed: dict[str, bool] = {}
 
     @cached_property
     def any_program(self) -> Any:

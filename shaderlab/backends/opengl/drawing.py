@@ -12,6 +12,7 @@ from shaderlab.backends.opengl import state
 from shaderlab.backends.opengl.bound_textures import BoundTextures
 from shaderlab.backends.opengl.device import Device
 from shaderlab.backends.opengl.linking import Linker, output_locations, set_uniforms
+from shaderlab.backends.opengl.probes import require_inputs
 from shaderlab.backends.opengl.pyopengl import GL, named
 from shaderlab.backends.opengl.target import RenderTarget
 from shaderlab.backends.opengl.uniform_buffers import UniformBuffers
@@ -181,6 +182,7 @@ class Drawing(Session):
             ShaderError: the driver refuses the program.
         """
         require_glsl(self.device, draw)
+        require_inputs(self.device, draw)
         try:
             program = self.linker.link(draw.texts | ({"fragment": fragment} if fragment else {}))
         except ShaderError as error:
