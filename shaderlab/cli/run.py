@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -163,7 +163,6 @@ def command(
     # Workers get ready while what follows is imported.
     with contextlib.closing(make_executor(options.driver, limits, workers, scheduler)) as executor:
         from shaderlab.cli.recorded_run import finish, new_plan, run_plan, with_coverage
-        from shaderlab.cli.renaming import renames
         from shaderlab.cli.replacing import named, parsed
         from shaderlab.cli.selecting import choose
         from shaderlab.cli.several_drivers import compared_drivers, on_each
@@ -176,7 +175,7 @@ def command(
         if resume is None:
             replacements = parsed(shaders)
             jobs = choose(targets, every, variants, executor.load)
-            names = renames(renamed, list(replacements.values()))
+            names = _renames(renamed, list(replacements.values()))
             in_place = named(replacements, jobs, includes, names)
             plan = new_plan(jobs, replace(options, shaders=in_place, renames=names), folder)
             plan = on_each(plan, compared)
@@ -200,6 +199,14 @@ def command(
         outputs=outputs,
         open_report=open_report,
     )
+
+
+def _renames(words: Sequence[str], files: Sequence[Path]) -> dict[str, str]:
+    if not words:
+        return {}
+    from shaderlab.cli.renaming import renames  # it reads shaders, which few runs need here
+
+    return renames(words, files)
 
 
 def _status(run: Run) -> int:

@@ -9,13 +9,13 @@ from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.text import Text
 
 from shaderlab.cli.rows import STYLES, case_table, plain_table
-from shaderlab.execution.sweep_table import Row
 from shaderlab.files import display_path
 from shaderlab.records import Record, Run
 from shaderlab.report.plain_text import (
@@ -31,6 +31,9 @@ from shaderlab.report.plain_text import (
     unread,
 )
 from shaderlab.report.text import duration
+
+if TYPE_CHECKING:
+    from shaderlab.execution.sweep_table import Row
 
 HEARTBEAT = 10.0
 MOST_ROWS = 40

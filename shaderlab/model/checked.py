@@ -56,10 +56,14 @@ class Checked:
     def __post_init__(self) -> None:
         """Raise CaseError for the first field that has no value of its type."""
         kind: Any = type(self)
-        for name, wanted in _fields(kind).items():
-            wrong = wanted.check(getattr(self, name))
+        given = self.__dict__
+        for name, (default, wanted) in _fields(kind).items():
+            value = given[name]
+            if value is default:  # most are, and scenes have thousands
+                continue
+            wrong = wanted.check(value)
             if wrong is not None:
-                raise _error(_called(kind), name, getattr(self, name), wanted, wrong)
+                raise _error(_called(kind), name, value, wanted, wrong)
 
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -127,13 +131,14 @@ def _wanted(hints: Mapping[str, Any]) -> dict[str, _Wanted]:
 
 
 @functools.cache
-def _fields(kind: type) -> dict[str, _Wanted]:
-    """The types of a dataclass's fields, without those that only type checkers know."""
+def _fields(kind: type) -> dict[str, tuple[Any, _Wanted]]:
+    """A dataclass's fields, their defaults and types, without what only type checkers know."""
     found: dict[str, Any] = {}
     for owner in reversed(kind.__mro__):
         found |= _evaluated(vars(owner).get("__annotations__", {}), owner.__module__)
-    names = [field.name for field in fields(kind) if field.init]
-    return _wanted({name: found[name] for name in names if name in found})
+    defaults = {field.name: field.default for field in fields(kind) if field.init}
+    wanted = _wanted({name: found[name] for name in defaults if name in found})
+    return {name: (defaults[name], each) for name, each in wanted.items()}
 
 
 @functools.cache

@@ -158,3 +158,10 @@ def test_a_mesh_may_be_made_later() -> None:
     assert made == [1]
     with pytest.raises(CaseError, match="did you mean aPos"):
         _ = Mesh.later(make).only("aPoss").attributes
+
+
+def test_a_default_is_not_looked_at_and_what_is_given_is() -> None:
+    """Fields that were left out cost nothing; a wrong value is found beside any number of them."""
+    assert State() == State(blend=None)
+    with pytest.raises(CaseError, match="State: cull is 3"):
+        State(cull=3)  # type: ignore[arg-type]
