@@ -13,7 +13,7 @@ import argparse
 import time
 import tomllib
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +28,8 @@ TRIVIAL = (0.0, 1.0, -1.0)
 
 @dataclass(frozen=True)
 class Planted:
-    """A function, right or with one mistake, and the property that tells which."""
+    """A function, right (as a rewrite, it may be) or with one mistake, and the property that tells
+    which."""
 
     name: str
     text: str
@@ -36,6 +37,7 @@ class Planted:
     property: str
     result: str = "y"
     bug: str = ""
+    rewrite: str = ""
 
     def test(self) -> Any:
         """A test of the property, as people write it."""
@@ -75,16 +77,21 @@ class Found:
 
 
 def planted() -> Iterator[Planted]:
-    """Each function, right, then with each of its mistakes."""
+    """Each function, right, written in other right ways, then with each of its mistakes."""
     for entry in tomllib.loads(DATA.read_text(encoding="utf-8"))["functions"]:
-        bugs = entry.pop("bugs")
+        rewrites, bugs = entry.pop("rewrites"), entry.pop("bugs")
         right = Planted(**entry)
         yield right
+        for change in rewrites:
+            yield replace(right, text=_changed(right, change), rewrite=change)
         for bug in bugs:
-            old, new = bug.split(" => ")
-            assert old in right.text, f"{right.name}: no {old!r}"
-            text = right.text.replace(old, new)
-            yield Planted(**{**entry, "text": text}, bug=bug)
+            yield replace(right, text=_changed(right, bug), bug=bug)
+
+
+def _changed(right: Planted, change: str) -> str:
+    old, new = change.split(" => ")
+    assert old in right.text, f"{right.name}: no {old!r}"
+    return right.text.replace(old, new)
 
 
 def search(one: Planted) -> Found:
@@ -109,7 +116,7 @@ def main() -> None:
     only = parser.parse_args().only
     rows = [(one, search(one)) for one in planted() if only in (None, one.name)]
     for one, found in rows:
-        what = f"{one.name}: {one.bug or 'right'}"
+        what = f"{one.name}: {one.bug or one.rewrite or 'right'}"
         if found.failed:
             print(f"{found.seconds:5.2f} s  {found.nontrivial(one)}  {what}  {found.inputs}")
         else:
@@ -121,7 +128,7 @@ def main() -> None:
     print(
         f"{sum(f.failed for _, f in wrong)} of {len(wrong)} mistakes found, {quick} in less than "
         f"1 s, {small} with at most two numbers that are not trivial; "
-        f"{sum(f.failed for _, f in right)} alarms on {len(right)} right functions"
+        f"{sum(f.failed for _, f in right)} alarms on {len(right)} right versions"
     )
 
 
