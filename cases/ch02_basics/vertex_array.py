@@ -22,6 +22,7 @@ from shaderlab import (
     exact,
     formula,
     gl_error,
+    measure,
     query,
     value,
 )
@@ -57,6 +58,13 @@ def sunset(height):
     return vec4(mix(vec3(0.16, 0.42, 0.55), vec3(1.0, 0.72, 0.30), height), 1.0)
 
 
+def off_paper(FragColor):
+    """How far what lies beside the triangle is from the colour that it was cleared to."""
+    beside = np.ones(FragColor.shape[:2], bool)
+    beside[180:540, 180:540] = False
+    return np.abs(FragColor[beside] - PAPER).max()
+
+
 case = Case(
     title="The vertex array",
     section="2.2.2",
@@ -68,6 +76,12 @@ case = Case(
         exact("nothing bound.FragColor", PAPER, name="nothing bound: nothing drawn"),
         gl_error("no_error", name="bound: no error"),
         coverage(64800, name="bound: pixels covered"),
+        measure(
+            "bound: the paper around it",
+            off_paper,
+            reads={"FragColor": "bound.FragColor"},
+            at_most=2.0**-24,
+        ),
         query("vertices_submitted", equals=3, name="bound: three vertices"),
         formula("gl_Position", as_it_is),
         formula("height", above_the_foot),

@@ -175,6 +175,17 @@ case = Case(
         *each_draw("small.FragColor", ground, {4 * k: f"strip {k}" for k in range(3)}),
         *each_draw("small.FragColor", dot_color, PARTS, discards=outside),
         *each_draw(
+            "picture.FragColor",
+            dot_color,
+            {k: f"{part}, enlarged" for k, part in PARTS.items()},
+            discards=outside,
+        ),
+        *each_draw(
+            "picture.gl_Position",
+            frame_place,
+            {k: f"places of {part}, enlarged" for k, part in PARTS.items()},
+        ),
+        *each_draw(
             "small.gl_Position", frame_place, {k: f"places of {part}" for k, part in PARTS.items()}
         ),
         *(

@@ -67,7 +67,8 @@ def shown(place):
 
 def furthest_shown(FragColor, lower, upper):
     """How far any channel of the picture is from both windows side by side."""
-    return np.abs(FragColor[..., :3] - np.hstack([shown(lower), shown(upper)])).max()
+    both = np.hstack([shown(lower), shown(upper)])
+    return np.abs(FragColor - np.dstack([both, np.ones_like(both[..., :1])])).max()
 
 
 def centre(frag_coord):

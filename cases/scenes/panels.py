@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from numpy.lib.stride_tricks import sliding_window_view
 
 from shaderlab import Cell, Draw, Output, Pass, Ramp, State, Target, fullscreen, measure
 
@@ -138,7 +139,8 @@ def enlarged_check(
     """What a small pass shows, the picture shows: its pixels that have the same centres are alike.
 
     Both are to differ by less than half a code of eight bits, which no eye sees: places are
-    interpolated in floats, and what is steep in them differs in more than a last bit.
+    interpolated in floats, and what is steep in them differs in more than a last bit. Nor may the
+    picture have a hole where the small pass has none.
 
     Args:
         judged: the small pass.
@@ -161,7 +163,8 @@ def enlarged_check(
 
 
 def share_unlike(large: npt.NDArray[Any], small: npt.NDArray[Any]) -> float:
-    """The share of small pixels that the middles of blocks of large ones are not like.
+    """The share of small pixels that the middles of blocks of large ones are not like, or that
+    stand for a block with a hole.
 
     >>> small = np.zeros((1, 2, 1))
     >>> large = np.repeat(np.repeat(small, 3, axis=0), 3, axis=1)
@@ -170,7 +173,7 @@ def share_unlike(large: npt.NDArray[Any], small: npt.NDArray[Any]) -> float:
     0.5
     """
     apart = np.abs(middles(large, small) - small).max(axis=-1)
-    return float(np.mean(apart >= 0.5 / 255.0))
+    return float(np.mean((apart >= 0.5 / 255.0) | holes(large, small)))
 
 
 def share_unlike_but_edges(large: npt.NDArray[Any], small: npt.NDArray[Any]) -> float:
@@ -185,7 +188,23 @@ def share_unlike_but_edges(large: npt.NDArray[Any], small: npt.NDArray[Any]) -> 
     """
     middle = middles(large, small)
     apart = np.maximum(to_neighbours(middle, small), to_neighbours(small, middle))
-    return float(np.mean(apart >= 0.5 / 255.0))
+    return float(np.mean((apart >= 0.5 / 255.0) | holes(large, small)))
+
+
+def holes(large: npt.NDArray[Any], small: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """Small pixels that are drawn on, as all about them are, and stand for a block of large ones of
+    which one is not: all its channels are 0.
+
+    >>> small = np.ones((1, 2, 4))
+    >>> large = np.repeat(np.repeat(small, 3, axis=0), 3, axis=1)
+    >>> large[:, 5] = 0.0
+    >>> holes(large, small).tolist()
+    [[False, True]]
+    """
+    (height, width), by = small.shape[:2], len(large) // len(small)
+    blocks = (large != 0.0).any(axis=-1).reshape(height, by, width, by).all(axis=(1, 3))
+    around = np.pad((small != 0.0).any(axis=-1), 1, constant_values=True)
+    return sliding_window_view(around, (3, 3)).all(axis=(2, 3)) & ~blocks
 
 
 def middles(large: npt.NDArray[Any], small: npt.NDArray[Any]) -> npt.NDArray[Any]:
