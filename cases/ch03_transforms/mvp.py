@@ -11,11 +11,14 @@ shows a larger quad from the same place; the numbers are the notes' own.
 
 from math import radians
 
+import numpy as np
+
 from shaderlab import Case, Depth, Mesh, State, Target, assets, formula, mesh_pass, value
 from shaderlab.glslmath import abs, fract, min, mix, smoothstep, swizzle, vec3
 from shaderlab.reference.transforms import (
     clip_position,
     device_position,
+    frustum,
     perspective,
     rotate,
     scale,
@@ -24,6 +27,9 @@ from shaderlab.reference.transforms import (
 
 from ..scenes.drawing import chessboard
 from ..scenes.laws import opaque, unchanged
+
+# Left, right, bottom, top, near, far: the middle of the window is not straight ahead.
+SIX_PLANES = frustum(-1.0, 3.0, -0.5, 1.5, 0.5, 20.0)
 
 
 def tilted(name, size, pixels):
@@ -72,6 +78,21 @@ case = Case(
             equals=(0.452665, 0.346184, 3.011004, 3.204788),
             digits=6,
             name="clip coordinates of the corner",
+        ),
+        *(
+            value(
+                "gl_Position",
+                at={"aPos": place, "model": np.eye(4), "view": np.eye(4), "projection": SIX_PLANES},
+                equals=equals,
+                digits=6,
+                name=f"six planes: {what}",
+            )
+            for what, place, equals in (
+                ("the window's lower left", (-1.0, -0.5, -0.5), (-0.5, -0.5, -0.5, 0.5)),
+                ("the window's upper right", (3.0, 1.5, -0.5), (0.5, 0.5, -0.5, 0.5)),
+                ("behind it on the far plane", (120.0, 60.0, -20.0), (20.0, 20.0, 20.0, 20.0)),
+                ("straight ahead is aside", (0.0, 0.0, -1.0), (-0.5, -0.5, 0.025641, 1.0)),
+            )
         ),
         value(
             "Ndc",

@@ -4,6 +4,8 @@ The largest of the three components, by its size, says which face the direction 
 −Y, +Z or −Z, in this order. The other two, divided by it, are the place on that face. So the length
 of the direction has no part in it, and nothing has to be normalised. Which component becomes s and
 which t, and with which sign, is a table: seen from inside, t runs down on the four faces around.
+So files, which begin with their upper rows, are uploaded as they are: right, left, top, bottom,
+back and front.
 
 Look at: a ball and a cube that are wrapped in the same six charts, each face in a colour of its
 own, with figures that count along s and then along t; as t runs down, they stand on their heads.
@@ -51,6 +53,11 @@ def numbered(face, side=4):
 
 CHARTS = CubeTexture(faces=[lambda face=face: chart(face) for face in range(6)])
 NUMBERED = CubeTexture(faces=[numbered(face) for face in range(6)])
+# A file for each face, from above: 40 times the face, 60 times the column, 60 times the row.
+FILES = CubeTexture(
+    faces=[f"cubemap/{name}.ppm" for name in ("right", "left", "top", "bottom", "back", "front")],
+    format="rgb32f",
+)
 
 # Each field looks along an axis, a little more than a face wide: right, up and forward there.
 VIEWS = {
@@ -61,7 +68,7 @@ VIEWS = {
 REACH = 1.29
 
 
-def looking(index, name):
+def looking(index, name, faces=NUMBERED):
     """One of six fields, with directions of very different lengths."""
     right, above, forward = (np.array(axis, float) for axis in VIEWS[name])
     size = 0.5 + 0.75 * index
@@ -74,7 +81,7 @@ def looking(index, name):
         "ch07_maps/cubemap.frag",
         {"direction": direction},
         {"stretch": 3.0},
-        textures={"faces": NUMBERED},
+        textures={"faces": faces},
         cell=cell(index, 3, 2),
     )
 
@@ -117,6 +124,12 @@ def share_of_faces(texels, table):
     return float(np.mean(texels[far][:, 0] == table[far][:, 0]))
 
 
+def unlike(files, texels):
+    """How many pixels show another face, column or row of the files than of the arrays."""
+    codes = np.rint(255.0 * files[..., :3]) / (40.0, 60.0, 60.0)
+    return int((codes != texels[..., :3]).any(axis=-1).sum())
+
+
 def painted(faces, FragPos, Normal, light):
     """The chart's colour in a simple light."""
     shade = 0.45 + 0.55 * max(dot(normalize(Normal), light), 0.0)
@@ -137,6 +150,12 @@ case = Case(
             reordered=[replace(solid, state=State(cull="back")) for solid in SOLIDS],
         ),
         picture((looking(k, name) for k, name in enumerate(NAMES)), (120, 80), "main"),
+        picture(
+            (looking(k, name, FILES) for k, name in enumerate(NAMES)),
+            (120, 80),
+            "six files",
+            colors={"FragColor": "rgba32f"},
+        ),
     ),
     picture="picture.FragColor",
     expect=[
@@ -151,6 +170,13 @@ case = Case(
             for check in each_draw(
                 f"main.{output}", reference, {k: f"{what} around {n}" for k, n in enumerate(NAMES)}
             )
+        ),
+        measure(
+            "six files: texels of another face, column or row",
+            unlike,
+            reads={"files": "six files.FragColor", "texels": "main.FragColor"},
+            equals=0,
+            digits=0,
         ),
         measure(
             "the texel's face is the table's",

@@ -171,7 +171,8 @@ class CubeTexture(Sampling):
 
     Each of `faces` is what `Texture` takes as its image, or an `Output` of an earlier pass, which
     is copied. Row 0 is the first one in memory, t = 0: seen from inside, with y upward, that is
-    the upper edge of the four faces around. `seamless` lets LINEAR mix texels across an edge.
+    the upper edge of the four faces around, so a file's picture stands upright. `seamless` lets
+    LINEAR mix texels across an edge.
     """
 
     faces: Sequence[Image]

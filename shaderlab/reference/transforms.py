@@ -98,6 +98,32 @@ def perspective(fovy: float, aspect: float, near: float, far: float) -> Matrix:
     return matrix
 
 
+def frustum(
+    left: float, right: float, bottom: float, top: float, near: float, far: float
+) -> Matrix:
+    """Perspective projection by six planes, 0 < near < far: the window of the near plane goes from
+    (left, bottom) to (right, top), and its middle need not be straight ahead.
+
+    Its corners land on x, y = ±1 and depth −1, z = −far on depth 1 (after the division by w).
+
+    Source: The OpenGL Graphics System: A Specification (version 2.1), M. Segal and K. Akeley, 2006,
+    §2.11.2, Frustum.
+
+    >>> (frustum(-1.0, 3.0, -0.5, 1.5, 0.5, 20.0) @ (3.0, 1.5, -0.5, 1.0)).tolist()
+    [0.5, 0.5, -0.5, 0.5]
+    """
+    if not 0.0 < near < far:
+        raise ValueError(f"frustum: need 0 < near < far, not near={near}, far={far}")
+    low, high = np.array([left, bottom], float), np.array([right, top], float)
+    matrix = np.zeros((4, 4))
+    matrix[:2, :2] = np.diag(2.0 * near / (high - low))
+    matrix[:2, 2] = (high + low) / (high - low)
+    matrix[2, 2] = (far + near) / (near - far)
+    matrix[2, 3] = 2.0 * far * near / (near - far)
+    matrix[3, 2] = -1.0
+    return matrix
+
+
 def orthographic(
     left: float, right: float, bottom: float, top: float, near: float, far: float
 ) -> Matrix:

@@ -76,14 +76,17 @@ def test_matrices(offset: Any, factors: Any, angle: float, point: Any) -> None:
     np.testing.assert_allclose(got, np.array(rotated * glm.dvec4(*point, 1.0))[:3], **CLOSE)
 
 
-@against("PyGLM's perspective, ortho and lookAt", transforms.perspective, transforms.orthographic,
-         transforms.look_at, spaces.perspective_clip, spaces.orthographic_clip, spaces.in_camera,
-         transforms.in_view)  # fmt: skip
+@against("PyGLM's perspective, frustum, ortho and lookAt", transforms.perspective,
+         transforms.frustum, transforms.orthographic, transforms.look_at, spaces.perspective_clip,
+         spaces.orthographic_clip, spaces.in_camera, transforms.in_view)  # fmt: skip
 @given(vectors, directions, vectors)
 def test_cameras(eye: Any, ahead: Any, point: Any) -> None:
     np.testing.assert_allclose(transforms.perspective(*LENS), rows(lens()), **CLOSE)
     box = glm.dmat4(glm.ortho(*BOX))
     np.testing.assert_allclose(transforms.orthographic(*BOX), rows(box), **CLOSE)
+    np.testing.assert_allclose(
+        transforms.frustum(*BOX), rows(glm.dmat4(glm.frustum(*BOX))), **CLOSE
+    )
     seen, whole = np.array(point), glm.dvec4(*point, 1.0)
     np.testing.assert_allclose(
         spaces.perspective_clip(seen, *LENS), rows(lens()) @ np.array(whole), **CLOSE

@@ -31,8 +31,9 @@ _SHOWN = 5  # names of a kind
 SECTIONS: Mapping[str, str] = {
     "1.2.2": "A first window, a first triangle",
     "2.1.2": "Right-handed and left-handed",
-    "2.2.2": "Primitives, attributes, vertex arrays, clipping",
+    "2.2.2": "Primitives, attributes, vertex arrays",
     "2.2.4": "Compiling and linking",
+    "2.2.5": "What is outside is clipped",
     "2.2.7": "Indices",
     "2.3.2": "Types and swizzles",
     "2.3.4": "Uniforms",
@@ -76,6 +77,7 @@ SECTIONS: Mapping[str, str] = {
     "5.11": "High dynamic range",
     "5.12": "Deferred shading",
     "5.13": "Physically based rendering",
+    "6": "The tests' default states",
     "6.1.1": "The stencil test",
     "6.1.2": "Outlines",
     "6.2.1": "The depth test",
@@ -87,6 +89,7 @@ SECTIONS: Mapping[str, str] = {
     "7.1": "Several textures",
     "7.2": "Light maps",
     "7.4": "Cube maps",
+    "7.4.1": "A cube of six images",
     "7.4.2": "The sky box's view",
     "8.1": "Face culling",
     "8.2": "Framebuffers",
@@ -148,6 +151,19 @@ WITHIN: Mapping[tuple[str, str], tuple[str, tuple[str, ...]]] = {
     ("2.3.4", "uniform-types"): (
         "Uniforms need a program, and stay with it",
         ("no program: 0x0502", "what was sent stays with the program", "before that it is 0"),
+    ),
+    ("4.4", "mvp"): (
+        "Perspective by six planes",
+        (
+            "six planes: the window's lower left",
+            "six planes: the window's upper right",
+            "six planes: behind it on the far plane",
+            "six planes: straight ahead is aside",
+        ),
+    ),
+    ("7.4.1", "cubemap"): (
+        "A cube of six files, each upright",
+        ("six files: texels of another face, column or row",),
     ),
     ("8.2", "framebuffer-renderbuffer"): (
         "How many colours a framebuffer takes",

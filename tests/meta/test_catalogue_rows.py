@@ -16,10 +16,10 @@ from tests.catalogue import shipped
 
 ROWS = {
     1: "orange-triangle",
-    2: "triangle primitives interleaved-attributes vertex-array indexed-quad compile-and-link "
-    "swizzle glsl-types uniform-over-time inactive-uniform uniform-types sampler-units "
-    "shader-files texture-origin texture-wrap texture-filter mipmap-chain mipmap-filters "
-    "texture-compression textured-quad image-file texture-mix",
+    2: "triangle clipping primitives interleaved-attributes vertex-array indexed-quad "
+    "compile-and-link swizzle glsl-types uniform-over-time inactive-uniform uniform-types "
+    "sampler-units shader-files texture-origin texture-wrap texture-filter mipmap-chain "
+    "mipmap-filters texture-compression textured-quad image-file texture-mix",
     3: "translate rotate scale mvp transform-order euler-angles quaternion",
     4: "coordinate-spaces handedness look-at camera-orbit orthographic perspective viewport "
     "ten-cubes",
@@ -27,8 +27,8 @@ ROWS = {
     "directional-light attenuation point-light spotlight-hard spotlight multiple-lights "
     "phong-vs-blinn blinn-phong gamma shadow-map shadow-acne shadow-pcf point-shadow "
     "cascaded-shadows normal-map hdr deferred-shading pbr pbr-furnace",
-    6: "stencil-functions stencil-operations stencil-outline depth-functions depth-mask "
-    "depth-precision depth-linear z-fighting alpha-discard blend-equation blend-factors "
+    6: "depth-not-cleared stencil-functions stencil-operations stencil-outline depth-functions "
+    "depth-mask depth-precision depth-linear z-fighting alpha-discard blend-equation blend-factors "
     "transparency-order",
     7: "multitexture light-map cubemap environment-map",
     8: "face-culling framebuffer-texture framebuffer-renderbuffer multiple-render-targets "

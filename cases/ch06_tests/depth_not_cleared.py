@@ -1,0 +1,149 @@
+"""The tests' states at the start, and a depth buffer that is not cleared.
+
+OpenGL begins with all tests off, and with sensible settings for when they are turned on: depth is
+compared by LESS and written, the stencil function is ALWAYS and keeps what is stored, blending adds
+source times one, back faces are those seen clockwise. A frame has to clear what it tests against:
+what the last frame left in the depth buffer hides what this one draws behind it, though the colours
+of the last frame are gone.
+
+Look at: the second frame, a blue square, twice. In the first frame a hexagon was nearer. On the
+left its depth was cleared with its colour; on the right only the colour was, and the hexagon is a
+hole in the square, in the colour of the paper.
+"""
+
+import numpy as np
+
+from shaderlab import (
+    Case,
+    Cell,
+    Depth,
+    Draw,
+    Mesh,
+    Pass,
+    State,
+    Target,
+    assets,
+    coverage,
+    exact,
+    formula,
+    gl_call,
+    query,
+)
+from shaderlab.glslmath import swizzle, vec4
+
+from ..scenes.rosette import rosette
+
+SIDE = 256
+PAPER, NEAR, FAR = (0.93, 0.93, 0.92, 1.0), (1.0, 0.72, 0.30, 1.0), (0.16, 0.42, 0.55, 1.0)
+SQUARE, HEXAGON = Mesh(**assets.quad(2.0)).only("aPos"), rosette().only("aPos")
+# What a test is set to before anything is called.
+STATES = (
+    ("glIsEnabled", "GL_DEPTH_TEST", "GL_FALSE"),
+    ("glGetIntegerv", "GL_DEPTH_FUNC", "GL_LESS"),
+    ("glGetIntegerv", "GL_DEPTH_WRITEMASK", "GL_TRUE"),
+    ("glGetFloatv", "GL_DEPTH_CLEAR_VALUE", 1.0),
+    ("glIsEnabled", "GL_STENCIL_TEST", "GL_FALSE"),
+    ("glGetIntegerv", "GL_STENCIL_FUNC", "GL_ALWAYS"),
+    ("glGetIntegerv", "GL_STENCIL_FAIL", "GL_KEEP"),
+    ("glIsEnabled", "GL_BLEND", "GL_FALSE"),
+    ("glGetIntegerv", "GL_BLEND_SRC_RGB", "GL_ONE"),
+    ("glGetIntegerv", "GL_BLEND_DST_RGB", "GL_ZERO"),
+    ("glGetIntegerv", "GL_BLEND_EQUATION_RGB", "GL_FUNC_ADD"),
+    ("glIsEnabled", "GL_CULL_FACE", "GL_FALSE"),
+    ("glGetIntegerv", "GL_CULL_FACE_MODE", "GL_BACK"),
+    ("glGetIntegerv", "GL_FRONT_FACE", "GL_CCW"),
+)
+
+
+def shape(mesh, size, depth, color, column, test):
+    """A shape at one depth, in one half of the window."""
+    return Draw(
+        vertex="ch08_techniques/framebuffer_renderbuffer.vert",
+        fragment="ch08_techniques/framebuffer_renderbuffer.frag",
+        mesh=mesh,
+        uniforms={"size": size, "depth": depth, "color": color},
+        state=State(depth=test, cell=Cell(column=column, row=0, columns=2, rows=1)),
+    )
+
+
+def two_frames(column, cleared):
+    """The hexagon; the paper over it, and its depth as well if it is cleared; then the square."""
+    over = Depth(func="always", write=cleared)
+    return (
+        shape(HEXAGON, 0.5, -0.5, NEAR, column, Depth()),
+        shape(SQUARE, 1.0, 1.0, PAPER, column, over),
+        shape(SQUARE, 0.75, 0.5, FAR, column, Depth()),
+    )
+
+
+def in_hexagon():
+    """Which pixel centres of a half lie in the hexagon, (256, 256)."""
+    x, y = np.meshgrid(*[np.arange(SIDE) + 0.5 - SIDE / 2] * 2)
+    # Its corners are (±52, ±30) and (0, ±60) pixels from the middle.
+    return (np.abs(x) < 52.0) & (30.0 * np.abs(x) + 52.0 * np.abs(y) < 52.0 * 60.0)
+
+
+def second_frame(cleared):
+    """Half a window: paper and the square, with the hexagon's hole in it or without."""
+    half = np.tile(np.float32(PAPER), (SIDE, SIDE, 1))
+    half[32:224, 32:224] = FAR
+    if not cleared:
+        half[in_hexagon()] = PAPER
+    return half
+
+
+def depths(cleared):
+    """The depths of half a window: of z = 1, of the square at 0.5, of the hexagon at −0.5."""
+    half = np.ones((SIDE, SIDE, 1), np.float32)
+    half[32:224, 32:224] = 0.75
+    if not cleared:
+        half[in_hexagon()] = 0.25
+    return half
+
+
+def placed(aPos, size, depth):
+    """Scaled across, and put at a depth."""
+    return vec4(swizzle(aPos, "xy") * size, depth, 1.0)
+
+
+def plain(color):
+    """One colour."""
+    return color
+
+
+case = Case(
+    title="Default states, and depth that is not cleared",
+    section="6",
+    math=r"z_{\text{square}} < z_{\text{stored}} = \begin{cases} 1 & \text{cleared} \\ "
+    r"z_{\text{hexagon}} & \text{left over} \end{cases}",
+    passes=[
+        Pass(
+            target=Target(size=(2 * SIDE, SIDE), depth="depth32f", clear=(0.0, 0.0, 0.0, 1.0)),
+            draws=(*two_frames(0, True), *two_frames(1, False)),
+        )
+    ],
+    expect=[
+        exact(
+            "FragColor",
+            np.concatenate([second_frame(True), second_frame(False)], axis=1),
+            name="the second frame, twice",
+        ),
+        exact(
+            "depth",
+            np.concatenate([depths(True), depths(False)], axis=1),
+            name="the depth that is left",
+        ),
+        *(
+            query("samples_passed", equals=int(in_hexagon().sum()), draw=k, name=f"hexagon {half}")
+            for k, half in ((0, "left"), (3, "right"))
+        ),
+        coverage(192 * 192, draw=2, name="the square where depth was cleared"),
+        coverage(192 * 192 - int(in_hexagon().sum()), draw=5, name="the square where it was not"),
+        *(formula("gl_Position", placed, draw=k, name=f"places of draw {k}") for k in range(6)),
+        formula("FragColor", plain, draw=2, name="the square's colour"),
+        *(
+            gl_call(function, word, returns=at_first, name=f"{word} at first")
+            for function, word, at_first in STATES
+        ),
+    ],
+)
