@@ -109,7 +109,7 @@ def frustum(
     Source: The OpenGL Graphics System: A Specification (version 2.1), M. Segal and K. Akeley, 2006,
     §2.11.2, Frustum.
 
-    >>> (frustum(-1.0, 3.0, -0.5, 1.5, 0.5, 20.0) @ (3.0, 1.5, -0.5, 1.0)).tolist()
+    >>> (frustum(-1.0, 3.0, -0.5, 1.5, 0.5, 20.0) @ (3.0, 1.5, -0.5, 1.0)).round(9).tolist()
     [0.5, 0.5, -0.5, 0.5]
     """
     if not 0.0 < near < far:
