@@ -204,8 +204,8 @@ def holes(large: npt.NDArray[Any], small: npt.NDArray[Any]) -> npt.NDArray[Any]:
     (height, width), by = small.shape[:2], len(large) // len(small)
     blocks = (large != 0.0).any(axis=-1).reshape(height, by, width, by).all(axis=(1, 3))
     around = np.pad((small != 0.0).any(axis=-1), 1, constant_values=True)
-    inside: npt.NDArray[Any] = sliding_window_view(around, (3, 3)).all(axis=(2, 3))
-    return inside & ~blocks
+    inside = np.asarray(sliding_window_view(around, (3, 3)).all(axis=(2, 3)))
+    return np.asarray(inside & ~np.asarray(blocks))
 
 
 def middles(large: npt.NDArray[Any], small: npt.NDArray[Any]) -> npt.NDArray[Any]:
