@@ -23,7 +23,7 @@ LAYER = "VK_LAYER_KHRONOS_validation"
 # Textures, meshes, depth and stencil, blending, several passes, samples, lines and points.
 SHIPPED = (
     "texture-wrap", "mvp", "stencil-outline", "transparency-order", "hdr",
-    "multisample-coverage", "cubemap", "point-cloud",
+    "multisample-coverage", "cubemap", "window-origin", "point-cloud",
 )  # fmt: skip
 WAVE = """#version 330 core
 in vec2 place;
@@ -89,6 +89,22 @@ def test_shipped_cases_pass(lab: Lab, name: str) -> None:
     drawn = [e for e in case.expect if not e.kind.startswith("GL ")]
     record = lab.run(next(replace(case, expect=drawn).scenes()))
     assert (record.status, record.message) == ("pass", "")
+
+
+def test_nothing_is_left_on_a_device_that_is_closed(
+    lab: Lab, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """The layer tells of each object that a device is destroyed with."""
+    assert wave(lab, tmp_path, RIGHT).status == "pass"
+    lab.close()
+    assert "Validation" not in capfd.readouterr().out
+    from shaderlab.backends.vulkan.memory import Resources
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Resources, "release", lambda _: None)
+        wave(lab, tmp_path, RIGHT)
+        lab.close()
+    assert "has not been destroyed" in capfd.readouterr().out or not installed()
 
 
 def test_the_layer_is_on(lab: Lab, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:

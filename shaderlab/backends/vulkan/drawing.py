@@ -24,15 +24,15 @@ from shaderlab.backends.vulkan.descriptors import (
 from shaderlab.backends.vulkan.device import Device
 from shaderlab.backends.vulkan.linking import Linker
 from shaderlab.backends.vulkan.memory import Buffer, Resources
-from shaderlab.backends.vulkan.modules import drawing_points, for_vulkan
+from shaderlab.backends.vulkan.modules import HEIGHT, drawing_points, for_vulkan
 from shaderlab.backends.vulkan.program import Layout, Program
 from shaderlab.backends.vulkan.ready import Ready
 from shaderlab.backends.vulkan.target import RenderTarget
-from shaderlab.backends.vulkan.vertices import VertexBuffers, layout_of, upload
+from shaderlab.backends.vulkan.vertices import layout_of, upload
 from shaderlab.compiler.interface import Block
 from shaderlab.errors import UnsupportedError
 from shaderlab.frame import Array, Bindings, Image, PassDraw
-from shaderlab.model import Mesh, Pass, Scene, State
+from shaderlab.model import Pass, Scene, State
 from shaderlab.programs import bind, blocks, stages, storing
 from shaderlab.programs.formats import components_of
 from shaderlab.programs.passes import check_continues, check_reads
@@ -198,10 +198,11 @@ class Drawing(Session):
             tuple(target.formats(locations, srgb=state.srgb).items()),
             target.depth, target.samples, fixed.in_pipeline(state),
         )  # fmt: skip
+        values = {**bindings.uniforms, HEIGHT: np.array([target.size[1]], np.float32)}
         return Ready(
             program, layout, locations, state,
-            self._vertices(description.mesh, program), description.instances,
-            self._descriptors(own, program, draw, bindings, stored or {}),
+            upload(own, description.mesh, program.attributes), description.instances,
+            self._descriptors(own, program, draw, values, stored or {}),
         )  # fmt: skip
 
     def program(self, draw: PreparedDraw, texts: Mapping[str, str]) -> Program:
@@ -218,18 +219,14 @@ class Drawing(Session):
             own = drawing_points(own, draw.draw.state.point_size)
         return self.linker.link(own, draw.sources)
 
-    def _vertices(self, mesh: Mesh | None, program: Program) -> VertexBuffers:
-        return upload(self._resources, mesh, program.attributes)
-
     def _descriptors(
         self,
         own: Resources,
         program: Program,
         draw: PreparedDraw,
-        bindings: Bindings,
+        values: dict[str, Array],
         stored: Mapping[str, Buffer],
     ) -> object:
-        values = dict(bindings.uniforms)
         if draw.draw.domain is not None:
             values |= bind.ramp_uniforms(draw.draw, draw.interface.varyings)
         buffers = {}

@@ -1,8 +1,9 @@
 """From a program's text to the SPIR-V modules that Vulkan runs.
 
-The text is the one that OpenGL gets, but for two things that Vulkan counts otherwise: pictures are
-kept with their lowest row first, so a point's coordinates run the other way than Vulkan has them;
-and a point has the size that its last stage writes, in Vulkan always.
+The text is the one that OpenGL gets, but for what Vulkan counts otherwise: pictures are kept with
+their lowest row first, so a point's coordinates run the other way than Vulkan has them, and window
+coordinates from the upper corner take the target's height; and a point has the size that its last
+stage writes, in Vulkan always.
 """
 
 from __future__ import annotations
@@ -32,6 +33,9 @@ _CAPABILITIES = {
     45: "imageCubeArray", 55: "shaderStorageImageReadWithoutFormat",
     56: "shaderStorageImageWriteWithoutFormat", 57: "multiViewport",
 }  # fmt: skip
+HEIGHT = stages.PREFIX + "height"
+"""The uniform that says how high the target is in pixels (float)."""
+_COORD = re.compile(r"\blayout\s*\(([^)]*)\)\s*in\s+vec4\s+gl_FragCoord\s*;")
 _POINT = re.compile(r"\bgl_PointCoord\b")
 _LOCATED = re.compile(r"\blayout\s*\([^)]*\blocation\s*=\s*(\d+)[^)]*\)\s*out\b")
 _ADDED = re.compile(rf"^out \w+ {stages.PREFIX}\w+;", re.MULTILINE)
@@ -39,14 +43,25 @@ _NO_FILES = Shaders(())
 
 
 def for_vulkan(text: str) -> str:
-    """A fragment shader's text as Vulkan is to get it.
+    """A fragment shader's text as Vulkan is to get it; it may have a uniform HEIGHT more."""
+    text = _POINT.sub("vec2(gl_PointCoord.x, 1.0 - gl_PointCoord.y)", text)
+    return _numbered(_counted_as_declared(text))
 
-    Raises:
-        UnsupportedError: it counts pixels from the upper left corner.
-    """
-    if "origin_upper_left" in text:
-        raise UnsupportedError("origin_upper_left: pictures have their lowest row first here")
-    return _numbered(_POINT.sub("vec2(gl_PointCoord.x, 1.0 - gl_PointCoord.y)", text))
+
+def _counted_as_declared(text: str) -> str:
+    """The text with window coordinates counted as its own declaration of gl_FragCoord says."""
+    declared = _COORD.search(text)
+    if declared is None:
+        return text
+    y = f"{HEIGHT} - gl_FragCoord.y" if "origin_upper_left" in declared[1] else "gl_FragCoord.y"
+    half = " - 0.5" if "pixel_center_integer" in declared[1] else ""
+    named = f"{stages.PREFIX}frag_coord"
+    counted = (
+        f"uniform float {HEIGHT}; vec4 {named}() "
+        f"{{ return vec4(gl_FragCoord.x{half}, {y}{half}, gl_FragCoord.zw); }}"
+    )
+    after = re.sub(r"\bgl_FragCoord\b", f"{named}()", text[declared.end() :])
+    return f"{text[: declared.start()]}{counted}{after}"
 
 
 def _numbered(text: str) -> str:
