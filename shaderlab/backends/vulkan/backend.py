@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 
-from shaderlab.backends import Backend, Size
+from shaderlab.backends import Backend, Evaluation, Size
 from shaderlab.backends.vulkan import capture, queries, vertex_storage
 from shaderlab.backends.vulkan.device import Device
 from shaderlab.backends.vulkan.drawing import Drawing
+from shaderlab.backends.vulkan.evaluating import evaluate
 from shaderlab.backends.vulkan.linking import Linker
 from shaderlab.backends.vulkan.verdict import driver_verdict
 from shaderlab.compiler.sources import Source
@@ -44,6 +45,9 @@ class VulkanBackend(Backend):
 
     def driver_verdict(self, sources: Sequence[Source]) -> Verdict:
         return driver_verdict(self.device, sources)
+
+    def evaluate(self, evaluation: Evaluation, inputs: Array, outputs: Array) -> None:
+        evaluate(self._linker, evaluation, inputs, outputs)
 
     def close(self) -> None:
         self._linker.release()

@@ -147,7 +147,7 @@ def _opened(driver: str, instance: Any, structs: Structs) -> Device:
         "renderer": name if driver in name.lower() else f"{driver}: {name}",
         "vendor": ffi.string(about.driverName).decode(),
         "version": f"Vulkan {spelt}" + (f", {said}" if said else ""),
-        "glsl": "none: it takes SPIR-V",
+        "glsl": "4.60",
         "max_texture_size": str(properties.limits.maxImageDimension2D),
         "max_samples": str(max(samples_offered(properties.limits))),
     }

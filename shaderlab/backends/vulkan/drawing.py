@@ -13,14 +13,7 @@ from shaderlab.backends import Drawn, Session, Size
 from shaderlab.backends.vulkan import state as fixed
 from shaderlab.backends.vulkan.bound_textures import BoundTextures
 from shaderlab.backends.vulkan.commands import Commands, recording
-from shaderlab.backends.vulkan.descriptors import (
-    DEFAULT_BLOCK,
-    STORED,
-    UNIFORM,
-    Image as BoundImage,
-    new_set,
-    sampler_place,
-)
+from shaderlab.backends.vulkan.descriptors import Image as BoundImage, new_set, sampler_place
 from shaderlab.backends.vulkan.device import Device
 from shaderlab.backends.vulkan.linking import Linker
 from shaderlab.backends.vulkan.memory import Buffer, Resources
@@ -28,12 +21,12 @@ from shaderlab.backends.vulkan.modules import HEIGHT, drawing_points, for_vulkan
 from shaderlab.backends.vulkan.program import Layout, Program
 from shaderlab.backends.vulkan.ready import Ready
 from shaderlab.backends.vulkan.target import RenderTarget
+from shaderlab.backends.vulkan.uniforms import block_buffers
 from shaderlab.backends.vulkan.vertices import layout_of, upload
-from shaderlab.compiler.interface import Block
 from shaderlab.errors import UnsupportedError
 from shaderlab.frame import Array, Bindings, Image, PassDraw
 from shaderlab.model import Pass, Scene, State
-from shaderlab.programs import bind, blocks, stages, storing
+from shaderlab.programs import bind, stages, storing
 from shaderlab.programs.formats import components_of
 from shaderlab.programs.passes import check_continues, check_reads
 from shaderlab.programs.prepare import PreparedDraw, Programs, output_types, pass_colors, step
@@ -229,16 +222,7 @@ class Drawing(Session):
     ) -> object:
         if draw.draw.domain is not None:
             values |= bind.ramp_uniforms(draw.draw, draw.interface.varyings)
-        buffers = {}
-        for name, binding in program.bindings.items():
-            if binding.kind == STORED:
-                if name not in stored:
-                    raise UnsupportedError(f"{name}: storage buffers have no values here")
-                buffers[name] = stored[name].handle
-            elif binding.kind == UNIFORM:
-                assert binding.block is not None
-                data = _packed(binding.block, values)
-                buffers[name] = own.buffer("uniform_buffer", data).handle
+        buffers = block_buffers(own, program.bindings, values, stored)
         images: dict[str, BoundImage] = {}
         for name, source in draw.draw.textures.items():
             if sampler_place(name, program.bindings) is None:
@@ -246,12 +230,3 @@ class Drawing(Session):
                 continue
             images[name] = self._textures.bound(draw.interface.uniforms[name], source)
         return new_set(own, program.set_layout, program.bindings, buffers, images)
-
-
-def _packed(block: Block, values: Mapping[str, Array]) -> bytes:
-    """A block's bytes; what a struct got for the samplers that were lifted out of it is 0."""
-    given = dict(values)
-    for member in block.members.values():
-        if block.name == DEFAULT_BLOCK and member.name not in given:
-            given[member.name] = np.zeros(1, np.float32)
-    return blocks.packed(block, given)
