@@ -6,6 +6,7 @@ A block's members lie where glslang puts them, by the std140 rules.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,9 @@ import numpy as np
 from shaderlab.compiler.interface import Block, Interface, Member, Variable
 from shaderlab.errors import CaseError, UnsupportedError, nearest
 from shaderlab.frame import Array
-from shaderlab.model import Draw
+from shaderlab.model import Draw, UniformBuffer
+
+_PLACE = attrgetter("offset", "size", "array_stride", "matrix_stride")
 
 
 def uniform_blocks(interface: Interface) -> dict[str, Block]:
@@ -88,6 +91,27 @@ def given(draw: Draw, interface: Interface) -> dict[str, Any]:
             )
         values.update({spelt(block, member): value for member, value in own.items()})
     return values
+
+
+class SharedLayouts:
+    """The layouts of buffers that several programs share."""
+
+    def __init__(self) -> None:
+        self._first: dict[int, tuple[UniformBuffer, Block]] = {}
+
+    def check(self, source: UniformBuffer, block: Block) -> None:
+        """Raise CaseError where a buffer serves another block already, laid out differently."""
+        _, first = self._first.setdefault(id(source), (source, block))
+        ours, theirs = (
+            {name: _PLACE(member) for name, member in one.members.items()} for one in (block, first)
+        )
+        for name in (*ours, *theirs):
+            if ours.get(name) != theirs.get(name):
+                raise CaseError(
+                    f"one UniformBuffer serves the blocks {first.name} and {block.name}, "
+                    f"but {name} does not lie at the same place in both",
+                    remedy="declare both blocks alike, or give each a UniformBuffer of its own",
+                )
 
 
 def packed(block: Block, uniforms: Mapping[str, Array]) -> bytes:

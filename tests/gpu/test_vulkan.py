@@ -204,3 +204,33 @@ def test_points_off_screen_are_dropped_by_the_lab(lab: Lab, tmp_path: Path) -> N
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("shaderlab.programs.stages._OFF_SCREEN", ())
         assert lab.run(case.scene("default")).status == "fail"
+
+
+def test_attributes_lie_where_each_layout_has_them(lab: Lab, tmp_path: Path) -> None:
+    """Of one buffer two attributes have strides of their own."""
+    (tmp_path / "tri.vert").write_text(
+        "#version 330 core\nin vec3 place;\nin vec2 tint;\nout vec2 mixed;\n"
+        "void main() { mixed = tint; gl_Position = vec4(place, 1.0); }\n"
+    )
+    (tmp_path / "tri.frag").write_text(
+        "#version 330 core\nin vec2 mixed;\nout vec2 color;\nvoid main() { color = mixed; }\n"
+    )
+    drawn = []
+    for layout in ("separate", "interleaved", "batched"):
+        mesh = Mesh(
+            attributes={
+                "place": np.array([(-1.0, -1.0, 0.0), (3.0, -1.0, 0.0), (-1.0, 3.0, 0.0)]),
+                "tint": np.array([(0.0, 1.0), (2.0, 1.0), (0.0, 3.0)]),
+            },
+            layout=layout,
+        )
+        draw = Draw(vertex="tri.vert", fragment="tri.frag", mesh=mesh)
+        case = Case(
+            title="layouts", file=str(tmp_path / "tri.py"), passes=(Pass(draws=(draw,)),),
+            expect=[formula("color", lambda mixed: mixed)],
+        )  # fmt: skip
+        scene = case.scene("default")
+        with lab.evaluation(scene, lab.prepare_for_opengl(scene)) as evaluation:
+            drawn.append(evaluation.drawn.images["main", "color"].values)
+    assert drawn[0].max() > 0.9
+    assert np.array_equal(drawn[0], drawn[1]) and np.array_equal(drawn[0], drawn[2])

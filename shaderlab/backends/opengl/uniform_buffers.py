@@ -6,7 +6,6 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack
-from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -15,13 +14,12 @@ from shaderlab.backends.opengl.device import Device
 from shaderlab.backends.opengl.linking import has_names
 from shaderlab.backends.opengl.pyopengl import GL
 from shaderlab.compiler.interface import Block
-from shaderlab.errors import CaseError, DriverError
+from shaderlab.errors import DriverError
 from shaderlab.frame import Array, BlockReading
 from shaderlab.model import UniformBuffer
 from shaderlab.programs import blocks
 from shaderlab.programs.prepare import PreparedDraw
 
-_PLACE = attrgetter("offset", "size", "array_stride", "matrix_stride")
 _NONE = 0xFFFFFFFF  # GL_INVALID_INDEX
 
 
@@ -37,7 +35,7 @@ class UniformBuffers:
         self._device = device
         self._stack = stack
         self._active: dict[int, tuple[Any, dict[str, bool]]] = {}
-        self._shared: dict[int, tuple[UniformBuffer, Block]] = {}
+        self._shared = blocks.SharedLayouts()
         self._made: dict[tuple[int, bytes], Any] = {}
 
     def bind(
@@ -63,17 +61,7 @@ class UniformBuffers:
 
     def _buffer(self, source: UniformBuffer, block: Block, data: bytes) -> Any:
         """The one buffer of a UniformBuffer; a probe with other values gets one of its own."""
-        _, first = self._shared.setdefault(id(source), (source, block))
-        ours, theirs = (
-            {name: _PLACE(member) for name, member in one.members.items()} for one in (block, first)
-        )
-        for name in (*ours, *theirs):
-            if ours.get(name) != theirs.get(name):
-                raise CaseError(
-                    f"one UniformBuffer serves the blocks {first.name} and {block.name}, "
-                    f"but {name} does not lie at the same place in both",
-                    remedy="declare both blocks alike, or give each a UniformBuffer of its own",
-                )
+        self._shared.check(source, block)
         key = (id(source), data)
         if key not in self._made:
             self._made[key] = self._device.context.buffer(data)

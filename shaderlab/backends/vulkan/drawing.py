@@ -26,7 +26,7 @@ from shaderlab.backends.vulkan.vertices import layout_of, upload
 from shaderlab.errors import UnsupportedError
 from shaderlab.frame import Array, Bindings, Image, PassDraw
 from shaderlab.model import Pass, Scene, State
-from shaderlab.programs import bind, stages, storing
+from shaderlab.programs import bind, blocks, stages, storing
 from shaderlab.programs.formats import components_of
 from shaderlab.programs.passes import check_continues, check_reads
 from shaderlab.programs.prepare import PreparedDraw, Programs, output_types, pass_colors, step
@@ -65,6 +65,7 @@ class Drawing(Session):
         self._resources = stack.enter_context(Resources(device))
         folder = Path(scene.case.file).parent
         self._textures = BoundTextures(self._resources, linker, folder, self.images, self.targets)
+        self._shared = blocks.SharedLayouts()
         self._inactive: set[str] = set()
         self._named = scene.outputs_named()
 
@@ -222,6 +223,8 @@ class Drawing(Session):
     ) -> object:
         if draw.draw.domain is not None:
             values |= bind.ramp_uniforms(draw.draw, draw.interface.varyings)
+        for name, block in blocks.uniform_blocks(draw.interface).items():
+            self._shared.check(draw.draw.blocks[name], block)
         buffers = block_buffers(own, program.bindings, values, stored)
         images: dict[str, BoundImage] = {}
         for name, source in draw.draw.textures.items():

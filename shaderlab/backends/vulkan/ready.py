@@ -45,4 +45,4 @@ class Ready:
             own = structs.array("VkDescriptorSet", [self.descriptors])
             lib.vkCmdBindDescriptorSets(handle, _GRAPHICS, self.program.layout, 0, 1, own, 0, NULL)
         if min(box[2:]) > 0:
-            self.vertices.draw(commands, self.instances)
+            self.vertices.draw(commands, self.layout.vertices, self.instances)

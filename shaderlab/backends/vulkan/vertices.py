@@ -26,13 +26,15 @@ class VertexLayout:
     """Where a pipeline reads vertices from.
 
     Attributes:
-        buffers: of each buffer that is bound, its number, its stride in bytes, and 1 if it goes
-            on once an instance.
-        attributes: of each attribute, its location, its buffer, its VkFormat and its offset.
+        streams: for each attribute, the number of its buffer, where it begins there and its stride,
+            in bytes, and 1 if it goes on once an instance. Each is a binding of its own, since
+            attributes that follow one another in a buffer have strides of their own.
+        attributes: of each vector that is read, its location, its stream, its VkFormat and its
+            offset from the stream's beginning.
         topology: the VkPrimitiveTopology.
     """
 
-    buffers: tuple[tuple[int, int, int], ...] = ()
+    streams: tuple[tuple[int, int, int, int], ...] = ()
     attributes: tuple[tuple[int, int, int, int], ...] = ()
     topology: int = PRIMITIVES.index("triangles")
 
@@ -40,8 +42,11 @@ class VertexLayout:
         """The structure that tells a pipeline."""
         return structs(
             "PipelineVertexInputStateCreateInfo",
-            vertexBindingDescriptionCount=len(self.buffers),
-            pVertexBindingDescriptions=list(self.buffers),
+            vertexBindingDescriptionCount=len(self.streams),
+            pVertexBindingDescriptions=[
+                (number, stride, divisor)
+                for number, (_, _, stride, divisor) in enumerate(self.streams)
+            ],
             vertexAttributeDescriptionCount=len(self.attributes),
             pVertexAttributeDescriptions=list(self.attributes),
         )
@@ -51,7 +56,7 @@ def layout_of(mesh: Mesh | None, declared: Mapping[str, Variable]) -> VertexLayo
     """The layout of a mesh, made for a vertex stage that declares these inputs."""
     if mesh is None:
         return VertexLayout()
-    buffers: dict[int, tuple[int, int, int]] = {}
+    streams: list[tuple[int, int, int, int]] = []
     attributes: list[tuple[int, int, int, int]] = []
     # Vulkan's first number for a topology is that of points, and so on in the order of PRIMITIVES.
     topology = PRIMITIVES.index(mesh.primitive)
@@ -61,16 +66,16 @@ def layout_of(mesh: Mesh | None, declared: Mapping[str, Variable]) -> VertexLayo
         if variable is None or variable.location is None:
             continue
         array = arrays[name]
-        buffers[place.buffer] = (place.buffer, place.stride, place.divisor)
         columns = array.shape[2] if array.ndim == 3 else 1
         size = array.shape[1]
         letter = "u" if numpy_type(variable.type) is np.uint32 else array.dtype.kind
         channels = "".join(f"{channel}32" for channel in "RGBA"[:size])
         format = constant(f"FORMAT_{channels}_{_FORMATS[letter]}")
         for column in range(columns):
-            offset = place.offset + column * size * array.itemsize
-            attributes.append((variable.location + column, place.buffer, format, offset))
-    return VertexLayout(tuple(buffers.values()), tuple(attributes), topology)
+            offset = column * size * array.itemsize
+            attributes.append((variable.location + column, len(streams), format, offset))
+        streams.append((place.buffer, place.offset, place.stride, place.divisor))
+    return VertexLayout(tuple(streams), tuple(attributes), topology)
 
 
 @dataclass(frozen=True)
@@ -81,12 +86,13 @@ class VertexBuffers:
     indices: Buffer | None
     count: int
 
-    def draw(self, commands: Commands, instances: int) -> None:
-        """Record the draw call."""
-        handles = [buffer.handle for buffer in self.buffers]
-        if handles:
+    def draw(self, commands: Commands, layout: VertexLayout, instances: int) -> None:
+        """Record the draw call, for a pipeline of this layout."""
+        streams = layout.streams
+        if streams:
+            handles = [self.buffers[buffer].handle for buffer, *_ in streams]
             own = commands.structs.array("VkBuffer", handles)
-            starts = commands.structs.array("VkDeviceSize", [0] * len(handles))
+            starts = commands.structs.array("VkDeviceSize", [offset for _, offset, *_ in streams])
             lib.vkCmdBindVertexBuffers(commands.handle, 0, len(handles), own, starts)
         if self.indices is None:
             lib.vkCmdDraw(commands.handle, self.count, instances, 0, 0)
@@ -113,13 +119,11 @@ def upload(
 
 def readings(layout: VertexLayout, declared: Mapping[str, Variable]) -> dict[str, AttributeReading]:
     """Where a pipeline of this layout reads each attribute."""
-    buffers = {number: (stride, divisor) for number, stride, divisor in layout.buffers}
-    places = {location: (buffer, offset) for location, buffer, _, offset in layout.attributes}
+    streams = {location: layout.streams[number] for location, number, _, _ in layout.attributes}
     found = {}
     for name, variable in declared.items():
-        if variable.location in places:
-            buffer, offset = places[variable.location]
-            stride, divisor = buffers[buffer]
+        if variable.location in streams:
+            buffer, offset, stride, divisor = streams[variable.location]
             found[name] = AttributeReading(
                 buffer=buffer, offset=offset, stride=stride, divisor=divisor
             )
