@@ -24,20 +24,14 @@ from shaderlab.catalogue import load_cases
 from shaderlab.discovery import shipped_cases
 from shaderlab.errors import ShaderlabError
 from shaderlab.evaluation import Lab
-from shaderlab.evaluation.driver_values import driver_values
 from shaderlab.evaluation.evaluation import Evaluation
-from shaderlab.evaluation.explaining import Trace, traced
-from shaderlab.evaluation.interpreting import Invocations, fragments
-from shaderlab.frame import PassDraw
-from shaderlab.interpreter import Bands, Stored
-from shaderlab.judging.formats import stored
 from shaderlab.model import Case
 from shaderlab.mutation import glsl_mutants
+from shaderlab.mutation.locating import Traces, first_traced, traces_of
 from shaderlab.mutation.mutants import ShaderMutant
 from shaderlab.options import RunOptions
 from shaderlab.programs.instrument import statements
 
-MOST = 1024
 # Mistakes where nothing is stored.
 LEFT_OUT = ("removed", "return", "discarded", "halved", "never written", "else")
 
@@ -73,7 +67,7 @@ def located(lab: Lab, case: Case, most: int) -> Iterator[tuple[Any, str, float]]
     try:
         programs = lab.prepare_for_opengl(scene)
         with lab.evaluation(scene, programs) as right:
-            traces = {key: trace_of(right, key) for key in right.drawn.bindings}
+            traces = traces_of(right)
             images = right.drawn.images
     except ShaderlabError:
         return
@@ -103,48 +97,35 @@ def located(lab: Lab, case: Case, most: int) -> Iterator[tuple[Any, str, float]]
             yield mutant, verdict, time.process_time() - started
 
 
-def trace_of(evaluation: Evaluation, key: PassDraw) -> tuple[Invocations, Trace] | None:
-    """What a draw's fragments store in bands; None where they can't be interpreted."""
-    try:
-        given = fragments(evaluation, key, MOST)
-        return (given, traced(given, Bands())) if given.count else None
-    except ShaderlabError:
-        return None
-
-
 def named(
     wrong: Evaluation,
     right: Evaluation,
-    traces: dict[PassDraw, tuple[Invocations, Trace] | None],
+    traces: Traces,
     mutant: ShaderMutant,
 ) -> str | None:
     """What the first value outside says of a mistake; None where no output leaves its band."""
-    for key, found in traces.items():
-        text = wrong.programs[key[0]][key[1]].text("fragment") or ""
-        if found is None or text == right.programs[key[0]][key[1]].text("fragment"):
-            continue
-        given, trace = found
-        if not leaves(wrong, key, given, trace):
-            continue
-        first = first_outside(wrong, key, given, trace)
-        if first is None:
-            return "nothing found"
-        spans = [s for s in statements(text) if s.first <= first.line <= s.last]
-        last = max((s.last for s in spans), default=first.line)
-        lines = [given.program.place(n) for n in range(first.line, last + 1)]
-        lines += [given.program.place(s.first) for s in spans]
-        if any(same(place, mutant) for place in lines):
-            return "statement"
-        calls = [given.program.place(call) for call in first.calls]
-        if any(same(place, mutant) for place in calls):
-            return "call stack"
-        # The mistake's own call stack: of a function that is called often, only what it stored
-        # last is the driver's, and its result shows in the statement that called it.
-        own = [e for e in trace.stored if same(given.program.place(e.line), mutant)]
-        if {given.program.place(call) for e in own for call in e.calls} & set(lines):
-            return "call stack"
-        return "another line"
-    return None
+    found = first_traced(wrong, right, traces)
+    if found is None:
+        return None
+    given, trace, first = found
+    if first is None:
+        return "nothing found"
+    text = given.program.source.text if given.program.source is not None else ""
+    spans = [s for s in statements(text) if s.first <= first.line <= s.last]
+    last = max((s.last for s in spans), default=first.line)
+    lines = [given.program.place(n) for n in range(first.line, last + 1)]
+    lines += [given.program.place(s.first) for s in spans]
+    if any(same(place, mutant) for place in lines):
+        return "statement"
+    calls = [given.program.place(call) for call in first.calls]
+    if any(same(place, mutant) for place in calls):
+        return "call stack"
+    # The mistake's own call stack: of a function that is called often, only what it stored
+    # last is the driver's, and its result shows in the statement that called it.
+    own = [e for e in trace.stored if same(given.program.place(e.line), mutant)]
+    if {given.program.place(call) for e in own for call in e.calls} & set(lines):
+        return "call stack"
+    return "another line"
 
 
 def same(place: tuple[str, int], mutant: ShaderMutant) -> bool:
@@ -152,42 +133,6 @@ def same(place: tuple[str, int], mutant: ShaderMutant) -> bool:
     return place[1] == mutant.line and (
         place[0].endswith(mutant.file) or mutant.file.endswith(place[0])
     )
-
-
-def leaves(wrong: Evaluation, key: PassDraw, given: Invocations, trace: Trace) -> bool:
-    """Whether an output of a wrong drawing lies outside of the right program's band."""
-    assert given.pixels is not None
-    at = given.pixels[:, 1], given.pixels[:, 0]
-    for name, band in trace.outputs.items():
-        image = wrong.drawn.images.get((key[0], name))
-        if image is None or not hasattr(band, "terms"):
-            continue
-        components = min(band.shape[-1], image.values.shape[-1])
-        allowed = stored(band[..., :components], image.format, components)
-        if not allowed.contains(image.values[at][:, :components]).all():
-            return True
-    return False
-
-
-def first_outside(
-    wrong: Evaluation, key: PassDraw, given: Invocations, trace: Trace
-) -> Stored | None:
-    """The first statement that the driver leaves the band at, by the last value that it stores."""
-    driver = driver_values(wrong, key, given, trace.stored)
-    last: dict[tuple[int, str], list[Stored]] = {}
-    for event in trace.stored:
-        slot = event.line, event.name
-        if slot in driver.values:
-            last.setdefault(slot, []).append(event)
-    for slot, events in sorted(last.items(), key=lambda item: trace.stored.index(item[1][-1])):
-        values, reached = driver.values[slot]
-        later = np.zeros(given.count, np.bool_)
-        for event in reversed(events):
-            sure = event.mask & ~later & reached & ~trace.undecided
-            if (sure & ~event.value.contains(values).all(axis=-1)).any():
-                return event
-            later |= event.mask
-    return None
 
 
 if __name__ == "__main__":

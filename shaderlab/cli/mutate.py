@@ -49,6 +49,10 @@ if TYPE_CHECKING:
     help="At most N mutants a case, drawn at random. 0, the default, is all.",
 )  # fmt: skip
 @click.option("--seed", type=int, default=0, metavar="N", help="Which ones --limit draws.")
+@click.option(
+    "--locate", is_flag=True,
+    help="Say which statement each killed mutant of a fragment shader is traced to.",
+)  # fmt: skip
 @limits_option("Seconds after which a mutant that does not end counts as killed.", seconds=20.0)
 @jobs_option()
 @JSON
@@ -65,6 +69,7 @@ def command(
     api: bool,
     limit: int,
     seed: int,
+    locate: bool,
     limits: Limits,
     workers: int | None,
     json_file: str | None,
@@ -98,12 +103,16 @@ def command(
     """
     from shaderlab.mutation import Campaign, MutationPlan, as_json, score
 
-    plan = MutationPlan(variants=variants, state=state, api=api, limit=limit, seed=seed)
+    plan = MutationPlan(
+        variants=variants, state=state, api=api, limit=limit, seed=seed, locate=locate
+    )
     console = _console(json_file == "-")
     with contextlib.closing(make_local_executor(None, limits, workers, early=False)) as executor:
         campaign = Campaign(_subjects(targets, every, plan, executor), executor)
         _judge(campaign, console)
     results = campaign.results()
+    if locate:
+        _show_traced(console, results)
     _show(console, results, "calls of OpenGL" if api else "shaders")
     data = {**as_json(results), "api": api, "limit": limit, "seed": seed}
     try:
@@ -245,6 +254,15 @@ def _show(console: Console, results: Sequence[CaseResult], mutated: str) -> None
         style="bold",
         markup=False,
     )
+
+
+def _show_traced(console: Console, results: Sequence[CaseResult]) -> None:
+    for result in results:
+        traced = [tried for tried in result.with_status("killed") if tried.fate.traced]
+        if traced:
+            console.print(f"traced in {result.id}:", style="bold", markup=False)
+        for tried in traced:
+            console.print(f"  {tried.mutant}\n      to {tried.fate.traced}", markup=False)
 
 
 def _percent(share: float | None) -> str:

@@ -49,7 +49,7 @@ class CaseSubject:
 
     def judge(self, mutant: Mutant) -> JudgeMutant:
         """See `Subject`."""
-        return JudgeMutant(self.file, self.plan.variants, mutant)
+        return JudgeMutant(self.file, self.plan.variants, mutant, self.plan.locate)
 
 
 @dataclass

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from shaderlab.errors import CaseError, ShaderError
 from shaderlab.evaluation import Evaluation, Lab
@@ -21,6 +22,9 @@ from shaderlab.mutation.tasks import PartError, Task, part_of, sound_part
 from shaderlab.mutation.wider import WiderInputs
 from shaderlab.programs.prepare import PreparedDraw, Programs
 
+if TYPE_CHECKING:
+    from shaderlab.mutation.locating import Traces
+
 Pair = tuple[Evaluation, Evaluation]
 """The evaluation of a mutant's scene, and that of the same scene unmutated."""
 
@@ -32,13 +36,17 @@ class Judge:
         lab: the open device.
         case: the case.
         variants: names of the only variants to judge by; all of them if empty.
+        locate: whether it is asked which statement a killed mutant is traced to.
 
     Raises:
         CaseError: an expectation fails with the case's own shaders: there is nothing to measure.
     """
 
-    def __init__(self, lab: Lab, case: Case, variants: tuple[str, ...] = ()) -> None:
+    def __init__(
+        self, lab: Lab, case: Case, variants: tuple[str, ...] = (), *, locate: bool = False
+    ) -> None:
         self._lab = lab
+        self._located: dict[str, Traces] | None = {} if locate else None
         self._scenes = scenes_of(case, variants)
         self._judged = judged_outputs(self._scenes)
         self._originals = {s.variant: self._original(s) for s in self._scenes}
@@ -158,8 +166,20 @@ class Judge:
             return Fate(status="killed", by=f"{part.variant} · another GL error")
         for expectation in part.expect:
             if mutant.judge(expectation).outcome.status != "pass":
-                return Fate(status="killed", by=f"{part.variant} · {expectation.name}")
+                return Fate(
+                    status="killed",
+                    by=f"{part.variant} · {expectation.name}",
+                    traced=self._traced(mutant, original),
+                )
         return None
+
+    def _traced(self, mutant: Evaluation, original: Evaluation) -> str:
+        """The statement that a killed mutant is traced to, if that is asked for."""
+        if self._located is None:
+            return ""
+        from shaderlab.mutation.locating import traced_to
+
+        return traced_to(mutant, original, self._located[mutant.scene.variant])
 
     def _seen(self, mutant: Evaluation, original: Evaluation) -> Fate | None:
         """Survived if any bit differs of all that a mutant drew and captured; what expectations
@@ -211,6 +231,10 @@ class Judge:
                         file=scene.case.file or None,
                         remedy="mend the case first; then its power can be measured",
                     )
+            if self._located is not None:
+                from shaderlab.mutation.locating import traces_of
+
+                self._located[scene.variant] = traces_of(evaluation)
         return evaluation
 
     def _prepared(self, task: Task, part: Scene) -> Programs:

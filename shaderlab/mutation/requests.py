@@ -35,6 +35,7 @@ class MutationPlan:
         api: mutate the calls of OpenGL that drawing takes, and nothing else.
         limit: the most mutants of a case, drawn at random by `seed`; 0 for all.
         seed: selects the mutants that `limit` draws.
+        locate: ask which statement each killed mutant is traced to.
     """
 
     variants: tuple[str, ...] = ()
@@ -42,6 +43,7 @@ class MutationPlan:
     api: bool = False
     limit: int = 0
     seed: int = 0
+    locate: bool = False
 
 
 @dataclass(frozen=True)
@@ -74,10 +76,13 @@ class JudgeMutant:
     file: Path
     variants: tuple[str, ...]
     mutant: Mutant
+    locate: bool = False
 
     def perform(self, worker: LabWorker) -> Fate:
         """See `shaderlab.execution.jobs.Request`."""
-        judge: Judge = worker.keep("judge", (self.file, self.variants), lambda: self._open(worker))
+        judge: Judge = worker.keep(
+            "judge", (self.file, self.variants, self.locate), lambda: self._open(worker)
+        )
         return judge.fate(self.mutant)
 
     def _open(self, worker: LabWorker) -> Judge:
@@ -85,7 +90,8 @@ class JudgeMutant:
 
         worker.note(OPENING)
         worker.restart_limit(OPENING_SECONDS)
-        judge = Judge(worker.lab(RunOptions()), worker.case(str(self.file)), self.variants)
+        lab, case = worker.lab(RunOptions()), worker.case(str(self.file))
+        judge = Judge(lab, case, self.variants, locate=self.locate)
         worker.note("")
         worker.restart_limit()
         return judge

@@ -24,12 +24,15 @@ class Fate:
         by: the variant and expectation that killed it, or what else there is to say.
         unread: whether it survived because no expectation reads what changes.
         noticed: of a file of tests, whether each test notices it.
+        traced: where a killed one was traced to, "lamp.frag:12: diffuse"; "" if it was not asked
+            for, or not found.
     """
 
     status: Status
     by: str = ""
     unread: bool = False
     noticed: Mapping[str, bool] = field(default_factory=dict)
+    traced: str = ""
 
 
 @dataclass(frozen=True)
@@ -110,6 +113,7 @@ def as_json(results: Sequence[CaseResult]) -> dict[str, Any]:
                 "killed_in_state": sum(
                     t.of_state and t.fate.status == "killed" for t in result.tried
                 ),
+                **({"traced": traced} if (traced := _traced(result)) else {}),
                 **({"noticed": result.noticed} if result.noticed else {}),
                 "seconds": round(result.seconds, 3),
                 **({"message": result.message} if result.message else {}),
@@ -119,6 +123,15 @@ def as_json(results: Sequence[CaseResult]) -> dict[str, Any]:
         "score": score(results),
         "state_score": score(results, state=True),
     }
+
+
+def _traced(result: CaseResult) -> list[dict[str, Any]]:
+    """The killed mutants that were traced to a statement."""
+    return [
+        {**_entry(t), "traced": t.fate.traced}
+        for t in result.with_status("killed")
+        if t.fate.traced
+    ]
 
 
 def _entry(tried: Tried) -> dict[str, Any]:

@@ -1,0 +1,108 @@
+"""Which statement a killed mutant is traced to: the first at which what the driver computes leaves
+the band of the shader as it was."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from shaderlab.errors import ShaderlabError
+from shaderlab.evaluation import Evaluation
+from shaderlab.evaluation.driver_values import driver_values
+from shaderlab.evaluation.explaining import Trace, traced
+from shaderlab.evaluation.interpreting import Invocations, fragments
+from shaderlab.evaluation.modules import outside
+from shaderlab.files import display_path
+from shaderlab.frame import PassDraw
+from shaderlab.interpreter import Bands, Stored
+
+MOST = 1024
+"""Pixels of a draw that are looked at."""
+Traces = Mapping[PassDraw, tuple[Invocations, Trace] | None]
+
+
+def traces_of(right: Evaluation) -> Traces:
+    """What each draw's fragments store in bands, while the scene is on the device; None of those
+    that can't be interpreted."""
+    return {key: _trace_of(right, key) for key in right.drawn.bindings}
+
+
+def _trace_of(evaluation: Evaluation, key: PassDraw) -> tuple[Invocations, Trace] | None:
+    try:
+        given = fragments(evaluation, key, MOST)
+        return (given, traced(given, Bands())) if given.count else None
+    except ShaderlabError:
+        return None
+
+
+def first_traced(
+    wrong: Evaluation, right: Evaluation, traces: Traces
+) -> tuple[Invocations, Trace, Stored | None] | None:
+    """The first value that a wrong shader stores and the right one does not allow, of the draws
+    whose fragment shader differs; None if no output leaves its band.
+
+    Raises:
+        ShaderlabError: the driver can't draw the shader's statements.
+    """
+    for key, found in traces.items():
+        if found is None or key[0] not in wrong.programs:
+            continue
+        text = wrong.programs[key[0]][key[1]].text("fragment") or ""
+        if text != right.programs[key[0]][key[1]].text("fragment"):
+            given, trace = found
+            if _leaves(wrong, key, given, trace):
+                return given, trace, _first_outside(wrong, key, given, trace)
+    return None
+
+
+def traced_to(wrong: Evaluation, right: Evaluation, traces: Traces) -> str:
+    """The place and the name of the first value that is wrong: "lamp.frag:12: diffuse"; "" where
+    none is found."""
+    try:
+        found = first_traced(wrong, right, traces)
+    except ShaderlabError:
+        return ""
+    if found is None or found[2] is None:
+        return ""
+    file, line = found[0].program.place(found[2].line)
+    return f"{display_path(file, line)}: {found[2].name}"
+
+
+def _leaves(wrong: Evaluation, key: PassDraw, given: Invocations, trace: Trace) -> bool:
+    """Whether an output of a wrong drawing lies outside of the right program's band."""
+    assert given.pixels is not None
+    at = given.pixels[:, 1], given.pixels[:, 0]
+    images = {n: i for (name, n), i in wrong.drawn.images.items() if name == key[0]}
+    drawn = Invocations(
+        program=given.program,
+        each=given.each,
+        bindings=given.bindings,
+        measured={name: image.values[at] for name, image in images.items()},
+        formats={name: image.format for name, image in images.items()},
+    )
+    flags = (outside(drawn, name, band) for name, band in trace.outputs.items())
+    return any(found is not None and bool(found.any()) for found in flags)
+
+
+def _first_outside(
+    wrong: Evaluation, key: PassDraw, given: Invocations, trace: Trace
+) -> Stored | None:
+    """The first statement that the driver leaves the band at, by the last value that it stores."""
+    driver = driver_values(wrong, key, given, trace.stored)
+    last: dict[tuple[int, str], list[Stored]] = {}
+    for event in trace.stored:
+        slot = event.line, event.name
+        if slot in driver.values:
+            last.setdefault(slot, []).append(event)
+    order: Any = {id(event): i for i, event in enumerate(trace.stored)}
+    for slot, events in sorted(last.items(), key=lambda item: order[id(item[1][-1])]):
+        values, reached = driver.values[slot]
+        later = np.zeros(given.count, np.bool_)
+        for event in reversed(events):
+            sure = event.mask & ~later & reached & ~trace.undecided
+            if (sure & ~event.value.contains(values).all(axis=-1)).any():
+                return event
+            later |= event.mask
+    return None
