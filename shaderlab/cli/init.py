@@ -40,11 +40,14 @@ jobs:
         with:
           python-version: "3.12"
       - run: sudo apt-get update && sudo apt-get install -y libegl1 libgl1-mesa-dri
-      - run: pip install shaderlab  # or its wheel, or the address of its repository
+      - run: pip install 'shaderlab[pytest]'  # or its wheel, or the address of its repository
       - run: shaderlab compile {shaders} --annotations -
-      - run: >
-          shaderlab run . --annotations - --sarif shaderlab.sarif --junit shaderlab.xml
-          --markdown "$GITHUB_STEP_SUMMARY"
+      - run: pytest --shaderlab-report reports/ci  # cases, and tests of GLSL functions
+      - if: always()
+        run: >
+          test ! -f reports/ci/run.json ||
+          shaderlab report reports/ci --annotations - --sarif shaderlab.sarif
+          --junit shaderlab.xml --markdown "$GITHUB_STEP_SUMMARY"
       - if: always()
         continue-on-error: true  # a private repository may have no code scanning
         uses: github/codeql-action/upload-sarif@v3
@@ -80,7 +83,7 @@ def command() -> int:
     else:
         _write(_WORKFLOW_FILE, _WORKFLOW.format(shaders=" ".join(folders)))
     _ignore()
-    click.echo("\nnext: write a case (docs/guide/tutorial.md), then `shaderlab run .`")
+    click.echo("\nnext: write a test (docs/guide/tutorial.md), or begin with: shaderlab new FILE")
     return OK
 
 

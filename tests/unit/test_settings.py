@@ -184,7 +184,8 @@ def test_init_writes_what_is_missing_and_keeps_what_is_there(
     workflow = Path(".github/workflows/shaders.yml")
     text = workflow.read_text()
     assert "shaderlab compile engine shaders tests --annotations -\n" in text
-    assert "shaderlab run . --annotations - --sarif shaderlab.sarif" in text
+    assert "pytest --shaderlab-report reports/ci" in text
+    assert "shaderlab report reports/ci --annotations - --sarif shaderlab.sarif" in text
     workflow.write_text("mine\n")
     result = CliRunner().invoke(cli, ["init"])
     assert result.output.count("already") == 3
