@@ -84,6 +84,7 @@ def command(
 
     from shaderlab.cli.showing import Show
     from shaderlab.watching.changes import Changes, Contents
+    from shaderlab.watching.requests import warm_up
     from shaderlab.watching.session import Session
 
     wanted = _Wanted(targets or (".",))
@@ -96,7 +97,9 @@ def command(
         contextlib.ExitStack() as stack,
     ):
         changes = stack.enter_context(Changes(wanted.folders()))
-        session = stack.enter_context(contextlib.closing(Session(start, wanted.jobs, options)))
+        session = stack.enter_context(
+            contextlib.closing(Session(start, wanted.jobs, options, warm_up))
+        )
         page = stack.enter_context(_page(options)) if open_report else None
         _Watch(session, changes, Contents(), wanted, show, page).run(case_files, test_files)
     return OK

@@ -2,21 +2,47 @@
 
 from __future__ import annotations
 
+import contextlib
+import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from shaderlab.errors import CaseError
+from shaderlab.errors import CaseError, ShaderlabError
 from shaderlab.execution.jobs import CaseFacts, Job
 from shaderlab.function_tests.running import RunTestFile
+from shaderlab.functions.calling import called_in
+from shaderlab.functions.library import load
 from shaderlab.options import RunOptions
 from shaderlab.watching.opened import OpenedFiles
 
 if TYPE_CHECKING:
+    from shaderlab.execution.executor import LocalExecutor
     from shaderlab.execution.lab_worker import LabWorker
     from shaderlab.records import Record
+
+
+@dataclass(frozen=True)
+class WarmUp:
+    """Asks for a call and its judgement, so that what the first of them takes is done before."""
+
+    def perform(self, worker: LabWorker) -> None:
+        """See `shaderlab.execution.jobs.Request`."""
+        with called_in(worker):
+            same = load("float same(float x) { return x; }").same
+            same.check(lambda x: x, [1.0, 2.0])
+
+
+def warm_up(executor: LocalExecutor) -> None:
+    """Have an executor's worker get ready, in the background."""
+
+    def perform() -> None:
+        with contextlib.suppress(ShaderlabError):  # whoever asks next is told
+            list(executor.perform([WarmUp()]))
+
+    threading.Thread(target=perform, daemon=True).start()
 
 
 @dataclass(frozen=True)

@@ -48,12 +48,18 @@ class Session:
         start: starts an executor.
         select: the jobs of case files, in order.
         options: how scenes are run.
+        warm: has an executor get ready that waits, without waiting for it.
     """
 
     def __init__(
-        self, start: Callable[[], LocalExecutor], select: Select, options: RunOptions
+        self,
+        start: Callable[[], LocalExecutor],
+        select: Select,
+        options: RunOptions,
+        warm: Callable[[LocalExecutor], None] = lambda executor: None,
     ) -> None:
         self._start = start
+        self._warm = warm
         self._select = select
         self._options = options
         self._executor = start()
@@ -183,6 +189,7 @@ class Session:
             self._retired.pop().close()
         if self._spare is None:
             self._spare = self._start()
+            self._warm(self._spare)
 
     def _take_over(self) -> None:
         if not self._stale:

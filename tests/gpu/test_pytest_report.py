@@ -81,8 +81,8 @@ def test_cases_and_functions_stand_on_one_page(
     (own,) = found["test_asserts"].expectations
     assert own.kind == "test" and "light.same(1.0) == 2.0" in own.message
     assert [s.files for s in found["test_wrong"].programs] == [("light.glsl",)]
-    page = (tests.path / "out" / "index.html").read_text()
-    assert "test_wrong" in page and "half_of" in page
+    page = (tests.path / "out" / "cases" / "test-light.html").read_text()
+    assert "test_wrong" in page and "half_of" in page and ">Compilers<" not in page
     places = {(f.rule, f.file, f.line) for f in findings_of(store.load(tests.path / "out"))}
     assert places >= {("formula", "test_light.py", 14), ("test", "test_light.py", 20)}
 
