@@ -6,12 +6,15 @@ whole numbers, and ETC1, ETC2 and BC7 leave nothing open about it. A block of ET
 colour for each half and a table of brightness steps. One of BC1 holds two colours and for each
 texel one of four points on the line between them, thirds that may be rounded either way; BC3 adds
 alpha in the same manner, and BC7 has eight modes to choose from. ETC1 is a part of ETC2: its blocks
-are read as ETC2.
+are read as ETC2. Files keep the blocks behind a header, as DDS files do, and nothing has to be
+decoded to upload them.
 
 Look at: the emblem in six formats, four times as large, from the lower left ETC1, ETC2 and ETC2
 with alpha, above BC1, BC3 and BC7. At the rays' edges the blocks show, two or four colours at a
 time; the smooth night sky breaks into steps. BC7 is hard to tell from the original.
 """
+
+from pathlib import Path
 
 import numpy as np
 
@@ -35,6 +38,8 @@ FORMATS = {
 # of alpha are rounded: of 33.857, one takes 33 (cut off) and another 35 (from a rounded step).
 ROUNDED = {"BC1": 1.0, "BC3": 2.0}
 SIZE = (64, 64)
+IN_FILES = ("BC1", "BC3", "BC7")
+FOLDER = Path(__file__).parent / "texture_compression"
 
 
 def mixed_image():
@@ -50,9 +55,12 @@ def mixed_image():
 IMAGE = mixed_image()
 
 
-def texture(kind, image):
-    """The image as this format's blocks."""
+def texture(kind, image=None):
+    """The image as this format's blocks; without one, IMAGE, of BC formats from a DDS file."""
     by, read_as = FORMATS[kind]
+    if image is None and kind in IN_FILES:
+        return CompressedTexture(file=FOLDER / f"{by}.dds")
+    image = IMAGE if image is None else image
     size = image.shape[:2]
     return CompressedTexture(blocks=lambda: [compressed(image, by)], format=read_as, size=size)
 
@@ -60,7 +68,10 @@ def texture(kind, image):
 def decoded(kind):
     """What another library reads out of the same blocks."""
     by, _ = FORMATS[kind]
-    return decoded_blocks(compressed(IMAGE, by), by, SIZE)
+    blocks = compressed(IMAGE, by)
+    if kind in IN_FILES:  # they end the file
+        blocks = (FOLDER / f"{by}.dds").read_bytes()[-len(blocks) :]
+    return decoded_blocks(blocks, by, SIZE)
 
 
 def against_other(kind, label, statistic, **bound):
@@ -94,7 +105,7 @@ def judged(kind):
         "ch02_basics/texture_compression.frag",
         name=name_of(kind),
         domain={},
-        textures={"image": texture(kind, IMAGE)},
+        textures={"image": texture(kind)},
         target=Target(size=SIZE, colors={"FragColor": "rgba8"}),
     )
 

@@ -54,6 +54,7 @@ _CONSTANTS: Mapping[tuple[str, str], Mapping[str, tuple[str, ...]]] = {
         "GL_MAP_WRITE_BIT": ("GL_MAP_READ_BIT",), "GL_MAP_READ_BIT": ("GL_MAP_WRITE_BIT",),
     },
     ("glTexParameteri", "param"): {**_FILTERS, **_WRAPS},
+    ("glSamplerParameteri", "param"): {**_FILTERS, **_WRAPS},
     ("glBlitFramebuffer", "filter"): _FILTERS,
     ("glDepthFunc", "func"): _COMPARISONS,
     ("glStencilFunc", "func"): _COMPARISONS,

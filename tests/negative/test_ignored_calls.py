@@ -8,10 +8,17 @@ from typing import Any
 
 import pytest
 
-from shaderlab.backends.opengl import drawing, target, uniform_buffers, vertices
+from shaderlab.backends.opengl import (
+    bound_textures,
+    drawing,
+    linking,
+    target,
+    uniform_buffers,
+    vertices,
+)
 from shaderlab.backends.opengl.pyopengl import named
 from shaderlab.evaluation import Lab
-from tests.catalogue import shipped
+from tests.catalogue import judged_only, shipped
 
 Patch = Callable[[pytest.MonkeyPatch], None]
 
@@ -62,6 +69,11 @@ def depth_in_textures(patch: pytest.MonkeyPatch) -> None:
     )
 
 
+def nothing_without_a_location(patch: pytest.MonkeyPatch) -> None:
+    """A uniform without a location is not set."""
+    patch.setattr(linking, "_set_nowhere", lambda program, array: None)
+
+
 def as_many_buffers_as_frames(patch: pytest.MonkeyPatch) -> None:
     """Each frame of the two buffers is begun in memory of its own."""
     run = drawing.Drawing._run_pass
@@ -83,6 +95,7 @@ def as_many_buffers_as_frames(patch: pytest.MonkeyPatch) -> None:
         ("uniform-buffer", always_written),
         ("framebuffer-renderbuffer", depth_in_textures),
         ("double-buffer", as_many_buffers_as_frames),
+        ("inactive-uniform", nothing_without_a_location),
     ],
 )
 def test_a_call_that_is_left_out_is_noticed(
@@ -94,3 +107,22 @@ def test_a_call_that_is_left_out_is_noticed(
         record = lab.run(scene)
     failed = {o.kind for o in record.expectations if o.status != "pass"}
     assert record.status == "fail" and failed == {"GL calls"}, (record.message, failed)
+
+
+@pytest.mark.parametrize("kept", [0, 1])
+@pytest.mark.parametrize("case_id", ["texture-filter", "mipmap-filters"])
+def test_one_filter_in_place_of_two_is_noticed(
+    monkeypatch: pytest.MonkeyPatch, case_id: str, kept: int
+) -> None:
+    """Textures are minified and magnified alike."""
+    made = bound_textures._new_sampler
+
+    def sampler(sampling: Any) -> int:
+        word = sampling.filter[kept]
+        magnifying = word.partition("_mipmap_")[0]
+        return made(replace(sampling, filter=(word, magnifying)))
+
+    monkeypatch.setattr(bound_textures, "_new_sampler", sampler)
+    with Lab() as lab:
+        record = lab.run(next(judged_only(case_id).scenes()))
+    assert record.status == "fail", record.message
