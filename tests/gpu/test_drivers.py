@@ -123,3 +123,23 @@ def test_what_softpipe_can_not_do_is_found_out(tmp_path: Path) -> None:
     assert point["cause"] == "interpolation" and "gl_PointCoord" in point["why"]
     assert (tmp_path / "run" / point["image"]).is_file()
     assert "Where drivers differ" in (tmp_path / "run" / "cases" / "points.html").read_text()
+
+
+def test_an_interrupted_run_goes_on_with_all_its_drivers(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    faulty.write_wave(tmp_path / "waves", "wave")
+    monkeypatch.setattr("shaderlab.cli.several_drivers.shutil.rmtree", lambda *_, **__: None)
+    shared = ("--json", "out.json", "--no-pictures")
+    started = ("./waves", "--drivers", "llvmpipe,llvmpipe-spirv", "--size", "16", "--report", "run")
+    runs = []
+    for given in (started, ("--resume", "run")):
+        done = CliRunner().invoke(cli, ["run", *given, *shared], catch_exceptions=False)
+        assert done.exit_code == 0, done.output
+        runs.append(json.loads(Path("out.json").read_text()))
+        journal = Path("run/records.jsonl")
+        journal.write_text("".join(journal.read_text().splitlines(keepends=True)[:2]))
+    first, resumed = runs
+    assert [r["driver"] for r in resumed["drivers"]] == ["llvmpipe", "llvmpipe-spirv"]
+    assert resumed["disagreements"] == first["disagreements"] != []
