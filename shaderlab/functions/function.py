@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from types import TracebackType
 from typing import Any
 
 from shaderlab.compiler.sources import Source
-from shaderlab.errors import CallError
+from shaderlab.errors import CallError, ShaderlabError
 from shaderlab.functions import checking
 from shaderlab.functions.binding import Call, bound, replaced
 from shaderlab.functions.laws import Law
@@ -73,9 +75,13 @@ class Function:
             CallError: the arguments fit no overload, or the call hangs or crashes.
             ShaderError: the function does not compile.
         """
-        call = self.bind(*arguments, **named)
-        self._note(call)
-        return self.evaluate(call)
+        __tracebackhide__ = True
+        try:
+            call = self.bind(*arguments, **named)
+            self._note(call)
+            return self.evaluate(call)
+        except ShaderlabError as error:
+            raise error.with_traceback(_way_of(error)) from error.__cause__
 
     def check(self, law: Law | Callable[..., Any], /, *arguments: Any, **named: Any) -> None:
         """Check the function at these arguments.
@@ -92,8 +98,11 @@ class Function:
             CallError, ShaderError: as in a call; or the reference takes other arguments.
         """
         __tracebackhide__ = True
-        call = self.bind(*arguments, **named)
-        outcome = checking.judged(self, law, call)
+        try:
+            call = self.bind(*arguments, **named)
+            outcome = checking.judged(self, law, call)
+        except ShaderlabError as error:
+            raise error.with_traceback(_way_of(error)) from error.__cause__
         found = self._note(call)
         if found is not None:
             found.outcomes.append(replace(outcome, line=sys._getframe(1).f_lineno))
@@ -124,3 +133,8 @@ class Function:
     def evaluate(self, call: Call) -> Any:
         """The results of a call that `bind` made."""
         return evaluate(self._source, self._folder, call)
+
+
+def _way_of(error: ShaderlabError) -> TracebackType | None:
+    """The way that an error took through the lab, which is no matter of a test's."""
+    return error.__traceback__ if os.environ.get("SHADERLAB_DEBUG") else None

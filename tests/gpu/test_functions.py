@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from shaderlab import Texture, glsl
-from shaderlab.errors import CallError, ShaderError
+from shaderlab.errors import CallError, ShaderError, ShaderlabError
 from shaderlab.functions import running
 from shaderlab.functions.calling import caller
 from shaderlab.functions.memory import SharedMemory
@@ -354,3 +354,14 @@ def test_shared_memory_is_one_memory(monkeypatch: pytest.MonkeyPatch) -> None:
         memory.words(10)[0] = 8
         assert other[0] == 8
         monkeypatch.delattr(os, "memfd_create", raising=False)
+
+
+@pytest.mark.parametrize(("returned", "given"), [("x", "a word"), ("nothing", 0.5)])
+def test_an_error_shows_the_tests_own_line(returned: str, given: Any) -> None:
+    """Not the way that it took through the lab, of which a test's author knows nothing."""
+    f = glsl.load(f"float f(float x) {{ return {returned}; }}\n").f
+    for call in (f, lambda value: f.check(glsl.monotone("x"), value)):
+        with pytest.raises(ShaderlabError) as caught:
+            call(given)
+        inside = [entry for entry in caught.traceback if entry.path != Path(__file__)]
+        assert [entry.frame.f_locals.get("__tracebackhide__") for entry in inside] == [True]
