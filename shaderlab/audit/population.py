@@ -17,6 +17,7 @@ from shaderlab.frame import Array, Bindings, Texels
 DRAWN, NOTHING, EQUAL = range(3)
 """What is special about an invocation: nothing; a place that is 0; two places that are one."""
 _LEAST_TEXEL = 0.02  # of textures that are drawn; less is a direction's
+_NEAR_0 = 1e-5
 _MOST_PAIRS = 120
 _COPIES = 3  # of each special input, with other values of all others
 _SHRINKING, _START = 0.4, 0.5  # of the steps of a search, in widths of the ranges
@@ -53,8 +54,8 @@ def first_ones(inputs: Mapping[str, Input], roles: Mapping[str, Role], count: in
 
 
 def origins(given: Given, inputs: Mapping[str, Input], roles: Mapping[str, Role]) -> Array:
-    """What is special about each invocation that nobody said may be, (count,): a place is 0, or two
-    are the same one."""
+    """What is special about each invocation that nobody said may be, (count,): a place is 0, or
+    its w is, or two are the same one."""
     places = [
         name
         for name, one in inputs.items()
@@ -64,6 +65,8 @@ def origins(given: Given, inputs: Mapping[str, Input], roles: Mapping[str, Role]
     found = np.full(given.count, DRAWN)
     for name in places:
         found[(given.each[name] == 0.0).all(axis=1)] = NOTHING
+        if inputs[name].type == "vec4":  # its w, by which perspective divides
+            found[np.abs(given.each[name][:, 3]) < _NEAR_0] = NOTHING
     for a, b in itertools.islice(itertools.combinations(places, 2), _MOST_PAIRS):
         if inputs[a].type == inputs[b].type:
             found[(given.each[a] == given.each[b]).all(axis=1)] = EQUAL

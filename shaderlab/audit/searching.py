@@ -179,7 +179,9 @@ class Hunt:
                 return found
             if one.bad.any():
                 row = int(one.bad.argmax())
-                return Witness(place, one, given, row, DRAWN, _operands(one, row))
+                return Witness(
+                    place, one, given, row, self._origin(given, row), _operands(one, row)
+                )
             if not np.isfinite(one.margin).all():  # a condition keeps what lies between out
                 return None
             sign = np.sign(one.margin)
@@ -189,9 +191,13 @@ class Hunt:
             k = int(turns[0])
             if np.abs(one.margin[k : k + 2]).max() <= _TINY * self._usual[place]:
                 row = k + int(np.abs(one.margin[k : k + 2]).argmin())
-                found = Witness(place, one, given, row, DRAWN, _operands(one, row), crossing=True)
+                origin = self._origin(given, row)
+                found = Witness(place, one, given, row, origin, _operands(one, row), crossing=True)
             low, high = t[k], t[k + 1]
         return found
+
+    def _origin(self, given: Given, row: int) -> int:
+        return int(origins(given, self._inputs, self._roles)[row])
 
 
 def _median(margin: Array) -> float:

@@ -11,7 +11,16 @@ import click
 
 from shaderlab.cli import FAILED, OK
 from shaderlab.cli.files import write_json
-from shaderlab.cli.options import DRIVER, JSON, jobs_option, limits_option, make_local_executor
+from shaderlab.cli.options import (
+    DRIVER,
+    INCLUDE,
+    JSON,
+    jobs_option,
+    limits_option,
+    make_local_executor,
+)
+from shaderlab.cli.shader_inputs import RANGES, shader_of_file
+from shaderlab.compiler.text import EXTENSIONS
 from shaderlab.errors import ShaderlabError, UsageError, nearest
 from shaderlab.options import Limits, RunOptions
 from shaderlab.records import Explanation, Step
@@ -29,7 +38,7 @@ def _pixel(context: click.Context, option: click.Parameter, text: str | None) ->
 
 
 @click.command("explain")
-@click.argument("target", metavar="ID | ID[VARIANT] | FILE.py")
+@click.argument("target", metavar="ID | ID[VARIANT] | FILE.py | SHADER")
 @click.option(
     "--pixel", metavar="X,Y", callback=_pixel,
     help="From the lower left, counted from 0.  [default: where the band is widest]",
@@ -41,6 +50,8 @@ def _pixel(context: click.Context, option: click.Parameter, text: str | None) ->
     "--size", type=click.IntRange(1, 4096), default=RunOptions.size, show_default=True,
     help="Side in pixels of what is drawn.",
 )  # fmt: skip
+@RANGES
+@INCLUDE
 @DRIVER
 @jobs_option("1")
 @limits_option("Give up after S seconds.")
@@ -52,6 +63,8 @@ def command(
     pass_name: str | None,
     draw: int,
     size: int,
+    ranges: dict[str, str],
+    includes: tuple[Path, ...],
     driver: str | None,
     limits: Limits,
     workers: int | None,
@@ -63,48 +76,67 @@ def command(
 
     The shader's SPIR-V is interpreted; the driver draws it once more with each statement's value as
     an output. Where it can't (a loop's earlier turns; a shader whose other outputs would change),
-    the value is that of float32 arithmetic, and marked so.
+    the value is that of float32 arithmetic, and marked so. A shader file without a case gets inputs
+    that are made up, of which the one is shown whose band is widest.
 
     \b
     Examples:
       shaderlab explain spotlight
       shaderlab explain pbr --pixel 20,40 --json steps.json
       shaderlab explain my_case.py --variant "at noon" --pass shadow
+      shaderlab explain lamp.frag --range distance=0.1:50
 
     Exit code: 0 shown, 1 the shader can't be interpreted, or the driver leaves what it allows,
     2 wrong usage.
     """
     from shaderlab.cli.selecting import one
+    from shaderlab.equivalence.answer import shown
 
     workers = 1 if workers is None else workers
     with contextlib.closing(make_local_executor(driver, limits, workers, early=False)) as executor:
         from shaderlab.execution.executor import error_text
-        from shaderlab.execution.explain_pixel import ExplainPixel
+        from shaderlab.execution.explain_pixel import ExplainFile, ExplainPixel
 
-        facts, first = one(target, executor.load)
-        if variant is not None and variant not in facts.variants:
-            raise UsageError(
-                f"{facts.id} has no variant {variant!r}", remedy=nearest(variant, facts.variants)
+        request: ExplainFile | ExplainPixel
+        if Path(target).suffix in EXTENSIONS:
+            request = ExplainFile(shader_of_file(Path(target), includes), ranges)
+        else:
+            if ranges:
+                raise UsageError("--range does not go with a case, whose inputs are known")
+            facts, first = one(target, executor.load)
+            if variant is not None and variant not in facts.variants:
+                raise UsageError(
+                    f"{facts.id} has no variant {variant!r}",
+                    remedy=nearest(variant, facts.variants),
+                )
+            options = RunOptions(size=size, driver=driver, include=includes, limits=limits)
+            request = ExplainPixel(
+                Path(facts.file), variant or first, pass_name, draw, pixel, options
             )
-        options = RunOptions(size=size, driver=driver, limits=limits)
-        request = ExplainPixel(Path(facts.file), variant or first, pass_name, draw, pixel, options)
         (result,) = executor.perform([request])
         if result.status == "error" and isinstance(result.value, ShaderlabError):
             raise result.value
         if result.status != "done":
             raise ShaderlabError(f"{result.status}: {error_text(result)}")
-    explained: Explanation = result.value
+    explained: Explanation
+    where, others = None, {}
+    if isinstance(request, ExplainFile):
+        explained, inputs = result.value
+        others = {"inputs": {name: list(values) for name, values in inputs.items()}}
+        where = f"with {shown(inputs, len(inputs))}"
+    else:
+        explained = result.value
     if json_file is not None:
         from shaderlab.report.store import plain
 
-        write_json(plain(explained), json_file)
+        write_json({**plain(explained), **others}, json_file)
     if json_file != "-":
-        show(explained)
+        show(explained, where)
     return FAILED if any(s.by_driver and not s.inside for s in explained.steps) else OK
 
 
-def show(explained: Explanation) -> None:
-    """Print the table, and where precision goes."""
+def show(explained: Explanation, where: str | None = None) -> None:
+    """Print the table, and where precision goes; `where` is said in place of the pixel."""
     from rich.console import Console
 
     from shaderlab.cli.rows import plain_table
@@ -114,7 +146,7 @@ def show(explained: Explanation) -> None:
     if not console.is_terminal:
         console.width = 160  # a file has no width, and cut numbers are of no use
     x, y = explained.pixel
-    console.print(f"pixel ({x}, {y}), counted from the lower left")
+    console.print(where or f"pixel ({x}, {y}), counted from the lower left")
     right = ("ulp off", "ulp wide", "lost here")
     left = ("line", "name", "value", "float64", "band")
     table = plain_table(*left, *right, right=right, whole=left)

@@ -9,13 +9,26 @@ from typing import Any
 import numpy as np
 
 from shaderlab.bands.rounding import ulp
-from shaderlab.errors import UsageError
+from shaderlab.equivalence.comparison import example
+from shaderlab.equivalence.drawing import drawn
+from shaderlab.equivalence.given import Given
+from shaderlab.equivalence.interface import declared_ranges, inputs_of
+from shaderlab.equivalence.roles import roles_of, unknown_names
+from shaderlab.errors import UsageError, nearest
 from shaderlab.evaluation.driver_values import DriverValues, driver_values
 from shaderlab.evaluation.evaluation import Evaluation
 from shaderlab.evaluation.interpreting import Invocations, fragments
 from shaderlab.evaluation.modules import outside, shows_what_is_written
 from shaderlab.frame import PassDraw
-from shaderlab.interpreter import FLOAT32, FLOAT64, Arithmetic, Bands, Stored, interpret
+from shaderlab.interpreter import (
+    FLOAT32,
+    FLOAT64,
+    Arithmetic,
+    Bands,
+    Program,
+    Stored,
+    interpret,
+)
 from shaderlab.interpreter.losing import is_vector, lost, row_of, width
 from shaderlab.records import Explanation, Step
 
@@ -153,6 +166,41 @@ def widest_pixel(evaluation: Evaluation, key: PassDraw, most: int = 1024) -> tup
     assert given.pixels is not None
     if not given.count:
         raise UsageError(f"draw {key[1]} of pass {key[0]!r} is not seen at any pixel")
+    x, y = given.pixels[_widest(given)]
+    return int(x), int(y)
+
+
+def explain_file(
+    program: Program, ranges: Mapping[str, str], most: int = 1024
+) -> tuple[Explanation, dict[str, tuple[float, ...]]]:
+    """What a program without a case stores at one invocation, and what that gets: of inputs that
+    are made up, where the band of what it writes is widest.
+
+    Raises:
+        NotInterpretedError: it can't be interpreted.
+        UsageError: a range is wrong.
+    """
+    inputs = inputs_of(program)
+    for name in unknown_names(list(ranges), inputs):
+        raise UsageError(f"the shader does not read {name!r}", remedy=nearest(name, inputs))
+    made_up = drawn(inputs, roles_of(inputs.values(), declared_ranges(program), ranges), most, 0)
+    row = _widest(_as_invocations(program, made_up))
+    rows = made_up.rows_with(np.array([row]), program)
+    some = _as_invocations(program, made_up.part(rows))
+    steps = steps_at(
+        some, traced(some, Bands()), DriverValues(values={}), int(np.flatnonzero(rows == row)[0])
+    )
+    return Explanation(pixel=(0, 0), steps=steps), example(made_up, row, inputs)
+
+
+def _as_invocations(program: Program, given: Given) -> Invocations:
+    return Invocations(
+        program=program, each=given.each, bindings=given.bindings, measured={}, formats={}
+    )
+
+
+def _widest(given: Invocations) -> int:
+    """The invocation whose outputs' bands are widest in ULP, of those that are bounded."""
     result = interpret(
         given.program, given.each, given.bindings, Bands(), count=given.count, blocks=_MOST_BLOCKS
     )
@@ -163,5 +211,4 @@ def widest_pixel(evaluation: Evaluation, key: PassDraw, most: int = 1024) -> tup
                 unit = ulp(np.maximum(np.abs(band.lo), np.abs(band.hi)))
                 found = np.nan_to_num((band.hi - band.lo) / unit, nan=0.0, posinf=0.0)
             widths = np.maximum(widths, found.max(axis=-1))
-    x, y = given.pixels[int(np.argmax(widths))]
-    return int(x), int(y)
+    return int(np.argmax(widths))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,6 +11,7 @@ from shaderlab.options import RunOptions
 from shaderlab.records import Explanation
 
 if TYPE_CHECKING:
+    from shaderlab.execution.compare_shaders import ShaderOfFile
     from shaderlab.execution.lab_worker import LabWorker
 
 
@@ -35,3 +37,22 @@ class ExplainPixel:
         key = scene.draw_key(self.pass_name, self.draw)
         with lab.evaluation(scene, lab.prepare_for_opengl(scene)) as evaluation:
             return explain(evaluation, key, self.pixel or widest_pixel(evaluation, key))
+
+
+@dataclass(frozen=True)
+class ExplainFile:
+    """Asks for the `Explanation` of a shader file at the invocation, of some that are made up,
+    whose band is widest; and for what that gets, by name."""
+
+    shader: ShaderOfFile
+    ranges: Mapping[str, str]
+
+    def perform(self, worker: LabWorker) -> tuple[Explanation, Mapping[str, tuple[float, ...]]]:
+        """See `shaderlab.execution.jobs.Request`."""
+        from shaderlab.evaluation.explaining import explain_file
+        from shaderlab.interpreter import load
+
+        worker.note("compiling")
+        program = load(self.shader.source(None))
+        worker.note("interpreting")
+        return explain_file(program, self.ranges)

@@ -108,6 +108,22 @@ def test_two_places_seldom_meet_and_two_vectors_do() -> None:
     assert not audit("normalize(lightPos - FragPos).x", said).clean
 
 
+def test_the_w_of_a_place_is_seldom_0() -> None:
+    text = """#version 330 core
+in vec4 NAME;
+out vec4 FragColor;
+void main()
+{
+    FragColor = vec4(NAME.xyz / NAME.w, 1.0);
+}
+"""
+    for name, is_evident in (("FragPosLightSpace", False), ("ratios", True)):
+        overrides = {"a.frag": text.replace("NAME", name)}
+        program = load(Shaders([Path()], overrides=overrides).load("a.frag", "fragment"))
+        (hazard,) = audit_program(program).hazards
+        assert (hazard.kind, hazard.evident) == ("division by 0", is_evident)
+
+
 def test_ranges_decide() -> None:
     assert not audit("sqrt(v.x)").clean
     assert audit("sqrt(v.x)", (("v", "0..3"),)).clean
