@@ -108,6 +108,8 @@ def select(condition: Truth, a: Value, b: Value) -> Value:
         return a
     if a is None:
         return b
+    if isinstance(a, Missing) or isinstance(b, Missing):
+        return a if isinstance(a, Missing) else b  # only reading it is an error
     if isinstance(a, tuple) and isinstance(b, tuple):
         return tuple(select(condition, x, y) for x, y in zip(a, b, strict=True))
     if isinstance(a, Truth):

@@ -325,6 +325,18 @@ def test_inputs_and_outputs_have_the_names_of_the_interface() -> None:
         interpret(program(INTERFACE), each, Bindings(uniforms={"turn": some["turn"], "which": [1]}))
 
 
+def test_a_part_that_nothing_reads_needs_no_value_where_an_index_differs() -> None:
+    text = """struct Light { vec3 color; float power; };
+    uniform Light lights[2];
+    uniform int k;
+    out vec3 color;
+    void main() { color = lights[k].color; }
+    """
+    colors = {"lights[0].color": np.array([[1.0, 2.0, 3.0]]), "lights[1].color": np.zeros((1, 3))}
+    found = run(text, each={**colors, "k": np.array([[0], [1]])}, count=2)
+    assert found.outputs["color"].tolist() == [[1.0, 2.0, 3.0], [0.0, 0.0, 0.0]]
+
+
 def test_a_vertex_stage() -> None:
     text = """in vec3 position; uniform mat4 model; out vec3 world;
     void main() { world = vec3(model * vec4(position, 1.0)) + float(gl_InstanceID);
