@@ -103,6 +103,11 @@ def command(
     """
     from shaderlab.mutation import Campaign, MutationPlan, as_json, score
 
+    if api and folder is not None:
+        raise UsageError(
+            "--api with --report: the page shows mistakes in shaders and state",
+            remedy="write those in calls to a file, with --json",
+        )
     plan = MutationPlan(
         variants=variants, state=state, api=api, limit=limit, seed=seed, locate=locate
     )

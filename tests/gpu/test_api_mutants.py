@@ -157,6 +157,11 @@ def test_mutants_of_a_case(lab: Lab, case: Case) -> None:
     assert len(set(edits)) == len(edits)
 
 
+def test_the_page_is_not_about_calls() -> None:
+    done = CliRunner().invoke(cli, ["mutate", "orange-triangle", "--api", "--report", "out"])
+    assert done.exit_code == 2 and "--json" in done.output
+
+
 def test_the_command(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.chdir(tmp_path)
     words = ["mutate", "orange-triangle", "--api", "--limit", "12", "-j", "0", "--json", "a.json"]
