@@ -137,6 +137,8 @@ def _hazards(program: Program, witness: Witness, inputs: Mapping[str, Input]) ->
     words = one.check.words(*witness.operands)
     if witness.crossing:
         words = f"{words}, nearly: the divisor passes through 0 here"
+    if one.check.possible:
+        words += f"; {one.check.possible}"
     if witness.origin != DRAWN:
         words += (
             "; only if two inputs are equal"
@@ -149,7 +151,7 @@ def _hazards(program: Program, witness: Witness, inputs: Mapping[str, Input]) ->
             line=line,
             kind=place.kind,
             message=f"{place.kind}: {words}" if not words.startswith(place.kind) else words,
-            evident=witness.origin == DRAWN,
+            evident=witness.origin == DRAWN and not one.check.possible,
             inputs=example(witness.given, witness.row, inputs),
             outputs={name: tuple(map(float, value)) for name, value in outputs.items()},
             calls=tuple(program.place(call)[1] for call in place.calls),

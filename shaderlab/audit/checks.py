@@ -6,6 +6,7 @@ chapter 8, "Built-In Functions"; SPIR-V Extended Instructions for GLSL 1.00.
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -28,7 +29,7 @@ class Check:
         bad: of the margin, where it does.
         words: of one component's operands, what happens.
         crosses: whether the margin has a sign, and 0 alone is bad.
-        whole: whether the operands are vectors of which each counts as a whole.
+        possible: why it is no hazard by itself: GLSL says what happens, or devices mostly do.
     """
 
     kind: str
@@ -36,7 +37,7 @@ class Check:
     words: Callable[..., str]
     bad: Callable[[Any], Any] = lambda margin: margin < 0.0
     crosses: bool = False
-    whole: bool = False
+    possible: str = ""
 
 
 def _at_most_0(margin: Any) -> Any:
@@ -78,6 +79,22 @@ def _conversion(to: str, low: float, high: float) -> Check:
     )
 
 
+def _wide_angle(function: str) -> Check:
+    return Check(
+        f"{function} beyond half a turn",
+        lambda x: np.float32(np.pi) - np.abs(x),
+        lambda x: f"{function}({x:.6g})",
+        possible="the precision rules bound nothing beyond -π..π",
+    )
+
+
+def _wraps(compute: Callable[[Any, Any], Any]) -> Check:
+    return Check(
+        "integer overflow", lambda a, b: 2.0**31 - 1.0 - np.abs(compute(a, b)),
+        lambda a, b: f"{compute(a, b):g} lies beyond 31 bits", possible="it wraps around",
+    )  # fmt: skip
+
+
 def _of_two(name: str) -> Callable[[float, float], str]:
     return lambda a, b: f"{name}({_number(a)}, {_number(b)})"
 
@@ -112,7 +129,7 @@ _SMOOTHSTEP = Check(
 )  # fmt: skip
 _NORMALIZE = Check(
     "normalize of nothing", lambda v: np.sqrt((v * v).sum(axis=-1, keepdims=True)),
-    lambda v: "normalize of a vector of length 0", _is_0, whole=True,
+    lambda v: "normalize of a vector of length 0", _is_0,
 )  # fmt: skip
 _INTEGER_DIVISION = Check(
     "integer division by 0", lambda a, b: np.abs(b) + 0 * a, lambda a, b: f"{a:g} is divided by 0",
@@ -138,6 +155,9 @@ CHECKS: Mapping[tuple[int, int], tuple[Check, ...]] = {
     (141, 0): (_MOD,),
     (109, 0): (_conversion("uint", *_UINT),),
     (110, 0): (_conversion("int", *_INT),),
+    (128, 0): (_wraps(operator.add),),
+    (130, 0): (_wraps(operator.sub),),
+    (132, 0): (_wraps(operator.mul),),
     (134, 0): (_INTEGER_DIVISION,),
     (135, 0): (_INTEGER_DIVISION,),
     (137, 0): (_INTEGER_DIVISION,),
@@ -149,6 +169,8 @@ CHECKS: Mapping[tuple[int, int], tuple[Check, ...]] = {
     (201, 0): (_FIELD,),
     (202, 0): (_FIELD,),
     (203, 0): (_FIELD,),
+    (_EXTENDED, 13): (_wide_angle("sin"),),
+    (_EXTENDED, 14): (_wide_angle("cos"),),
     (_EXTENDED, 16): (_beyond("asin"),),
     (_EXTENDED, 17): (_beyond("acos"),),
     (_EXTENDED, 23): (Check("acosh below 1", lambda x: x - 1.0, lambda x: f"acosh({x:.9g})"),),
