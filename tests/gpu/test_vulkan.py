@@ -234,3 +234,25 @@ def test_attributes_lie_where_each_layout_has_them(lab: Lab, tmp_path: Path) -> 
             drawn.append(evaluation.drawn.images["main", "color"].values)
     assert drawn[0].max() > 0.9
     assert np.array_equal(drawn[0], drawn[1]) and np.array_equal(drawn[0], drawn[2])
+
+
+def test_swiftshader_puts_corners_on_a_coarser_grid(lab: Lab, tmp_path: Path) -> None:
+    """An edge 1/40 of a pixel right of a centre: on a grid of 1/16 it goes through the centre."""
+    (tmp_path / "edge.vert").write_text(
+        "#version 330 core\nin vec2 at;\nvoid main() { gl_Position = vec4(at, 0.0, 1.0); }\n"
+    )
+    (tmp_path / "edge.frag").write_text(
+        "#version 330 core\nout float level;\nvoid main() { level = 1.0; }\n"
+    )
+    x = (8.5 + 1 / 40) / 8 - 1
+    corners = np.array([(x, -1.0), (1.0, -1.0), (x, 1.0), (1.0, 1.0)])
+    mesh = Mesh(attributes={"at": corners}, primitive="triangle_strip")
+    draw = Draw(vertex="edge.vert", fragment="edge.frag", mesh=mesh)
+    case = Case(
+        title="an edge", file=str(tmp_path / "edge.py"), passes=(Pass(draws=(draw,)),),
+        expect=[exact("level", 1.0)],
+    )  # fmt: skip
+    scene = case.scene("default")
+    with lab.evaluation(scene, lab.prepare_for_opengl(scene)) as evaluation:
+        row = evaluation.drawn.images["main", "level"].values[4, :, 0]
+    assert row.sum() == {"lavapipe": 7, "swiftshader": 8}[str(lab.options.driver)]

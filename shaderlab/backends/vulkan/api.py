@@ -1,6 +1,6 @@
 """Vulkan's functions, as the package `vulkan` declares them, and its structures.
 
-Source: Khronos, Vulkan 1.3 Specification; sections in the other files of this folder are its.
+Source: Khronos, Vulkan 1.3 Specification.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """The lab's formats as Vulkan has them, and texels as they lie in a buffer.
 
-Source: Vulkan 1.3 Specification, 34.1 (formats) and 20.4 (depth and stencil in buffers).
+Source: Vulkan 1.3 Specification, chapters Formats and Copy Commands.
 """
 
 from __future__ import annotations

@@ -19,8 +19,8 @@ from shaderlab.compiler.sources import Shaders, Source
 from shaderlab.errors import ShaderError, UnsupportedError
 from shaderlab.programs import stages
 
-# Source: SPIR-V Specification 1.6, 3.2.30, and Vulkan 1.3 Specification, appendix A: what each
-# capability takes; those without a feature are always there.
+# Source: SPIR-V Specification 1.6 (Capability) and Vulkan 1.3 Specification, appendix Vulkan
+# Environment for SPIR-V: what each capability takes; those without a feature are always there.
 _CAPABILITIES = {
     0: "", 1: "", 40: "", 43: "", 44: "", 46: "", 47: "", 49: "", 50: "", 51: "",
     2: "geometryShader", 3: "tessellationShader", 10: "shaderFloat64", 11: "shaderInt64",

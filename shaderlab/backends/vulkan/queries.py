@@ -16,7 +16,7 @@ from shaderlab.frame import AttributeReading, BlockReading, PassDraw, Timing
 from shaderlab.programs.blocks import uniform_blocks
 from shaderlab.programs.prepare import pass_colors
 
-# Source: Vulkan 1.3 Specification, 18.3 to 18.6 (queries).
+# Source: Vulkan 1.3 Specification, chapter Queries.
 _STATISTICS = {
     "vertices_submitted": "INPUT_ASSEMBLY_VERTICES",
     "primitives_submitted": "INPUT_ASSEMBLY_PRIMITIVES",

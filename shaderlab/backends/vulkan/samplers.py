@@ -1,4 +1,4 @@
-"""Samplers: filters, wraps, borders and comparisons. Source: Vulkan 1.3, chapter 13."""
+"""Samplers: filters, wraps, borders and comparisons. Source: Vulkan 1.3, Samplers."""
 
 from __future__ import annotations
 

@@ -20,7 +20,7 @@ from shaderlab.programs.formats import COLOR, DEPTH
 
 _KEEP, _CLEAR = 0, 1
 _USES = ("sampled", "transfer_src", "transfer_dst")
-# Source: Vulkan 1.3 Specification, table 25.2 (standard sample locations), in sixteenths.
+# Source: Vulkan 1.3 Specification, table Standard Sample Locations, in sixteenths.
 _PLACES = {
     1: ((8, 8),),
     2: ((12, 12), (4, 4)),
