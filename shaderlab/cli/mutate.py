@@ -6,6 +6,7 @@ from __future__ import annotations
 import contextlib
 import json
 import sys
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -163,7 +164,10 @@ def _subjects(
 
         if plan.api:
             raise UsageError(f"--api is about cases, and {display_path(files[0])} has tests")
-        found += [TestSubject(file, display_path(file), plan) for file in files]
+        stems = Counter(file.stem for file in files)
+        for file in files:  # on a page a file of tests goes by its stem
+            test_id = file.stem if stems[file.stem] == 1 else display_path(file)
+            found.append(TestSubject(file, test_id, plan))
     return found
 
 

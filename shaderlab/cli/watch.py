@@ -174,11 +174,10 @@ class _Watch:
         changed = self._contents.changed(found)
         if not changed:
             return set()
+        new: set[Path] = set()
         if any(path.suffix == ".py" for path in changed):
             with contextlib.suppress(UsageError):  # there is no case at the moment
                 new = self._session.follow(*self._wanted.files())
-        else:
-            new = set()
         affected = new | self._session.affected(changed)
         if affected:
             names = sorted(display_path(path) for path in changed)

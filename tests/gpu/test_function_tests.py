@@ -148,9 +148,9 @@ def test_the_command_tells_which_tests_notice(folder: Path) -> None:
     command += ["--limit", "12"]
     result = CliRunner().invoke(cli, command, catch_exceptions=False)
     assert result.exit_code == 1
-    assert "light.glsl:2" in result.output and "noticed in test_light.py, by test:" in result.output
+    assert "light.glsl:2" in result.output and "noticed in test_light, by test:" in result.output
     (case,) = json.loads((folder / "out.json").read_text())["cases"]
-    assert case["id"] == "test_light.py" and set(case["noticed"]) == {"test_fade", "test_twice"}
+    assert case["id"] == "test_light" and set(case["noticed"]) == {"test_fade", "test_twice"}
     assert case["noticed"]["test_fade"] > 3 and case["survived"]
 
 
