@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
+from shaderlab.execution.jobs import About
+from shaderlab.pytest_plugin.report import ReportWriter
 from shaderlab.records import Record
 from shaderlab.report import store
 from shaderlab.report.findings import findings_of
@@ -60,7 +63,8 @@ def test_cases_and_functions_stand_on_one_page(
     tests: pytest.Pytester, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("SHADERLAB_JOBS", "0")
-    result = tests.runpytest_subprocess("--shaderlab-report", "out", "-n", "1")
+    words = ("--shaderlab-report", "out", "-n", "1", "-k", "not far")
+    result = tests.runpytest_subprocess(*words)
     assert "report: out/index.html" in result.stdout.str(), result.stdout.str()
     found = by_variant(tests.path / "out")
     assert {name: r.status for name, r in found.items() if r.id == "test_light"} == {
@@ -87,9 +91,13 @@ def test_cases_and_functions_stand_on_one_page(
     assert places >= {("formula", "test_light.py", 14), ("test", "test_light.py", 20)}
 
 
-def test_a_session_without_such_tests_has_no_report(tests: pytest.Pytester) -> None:
-    tests.makepyfile(test_plain="def test_plain(): pass")
-    result = tests.runpytest_subprocess("test_plain.py", "--shaderlab-report", "out")
-    result.assert_outcomes(passed=1)
-    result.stdout.fnmatch_lines(["no test of cases or of GLSL functions: no report is written"])
-    assert not (tests.path / "out" / "index.html").exists()
+def test_a_session_without_such_tests_has_no_report(tmp_path: Path) -> None:
+    def about() -> About:
+        raise AssertionError("no device is asked for")
+
+    said: list[str] = []
+    writer = ReportWriter(tmp_path / "out", about)
+    writer.pytest_sessionfinish()
+    writer.pytest_terminal_summary(SimpleNamespace(write_line=said.append))
+    assert said == ["no test of cases or of GLSL functions: no report is written"]
+    assert not (tmp_path / "out").exists()
