@@ -257,6 +257,9 @@ def softened_check(of: str = "scene", name: str = "picture") -> Any:
     )
 
 
+ROWS_AT_ONCE = 8
+
+
 def furthest_from_mean(scene: npt.NDArray[Any], picture: npt.NDArray[Any]) -> float:
     """How far a picture of half the size is, at most, from the mean light of four texels, encoded
     with a gamma of 2.2.
@@ -265,8 +268,12 @@ def furthest_from_mean(scene: npt.NDArray[Any], picture: npt.NDArray[Any]) -> fl
     >>> round(furthest_from_mean(scene, np.array([[[0.75]]])), 5)
     0.02026
     """
-    # Powers of what lies side by side take half as long.
-    light = np.ascontiguousarray(scene[..., :3]) ** 2.2
-    rows = light[0::2] + light[1::2]
-    mean = 0.25 * (rows[:, 0::2] + rows[:, 1::2])
-    return float(np.abs(mean ** (1.0 / 2.2) - picture[..., :3]).max())
+    furthest = 0.0
+    # What lies side by side and stays in the processor's cache takes half the time, or less.
+    for row in range(0, len(picture), ROWS_AT_ONCE):
+        part = picture[row : row + ROWS_AT_ONCE, :, :3]
+        light = np.ascontiguousarray(scene[2 * row : 2 * (row + len(part)), :, :3]) ** 2.2
+        rows = light[0::2] + light[1::2]
+        mean = 0.25 * (rows[:, 0::2] + rows[:, 1::2])
+        furthest = np.maximum(furthest, np.abs(mean ** (1.0 / 2.2) - part).max())
+    return float(furthest)
