@@ -512,6 +512,12 @@ class Run:
     missing: int = 0
     code_coverage: tuple[CodeCoverage, ...] = ()
 
+    @property
+    def failing_drivers(self) -> tuple[str, ...]:
+        """Of several drivers those on which a scene failed."""
+        bad = (r.driver for r in self.drivers if r.status not in ("pass", "unsupported"))
+        return tuple(dict.fromkeys(bad))
+
 
 def significant(value: float) -> str:
     """A number in the nine digits that tell float32 values apart, or the ten of a whole number of

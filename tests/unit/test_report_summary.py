@@ -163,6 +163,10 @@ def test_several_drivers_stand_side_by_side(tmp_path: Path) -> None:
     assert "2 variants on 2 drivers; 1 verdict differs; of 2 outputs compared" in words
     assert "1 outside of a band on one" in words and "other" not in words
     assert "factor llvmpipe, softpipe outside on softpipe 17 4\u202f096 3" in words
+    assert "passed on llvmpipe, not all on softpipe" in words
+    text = summary(made)
+    assert text.startswith("## ❌ 2 of 2 cases passed, not all on softpipe")
+    assert "| a | ✓ pass | ✗ fail |" in text and "**a: factor** llvmpipe \\| softpipe" in text
     assert 'href="#case-a-default"' in page.source
     alone = Page(write(run(record("a"), drivers=tuple(results[:1])), tmp_path))
     assert "side by side" not in alone.words()

@@ -43,7 +43,10 @@ def render(run: Run) -> str:
         verdict = "Nothing was checked"
     if run.missing:
         verdict += f", {plural(run.missing, 'variant')} not run: the run was interrupted"
-    sign = "❌" if bad else "⚠️" if run.missing else "✅" if totals.good else "➖"
+    if run.failing_drivers and not bad:
+        verdict += f", not all on {', '.join(run.failing_drivers)}"
+    good = "✅" if totals.good else "➖"
+    sign = "❌" if bad or run.failing_drivers else "⚠️" if run.missing else good
     lines = [f"## {sign} {verdict}", ""]
     lines += [f"{escape(line)}  " for line in replacements(run)]
     lines.append(
