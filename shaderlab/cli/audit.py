@@ -113,19 +113,20 @@ def _requests(
     from shaderlab.cli.selecting import files_of
     from shaderlab.execution.audit_shaders import AuditCase, AuditFile
 
-    shaders = [Path(t) for t in targets if _is_shader(t, stage)]
+    shaders = [Path(t) for t in targets if _is_shader(t)]
     for shader in shaders_of_paths(shaders, options.include):
         yield AuditFile(shader, stage, plan)
-    cases = [target for target in targets if not _is_shader(target, stage)]
+    cases = [target for target in targets if not _is_shader(target)]
     if cases and plan.ranges:
         raise UsageError("--range does not go with a case, whose inputs are known")
     for file in files_of(cases):
         yield AuditCase(file, plan, options)
 
 
-def _is_shader(target: str, stage: str | None) -> bool:
+def _is_shader(target: str) -> bool:
     path = Path(target)
-    return path.is_dir() or path.suffix in EXTENSIONS or (stage is not None and path.is_file())
+    is_other_file = path.suffix != ".py" and path.is_file()
+    return path.is_dir() or path.suffix in EXTENSIONS or is_other_file
 
 
 def _audits(results: Iterable[Any]) -> Iterator[Audit]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from shaderlab.audit import Audit, Plan, audit_program
 from shaderlab.errors import FormulaError, NotInterpretedError
 from shaderlab.execution.compare_shaders import ShaderOfFile
+from shaderlab.files import display_path
 from shaderlab.interpreter import load
 from shaderlab.options import RunOptions
 
@@ -68,5 +69,6 @@ class AuditCase:
             try:
                 audits.append(audit_program(load(source), self.plan, given))
             except (NotInterpretedError, FormulaError) as error:
-                audits.append(Audit(file=source.path, hazards=(), tried=0, refused=str(error)))
+                why = str(error) if error.file else f"{display_path(source.path)}: {error}"
+                audits.append(Audit(file=source.path, hazards=(), tried=0, refused=why))
         return audits

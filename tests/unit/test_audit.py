@@ -260,3 +260,11 @@ void main()
         ]  # fmt: skip
         codes.append(found.codes)
     assert codes[0] < 5.0 and codes[1] > 50.0
+
+
+def test_a_file_of_no_stage_is_told_what_to_do(tmp_path: Path) -> None:
+    file = tmp_path / "law.glsl"
+    file.write_text("float law(float x) { return 1.0 / x; }\n")
+    result = CliRunner().invoke(command, [str(file), "-j", "0"], standalone_mode=False)
+    assert result.return_value == 2
+    assert "can't tell the shader's stage" in result.output
