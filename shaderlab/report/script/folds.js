@@ -1,4 +1,4 @@
-// What is folded away: filled when it is opened, and opened around a link's goal and for paper.
+// What is folded away: filled when it is opened, and opened around a link's goal.
 
 /** Calls fill(details) when one is opened whose code is not there yet. */
 function fillOnOpening(selector, fill) {
@@ -93,12 +93,3 @@ function arriveAt(goal) {
 }
 addEventListener("hashchange", reveal);
 if (location.hash) reveal();
-
-let folded = [];
-addEventListener("beforeprint", () => {
-  folded = [...document.querySelectorAll("details:not([open])")];
-  for (const item of folded) item.open = true;
-});
-addEventListener("afterprint", () => {
-  for (const item of folded) item.open = false;
-});
