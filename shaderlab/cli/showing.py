@@ -20,12 +20,12 @@ from shaderlab.files import display_path
 from shaderlab.records import Record, Run
 from shaderlab.report.plain_text import (
     MARKS,
+    conditions,
     coverage_lines,
     failed,
     failure,
     gl_call_lines,
     label,
-    replacements,
     summary,
     tally,
     unread,
@@ -78,7 +78,7 @@ class Show:
             if failed(record):
                 self.console.print()
                 self._failure(record)
-        notes = [*replacements(run), *unread(run.records)]
+        notes = [*conditions(run), *unread(run.records)]
         if notes:
             self.console.print()
         for line in notes[:MOST_ROWS]:

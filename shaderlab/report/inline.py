@@ -44,8 +44,13 @@ class Picture:
 
     @property
     def link(self) -> str:
-        """Where it is in the run's folder, as a relative URL."""
+        """Where the page finds it in the run's folder, as a relative URL."""
         return quote(os.path.relpath(pictures.preview(self.path, self.side), self.folder))
+
+    @property
+    def original(self) -> str:
+        """Where the PNG file itself is, likewise."""
+        return quote(os.path.relpath(self.path, self.folder))
 
     @property
     def uri(self) -> Markup:

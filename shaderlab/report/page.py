@@ -24,7 +24,7 @@ from shaderlab.report.grouping import PASSABLE, CaseGroup, Totals, worst
 from shaderlab.report.inline import Picture
 from shaderlab.report.listing import Listing, anchor_of
 from shaderlab.report.mutants import Mutants
-from shaderlab.report.plain_text import replacements
+from shaderlab.report.plain_text import conditions
 from shaderlab.report.plot import PlotView
 from shaderlab.report.worst import WorstPanel
 
@@ -169,8 +169,8 @@ class Page:
 
     @property
     def notes(self) -> list[str]:
-        """What to know before anything else: files that stood in a shader's place."""
-        return list(replacements(self.run))
+        """What to know before anything else: files in shaders' places, another size."""
+        return list(conditions(self.run))
 
     def links(self, single: bool) -> dict[tuple[str, str], str]:
         """Where each (case, variant) is shown, as a link from the front page.

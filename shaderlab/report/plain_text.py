@@ -9,6 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from textwrap import indent
 
 from shaderlab.files import display_path
+from shaderlab.options import RunOptions
 from shaderlab.records import (
     CodeCoverage,
     Diagnostic,
@@ -170,10 +171,19 @@ def gl_call_lines(record: Record) -> Iterator[str]:
         yield from (printable(f"  {call}") for call in part.calls)
 
 
-def replacements(run: Run) -> Iterator[str]:
-    """A line for each file that stood in a shader's place."""
+def conditions(run: Run) -> Iterator[str]:
+    """A line for each thing that makes a run another one than its cases were written for: files
+    that stood in a shader's place, and another size where something failed."""
     for name, file in run.replaced.items():
         yield printable(f"{file} was judged in place of {name}")
+    usual = RunOptions.size
+    sizes = {record.size for record in run.records if failed(record)} - {0, usual}
+    for size in sorted(sizes):
+        yield (
+            f"judged at {size} × {size} pixels, not at {usual} × {usual}: numbers of pixels and "
+            "figures that are measured on them belong to a size, so what failed may have failed "
+            "for that alone; run it without --size, or give the target of the case a size"
+        )
 
 
 def summary(records: Iterable[Record], seconds: float, missing: int = 0) -> str:

@@ -6,7 +6,8 @@ import dataclasses
 import math
 
 from shaderlab.records import Record
-from shaderlab.report.plain_text import failure, label, numbers, summary
+from shaderlab.report.plain_text import conditions, failure, label, numbers, summary
+from tests.unit.test_report_samples import outcome, record, run
 
 
 def test_labels() -> None:
@@ -47,3 +48,13 @@ def test_summary_counts_variants_by_outcome(passing: Record, failing: Record) ->
     other = dataclasses.replace(passing, id="sun")
     text = summary([passing, failing, other], 3.14)
     assert text == "2 cases: 2 passed, 1 failed in 3.1 s"
+
+
+def test_what_failed_at_another_size_is_told_to_be_so() -> None:
+    """A count of pixels fails at another size whatever the shader does."""
+    counted = outcome(status="fail", kind="query", message="32 samples passed, not 497 to 516")
+    for size, status, told in ((16, "fail", 1), (64, "fail", 0), (16, "pass", 0), (0, "crash", 0)):
+        found = record(size=size, status=status, expectations=(counted,))
+        lines = list(conditions(run(found)))
+        assert len(lines) == told, (size, status)
+        assert all("judged at 16 × 16 pixels, not at 64 × 64" in line for line in lines)

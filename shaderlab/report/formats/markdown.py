@@ -17,7 +17,7 @@ from shaderlab.report.grouping import (
     group_cases,
     total,
 )
-from shaderlab.report.plain_text import label, replacements, unread
+from shaderlab.report.plain_text import conditions, label, unread
 from shaderlab.report.text import clean, count, duration, figure, plural, short
 
 _SIGNS = {"pass": "✅", "unsupported": "➖"}
@@ -48,7 +48,7 @@ def render(run: Run) -> str:
     good = "✅" if totals.good else "➖"
     sign = "❌" if bad or run.failing_drivers else "⚠️" if run.missing else good
     lines = [f"## {sign} {verdict}", ""]
-    lines += [f"{escape(line)}  " for line in replacements(run)]
+    lines += [f"{escape(line)}  " for line in conditions(run)]
     lines.append(
         f"{plural(totals.judged, 'value')} judged, {count(totals.outside)} outside their band · "
         f"{plural(totals.variants.total(), 'variant')} · {duration(run.seconds)} · "
