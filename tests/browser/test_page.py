@@ -81,6 +81,17 @@ def test_passing_checks_are_one_line_each_and_failing_ones_open(visit: Visit, la
     assert page.locator("#case-lamp-bad-fragcolor .measures").is_visible()
 
 
+def test_on_paper_what_is_folded_stays_folded(visit: Visit, lamp: Sample) -> None:
+    page = visit(lamp.case("blend"))
+    page.emulate_media(media="print")
+    page.evaluate("dispatchEvent(new Event('beforeprint'))")
+    check = page.locator("#case-blend-default-fragcolor")
+    assert not check.locator(".measures").is_visible()
+    assert not page.locator("nav.way").is_visible() and page.locator(".lesson").is_visible()
+    check.locator("summary").evaluate("e => e.parentElement.open = true")
+    assert check.locator(".measures").is_visible()
+
+
 def test_the_band_of_the_worst_value_has_its_colour(
     visit: Visit, lamp: Sample, tmp_path: Path
 ) -> None:

@@ -16,9 +16,9 @@ PHONE = {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobil
 @pytest.fixture
 def phone(visit: Callable[..., Any], lamp: Sample) -> Any:
     """The page at its failing check, the pictures at the top of the screen."""
-    page = visit(lamp.page, CHECK, **PHONE)
+    page = visit(lamp.case("lamp"), CHECK, **PHONE)
     page.locator(f"{CHECK} canvas").first.wait_for()
-    page.wait_for_timeout(600)  # the page has arrived at the check
+    page.evaluate("dispatchEvent(new Event('wheel'))")  # the page scrolls there no longer
     page.locator(f"{CHECK} .triple").evaluate(
         "e => scrollTo(0, scrollY + e.getBoundingClientRect().top - 60)"
     )
