@@ -8,18 +8,17 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from shaderlab.errors import ShaderlabError
-from shaderlab.evaluation import interpreting
+from shaderlab.evaluation import interpreting, raster_faults
 from shaderlab.evaluation.evaluation import Evaluation
 from shaderlab.evaluation.explaining import explain
-from shaderlab.evaluation.rasterised import EDGE, Covered, covered, interpolated
+from shaderlab.evaluation.rasterised import covered
 from shaderlab.expectations.needs import CapturedFragments, CapturedVertices
 from shaderlab.files import display_path
-from shaderlab.frame import Array, Fragments, PassDraw, Samples
+from shaderlab.frame import Array, Fragments, PassDraw
 from shaderlab.interpreter import Bands, interpret
 from shaderlab.judging.formats import FLOAT_FORMATS, stored
 from shaderlab.model import outputs_read
 from shaderlab.observations import Fault, Look, Observation
-from shaderlab.programs.stages import may_keep_out
 
 _VERTICES = 64  # that are interpreted of a draw
 _BLOCKS = 10_000
@@ -158,17 +157,20 @@ class _Observer:
         if draw.draw.geometry is not None:
             return
         yield from self._of_vertex_stage(key)
+        if self._target.samples:
+            return
+        pixels = self._look.pixels
         if draw.draw.mesh.primitive == "points" and captured is not None:
-            yield from self._of_points(key, captured, samples)
+            yield from raster_faults.of_points(draw, samples, captured, pixels, self._size)
         what = covered(
             draw.draw.mesh, draw.draw.instances, samples, draw.draw.state, self._size, self._pixels
         )
-        if what is None or self._target.samples:
+        if what is None:
             return
         self._edges |= what.possible & ~what.inside
-        yield from self._of_coverage(key, captured, what)
+        yield from raster_faults.of_coverage(draw, key[1], captured, what, pixels, self._nobody)
         if captured is not None:
-            yield from self._of_interpolation(key, captured, what)
+            yield from raster_faults.of_interpolation(draw, samples, captured, what, pixels)
 
     def _of_vertex_stage(self, key: PassDraw) -> Iterator[Fault]:
         try:
@@ -193,75 +195,6 @@ class _Observer:
                 text = f"{name} of vertex {row} is ({values}), which {display_path(file)} rules out"
                 yield Fault(kind="vertex stage", text=text, file=display_path(file))
                 return
-
-    def _of_coverage(
-        self, key: PassDraw, captured: Fragments | None, what: Covered
-    ) -> Iterator[Fault]:
-        draw = self._evaluation.programs[key[0]][key[1]]
-        state = draw.draw.state
-        optional = (
-            state.depth or state.stencil or state.alpha_to_coverage
-            or may_keep_out(draw.text("fragment") or "")
-        )  # fmt: skip
-        for row, (x, y) in enumerate(self._look.pixels):
-            seen = captured is not None and captured.covered[y, x]
-            if seen and not what.possible[row]:
-                text = f"draw {key[1]} covers pixel ({x}, {y}), which none of its triangles does"
-                yield Fault(kind="coverage", text=text, pixel=(x, y))
-            elif what.inside[row] and self._nobody[row] and not optional:
-                text = f"draw {key[1]} leaves out pixel ({x}, {y}), which lies in a triangle of it"
-                yield Fault(kind="coverage", text=text, pixel=(x, y))
-
-    def _of_interpolation(
-        self, key: PassDraw, captured: Fragments, what: Covered
-    ) -> Iterator[Fault]:
-        draw = self._evaluation.programs[key[0]][key[1]]
-        outputs = self._evaluation.answer(CapturedVertices(key)).outputs
-        position = outputs["gl_Position"]
-        given = {
-            name: (captured.inputs[name], outputs[name], variable.interpolation)
-            for name, variable in draw.interface.varyings.items()
-            if name in outputs and captured.inputs.get(name, position).ndim == 3
-        }
-        if draw.draw.state.polygon_offset is None:
-            depths = _window_depth(position, draw.draw.state.depth_range)
-            given["gl_FragCoord.z"] = (captured.frag_coord[..., 2:3], depths, "noperspective")
-        for name, (got_all, of_vertices, how) in given.items():
-            for row, (x, y) in enumerate(self._look.pixels):
-                if not captured.covered[y, x] or what.triangle[row, 0] < 0:
-                    continue
-                got = got_all[y, x].astype(np.float64)
-                wanted, give = interpolated(of_vertices, position, what, row, how)
-                if not (np.abs(got - wanted) <= give).all():
-                    text = (
-                        f"{name} is ({', '.join(f'{v:.6g}' for v in got)}) at pixel ({x}, {y}), "
-                        f"where its vertices give ({', '.join(f'{v:.6g}' for v in wanted)})"
-                    )
-                    yield Fault(kind="interpolation", text=text, pixel=(x, y))
-
-    def _of_points(self, key: PassDraw, captured: Fragments, samples: Samples) -> Iterator[Fault]:
-        """A gl_PointCoord that no point of the draw gives. Source: OpenGL 4.5 core profile
-        specification, equations 14.2 and 14.3."""
-        found = captured.inputs.get("gl_PointCoord")
-        state = self._evaluation.programs[key[0]][key[1]].draw.state
-        if found is None or self._target.samples or state.viewport or state.cell:
-            return
-        position = samples.outputs["gl_Position"].astype(np.float64)
-        size = state.point_size if isinstance(state.point_size, int | float) else 1.0
-        sizes = samples.outputs.get("gl_PointSize", np.full((len(position), 1), size))
-        centres = (position[:, :2] / position[:, 3:] + 1.0) / 2.0 * self._size
-        for x, y in self._look.pixels:
-            if not captured.covered[y, x]:
-                continue
-            off = (np.array([x, y]) + 0.5 - centres) * (1.0, -1.0)
-            apart = np.abs((found[y, x].astype(np.float64) - 0.5) * sizes - off).max(axis=1)
-            # NaN is a point behind the eye.
-            if not np.nanmin(np.where(np.isnan(apart), np.inf, apart)) <= EDGE:
-                text = (
-                    f"gl_PointCoord at pixel ({x}, {y}) is {np.nanmin(apart):.3g} pixels from what "
-                    "any point of the draw gives"
-                )
-                yield Fault(kind="interpolation", text=text, pixel=(x, y))
 
     def _of_fragments(self, key: PassDraw, here: Array) -> Iterator[Fault]:
         """Where a draw writes what its program's band rules out."""
@@ -328,14 +261,6 @@ class _Observer:
                 values = ", ".join(f"{float(v):.6g}" for v in got)
                 text = f"pixel ({x}, {y}) is ({values}), and nothing was drawn there"
                 yield Fault(kind="clear", text=text, pixel=(x, y))
-
-
-def _window_depth(position: Array, depth_range: tuple[float, float]) -> Array:
-    """Window depths of clip coordinates, (count, 1)."""
-    near, far = depth_range
-    with np.errstate(all="ignore"):
-        found: Array = position[:, 2:3].astype(np.float64) / position[:, 3:]
-    return found * (far - near) / 2.0 + (near + far) / 2.0
 
 
 def _inputs(captured: Fragments, at: tuple[int, int]) -> Mapping[str, tuple[float, ...]]:
