@@ -130,8 +130,13 @@ def scene(folder: Path) -> Any:
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory: pytest.TempPathFactory) -> Any:
-    return next(iter(scene(tmp_path_factory.mktemp("paths")).scenes()))
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("paths")
+
+
+@pytest.fixture(scope="module")
+def made(folder: Path) -> Any:
+    return next(iter(scene(folder).scenes()))
 
 
 Plant = Callable[[pytest.MonkeyPatch], None]
@@ -295,9 +300,16 @@ def drawn(driver: str, made: Any, folder: Path, looks: tuple[Look, ...] = ()) ->
         return replace(lab.run(made), driver_name=driver)
 
 
-def matrix(made: Any, folder: Path, plant: Plant | None) -> dict[str, Disagreement]:
+@pytest.fixture(scope="module")
+def clean(made: Any, folder: Path) -> Record:
+    """The record of the path without a mistake."""
+    record: Record = drawn(PATHS[0], made, folder)
+    return record
+
+
+def matrix(made: Any, clean: Record, folder: Path, plant: Plant | None) -> dict[str, Disagreement]:
     """Each output on both paths, something planted in the second."""
-    records: list[Record] = [drawn(PATHS[0], made, folder)]
+    records = [clean]
     with pytest.MonkeyPatch.context() as patch:
         if plant is not None:
             patch.setattr(Lab, "backend", _planted(plant, patch))
@@ -332,8 +344,8 @@ def _planted(plant: Plant, patch: pytest.MonkeyPatch) -> Any:
     return property(backend)
 
 
-def test_without_a_mistake_nothing_is_outside(made: Any, tmp_path: Path) -> None:
-    found = matrix(made, tmp_path, None)
+def test_without_a_mistake_nothing_is_outside(made: Any, clean: Record, folder: Path) -> None:
+    found = matrix(made, clean, folder, None)
     assert len(found) == 5
     assert {d.verdict for d in found.values()} <= {"equal", "within"}, [
         f"{d.output} {d.verdict} {d.cause} {d.why}" for d in found.values()
@@ -341,8 +353,10 @@ def test_without_a_mistake_nothing_is_outside(made: Any, tmp_path: Path) -> None
 
 
 @pytest.mark.parametrize("fault", FAULTS)
-def test_a_mistake_is_found_and_its_path_blamed(made: Any, tmp_path: Path, fault: str) -> None:
+def test_a_mistake_is_found_and_its_path_blamed(
+    made: Any, clean: Record, folder: Path, fault: str
+) -> None:
     plant, output, cause = FAULTS[fault]
-    found = matrix(made, tmp_path, plant)[output]
+    found = matrix(made, clean, folder, plant)[output]
     assert found.verdict == "outside" and found.outside == (PATHS[1],), found
     assert found.cause == cause, found.why
