@@ -50,6 +50,7 @@ from .model import (
     UniformBuffer as UniformBuffer,
     Variant as Variant,
     across as across,
+    compute as compute,
     fullscreen as fullscreen,
     mesh_pass as mesh_pass,
     up as up,

@@ -103,12 +103,14 @@ class Bindings:
 
     `uniforms` are the float32 or integer values that the shader got, `decimal` the float64 values
     that the case wrote; `arrays` names those that are GLSL arrays (their first axis counts).
+    `buffers` are what the members of a dispatch's storage blocks held before it.
     """
 
     uniforms: Mapping[str, Array] = field(default_factory=dict)
     decimal: Mapping[str, Array] = field(default_factory=dict)
     textures: Mapping[str, Texels] = field(default_factory=dict)
     arrays: frozenset[str] = frozenset()
+    buffers: Mapping[str, Array] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -217,6 +217,10 @@ class Backend(ABC):
             DriverError: the driver has no such stage.
         """
 
+    def require_compute(self) -> None:
+        """Raise UnsupportedError where there are no compute passes."""
+        raise UnsupportedError("compute passes run on OpenGL drivers only")
+
     def storage(self, count: int) -> AbstractContextManager[Callable[[], Array]]:
         """A storage buffer of `count` zeros (uint32), bound as binding 0 of all that is drawn
         meanwhile; gives a function that reads it, (count,).

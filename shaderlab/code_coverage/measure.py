@@ -100,7 +100,7 @@ def _watch(scene: Scene, key: tuple[str, int], draw: PreparedDraw, every: _Watch
     reads = (r for r in all_reads(scene) if r.pass_name == name and r.draw in (None, index))
     read = {r.output for r in reads}
     judged = {"vertex", "geometry"} if read else set()
-    if read & {*draw.interface.outputs, "depth", "stencil", "coverage"}:
+    if read & {*draw.outputs, "depth", "stencil", "coverage"}:
         judged.add("fragment")
     sources = (
         every.stage(source) if source in draw.authored and source.stage in judged else source

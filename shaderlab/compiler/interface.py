@@ -41,6 +41,10 @@ class Variable:
 class Member:
     """One member of a block. Sizes, strides and `offset` are in bytes; strides that don't apply
     are 0. `size` covers all elements of an array, and is 0 for an array of run-time length.
+
+    `record_stride` is that of the array of structs of run-time length that the member lies in; it
+    is described for the first of them ("particles[0].position"). `readonly` is what GLSL says of
+    members of storage blocks.
     """
 
     name: str
@@ -51,6 +55,8 @@ class Member:
     array_stride: int = 0
     matrix_stride: int = 0
     row_major: bool = False
+    record_stride: int = 0
+    readonly: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -66,7 +66,8 @@ def _blocks(module: Module) -> Iterator[Block]:
             lengths, element = unwrap(module, pointee)
             buffer = module.decorated(element, Decoration.BUFFER_BLOCK) is not None
             stored = buffer or storage == Storage.STORAGE_BUFFER
-            found = (_member(module, element, leaf) for leaf in leaves(module, element, ""))
+            whole = module.decorated(id_, Decoration.NON_WRITABLE) is not None
+            found = (_member(module, element, leaf, whole) for leaf in leaves(module, element, ""))
             members = {member.name: member for member in found}
             end = max((m.offset + m.size for m in members.values()), default=0)
             yield Block(
@@ -81,16 +82,20 @@ def _blocks(module: Module) -> Iterator[Block]:
             )
 
 
-def _member(module: Module, struct: int, leaf: Leaf) -> Member:
-    offset, type_, own = 0, struct, module.member(struct, 0)
+def _member(module: Module, struct: int, leaf: Leaf, readonly: bool) -> Member:
+    offset, type_, own, record_stride = 0, struct, module.member(struct, 0), 0
     for index in leaf.path:
         instruction = module.types[type_]
         if instruction.op == Op.TYPE_STRUCT:
             own = module.member(type_, index)
             offset += own.get(Decoration.OFFSET, (0,))[0]
+            readonly = readonly or Decoration.NON_WRITABLE in own
             type_ = instruction.words[index]
         else:
-            offset += index * (module.number(type_, Decoration.ARRAY_STRIDE) or 0)
+            stride = module.number(type_, Decoration.ARRAY_STRIDE) or 0
+            offset += index * stride
+            if instruction.op == Op.TYPE_RUNTIME_ARRAY:
+                record_stride = stride
             type_ = instruction.words[0]
     lengths, element = unwrap(module, type_)
     stride = module.number(type_, Decoration.ARRAY_STRIDE) or 0
@@ -106,6 +111,8 @@ def _member(module: Module, struct: int, leaf: Leaf) -> Member:
         array_stride=stride,
         matrix_stride=matrix_stride,
         row_major=row_major,
+        record_stride=record_stride,
+        readonly=readonly,
     )
 
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from shaderlab.compiler.sources import Source
 from shaderlab.equivalence.given import whole_quads
+from shaderlab.errors import NotInterpretedError
 from shaderlab.evaluation.evaluation import Evaluation
 from shaderlab.expectations.needs import CapturedFragments, CapturedVertices
 from shaderlab.frame import Array, Bindings, PassDraw
@@ -106,4 +107,6 @@ def vertices(evaluation: Evaluation, key: PassDraw, most: int | None = None) -> 
 
 def _stage(evaluation: Evaluation, key: PassDraw, stage: str) -> Source:
     sources = evaluation.programs[key[0]][key[1]].sources
+    if sources[0].stage == "compute":
+        raise NotInterpretedError("not interpreted: compute stage")
     return next(source for source in sources if source.stage == stage)

@@ -127,7 +127,13 @@ class Lab:
             preparer = self._opengl_preparer(str(folder))
         programs = {p.name: tuple(preparer.prepare(d) for d in p.draws) for p in scene.passes}
         _require_compiled(programs)
+        self._require_compute(scene)
         return programs
+
+    def _require_compute(self, scene: Scene) -> None:
+        """Raise UnsupportedError where a scene computes and the driver can't."""
+        if any(description.computes for description in scene.passes):
+            self.backend.require_compute()
 
     @contextmanager
     def evaluation(
@@ -230,6 +236,7 @@ class Lab:
 
         builder.add_programs(programs, assembly)
         _require_compiled(programs)
+        self._require_compute(scene)
         for expectation in scene.expect:
             tuple(expectation.needs(scene, programs))  # raises for a name that is not there
         builder.set_unread(unread_outputs(scene, programs))
@@ -341,7 +348,7 @@ class Lab:
     def _enlarged(self, scene: Scene, programs: Programs, drawn: Drawn) -> Drawn:
         """The scene in the size for people: drawn once more, but where it has one size only."""
         side = self.options.picture_size
-        if side == self.options.size or all(p.target.size for p in scene.passes):
+        if side == self.options.size or all(p.target.size or p.computes for p in scene.passes):
             return drawn
         with self.backend.session(scene, programs, (side, side)) as session:
             return session.draw()

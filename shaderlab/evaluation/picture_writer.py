@@ -15,7 +15,7 @@ from shaderlab import pictures
 from shaderlab.compiler.spirv_tools import disassemble
 from shaderlab.files import write_bytes
 from shaderlab.frame import Array, Image
-from shaderlab.model import Pass, Scene, outputs_read
+from shaderlab.model import Pass, Scene
 from shaderlab.records import Attachment, PassRecord
 
 # Of compared pictures: one pixel a value (2 × 2 where some are outside); the page enlarges them.
@@ -23,6 +23,8 @@ COMPARISON_SIDE = 1
 ATTACHMENT_SIDE = 160
 # An exact comparison without a difference keeps at most so many bytes of numbers, or a corner.
 LARGE = 4096
+# The most elements of a buffer that its picture shows.
+WIDEST = 1024
 # The size in which a report's overview shows a picture.
 PREVIEW_SIDE = 320
 
@@ -54,7 +56,7 @@ class PictureWriter:
         """Write the case's picture, with a small copy for the overview."""
         if self._folder is None:
             return PictureFiles()
-        display = pictures.to_display(_colours(image))
+        display = _display(image)
         file = self._save("picture", display.image, 256)
         if min(display.image.shape[:2]) >= 256:
             pictures.save_previews(self._folder / file, display.image, (0,))
@@ -84,7 +86,7 @@ class PictureWriter:
         )
 
     def _attachment(self, label: str, name: str, image: Image) -> Attachment:
-        display = pictures.to_display(_colours(image))
+        display = _display(image)
         small = pictures.reduced(display.image, ATTACHMENT_SIDE)
         file = self._save(f"pass-{label}", small, 1)
         assert self._folder is not None
@@ -201,11 +203,20 @@ def _numbers(arrays: Mapping[str, Array]) -> Mapping[str, Array]:
 def _read(description: Pass) -> Iterable[str]:
     """The earlier outputs that a pass reads, each once."""
     return dict.fromkeys(
-        output.path
-        for draw in description.draws
-        for source in draw.textures.values()
-        for output in outputs_read(source)
+        output.path for draw in description.draws for output in draw.outputs_read()
     )
+
+
+def _display(image: Image) -> pictures.Display:
+    """The image as people see it. A single row, as of a buffer, is shown as a strip: of as many
+    pixels as a picture is wide at most, and an eighth as high."""
+    display = pictures.to_display(_colours(image))
+    height, width = display.image.shape[:2]
+    if height > 1 or width == 1:
+        return display
+    chosen = display.image[:, np.linspace(0, width - 1, min(width, WIDEST)).round().astype(int)]
+    strip = np.repeat(chosen, max(1, chosen.shape[1] // 8), axis=0)
+    return display._replace(image=strip)
 
 
 def _colours(image: Image) -> Array:

@@ -101,7 +101,7 @@ class OfOutput(Expectation):
 
     def judges_vertices(self, scene: Scene, programs: Programs) -> bool:
         key, name = self.key(scene), self.own_name(scene)
-        if any(name in draw.interface.outputs for draw in programs[key[0]]):
+        if any(name in draw.outputs for draw in programs[key[0]]):
             return False
         return not self.is_of_depth(scene, programs) and self.is_of_vertex(scene, programs)
 
@@ -120,12 +120,12 @@ class OfOutput(Expectation):
         """
         key = self.key(scene)
         draw, name = programs[key[0]][key[1]], self.own_name(scene)
-        if name in draw.interface.outputs:
+        if name in draw.outputs:
             return False
         generated = draw.draw.mesh is None  # the lab's own stage, which only gives gl_Position
         known = [] if generated and name != "gl_Position" else vertex_outputs(draw)
         if name not in known:
-            outputs = [*draw.interface.outputs, *known]
+            outputs = [*draw.outputs, *known]
             raise CaseError(f"there is no output {name!r}", remedy=nearest(name, outputs))
         if generated:
             raise CaseError(f"{name!r} is the lab's own vertex stage's: draw a mesh to judge it")

@@ -34,7 +34,7 @@ def rules_of(scene: Scene) -> DiscardRules:
         if isinstance(expectation, OfOutput) and expectation.discards is not None:
             key = expectation.key(scene)
             rules.setdefault(key, expectation)
-            rules.setdefault(scene.find_pass(key[0]).draws[key[1]].fragment, expectation)
+            rules.setdefault(scene.find_pass(key[0]).draws[key[1]].shaders[-1], expectation)
     return rules
 
 
@@ -95,7 +95,7 @@ def fault(
 
 def _rule_of(key: PassDraw, draw: PreparedDraw, rules: DiscardRules) -> OfOutput | None:
     """The rule of a draw, or else of another one of the same fragment shader."""
-    return rules.get(key) or rules.get(draw.draw.fragment)
+    return rules.get(key) or rules.get(draw.draw.shaders[-1])
 
 
 def _faults(

@@ -23,8 +23,9 @@ class Exact(OfOutput):
 
     `equals` is a number or vector, an array (height, width, components) with row 0 at the
     bottom (a smaller one is repeated in equal blocks, as a table's cells are), or an
-    `Output("pass.output")` to be compared with. Without `pictured` it is shown only if it fails,
-    for what each pass's own picture shows already.
+    `Output("pass.output")` to be compared with. What a dispatch left in a buffer is one row: an
+    array of its length does too, (count,) or (count, components). Without `pictured` it is shown
+    only if it fails, for what each pass's own picture shows already.
     """
 
     kind = "exact"
@@ -114,6 +115,9 @@ def laid_over(expected: Any, values: Array, name: str) -> Array:
     """
     height, width, components = values.shape
     table = np.asarray(expected)
+    rows = {(width,), (width, components)} - {(components,)}
+    if height == 1 < width and table.shape in rows:
+        table = table.reshape(1, width, -1)
     table = table[..., None] if table.ndim in (0, 2) else table
     table = table[None, None] if table.ndim == 1 else table
     if table.ndim != 3 or table.shape[2] not in (1, components) or table.size == 0:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from shaderlab.activity import doing
-from shaderlab.errors import CaseError, nearest
+from shaderlab.errors import CaseError, UnsupportedError, nearest
 from shaderlab.expectations.base import Context, OfOutput
 from shaderlab.frame import Array, Bindings, Fragments, PassDraw, Samples
 from shaderlab.model import Need, Programs
@@ -21,7 +21,8 @@ from shaderlab.programs.varyings import elements
 
 @dataclass(frozen=True)
 class CapturedFragments(Need):
-    """What the fragment shader of a draw got, at each pixel."""
+    """What the fragment shader of a draw got, at each pixel; of a dispatch, what its invocations
+    got."""
 
     key: PassDraw
 
@@ -33,6 +34,8 @@ class CapturedFragments(Need):
         for own, other in zip(programs[self.key[0]], others[self.key[0]], strict=True):
             if own.draw is not other.draw:
                 return False  # other state may let other fragments through
+            if own.draw.compute:
+                return False  # an earlier pass may have left something else
             if not _same_stages(own, other):
                 return False
             text, other_text = own.text("fragment") or "", other.text("fragment") or ""
@@ -85,6 +88,12 @@ class Probe(Need):
         expectation, session, steps = self._expectation, context.session, self._steps
         key = expectation.key(session.scene)
         draw, bindings = session.programs[key[0]][key[1]], context.bindings[key]
+        if draw.draw.compute:
+            raise UnsupportedError(
+                f"{draw.draw.compute}: running a compute stage on given inputs",
+                remedy="judge what it leaves in its buffers: formula, exact, measure, or "
+                "value(…, at=Pixel(element, 0))",
+            )
         of_vertex = expectation.is_of_vertex(session.scene, session.programs)
         variables = draw.interface.attributes if of_vertex else draw.interface.varyings
         inputs = {variable.name: variable for variable in elements(variables.values())}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from shaderlab.model import Pass, Pixel, Programs, Read, Scene, outputs_read
+from shaderlab.model import Pass, Pixel, Programs, Read, Scene
 
 Named = tuple[str, str]
 """A pass and an output of one of its stages."""
@@ -23,15 +23,16 @@ def judged_outputs(scenes: Iterable[Scene]) -> dict[Named, frozenset[Pixel] | No
 
 
 def unread_outputs(scene: Scene, programs: Programs) -> tuple[str, ...]:
-    """The outputs of fragment shaders that no expectation of the scene reads, nor any pass that an
-    expectation reads: "pass.output", or "pass.output of draw 0" where other draws' are read.
+    """The outputs of fragment and compute shaders that no expectation of the scene reads, nor any
+    pass that an expectation reads: "pass.output", or "pass.output of draw 0" where other draws'
+    are read.
 
     An output that is read at single pixels alone is among them.
     """
     read = {(r.pass_name, r.draw, r.output) for r in all_reads(scene) if r.pixel is None}
     found: list[str] = []
     for description in scene.passes:
-        draws = [list(draw.interface.outputs) for draw in programs[description.name]]
+        draws = [list(draw.outputs) for draw in programs[description.name]]
         if description.target.colors is not None:  # what has no attachment is stored nowhere
             draws = [[n for n in names if n in description.target.colors] for names in draws]
         for output in dict.fromkeys(name for draw in draws for name in draw):
@@ -63,11 +64,11 @@ def all_reads(scene: Scene) -> Iterator[Read]:
 
 
 def _reads_of_pass(description: Pass, outputs: Iterable[str]) -> Iterator[Read]:
-    """What a pass reads of earlier ones: as textures, and where it goes on drawing in `outputs`."""
+    """What a pass reads of earlier ones: as textures, in buffers, and where it goes on drawing in
+    `outputs`."""
     for draw in description.draws:
-        for texture in draw.textures.values():
-            for source in outputs_read(texture):
-                yield Read(source.pass_name, source.name)
+        for source in draw.outputs_read():
+            yield Read(source.pass_name, source.name)
     if description.onto:
         for output in sorted(outputs):
             yield Read(description.onto, output)

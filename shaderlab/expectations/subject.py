@@ -45,20 +45,34 @@ def subject_of(
         return Subject(measured=samples.outputs[name], inputs=inputs)
     image = find_image(expectation.output, scene, frame)
     covered = frame.answers[CapturedFragments(key)].covered
+    if frame.bindings[key].buffers:  # every element of a buffer, whatever invocations there are
+        covered = np.ones(image.values.shape[:2], bool)
     whole = bool(covered.all())
 
     def of_covered(values: Array) -> Array:
         # Most draws cover everything; then nothing need be copied.
         return values.reshape(-1, *values.shape[2:]) if whole else values[covered]
 
-    each = {name: of_covered(values) for name, values in pixel_inputs(frame, key).items()}
+    each = {name: of_covered(values) for name, values in pixel_inputs(frame, key, image).items()}
     return Subject(
         measured=of_covered(image.values),
-        inputs=inputs_of(frame, key, each=each, given=given),
+        inputs=inputs_of(
+            frame, key, each=each, given=given, decimal=decimal_inputs(frame, key, each)
+        ),
         format=image.format,
         image=image,
         covered=covered,
     )
+
+
+def decimal_inputs(frame: Frame, key: PassDraw, each: Mapping[str, Array]) -> dict[str, Array]:
+    """What the buffers of a dispatch held before, as the case wrote it, of those that differ from
+    element to element; (count, components)."""
+    bindings = frame.bindings[key]
+    return {
+        name: bindings.decimal[name] if name in bindings.arrays else bindings.decimal[name][None]
+        for name in bindings.buffers.keys() & each.keys()
+    }
 
 
 def find_image(name: str, scene: Scene, frame: Frame) -> Image:
@@ -94,7 +108,11 @@ def inputs_of(
     return replace(inputs, shared={**found, **inputs.shared}, arrays=inputs.arrays | found.keys())
 
 
-def pixel_inputs(frame: Frame, key: PassDraw) -> dict[str, Array]:
-    """Captured inputs of every pixel of a draw, `frag_coord` among them."""
+def pixel_inputs(frame: Frame, key: PassDraw, image: Image) -> dict[str, Array]:
+    """Captured inputs of every pixel of a draw's output, `frag_coord` among them; of a dispatch
+    what there is one of for each element of that output."""
     fragments = frame.answers[CapturedFragments(key)]
+    if frame.bindings[key].buffers:
+        size = image.values.shape[:2]
+        return {name: v for name, v in fragments.inputs.items() if v.shape[:2] == size}
     return {**fragments.inputs, "frag_coord": fragments.frag_coord}

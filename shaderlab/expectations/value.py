@@ -11,7 +11,7 @@ import numpy as np
 from shaderlab.errors import CaseError
 from shaderlab.expectations.formula import Formula, OfReference, Reference
 from shaderlab.expectations.needs import CapturedFragments, Probe
-from shaderlab.expectations.subject import find_image, inputs_of, pixel_inputs
+from shaderlab.expectations.subject import decimal_inputs, find_image, inputs_of, pixel_inputs
 from shaderlab.expectations.sweep import Sweep
 from shaderlab.frame import Array, Frame, Image
 from shaderlab.judging.banded import judge_band
@@ -71,7 +71,8 @@ class Value(OfReference):
             image = find_image(self.output, scene, frame)
             x, y = self.at.x, self.at.y
             measured, format = _at_pixel(image, self.at)[None], image.format
-            each = {n: v[y, x][None] for n, v in pixel_inputs(frame, key).items()}
+            each = {n: v[y, x][None] for n, v in pixel_inputs(frame, key, image).items()}
+            decimal = {n: v[x][None] for n, v in decimal_inputs(frame, key, each).items()}
         else:
             samples = frame.answers[Probe(self)]
             measured = samples.outputs[self.own_name(scene)]

@@ -67,12 +67,15 @@ class Inputs:
 
         constants = {name: np.atleast_1d(np.asarray(v, np.float64)) for name, v in given.items()}
         rounded = {name: value.astype(np.float32) for name, value in constants.items()}
+        whole = {n: v for n, v in bindings.buffers.items() if n not in each}
+        by_element = bindings.buffers.keys() & each.keys()
+        written = {n: v for n, v in bindings.decimal.items() if n not in by_element}
         return cls(
-            shared={**kept(bindings.uniforms), **rounded},
+            shared={**kept(bindings.uniforms), **kept(whole), **rounded},
             each=kept(each),
-            decimal={**kept(bindings.decimal), **constants, **(decimal or {})},
+            decimal={**kept(written), **constants, **(decimal or {})},
             textures=bindings.textures,
-            arrays=bindings.arrays - constants.keys(),
+            arrays=bindings.arrays - constants.keys() - by_element,
         )
 
     def part(self, rows: slice | Array) -> Inputs:

@@ -27,7 +27,13 @@ from shaderlab.model.expectation import (
     Read as Read,
 )
 from shaderlab.model.mesh import Mesh as Mesh, Placement as Placement
+from shaderlab.model.passes import (
+    compute as compute,
+    fullscreen as fullscreen,
+    mesh_pass as mesh_pass,
+)
 from shaderlab.model.scene import (
+    BufferValue as BufferValue,
     Draw as Draw,
     Pass as Pass,
     Pixel as Pixel,
@@ -36,8 +42,6 @@ from shaderlab.model.scene import (
     UniformBuffer as UniformBuffer,
     UniformValue as UniformValue,
     across as across,
-    fullscreen as fullscreen,
-    mesh_pass as mesh_pass,
     up as up,
 )
 from shaderlab.model.state import (

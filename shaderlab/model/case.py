@@ -11,7 +11,7 @@ from shaderlab.frame import PassDraw
 from shaderlab.model.checked import Checked
 from shaderlab.model.expectation import Expectation
 from shaderlab.model.scene import Draw, Pass, Ramp, UniformBuffer
-from shaderlab.model.textures import Output, outputs_read
+from shaderlab.model.textures import Output
 
 DEFAULT_VARIANT = "default"
 
@@ -20,9 +20,9 @@ DEFAULT_VARIANT = "default"
 class Variant(Checked):
     """A named change of a case's inputs.
 
-    `changes` replaces uniforms, textures, ramps of the domain, or members of uniform blocks
-    ("Matrices.view"), by the names the case uses, in every draw that has them; `passes` replaces
-    the passes altogether. `expect` is added to the case's own expectations.
+    `changes` replaces uniforms, textures, buffers, ramps of the domain, or members of uniform
+    blocks ("Matrices.view"), by the names the case uses, in every draw that has them; `passes`
+    replaces the passes altogether. `expect` is added to the case's own expectations.
     """
 
     name: str
@@ -53,7 +53,7 @@ class Case(Checked):
     Args:
         title: a few words.
         section: its number in the text that it follows ("5.5.2"), "" where it follows none.
-        passes: what is drawn, from `fullscreen`, `mesh_pass` or `Pass` themselves.
+        passes: what is drawn, from `fullscreen`, `mesh_pass`, `compute` or `Pass` themselves.
         expect: what must hold of every variant.
         variants: named changes of inputs; without any there is one, called "default".
         errata: where that text is wrong.
@@ -232,8 +232,7 @@ class Scene:
     def _sampled(self) -> Iterator[Output]:
         for description in self.passes:
             for draw in description.draws:
-                for source in draw.textures.values():
-                    yield from outputs_read(source)
+                yield from draw.outputs_read()
 
 
 def _changed(passes: tuple[Pass, ...], variant: Variant) -> tuple[Pass, ...]:
@@ -255,7 +254,7 @@ def _changed(passes: tuple[Pass, ...], variant: Variant) -> tuple[Pass, ...]:
 
     def change(draw: Draw) -> Draw:
         edits: dict[str, Any] = {}
-        for slot in ("uniforms", "textures", "domain"):
+        for slot in ("uniforms", "textures", "domain", "buffers"):
             present = getattr(draw, slot) or {}
             hits = changes_of(present)
             if slot == "domain":

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -10,13 +10,20 @@ import numpy as np
 
 from shaderlab.errors import CaseError
 from shaderlab.frame import Array
-from shaderlab.model.checked import Checked, checked_arguments
+from shaderlab.model.checked import Checked
 from shaderlab.model.mesh import Mesh
 from shaderlab.model.state import State, one_of
-from shaderlab.model.textures import COLOR_FORMATS, DEPTH_FORMATS, TextureSource
+from shaderlab.model.textures import (
+    COLOR_FORMATS,
+    DEPTH_FORMATS,
+    Output,
+    TextureSource,
+    outputs_read,
+)
 
 Number = float | int | bool
 UniformValue = Number | Sequence[Any] | Array
+BufferValue = UniformValue | Output
 
 
 @dataclass(frozen=True)
@@ -77,16 +84,17 @@ class UniformBuffer(Checked):
 
 @dataclass(frozen=True, kw_only=True)
 class Draw(Checked):
-    """One draw call: a program, what it draws, and everything that is bound while it does.
+    """One draw call or dispatch: a program, what it draws, and all that is bound while it does.
 
     Either `vertex` and `mesh` are given, or `domain` (the fragment shader's inputs laid over the
-    whole target; the vertex stage is then made by the lab). Uniforms are keyed as GLSL spells
+    whole target; the vertex stage is then made by the lab), or for a dispatch `compute`, `groups`
+    and `buffers`, as in `compute`, and no other shader. Uniforms are keyed as GLSL spells
     them: "model", "light.constant", "weights", "lights[0].position". Matrices are given as
     mathematics writes them, rows first; the lab transposes for GLSL. `blocks` are uniform blocks
     by the name that GLSL gives the block itself.
     """
 
-    fragment: str
+    fragment: str = ""
     vertex: str | None = None
     geometry: str | None = None
     mesh: Mesh | None = None
@@ -97,8 +105,21 @@ class Draw(Checked):
     state: State = field(default_factory=State)
     instances: int = 1
     vertex_array: bool = True
+    compute: str = ""
+    groups: tuple[int, int, int] = (1, 1, 1)
+    buffers: Mapping[str, BufferValue] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        if self.compute:
+            self._check_dispatch()
+            return
+        if not self.fragment:
+            raise CaseError("Draw: give a fragment shader, or a compute shader (compute=…)")
+        if self.buffers or self.groups != (1, 1, 1):
+            raise CaseError(
+                f"Draw of {self.fragment}: groups= and buffers= belong to a compute shader",
+                remedy="Draw(compute=…, groups=…, buffers=…), or shaderlab.compute",
+            )
         if (self.domain is None) == (self.mesh is None):
             raise CaseError(
                 f"Draw of {self.fragment}: give either a mesh (with a vertex shader) or a domain"
@@ -118,10 +139,25 @@ class Draw(Checked):
                 remedy=f"draw instances={given}",
             )
 
+    def _check_dispatch(self) -> None:
+        others = (self.vertex, self.geometry, self.fragment, self.mesh, self.domain)
+        if any(others) or self.state != State() or self.instances != 1:
+            raise CaseError(
+                f"Draw of {self.compute}: a compute shader is a program of its own; it has no "
+                "other stage, mesh, domain, state or instances"
+            )
+        if min(self.groups) < 1:
+            raise CaseError(f"Draw of {self.compute}: {self.groups} groups compute nothing")
+
     @property
     def shaders(self) -> tuple[str, ...]:
         """The shader files this draw names, in pipeline order."""
-        return tuple(s for s in (self.vertex, self.geometry, self.fragment) if s is not None)
+        return tuple(s for s in (self.vertex, self.geometry, self.fragment, self.compute) if s)
+
+    def outputs_read(self) -> Iterator[Output]:
+        """The outputs of earlier passes that it reads as textures and in buffers."""
+        for source in (*self.textures.values(), *self.buffers.values()):
+            yield from outputs_read(source)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -173,6 +209,12 @@ class Pass(Checked):
         object.__setattr__(self, "draws", tuple(self.draws))
         if not self.draws:
             raise CaseError(f"Pass {self.name!r} draws nothing")
+        alone = len(self.draws) == 1 and self.target == Target() and not self.onto
+        if any(draw.compute for draw in self.draws) and not alone:
+            raise CaseError(
+                f"Pass {self.name!r}: a dispatch is a pass of its own, without a target",
+                remedy="one pass for each; a later one reads Output('pass.buffer')",
+            )
         if self.onto and (self.target.depth or self.target.samples):
             raise CaseError(
                 f"Pass {self.name!r} goes on in the target of {self.onto!r}, which has depth, "
@@ -187,60 +229,7 @@ class Pass(Checked):
                     remedy="Target(size=(width, height)), or Cell(…), which fits every size",
                 )
 
-
-@checked_arguments
-def fullscreen(
-    fragment: str,
-    *,
-    domain: Mapping[str, Ramp] | None = None,
-    uniforms: Mapping[str, UniformValue] | None = None,
-    textures: Mapping[str, TextureSource] | None = None,
-    blocks: Mapping[str, UniformBuffer] | None = None,
-    target: Target | None = None,
-    state: State | None = None,
-    name: str = "main",
-) -> tuple[Pass, ...]:
-    """One pass that runs a fragment shader over the whole target.
-
-    `domain` lays each of its inputs over the screen (`across`, `up`, `Ramp`); without it the
-    shader may read `in vec2 TexCoords`, from (0, 0) lower left to (1, 1) upper right.
-    """
-    draw = Draw(
-        fragment=fragment,
-        domain=UNIT_SQUARE if domain is None else domain,
-        uniforms=uniforms or {},
-        textures=textures or {},
-        blocks=blocks or {},
-        state=state or State(),
-    )
-    return (Pass(name=name, target=target or Target(), draws=(draw,)),)
-
-
-@checked_arguments
-def mesh_pass(
-    vertex: str,
-    fragment: str,
-    mesh: Mesh,
-    *,
-    geometry: str | None = None,
-    uniforms: Mapping[str, UniformValue] | None = None,
-    textures: Mapping[str, TextureSource] | None = None,
-    blocks: Mapping[str, UniformBuffer] | None = None,
-    target: Target | None = None,
-    state: State | None = None,
-    instances: int = 1,
-    name: str = "main",
-) -> tuple[Pass, ...]:
-    """One pass that draws one mesh with one program."""
-    draw = Draw(
-        vertex=vertex,
-        geometry=geometry,
-        fragment=fragment,
-        mesh=mesh,
-        uniforms=uniforms or {},
-        textures=textures or {},
-        blocks=blocks or {},
-        state=state or State(),
-        instances=instances,
-    )
-    return (Pass(name=name, target=target or Target(), draws=(draw,)),)
+    @property
+    def computes(self) -> bool:
+        """Whether it is a dispatch, which draws nothing."""
+        return bool(self.draws[0].compute)

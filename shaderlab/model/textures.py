@@ -222,8 +222,8 @@ class CompressedTexture(Sampling):
 TextureSource = Texture | TextureArray | CubeTexture | CompressedTexture | Output
 
 
-def outputs_read(source: TextureSource) -> Iterator[Output]:
-    """The outputs of earlier passes that a texture is or is made of."""
+def outputs_read(source: object) -> Iterator[Output]:
+    """The outputs of earlier passes that a texture, or what fills a buffer, is or is made of."""
     parts: Sequence[object] = (source,)
     if isinstance(source, TextureArray):
         parts = source.layers

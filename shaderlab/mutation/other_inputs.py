@@ -1,6 +1,7 @@
 """Inputs far beyond a case's own: textures (every channel random, beyond 0…1 where the format
-allows), clear colours, sizes, ramps and uniforms of every draw, and numbers for a program's stages:
-around zero, of every size, and those at which formulas turn: 0, ±1 and each constant of the shader.
+allows), clear colours, sizes, ramps and uniforms of every draw, buffers of every dispatch, and
+numbers for a program's stages: around zero, of every size, and those at which formulas turn: 0, ±1
+and each constant of the shader.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from shaderlab.frame import Array, PassDraw, Texels
 from shaderlab.model import (
     CompressedTexture,
     CubeTexture,
+    Output,
     Ramp,
     Scene,
     Texture,
@@ -79,6 +81,8 @@ def other_inputs(
     changes = {key: maker.draw(key, draw) for key, draw in draws.items()}
     targets = maker.targets()
     probed = next((key for key, draw in draws.items() if draw.draw.shaders == program), None)
+    if probed is not None and draws[probed].draw.compute:
+        probed = None  # its invocations belong together
     stages = maker.stages(draws[probed]) if probed else ({}, {})
     return Round(changes, targets, probed, *stages)
 
@@ -97,6 +101,9 @@ class _Maker:
     def targets(self) -> dict[str, Target]:
         made: dict[str, Target] = {}
         for p in self._original.scene.passes:
+            if p.computes:
+                made[p.name] = p.target
+                continue
             width, height = self._size
             if any(d.state.in_pixels for d in p.draws) and p.target.size:
                 width, height = p.target.size[0] + width // 8, p.target.size[1] + height // 8
@@ -111,7 +118,8 @@ class _Maker:
 
     def draw(self, key: PassDraw, prepared: PreparedDraw) -> Mapping[str, Any]:
         """The fields of a draw that are replaced."""
-        draw, texels = prepared.draw, self._original.drawn.bindings[key].textures
+        draw, bindings = prepared.draw, self._original.drawn.bindings[key]
+        texels = bindings.textures
         self._turns = _turning_points("".join(prepared.texts.values()))
         changes: dict[str, Any] = {
             "textures": {
@@ -122,6 +130,10 @@ class _Maker:
             kinds = {n: v.type for n, v in declared(prepared.interface).items()}
             changes["uniforms"] = {
                 n: self._number(v, kinds.get(n, "float")) for n, v in draw.uniforms.items()
+            }
+            changes["buffers"] = {
+                n: v if isinstance(v, Output) else self._contents(bindings.buffers[n])
+                for n, v in draw.buffers.items()
             }
             changes["blocks"] = {n: self._once(b, self._buffer) for n, b in draw.blocks.items()}
             if draw.domain is not None and draw.domain != UNIT_SQUARE:
@@ -179,6 +191,10 @@ class _Maker:
 
     def _buffer(self, buffer: UniformBuffer) -> UniformBuffer:
         return UniformBuffer(values={n: self._number(v, "") for n, v in buffer.values.items()})
+
+    def _contents(self, held: Array) -> Array:
+        """What a member of a storage block holds instead."""
+        return self._spread(held.shape, {"i": "int", "u": "uint"}.get(held.dtype.kind, "float"))
 
     def _ramp(self, ramp: Ramp) -> Ramp:
         numbers = (ramp.origin, ramp.dx, ramp.dy)

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from shaderlab.evaluation.search_path import shaders_of
-from shaderlab.model import Case, Pass, Scene, outputs_read
+from shaderlab.model import Case, Pass, Scene
 from shaderlab.mutation.mutants import Operator, ShaderMutant, mutants_of
 
 
@@ -60,13 +60,8 @@ def downstream(scene: Scene, passes: Collection[str]) -> set[str]:
 
 def reads(description: Pass) -> set[str]:
     """Names of the earlier passes whose outputs a pass reads as textures, faces and layers
-    included, or goes on in."""
-    found = {
-        output.pass_name
-        for draw in description.draws
-        for texture in draw.textures.values()
-        for output in outputs_read(texture)
-    }
+    included, or in buffers, or goes on in."""
+    found = {output.pass_name for draw in description.draws for output in draw.outputs_read()}
     return found | ({description.onto} if description.onto else set())
 
 

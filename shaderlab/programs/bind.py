@@ -44,8 +44,8 @@ def bind(draw: Draw, interface: Interface, texels: Contents) -> Bindings:
     samplers = {n: v for n, v in interface.uniforms.items() if "sampler" in v.type}
     uniforms = interface.uniforms.items()
     plain = {n: v for n, v in uniforms if n not in samplers and not n.startswith(PREFIX)}
-    _compare("uniform", draw, draw.uniforms, plain, other={"texture": samplers})
-    _compare("texture", draw, draw.textures, samplers, other={"uniform": plain})
+    compare("uniform", draw, draw.uniforms, plain, other={"texture": samplers})
+    compare("texture", draw, draw.textures, samplers, other={"uniform": plain})
     known = declared(interface)
     values = {**draw.uniforms, **blocks.given(draw, interface)}
     exact, decimal = {}, {}
@@ -76,6 +76,11 @@ def uniform_arrays(variable: Variable, value: Any) -> tuple[Array, Array]:
     Raises:
         CaseError: `value` is not numbers, has another shape, or is out of the type's range.
     """
+    return value_arrays("uniform", variable, value)
+
+
+def value_arrays(what: str, variable: Variable, value: Any) -> tuple[Array, Array]:
+    """As `uniform_arrays`, for a variable that errors call `what`."""
     shape = shape_of(variable.type)
     if variable.array is not None:
         shape = (variable.array, *shape)
@@ -83,24 +88,22 @@ def uniform_arrays(variable: Variable, value: Any) -> tuple[Array, Array]:
         decimal = np.asarray(value, np.float64)
     except (TypeError, ValueError):
         raise CaseError(
-            f"uniform {variable.name!r} ({variable.type}) is not numbers: {value!r}"
+            f"{what} {variable.name!r} ({variable.type}) is not numbers: {value!r}"
         ) from None
     if shape[-1:] == (1,) and decimal.shape == shape[:-1]:
         decimal = decimal[..., None]
     if decimal.shape != shape:
         raise CaseError(
-            f"uniform {variable.name!r} is {_spelt(variable)}: it takes shape {shape}, "
+            f"{what} {variable.name!r} is {_spelt(variable)}: it takes shape {shape}, "
             f"not {decimal.shape}"
         )
     kind = numpy_type(variable.type)
     with np.errstate(over="ignore", invalid="ignore"):
         exact = decimal.astype(kind)
     if np.isnan(decimal).any() or (np.isinf(exact) & np.isfinite(decimal)).any():
-        raise CaseError(f"uniform {variable.name!r} holds {value!r}, which no {variable.type} does")
+        raise CaseError(f"{what} {variable.name!r} holds {value!r}, which no {variable.type} does")
     if exact.dtype.kind in "iu" and (exact != decimal).any():
-        raise CaseError(
-            f"uniform {variable.name!r} is {variable.type}, but {value!r} is no integer"
-        )
+        raise CaseError(f"{what} {variable.name!r} is {variable.type}, but {value!r} is no integer")
     return exact, decimal
 
 
@@ -111,7 +114,7 @@ def check_attributes(draw: Draw, interface: Interface) -> None:
         CaseError: one is missing, not read by the shader, or has another number of components.
     """
     assert draw.mesh is not None
-    _compare(
+    compare(
         "attribute",
         draw,
         draw.mesh.inputs,
@@ -131,7 +134,7 @@ def check_domain(draw: Draw, inputs: Mapping[str, Variable]) -> None:
     Raises:
         CaseError: an input has no ramp, or a ramp has no input.
     """
-    _compare("input", draw, _ramps(draw, inputs), inputs)
+    compare("input", draw, _ramps(draw, inputs), inputs)
 
 
 def ramp_uniforms(draw: Draw, inputs: Mapping[str, Variable]) -> dict[str, Array]:
@@ -205,7 +208,7 @@ def _ramps(draw: Draw, inputs: Mapping[str, Variable]) -> Mapping[str, Ramp]:
     return {} if domain == UNIT_SQUARE and not inputs.keys() & domain.keys() else domain
 
 
-def _compare(
+def compare(
     what: str,
     draw: Draw,
     given: Mapping[str, Any],
@@ -214,6 +217,11 @@ def _compare(
     other: Mapping[str, Mapping[str, Variable]] | None = None,
     surplus: str | None = None,
 ) -> None:
+    """Compare what a draw gives with what its program declares; `what` is what these are called.
+
+    Raises:
+        CaseError: something is missing or surplus.
+    """
     program = " + ".join(draw.shaders)
     for name in given:
         if name in declared:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from shaderlab.errors import CaseError, nearest
+from shaderlab.errors import CaseError, UnsupportedError, nearest
 from shaderlab.model import Draw, Pass, Scene, outputs_read
 
 
@@ -46,11 +46,19 @@ def check_reads(scene: Scene, description: Pass, draw: Draw, earlier: Iterable[s
     Raises:
         CaseError: a texture has been drawn over since, is the target that is being drawn into, or
             is a renderbuffer.
+        UnsupportedError: a texture is a buffer of a dispatch.
     """
+    dispatches = {p.name for p in scene.passes if p.computes}
     owners = {name: _owner(scene, name) for name in earlier}
     for name, source in draw.textures.items():
         for output in outputs_read(source):
             read = output.pass_name
+            if read in dispatches:
+                raise UnsupportedError(
+                    f"sampling a buffer: {name!r} is a texture, and {output.path} is left in a "
+                    "storage buffer",
+                    remedy="read it in another compute pass: buffers={…: Output(…)}",
+                )
             if read not in owners:
                 continue  # what is read does not exist: reported where it is looked for
             drawn = scene.find_pass(read).target

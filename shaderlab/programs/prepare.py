@@ -7,13 +7,13 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from shaderlab.compiler.compile import Compile, Compiled, compile_program
-from shaderlab.compiler.interface import Interface
+from shaderlab.compiler.interface import Interface, Variable
 from shaderlab.compiler.sources import Shaders, Source
 from shaderlab.compiler.targets import TARGETS
 from shaderlab.errors import CaseError, ShaderError, UnsupportedError, nearest
 from shaderlab.frame import PassDraw
 from shaderlab.model import Draw, Pass
-from shaderlab.programs import bind, formats, vertex_stages
+from shaderlab.programs import bind, formats, storage, vertex_stages
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,6 +41,12 @@ class PreparedDraw:
                 remedy="shaderlab compile asks the compilers alone",
             )
         return self.compiled.interface
+
+    @functools.cached_property
+    def outputs(self) -> Mapping[str, Variable]:
+        """What its fragment stage writes, or what a dispatch may leave in storage blocks. Raises
+        ShaderError as `interface` does."""
+        return storage.outputs(self.interface) if self.draw.compute else self.interface.outputs
 
     @functools.cached_property
     def vertex_interface(self) -> Interface:
@@ -163,4 +169,5 @@ def pass_colors(description: Pass, draws: tuple[PreparedDraw, ...]) -> Mapping[s
 
 def step(key: PassDraw, draw: PreparedDraw) -> str:
     """A draw in words: what is to blame if the driver goes down with it."""
-    return f"draw {key[1]} of pass {key[0]!r}, program {' + '.join(draw.draw.shaders)}"
+    what = "dispatch" if draw.draw.compute else f"draw {key[1]}"
+    return f"{what} of pass {key[0]!r}, program {' + '.join(draw.draw.shaders)}"

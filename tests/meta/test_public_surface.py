@@ -13,7 +13,7 @@ PUBLIC = {
     "TextureArray", "CubeTexture", "CompressedTexture",
     "UniformBuffer",
     "State", "Depth", "Stencil", "Blend", "Cell",
-    "fullscreen", "mesh_pass", "Ramp", "across", "up",
+    "fullscreen", "mesh_pass", "compute", "Ramp", "across", "up",
     # what must hold
     "formula", "value", "sweep", "exact", "coverage", "computed", "compile_fails", "gl_error",
     "gl_call", "gl_calls", "query", "cost", "attribute_layout", "block_layout",

@@ -9,6 +9,7 @@ from shaderlab.backends import Backend, Evaluation, Size
 from shaderlab.backends.opengl import (
     calls,
     capture,
+    dispatch,
     feedback,
     queries,
     storage,
@@ -20,11 +21,13 @@ from shaderlab.backends.opengl.drawing import Drawing
 from shaderlab.backends.opengl.evaluating import Evaluator
 from shaderlab.backends.opengl.linking import Linker
 from shaderlab.compiler.sources import Source
+from shaderlab.errors import UnsupportedError
 from shaderlab.frame import Array, Fragments, PassDraw, Reply
 from shaderlab.model import Call, Program, Scene
 from shaderlab.model.call_edits import CallEdit
 from shaderlab.programs import captures
 from shaderlab.programs.prepare import Programs
+from shaderlab.programs.storage import captured
 from shaderlab.records import Verdict
 
 
@@ -65,6 +68,10 @@ class OpenGLBackend(Backend):
         with self.device.in_use():
             return verdict.driver_verdict(self.device, sources)
 
+    def require_compute(self) -> None:
+        if not dispatch.has_compute(self.device):
+            raise UnsupportedError("compute passes: this driver has no compute shaders")
+
     def storage(self, count: int) -> AbstractContextManager[Callable[[], Array]]:
         return storage.bound(self.device, count)
 
@@ -96,6 +103,9 @@ class OpenGLSession(Drawing):
     def fragments(self, key: PassDraw) -> Fragments:
         """As `Session.fragments`. Arrays from the cache can't be written to (see
         `shaderlab.programs.captures`)."""
+        draw = self.programs[key[0]][key[1]]
+        if draw.draw.compute:
+            return captured(draw.draw, draw.interface, self.bindings[key])
         same = captures.identity(self.scene, self.programs, key, self.size)
         return self.cache.get(same, lambda: capture.fragments(self, key))
 

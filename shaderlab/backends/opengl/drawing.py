@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from contextlib import ExitStack, nullcontext
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ from shaderlab.backends import Drawn, Session, Size
 from shaderlab.backends.opengl import state
 from shaderlab.backends.opengl.bound_textures import BoundTextures
 from shaderlab.backends.opengl.device import Device
+from shaderlab.backends.opengl.dispatch import dispatch
 from shaderlab.backends.opengl.linking import Linker, output_locations, set_uniforms
 from shaderlab.backends.opengl.probes import require_inputs
 from shaderlab.backends.opengl.pyopengl import GL, named
@@ -20,10 +22,12 @@ from shaderlab.backends.opengl.vertices import VertexArray, vertex_array
 from shaderlab.errors import ShaderError, UnsupportedError
 from shaderlab.frame import Array, Bindings, Image, PassDraw
 from shaderlab.model import Mesh, Pass, Scene, State
-from shaderlab.programs import bind, blocks
+from shaderlab.programs import bind, blocks, storage
 from shaderlab.programs.formats import components_of
 from shaderlab.programs.passes import check_continues, check_reads
 from shaderlab.programs.prepare import PreparedDraw, Programs, output_types, pass_colors, step
+
+NO_TEXTS: Mapping[str, str] = {}
 
 
 class Drawing(Session):
@@ -86,6 +90,9 @@ class Drawing(Session):
 
     def _run_pass(self, description: Pass) -> None:
         """Draw one pass, then read its colour attachments, and depth or stencil if asked for."""
+        if description.computes:
+            self._dispatch(description)
+            return
         draws = self.programs[description.name]
         colors = pass_colors(description, draws)
         extent = self.extent(description)
@@ -118,6 +125,24 @@ class Drawing(Session):
         with doing("read", f"reading pass {description.name!r}"):
             self.device.reading()
             self._read(description, target)
+
+    def _dispatch(self, description: Pass) -> None:
+        """Run a compute shader, then read its storage buffers."""
+        key, draw = (description.name, 0), self.programs[description.name][0]
+        self.device.at(*key)
+        check_reads(self.scene, description, draw.draw, self.targets)
+        storage.require_supported(draw.draw, draw.interface)
+        with doing("draw", step(key, draw)):
+            found = storage.bound(draw.draw, draw.interface, self.bind(draw), self.images)
+            self.bindings[key] = found
+            program = self._linked(draw)
+            self.use(program, draw, found)
+            drain_errors()
+            left = dispatch(self.device, program, draw, found.buffers)
+            errors = drain_errors()
+        self.images |= {(description.name, name): image for name, image in left.items()}
+        if errors:
+            self._gl_errors[key] = errors
 
     def _read(self, description: Pass, target: RenderTarget) -> None:
         kinds = output_types(self.programs[description.name])
@@ -181,19 +206,23 @@ class Drawing(Session):
         Raises:
             ShaderError: the driver refuses the program.
         """
-        require_glsl(self.device, draw)
         require_inputs(self.device, draw)
-        try:
-            program = self.linker.link(draw.texts | ({"fragment": fragment} if fragment else {}))
-        except ShaderError as error:
-            raise ShaderError(
-                error.message, file=draw.authored[-1].path, remedy=error.remedy
-            ) from error
+        program = self._linked(draw, {"fragment": fragment} if fragment else {})
         self.use(program, draw, bindings)
         vao = self._vertex_array(program, draw.draw.mesh)
         target.bind(output_locations(program, target.colors))
         state.apply(fixed or draw.draw.state, target.size, self.device.version)
         return program, vao
+
+    def _linked(self, draw: PreparedDraw, other: Mapping[str, str] = NO_TEXTS) -> Any:
+        """A draw's program, with `other` texts in place of its own."""
+        require_glsl(self.device, draw)
+        try:
+            return self.linker.link({**draw.texts, **other})
+        except ShaderError as error:
+            raise ShaderError(
+                error.message, file=draw.authored[-1].path, remedy=error.remedy
+            ) from error
 
     def _vertex_array(self, program: Any, mesh: Mesh | None) -> VertexArray:
         """The vertex array of a mesh for a program, made once and kept."""

@@ -33,8 +33,9 @@ class Linker:
         self._linked: dict[tuple[Any, ...], Any] = {}
 
     def link(self, stages: Mapping[str, str], *, feedback: Sequence[str] = ()) -> Any:
-        """A `moderngl.Program` of these stages (text by "vertex", "geometry", "fragment"), or a
-        `SpirvProgram`, which can do what the lab needs of one.
+        """A `moderngl.Program` of these stages (text by "vertex", "geometry", "fragment"), a
+        `moderngl.ComputeShader` of "compute", or a `SpirvProgram`, which can do what the lab needs
+        of them.
 
         `feedback` are the vertex outputs to be captured by transform feedback.
 
@@ -62,6 +63,8 @@ class Linker:
             from shaderlab.backends.opengl.spirv_program import link_modules
 
             return link_modules(self._device, stages, feedback)
+        if "compute" in stages:
+            return self._device.context.compute_shader(stages["compute"])
         return self._device.context.program(
             vertex_shader=stages["vertex"],
             fragment_shader=stages.get("fragment"),
@@ -72,7 +75,7 @@ class Linker:
 
 def has_names(program: Any) -> bool:
     """Whether the driver knows a program's variables by their names: not those of a module."""
-    return isinstance(program, moderngl.Program)
+    return isinstance(program, moderngl.Program | moderngl.ComputeShader)
 
 
 def uniform_location(program: Any, name: str) -> int:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from shaderlab.backends.opengl import state
+from shaderlab.backends.opengl.dispatch import read_storage
 from shaderlab.backends.opengl.drawing import Drawing, drain_errors, submit
 from shaderlab.backends.opengl.linking import output_locations, uniform_location
 from shaderlab.backends.opengl.pyopengl import GL, named
@@ -18,7 +19,6 @@ from shaderlab.backends.opengl.uniform_buffers import read_block
 from shaderlab.backends.opengl.vertices import read_layout
 from shaderlab.errors import UnsupportedError
 from shaderlab.frame import AttributeReading, BlockReading, PassDraw, Timing
-from shaderlab.programs.blocks import uniform_blocks
 from shaderlab.programs.prepare import PreparedDraw, pass_colors
 from shaderlab.programs.stages import PREFIX
 
@@ -97,11 +97,12 @@ def attributes(drawing: Drawing, key: PassDraw) -> Mapping[str, AttributeReading
 
 
 def block_readings(drawing: Drawing, key: PassDraw) -> dict[str, BlockReading]:
-    """Where the driver has the members of each uniform block of a draw's program."""
+    """Where the driver has the members of each uniform or storage block of a draw's program."""
     draw = drawing.programs[key[0]][key[1]]
     program = drawing.linker.link(draw.texts)
     return {
-        name: read_block(program, block) for name, block in uniform_blocks(draw.interface).items()
+        name: (read_storage if block.kind == "storage" else read_block)(program, block)
+        for name, block in draw.interface.blocks.items()
     }
 
 
@@ -118,8 +119,10 @@ def locations(drawing: Drawing, key: PassDraw) -> dict[str, int]:
 
 
 def _again(drawing: Drawing, pass_name: str) -> RenderTarget:
-    """A fresh target like that of a pass."""
+    """A fresh target like that of a pass. Raises UnsupportedError for one that draws nothing."""
     description = drawing.scene.find_pass(pass_name)
+    if description.computes:
+        raise UnsupportedError(f"drawing pass {pass_name!r} once more: it is a dispatch")
     colors = pass_colors(description, drawing.programs[pass_name])
     extent = drawing.extent(description)
     return RenderTarget(drawing.device, description.target, colors, extent)

@@ -58,7 +58,7 @@ def _program_files(calls: Sequence[Recorded], session: Drawing) -> dict[str, str
     """The programs that draws use, by their fragment shader's file."""
 
     def file_of(name: str, index: int) -> str:
-        return Path(session.programs[name][index].draw.fragment).name
+        return Path(session.programs[name][index].draw.shaders[-1]).name
 
     used: dict[PassDraw, int] = {}
     for call in calls:

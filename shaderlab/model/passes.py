@@ -1,0 +1,114 @@
+"""Passes of one draw or dispatch, as most cases have them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from shaderlab.model.checked import checked_arguments
+from shaderlab.model.mesh import Mesh
+from shaderlab.model.scene import (
+    UNIT_SQUARE,
+    BufferValue,
+    Draw,
+    Pass,
+    Ramp,
+    Target,
+    UniformBuffer,
+    UniformValue,
+)
+from shaderlab.model.state import State
+from shaderlab.model.textures import TextureSource
+
+
+@checked_arguments
+def fullscreen(
+    fragment: str,
+    *,
+    domain: Mapping[str, Ramp] | None = None,
+    uniforms: Mapping[str, UniformValue] | None = None,
+    textures: Mapping[str, TextureSource] | None = None,
+    blocks: Mapping[str, UniformBuffer] | None = None,
+    target: Target | None = None,
+    state: State | None = None,
+    name: str = "main",
+) -> tuple[Pass, ...]:
+    """One pass that runs a fragment shader over the whole target.
+
+    `domain` lays each of its inputs over the screen (`across`, `up`, `Ramp`); without it the
+    shader may read `in vec2 TexCoords`, from (0, 0) lower left to (1, 1) upper right.
+    """
+    draw = Draw(
+        fragment=fragment,
+        domain=UNIT_SQUARE if domain is None else domain,
+        uniforms=uniforms or {},
+        textures=textures or {},
+        blocks=blocks or {},
+        state=state or State(),
+    )
+    return (Pass(name=name, target=target or Target(), draws=(draw,)),)
+
+
+@checked_arguments
+def mesh_pass(
+    vertex: str,
+    fragment: str,
+    mesh: Mesh,
+    *,
+    geometry: str | None = None,
+    uniforms: Mapping[str, UniformValue] | None = None,
+    textures: Mapping[str, TextureSource] | None = None,
+    blocks: Mapping[str, UniformBuffer] | None = None,
+    target: Target | None = None,
+    state: State | None = None,
+    instances: int = 1,
+    name: str = "main",
+) -> tuple[Pass, ...]:
+    """One pass that draws one mesh with one program."""
+    draw = Draw(
+        vertex=vertex,
+        geometry=geometry,
+        fragment=fragment,
+        mesh=mesh,
+        uniforms=uniforms or {},
+        textures=textures or {},
+        blocks=blocks or {},
+        state=state or State(),
+        instances=instances,
+    )
+    return (Pass(name=name, target=target or Target(), draws=(draw,)),)
+
+
+@checked_arguments
+def compute(
+    shader: str,
+    *,
+    groups: tuple[int, int, int],
+    buffers: Mapping[str, BufferValue],
+    uniforms: Mapping[str, UniformValue] | None = None,
+    textures: Mapping[str, TextureSource] | None = None,
+    blocks: Mapping[str, UniformBuffer] | None = None,
+    name: str = "main",
+) -> tuple[Pass, ...]:
+    """One pass that runs a compute shader once.
+
+    Each member of its storage blocks that is not `readonly` is an output, called by its name: an
+    image of one row that has a pixel for each element.
+
+    Args:
+        shader: the compute shader.
+        groups: how many work groups are dispatched in x, y and z.
+        buffers: what the members of storage blocks hold before, by the names that GLSL gives them,
+            with the block's before it where two blocks share one ("Block.values"). Arrays have
+            shape (length, components); one of run-time length is as long as what is given. An
+            `Output` is what an earlier pass left.
+        uniforms, textures, blocks, name: as in `Draw` and `Pass`.
+    """
+    draw = Draw(
+        compute=shader,
+        groups=groups,
+        buffers=buffers,
+        uniforms=uniforms or {},
+        textures=textures or {},
+        blocks=blocks or {},
+    )
+    return (Pass(name=name, draws=(draw,)),)
