@@ -99,7 +99,7 @@ def _keys(evaluation: Evaluation) -> Iterator[PassDraw]:
     taken = Counter[tuple[Source, ...]]()
     for name, draws in evaluation.programs.items():
         for i, draw in enumerate(draws):
-            if not any(source.stage == "fragment" for source in draw.sources):
+            if draw.sources[-1].stage not in ("fragment", "compute"):
                 continue
             if shows_what_is_written(evaluation, (name, i)) and taken[draw.sources] < DRAWS:
                 taken[draw.sources] += 1
