@@ -23,7 +23,7 @@ from shaderlab.observations import Fault, Look, Observation
 _VERTICES = 64  # that are interpreted of a draw
 _BLOCKS = 10_000
 _DRAWS = 32  # of a pass, whose vertices are looked at
-_WORK = 40_000_000  # pixels times draws, a second or two on a software driver
+_WORK = 8_000_000  # pixels times draws of a scene: a second or two on a slow driver
 
 
 def observe(evaluation: Evaluation, looks: Sequence[Look]) -> tuple[Observation, ...]:
