@@ -154,7 +154,7 @@ case = Case(
     passes=stage.photographed(DRAWS, (1080, 540)),
     picture="picture.FragColor",
     expect=[
-        *stage.picture_checks(),
+        *stage.picture_checks(edges=0.005),
         *stage.prop_checks(),
         formula("judged.World", in_world, name="1 · local to world"),
         formula("judged.View", in_view, name="2 · world to view"),

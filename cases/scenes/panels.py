@@ -208,6 +208,52 @@ def holes(large: npt.NDArray[Any], small: npt.NDArray[Any]) -> npt.NDArray[Any]:
     return np.asarray(inside & ~np.asarray(blocks))
 
 
+def smaller_check(judged: str = "judged", large: str = "scene", *, edges: float = 0.0) -> Any:
+    """What a small pass shows of a scene of solids, the large one shows at the same place.
+
+    Args:
+        judged: the small pass.
+        large: the same draws in a target at least three times as large, any number of times.
+        edges: the share of pixels that may differ, where what is seen is thinner than they are.
+
+    >>> smaller_check().name
+    'the large scene shows what the judged one does'
+    """
+    return measure(
+        "the large scene shows what the judged one does",
+        share_unseen,
+        reads={"large": f"{large}.FragColor", "small": f"{judged}.FragColor"},
+        at_most=edges,
+        note="the share of pixels whose colour lies out of the range about the same place",
+    )
+
+
+def share_unseen(large: npt.NDArray[Any], small: npt.NDArray[Any]) -> float:
+    """The share of small pixels that are, by half a code of eight bits or more in any channel,
+    out of the range of what is large at their places and half a small pixel around.
+
+    >>> small = np.zeros((1, 4, 1))
+    >>> large = np.zeros((3, 12, 1))
+    >>> small[0, 1], large[:, 3:6] = 1.0, 1.0
+    >>> share_unseen(large, small), share_unseen(np.zeros((3, 12, 1)), small)
+    (0.0, 0.25)
+    """
+    low, high = (_around(large, small.shape, extreme) for extreme in (np.min, np.max))
+    apart = np.maximum(low - small, small - high).max(axis=-1)
+    return float(np.mean(apart >= 0.5 / 255.0))
+
+
+def _around(large: npt.NDArray[Any], shape: tuple[int, ...], extreme: Any) -> npt.NDArray[Any]:
+    """The least or the greatest of a large picture within a pixel's reach of each small one."""
+    for count in shape[:2]:  # by rows, then, the axes exchanged, by columns
+        by, places = len(large) / count, np.arange(count)
+        starts = np.floor(np.maximum(places - 0.5, 0.0) * by).astype(int)
+        stops = np.ceil(np.minimum(places + 1.5, count) * by).astype(int)
+        parts = [extreme(large[a:b], axis=0) for a, b in zip(starts, stops, strict=True)]
+        large = np.stack(parts, axis=1)
+    return large
+
+
 def middles(large: npt.NDArray[Any], small: npt.NDArray[Any]) -> npt.NDArray[Any]:
     """The pixels of a large picture that have the centres of a small one's."""
     by = len(large) // len(small)

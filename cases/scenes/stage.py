@@ -19,7 +19,7 @@ from shaderlab.reference.transforms import clip_position, normal_matrix, world_n
 
 from .draws import tested
 from .figures import figure, figures
-from .panels import softened_check, softened_pass
+from .panels import smaller_check, softened_check, softened_pass
 from .studio import handed_on, studio_color
 
 Matrix = npt.NDArray[Any]
@@ -68,16 +68,19 @@ def subject(
     return tested(shaders, solid, uniforms, cell=cell, **state)
 
 
-def picture_checks(*outputs: str) -> tuple[Any, ...]:
-    """What must hold of `photographed`: its smooth edges, and the same surfaces in any order.
+def picture_checks(*outputs: str, edges: float = 0.0005) -> tuple[Any, ...]:
+    """What must hold of `photographed`: its smooth edges, what is seen in it, and the same surfaces
+    in any order.
 
     Args:
         outputs: of the pass "judged" beside FragColor.
+        edges: the share of small pixels that may be unlike the large ones about their places.
 
-    >>> [check.name for check in picture_checks("box")][1:]
+    >>> [check.name for check in picture_checks("box")][2:]
     ['judged.FragColor: any order of drawing', 'judged.box: any order of drawing']
     """
-    return (softened_check(), *(any_order(f"judged.{name}") for name in ("FragColor", *outputs)))
+    orders = (any_order(f"judged.{name}") for name in ("FragColor", *outputs))
+    return (softened_check(), smaller_check(edges=edges), *orders)
 
 
 def prop_checks(*, draw: int = 0, pass_name: str = "judged") -> list[Any]:
