@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from shaderlab.activity import doing
-from shaderlab.backends import Drawn, Session, Size
+from shaderlab.backends import Drawn, Size
 from shaderlab.backends.opengl import state
 from shaderlab.backends.opengl.bound_textures import BoundTextures
 from shaderlab.backends.opengl.device import Device
@@ -19,18 +19,17 @@ from shaderlab.backends.opengl.pyopengl import GL, named
 from shaderlab.backends.opengl.target import RenderTarget
 from shaderlab.backends.opengl.uniform_buffers import UniformBuffers
 from shaderlab.backends.opengl.vertices import VertexArray, vertex_array
+from shaderlab.backends.passes import PassSession
 from shaderlab.errors import ShaderError, UnsupportedError
-from shaderlab.frame import Array, Bindings, Image, PassDraw
+from shaderlab.frame import Bindings, PassDraw
 from shaderlab.model import Mesh, Pass, Scene, State
 from shaderlab.programs import bind, blocks, storage
-from shaderlab.programs.formats import components_of
-from shaderlab.programs.passes import check_continues, check_reads
-from shaderlab.programs.prepare import PreparedDraw, Programs, output_types, pass_colors, step
+from shaderlab.programs.prepare import PreparedDraw, Programs, step
 
 NO_TEXTS: Mapping[str, str] = {}
 
 
-class Drawing(Session):
+class Drawing(PassSession[RenderTarget]):
     """One scene on the device: its targets and textures, kept until the session ends.
 
     Args:
@@ -51,86 +50,32 @@ class Drawing(Session):
         size: Size,
         stack: ExitStack,
     ) -> None:
-        super().__init__(scene, programs)
+        super().__init__(scene, programs, size, stack)
         self.device = device
         self.linker = linker
-        self.size = size
-        self.bindings: dict[PassDraw, Bindings] = {}
-        self.images: dict[tuple[str, str], Image] = {}
-        self._sample_positions: dict[str, Array] = {}
-        self.stack = stack
-        self.targets: dict[str, RenderTarget] = {}
         folder = Path(scene.case.file).parent
         self._textures = BoundTextures(device, folder, stack, self.images, self.targets)
         self._blocks = UniformBuffers(device, stack)
         self._arrays: dict[tuple[int, int], tuple[Any, Mesh | None, VertexArray]] = {}
-        self._gl_errors: dict[PassDraw, tuple[int, ...]] = {}
-        self._inactive: set[str] = set()
-        self._named = scene.outputs_named()
 
     def draw(self) -> Drawn:
         recorder = self.device.recorder
         with nullcontext() if recorder is None else recorder.recording():
-            return self._draw_all()
+            return super().draw()
 
-    def _draw_all(self) -> Drawn:
-        for description in self.scene.passes:
-            self._run_pass(description)
-        return Drawn(
-            images=self.images,
-            bindings=self.bindings,
-            gl_errors=self._gl_errors,
-            inactive=frozenset(self._inactive),
-            sample_positions=self._sample_positions,
-        )
+    def make_target(self, description: Pass, colors: dict[str, str], extent: Size) -> RenderTarget:
+        return RenderTarget(self.device, description.target, colors, extent)
 
-    def extent(self, description: Pass) -> Size:
-        """The size in pixels of a pass's target."""
-        return description.target.size or self.size
+    def at(self, pass_name: str, draw: int | None = None) -> None:
+        self.device.at(pass_name, draw)
 
-    def _run_pass(self, description: Pass) -> None:
-        """Draw one pass, then read its colour attachments, and depth or stencil if asked for."""
-        if description.computes:
-            self._dispatch(description)
-            return
-        draws = self.programs[description.name]
-        colors = pass_colors(description, draws)
-        extent = self.extent(description)
-        self.device.at(description.name)
-        with doing("draw", f"making the target of pass {description.name!r}"):
-            if description.onto:
-                earlier = {name: target.colors for name, target in self.targets.items()}
-                check_continues(self.scene, description, colors, earlier)
-                target = self.targets[description.onto]
-            else:
-                target = RenderTarget(self.device, description.target, colors, extent)
-                self.stack.callback(target.release)
-                target.clear()
-            self.targets[description.name] = target
-            if description.target.samples:
-                self.device.reading()
-                self._sample_positions[description.name] = target.sample_positions()
-        for index, draw in enumerate(draws):
-            key = (description.name, index)
-            self.device.at(*key)
-            check_reads(self.scene, description, draw.draw, self.targets)
-            with doing("draw", step(key, draw)):
-                self.bindings[key] = self.bind(draw)
-                self._draw(key, draw, target)
-        with doing("draw"):
-            self.device.at(description.name)
-            target.resolve()
-            # Drivers draw when they are made to: a program that hangs, hangs here.
-            self.device.context.finish()
-        with doing("read", f"reading pass {description.name!r}"):
-            self.device.reading()
-            self._read(description, target)
+    def reading(self) -> None:
+        self.device.reading()
 
-    def _dispatch(self, description: Pass) -> None:
-        """Run a compute shader, then read its storage buffers."""
-        key, draw = (description.name, 0), self.programs[description.name][0]
-        self.device.at(*key)
-        check_reads(self.scene, description, draw.draw, self.targets)
+    def finish(self) -> None:
+        self.device.context.finish()
+
+    def compute(self, key: PassDraw, draw: PreparedDraw) -> None:
         storage.require_supported(draw.draw, draw.interface)
         with doing("draw", step(key, draw)):
             found = storage.bound(draw.draw, draw.interface, self.bind(draw), self.images)
@@ -140,25 +85,11 @@ class Drawing(Session):
             drain_errors()
             left = dispatch(self.device, program, draw, found.buffers)
             errors = drain_errors()
-        self.images |= {(description.name, name): image for name, image in left.items()}
+        self.images |= {(key[0], name): image for name, image in left.items()}
         if errors:
             self._gl_errors[key] = errors
 
-    def _read(self, description: Pass, target: RenderTarget) -> None:
-        kinds = output_types(self.programs[description.name])
-        for name in target.colors:
-            image = target.read(name)
-            if description.target.colors is None:
-                # There is no three-component attachment: drop what the shader never wrote.
-                count = components_of(kinds[name])
-                image = Image(image.values[..., :count], image.format)
-            self.images[description.name, name] = image
-        for name in self._named.get(description.name, ()):
-            if name in target.attached and name not in target.colors:
-                self.images[description.name, name] = target.read(name)
-
     def bind(self, draw: PreparedDraw) -> Bindings:
-        """The draw's uniforms and textures as the shader will get them."""
         return bind.bind(draw.draw, draw.interface, self._textures.texels)
 
     def use(self, program: Any, draw: PreparedDraw, bindings: Bindings) -> None:
@@ -176,7 +107,7 @@ class Drawing(Session):
             if not self._textures.bind(program, unit, variable, source):
                 self._inactive.add(name)
 
-    def _draw(self, key: PassDraw, draw: PreparedDraw, target: RenderTarget) -> None:
+    def issue(self, key: PassDraw, draw: PreparedDraw, target: RenderTarget) -> None:
         program, vao = self.ready(draw, self.bindings[key], target)
         drain_errors()
         submit(vao, program, draw)

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from shaderlab.activity import doing
-from shaderlab.backends import Drawn, Session, Size
+from shaderlab.backends import Size
+from shaderlab.backends.passes import PassSession
 from shaderlab.backends.vulkan import state as fixed
 from shaderlab.backends.vulkan.bound_textures import BoundTextures
 from shaderlab.backends.vulkan.commands import Commands, recording
@@ -24,15 +24,13 @@ from shaderlab.backends.vulkan.target import RenderTarget
 from shaderlab.backends.vulkan.uniforms import block_buffers
 from shaderlab.backends.vulkan.vertices import layout_of, upload
 from shaderlab.errors import UnsupportedError
-from shaderlab.frame import Array, Bindings, Image, PassDraw
+from shaderlab.frame import Array, Bindings, PassDraw
 from shaderlab.model import Pass, Scene, State
 from shaderlab.programs import bind, blocks, stages, storing
-from shaderlab.programs.formats import components_of
-from shaderlab.programs.passes import check_continues, check_reads
-from shaderlab.programs.prepare import PreparedDraw, Programs, output_types, pass_colors, step
+from shaderlab.programs.prepare import PreparedDraw, Programs
 
 
-class Drawing(Session):
+class Drawing(PassSession[RenderTarget]):
     """One scene on the device: its targets and textures, kept until the session ends.
 
     Args:
@@ -53,78 +51,21 @@ class Drawing(Session):
         size: Size,
         stack: ExitStack,
     ) -> None:
-        super().__init__(scene, programs)
+        super().__init__(scene, programs, size, stack)
         self.device = device
         self.linker = linker
-        self.size = size
-        self.stack = stack
-        self.bindings: dict[PassDraw, Bindings] = {}
-        self.images: dict[tuple[str, str], Image] = {}
-        self.targets: dict[str, RenderTarget] = {}
-        self._sample_positions: dict[str, Array] = {}
         self._resources = stack.enter_context(Resources(device))
         folder = Path(scene.case.file).parent
         self._textures = BoundTextures(self._resources, linker, folder, self.images, self.targets)
         self._shared = blocks.SharedLayouts()
-        self._inactive: set[str] = set()
-        self._named = scene.outputs_named()
 
-    def draw(self) -> Drawn:
-        for description in self.scene.passes:
-            self._run_pass(description)
-        return Drawn(
-            images=self.images,
-            bindings=self.bindings,
-            inactive=frozenset(self._inactive),
-            sample_positions=self._sample_positions,
-        )
+    def make_target(self, description: Pass, colors: dict[str, str], extent: Size) -> RenderTarget:
+        return RenderTarget(self.device, description.target, colors, extent)
 
-    def extent(self, description: Pass) -> Size:
-        """The size in pixels of a pass's target."""
-        return description.target.size or self.size
-
-    def _run_pass(self, description: Pass) -> None:
-        draws = self.programs[description.name]
-        colors = pass_colors(description, draws)
-        extent = self.extent(description)
-        with doing("draw", f"making the target of pass {description.name!r}"):
-            if description.onto:
-                earlier = {name: target.colors for name, target in self.targets.items()}
-                check_continues(self.scene, description, colors, earlier)
-                target = self.targets[description.onto]
-            else:
-                target = RenderTarget(self.device, description.target, colors, extent)
-                self.stack.callback(target.release)
-                target.clear()
-            self.targets[description.name] = target
-            if description.target.samples:
-                self._sample_positions[description.name] = target.sample_positions()
-        for index, draw in enumerate(draws):
-            key = (description.name, index)
-            check_reads(self.scene, description, draw.draw, self.targets)
-            with doing("draw", step(key, draw)):
-                self.bindings[key] = self.bind(draw)
-                self.render(draw, self.bindings[key], target)
-        with doing("draw"):
-            target.resolve()
-        with doing("read", f"reading pass {description.name!r}"):
-            self._read(description, target)
-
-    def _read(self, description: Pass, target: RenderTarget) -> None:
-        kinds = output_types(self.programs[description.name])
-        for name in target.colors:
-            image = target.read(name)
-            if description.target.colors is None:
-                # There is no three-component attachment: drop what the shader never wrote.
-                count = components_of(kinds[name])
-                image = Image(image.values[..., :count], image.format)
-            self.images[description.name, name] = image
-        for name in self._named.get(description.name, ()):
-            if name in target.attached and name not in target.colors:
-                self.images[description.name, name] = target.read(name)
+    def issue(self, key: PassDraw, draw: PreparedDraw, target: RenderTarget) -> None:
+        self.render(draw, self.bindings[key], target)
 
     def bind(self, draw: PreparedDraw) -> Bindings:
-        """The draw's uniforms and textures as the shader will get them."""
         return bind.bind(draw.draw, draw.interface, self._textures.texels)
 
     def render(

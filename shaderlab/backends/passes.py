@@ -1,0 +1,163 @@
+"""Drawing pass by pass, the same for every graphics API: targets, draws, and reading back."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from contextlib import ExitStack
+from typing import Generic, Protocol, TypeVar
+
+from shaderlab.activity import doing
+from shaderlab.backends import Drawn, Session, Size
+from shaderlab.errors import UnsupportedError
+from shaderlab.frame import Array, Bindings, Image, PassDraw
+from shaderlab.model import Pass, Scene
+from shaderlab.programs.formats import components_of
+from shaderlab.programs.passes import check_continues, check_reads
+from shaderlab.programs.prepare import PreparedDraw, Programs, output_types, pass_colors, step
+
+
+class Attachments(Protocol):
+    """What a pass draws into, on a device.
+
+    Attributes:
+        colors: format by output name.
+        attached: all that can be read, depth and stencil too.
+    """
+
+    colors: dict[str, str]
+
+    @property
+    def attached(self) -> tuple[str, ...]: ...
+
+    def clear(self) -> None: ...
+
+    def resolve(self) -> None: ...
+
+    def read(self, name: str) -> Image: ...
+
+    def release(self) -> None: ...
+
+    def sample_positions(self) -> Array: ...
+
+
+Kind = TypeVar("Kind", bound=Attachments)
+
+
+class PassSession(Session, Generic[Kind]):
+    """A session that draws its scene pass by pass; a backend says how each is done.
+
+    Args:
+        scene: what to draw.
+        programs: each pass's draws, compiled.
+        size: (width, height) for targets that do not say.
+        stack: releases device memory in the end.
+    """
+
+    def __init__(self, scene: Scene, programs: Programs, size: Size, stack: ExitStack) -> None:
+        super().__init__(scene, programs)
+        self.size = size
+        self.stack = stack
+        self.bindings: dict[PassDraw, Bindings] = {}
+        self.images: dict[tuple[str, str], Image] = {}
+        self.targets: dict[str, Kind] = {}
+        self._named = scene.outputs_named()
+        self._gl_errors: dict[PassDraw, tuple[int, ...]] = {}
+        self._inactive: set[str] = set()
+        self._sample_positions: dict[str, Array] = {}
+
+    def draw(self) -> Drawn:
+        for description in self.scene.passes:
+            self._run_pass(description)
+        return Drawn(
+            images=self.images,
+            bindings=self.bindings,
+            gl_errors=self._gl_errors,
+            inactive=frozenset(self._inactive),
+            sample_positions=self._sample_positions,
+        )
+
+    def extent(self, description: Pass) -> Size:
+        """The size in pixels of a pass's target."""
+        return description.target.size or self.size
+
+    @abstractmethod
+    def bind(self, draw: PreparedDraw) -> Bindings:
+        """The draw's uniforms and textures as the shader will get them."""
+
+    @abstractmethod
+    def make_target(self, description: Pass, colors: dict[str, str], extent: Size) -> Kind:
+        """What a pass draws into; `colors` are formats by output name."""
+
+    @abstractmethod
+    def issue(self, key: PassDraw, draw: PreparedDraw, target: Kind) -> None:
+        """Draw; its bindings are made."""
+
+    def compute(self, key: PassDraw, draw: PreparedDraw) -> None:
+        """Run a compute shader, and take what it leaves in its buffers for images of its pass."""
+        raise UnsupportedError("compute passes: this backend has none")
+
+    def at(self, pass_name: str, draw: int | None = None) -> None:
+        """Note the pass and the draw that calls are made for from now on."""
+
+    def reading(self) -> None:
+        """Note that calls are the lab's own from now on: it reads what was drawn."""
+
+    def finish(self) -> None:
+        """Wait until all is drawn."""
+
+    def _run_pass(self, description: Pass) -> None:
+        """Draw one pass, then read its colour attachments, and depth or stencil if asked for."""
+        draws = self.programs[description.name]
+        if description.computes:
+            self.at(description.name, 0)
+            check_reads(self.scene, description, draws[0].draw, self.targets)
+            self.compute((description.name, 0), draws[0])
+            return
+        with doing("draw", f"making the target of pass {description.name!r}"):
+            target = self._target(description)
+        for index, draw in enumerate(draws):
+            key = (description.name, index)
+            self.at(*key)
+            check_reads(self.scene, description, draw.draw, self.targets)
+            with doing("draw", step(key, draw)):
+                self.bindings[key] = self.bind(draw)
+                self.issue(key, draw, target)
+        with doing("draw"):
+            self.at(description.name)
+            target.resolve()
+            # Drivers draw when they are made to: a program that hangs, hangs here.
+            self.finish()
+        with doing("read", f"reading pass {description.name!r}"):
+            self.reading()
+            self._read(description, target)
+
+    def _target(self, description: Pass) -> Kind:
+        """A target of the pass's own, cleared, or the one that it goes on in."""
+        colors = dict(pass_colors(description, self.programs[description.name]))
+        self.at(description.name)
+        if description.onto:
+            earlier = {name: target.colors for name, target in self.targets.items()}
+            check_continues(self.scene, description, colors, earlier)
+            target = self.targets[description.onto]
+        else:
+            target = self.make_target(description, colors, self.extent(description))
+            self.stack.callback(target.release)
+            target.clear()
+        self.targets[description.name] = target
+        if description.target.samples:
+            self.reading()
+            self._sample_positions[description.name] = target.sample_positions()
+        return target
+
+    def _read(self, description: Pass, target: Kind) -> None:
+        kinds = output_types(self.programs[description.name])
+        for name in target.colors:
+            image = target.read(name)
+            if description.target.colors is None:
+                # There is no three-component attachment: drop what the shader never wrote.
+                count = components_of(kinds[name])
+                image = Image(image.values[..., :count], image.format)
+            self.images[description.name, name] = image
+        for name in self._named.get(description.name, ()):
+            if name in target.attached and name not in target.colors:
+                self.images[description.name, name] = target.read(name)
