@@ -117,13 +117,17 @@ def program_key(ordered: Sequence[Source], targets: Sequence[str], compilers: st
     return _digest([compilers, list(targets), stages])
 
 
+# What the code around the compilers imports of the lab.
+_SHARED = ("errors.py", "files.py", "observations.py", "records.py")
+
+
 def compilers_digest(store: Store) -> str | None:
     """A digest of the compilers' libraries and of the lab's code around them.
 
     None if it is unknown: there are no libraries, or a file has only just been written.
     """
     here = Path(__file__).parent
-    shared = [here.parent / name for name in ("errors.py", "files.py", "records.py")]
+    shared = [here.parent / name for name in _SHARED]
     own = [*sorted(here.glob("*.py")), *shared]
     if Path(__file__) not in own:  # an installation without sources
         return None

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import hashlib
 import random
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -45,7 +45,11 @@ class Watched(Lab):
         self._judged = judged
 
     def judge_all(
-        self, evaluation: Evaluation, builder: RecordBuilder, writer: PictureWriter
+        self,
+        evaluation: Evaluation,
+        builder: RecordBuilder,
+        writer: PictureWriter,
+        unanswered: Container[int] = (),
     ) -> None:
         scene, frame = evaluation.scene, evaluation.frame
         found = {each.name: getattr(frame, each.name) for each in fields(frame)}
@@ -59,7 +63,7 @@ class Watched(Lab):
             for name, value in found.items()
         }
         if scene.case.id in self._judged:
-            super().judge_all(evaluation, builder, writer)
+            super().judge_all(evaluation, builder, writer, unanswered)
 
 
 def parts(value: Any) -> Iterator[bytes]:

@@ -32,10 +32,7 @@ def outputs_of(fragment: str) -> tuple[str, ...]:
 def programs_of(scene: Scene) -> dict[str, tuple[Any, ...]]:
     """What `unread_outputs` asks of a scene's programs: each draw's outputs."""
     return {
-        one.name: tuple(
-            SimpleNamespace(interface=SimpleNamespace(outputs=outputs_of(draw.fragment)))
-            for draw in one.draws
-        )
+        one.name: tuple(SimpleNamespace(outputs=outputs_of(draw.fragment)) for draw in one.draws)
         for one in scene.passes
     }
 

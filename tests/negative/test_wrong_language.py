@@ -35,6 +35,8 @@ MISTAKES = [
     ("clipping", f"{CH2}/clipping.frag", "place.z / place.w", "place.z"),
     ("depth-not-cleared", "ch08_techniques/framebuffer_renderbuffer.vert", "depth, 1.0",
      "-depth, 1.0"),
+    ("depth-not-cleared", "ch08_techniques/framebuffer_renderbuffer.frag", "= color",
+     "= color.bgra"),
     ("compile-and-link", f"{CH2}/errata/misspelt.vert", "gl_Positon", "gl_Position"),
     ("compile-and-link", f"{CH2}/compile_and_link.vert", "0.5 + aPos", "aPos"),
     ("compile-and-link", f"{CH2}/compile_and_link.frag", "vec4(color", "vec4(color.bgr"),

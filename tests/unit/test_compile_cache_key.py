@@ -116,7 +116,10 @@ def test_the_digest_covers_the_libraries_and_the_code_around_them(
         "libSPIRV-Tools-shared.so",
     }  # fmt: skip
     own = set((repository / "shaderlab" / "compiler").glob("*.py"))
-    own |= {repository / "shaderlab" / name for name in ("errors.py", "files.py", "records.py")}
+    own |= {
+        repository / "shaderlab" / name
+        for name in ("errors.py", "files.py", "observations.py", "records.py")
+    }
     assert set(seen) == own | set(library.files())
 
 
@@ -206,7 +209,7 @@ def test_without_a_folder_there_is_no_cache(monkeypatch: pytest.MonkeyPatch) -> 
 def test_doctor_names_the_folder_and_its_size(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr("shaderlab.backends.probe", lambda: {"renderer": "none"})
+    monkeypatch.setattr("shaderlab.backends.probe", lambda *_: {"renderer": "none"})
 
     def found() -> str:
         (finding,) = [f for f in examine() if f.name == "compiled programs"]

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from contextlib import ExitStack
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -22,28 +21,17 @@ from shaderlab.backends.opengl.textures import (
     upload,
     upload_compressed,
 )
+from shaderlab.backends.scene_textures import DeviceTexels, SceneTextures
 from shaderlab.compiler.interface import Variable
-from shaderlab.frame import Array, Image, Texels
+from shaderlab.frame import Array, Image
 from shaderlab.model import CompressedTexture, CubeTexture, Output, TextureSource
 from shaderlab.model.textures import Sampling, level_sizes
 from shaderlab.programs.compressed import blocks_of
 from shaderlab.programs.formats import DEPTH
-from shaderlab.programs.textures import check_sampler, contents, find_image, kind_of
+from shaderlab.programs.textures import contents, find_image, kind_of
 
 
-@dataclass(frozen=True)
-class _Bound:
-    """A texture on the device, and what its levels hold. The source is kept with it, so that no
-    other one gets its id."""
-
-    source: TextureSource
-    texture: DeviceTexture
-    format: str
-    values: Array
-    smaller: tuple[Array, ...] = ()
-
-
-class BoundTextures:
+class BoundTextures(SceneTextures[RenderTarget]):
     """What a scene's samplers read.
 
     Args:
@@ -62,39 +50,20 @@ class BoundTextures:
         images: Mapping[tuple[str, str], Image],
         targets: Mapping[str, RenderTarget],
     ) -> None:
+        super().__init__(folder, images, targets)
         self._device = device
-        self._folder = folder
-        self._images = images
-        self._targets = targets
         self._stack = stack
-        self._uploaded: dict[int, _Bound] = {}
         self._levels: dict[tuple[str, str], tuple[Array, ...]] = {}
         self._samples: dict[tuple[str, str], Array] = {}
         # A sampler keeps filters and wraps apart from the images: one attachment can have several.
         self._samplers: dict[tuple[Any, ...], int] = {}
-
-    def texels(self, program: str, variable: Variable, source: TextureSource) -> Texels:
-        """What a sampler will read, exactly.
-
-        Raises:
-            CaseError: the texture can't be made, or is none that such a sampler reads.
-            AssetError: an image file can't be read.
-        """
-        kind = self._kind(source, variable)
-        check_sampler(program, variable, source, kind, self._format(source))
-        found = self._find(source, kind)
-        return Texels(
-            found.values, source.filter, source.wrap, source.border,
-            kind=kind, format=found.format, smaller=found.smaller, compare=source.compare,
-            lod=source.lod, seamless=getattr(source, "seamless", True),
-        )  # fmt: skip
 
     def bind(self, program: Any, unit: int, variable: Variable, source: TextureSource) -> bool:
         """Bind a texture to a unit, and the sampler to that; False if the program lacks it."""
         location = uniform_location(program, variable.name)
         if location < 0:
             return False
-        texture = self._find(source, self._kind(source, variable)).texture
+        texture = self.find(source, self.kind(source, variable)).handle
         GL.glActiveTexture(GL.GL_TEXTURE0 + unit)
         GL.glBindTexture(texture.target, texture.glo)
         GL.glBindSampler(unit, self._sampler(source))
@@ -105,49 +74,30 @@ class BoundTextures:
             (GL.glEnable if source.seamless else GL.glDisable)(GL.GL_TEXTURE_CUBE_MAP_SEAMLESS)
         return True
 
-    def _kind(self, source: TextureSource, variable: Variable) -> str:
-        samples = 0
-        if isinstance(source, Output) and source.pass_name in self._targets:
-            samples = self._targets[source.pass_name].samples
-        return kind_of(source, variable.type, samples)
-
-    def _format(self, source: TextureSource) -> str:
-        if isinstance(source, CompressedTexture):
-            return "rgba8"  # what its texels are once they are decoded
-        if isinstance(source, Output):
-            return find_image(source, self._images).format
-        return source.format
-
-    def _find(self, source: TextureSource, kind: str) -> _Bound:
-        if isinstance(source, Output):
-            return self._attachment(source, kind)
-        if id(source) not in self._uploaded:
-            self._uploaded[id(source)] = made = self._upload(source)
-            self._stack.callback(made.texture.release)
-        return self._uploaded[id(source)]
-
-    def _attachment(self, source: Output, kind: str) -> _Bound:
-        image = find_image(source, self._images)
-        target, key = self._targets[source.pass_name], (source.pass_name, source.name)
+    def attachment(self, source: Output, kind: str) -> DeviceTexels:
+        image = find_image(source, self.images)
+        target, key = self.targets[source.pass_name], (source.pass_name, source.name)
         texture = target.texture(source.name, sampled=kind == "2DMS")
         if kind == "2DMS":
             if key not in self._samples:
                 self._samples[key] = target.read_samples(source.name)
-            return _Bound(source, texture, image.format, self._samples[key])
+            return DeviceTexels(source, texture, image.format, self._samples[key])
         if source.mipmaps and key not in self._levels:
             generate_levels(texture)
             self._levels[key] = _read_smaller(texture, image.format, image.values)
         levels = self._levels[key] if source.mipmaps else ()
-        return _Bound(source, texture, image.format, image.values, levels)
+        return DeviceTexels(source, texture, image.format, image.values, levels)
 
-    def _upload(self, source: TextureSource) -> _Bound:
+    def upload(self, source: TextureSource) -> DeviceTexels:
         assert not isinstance(source, Output)
         if isinstance(source, CompressedTexture):
-            texture, levels = upload_compressed(self._device, blocks_of(source, self._folder))
-            return _Bound(source, texture, "rgba8", levels[0], tuple(levels[1:]))
+            texture, levels = upload_compressed(self._device, blocks_of(source, self.folder))
+            self._stack.callback(texture.release)
+            return DeviceTexels(source, texture, "rgba8", levels[0], tuple(levels[1:]))
         kind, format = kind_of(source, "", 0), source.format
-        images = contents(source, self._folder, self._images)
+        images = contents(source, self.folder, self.images)
         texture = upload(self._device, kind, format, images)
+        self._stack.callback(texture.release)
         values, smaller = images.layers[0], tuple(images.smaller)
         if kind != "2D" or format in DEPTH:
             # A depth is rounded to its format's codes on the way.
@@ -157,7 +107,7 @@ class BoundTextures:
             generate_levels(texture)
         if source.mipmaps is True or (smaller and format in DEPTH):
             smaller = _read_smaller(texture, format, values)
-        return _Bound(source, texture, format, values, smaller)
+        return DeviceTexels(source, texture, format, values, smaller)
 
     def _sampler(self, sampling: Sampling) -> int:
         """The sampler object of these filters and wraps, made once."""

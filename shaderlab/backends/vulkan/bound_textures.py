@@ -4,12 +4,12 @@ them; what they hold as exact values, and their views and samplers."""
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from shaderlab.backends.scene_textures import DeviceTexels, SceneTextures
 from shaderlab.backends.vulkan.descriptors import Image as BoundImage
 from shaderlab.backends.vulkan.device import Device
 from shaderlab.backends.vulkan.fetching import fetched
@@ -30,29 +30,17 @@ from shaderlab.backends.vulkan.samplers import new_sampler
 from shaderlab.backends.vulkan.target import RenderTarget
 from shaderlab.compiler.interface import Variable
 from shaderlab.errors import UnsupportedError
-from shaderlab.frame import Array, Image, Texels
+from shaderlab.frame import Array, Image
 from shaderlab.model import CompressedTexture, Output, TextureSource
 from shaderlab.model.textures import level_sizes
 from shaderlab.programs.compressed import blocks_of
 from shaderlab.programs.formats import DEPTH, format_of
-from shaderlab.programs.textures import check_sampler, contents, find_image, kind_of
+from shaderlab.programs.textures import contents, find_image, kind_of
 
 _USES = ("sampled", "transfer_src", "transfer_dst")
 
 
-@dataclass(frozen=True)
-class _Bound:
-    """A texture on the device, and what its levels hold. The source is kept with it, so that no
-    other one gets its id."""
-
-    source: TextureSource
-    view: Any
-    format: str
-    values: Array
-    smaller: tuple[Array, ...] = ()
-
-
-class BoundTextures:
+class BoundTextures(SceneTextures[RenderTarget]):
     """What a scene's samplers read.
 
     Args:
@@ -71,74 +59,36 @@ class BoundTextures:
         images: Mapping[tuple[str, str], Image],
         targets: Mapping[str, RenderTarget],
     ) -> None:
+        super().__init__(folder, images, targets)
         self._resources = resources
         self._linker = linker
-        self._folder = folder
-        self._images = images
-        self._targets = targets
-        self._uploaded: dict[int, _Bound] = {}
-        self._attachments: dict[tuple[str, str, str, bool], _Bound] = {}
+        self._attachments: dict[tuple[str, str, str, bool], DeviceTexels] = {}
         self._samplers: dict[tuple[Any, ...], Any] = {}
 
     @property
     def _device(self) -> Device:
         return self._resources.device
 
-    def texels(self, program: str, variable: Variable, source: TextureSource) -> Texels:
-        """What a sampler will read, exactly.
-
-        Raises:
-            CaseError: the texture can't be made, or is none that such a sampler reads.
-            AssetError: an image file can't be read.
-            UnsupportedError: the device has no such texture.
-        """
-        kind = self._kind(source, variable)
-        check_sampler(program, variable, source, kind, self._format(source))
-        found = self._find(source, kind)
-        return Texels(
-            found.values, source.filter, source.wrap, source.border,
-            kind=kind, format=found.format, smaller=found.smaller, compare=source.compare,
-            lod=source.lod, seamless=getattr(source, "seamless", True),
-        )  # fmt: skip
-
     def bound(self, variable: Variable, source: TextureSource) -> BoundImage:
         """The view and the sampler of a texture that `texels` has looked at."""
-        found = self._find(source, self._kind(source, variable))
+        found = self.find(source, self.kind(source, variable))
         if any(word != "nearest" for word in source.filter):
             stored_as(self._device, found.format, "sampled_image_filter_linear")
         seamless = getattr(source, "seamless", True)
         key = (source.filter, source.wrap, source.border, source.compare, source.lod, seamless)
         if key not in self._samplers:
             self._samplers[key] = new_sampler(self._resources, source, seamless=seamless)
-        return BoundImage(found.view, self._samplers[key])
+        return BoundImage(found.handle, self._samplers[key])
 
-    def _kind(self, source: TextureSource, variable: Variable) -> str:
-        samples = 0
-        if isinstance(source, Output) and source.pass_name in self._targets:
-            drawn = self._targets[source.pass_name].samples
-            samples = drawn if drawn > 1 else 0
-        return kind_of(source, variable.type, samples)
+    def attachment(self, source: Output, kind: str) -> DeviceTexels:
+        key = (source.pass_name, source.name, kind, source.mipmaps)
+        if key not in self._attachments:
+            self._attachments[key] = self._attachment(source, kind)
+        return self._attachments[key]
 
-    def _format(self, source: TextureSource) -> str:
-        if isinstance(source, CompressedTexture):
-            return "rgba8"  # what its texels are once they are decoded
-        if isinstance(source, Output):
-            return find_image(source, self._images).format
-        return source.format
-
-    def _find(self, source: TextureSource, kind: str) -> _Bound:
-        if isinstance(source, Output):
-            key = (source.pass_name, source.name, kind, source.mipmaps)
-            if key not in self._attachments:
-                self._attachments[key] = self._attachment(source, kind)
-            return self._attachments[key]
-        if id(source) not in self._uploaded:
-            self._uploaded[id(source)] = self._upload(source)
-        return self._uploaded[id(source)]
-
-    def _attachment(self, source: Output, kind: str) -> _Bound:
-        image = find_image(source, self._images)
-        target = self._targets[source.pass_name]
+    def _attachment(self, source: Output, kind: str) -> DeviceTexels:
+        image = find_image(source, self.images)
+        target = self.targets[source.pass_name]
         if kind == "2DMS":
             return self._multisampled(source, image, target)
         if source.name not in target.colors and target.samples > 1:
@@ -157,9 +107,9 @@ class BoundTextures:
             generate_levels(self._device, whole)
             drawn, levels = whole, self._smaller(whole, image.values.shape[-1])
         view = new_view(self._resources, drawn, sampled=True)
-        return _Bound(source, view, image.format, image.values, levels)
+        return DeviceTexels(source, view, image.format, image.values, levels)
 
-    def _multisampled(self, source: Output, image: Image, target: RenderTarget) -> _Bound:
+    def _multisampled(self, source: Output, image: Image, target: RenderTarget) -> DeviceTexels:
         drawn = target.drawn_image(source.name)
         view = new_view(self._resources, drawn, sampled=True)
         each = [
@@ -167,14 +117,14 @@ class BoundTextures:
             for number in range(target.samples)
         ]
         channels = format_of(image.format).components
-        return _Bound(source, view, image.format, np.stack(each)[..., :channels])
+        return DeviceTexels(source, view, image.format, np.stack(each)[..., :channels])
 
-    def _upload(self, source: TextureSource) -> _Bound:
+    def upload(self, source: TextureSource) -> DeviceTexels:
         assert not isinstance(source, Output)
         if isinstance(source, CompressedTexture):
             return self._compressed(source)
         kind = kind_of(source, "", 0)
-        images = contents(source, self._folder, self._images)
+        images = contents(source, self.folder, self.images)
         height, width = images.layers[0].shape[:2]
         format = stored_as(self._device, source.format, "sampled_image")
         given = [np.stack(images.layers), *(level[None] for level in images.smaller)]
@@ -191,10 +141,10 @@ class BoundTextures:
             generate_levels(self._device, made)
         if source.mipmaps is True or (smaller and format in DEPTH):
             smaller = self._smaller(made)
-        return _Bound(source, self._view(made), format, values, smaller)
+        return DeviceTexels(source, self._view(made), format, values, smaller)
 
-    def _compressed(self, source: CompressedTexture) -> _Bound:
-        blocks = blocks_of(source, self._folder)
+    def _compressed(self, source: CompressedTexture) -> DeviceTexels:
+        blocks = blocks_of(source, self.folder)
         stored_as(self._device, blocks.format, "sampled_image")
         sizes = level_sizes(*blocks.size)[: len(blocks.levels)]
         made = new_image(
@@ -207,7 +157,7 @@ class BoundTextures:
             fetched(self._linker, view, "2D", level, size, "rgba8")
             for level, size in enumerate(sizes)
         )
-        return _Bound(source, view, "rgba8", first, tuple(smaller))
+        return DeviceTexels(source, view, "rgba8", first, tuple(smaller))
 
     def _image(
         self,
