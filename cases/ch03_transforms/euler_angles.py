@@ -111,6 +111,7 @@ case = Case(
     expect=[
         *stage.picture_checks(),
         *stage.prop_checks(),
+        *stage.light_checks(),
         *(check for k, name in enumerate(POSES) for check in checks(k, name)),
         formula("judged.Color", handed_on),
         formula("judged.gl_Position", position, name="clip coordinates"),

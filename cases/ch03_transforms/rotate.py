@@ -86,6 +86,7 @@ case = Case(
     expect=[
         *stage.picture_checks(),
         *stage.prop_checks(),
+        *stage.light_checks(),
         *each_draw(
             "judged.Turned",
             turned,

@@ -308,13 +308,13 @@ ROWS_AT_ONCE = 8
 
 def furthest_from_mean(scene: npt.NDArray[Any], picture: npt.NDArray[Any]) -> float:
     """How far a picture of half the size is, at most, from the mean light of four texels, encoded
-    with a gamma of 2.2.
+    with a gamma of 2.2; and its fourth channel from 1.
 
     >>> scene = np.array([[[1.0], [0.0]], [[1.0], [0.0]]])
     >>> round(furthest_from_mean(scene, np.array([[[0.75]]])), 5)
     0.02026
     """
-    furthest = 0.0
+    furthest = np.abs(picture[..., 3:] - 1.0).max(initial=0.0)
     # What lies side by side and stays in the processor's cache takes half the time, or less.
     for row in range(0, len(picture), ROWS_AT_ONCE):
         part = picture[row : row + ROWS_AT_ONCE, :, :3]
