@@ -93,6 +93,7 @@ case = Case(
         formula("picture.FragColor", orange_on_paper, name="the triangle on it"),
         coverage(64800, name="pixels covered"),
         formula("gl_Position", as_it_is),
+        formula("picture.gl_Position", as_it_is, name="corners on the paper"),
         formula("place", flat),
         formula("FragColor", orange),
         value(

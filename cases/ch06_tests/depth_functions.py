@@ -16,7 +16,7 @@ from shaderlab import Case, Depth, exact
 from shaderlab.reference.depth_stencil import FUNCTIONS, depth_passes
 
 from ..scenes.panels import cell, panel, picture
-from ..scenes.tables import shown, shown_checks
+from ..scenes.tables import shown, shown_check
 
 STORED = 0.5
 DEPTHS = (0.25, 0.5, 0.75)  # nearer, equal, farther
@@ -40,11 +40,11 @@ case = Case(
     math=r"\text{pass} \iff z_{\text{incoming}}\ \mathit{func}\ z_{\text{stored}}",
     passes=(
         picture((stored, *tests), SIZE, "table", colors={"total": "r32f"}, depth="depth32f"),
-        *shown("verdicts", "table.total", SIZE, (24, 24), 3, group=1.0),
+        shown("verdicts", "table.total", SIZE, (72, 72), group=1.0),
     ),
     picture="picture.FragColor",
     expect=[
         exact("table.total", truth, name="8 functions × nearer, equal, farther"),
-        *shown_checks("verdicts"),
+        shown_check("verdicts"),
     ],
 )

@@ -17,7 +17,7 @@ from shaderlab import Blend, Case, Depth, Pass, Target, exact
 from shaderlab.reference.depth_stencil import FUNCTIONS, depth_after, depth_passes
 
 from ..scenes.panels import cell, panel
-from ..scenes.tables import shown, shown_checks
+from ..scenes.tables import shown, shown_check
 
 STORED = 0.5
 DEPTHS = (0.25, 0.5, 0.75)  # exact in a depth buffer of 32-bit floats
@@ -66,11 +66,11 @@ case = Case(
             target=target,
             draws=(*fields, wiped, *(found(depth) for depth in DEPTHS)),
         ),
-        *shown("numbers", "kept.total", (COLUMNS, ROWS), (18, 12), 5, group=3.0, whole=100.0),
+        shown("numbers", "kept.total", (COLUMNS, ROWS), (60, 40), group=3.0, whole=100.0),
     ),
     picture="picture.FragColor",
     expect=[
-        *shown_checks("numbers"),
+        shown_check("numbers"),
         exact(
             "drawn.total",
             np.array(

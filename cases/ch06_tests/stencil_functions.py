@@ -16,7 +16,7 @@ from shaderlab import Case, Cell, Erratum, Stencil, exact
 from shaderlab.reference.depth_stencil import FUNCTIONS, stencil_passes
 
 from ..scenes.panels import panel, picture
-from ..scenes.tables import shown, shown_checks
+from ..scenes.tables import shown, shown_check
 
 VALUES = range(4)  # references, stored values and masks: all there are in two bits
 FUNCS = tuple(FUNCTIONS)
@@ -70,12 +70,12 @@ case = Case(
     r"(\mathit{stored} \mathbin{\&} \mathit{mask})",
     passes=(
         picture((*stored, *tests), (COLUMNS, ROWS), "table", **FORMATS),
-        *shown("verdicts", "table.total", (COLUMNS, ROWS), (8, 8), 3, group=float(len(VALUES))),
+        shown("verdicts", "table.total", (COLUMNS, ROWS), (24, 24), group=float(len(VALUES))),
     ),
     picture="picture.FragColor",
     expect=[
         exact("table.total", truth, name="8 functions × 4 references × 4 stored × 4 masks"),
-        *shown_checks("verdicts"),
+        shown_check("verdicts"),
     ],
     errata=[
         Erratum(

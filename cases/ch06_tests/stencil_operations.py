@@ -18,7 +18,7 @@ from shaderlab import Blend, Case, Cell, Depth, Stencil, Variant, exact
 from shaderlab.reference.depth_stencil import OPERATIONS, stencil_after
 
 from ..scenes.panels import cell, panel, picture
-from ..scenes.tables import shown, shown_checks
+from ..scenes.tables import shown, shown_check
 
 NAMES = tuple(OPERATIONS)
 FARES = ("fail", "depth_fail", "depth_pass")
@@ -76,7 +76,7 @@ def table(write_mask):
     group = {"group": float(len(STORED)), "whole": 255.0}
     return (
         picture(draws, SIZE, "table", **formats),
-        *shown("numbers", "table.total", SIZE, (12, 10), 5, **group),
+        shown("numbers", "table.total", SIZE, (42, 35), **group),
     )
 
 
@@ -101,5 +101,5 @@ case = Case(
         Variant("write mask 0x3C", passes=table(0x3C), expect=holds(0x3C)),
     ],
     picture="picture.FragColor",
-    expect=shown_checks("numbers"),
+    expect=[shown_check("numbers")],
 )

@@ -26,7 +26,7 @@ from shaderlab.glslmath import (
 )
 from shaderlab.sampling import Sampler, texelFetch
 
-from .panels import enlarged, enlarged_check, panel, rectangle
+from .panels import panel, picture, rectangle
 
 DIGITS = (
     "### .#. ### ### #.# ### ### ### ### ###",
@@ -45,34 +45,33 @@ def shown(
     values: str,
     fields: tuple[int, int],
     pixels: tuple[int, int],
-    by: int,
     **uniforms: float,
-) -> tuple[Pass, Pass]:
-    """A table's picture, and the same small, as `enlarged` makes them.
+) -> Pass:
+    """A table's picture.
 
     Args:
         kind: of LAWS; the shader has this name, in chapter 6.
         values: the output that has the table, "pass.name".
         fields: of the table, across and up.
-        pixels: of a field in the small pass.
-        by: how much larger the picture is.
+        pixels: of a field.
         uniforms: what else the shader asks for.
 
-    >>> shown("fields", "table.total", (3, 2), (8, 8), 3)[0].target.size
+    >>> shown("fields", "table.total", (3, 2), (24, 24)).target.size
     (72, 48)
     """
     domain, textures = {"place": rectangle((0.0, 0.0), fields)}, {"values": Output(values)}
     draw = panel(f"ch06_tests/{kind}.frag", domain, uniforms, textures=textures)
-    return enlarged([draw], (fields[0] * pixels[0], fields[1] * pixels[1]), by)
+    size = (fields[0] * pixels[0], fields[1] * pixels[1])
+    return picture([draw], size, colors={"FragColor": "rgba32f"})
 
 
-def shown_checks(kind: str) -> tuple[Any, ...]:
+def shown_check(kind: str) -> Any:
     """What must hold of `shown`.
 
-    >>> [check.name for check in shown_checks("numbers")][0]
+    >>> shown_check("numbers").name
     'the table on show'
     """
-    return formula("small.FragColor", LAWS[kind], name="the table on show"), enlarged_check()
+    return formula("picture.FragColor", LAWS[kind], name="the table on show")
 
 
 def numbers(values: Sampler, place: Value, group: Value, whole: Value) -> Value:
