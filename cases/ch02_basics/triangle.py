@@ -94,6 +94,7 @@ case = Case(
         coverage(64800, name="pixels covered"),
         formula("gl_Position", as_it_is),
         formula("picture.gl_Position", as_it_is, name="corners on the paper"),
+        formula("picture.place", flat, name="where on the paper they are"),
         formula("place", flat),
         formula("FragColor", orange),
         value(

@@ -16,14 +16,14 @@ import numpy as np
 
 from shaderlab import Case, Pass, State, Stencil, Target, formula, measure
 from shaderlab.assets import solids
-from shaderlab.reference.transforms import clip_position, scale, translate
+from shaderlab.reference.transforms import clip_position, scale, translate, world_normal
 
 from ..scenes import stage
 from ..scenes.cameras import camera, turned
 from ..scenes.figures import each_draw
 from ..scenes.laws import opaque, unchanged
 from ..scenes.props import tile
-from ..scenes.studio import studio_color
+from ..scenes.studio import handed_on, studio_color
 
 CAMERA = camera((1.6, 2.1, 4.6), (0.05, 0.25, 0.0), 38.0, 16.0 / 9.0)
 GROWN = scale((1.1, 1.1, 1.1))
@@ -92,6 +92,8 @@ case = Case(
         *stage.prop_checks(),
         *each_draw("judged.FragColor", studio_color, {1: "box 1", 2: "box 2"}),
         *each_draw("judged.FragColor", COLOR, {3: "outline 1", 4: "outline 2"}),
+        *each_draw("judged.Normal", world_normal, {3: "normals 1", 4: "normals 2"}),
+        *each_draw("judged.Color", handed_on, {3: "colours 1", 4: "colours 2"}),
         formula("judged.outline", reached, name="where an outline is"),
         formula("judged.gl_Position", clip_position, name="the larger box in clip space"),
         measure("pixels where outline ≠ larger − objects", wrong, reads=SETS, equals=0, digits=0),

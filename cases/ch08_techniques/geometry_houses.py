@@ -13,16 +13,18 @@ interpolated.
 
 import numpy as np
 
-from shaderlab import Case, Draw, Mesh, Pass, Target, compile_fails, formula, query
+from shaderlab import Case, Draw, Mesh, Pass, Target, compile_fails, formula, measure, query
 from shaderlab.glslmath import vec2, vec3, vec4, where
 
 from ..scenes.figures import each_draw
 from ..scenes.laws import opaque, unchanged
 
+COLORS = np.array([(0.85, 0.25, 0.2), (0.3, 0.6, 0.3), (0.25, 0.4, 0.8), (0.9, 0.7, 0.2)])
+LIGHT = np.array((1.0, 0.95, 0.6))
 POINTS = Mesh(
     attributes={
         "aPos": np.array([(-0.5, 0.5), (0.5, 0.5), (0.5, -0.5), (-0.5, -0.5)]),
-        "aColor": np.array([(0.85, 0.25, 0.2), (0.3, 0.6, 0.3), (0.25, 0.4, 0.8), (0.9, 0.7, 0.2)]),
+        "aColor": COLORS,
     },
     primitive="points",
 )
@@ -88,7 +90,7 @@ def outlined(wall):
 
 def lit(wall):
     """Light in the windows."""
-    return vec3(1.0, 0.95, 0.6) - 0.25 * wall[0]
+    return vec3(*LIGHT) - 0.25 * wall[0]
 
 
 def size_of():
@@ -107,6 +109,18 @@ PAINT = opaque(unchanged("fColor"))
 def emitted(number, kind, name):
     """So many primitives leave the geometry shader."""
     return query("geometry_primitives_emitted", equals=number, pass_name=kind, name=name)
+
+
+def farthest(FragColor, colors):
+    """How far the farthest of some colours is from all that is drawn."""
+    pixels = FragColor.reshape(-1, 1, FragColor.shape[-1])[..., :3]
+    return np.abs(pixels - colors).max(axis=-1).min(axis=0).max()
+
+
+def of_points(label, output, colors):
+    """Each point's house has its colours: those that go in at the very beginning."""
+    reads, given = {"FragColor": output}, {"colors": colors}
+    return measure(label, farthest, reads=reads, given=given, at_most=1e-6)
 
 
 case = Case(
@@ -129,6 +143,9 @@ case = Case(
         formula("windows.gl_PointSize", size_of, name="points: size"),
         formula("windows.fColor", lit, name="points: colours"),
         *(formula(f"{kind}.FragColor", PAINT, name=f"{kind}: pixels") for kind in KINDS),
+        of_points("walls in the points' colours", "street.FragColor", COLORS),
+        of_points("outlines in them, darker", "outline.FragColor", 0.4 * COLORS),
+        of_points("windows that they colour", "street.FragColor", LIGHT - 0.25 * COLORS),
         *each_draw("street.FragColor", PAINT, {k: f"street: {w}" for k, w in enumerate(KINDS)}),
         formula("points.gl_Position", as_it_is, name="points as they go in"),
         formula("points.wall", unchanged("aColor"), name="their colours"),

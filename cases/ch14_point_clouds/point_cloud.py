@@ -211,6 +211,7 @@ case = Case(
         formula("gl_PointSize", width),
         formula("warmth", handed_on),
         formula("FragColor", star),
+        formula("ruler.warmth", handed_on, name="the ruler's warmth"),
         formula("ruler.FragColor", square),
         formula("ruler.diameter", width, name="the ruler's diameters"),
         coverage(16**2 + 8**2 + 4**2, pass_name="ruler", name="pixels at distances 1, 2 and 4"),
