@@ -118,7 +118,7 @@ def program_key(ordered: Sequence[Source], targets: Sequence[str], compilers: st
 
 
 # What the code around the compilers imports of the lab.
-_SHARED = ("errors.py", "files.py", "observations.py", "records.py")
+_SHARED = ("errors.py", "files.py", "observations.py", "records/*.py")
 
 
 def compilers_digest(store: Store) -> str | None:
@@ -127,7 +127,7 @@ def compilers_digest(store: Store) -> str | None:
     None if it is unknown: there are no libraries, or a file has only just been written.
     """
     here = Path(__file__).parent
-    shared = [here.parent / name for name in _SHARED]
+    shared = [path for name in _SHARED for path in sorted(here.parent.glob(name))]
     own = [*sorted(here.glob("*.py")), *shared]
     if Path(__file__) not in own:  # an installation without sources
         return None
