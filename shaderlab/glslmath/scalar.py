@@ -232,14 +232,20 @@ def smoothstep(edge0: Value, edge1: Value, x: Value) -> Value:
     0.5
     """
 
-    def curve(edge0: Value, edge1: Value, x: Value) -> Value:
-        t = clamp((x - edge0) / (edge1 - edge0), 0.0, 1.0)
+    def share(edge0: Value, edge1: Value, x: Value) -> Value:
+        return clamp((x - edge0) / (edge1 - edge0), 0.0, 1.0)
+
+    def curve(t: Value) -> Value:
         return t * t * (3.0 - 2.0 * t)
 
     def banded(edge0: Band, edge1: Band, x: Band) -> Band:
-        return undefined(curve(edge0, edge1, x), edge0.hi >= edge1.lo)
+        t = share(edge0, edge1, x)
+        # Of exactly 0 and 1 all products and sums of the curve are exact, in any order.
+        ends = (t.lo == t.hi) & ((t.lo == 0.0) | (t.lo == 1.0))
+        risen = exact.select(Truth(ends, ~ends, t.rules), t.opaque(), curve(t))
+        return undefined(risen, edge0.hi >= edge1.lo)
 
-    return applied(curve, banded, edge0, edge1, x)
+    return applied(lambda *given: curve(share(*given)), banded, edge0, edge1, x)
 
 
 def fma(a: Value, b: Value, c: Value) -> Value:

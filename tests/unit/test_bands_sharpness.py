@@ -150,3 +150,13 @@ def test_a_frame_is_judged_in_milliseconds() -> None:
 
     assert best(lambda: attenuation(d, 1.0, 0.09, 0.032)) < 0.006
     assert best(lambda: blinn_phong(*inputs)) < 0.080
+
+
+def test_smoothstep_beyond_its_edges_is_exact() -> None:
+    """Products and sums of exactly 0 or 1 are exact in any order: no terms stay behind them."""
+    far = Band.between([[-3.0], [7.0]], [[-2.9], [7.1]])
+    risen = g.smoothstep(0.25, 0.75, far)
+    assert risen.lo.ravel().tolist() == risen.hi.ravel().tolist() == [0.0, 1.0]
+    assert (1.0 - risen).mag.ravel().tolist() == [1.0, 2.0]
+    between = g.smoothstep(0.25, 0.75, Band.exact([[0.5]]))
+    assert between.lo.item() < 0.5 < between.hi.item()
