@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from shaderlab.cli import FAILED, OK
+from shaderlab.cli import FAILED, INTERRUPTED, OK
 from shaderlab.cli.files import report_folder, write_json
 from shaderlab.cli.options import (
     JSON,
@@ -100,7 +100,10 @@ def command(
       shaderlab mutate tests/test_lighting.py     which tests of functions notice
       shaderlab mutate gamma --report reports/latest
 
-    Exit code: 0 measured, 1 a case fails as it is or --fail-under is not reached, 2 wrong usage.
+    Ctrl-C ends it with what is known of the cases that are done.
+
+    Exit code: 0 measured, 1 a case fails as it is or --fail-under is not reached, 2 wrong usage,
+    130 interrupted.
     """
     from shaderlab.mutation import Campaign, MutationPlan, as_json, score
 
@@ -115,18 +118,26 @@ def command(
     console = _console(json_file == "-")
     with contextlib.closing(make_local_executor(None, limits, workers, early=False)) as executor:
         campaign = Campaign(_subjects(targets, every, plan, executor), executor)
-        _judge(campaign, console)
-    results = campaign.results()
+        stopped = not _judge(campaign, console)
+    results = campaign.whole_results() if stopped else campaign.results()
     if locate:
         _show_traced(console, results)
     _show(console, results, "calls of OpenGL" if api else "shaders")
     data = {**as_json(results), "api": api, "limit": limit, "seed": seed}
+    if stopped:
+        data["interrupted"] = True
+        console.print(
+            f"interrupted: {campaign.judged} of {campaign.total} mutants were judged; "
+            "the cases above are those with all of theirs"
+        )
     try:
         if folder is not None:
             _into_report(data, report_folder(Path(folder)))
     finally:  # what took so long to measure is written wherever it can be
         if json_file is not None:
             write_json(data, json_file)
+    if stopped:
+        return INTERRUPTED
     reached = score(results)
     too_low = fail_under is not None and (reached is None or 100.0 * reached < fail_under)
     if too_low or any(result.message for result in results):
@@ -196,8 +207,9 @@ def _console(to_stderr: bool) -> Console:
     return console
 
 
-def _judge(campaign: Campaign, console: Console) -> None:
-    """Judge all mutants; on a terminal with a bar, and with what has survived so far."""
+def _judge(campaign: Campaign, console: Console) -> bool:
+    """Judge all mutants; on a terminal with a bar, and with what has survived so far. False where
+    Ctrl-C came before the last one."""
     from rich.progress import (
         BarColumn,
         MofNCompleteColumn,
@@ -216,9 +228,13 @@ def _judge(campaign: Campaign, console: Console) -> None:
     with Progress(*columns, console=console, transient=True, disable=not terminal) as progress:
         task = progress.add_task("", total=campaign.total)
         survived = 0
-        for case_id, fate in campaign.judge():
-            survived += fate is not None and fate.status == "survived"
-            progress.update(task, description=f"{case_id:<24} {survived} survived", advance=1)
+        try:
+            for case_id, fate in campaign.judge():
+                survived += fate is not None and fate.status == "survived"
+                progress.update(task, description=f"{case_id:<24} {survived} survived", advance=1)
+        except KeyboardInterrupt:
+            return False
+    return True
 
 
 def _show(console: Console, results: Sequence[CaseResult], mutated: str) -> None:

@@ -120,9 +120,22 @@ class Campaign:
                     del waiting[case.subject.file, index]
                     yield case.subject.id, fate
 
+    @property
+    def judged(self) -> int:
+        """How many mutants were judged so far."""
+        return sum(len(case.fates) for case in self._cases)
+
     def results(self) -> list[CaseResult]:
         """What was found so far, a result for each case."""
         return [case.result() for case in self._cases]
+
+    def whole_results(self) -> list[CaseResult]:
+        """The results of those cases that are done with."""
+        return [
+            case.result()
+            for case in self._cases
+            if case.message or len(case.fates) == len(case.mutants)
+        ]
 
 
 def _fate(result: ItemResult) -> Fate | None:

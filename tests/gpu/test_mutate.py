@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import re
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -534,6 +535,27 @@ def test_a_sample_and_a_score_to_reach(folder: Path, monkeypatch: pytest.MonkeyP
     assert counted + len(case["survived"]) + len(case["no_difference"]) == 6
     code, _ = mutate("./weak.py", "--no-state", "--limit", 6, "--seed", 3, "--fail-under", 100)
     assert code == (0 if one["score"] == 1.0 else 1)
+
+
+def test_ctrl_c_keeps_the_cases_that_are_done(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(folder)
+    judge = Campaign.judge
+
+    def until_the_second_case(self: Campaign) -> Iterator[tuple[str, Fate | None]]:
+        for case_id, fate in judge(self):
+            yield case_id, fate
+            if len(self.whole_results()) == 1:
+                raise KeyboardInterrupt
+
+    monkeypatch.setattr(Campaign, "judge", until_the_second_case)
+    words = ("./weak.py", "./law.py", "--no-state", "--limit", 3, "--json", "a.json", "--jobs", 1)
+    code, output = mutate(*words)
+    assert code == 130
+    assert "interrupted: 3 of 6 mutants were judged" in output
+    kept = json.loads((folder / "a.json").read_text())
+    assert kept["interrupted"] is True and len(kept["cases"]) == 1
 
 
 def test_a_case_that_fails_as_it_is_is_not_measured(
