@@ -111,7 +111,7 @@ case = Case(
     expect=[
         *stage.picture_checks(),
         *stage.prop_checks(),
-        *stage.light_checks(),
+        *stage.light_checks(of="the last draw: "),
         *(check for k, name in enumerate(POSES) for check in checks(k, name)),
         formula("judged.Color", handed_on),
         formula("judged.gl_Position", position, name="clip coordinates"),

@@ -151,7 +151,7 @@ case = Case(
     expect=[
         *stage.picture_checks(),
         *stage.prop_checks(),
-        *stage.light_checks(),
+        *stage.light_checks(of="the last draw: "),
         formula("tilted.Turned", by_quaternion, also=BY_GLM, name="110° around (1,2,2)"),
         formula("locked.Turned", by_quaternion, also=BY_GLM, name="the locked pose"),
         *(formula(f"{name}.FragColor", one_color) for name in ("locked", "tilted")),

@@ -86,7 +86,7 @@ case = Case(
     expect=[
         *stage.picture_checks(),
         *stage.prop_checks(),
-        *stage.light_checks(),
+        *stage.light_checks(of="the last draw: "),
         *each_draw(
             "judged.Turned",
             turned,

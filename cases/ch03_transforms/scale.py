@@ -76,7 +76,7 @@ case = Case(
     expect=[
         *stage.picture_checks(),
         *stage.prop_checks(),
-        *stage.light_checks(),
+        *stage.light_checks(of="the last draw: "),
         *each_draw("judged.Scaled", scaled, LAST, also={"PyGLM": scaled_by_glm}),
         *each_draw(
             "judged.FragColor", studio_color, {k: f"colour, {name}" for k, name in LAST.items()}

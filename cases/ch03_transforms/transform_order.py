@@ -120,7 +120,7 @@ case = Case(
     expect=[
         *stage.picture_checks(),
         *stage.prop_checks(),
-        *stage.light_checks(),
+        *stage.light_checks(of="the last draw: "),
         *(check for k, row in enumerate(ORDERS.items()) for check in checks(k, *row)),
         computed(
             "(1, 0, 0) by glm::scale, and then glm::rotate",

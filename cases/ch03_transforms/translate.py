@@ -64,7 +64,7 @@ case = Case(
     expect=[
         *stage.picture_checks(),
         *stage.prop_checks(),
-        *stage.light_checks(),
+        *stage.light_checks(of="the last draw: "),
         *each_draw(
             "judged.Moved", translated, {3: "w = 1", 7: "w = 0"}, also={"PyGLM": translated_by_glm}
         ),

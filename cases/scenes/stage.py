@@ -116,8 +116,10 @@ def prop_checks(*, draw: int = 0, pass_name: str = "judged") -> list[Any]:
     ]
 
 
-def light_checks(*, draw: int = -1, pass_name: str = "judged") -> list[Any]:
+def light_checks(*, draw: int = -1, pass_name: str = "judged", of: str = "") -> list[Any]:
     """The studio's light on surfaces that a scene may lack: turned away, black, too bright.
+
+    `of` says what is lit, where several draws are judged.
 
     >>> [check.name for check in light_checks()][0]
     'grey, facing up'
@@ -133,7 +135,7 @@ def light_checks(*, draw: int = -1, pass_name: str = "judged") -> list[Any]:
     return figures(
         f"{pass_name}.FragColor",
         {
-            name: ({"Color": color, "Normal": normal}, (*equals, 1.0))
+            f"{of}{name}": ({"Color": color, "Normal": normal}, (*equals, 1.0))
             for name, color, normal, equals in rows
         },
         reference=studio_color,
