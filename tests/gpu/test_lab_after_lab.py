@@ -52,6 +52,25 @@ def test_devices_are_used_in_turn() -> None:
         second.close()
 
 
+def test_a_device_within_its_own_use_gives_back_the_one_between() -> None:
+    """As where a driver's verdict is asked for while calls are recorded."""
+    first, second = open_backend("llvmpipe"), open_backend("llvmpipe")
+    try:
+        one, other = first.device, second.device  # type: ignore[attr-defined]
+        with one.in_use(), other.in_use():
+            with one.in_use():
+                pass
+            made = other.context.buffer(np.arange(4, dtype="f4"))
+        with one.in_use():
+            theirs = one.context.buffer(np.zeros(4, "f4"))
+            assert theirs.glo == made.glo  # the first buffer of each context
+        with other.in_use():
+            assert np.frombuffer(made.read(), "f4").tolist() == [0.0, 1.0, 2.0, 3.0]
+    finally:
+        first.close()
+        second.close()
+
+
 def test_what_is_dropped_beside_a_fresh_context_is_given_back_afterwards() -> None:
     """One of two buffers had been released before Python dropped it."""
     backend = open_backend("llvmpipe")

@@ -12,6 +12,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
+from shaderlab.backends.variables import variables_set
+
 if TYPE_CHECKING:
     from shaderlab.backends.opengl.backend import OpenGLBackend
 
@@ -54,16 +56,8 @@ def _without_checks() -> None:
 def environment(driver: str = "default") -> Iterator[None]:
     """The environment variables that a context of this driver is made with, for a while."""
     wanted = _variables(driver)
-    before = {name: os.environ.get(name) for name in wanted}
-    os.environ.update(wanted)
-    try:
+    with variables_set(wanted):
         yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value
 
 
 def _variables(driver: str) -> dict[str, str]:

@@ -104,7 +104,7 @@ class Device:
             with self.unchecked():
                 yield
         finally:
-            _IN_USE.remove(self)
+            del _IN_USE[max(n for n, device in enumerate(_IN_USE) if device is self)]
             if _IN_USE and _IN_USE[-1] is not self:
                 _IN_USE[-1].make_current()
 

@@ -35,7 +35,9 @@ def recording_device(device: Device, edit: CallEdit | None = None) -> Iterator[D
         recorder = CallRecorder(raw, edit)
         options: Any = {"standalone": True, "context": recorder}  # mistyped in moderngl's stubs
         context = moderngl.create_context(require=REQUIRED_VERSION, **options)
-        yield Device(context, device.info, device.driver, recorder)
+        made = Device(context, device.info, device.driver, recorder)
+        with made.in_use():
+            yield made
 
 
 def trace(session: Drawing) -> Sequence[TracedCall]:

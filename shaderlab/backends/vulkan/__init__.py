@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
+from shaderlab.backends.variables import variables_set
 from shaderlab.backends.vulkan.manifests import manifest_of
 from shaderlab.errors import DriverError
 
@@ -52,16 +53,8 @@ def environment(driver: str) -> Iterator[None]:
         DriverError: the driver is not installed; says how to get it.
     """
     wanted = _variables(driver)
-    before = {name: os.environ.get(name) for name in wanted}
-    os.environ.update(wanted)
-    try:
+    with variables_set(wanted):
         yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value
 
 
 def _variables(driver: str) -> dict[str, str]:
