@@ -8,6 +8,7 @@ import numpy as np
 
 from shaderlab.backends import open_backend
 from shaderlab.backends.opengl.api import fresh_context
+from shaderlab.backends.opengl.pyopengl import GL
 
 
 def test_what_outlives_its_device_deletes_nothing_of_the_next_one() -> None:
@@ -66,6 +67,21 @@ def test_a_device_within_its_own_use_gives_back_the_one_between() -> None:
             assert theirs.glo == made.glo  # the first buffer of each context
         with other.in_use():
             assert np.frombuffer(made.read(), "f4").tolist() == [0.0, 1.0, 2.0, 3.0]
+    finally:
+        first.close()
+        second.close()
+
+
+def test_checks_stay_suspended_after_the_use_of_another_device_within() -> None:
+    """PyOpenGL has one check for the process: the inner device's end must not turn it on again."""
+    first, second = open_backend("llvmpipe"), open_backend("llvmpipe")
+    try:
+        one, other = first.device, second.device  # type: ignore[attr-defined]
+        with one.in_use():
+            with other.in_use():
+                pass
+            GL.glEnable(GL.GL_TEXTURE_BUFFER_BINDING)  # no capability
+            assert one.context.error == "GL_INVALID_ENUM"
     finally:
         first.close()
         second.close()

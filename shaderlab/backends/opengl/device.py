@@ -51,7 +51,6 @@ class Device:
         self.info = info
         self.driver = driver
         self.recorder = recorder
-        self._users = 0
         self.takes_spirv = driver.endswith(SPIRV)
         self.probed: dict[str, bool] = {}
 
@@ -115,18 +114,19 @@ class Device:
 
         The checks of compiling and linking can't be suspended: those two raise GLError.
         """
-        self._users += 1
+        _UNCHECKED.append(self)
         if ERROR_CHECKER is not None:
             ERROR_CHECKER.onBegin()  # as between glBegin and glEnd
         try:
             yield
         finally:
-            self._users -= 1
-            if ERROR_CHECKER is not None and not self._users:
+            _UNCHECKED.pop()
+            if ERROR_CHECKER is not None and not _UNCHECKED:
                 ERROR_CHECKER.onEnd()
 
 
 _IN_USE: list[Device] = []  # the innermost last
+_UNCHECKED: list[Device] = []  # PyOpenGL's checks are the process's, not a context's
 
 
 def open_device(driver: str) -> Device:
