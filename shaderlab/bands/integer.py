@@ -6,28 +6,20 @@ Source: the OpenGL Shading Language 4.60 (Khronos), 4.1.3 "Integers" (overflow w
 
 from __future__ import annotations
 
-import operator
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from shaderlab.bands.band import Band
+from shaderlab.bands.integer_operators import RANGE, IntegerOperators, Integers
 from shaderlab.bands.operators import REFLECTED
 from shaderlab.bands.rounding import Flags
 from shaderlab.bands.rules import Rules
 from shaderlab.bands.swizzles import Swizzled, Vector
-from shaderlab.bands.truth import Truth
 from shaderlab.errors import FormulaError
 
-Integers = npt.NDArray[np.int64]
-_RANGE = 2**32
-# Products of bounds below this are exact in float64, and far from int64's ends.
-_EXACT = 2.0**53
 
-
-class Integer(Swizzled):
+class Integer(IntegerOperators, Swizzled):
     """Integers between two bounds, both the same array where they are known exactly.
 
     Arithmetic with Python's integers and other integers is GLSL's: `/` truncates, `%`, `&`, `|`,
@@ -77,7 +69,7 @@ class Integer(Swizzled):
     @property
     def least(self) -> int:
         """The smallest number of the type."""
-        return 0 if self.unsigned else -(_RANGE // 2)
+        return 0 if self.unsigned else -(RANGE // 2)
 
     @property
     def known(self) -> bool:
@@ -109,17 +101,17 @@ class Integer(Swizzled):
                 flags = flags | more
         result = Integer(lo, hi, unsigned=kind, rules=rules, anything=flags)
         least = result.least
-        low = (result.lo - least) % _RANGE + least
+        low = (result.lo - least) % RANGE + least
         if hi is None:
             high = low
         else:
-            high = (result.hi - least) % _RANGE + least
-            torn = (result.hi - result.lo >= _RANGE) | (low > high)
+            high = (result.hi - least) % RANGE + least
+            torn = (result.hi - result.lo >= RANGE) | (low > high)
             low = np.where(torn, least, low)
-            high = np.where(torn, least + _RANGE - 1, high)
+            high = np.where(torn, least + RANGE - 1, high)
         if flags.any():
             low = np.where(flags, least, low)
-            high = np.where(flags, least + _RANGE - 1, high)
+            high = np.where(flags, least + RANGE - 1, high)
             hi = high
         result.lo, result.hi = low, low if hi is None else high
         return result
@@ -128,7 +120,7 @@ class Integer(Swizzled):
         """Any number of the type: a function of bits of a value that is not known exactly."""
         shape = np.broadcast_shapes(self.shape, *(other.shape for other in others))
         low = np.full(shape, 0, np.int64)
-        return self.made(low, low + _RANGE - 1, *others, unsigned=unsigned)
+        return self.made(low, low + RANGE - 1, *others, unsigned=unsigned)
 
     def converted(self, unsigned: bool) -> Integer:
         """GLSL's int(n) or uint(n): the same bits."""
@@ -201,154 +193,3 @@ class Integer(Swizzled):
         if self.lo.size > 4:
             return f"Integer({kind}, shape={self.shape})"
         return f"Integer({kind}, {self.lo.tolist()} … {self.hi.tolist()})"
-
-
-def _add(a: Integer, b: Integer) -> tuple[Any, Any, Any]:
-    return a.lo + b.lo, a.hi + b.hi, None
-
-
-def _subtract(a: Integer, b: Integer) -> tuple[Any, Any, Any]:
-    return a.lo - b.hi, a.hi - b.lo, None
-
-
-def _multiply(a: Integer, b: Integer) -> tuple[Any, Any, Any]:
-    if a.known and b.known:
-        # int64 wraps at 2^64, which leaves the lower 32 bits right.
-        return a.lo * b.lo, None, None
-    corners = [x * y for x in (a.lo, a.hi) for y in (b.lo, b.hi)]
-    sizes = [np.abs(x.astype(np.float64) * y) for x in (a.lo, a.hi) for y in (b.lo, b.hi)]
-    far = np.maximum.reduce(sizes) >= _EXACT
-    low, high = np.minimum.reduce(corners), np.maximum.reduce(corners)
-    return np.where(far, 0, low), np.where(far, _RANGE - 1, high), None
-
-
-def _divide(a: Integer, b: Integer) -> tuple[Any, Any, Any]:
-    """Truncated; by zero, nothing is defined."""
-    undefined = (b.lo <= 0) & (b.hi >= 0)
-    divisors = [np.where(undefined, 1, bound) for bound in (b.lo, b.hi)]
-    corners = [_quotient(x, y) for x in (a.lo, a.hi) for y in divisors]
-    return np.minimum.reduce(corners), np.maximum.reduce(corners), undefined
-
-
-def _quotient(a: Integers, b: Integers) -> Integers:
-    found: Integers = np.abs(a) // np.abs(b) * np.sign(a) * np.sign(b)
-    return found
-
-
-def _remainder(a: Integer, b: Integer) -> tuple[Any, Any, Any]:
-    """a - b·(a / b); not defined where either may be negative, or b zero."""
-    undefined = (a.lo < 0) | (b.lo <= 0)
-    if a.known and b.known:
-        return a.lo % np.where(undefined, 1, b.lo), None, undefined
-    return np.zeros_like(a.lo * b.lo), np.minimum(a.hi, np.maximum(b.hi - 1, 0)), undefined
-
-
-def _shift_left(a: Integer, b: Integer) -> tuple[Any, Any, Any]:
-    undefined = (b.lo < 0) | (b.hi > 31)
-    low, high = (np.int64(1) << np.clip(bound, 0, 31) for bound in (b.lo, b.hi))
-    if a.known and b.known:
-        return a.lo * low, None, undefined
-    corners = [x * y for x in (a.lo, a.hi) for y in (low, high)]
-    return np.minimum.reduce(corners), np.maximum.reduce(corners), undefined
-
-
-def _shift_right(a: Integer, b: Integer) -> tuple[Any, Any, Any]:
-    undefined = (b.lo < 0) | (b.hi > 31)
-    corners = [x >> np.clip(y, 0, 31) for x in (a.lo, a.hi) for y in (b.lo, b.hi)]
-    return np.minimum.reduce(corners), np.maximum.reduce(corners), undefined
-
-
-def _bitwise(operation: Callable[[Any, Any], Any]) -> Callable[..., tuple[Any, Any, Any]]:
-    def bits(a: Integer, b: Integer) -> tuple[Any, Any, Any]:
-        if a.known and b.known:
-            return operation(a.lo, b.lo), None, None
-        low = np.zeros(np.broadcast_shapes(a.shape, b.shape), np.int64)
-        return low, low + _RANGE - 1, None
-
-    return bits
-
-
-# By Python's name: what integers do, what floats do, and whether the left operand alone decides
-# whether the result is unsigned.
-_OPERATIONS: dict[str, tuple[Any, Any, bool]] = {
-    "add": (_add, operator.add, False),
-    "sub": (_subtract, operator.sub, False),
-    "mul": (_multiply, operator.mul, False),
-    "truediv": (_divide, operator.truediv, False),
-    "mod": (_remainder, None, False),
-    "and": (_bitwise(operator.and_), None, False),
-    "or": (_bitwise(operator.or_), None, False),
-    "xor": (_bitwise(operator.xor), None, False),
-    "lshift": (_shift_left, None, True),
-    "rshift": (_shift_right, None, True),
-}
-
-
-def _both_ways(name: str) -> tuple[Any, Any]:
-    whole, floating, left_alone = _OPERATIONS[name]
-
-    def of(a: Integer, b: Integer) -> Integer:
-        unsigned = a.unsigned or (b.unsigned and not left_alone)
-        if not left_alone:
-            a, b = a.converted(unsigned), b.converted(unsigned)
-        lo, hi, undefined = whole(a, b)
-        hi = None if hi is None or (a.known and b.known) else hi
-        return a.made(lo, hi, b, anything=undefined, unsigned=unsigned)
-
-    def applied(self: Integer, other: Any, left: bool) -> Any:
-        lifted = self.lift(other)
-        if lifted is not None:
-            return of(self, lifted) if left else of(lifted, self)
-        if floating is None:
-            raise FormulaError(f"GLSL has no {name} of an integer and a float")
-        number = self.to_float()
-        return floating(number, other) if left else floating(other, number)
-
-    return lambda a, b: applied(a, b, True), lambda a, b: applied(a, b, False)
-
-
-for _name in _OPERATIONS:
-    _straight, _reflected = _both_ways(_name)
-    setattr(Integer, f"__{_name}__", _straight)
-    setattr(Integer, f"__r{_name}__", _reflected)
-
-
-def _less(a: Integer, b: Integer) -> tuple[Flags, Flags]:
-    return a.hi < b.lo, a.lo >= b.hi
-
-
-def _equal(a: Integer, b: Integer) -> tuple[Flags, Flags]:
-    return (a.lo == b.hi) & (a.hi == b.lo), (a.hi < b.lo) | (b.hi < a.lo)
-
-
-def _comparison(compared: Any, floating: Any, *, swapped: bool, negated: bool) -> Any:
-    def compare(self: Integer, other: Any) -> Any:
-        lifted = self.lift(other)
-        if lifted is None:
-            return floating(self.to_float(), other)
-        unsigned = self.unsigned or lifted.unsigned
-        pair = self.converted(unsigned), lifted.converted(unsigned)
-        yes, no = compared(*(reversed(pair) if swapped else pair))
-        rules = self.rules or lifted.rules
-        if rules is None:
-            return no if negated else yes
-        open_ = self.anything | lifted.anything
-        truth = Truth(yes & ~open_, no & ~open_, rules)
-        return ~truth if negated else truth
-
-    return compare
-
-
-for _name, _compared, _swapped, _negated in (
-    ("lt", _less, False, False),
-    ("ge", _less, False, True),
-    ("gt", _less, True, False),
-    ("le", _less, True, True),
-    ("eq", _equal, False, False),
-    ("ne", _equal, False, True),
-):
-    setattr(
-        Integer,
-        f"__{_name}__",
-        _comparison(_compared, getattr(operator, _name), swapped=_swapped, negated=_negated),
-    )

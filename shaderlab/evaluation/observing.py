@@ -8,20 +8,14 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from shaderlab.errors import ShaderlabError
-from shaderlab.evaluation import interpreting, raster_faults
+from shaderlab.evaluation import raster_faults, stage_faults
 from shaderlab.evaluation.evaluation import Evaluation
-from shaderlab.evaluation.explaining import explain
 from shaderlab.evaluation.rasterised import covered
 from shaderlab.expectations.needs import CapturedFragments, CapturedVertices
-from shaderlab.files import display_path
 from shaderlab.frame import Array, Fragments, PassDraw
-from shaderlab.interpreter import Bands, interpret
-from shaderlab.judging.formats import FLOAT_FORMATS, stored
 from shaderlab.model import outputs_read
 from shaderlab.observations import Fault, Look, Observation
 
-_VERTICES = 64  # that are interpreted of a draw
-_BLOCKS = 10_000
 _DRAWS = 32  # of a pass, whose vertices are looked at
 _WORK = 8_000_000  # pixels times draws of a scene: a second or two on a slow driver
 
@@ -139,7 +133,9 @@ class _Observer:
             yield from self._of_vertices((self._pass, index), captures.get(index))
         for index in sorted(captures):
             yield from self._of_fragments((self._pass, index), seen == index)
-        yield from self._of_clearing(captures)
+        yield from stage_faults.of_clearing(
+            self._evaluation, self._pass, self._output, captures.values(), self._look.pixels
+        )
 
     def _of_vertices(self, key: PassDraw, captured: Fragments | None) -> Iterator[Fault]:
         draw = self._evaluation.programs[key[0]][key[1]]
@@ -156,7 +152,10 @@ class _Observer:
         self._vertices[str(key[1])] = found.hexdigest()
         if draw.draw.geometry is not None:
             return
-        yield from self._of_vertex_stage(key)
+        try:
+            yield from stage_faults.of_vertices(self._evaluation, key)
+        except ShaderlabError as error:
+            self._refused.append(error.message)
         if self._target.samples:
             return
         pixels = self._look.pixels
@@ -172,95 +171,15 @@ class _Observer:
         if captured is not None:
             yield from raster_faults.of_interpolation(draw, samples, captured, what, pixels)
 
-    def _of_vertex_stage(self, key: PassDraw) -> Iterator[Fault]:
-        try:
-            given = interpreting.vertices(self._evaluation, key, _VERTICES)
-            bands = interpret(
-                given.program, given.each, given.bindings, Bands(), count=given.count,
-                blocks=_BLOCKS,
-            ).outputs  # fmt: skip
-        except ShaderlabError as error:
-            self._refused.append(error.message)
-            return
-        for name, band in bands.items():
-            if name not in given.measured or not hasattr(band, "contains"):
-                continue
-            measured = given.measured[name]
-            count = min(measured.shape[-1], band.shape[-1])
-            inside = np.asarray(band[..., :count].contains(measured[..., :count]))
-            if not inside.all():
-                row = int(np.argwhere(~inside)[0][0])
-                file = self._evaluation.programs[key[0]][key[1]].sources[0].path
-                values = ", ".join(f"{v:.6g}" for v in measured[row])
-                text = f"{name} of vertex {row} is ({values}), which {display_path(file)} rules out"
-                yield Fault(kind="vertex stage", text=text, file=display_path(file))
-                return
-
     def _of_fragments(self, key: PassDraw, here: Array) -> Iterator[Fault]:
-        """Where a draw writes what its program's band rules out."""
-        evaluation, state = self._evaluation, self._evaluation.programs[key[0]][key[1]].draw.state
-        if not here.any() or state.blend or state.srgb or self._target.samples:
+        if not here.any() or self._target.samples:
             return
         try:
-            given = interpreting.fragments(evaluation, key, among=self._pixels[here])
-            bands = interpret(
-                given.program, given.each, given.bindings, Bands(), count=given.count,
-                blocks=_BLOCKS,
-            ).outputs  # fmt: skip
-            band, measured = bands.get(self._output), given.measured.get(self._output)
-            if band is None or measured is None or isinstance(band, tuple):
-                return
-            count = min(measured.shape[-1], band.shape[-1])
-            allowed = stored(band[..., :count], given.formats[self._output], count)
+            yield from stage_faults.of_fragments(
+                self._evaluation, key, self._output, self._pixels[here], self._refused
+            )
         except ShaderlabError as error:
             self._refused.append(error.message)
-            return
-        inside = np.asarray(allowed.contains(measured[..., :count])).all(axis=-1)
-        assert given.pixels is not None
-        wanted = {tuple(map(int, pixel)) for pixel in self._pixels[here]}
-        for row in np.flatnonzero(~inside):
-            x, y = map(int, given.pixels[row])
-            if (x, y) in wanted:
-                yield self._explained(key, (x, y), measured[row])
-
-    def _explained(self, key: PassDraw, pixel: tuple[int, int], measured: Array) -> Fault:
-        """The first statement at which the driver leaves the band, if it tells."""
-        source = self._evaluation.programs[key[0]][key[1]].draw.fragment
-        values = ", ".join(f"{float(v):.6g}" for v in measured)
-        text = f"{self._output} is ({values}) at pixel {pixel}, which {source} rules out"
-        try:
-            steps = explain(self._evaluation, key, pixel).steps
-        except ShaderlabError as error:
-            self._refused.append(error.message)
-            steps = ()
-        for step in steps:
-            if step.by_driver and not step.inside:
-                file = display_path(step.file)
-                text = f"{text}; first at {display_path(step.file, step.line)}: {step.name}"
-                return Fault(
-                    kind="fragment stage", text=text, pixel=pixel, file=file, line=step.line
-                )
-        return Fault(kind="fragment stage", text=text, pixel=pixel)
-
-    def _of_clearing(self, captures: Mapping[int, Fragments]) -> Iterator[Fault]:
-        """A pixel that no draw touches has another value than it was cleared to."""
-        image = self._evaluation.drawn.images[self._pass, self._output]
-        continued = self._evaluation.scene.find_pass(self._pass).onto
-        colors = self._target.colors
-        if image.format not in FLOAT_FORMATS or continued or not captures or self._target.samples:
-            return
-        if colors is not None and self._output not in colors:
-            return
-        wanted = np.array(self._target.clear, np.float32)
-        for x, y in self._look.pixels:
-            # Another draw, or one that was blended or discarded, may have been here.
-            if any(captured.frag_coord[y, x, 3] != 0.0 for captured in captures.values()):
-                continue
-            got = image.values[y, x]
-            if not np.array_equal(got, wanted[: len(got)]):
-                values = ", ".join(f"{float(v):.6g}" for v in got)
-                text = f"pixel ({x}, {y}) is ({values}), and nothing was drawn there"
-                yield Fault(kind="clear", text=text, pixel=(x, y))
 
 
 def _inputs(captured: Fragments, at: tuple[int, int]) -> Mapping[str, tuple[float, ...]]:
