@@ -63,12 +63,19 @@ class Samples:
 
     All arrays have shape (count, components). `decimal` holds inputs as the case writes them,
     in float64, before they were rounded to float32. `discarded` is how many of them wrote nothing.
+    `entering` are the vertices that a geometry stage's primitives are made of, as their own stage
+    got and gave them.
     """
 
     inputs: Mapping[str, Array]
     outputs: Mapping[str, Array]
     decimal: Mapping[str, Array] = field(default_factory=dict)
     discarded: int = 0
+    entering: Samples | None = None
+
+    def of_output(self, name: str) -> Samples:
+        """The invocations that gave this output: these, or those of the stage before."""
+        return self if self.entering is None or name in self.outputs else self.entering
 
 
 @dataclass(frozen=True)

@@ -114,15 +114,6 @@ def judged(name, lamp, repeat=1.0, flat=False):
     return Pass(name=name, draws=[lit_wall(lamp, SQUEEZED, mesh, maps, flat=flat)])
 
 
-# What the vertex shader hands to the geometry shader.
-CORNERS = Draw(
-    vertex="ch05_lighting/normal_map.vert",
-    fragment="ch05_lighting/lamp.frag",
-    mesh=wall(bulge=0.5),
-    uniforms={"model": SQUEEZED, "normalMatrix": normal_matrix(SQUEEZED), "glow": (1.0, 1.0, 1.0)},
-)
-
-
 def picked(corners, emitted):
     """The corner that is emitted."""
     return where(emitted == 0, corners[0], where(emitted == 1, corners[1], corners[2]))
@@ -188,6 +179,10 @@ leaking_or_not = gated_or_not(color, highlight=halfway_lobe)
 def checks(name):
     """What must hold of a judged pass."""
     return (
+        formula(f"{name}.place", world_position, name=f"{name}: corners"),
+        formula(f"{name}.upright", world_normal, name=f"{name}: their normals"),
+        formula(f"{name}.uv", unchanged("aTexCoords"), name=f"{name}: their places in the texture"),
+        formula(f"{name}.gl_in.gl_Position", world, name=f"{name}: corners in the world"),
         formula(f"{name}.gl_Position", in_picture),
         formula(f"{name}.FragPos", place_of, name=f"{name}: places"),
         *(formula(f"{name}.TBN[{k}]", axis(k), name=f"{name}: {'TBN'[k]}") for k in range(3)),
@@ -224,23 +219,14 @@ case = Case(
             textures={"normalMap": BYTES},
             target=Target(size=(2, 2)),
         ),
-        Pass(name="corners", draws=[CORNERS]),
         judged("mapped", "left"),
         judged("mirrored", "behind", repeat=-1.0),
         judged("flat", "left", flat=True),
     ),
     picture="picture.FragColor",
     expect=[
-        formula("corners.place", world_position),
-        formula("corners.upright", world_normal),
-        formula("corners.uv", unchanged("aTexCoords")),
-        formula("corners.gl_Position", world),
-        formula("corners.FragColor", lit.glowing),
         formula("mapped.TexCoords", uv_of, name="mapped: texture coordinates"),
-        *checks("mapped"),
-        *checks("mirrored"),
-        formula("flat.normal", mapped_normal, name="flat: normals"),
-        formula("flat.FragColor", color, name="flat: colours"),
+        *(check for name in ("mapped", "mirrored", "flat") for check in checks(name)),
         lit.picture_check(),
         figure(
             "flat.FragColor",

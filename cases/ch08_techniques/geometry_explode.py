@@ -85,11 +85,6 @@ def dimmed(aColor, aNormal):
     return aColor * (0.6 + 0.4 * swizzle(aNormal, "y"))
 
 
-def both(VS_OUT_color, VS_OUT_world):
-    """What a fragment of the plain ball writes."""
-    return vec4(VS_OUT_color + 0.25 * VS_OUT_world, 1.0)
-
-
 def of_corner(values, emitted):
     """The corner's own value, by the order in which corners are emitted."""
     return where(emitted < 0.5, values[0], where(emitted < 1.5, values[1], values[2]))
@@ -140,17 +135,6 @@ case = Case(
             target=Target(depth="depth24", clear=(0.13, 0.14, 0.17, 1.0)),
             draws=(replace(EXPLODING, mesh=BACKWARDS),),
         ),
-        Pass(
-            name="plain",
-            draws=(
-                replace(
-                    EXPLODING,
-                    geometry=None,
-                    fragment="ch08_techniques/geometry_explode_plain.frag",
-                    uniforms={"model": MODEL},
-                ),
-            ),
-        ),
     ),
     picture="ball.FragColor",
     variants=[
@@ -175,10 +159,9 @@ case = Case(
             pass_name="ball",
             name="as many triangles as before",
         ),
-        formula("plain.gl_Position", placed, name="vertices in the world"),
-        formula("plain.VS_OUT.world", in_world, name="… handed on"),
-        formula("plain.VS_OUT.color", dimmed, name="their colours"),
-        formula("plain.FragColor", both, name="both in a pixel"),
+        formula("ball.gl_in.gl_Position", placed, name="vertices in the world"),
+        formula("ball.VS_OUT.world", in_world, name="… handed on"),
+        formula("ball.VS_OUT.color", dimmed, name="their colours"),
         value(
             "ball.FragColor",
             at={"fColor": (1.0, 0.5, 0.31), "fNormal": (0.0, 2.0, 0.0)},

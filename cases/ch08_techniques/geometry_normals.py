@@ -10,8 +10,6 @@ Look at: the box, which has three normals at each corner because its faces do no
 and the ring, which has one. Lines go from yellow at the surface to red.
 """
 
-from dataclasses import replace
-
 import numpy as np
 
 from shaderlab import Case, Depth, Draw, Mesh, Pass, State, Target, formula, query
@@ -71,16 +69,6 @@ def normals(name):
     )
 
 
-def without_geometry(lines):
-    """The same vertices without the geometry shader, so that the vertex shader is judged too."""
-    return replace(
-        lines,
-        geometry=None,
-        fragment="ch08_techniques/geometry_normals_plain.frag",
-        uniforms={name: lines.uniforms[name] for name in ("model", "view", "normalMatrix")},
-    )
-
-
 def in_view(aPos, model, view):
     """A vertex in view space."""
     return mul(view, mul(model, vec4(aPos, 1.0)))
@@ -128,11 +116,6 @@ case = Case(
             target=Target(depth="depth24", clear=stage.SKY),
             draws=(*SURFACES, normals("box"), normals("ring")),
         ),
-        Pass(
-            name="plain",
-            target=Target(colors={}, depth="depth24"),
-            draws=(without_geometry(normals("ring")),),
-        ),
     ),
     picture="judged.FragColor",
     expect=[
@@ -142,6 +125,8 @@ case = Case(
             formula(f"judged.{output}", reference, draw=draw, name=f"{solid}: {what}")
             for draw, solid in ((2, "box"), (3, "ring"))
             for output, reference, what in (
+                ("gl_in.gl_Position", in_view, "vertices in view space"),
+                ("VS_OUT.normal", turned_normal, "normals in view space"),
                 ("gl_Position", grown, "feet and tips"),
                 ("along", at_tip, "which end"),
                 ("FragColor", faded, "colour"),
@@ -155,10 +140,8 @@ case = Case(
                 {**dict(zip(SOLIDS, in_front(), strict=True)), **LINES_IN_FRONT}.items()
             )
         ),
-        formula("plain.gl_Position", in_view, name="vertices in view space"),
-        formula("plain.VS_OUT.normal", turned_normal, name="normals in view space"),
         figure(
-            "plain.VS_OUT.normal",
+            "judged.VS_OUT.normal",
             "a normal of any length has length 1 in view space",
             {"aNormal": (1.0, 2.0, 3.0), "normalMatrix": stage.SHEAR[:3, :3]},
             (0.759072, 0.552052, 0.345033),

@@ -74,6 +74,8 @@ class OfOutput(Expectation):
     `output` is named as the fragment shader spells it ("FragColor"), with its pass before it where
     there are several ("shadow.FragColor"; without, the last pass is meant), or as the vertex
     shader spells it ("gl_Position" or any of its `out` variables): then every vertex is judged.
+    Where a geometry stage follows, "gl_Position" is that stage's, and "gl_in.gl_Position" the
+    vertex stage's.
 
     `discards` says which fragments the draw's program throws away: a reference that is true for
     those, a comparison of its inputs. It holds for all draws of that fragment shader. Without one,

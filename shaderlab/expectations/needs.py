@@ -86,7 +86,8 @@ class Probe(Need):
 
     def _answer(self, context: Context) -> Samples:
         expectation, session, steps = self._expectation, context.session, self._steps
-        key = expectation.key(session.scene)
+        scene = session.scene
+        key = expectation.key(scene)
         draw, bindings = session.programs[key[0]][key[1]], context.bindings[key]
         if draw.draw.compute:
             raise UnsupportedError(
@@ -94,7 +95,7 @@ class Probe(Need):
                 remedy="judge what it leaves in its buffers: formula, exact, measure, or "
                 "value(…, at=Pixel(element, 0))",
             )
-        of_vertex = expectation.is_of_vertex(session.scene, session.programs)
+        of_vertex = expectation.is_of_vertex(scene, session.programs)
         variables = draw.interface.attributes if of_vertex else draw.interface.varyings
         inputs = {variable.name: variable for variable in elements(variables.values())}
         for word in steps[0]:
@@ -112,6 +113,13 @@ class Probe(Need):
             given = [exact_inputs(inputs, step) for step in some]
             joined = {n: np.concatenate([g[n] for g in given]) for n in given[0]}
             result = run(key, changed, joined)
+            if of_vertex and expectation.own_name(scene) not in result.outputs:
+                raise UnsupportedError(
+                    f"running {draw.draw.geometry} on given inputs: a geometry stage takes whole "
+                    "primitives",
+                    remedy="judge what it emits of the mesh (formula), with a mesh that has these "
+                    "inputs",
+                )
             exact = {n: _repeated(changed.uniforms[n], len(some)) for n in uniforms}
             decimal = {n: _repeated(changed.decimal[n], len(some)) for n in uniforms}
             for n in joined:

@@ -41,6 +41,7 @@ def subject_of(
     key, name = expectation.key(scene), expectation.own_name(scene)
     samples = frame.answers.get(CapturedVertices(key))
     if samples is not None and (key[0], name) not in frame.images:
+        samples = samples.of_output(name)
         inputs = inputs_of(frame, key, each=dict(samples.inputs), given=given)
         return Subject(measured=samples.outputs[name], inputs=inputs)
     image = find_image(expectation.output, scene, frame)

@@ -28,11 +28,11 @@ def is_read(output: Named, mutant: Evaluation, original: Evaluation, judged: Jud
 
 def changed(mutant: Evaluation, original: Evaluation) -> set[Named]:
     """Outputs that differ in any bit: of the passes drawn, and of what was captured of both."""
-    before = original.drawn.images
+    images = original.drawn.images
     found = {
         key
         for key, image in mutant.drawn.images.items()
-        if differ(image.values, before[key].values)
+        if differ(image.values, images[key].values)
     }
     for need, answer in mutant.answers.items():
         other = original.answers.get(need)
@@ -41,8 +41,10 @@ def changed(mutant: Evaluation, original: Evaluation) -> set[Named]:
         if isinstance(need, CapturedVertices):
             found |= {
                 (need.key[0], name)
-                for name, values in answer.outputs.items()
-                if differ(values, other.outputs[name])
+                for one, before in ((answer, other), (answer.entering, other.entering))
+                if one is not None
+                for name, values in one.outputs.items()
+                if differ(values, before.outputs[name])
             }
         elif isinstance(need, CapturedFragments) and differ(answer.covered, other.covered):
             found.add((need.key[0], "coverage"))

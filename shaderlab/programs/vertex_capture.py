@@ -12,7 +12,7 @@ from shaderlab.model import Mesh, State
 from shaderlab.programs import stages
 from shaderlab.programs.prepare import PreparedDraw
 from shaderlab.programs.varyings import Piece, assembled
-from shaderlab.programs.vertices import corners, probed_mesh, vertex_inputs, vertex_pieces
+from shaderlab.programs.vertices import corners, entering, probed_mesh, vertex_inputs, vertex_pieces
 
 Capture = Callable[
     [PreparedDraw, Mapping[str, str], Sequence[Piece], Bindings, int | None], Mapping[Piece, Array]
@@ -32,7 +32,8 @@ def vertices(draw: PreparedDraw, bindings: Bindings, capture: Capture) -> Sample
     columns ("v[1]"). Inputs of a vertex stage are the attributes, gl_VertexID and gl_InstanceID.
     Inputs of a geometry stage are all outputs of the vertices of its primitive
     ("gl_in[0].gl_Position", "Normal[2]"), gl_PrimitiveIDIn, gl_InstanceID, and `emitted`, which
-    counts the vertices that one invocation emits, from 0.
+    counts the vertices that one invocation emits, from 0. Those vertices are `entering` of the
+    samples, with gl_Position as "gl_in.gl_Position".
 
     Raises:
         UnsupportedError: an output is of double precision.
@@ -46,12 +47,10 @@ def vertices(draw: PreparedDraw, bindings: Bindings, capture: Capture) -> Sample
 def probe(
     draw: PreparedDraw, bindings: Bindings, inputs: Mapping[str, Array], capture: Capture
 ) -> Samples:
-    """Run the vertex stage on given inputs, each an array (count, components).
-
-    Raises:
-        UnsupportedError: a geometry stage follows, which takes whole primitives.
-    """
-    return _stored(draw, bindings, probed_mesh(draw.draw, inputs), 1, capture)
+    """Run the vertex stage on given inputs, each an array (count, components). Outputs are named as
+    in `vertices`."""
+    got = _stored(draw, bindings, probed_mesh(draw.draw, inputs), 1, capture)
+    return got if draw.draw.geometry is None else _entering(got)
 
 
 def _stored(
@@ -91,7 +90,16 @@ def _emitted(
     for name, values in assembled(outputs).items():
         for corner in range(which.shape[1]):
             inputs[_of_corner(name, corner)] = values[(first + which)[:, corner]]
-    return Samples(inputs=inputs, outputs={p.name + p.path: v for p, v in got.items()})
+    return Samples(
+        inputs=inputs,
+        outputs={p.name + p.path: v for p, v in got.items()},
+        entering=_entering(given),
+    )
+
+
+def _entering(given: Samples) -> Samples:
+    """What a vertex stage gave, named as a geometry stage names it."""
+    return replace(given, outputs={entering(n): v for n, v in given.outputs.items()})
 
 
 def _of_corner(name: str, corner: int) -> str:

@@ -8,7 +8,6 @@ from collections.abc import Mapping
 import numpy as np
 
 from shaderlab.compiler.interface import Interface
-from shaderlab.errors import UnsupportedError
 from shaderlab.frame import Array
 from shaderlab.model import Draw, Mesh
 from shaderlab.programs.prepare import PreparedDraw
@@ -19,9 +18,19 @@ _CORNERS = {"points": 1, "lines": 2, "line_strip": 2, "triangles": 3}
 
 def vertex_outputs(draw: PreparedDraw) -> list[str]:
     """The names that a captured vertex of a draw has: gl_Position and each output of its last
-    stage before rasterisation, arrays and matrices as their elements and columns."""
-    text = draw.text("geometry") or draw.text("vertex") or ""
-    return [piece.name + piece.path for piece in vertex_pieces(text, draw.interface)]
+    stage before rasterisation, arrays and matrices as their elements and columns; then those of a
+    vertex stage before a geometry stage, with gl_Position as "gl_in.gl_Position"."""
+    geometry, vertex = draw.text("geometry"), draw.text("vertex") or ""
+    last = [piece.name + piece.path for piece in vertex_pieces(geometry or vertex, draw.interface)]
+    if geometry is None:
+        return last
+    pieces = vertex_pieces(vertex, draw.vertex_interface)
+    return [*last, *(entering(piece.name + piece.path) for piece in pieces)]
+
+
+def entering(name: str) -> str:
+    """A vertex stage's output as a geometry stage after it calls it, whichever vertex it is of."""
+    return f"gl_in.{name}" if name.startswith("gl_") else name
 
 
 def vertex_pieces(text: str, interface: Interface) -> list[Piece]:
@@ -51,17 +60,8 @@ def vertex_inputs(mesh: Mesh, instances: int) -> dict[str, Array]:
 
 def probed_mesh(draw: Draw, inputs: Mapping[str, Array]) -> Mesh:
     """A mesh of points with these attributes, (count, components); the others keep the values of
-    the first vertex of the draw's own mesh.
-
-    Raises:
-        UnsupportedError: a geometry stage follows, which takes whole primitives.
-    """
+    the first vertex of the draw's own mesh."""
     assert draw.mesh is not None
-    if draw.geometry is not None:
-        raise UnsupportedError(
-            f"running {draw.geometry} on given inputs: a geometry stage takes whole primitives",
-            remedy="judge what it emits of the mesh (formula), with a mesh that has these inputs",
-        )
     count = max((len(v) for v in inputs.values()), default=1)
     return Mesh(attributes={
         name: inputs[name] if name in inputs else np.repeat(values[:1], count, axis=0)

@@ -167,6 +167,31 @@ def test_emitted_vertices_are_judged(lab: Lab, folder: Path, instances: int) -> 
     assert worst is not None and "world[1]" in worst.inputs
 
 
+def test_the_vertex_stage_before_a_geometry_stage_is_judged(lab: Lab, folder: Path) -> None:
+    def moved(aPos: Any, gl_InstanceID: Any, shift: Any) -> Any:
+        return aPos + shift * gl_InstanceID * np.array([1.0, 0.0, 0.0])
+
+    def as_it_is(aColor: Any) -> Any:
+        return aColor
+
+    def half(aColor: Any) -> Any:
+        return 0.5 * aColor
+
+    record = run(
+        lab, folder, exploded(instances=2),
+        formula("world", moved), formula("VS_OUT.color", as_it_is),
+        value("gl_in.gl_Position", at={"aPos": (2.0, 3.0, 4.0)}, equals=(2, 3, 4, 1), digits=4),
+        formula("gl_in.gl_Position", lambda aPos: vec4(aPos, 1.0), name="without the shift"),
+        formula("main.VS_OUT.color", half, name="half"),
+    )  # fmt: skip
+    assert [o.status for o in record.expectations] == ["pass"] * 3 + ["fail"] * 2, record
+    assert record.expectations[0].judged == 2 * 4 * 3
+    worst = record.expectations[4].worst
+    assert worst is not None and set(worst.inputs) >= {"aColor"}
+    unknown = run(lab, folder, exploded(), formula("gl_in.gl_PointSize", as_it_is))
+    assert unknown.status == "error" and "gl_in.gl_Position" in unknown.message
+
+
 def test_fragments_behind_a_geometry_shader_are_judged(lab: Lab, folder: Path) -> None:
     def squared(tint: Any) -> Any:
         return tint * tint

@@ -48,6 +48,37 @@ def test_no_output_is_unread(case: Case) -> None:
     assert list(unread(case)) == []
 
 
+BLOCK = re.compile(r"^out (\w+) *\{([^}]*)\}", re.MULTILINE)
+
+
+def entering(vertex: str) -> set[str]:
+    """What a vertex shader gives a geometry shader after it, as expectations name it."""
+    text = Shaders([data_folder("shaders")]).load(vertex).text
+    members = {
+        f"{block}.{name}"
+        for block, inside in BLOCK.findall(text)
+        for name in re.findall(r"(\w+);", inside)
+    }
+    return {"gl_in.gl_Position", *OUTPUT.findall(text), *members}
+
+
+def unread_before_geometry(scene: Scene) -> Iterator[str]:
+    """Vertex shaders before a geometry shader of which something is read in no pass."""
+    read = {(read.pass_name, read.output) for e in scene.expect for read in e.reads(scene)}
+    drawn = {(d.vertex, one.name) for one in scene.passes for d in one.draws if d.geometry}
+    for vertex in sorted({vertex for vertex, _ in drawn if vertex}):
+        missing = entering(vertex) - {o for p, o in read if (vertex, p) in drawn}
+        yield from (f"{vertex}: {name}" for name in sorted(missing))
+
+
+def test_what_enters_a_geometry_stage_is_judged() -> None:
+    scenes = {name: next(case.scenes()) for name, case in shipped().items()}
+    assert [name for scene in scenes.values() for name in unread_before_geometry(scene)] == []
+    blind = replace(scenes["geometry-houses"], expect=())
+    names = [name.split(": ")[1] for name in unread_before_geometry(blind)]
+    assert names == ["gl_in.gl_Position", "wall"]
+
+
 def test_an_output_that_nothing_reads_is_found() -> None:
     case = shipped()["triangle"]
     scene = next(case.scenes())

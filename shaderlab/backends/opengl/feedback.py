@@ -39,11 +39,7 @@ def vertices(drawing: Drawing, key: PassDraw) -> Samples:
 def probe_vertices(
     drawing: Drawing, key: PassDraw, bindings: Bindings, inputs: Mapping[str, Array]
 ) -> Samples:
-    """Run the vertex stage on given inputs, each an array (count, components).
-
-    Raises:
-        UnsupportedError: a geometry stage follows, which takes whole primitives.
-    """
+    """Run the vertex stage on given inputs, each an array (count, components)."""
     draw = drawing.programs[key[0]][key[1]]
     return vertex_capture.probe(draw, bindings, inputs, partial(_captured, drawing))
 

@@ -44,7 +44,7 @@ def probe_vertices(
     """Run the vertex stage on given inputs, each an array (count, components).
 
     Raises:
-        UnsupportedError: a geometry stage follows, which takes whole primitives; or as `vertices`.
+        UnsupportedError: as `vertices`.
     """
     draw = drawing.programs[key[0]][key[1]]
     return vertex_capture.probe(draw, bindings, inputs, partial(_captured, drawing))
