@@ -7,81 +7,20 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import numpy.typing as npt
 
-from shaderlab.bands import Band, Rules
+from shaderlab.bands import Rules
 from shaderlab.bands.allowed import contains
 from shaderlab.errors import FormulaError
 from shaderlab.frame import Array
-from shaderlab.judging.chunks import PLACE, chunks, quad_rows
 from shaderlab.judging.distance import Placed
 from shaderlab.judging.figures import plain, ulp_distance
-from shaderlab.judging.formats import FLOAT_FORMATS, as_result, in_format, stored
+from shaderlab.judging.formats import FLOAT_FORMATS
 from shaderlab.judging.informative import MAX_UNDECIDED, MIN_INFORMATIVE, Plausible
-from shaderlab.judging.inputs import Inputs, Reference, evaluate, name_of, source_of, wanted
+from shaderlab.judging.inputs import Inputs, Reference, evaluate, source_of
+from shaderlab.judging.reference_bands import ReferenceBand, reference_band
 from shaderlab.records import Row, SourceText, Worst
 
 MAX_VACUOUS = 0.01
-# Rows whose reference in float64 tells how much a formula varies over a frame.
-SAMPLED = 1024
-# Rows for which a band is evaluated at a time: a formula of fifty operations keeps a few dozen
-# arrays, some 16 MB a component, instead of gigabytes for a large frame.
-CHUNK = 16384
-
-
-@dataclass(frozen=True, kw_only=True)
-class Exact:
-    """What a reference gives in float64, evaluated for the rows that are asked for: most checks
-    show only the worst value.
-
-    `shape` is that of the measured values, `format` their attachment's; `asked` is what `wanted`
-    returns for the reference.
-    """
-
-    reference: Reference
-    inputs: Inputs
-    shape: tuple[int, int]
-    format: str
-    asked: Mapping[str, list[str]]
-
-    def part(self, start: int, count: int = 1) -> Array:
-        """Some rows, (count, components). Raises FormulaError."""
-        stop = min(start + count, self.shape[0])
-        rows = quad_rows(self.inputs, self.asked, start, stop)
-        return self._values(rows)[start - rows.start : stop - rows.start]
-
-    def _values(self, rows: slice | Array) -> Array:
-        part = self.inputs.part(rows)
-        found = evaluate(self.reference, part, rules=None, decimal=False, asked=self.asked)
-        values = np.asarray(found).astype(np.float64, copy=False)
-        if isinstance(rows, slice):
-            shape = len(range(*rows.indices(self.shape[0]))), self.shape[1]
-        else:
-            shape = len(rows), self.shape[1]
-        _check_shape(self.reference, values.shape, shape)
-        return in_format(np.broadcast_to(values, shape), self.format)
-
-    def sample(self, count: int, row: int) -> tuple[Array, Array]:
-        """At least `count` rows from all over, or all if there are fewer; and one row,
-        (1, components), if there is any. Raises FormulaError."""
-        step = max(self.shape[0] // count, 1)
-        if step == 1:
-            values = self._values(slice(0, self.shape[0]))
-            return values, values[row : row + 1]
-        # An odd step meets all columns of a frame whose width is a power of two.
-        step -= 1 - step % 2
-        if PLACE in self.asked:  # it may see a pixel's neighbours
-            starts = range(0, self.shape[0], self.shape[0] // 8)
-            rows = np.concatenate([self.part(start, count // 8) for start in starts])
-            return rows, self.part(row)
-        values = self._values(np.append(np.arange(0, self.shape[0], step), row))
-        return values[:-1], values[-1:]
-
-    def whole(self) -> Array:
-        """All rows, (count, components), a chunk at a time. Raises FormulaError."""
-        rows = chunks(self.inputs, self.asked, self.shape[0], CHUNK)
-        pieces = [self.part(some.start, some.stop - some.start) for some in rows]
-        return np.concatenate(pieces) if pieces else np.empty(self.shape)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,25 +28,35 @@ class Banded(Placed):
     """Measured values beside their reference and band; all arrays are (count, components).
 
     `low` and `high` are in the measured values' units, and float32 where the attachment's format
-    is. `vacuous_share` is the share of values whose band allows anything, `undecided_share` that
-    of values that took both sides of a branch.
+    is.
     """
 
-    exact: Exact
-    vacuous_share: float
-    undecided_share: float
-    source: SourceText
-    names: tuple[str, ...]
+    band: ReferenceBand
 
     @property
     def inputs(self) -> Inputs:
         """What the reference was given."""
-        return self.exact.inputs
+        return self.band.exact.inputs
 
-    @cached_property
+    @property
+    def source(self) -> SourceText:
+        """Where the reference stands, and its text."""
+        return source_of(self.band.exact.reference)
+
+    @property
+    def vacuous_share(self) -> float:
+        """The share of values whose band allows anything."""
+        return self.band.vacuous / max(self.measured.size, 1)
+
+    @property
+    def undecided_share(self) -> float:
+        """The share of values that took both sides of a branch."""
+        return self.band.undecided / max(self.measured.size, 1)
+
+    @property
     def reference(self) -> Array:
         """What the formula gives in float64, as the attachment would hold it, unrounded."""
-        return self.exact.whole()
+        return self.band.values
 
     @cached_property
     def outside(self) -> int:
@@ -117,7 +66,7 @@ class Banded(Placed):
     @cached_property
     def informative_share(self) -> float:
         """The share of values whose band excludes something plausible (see `informative`)."""
-        plausible = Plausible.of(self._sample[0], self.exact.format)
+        plausible = Plausible.of(self._sample[0], self.band.exact.format)
         return plausible.informative_share(self.low, self.high)
 
     @cached_property
@@ -127,7 +76,7 @@ class Banded(Placed):
     @cached_property
     def _sample(self) -> tuple[Array, Array]:
         """What the formula gives in float64 in rows from all over, and in the worst value's."""
-        return self.exact.sample(SAMPLED, self._furthest[0] if self.measured.size else 0)
+        return self.band.sample(self._furthest[0] if self.measured.size else 0)
 
     def worst(self, covered: Array | None = None) -> Worst | None:
         """The value furthest from its band's middle, as seen from the band; None of nothing.
@@ -148,7 +97,7 @@ class Banded(Placed):
             high=plain(self.high[i]),
             ulp=ulp_distance(self.measured[i, c], reference[c], self.unit),
             widths=self.widths_at(i, c),
-            inputs=self.inputs.at(i, self.names),
+            inputs=self.inputs.at(i, self.band.names),
         )
 
     def _require_inside(self, i: int, reference: Array) -> None:
@@ -214,41 +163,18 @@ def judge_band(
     Raises:
         FormulaError: the formula fails or gives another number of components.
     """
-    shape = measured.shape
-    chosen = rules or Rules()
     if measured.dtype.kind in "iu" and format in FLOAT_FORMATS:
         format = "r32i" if measured.dtype.kind == "i" else "r32ui"
-    asked = wanted(reference, inputs)
-    exact = Exact(reference=reference, inputs=inputs, shape=shape, format=format, asked=asked)
-    bounds = np.float32 if format in FLOAT_FORMATS else np.float64
-    low, high, inside = np.empty(shape, bounds), np.empty(shape, bounds), np.empty(shape, np.bool_)
-    unit, vacuous, undecided = None, 0, 0
-    for rows in chunks(inputs, asked, len(measured), CHUNK):
-        some = measured[rows]
-        try:
-            band = evaluate(reference, inputs.part(rows), rules=chosen, decimal=False, asked=asked)
-        except FormulaError:
-            exact.part(0, CHUNK)  # an error of plain numbers is easier to read
-            raise
-        band = as_result(band, format, chosen)
-        _check_shape(reference, band.shape, some.shape)
-        allowed = stored(band, format, shape[1])
-        unit = None if isinstance(allowed, Band) else float(allowed.unit) or None
-        low[rows], high[rows] = allowed.lo, allowed.hi
-        inside[rows] = contains(low[rows], high[rows], allowed.nan, some)
-        vacuous += _count(allowed.vacuous, some)
-        undecided += _count(allowed.undecided, some)
+    band = reference_band(
+        reference, inputs, shape=measured.shape, rules=rules or Rules(), format=format
+    )
     return Banded(
         measured=measured,
-        low=low,
-        high=high,
-        inside=inside,
-        unit=unit,
-        exact=exact,
-        vacuous_share=vacuous / max(measured.size, 1),
-        undecided_share=undecided / max(measured.size, 1),
-        source=source_of(reference),
-        names=tuple(n for names in asked.values() for n in names),
+        low=band.low,
+        high=band.high,
+        inside=contains(band.low, band.high, band.nan, measured),
+        unit=band.unit,
+        band=band,
     )
 
 
@@ -279,29 +205,6 @@ def independent_references(banded: Banded, also: Mapping[str, Reference]) -> lis
             )
         )
     return rows
-
-
-def _check_shape(reference: Reference, given: tuple[int, ...], measured: tuple[int, ...]) -> None:
-    rows, components = measured
-    got = given[-1] if given else 1
-    if got not in (1, components):
-        message = f"gives {got} components, the shader's output has {components}"
-    elif len(given) > 2 or (len(given) == 2 and given[0] not in (1, rows)):
-        message = f"gives shape {given} for {rows} values"
-    else:
-        return
-    place = source_of(reference)
-    raise FormulaError(
-        f"{name_of(reference)}() {message}",
-        file=place.file,
-        line=place.line,
-        remedy="v.x is one component of a vector, vec4(v, 0.0, 1.0) adds the missing ones",
-    )
-
-
-def _count(flags: npt.NDArray[np.bool_], values: Array) -> int:
-    """How many of the values are marked; flags of fewer components are those of all."""
-    return int(np.count_nonzero(flags)) * (values.size // max(flags.size, 1))
 
 
 def _pixel(covered: Array, index: int) -> tuple[int, int]:

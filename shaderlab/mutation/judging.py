@@ -12,6 +12,7 @@ from shaderlab.evaluation import Evaluation, Lab
 from shaderlab.expectations.gl_calls import Traced
 from shaderlab.expectations.reads import Named, judged_outputs
 from shaderlab.frame import TracedCall
+from shaderlab.judging.remembered import RememberedBands
 from shaderlab.model import Case, Draw, Scene
 from shaderlab.mutation import compare, proof
 from shaderlab.mutation.api_judging import fate_of_unseen
@@ -47,6 +48,7 @@ class Judge:
     ) -> None:
         self._lab = lab
         self._located: dict[str, Traces] | None = {} if locate else None
+        self._bands = RememberedBands()
         self._scenes = scenes_of(case, variants)
         self._judged = judged_outputs(self._scenes)
         self._originals = {s.variant: self._original(s) for s in self._scenes}
@@ -63,7 +65,8 @@ class Judge:
         tasks: list[Task] = []
         try:
             tasks = self.tasks(mutant)
-            return self._fate_of(tasks)
+            with self._bands.in_use():
+                return self._fate_of(tasks)
         except PartError:
             raise
         except ShaderError as error:
@@ -219,7 +222,7 @@ class Judge:
 
     def _original(self, scene: Scene) -> Evaluation:
         programs = self._lab.prepare_for_opengl(scene)
-        with self._lab.evaluation(scene, programs) as evaluation:
+        with self._lab.evaluation(scene, programs) as evaluation, self._bands.in_use():
             for expectation in scene.expect:
                 if not expectation.passes(scene):
                     continue  # no shader has a part in it

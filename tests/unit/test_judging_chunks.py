@@ -10,7 +10,7 @@ import pytest
 
 from shaderlab.errors import FormulaError
 from shaderlab.glslmath import dot, max, normalize, pow, vec3, where
-from shaderlab.judging import banded
+from shaderlab.judging import reference_bands
 from shaderlab.judging.banded import judge_band
 from shaderlab.judging.inputs import Inputs
 
@@ -42,7 +42,7 @@ def test_pieces_are_judged_as_the_whole(monkeypatch: pytest.MonkeyPatch, chunk: 
     values = measured(given)
     whole = judge_band(values, shaded, given, rules=None)
     assert np.argwhere(~whole.inside).tolist() == [[11, 1], [57, 2]]
-    monkeypatch.setattr(banded, "CHUNK", chunk)
+    monkeypatch.setattr(reference_bands, "CHUNK", chunk)
     pieces = judge_band(values, shaded, given, rules=None)
     for name in ("reference", "low", "high", "inside", "vacuous_share", "undecided_share"):
         np.testing.assert_array_equal(getattr(pieces, name), getattr(whole, name))
@@ -61,13 +61,13 @@ def test_float64_is_asked_only_for_what_is_looked_at(monkeypatch: pytest.MonkeyP
 
     given = inputs(95)
     values = measured(given)
-    monkeypatch.setattr(banded, "CHUNK", 10)
-    monkeypatch.setattr(banded, "SAMPLED", 30)
+    monkeypatch.setattr(reference_bands, "CHUNK", 10)
+    monkeypatch.setattr(reference_bands, "SAMPLED", 30)
     judged = judge_band(values, counted, given, rules=None)
     assert asked == []
     found = judged.worst()
     assert found is not None and judged.informative_share == 1.0 and asked == [32 + 1]
-    np.testing.assert_array_equal(judged.exact.part(57)[0], judged.reference[57])
+    np.testing.assert_array_equal(judged.band.exact.part(57)[0], judged.reference[57])
     assert asked[1] == 1 and sum(asked[2:]) == 95
 
 
