@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -16,6 +17,9 @@ from shaderlab.model import CubeTexture, Output, Texture, TextureArray, TextureS
 from shaderlab.model.textures import level_sizes
 from shaderlab.programs.formats import format_of
 
+# Bytes of what functions made that are kept for the next scene.
+MADE = 1 << 26
+_MADE: WeakKeyDictionary[Callable[[], Any], Array] = WeakKeyDictionary()
 Images = Mapping[tuple[str, str], Image]
 """What earlier passes have drawn, by (pass, output)."""
 
@@ -97,11 +101,13 @@ def _values(image: Any, format: str, folder: Path, owner: str) -> Array:
         from shaderlab.pictures import load
 
         image = load(folder / image)
+    elif callable(image):
+        image = _made(image)
     if isinstance(image, Image):
         codes = image.values.dtype == np.uint8 and wanted is not np.uint8
         values = image.values / 255.0 if codes else image.values
     else:
-        values = np.asarray(image() if callable(image) else image)
+        values = np.asarray(image)
     if values.ndim == 2:
         values = values[:, :, None]
     if values.ndim != 3 or values.shape[2] < channels or 0 in values.shape:
@@ -112,6 +118,22 @@ def _values(image: Any, format: str, folder: Path, owner: str) -> Array:
     if wanted is np.uint8 and values.dtype.kind == "f":
         values = np.rint(np.clip(values, 0.0, 1.0) * 255.0)
     return np.ascontiguousarray(values.astype(wanted))
+
+
+def _made(function: Callable[[], Any]) -> Array:
+    """What a function makes. It is called once while there is room, though each scene that is
+    drawn asks for it."""
+    try:
+        known = _MADE.get(function)
+    except TypeError:  # an object that can't be a key
+        return np.asarray(function())
+    if known is None:
+        known = np.array(function())
+        known.flags.writeable = False
+        if sum(values.nbytes for values in _MADE.values()) + known.nbytes > MADE:
+            _MADE.clear()
+        _MADE[function] = known
+    return known
 
 
 def _check_levels(first: Array, smaller: Sequence[Array]) -> None:

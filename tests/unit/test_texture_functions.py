@@ -1,0 +1,59 @@
+"""A function that makes a texture is called once, while what was made has room."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from shaderlab.frame import Array
+from shaderlab.model import Texture
+from shaderlab.programs import textures
+from shaderlab.programs.textures import contents
+
+
+class Noise:
+    """Makes other texels each time that it is called."""
+
+    def __init__(self) -> None:
+        self.calls = 0
+
+    def __call__(self) -> Array:
+        self.calls += 1
+        return np.full((4, 4, 3), self.calls / 255.0)
+
+
+class Unhashable(Noise):
+    __hash__ = None  # type: ignore[assignment]
+
+
+def codes(make: Noise, format: str = "rgb8") -> int:
+    (layer,) = contents(Texture(image=make, format=format), Path(), {}).layers
+    return int(layer[0, 0, 0])
+
+
+def test_it_is_called_once_for_all_scenes_and_formats() -> None:
+    make, other = Noise(), Noise()
+    assert [codes(make), codes(make), codes(other)] == [1, 1, 1]
+    assert make.calls == other.calls == 1
+    (layer,) = contents(Texture(image=make, format="rgb32f"), Path(), {}).layers
+    assert make.calls == 1 and layer[0, 0, 0] == np.float32(1 / 255.0)
+
+
+def test_nobody_can_change_what_is_kept() -> None:
+    make = Noise()
+    (layer,) = contents(Texture(image=make, format="rgb8"), Path(), {}).layers
+    layer[:] = 9  # an upload's own copy
+    assert codes(make) == 1
+
+
+def test_what_has_no_room_is_made_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(textures, "MADE", 500)  # 384 bytes are made
+    make, other = Noise(), Noise()
+    assert [codes(make), codes(other), codes(make)] == [1, 1, 2]
+
+
+def test_an_object_that_has_no_hash_is_called_each_time() -> None:
+    make = Unhashable()
+    assert [codes(make), codes(make)] == [1, 2]
