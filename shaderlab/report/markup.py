@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import inspect
 import re
+from collections.abc import Iterator
 from functools import cache
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree as ET
@@ -23,6 +24,8 @@ _ATTRIBUTES = frozenset(
     | {"separator", "stretchy", "symmetric", "width", "height", "depth", "voffset"}
     | {"columnalign", "columnlines", "columnspacing", "rowlines", "rowspacing"}
 )
+
+_WIDE = ("1em", "2em")  # \quad and \qquad
 
 
 def lesson(text: str) -> Markup:
@@ -46,7 +49,10 @@ def code_spans(text: str) -> Markup:
 
 
 def formula(latex: str) -> Markup:
-    """LaTeX as a block of MathML; what can't be converted is shown as it is written."""
+    r"""LaTeX as a block of MathML; what can't be converted is shown as it is written.
+
+    What a wide space (\quad, \qquad) parts are elements of their own, between which a line may end.
+    """
     from markupsafe import Markup
 
     source = clean(latex).strip()
@@ -60,7 +66,27 @@ def formula(latex: str) -> Markup:
         safe = _only_mathml(element)
     except Exception:  # the converter's errors have no common base
         return plain
-    return plain if safe is None else Markup(ET.tostring(safe, encoding="unicode"))
+    if safe is None:
+        return plain
+    return Markup(" ".join(ET.tostring(part, encoding="unicode") for part in _parted(safe)))
+
+
+def _parted(math: ET.Element) -> Iterator[ET.Element]:
+    """The parts of a formula between its wide spaces, each an element like the whole."""
+    if len(math) != 1:
+        yield math
+        return
+    row = math[0]
+    part: list[ET.Element] = []
+    for child in (*row, None):
+        if child is None or (child.tag == "mspace" and child.get("width") in _WIDE):
+            if part:
+                copy = ET.Element(math.tag, math.attrib)
+                ET.SubElement(copy, row.tag, row.attrib).extend(part)
+                yield copy
+            part = []
+        else:
+            part.append(child)
 
 
 @cache

@@ -175,6 +175,13 @@ def test_formulas_become_mathml_and_bad_ones_stay_readable(tmp_path: Path) -> No
     assert "\\frac{1}{" in html or html.count("<mfrac>") == 2
 
 
+def test_a_formulas_line_may_end_at_a_wide_space_of_its_own(tmp_path: Path) -> None:
+    parts = r"F = \frac{1}{d}, \qquad x = \sqrt{a \quad b} \quad y"
+    page = Page(write(run(record("a", formula=parts)), tmp_path))
+    assert [tag for tag, _ in page.tags].count("math") == 3
+    assert [attrs["width"] for tag, attrs in page.tags if tag == "mspace"] == ["1em"]
+
+
 def test_lessons_keep_paragraphs_lists_and_asterisks(tmp_path: Path) -> None:
     lesson = "First.\n\n- a\n- b `c<d`\n\nIt is D*G*F / (4*nl*nv)."
     html = write(run(record(lesson=lesson)), tmp_path).read_text()
