@@ -20,6 +20,7 @@ from shaderlab import (
     assets,
     formula,
     gl_call,
+    measure,
     mesh_pass,
     sweep,
     value,
@@ -27,10 +28,18 @@ from shaderlab import (
 from shaderlab.glslmath import mix, vec4
 from shaderlab.sampling import texture
 
+GROUND = (0.2, 0.3, 0.3, 1.0)
+
 
 def mixed(texture1, texture2, TexCoords, mixValue):
     """a·(1 − w) + b·w, texel by texel."""
     return mix(texture(texture1, TexCoords), texture(texture2, TexCoords), mixValue)
+
+
+def off_ground(FragColor):
+    """How far what lies beside the quad is from the colour that it was cleared to."""
+    rim = np.concatenate([FragColor[[0, -1]].reshape(-1, 4), FragColor[:, [0, -1]].reshape(-1, 4)])
+    return np.abs(rim - GROUND).max()
 
 
 def handed_on(aTexCoords):
@@ -63,12 +72,13 @@ case = Case(
             "texture1": Texture(image=assets.crate),
             "texture2": Texture(image=assets.emblem),
         },
-        target=Target(clear=(0.2, 0.3, 0.3, 1.0)),
+        target=Target(clear=GROUND),
     ),
     expect=[
         formula("gl_Position", in_place),
         formula("TexCoords", handed_on),
         formula("FragColor", mixed),
+        measure("the ground around it", off_ground, at_most=2.0**-24),
         gl_call(
             "glGetIntegerv",
             "GL_MAX_TEXTURE_IMAGE_UNITS",

@@ -42,7 +42,7 @@ from ..scenes.draws import tested
 from ..scenes.figures import figure
 from ..scenes.panels import cell
 from ..scenes.shadow_stage import PICTURED, SHADOW, reads
-from ..scenes.shadow_truth import blocked
+from ..scenes.shadow_truth import blocked, dark_share
 
 SUN = (2.6, 3.0, 1.4)
 NEAR, FAR, CASCADES = 0.5, 60.0, 3
@@ -51,15 +51,7 @@ SPLITS = {name: split_distances(NEAR, FAR, CASCADES, blend) for name, blend in B
 # One map for everything, in the place of all three.
 SPLITS["one map"] = [FAR, FAR, FAR]
 MAP = 256
-# Between what the shares of wrong places lie: of near ones, and of all. They are what llvmpipe
-# draws, with a quarter or so to either side: up to two dozen of 96 × 96 pixels, whose middles the
-# edges of shadows may pass on the other side.
-WRONG = {
-    "one map": ((0.009, 0.014), (0.0065, 0.0100)),
-    "uniform": ((0.0035, 0.0053), (0.0020, 0.0033)),
-    "practical": ((0.0033, 0.0049), (0.0022, 0.0038)),
-    "logarithmic": ((0.0018, 0.0033), (0.0030, 0.0045)),
-}
+REACHES = {"nearer than 12": 12.0, "all": FAR}
 EYE, AIM = (3.0, 4.4, 5.2), (-0.9, 0.0, -11.0)
 # The scheme whose pass keeps all outputs: the others show the same surfaces.
 WHOLE, KEPT = "practical", {**SHADOW, "cascade": "r32f"}
@@ -182,6 +174,25 @@ def wrong(shadow, place, upright, within):
     return np.mean((shadow[..., 0] > 0.5)[there] != blocked(place, SUN, BOXES)[there])
 
 
+def wrong_of(shadow, other, place, upright, within):
+    """How often one scheme is wrong where another is wrong once."""
+    return wrong(shadow, place, upright, within) / wrong(other, place, upright, within)
+
+
+def told_otherwise(shadow, place, upright, scheme):
+    """The share of places that face the sun of which the maps of a scheme tell something else than
+    maps that are made by rays, of the same texels with the same biases."""
+    name = [*SPLITS][int(scheme)]
+    slope = 1.0 - upright @ (np.array(SUN) / np.linalg.norm(SUN))
+    number = (depth_of(place)[..., None] >= SPLITS[name][:-1]).sum(axis=-1)
+    matrices, dark = light_spaces(name, 1.0), np.zeros(number.shape)
+    for k, (matrix, least) in enumerate(zip(matrices, texel_depths(matrices), strict=True)):
+        here = (number == k) & (slope < 1.0)
+        bias = least * np.maximum(6.0 * slope[here], 1.0)
+        dark[here] = dark_share(place[here], matrix, MAP, BOXES, bias)
+    return np.mean(((shadow[..., 0] > 0.5) != dark)[slope < 1.0])
+
+
 def wrong_in_picture(FragColor, shadow, place):
     """The same of every eighth pixel both ways, whichever way it faces."""
     drawn, told, place = FragColor[::8, ::8, 3] > 0.0, shadow[::8, ::8, 0], place[::8, ::8, :3]
@@ -270,6 +281,19 @@ case = Case(
         *shadow_stage.surface_checks(EYE, BOXES, WHOLE, [s for s in SPLITS if s != WHOLE]),
         *shadow_stage.picture_checks(EYE, BOXES, drawn=0.7),
         measure(
+            "told otherwise than by maps of rays",
+            told_otherwise,
+            readings=[
+                reading(
+                    scheme,
+                    reads=reads(WHOLE, "place", "upright", shadow=f"{scheme}.shadow"),
+                    given={"scheme": k},
+                )
+                for k, scheme in enumerate(SPLITS)
+            ],
+            at_most=0.001,  # as in shadow-acne: places next to an edge, or to equality
+        ),
+        measure(
             "shadows told wrongly",
             wrong,
             readings=[
@@ -277,11 +301,27 @@ case = Case(
                     f"{scheme}, {where}",
                     reads=reads(WHOLE, "place", "upright", shadow=f"{scheme}.shadow"),
                     given={"within": within},
-                    between=bounds[n],
+                    at_most=0.02,  # what they are follows from the maps of rays
                 )
-                for n, (where, within) in enumerate({"nearer than 12": 12.0, "all": FAR}.items())
-                for scheme, bounds in WRONG.items()
+                for where, within in REACHES.items()
+                for scheme in SPLITS
             ],
+        ),
+        measure(
+            "… for each by a single map",
+            wrong_of,
+            readings=[
+                reading(
+                    f"{scheme}, {where}",
+                    reads=reads(
+                        WHOLE, "place", "upright", shadow=f"{scheme}.shadow", other="one map.shadow"
+                    ),
+                    given={"within": within},
+                )
+                for where, within in REACHES.items()
+                for scheme in BLENDS
+            ],
+            at_most=1.0,
         ),
         split_figures("uniform", (20.333333, 40.166667)),
         split_figures("logarithmic", (2.466212, 12.164404)),

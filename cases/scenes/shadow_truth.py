@@ -50,7 +50,11 @@ def blocked(
 
 
 def nearest_depths(
-    places: ArrayLike, light_space: Matrix, size: int, models: Sequence[Matrix]
+    places: ArrayLike,
+    light_space: Matrix,
+    size: int,
+    models: Sequence[Matrix],
+    shift: tuple[int, int] = (0, 0),
 ) -> Matrix:
     """What a shadow map made by rays holds for each place, with nothing rasterised: the depth, 0…1,
     of the box nearest to the light behind the middle of the place's texel; 1 where there is none.
@@ -60,13 +64,14 @@ def nearest_depths(
         light_space: the light's projection · view; parallel light.
         size: texels along each side of the map.
         models: the boxes' matrices.
+        shift: by how many texels to look beside a place's own one.
 
     >>> from shaderlab.reference.transforms import scale
     >>> nearest_depths([(0.1, 0.2, -0.9), (0.9, 0.9, 0.0)], np.eye(4), 4, [np.eye(4)]).tolist()
     [0.25, 1.0]
     """
     device = np.asarray(places, np.float64) @ light_space[:3, :3].T + light_space[:3, 3]
-    middles = (np.floor((0.5 * device[..., :2] + 0.5) * size) + 0.5) / size
+    middles = (np.floor((0.5 * device[..., :2] + 0.5) * size) + shift + 0.5) / size
     near = np.ones((*middles.shape[:-1], 4))
     near[..., :2], near[..., 2] = 2.0 * middles - 1.0, -1.0
     far = near * (1.0, 1.0, -1.0, 1.0)
@@ -78,14 +83,74 @@ def nearest_depths(
     return depths
 
 
-def told_otherwise(
-    light_space: Matrix, sun: ArrayLike, models: Sequence[Matrix]
-) -> Callable[..., float]:
-    """A statistic: the share of places that face the sun of which a shadow map tells something else
-    than `nearest_depths` of the same texels with the same bias.
+def nearest_distances(
+    rays: ArrayLike, lamp: ArrayLike, size: int, models: Sequence[Matrix]
+) -> Matrix:
+    """The same of a cube map around a lamp: how far away the nearest box is in the direction of the
+    middle of each ray's texel; infinite where there is none.
 
     Args:
-        light_space, models: as in `nearest_depths`.
+        rays: from the lamp, (…, 3), of any length but 0.
+        lamp: its place, (3,).
+        size: texels along each side of a face.
+        models: the boxes' matrices.
+
+    >>> far = nearest_distances([(0.1, 0.2, -4.0), (0.0, 1.0, 0.1)], (0, 0, 1.5), 1, [np.eye(4)])
+    >>> far.tolist()
+    [1.0, inf]
+    """
+    directions = np.asarray(rays, np.float64)
+    directions = directions / np.abs(directions).max(axis=-1, keepdims=True)
+    middles = 2.0 * (np.floor((0.5 * directions + 0.5) * size) + 0.5) / size - 1.0
+    directions = np.where(np.abs(directions) == 1.0, directions, middles)
+    distances = np.full(directions.shape[:-1], np.inf)
+    for model in models:
+        back = np.linalg.inv(np.asarray(model, np.float64))
+        start = np.asarray(lamp, np.float64) @ back[:3, :3].T + back[:3, 3]
+        distances = np.minimum(distances, slab_distance(start, directions @ back[:3, :3].T))
+    found: Matrix = distances * np.linalg.norm(directions, axis=-1)
+    return found
+
+
+def dark_share(
+    place: Matrix,
+    light_space: Matrix,
+    size: int,
+    models: Sequence[Matrix],
+    bias: Matrix,
+    radius: int = 0,
+) -> Matrix:
+    """How dark a shadow map made by rays tells places: the share of (2 radius + 1)² texels around
+    each that say so.
+
+    Args:
+        place, light_space, size, models: as in `nearest_depths`.
+        bias: of each place, in depth.
+        radius: texels to either side.
+
+    >>> behind_and_before = np.array([(0.1, 0.2, 0.9), (0.1, 0.2, -0.9)])
+    >>> dark_share(behind_and_before, np.eye(4), 4, [np.eye(4)], np.zeros(2)).tolist()
+    [1.0, 0.0]
+    """
+    depth = 0.5 * (place @ light_space[2, :3] + light_space[2, 3]) + 0.5
+    around = range(-radius, radius + 1)
+    told = [
+        (depth <= 1.0) & (depth - bias > nearest_depths(place, light_space, size, models, (x, y)))
+        for x in around
+        for y in around
+    ]
+    share: Matrix = np.mean(told, axis=0)
+    return share
+
+
+def told_otherwise(
+    light_space: Matrix, sun: ArrayLike, models: Sequence[Matrix], radius: int = 0
+) -> Callable[..., float]:
+    """A statistic: the share of places that face the sun of which a shadow map tells something else
+    than one made by rays, of the same texels with the same bias.
+
+    Args:
+        light_space, models, radius: as in `dark_share`.
         sun: towards the light, (3,).
 
     Returns:
@@ -100,11 +165,11 @@ def told_otherwise(
     towards = np.asarray(sun, np.float64) / np.linalg.norm(sun)
 
     def share(shadow: Matrix, place: Matrix, upright: Matrix, size: Any, biases: Any) -> float:
-        cosine, size = upright @ towards, int(size)
-        depth = 0.5 * (place @ light_space[2, :3] + light_space[2, 3]) + 0.5
+        cosine = upright @ towards
         bias = np.maximum(biases[1] * (1.0 - cosine), biases[0])
-        dark = (depth <= 1.0) & (depth - bias > nearest_depths(place, light_space, size, models))
-        return float(np.mean((dark != (shadow[..., 0] > 0.5))[cosine > 0.0]))
+        dark = dark_share(place, light_space, int(size), models, bias, radius)
+        differs = np.abs(dark - shadow[..., 0]) > 0.5 / (2 * radius + 1) ** 2
+        return float(np.mean(differs[cosine > 0.0]))
 
     return share
 
