@@ -23,11 +23,10 @@ from shaderlab.reference.transforms import in_view, rotate
 
 from ..scenes import stage
 from ..scenes.cameras import camera
-from ..scenes.figures import figures, results
+from ..scenes.figures import each_draw, figures, results
 from ..scenes.glm import euler_by_glm
 from ..scenes.panels import cell
 from ..scenes.props import aircraft
-from ..scenes.studio import handed_on, studio_color
 
 CAMERA = camera((2.6, 2.1, 4.2), (0.0, 0.0, 0.0), 38.0)
 # yaw, pitch, roll in degrees, from the upper left to the lower right
@@ -74,16 +73,6 @@ def position(aPos, yaw, pitch, roll, view, projection):
     return in_view(euler_turned(aPos, yaw, pitch, roll), view, projection)
 
 
-def checks(k, name):
-    """Every vertex and pixel of one pose."""
-    draw = 2 * k + 1
-    return (
-        formula("judged.Turned", euler_turned, draw=draw, also={"PyGLM": euler_by_glm}, name=name),
-        formula("judged.Normal", turned_normal, draw=draw, name=f"normals, {name}"),
-        formula("judged.FragColor", studio_color, draw=draw, name=f"colour, {name}"),
-    )
-
-
 def wing(yaw, pitch, roll):
     """The right wing's tip in a pose."""
     angles = {"yaw": radians(yaw), "pitch": radians(pitch), "roll": radians(roll)}
@@ -97,6 +86,7 @@ def apart(pitch):
     return np.abs(yawed - rolled).max()
 
 
+AIRCRAFT = {2 * k + 1: name for k, name in enumerate(POSES)}
 SAME = "the same matrix: one angle has nothing left to do"
 
 case = Case(
@@ -109,11 +99,10 @@ case = Case(
     ),
     picture="picture.FragColor",
     expect=[
-        *stage.picture_checks(),
-        *stage.prop_checks(),
-        *stage.light_checks(of="the last draw: "),
-        *(check for k, name in enumerate(POSES) for check in checks(k, name)),
-        formula("judged.Color", handed_on),
+        *stage.checks(),
+        *each_draw("judged.Turned", euler_turned, AIRCRAFT, also={"PyGLM": euler_by_glm}),
+        *each_draw("judged.Normal", turned_normal, AIRCRAFT, "normals, {}"),
+        *stage.color_checks(AIRCRAFT),
         formula("judged.gl_Position", position, name="clip coordinates"),
         *figures(
             "judged.Turned",
@@ -126,17 +115,13 @@ case = Case(
             },
             reference=euler_turned,
         ),
-        *results({"yaw 40° against roll −40°, level": (lambda: apart(0.0), 0.642788)}),
-        *results(
-            {"yaw 40° against roll −40°, nose up": (lambda: apart(90.0), 0.0, SAME)}, digits=15
-        ),
+        *results({"yaw 40° against roll −40°, level": (apart(0.0), 0.642788)}),
+        *results({"yaw 40° against roll −40°, nose up": (apart(90.0), 0.0, SAME)}, digits=15),
         *results(
             {
-                f"volume spanned by the axes at a pitch of {pitch}°": (
-                    lambda pitch=pitch: gimbal_freedom(radians(pitch)),
-                    volume,
-                )
+                f"volume spanned by the axes at a pitch of {pitch}°": (freedom, volume)
                 for pitch, volume in ((0, 1.0), (60, 0.5), (90, 0.0))
+                for freedom in [gimbal_freedom(radians(pitch))]
             },
             digits=12,
         ),

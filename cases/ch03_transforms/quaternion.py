@@ -14,8 +14,9 @@ angles.
 from math import acos, degrees, pi, radians, sqrt
 
 import numpy as np
+from numpy.linalg import norm
 
-from shaderlab import Case, Draw, Mesh, Pass, Target, assets, computed, formula, sweep
+from shaderlab import Case, Mesh, Target, assets, formula, mesh_pass, sweep
 from shaderlab.assets import solids
 from shaderlab.glslmath import vec4
 from shaderlab.reference.euler import euler_matrix
@@ -24,13 +25,12 @@ from shaderlab.reference.transforms import in_view, scale
 
 from ..scenes import stage
 from ..scenes.cameras import camera
-from ..scenes.figures import figure, figures
+from ..scenes.figures import each_draw, figure, figures, results
 from ..scenes.glm import slerp_by_glm, turned_by_glm
 from ..scenes.props import aircraft, letter_f
-from ..scenes.studio import handed_on, studio_color
 
 CAMERA = camera((0.3, 1.5, 6.0), (0.0, 0.72, 0.0), 38.0, 3.0 / 2.0)
-FRAMES = 7
+FRAMES, SMALL = 7, Target(size=(64, 64))
 AIRCRAFT = assets.moved(aircraft(), scale(0.36))
 # An aircraft stands a radius from the middle, ahead along its own nose.
 AWAY = (0.0, 0.0, -1.72)
@@ -55,13 +55,10 @@ def frame(step):
 
 def through(name, q):
     """The letter through one quaternion, for its vertices only."""
-    draw = Draw(
-        vertex="ch03_transforms/quaternion_turn.vert",
-        fragment="ch03_transforms/quaternion_turn.frag",
-        mesh=Mesh(**letter_f()).only("aPos"),
-        uniforms={"q": q},
+    shader, letter = "ch03_transforms/quaternion_turn", Mesh(**letter_f()).only("aPos")
+    return mesh_pass(
+        f"{shader}.vert", f"{shader}.frag", letter, uniforms={"q": q}, name=name, target=SMALL
     )
-    return Pass(name=name, target=Target(size=(64, 64)), draws=(draw,))
 
 
 def orientation(t):
@@ -105,9 +102,9 @@ QUARTER, NONE = axis_angle((0, 0, 1), pi / 2), np.array([0.0, 0.0, 0.0, 1.0])
 LOCKED = product(axis_angle((0, 1, 0), radians(40.0)), axis_angle((1, 0, 0), radians(90.0)))
 
 
-def matrix_gap(q, matrix):
-    """Largest difference between a quaternion's matrix and another one."""
-    return np.abs(matrix_of(q) - matrix).max()
+def matrix_gap():
+    """Largest difference between the locked pose's matrix and that of Euler's angles."""
+    return np.abs(matrix_of(LOCKED) - euler_matrix(radians(40.0), radians(90.0), 0.0)).max()
 
 
 def half_way():
@@ -131,8 +128,14 @@ def sandwich_less_matrix():
     return turned(np.array([1.0, 2.0, 3.0]), TILTED) - matrix_of(TILTED)[:3, :3] @ (1, 2, 3)
 
 
+PLACES = {step + 1: step for step in range(FRAMES)}
+ENDS = {4: "on top", -1: "at the end"}
 AT_HALF = {"aPos": (0.0, 0.0, 0.0), "t": 0.5}
 BY_GLM = {"PyGLM": turned_by_glm}
+MIXED, COS_22_5 = (NONE + QUARTER) / 2.0, sqrt((1.0 + sqrt(0.5)) / 2.0)
+SANDWICH = "q v q* of (1, 2, 3) less its matrix times (1, 2, 3)"
+NO_LOCK = "a half for every axis and in every pose; Euler's angles have 0 here"
+SHORTER = "shorter than 1: mixed quaternions must be normalised"
 
 case = Case(
     title="Quaternions",
@@ -144,29 +147,21 @@ case = Case(
         *stage.photographed(
             (stage.prop(globe(), CAMERA), *(frame(step) for step in range(FRAMES))), (900, 600)
         ),
-        through("locked", LOCKED),
-        through("tilted", TILTED),
+        *through("locked", LOCKED),
+        *through("tilted", TILTED),
     ),
     picture="picture.FragColor",
     expect=[
-        *stage.picture_checks(),
-        *stage.prop_checks(),
-        *stage.light_checks(of="the last draw: "),
+        *stage.checks(),
         formula("tilted.Turned", by_quaternion, also=BY_GLM, name="110° around (1,2,2)"),
         formula("locked.Turned", by_quaternion, also=BY_GLM, name="the locked pose"),
         *(formula(f"{name}.FragColor", one_color) for name in ("locked", "tilted")),
         formula("tilted.gl_Position", half_size),
-        *(
-            formula("judged.Turned", at_place, draw=step + 1, name=f"place {step} of the formation")
-            for step in range(FRAMES)
-        ),
+        *each_draw("judged.Turned", at_place, PLACES, "place {} of the formation"),
         formula("judged.Orientation", orientation, also={"PyGLM": slerp_by_glm(START, END)}),
-        formula("judged.Normal", turned_normal, draw=4, name="normals turn, on top"),
-        formula("judged.Normal", turned_normal, name="normals turn, at the end"),
-        formula("judged.Color", handed_on),
+        *each_draw("judged.Normal", turned_normal, ENDS, "normals turn, {}"),
         formula("judged.gl_Position", position, name="clip coordinates"),
-        formula("judged.FragColor", studio_color, draw=4, name="colour, on top"),
-        formula("judged.FragColor", studio_color, name="colour, at the end"),
+        *stage.color_checks(ENDS),
         sweep(
             "judged.Orientation",
             orientation,
@@ -192,39 +187,25 @@ case = Case(
             },
             reference=by_quaternion,
         ),
-        computed(
-            "q v q* against the matrix, nose up and yawed by 40°",
-            lambda: matrix_gap(LOCKED, euler_matrix(radians(40.0), radians(90.0), 0.0)),
-            equals=0.0,
+        *results(
+            {
+                "q v q* against the matrix, nose up and yawed by 40°": (matrix_gap, 0.0),
+                "q q*": (product(TILTED, conjugate(TILTED)), NONE),
+                "length of slerp's quarter, of (0, 0, 0, 1) and 90° around z": (
+                    norm(slerp(NONE, QUARTER, 0.25)),
+                    1.0,
+                ),
+            },
             digits=15,
         ),
-        computed(
-            "q v q* of (1, 2, 3) less its matrix times (1, 2, 3)",
-            sandwich_less_matrix,
-            equals=(0.0, 0.0, 0.0),
-            digits=14,
-        ),
-        computed("q q*", lambda: product(TILTED, conjugate(TILTED)), equals=NONE, digits=15),
-        computed("slerp halfway, degrees from either end", half_way, equals=(75.0, 75.0), digits=9),
-        computed(
-            "least response to a turn in the locked pose",
-            smallest_response,
-            equals=0.5,
+        *results({SANDWICH: (sandwich_less_matrix, (0.0, 0.0, 0.0))}, digits=14),
+        *results({"slerp halfway, degrees from either end": (half_way, (75.0, 75.0))}, digits=9),
+        *results(
+            {
+                "least response to a turn in the locked pose": (smallest_response, 0.5, NO_LOCK),
+                "length of a plain mixture, halfway": (norm(MIXED), COS_22_5, SHORTER),
+            },
             digits=12,
-            note="a half for every axis and in every pose; Euler's angles have 0 here",
-        ),
-        computed(
-            "length of slerp's quarter, of (0, 0, 0, 1) and 90° around z",
-            lambda: np.linalg.norm(slerp(NONE, QUARTER, 0.25)),
-            equals=1.0,
-            digits=15,
-        ),
-        computed(
-            "length of a plain mixture, halfway",
-            lambda: np.linalg.norm((NONE + QUARTER) / 2.0),
-            equals=sqrt((1.0 + sqrt(0.5)) / 2.0),
-            digits=12,
-            note="shorter than 1: mixed quaternions must be normalised",
         ),
     ],
 )

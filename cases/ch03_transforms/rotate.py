@@ -24,7 +24,6 @@ from ..scenes.figures import each_draw, figures, results
 from ..scenes.glm import rotated_by_glm
 from ..scenes.panels import cell
 from ..scenes.props import letter_f, tile
-from ..scenes.studio import handed_on, studio_color
 
 AXES = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1), "any": (1, 1, 1)}
 FULL = {"x": 90.0, "y": 90.0, "z": 90.0, "any": 120.0}
@@ -71,7 +70,10 @@ def position(aPos, axis, angle, offset, view, projection):
 LAST = {6 * k + 5: name for k, name in enumerate(AXES)}
 THIRD = {"aPos": (1, 0, 0), "axis": (5, 5, 5), "angle": radians(120), "offset": (0, 0, 0)}
 RIGHT = {**THIRD, "axis": (0, 0, 1), "angle": radians(90)}
+# What the notes turn by 30° around z and move by (5, 6, 7), and what comes out.
 NOTES = {"aPos": (1.0, 2.0, 3.0), "axis": (0.0, 0.0, 1.0), "angle": radians(30.0)}
+MENDED, PRINTED = (4.866025, 8.232051, 10.0), (-0.133975, 2.232051, 10.0)
+AT_ONCE = translate((5, 6, 7)) @ rotate(radians(30), (0, 0, 1)) @ (1, 2, 3, 1)
 
 case = Case(
     title="Rotation",
@@ -84,9 +86,7 @@ case = Case(
     ),
     picture="picture.FragColor",
     expect=[
-        *stage.picture_checks(),
-        *stage.prop_checks(),
-        *stage.light_checks(of="the last draw: "),
+        *stage.checks(),
         *each_draw(
             "judged.Turned",
             turned,
@@ -94,38 +94,23 @@ case = Case(
             also={"PyGLM": rotated_by_glm},
         ),
         formula("judged.Normal", turned_normal, name="normals turn"),
-        formula("judged.Color", handed_on),
         formula("judged.gl_Position", position, name="clip coordinates"),
-        *each_draw(
-            "judged.FragColor",
-            studio_color,
-            {draw: f"colour, around {axis}" for draw, axis in LAST.items()},
-        ),
+        *stage.color_checks(LAST, "colour, around {}"),
         *figures(
             "judged.Turned",
             {
                 "x becomes y": (RIGHT, (0.0, 1.0, 0.0)),
                 "a third of a turn around (5, 5, 5)": (THIRD, (0.0, 1.0, 0.0)),
-                "equation 3.4, mended": (
-                    {**NOTES, "offset": (5.0, 6.0, 7.0)},
-                    (4.866025, 8.232051, 10.0),
-                ),
+                "equation 3.4, mended": ({**NOTES, "offset": (5.0, 6.0, 7.0)}, MENDED),
                 "equation 3.4, as printed": (
                     {**NOTES, "offset": (0.0, 0.0, 7.0)},
-                    (-0.133975, 2.232051, 10.0),
+                    PRINTED,
                     "V₁ and V₂ are missing",
                 ),
             },
             reference=turned,
         ),
-        *results(
-            {
-                "(5, 6, 7) after 30° around z, of (1, 2, 3)": (
-                    lambda: translate((5, 6, 7)) @ rotate(radians(30), (0, 0, 1)) @ (1, 2, 3, 1),
-                    (4.866025, 8.232051, 10.0, 1.0),
-                )
-            }
-        ),
+        *results({"(5, 6, 7) after 30° around z, of (1, 2, 3)": (AT_ONCE, (*MENDED, 1.0))}),
     ],
     errata=[
         Erratum(

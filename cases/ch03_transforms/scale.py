@@ -23,7 +23,6 @@ from ..scenes.figures import each_draw, figures, results
 from ..scenes.glm import scaled_by_glm
 from ..scenes.panels import cell
 from ..scenes.props import letter_f, tile
-from ..scenes.studio import handed_on, studio_color
 
 CAMERA = camera((1.5, 2.3, 5.6), (0.15, 0.75, 0.0), 34.0, 4.0 / 3.0)
 GHOST = solids.repainted(letter_f(), (0.62, 0.66, 0.70), 0.85)
@@ -74,15 +73,10 @@ case = Case(
     ),
     picture="picture.FragColor",
     expect=[
-        *stage.picture_checks(),
-        *stage.prop_checks(),
-        *stage.light_checks(of="the last draw: "),
+        *stage.checks(),
         *each_draw("judged.Scaled", scaled, LAST, also={"PyGLM": scaled_by_glm}),
-        *each_draw(
-            "judged.FragColor", studio_color, {k: f"colour, {name}" for k, name in LAST.items()}
-        ),
+        *stage.color_checks(LAST),
         formula("judged.Normal", across_the_slope, draw=5, name="normals"),
-        formula("judged.Color", handed_on),
         formula("judged.gl_Position", position, name="clip coordinates"),
         *figures(
             "judged.Scaled",
@@ -98,11 +92,11 @@ case = Case(
         *results(
             {
                 "translate(4, 5, 6) · scale(1, 2, 3) · (7, 8, 9)": (
-                    lambda: translate((4, 5, 6)) @ scale((1, 2, 3)) @ (7, 8, 9, 1),
+                    translate((4, 5, 6)) @ scale((1, 2, 3)) @ (7, 8, 9, 1),
                     TIMES,
                 ),
-                "volume under (1, 2, 3)": (lambda: det(scale((1, 2, 3))), 6.0),
-                "determinant of the mirror": (lambda: det(scale((-1, 1, 1))), -1.0, LEFT),
+                "volume under (1, 2, 3)": (det(scale((1, 2, 3))), 6.0),
+                "determinant of the mirror": (det(scale((-1, 1, 1))), -1.0, LEFT),
             },
             digits=12,
         ),

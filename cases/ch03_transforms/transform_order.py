@@ -14,18 +14,17 @@ middle S·T·R and T·S·R, below R·S·T and S·R·T.
 
 import numpy as np
 
-from shaderlab import Case, Erratum, assets, computed, formula
+from shaderlab import Case, Erratum, assets, formula
 from shaderlab.assets import solids
 from shaderlab.glslmath import mul, vec4
 from shaderlab.reference.transforms import normal_matrix, scale, translate, world_normal
 
 from ..scenes import stage
 from ..scenes.cameras import camera, turned
-from ..scenes.figures import figure
+from ..scenes.figures import each_draw, figure, results
 from ..scenes.glm import scaled_then_rotated_by_glm
 from ..scenes.panels import cell
 from ..scenes.props import letter_f, tile
-from ..scenes.studio import handed_on, studio_color
 
 STEPS = {
     "S": (scale((2.0, 1.0, 1.0)), solids.GREEN),
@@ -96,17 +95,11 @@ def product(order):
     return (left @ middle @ right @ POINT)[:3]
 
 
-def checks(k, order, place):
-    """One order: all its vertices, its pixels, and where (1, 0, 0) is sent."""
-    draw, output, point = 4 * k + 3, "judged.Placed", {"aPos": (1.0, 0.0, 0.0)}
-    also = {"one product of matrices": placed_at_once}
-    return (
-        formula(output, placed, draw=draw, also=also, name=f"{order} of every vertex"),
-        formula("judged.FragColor", studio_color, draw=draw, name=f"colour, {order}"),
-        figure(output, order, point, (*place, 1.0), reference=placed, draw=draw),
-        computed(f"{order} as one matrix", lambda: product(order), equals=place, digits=12),
-    )
-
+# The letter of each order, where it ends up.
+LETTERS = {4 * k + 3: order for k, order in enumerate(ORDERS)}
+ONE, AT_ONCE = {"aPos": (1.0, 0.0, 0.0)}, {"one product of matrices": placed_at_once}
+BY_GLM = "(1, 0, 0) by glm::scale, and then glm::rotate"
+NOTE = "scaled first, it would be at (0, 2, 0)"
 
 case = Case(
     title="The order of transforms",
@@ -118,20 +111,17 @@ case = Case(
     ),
     picture="picture.FragColor",
     expect=[
-        *stage.picture_checks(),
-        *stage.prop_checks(),
-        *stage.light_checks(of="the last draw: "),
-        *(check for k, row in enumerate(ORDERS.items()) for check in checks(k, *row)),
-        computed(
-            "(1, 0, 0) by glm::scale, and then glm::rotate",
-            lambda: scaled_then_rotated_by_glm((1.0, 0.0, 0.0)),
-            equals=(0.0, 1.0, 0.0),
-            digits=12,
-            note="scaled first, it would be at (0, 2, 0)",
+        *stage.checks(),
+        *each_draw("judged.Placed", placed, LETTERS, "{} of every vertex", also=AT_ONCE),
+        *stage.color_checks(LETTERS),
+        *(
+            figure("judged.Placed", order, ONE, (*ORDERS[order], 1.0), reference=placed, draw=draw)
+            for draw, order in LETTERS.items()
         ),
+        *results({f"{o} as one matrix": (product(o), ORDERS[o]) for o in ORDERS}, digits=12),
+        *results({BY_GLM: (scaled_then_rotated_by_glm((1, 0, 0)), (0, 1, 0), NOTE)}, digits=12),
         formula("judged.gl_Position", position, name="clip coordinates"),
         formula("judged.Normal", world_normal, name="normals"),
-        formula("judged.Color", handed_on),
     ],
     errata=[
         Erratum(
@@ -139,7 +129,7 @@ case = Case(
             says="scale → rotate → translate, where the code calls glm::scale and then glm::rotate",
             truth="GLM multiplies on the right: what is called last acts first, so the vertex is "
             "rotated, and then scaled",
-            proof="(1, 0, 0) by glm::scale, and then glm::rotate",
+            proof=BY_GLM,
         )
     ],
 )

@@ -21,14 +21,13 @@ from shaderlab.reference.transforms import perspective, translate
 
 from ..scenes import stage
 from ..scenes.cameras import turned
-from ..scenes.figures import each_draw, figure, figures, results
+from ..scenes.figures import each_draw, figures, results
 from ..scenes.laws import unchanged
 from ..scenes.panels import cell
 from ..scenes.props import letter_f, tile
-from ..scenes.studio import handed_on, studio_color
 
 FRAMES = range(12)
-SOME = FRAMES[::3]
+SOME = {k: f"frame {k}" for k in FRAMES[::3]}
 RADIUS, HEIGHT = 4.6, 2.0
 MIDDLE = (0.0, 0.4, 0.0)
 PROJECTION = perspective(radians(34.0), 4.0 / 3.0, 0.1, 20.0)
@@ -75,6 +74,10 @@ NO_PROJECTION = {
     "height": MIDDLE[1],
     "projection": np.eye(4),
 }
+NEAR, NEARBY = "close to the target, without a projection", (2.098076, 1.6, 2.356025, 1.0)
+SMALL = "so small a circle passes on little of what sine and cosine may err"
+EYES = {0: (0.0, 1.0, 5.0), 30: (2.5, 1.0, 4.330127), 90: (5.0, 1.0, 0.0)}
+AHEAD = (0.0, 0.0, -hypot(RADIUS, HEIGHT - MIDDLE[1]))
 
 case = Case(
     title="A camera in orbit",
@@ -84,15 +87,11 @@ case = Case(
     passes=stage.photographed([frame(k) for k in FRAMES], (1120, 630)),
     picture="picture.FragColor",
     expect=[
-        *stage.picture_checks(),
-        *stage.light_checks(),
-        *each_draw("judged.Eye", orbit_eye, {k: f"eye of frame {k}" for k in FRAMES}),
-        *each_draw(
-            "judged.gl_Position", position, {k: f"clip coordinates, frame {k}" for k in SOME}
-        ),
-        *each_draw("judged.FragColor", studio_color, {k: f"colour, frame {k}" for k in SOME}),
+        *stage.checks(props=False),
+        *each_draw("judged.Eye", orbit_eye, enumerate(FRAMES), "eye of frame {}"),
+        *each_draw("judged.gl_Position", position, SOME, "clip coordinates, {}"),
+        *stage.color_checks(SOME),
         formula("judged.Normal", unchanged("aNormal")),
-        formula("judged.Color", handed_on),
         sweep(
             "judged.Eye",
             orbit_eye,
@@ -101,33 +100,19 @@ case = Case(
             values=np.linspace(-np.pi, np.pi, 49)[1:-1],
             name="the circle",
         ),
-        figure(
-            "judged.gl_Position",
-            "close to the target, without a projection",
-            NO_PROJECTION,
-            (2.098076, 1.6, 2.356025, 1.0),
-            reference=position,
-            note="so small a circle passes on little of what sine and cosine may err",
-        ),
+        *figures("judged.gl_Position", {NEAR: (NO_PROJECTION, NEARBY, SMALL)}, reference=position),
         *figures(
             "judged.Eye",
             {
                 f"the eye at {degrees}°": ({"angle": radians(degrees)}, place)
-                for degrees, place in (
-                    (0, (0.0, 1.0, 5.0)),
-                    (30, (2.5, 1.0, 4.330127)),
-                    (90, (5.0, 1.0, 0.0)),
-                )
+                for degrees, place in EYES.items()
             },
             at={"aPos": (0, 0, 0), "angle": 0.0, "radius": 5.0, "height": 1.0},
             reference=orbit_eye,
         ),
         *results(
             {
-                f"the target in the camera's frame at {degrees}°": (
-                    lambda degrees=degrees: ahead(degrees),
-                    (0.0, 0.0, -hypot(RADIUS, HEIGHT - MIDDLE[1])),
-                )
+                f"the target in the camera's frame at {degrees}°": (ahead(degrees), AHEAD)
                 for degrees in (0, 30, 135)
             },
             digits=12,

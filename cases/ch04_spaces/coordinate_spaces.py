@@ -32,11 +32,10 @@ from shaderlab.reference.transforms import (
 
 from ..scenes import stage
 from ..scenes.cameras import camera, turned
-from ..scenes.figures import each_draw, figure
+from ..scenes.figures import figure
 from ..scenes.glm import clip_by_glm
 from ..scenes.panels import cell
 from ..scenes.props import aircraft, frustum, tile, tripod
-from ..scenes.studio import handed_on, studio_color
 
 MODEL = translate((0.35, 0.45, -0.3)) @ turned(55.0) @ scale(0.95)
 CAMERA = camera((1.7, 1.5, 3.0), (0.25, 0.35, -0.3), 40.0, 4.0 / 3.0, near=2.2, far=5.0)
@@ -154,8 +153,7 @@ case = Case(
     passes=stage.photographed(DRAWS, (1080, 540)),
     picture="picture.FragColor",
     expect=[
-        *stage.picture_checks(edges=0.005),
-        *stage.prop_checks(),
+        *stage.checks(light=False, edges=0.005),
         formula("judged.World", in_world, name="1 · local to world"),
         formula("judged.View", in_view, name="2 · world to view"),
         formula("judged.Clip", clip_position, also={"PyGLM": clip_by_glm}, name="3 · view to clip"),
@@ -166,12 +164,7 @@ case = Case(
             for k, name in enumerate(WATCHES)
         ),
         formula("judged.Normal", world_normal),
-        formula("judged.Color", handed_on),
-        *each_draw(
-            "judged.FragColor",
-            studio_color,
-            {FLYING[k]: f"colour, {name}" for k, name in enumerate(WATCHES)},
-        ),
+        *stage.color_checks(dict(zip(FLYING, WATCHES, strict=True))),
         nose("World", in_world, (-0.428194, 0.45, -0.844898, 1.0), "the nose in the world"),
         nose("View", in_view, (-0.401702, 0.329822, -4.488296, 1.0), "the nose in view space"),
         nose(

@@ -22,10 +22,9 @@ from shaderlab.reference.transforms import in_view, perspective
 
 from ..scenes import stage
 from ..scenes.cameras import camera
-from ..scenes.figures import each_draw, figure, figures, results
+from ..scenes.figures import each_draw, figures, results
 from ..scenes.panels import cell
 from ..scenes.props import tripod
-from ..scenes.studio import handed_on, studio_color
 
 CAMERA = camera((2.9, 2.5, 3.6), (0.2, 0.32, -0.1), 33.0, 4.0 / 3.0)
 NEAR, FAR = 0.1, 100.0
@@ -82,6 +81,11 @@ def triple_product():
     return np.linalg.det(np.diag([1.0, 1.0, np.sign(slope(-1.0))]))
 
 
+HANDS = {1: "right-handed", 3: "left-handed"}
+LEFT = {"aPos": (1.0, 2.0, 3.0), "leftHanded": True}
+NEARER_IS_LESS = "the slope is negative: nearer is less"
+TURNED_AROUND = "the projection has turned z around"
+
 case = Case(
     title="Handedness",
     section="2.1.2",
@@ -99,54 +103,33 @@ case = Case(
     ),
     picture="picture.FragColor",
     expect=[
-        *stage.picture_checks(),
-        *stage.prop_checks(),
-        *each_draw("judged.Seen", in_hand, {1: "right-handed", 3: "left-handed"}),
+        *stage.checks(light=False),
+        *each_draw("judged.Seen", in_hand, HANDS),
         formula("judged.Normal", normal_in_hand, draw=3),
-        formula("judged.Color", handed_on),
-        *each_draw(
-            "judged.gl_Position",
-            position,
-            {1: "clip coordinates, right-handed", 3: "clip coordinates, left-handed"},
-        ),
-        *each_draw(
-            "judged.FragColor", studio_color, {1: "colour, right-handed", 3: "colour, left-handed"}
-        ),
+        *each_draw("judged.gl_Position", position, HANDS, "clip coordinates, {}"),
+        *stage.color_checks(HANDS),
         formula("depth.depth", both, name="depth and its slope"),
         sweep("depth.depth", both, over="viewZ", values=-np.geomspace(0.1, 100.0, 65)),
         *figures(
             "depth.depth",
             {
-                "at z = −1": (
-                    {"viewZ": -1.0},
-                    (0.801802, -0.200200),
-                    "the slope is negative: nearer is less",
-                ),
+                "at z = −1": ({"viewZ": -1.0}, (0.801802, -0.200200), NEARER_IS_LESS),
                 "near": ({"viewZ": -0.1}, (-1.0, -20.02002)),
                 "far": ({"viewZ": -100.0}, (1.0, -0.00002)),
             },
         ),
-        figure(
+        *figures(
             "judged.Seen",
-            "(1, 2, 3) in a left-handed frame",
-            {"aPos": (1.0, 2.0, 3.0), "leftHanded": True},
-            (1.0, 2.0, -3.0),
+            {"(1, 2, 3) in a left-handed frame": (LEFT, (1.0, 2.0, -3.0))},
             reference=in_hand,
         ),
         *results(
             {
-                "x × y in the world": (
-                    lambda: cross(vec3(1, 0, 0), vec3(0, 1, 0)),
-                    (0.0, 0.0, 1.0),
-                ),
-                "(x × y) · z in device coordinates": (
-                    triple_product,
-                    -1.0,
-                    "the projection has turned z around",
-                ),
+                "x × y in the world": (cross(vec3(1, 0, 0), vec3(0, 1, 0)), (0.0, 0.0, 1.0)),
+                "(x × y) · z in device coordinates": (triple_product, -1.0, TURNED_AROUND),
             },
             digits=12,
         ),
-        *results({"slope at z = −1 by the matrix": (lambda: slope(-1.0), -0.200200)}),
+        *results({"slope at z = −1 by the matrix": (slope(-1.0), -0.200200)}),
     ],
 )

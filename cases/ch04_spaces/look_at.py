@@ -12,7 +12,7 @@ ones, wherever the camera goes.
 
 import numpy as np
 
-from shaderlab import Case, assets, computed, formula
+from shaderlab import Case, assets, formula
 from shaderlab.assets import solids
 from shaderlab.glslmath import mul, vec4
 from shaderlab.reference.spaces import in_camera
@@ -25,7 +25,6 @@ from ..scenes.glm import in_camera_by_glm, rotation_by_glm_float32
 from ..scenes.laws import unchanged
 from ..scenes.panels import cell
 from ..scenes.props import frustum, letter_f, tile, tripod
-from ..scenes.studio import handed_on, studio_color
 
 EYE, TARGET, UP = (3.0, 2.0, 5.0), (0.0, 1.0, 0.0), (0.0, 1.0, 0.0)
 SEES = camera(EYE, TARGET, 30.0, 4.0 / 3.0, near=1.0, far=9.0)
@@ -108,8 +107,22 @@ def view_of(place, eye, target):
     return {"aPos": place, "eye": eye, "target": target, "up": UP}
 
 
-ORIGIN, FORWARD, TOWARDS_MINUS_X = (0.0, 0.0, 0.0), (0.0, 0.0, -1.0), (-1.0, 0.0, 0.0)
-PLACE = (1.0, 2.0, 3.0)
+def off_by_glm():
+    """What float32 makes of the camera that looks towards −x."""
+    return widest(rotation_by_glm_float32(np.radians(-90.0), UP) - SIDEWAYS)
+
+
+ORIGIN, FORWARD, MINUS_X = (0.0, 0.0, 0.0), (0.0, 0.0, -1.0), (-1.0, 0.0, 0.0)
+PLACE, ASKEW = (1.0, 2.0, 3.0), view_of((2.0, -1.0, 5.0), (1.0, 2.0, 3.0), (4.0, 0.0, 2.0))
+VIEW, DEFAULT, SIDEWAYS = (
+    look_at(EYE, TARGET, UP),
+    look_at(ORIGIN, FORWARD),
+    look_at(ORIGIN, MINUS_X),
+)
+BY_GLM = (off_by_glm, 5.96e-8, "half an ULP of 1: cos 90° is −4.4 · 10⁻⁸ there")
+RIGHT_HANDED = "−f in its place makes the frame right-handed"
+INVERSE = "the inverse of the camera's matrix is the view matrix, to below 10⁻¹⁵ (1: it is)"
+ROUNDING = "9 · 10⁻¹⁶ apart at most, the rounding of float64"
 
 case = Case(
     title="The view matrix",
@@ -120,78 +133,45 @@ case = Case(
     passes=stage.photographed(DRAWS, (1000, 375)),
     picture="picture.FragColor",
     expect=[
-        *stage.picture_checks(),
-        *stage.prop_checks(),
+        *stage.checks(light=False),
         formula("judged.InView", seen_place, also={"PyGLM": in_camera_by_glm}, name="every vertex"),
         formula("judged.gl_Position", position, name="clip coordinates"),
         formula("judged.Normal", unchanged("aNormal")),
-        formula("judged.Color", handed_on),
-        formula("judged.FragColor", studio_color, draw=1, name="colour of the camera"),
-        formula("judged.FragColor", studio_color, name="colour, seen by the camera"),
+        *stage.color_checks({1: "colour of the camera", -1: "colour, seen by the camera"}, "{}"),
         *figures(
             "judged.InView",
             {
                 "the default camera": (view_of(PLACE, ORIGIN, FORWARD), PLACE),
-                "towards −x: (−z, y, x)": (
-                    view_of(PLACE, ORIGIN, TOWARDS_MINUS_X),
-                    (-3.0, 2.0, 1.0),
-                ),
-                "askew": (
-                    view_of((2.0, -1.0, 5.0), (1.0, 2.0, 3.0), (4.0, 0.0, 2.0)),
-                    (2.213594, -2.366432, -1.870829),
-                ),
+                "towards −x: (−z, y, x)": (view_of(PLACE, ORIGIN, MINUS_X), (-3.0, 2.0, 1.0)),
+                "askew": (ASKEW, (2.213594, -2.366432, -1.870829)),
                 "the eye is the origin": (view_of(EYE, EYE, TARGET), (0.0, 0.0, 0.0)),
-                "the target is straight ahead": (
-                    view_of(TARGET, EYE, TARGET),
-                    (0.0, 0.0, -5.916080),
-                ),
+                "the target is straight ahead": (view_of(TARGET, EYE, TARGET), (0, 0, -5.916080)),
             },
             reference=seen_place,
         ),
         *results(
             {
-                "the default camera less the identity": (
-                    lambda: widest(look_at(ORIGIN, (0, 0, -1)) - np.eye(4)),
-                    0.0,
-                ),
+                "the default camera less the identity": (widest(DEFAULT - np.eye(4)), 0.0),
                 "rows of the camera that looks towards −x": (
-                    lambda: look_at(ORIGIN, TOWARDS_MINUS_X)[:3, :3].ravel(),
+                    SIDEWAYS[:3, :3].ravel(),
                     (0, 0, -1, 0, 1, 0, 1, 0, 0),
                 ),
                 "its difference from rotate(−90°, y), in float64": (
-                    lambda: widest(look_at(ORIGIN, TOWARDS_MINUS_X) - turned(-90.0)),
+                    widest(SIDEWAYS - turned(-90.0)),
                     0.0,
                 ),
             },
             digits=15,
         ),
-        computed(
-            "its difference from GLM's float32 rotate(−90°, y)",
-            lambda: widest(
-                rotation_by_glm_float32(np.radians(-90.0), UP) - look_at(ORIGIN, TOWARDS_MINUS_X)
-            ),
-            equals=5.96e-8,
-            digits=10,
-            note="half an ULP of 1: cos 90° is −4.4 · 10⁻⁸ there",
-        ),
+        *results({"its difference from GLM's float32 rotate(−90°, y)": BY_GLM}, digits=10),
         *results(
             {
-                "det {s, u, f}": (lambda: np.linalg.det(axes()), -1.0),
-                "det of the view matrix": (
-                    lambda: np.linalg.det(look_at(EYE, TARGET, UP)),
-                    1.0,
-                    "−f in its place makes the frame right-handed",
-                ),
+                "det {s, u, f}": (np.linalg.det(axes()), -1.0),
+                "det of the view matrix": (np.linalg.det(VIEW), 1.0, RIGHT_HANDED),
             },
             digits=14,
         ),
-        computed(
-            "the inverse of the camera's matrix is the view matrix, to below 10⁻¹⁵ (1: it is)",
-            lambda: inverse_gap() < 1e-15,
-            equals=1.0,
-            digits=0,
-            note="9 · 10⁻¹⁶ apart at most, the rounding of float64",
-        ),
-        computed("|f × up|", unnormalised_side, equals=0.985611, digits=6),
+        *results({INVERSE: (lambda: inverse_gap() < 1e-15, 1.0, ROUNDING)}, digits=0),
+        *results({"|f × up|": (unnormalised_side, 0.985611)}),
     ],
 )

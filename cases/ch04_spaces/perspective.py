@@ -14,17 +14,17 @@ from math import radians
 
 import numpy as np
 
-from shaderlab import Case, computed, formula, sweep
+from shaderlab import Case, formula, sweep
 from shaderlab.glslmath import mul, swizzle, vec4
 from shaderlab.reference.spaces import device, perspective_clip
 from shaderlab.reference.transforms import look_at, perspective
 
 from ..scenes import stage
-from ..scenes.figures import figure, figures, results
+from ..scenes.figures import figures, results
 from ..scenes.glm import perspective_by_glm
 from ..scenes.laws import unchanged
 from ..scenes.props import railway
-from ..scenes.studio import handed_on, studio_color
+from ..scenes.studio import studio_color
 
 VIEW = look_at((0.9, 1.9, 3.6), (0.15, 0.9, -7.0))
 LENS = {"fovy": radians(45.0), "aspect": 4.0 / 3.0, "near": 0.1, "far": 100.0}
@@ -61,6 +61,15 @@ def apart(distance):
 
 
 POINT = {"aPos": (1.0, 1.0, -1.0), "view": np.eye(4)}
+# Where the matrix is not 0, and what it makes of the point.
+ENTRIES = zip(
+    ((0, 0), (1, 1), (2, 2), (2, 3), (3, 2)),
+    (1.810660, 2.414214, -1.002002, -0.200200, -1.0),
+    strict=True,
+)
+TWICE_AS_FAR = (apart(2e6) / apart(1e6), 0.5, "as one over the distance: they meet")
+IN_CLIP = (1.810660, 2.414214, 0.801802, 1.0)
+CORNER = ({**POINT, **LENS}, IN_CLIP, "−1.002002 · (−1) − 0.200200")
 
 case = Case(
     title="Perspective projection",
@@ -70,36 +79,15 @@ case = Case(
     passes=stage.photographed((TRACK,), (800, 600)),
     picture="picture.FragColor",
     expect=[
-        *stage.picture_checks(),
-        *stage.light_checks(),
+        *stage.checks(props=False),
         formula("judged.gl_Position", clip, also={"PyGLM": by_glm}),
         formula("judged.Ndc", in_device),
         formula("judged.Normal", unchanged("aNormal")),
-        formula("judged.Color", handed_on),
         formula("judged.FragColor", studio_color),
         *results(
-            {
-                f"row {row + 1}, column {column + 1}": (
-                    lambda place=(row, column): MATRIX[place],
-                    entry,
-                )
-                for row, column, entry in (
-                    (0, 0, 1.810660),
-                    (1, 1, 2.414214),
-                    (2, 2, -1.002002),
-                    (2, 3, -0.200200),
-                    (3, 2, -1.0),
-                )
-            }
+            {f"row {r + 1}, column {c + 1}": (MATRIX[r, c], entry) for (r, c), entry in ENTRIES}
         ),
-        figure(
-            "judged.gl_Position",
-            "(1, 1, −1) in clip space",
-            {**POINT, **LENS},
-            (1.810660, 2.414214, 0.801802, 1.0),
-            reference=clip,
-            note="−1.002002 · (−1) − 0.200200",
-        ),
+        *figures("judged.gl_Position", {"(1, 1, −1) in clip space": CORNER}, reference=clip),
         *figures(
             "judged.Ndc",
             {
@@ -119,15 +107,7 @@ case = Case(
             values=np.radians(np.linspace(20.0, 120.0, 41)),
             name="wider openings, smaller pictures",
         ),
-        computed(
-            "rails on the screen at a distance of 10⁶", lambda: apart(1e6), equals=0.0, digits=5
-        ),
-        computed(
-            "their width twice as far, relative",
-            lambda: apart(2e6) / apart(1e6),
-            equals=0.5,
-            digits=4,
-            note="as one over the distance: they meet",
-        ),
+        *results({"rails on the screen at a distance of 10⁶": (apart(1e6), 0.0)}, digits=5),
+        *results({"their width twice as far, relative": TWICE_AS_FAR}, digits=4),
     ],
 )

@@ -13,19 +13,7 @@ comes out the same, bit for bit.
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Depth,
-    Draw,
-    Mesh,
-    Pixel,
-    State,
-    Texture,
-    assets,
-    computed,
-    formula,
-    value,
-)
+from shaderlab import Case, Pixel, Texture, assets, formula, value
 from shaderlab.glslmath import mul, swizzle
 from shaderlab.reference.transforms import clip_position, translate
 from shaderlab.sampling import texture
@@ -34,7 +22,8 @@ from ..scenes import stage
 from ..scenes.boxes import nearest_box
 from ..scenes.cameras import camera, turned
 from ..scenes.drawing import decoded
-from ..scenes.figures import each_draw, figure
+from ..scenes.draws import tested
+from ..scenes.figures import each_draw, figure, results
 from ..scenes.glm import clip_by_glm
 from ..scenes.laws import unchanged
 from ..scenes.studio import studio_color
@@ -55,13 +44,11 @@ def model(k):
 BOXES = [model(k) for k in range(10)]
 # The nearest first; numbered from 1.
 DRAWS = [
-    Draw(
-        vertex="ch04_spaces/ten_cubes.vert",
-        fragment="ch04_spaces/ten_cubes.frag",
-        mesh=Mesh(**assets.cube()),
-        uniforms={"model": box, **CAMERA, "number": float(k)},
+    tested(
+        "ch04_spaces/ten_cubes",
+        assets.cube(),
+        {"model": box, **CAMERA, "number": float(k)},
         textures={"wood": WOOD},
-        state=State(depth=Depth()),
     )
     for k, box in enumerate(BOXES, 1)
 ]
@@ -93,6 +80,10 @@ def clear_pixels():
 
 
 CLEAR = clear_pixels()
+BOX = {k: f"box {k + 1}" for k in range(10)}
+GLM = {"PyGLM": clip_by_glm}
+LEANING = {"Normal": (-2.0, 1.0, 2.0), "TexCoords": (0.5, 0.5)}
+BROWN = (0.309080, 0.210736, 0.117076, 1.0)
 
 
 def met(x, y, box):
@@ -117,25 +108,13 @@ case = Case(
     picture="picture.FragColor",
     expect=[
         *stage.picture_checks("box"),
-        *each_draw(
-            "judged.gl_Position",
-            clip_position,
-            {k: f"clip coordinates of box {k + 1}" for k in range(10)},
-            also={"PyGLM": clip_by_glm},
-        ),
-        *each_draw("judged.FragColor", of_wood, {k: f"pixels of box {k + 1}" for k in range(10)}),
-        figure(
-            "judged.FragColor",
-            "wood, its normal not of length 1",
-            {"Normal": (-2.0, 1.0, 2.0), "TexCoords": (0.5, 0.5)},
-            (0.309080, 0.210736, 0.117076, 1.0),
-        ),
+        *each_draw("judged.gl_Position", clip_position, BOX, "clip coordinates of {}", also=GLM),
+        *each_draw("judged.FragColor", of_wood, BOX, "pixels of {}"),
+        figure("judged.FragColor", "wood, its normal not of length 1", LEANING, BROWN),
         formula("judged.box", unchanged("number")),
         formula("judged.Normal", turned_normal),
         formula("judged.TexCoords", unchanged("aTexCoords")),
         *(met(*seen) for seen in CLEAR),
-        computed(
-            "boxes met by the rays", lambda: len({k for *_, k in CLEAR if k}), equals=10, digits=0
-        ),
+        *results({"boxes met by the rays": (len({k for *_, k in CLEAR if k}), 10)}, digits=0),
     ],
 )

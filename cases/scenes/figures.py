@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 from typing import Any
 
 from shaderlab import Pixel, computed, formula, value
@@ -73,27 +74,47 @@ def figures(
 
 
 def results(rows: Mapping[str, tuple[Any, ...]], *, digits: int = 6) -> list[Any]:
-    """A `computed` figure for each row: label → (function, the figure, and if wanted a note).
+    """A `computed` figure for each row: label → (a function or its result, the figure, and if
+    wanted a note).
 
-    >>> [found.equals for found in results({"one": (lambda: 1.0, 1.0)})]
-    [1.0]
+    >>> [found.equals for found in results({"one": (lambda: 1.0, 1.0), "two": (1.0 + 1.0, 2.0)})]
+    [1.0, 2.0]
     """
     return [
-        computed(label, function, equals=equals, digits=digits, note="".join(note))
-        for label, (function, equals, *note) in rows.items()
+        computed(
+            label,
+            made if callable(made) else partial(_same, made),
+            equals=equals,
+            digits=digits,
+            note="".join(note),
+        )
+        for label, (made, equals, *note) in rows.items()
     ]
+
+
+def _same(value: Any) -> Any:
+    return value
 
 
 def each_draw(
     output: str,
     reference: Callable[..., Any],
     draws: Mapping[int, str] | Iterable[tuple[int, str]],
+    named: str = "{}",
     **more: Any,
 ) -> list[Any]:
-    """The formula of one output for several draws: draw → how its outcome is called.
+    """The formula of one output for several draws.
 
-    >>> [(e.draw, e.name) for e in each_draw("FragColor", abs, {0: "ball", 3: "ring"})]
-    [(0, 'ball'), (3, 'ring')]
+    Args:
+        output, reference: as in `formula`; `more` is what else it takes.
+        draws: draw → its name.
+        named: how the outcome is called, with the draw's name in it.
+
+    >>> [(e.draw, e.name) for e in each_draw("FragColor", abs, {0: "ball", 3: "ring"}, "the {}")]
+    [(0, 'the ball'), (3, 'the ring')]
     """
     pairs = draws.items() if isinstance(draws, Mapping) else draws
-    return [formula(output, reference, draw=draw, name=name, **more) for draw, name in pairs]
+    return [
+        formula(output, reference, draw=draw, name=named.format(name), **more)
+        for draw, name in pairs
+    ]

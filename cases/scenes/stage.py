@@ -18,7 +18,7 @@ from shaderlab.assets.meshes import Geometry
 from shaderlab.reference.transforms import clip_position, normal_matrix, world_normal
 
 from .draws import tested
-from .figures import figure, figures
+from .figures import each_draw, figure, figures
 from .panels import smaller_check, softened_check, softened_pass
 from .studio import handed_on, studio_color
 
@@ -81,6 +81,38 @@ def picture_checks(*outputs: str, edges: float = 0.0005) -> tuple[Any, ...]:
     """
     orders = (any_order(f"judged.{name}") for name in ("FragColor", *outputs))
     return (softened_check(), smaller_check(edges=edges), *orders)
+
+
+def checks(
+    *outputs: str, props: bool = True, light: bool = True, edges: float = 0.0005
+) -> list[Any]:
+    """What must hold of `photographed` whatever the lesson: `picture_checks`, the props, and of the
+    last draw its light and that it hands on its colours.
+
+    Args:
+        outputs, edges: as in `picture_checks`.
+        props: whether the first draw is a `prop`.
+        light: whether the last draw is lit where the scene has no such surface; False where it is
+            lit by the props' own shader.
+
+    >>> [check.name for check in checks()][-2:]
+    ['the last draw: brighter than white', 'judged.Color']
+    """
+    return [
+        *picture_checks(*outputs, edges=edges),
+        *(prop_checks() if props else ()),
+        *(light_checks(of="the last draw: " if props else "") if light else ()),
+        formula("judged.Color", handed_on),
+    ]
+
+
+def color_checks(draws: Mapping[int, str], named: str = "colour, {}") -> list[Any]:
+    """Draws in the studio's light: draw → its name.
+
+    >>> [check.name for check in color_checks({1: "ball"})]
+    ['colour, ball']
+    """
+    return each_draw("judged.FragColor", studio_color, draws, named)
 
 
 def prop_checks(*, draw: int = 0, pass_name: str = "judged") -> list[Any]:
