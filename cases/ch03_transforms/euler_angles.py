@@ -12,21 +12,20 @@ straight up: on the left the blue ring lies in the green one's plane. Then a yaw
 of −40°: the two aircraft stand alike.
 """
 
-from math import pi, radians
+from math import radians
 
 import numpy as np
 
-from shaderlab import Case, assets, formula
-from shaderlab.assets import solids
-from shaderlab.reference.euler import euler_matrix, euler_turned, gimbal_axes, gimbal_freedom
-from shaderlab.reference.transforms import in_view, rotate
+from shaderlab import Case, formula
+from shaderlab.reference.euler import euler_matrix, euler_turned, gimbal_freedom
+from shaderlab.reference.transforms import in_view
 
 from ..scenes import stage
 from ..scenes.cameras import camera
 from ..scenes.figures import each_draw, figures, results
 from ..scenes.glm import euler_by_glm
 from ..scenes.panels import cell
-from ..scenes.props import aircraft
+from ..scenes.props import aircraft, gimbal
 
 CAMERA = camera((2.6, 2.1, 4.2), (0.0, 0.0, 0.0), 38.0)
 # yaw, pitch, roll in degrees, from the upper left to the lower right
@@ -38,20 +37,6 @@ POSES = {
     "nose up, yaw": (40.0, 90.0, 0.0),
     "nose up, roll": (0.0, 90.0, -40.0),
 }
-RINGS = ((1.42, solids.GREEN), (1.30, solids.RED), (1.18, solids.BLUE))
-
-
-def gimbal(yaw, pitch):
-    """The three rings in a pose, each around the axis that its angle turns around."""
-    outer = rotate(yaw, (0, 1, 0))
-    inner = outer @ rotate(pitch, (1, 0, 0))
-    turns = (outer, outer @ rotate(-pi / 2, (0, 0, 1)), inner @ rotate(pi / 2, (1, 0, 0)))
-    rings, pins = [], []
-    for (radius, color), turn, axis in zip(RINGS, turns, gimbal_axes(yaw, pitch), strict=True):
-        thin = solids.painted(assets.torus(radius, 0.022, segments=72, sides=10), color)
-        rings.append(assets.moved(thin, turn))
-        pins.append(solids.rod(-1.62 * axis, 1.62 * axis, color, 0.016))
-    return assets.joined(*rings, *pins)
 
 
 def panel(k, pose):

@@ -12,6 +12,8 @@ for the scaling, gold for the rotation, blue for the translation. On top T·R·S
 middle S·T·R and T·S·R, below R·S·T and S·R·T.
 """
 
+from itertools import accumulate
+
 import numpy as np
 
 from shaderlab import Case, Erratum, assets, formula
@@ -24,7 +26,7 @@ from ..scenes.cameras import camera, turned
 from ..scenes.figures import each_draw, figure, results
 from ..scenes.glm import scaled_then_rotated_by_glm
 from ..scenes.panels import cell
-from ..scenes.props import letter_f, tile
+from ..scenes.props import letter_f, tile, way
 
 STEPS = {
     "S": (scale((2.0, 1.0, 1.0)), solids.GREEN),
@@ -52,15 +54,9 @@ GHOST = solids.repainted(LETTER, (0.62, 0.66, 0.70), 0.85)
 
 def path(order):
     """Rods from (1, 0, 0) to where each step takes it."""
-    rods, here = [], POINT
-    for name in reversed(order.split("·")):
-        matrix, color = STEPS[name]
-        there = matrix @ here
-        if np.linalg.norm(there - here) > 0.0:
-            rods.append(solids.rod(here[:3], there[:3], color, 0.05))
-        rods.append(solids.painted(solids.box(there[:3] - 0.10, there[:3] + 0.10), color))
-        here = there
-    return assets.joined(*rods)
+    matrices, colors = zip(*(STEPS[name] for name in reversed(order.split("·"))), strict=True)
+    places = accumulate(matrices, lambda here, matrix: matrix @ here, initial=POINT)
+    return way([place[:3] for place in places], colors)
 
 
 def panel(k, order):

@@ -13,35 +13,23 @@ from math import hypot, radians
 
 import numpy as np
 
-from shaderlab import Case, assets, formula, sweep
-from shaderlab.assets import solids
+from shaderlab import Case, formula, sweep
 from shaderlab.glslmath import mul, vec3, vec4
 from shaderlab.reference.spaces import in_camera, orbit_eye
-from shaderlab.reference.transforms import perspective, translate
+from shaderlab.reference.transforms import perspective
 
 from ..scenes import stage
-from ..scenes.cameras import turned
 from ..scenes.figures import each_draw, figures, results
 from ..scenes.laws import unchanged
 from ..scenes.panels import cell
-from ..scenes.props import letter_f, tile
+from ..scenes.props import letter_among_solids
 
 FRAMES = range(12)
 SOME = {k: f"frame {k}" for k in FRAMES[::3]}
 RADIUS, HEIGHT = 4.6, 2.0
 MIDDLE = (0.0, 0.4, 0.0)
 PROJECTION = perspective(radians(34.0), 4.0 / 3.0, 0.1, 20.0)
-BALL = solids.painted(assets.sphere(0.32, 32, 16), solids.GOLD)
-RING = solids.painted(assets.torus(0.3, 0.1, 40, 16), solids.BLUE)
-BOX = solids.painted(solids.box((-0.2, 0.0, -0.2), (0.2, 0.4, 0.2)), solids.RED)
-# What the camera goes around.
-SCENE = assets.joined(
-    tile(1.5, 0.5),
-    assets.moved(letter_f(), translate((-0.35, 0.0, 0.0))),
-    assets.moved(BALL, translate((0.85, 0.32, -0.5))),
-    assets.moved(RING, translate((0.7, 0.1, 0.75))),
-    assets.moved(BOX, translate((-0.9, 0.0, -0.7)) @ turned(30.0)),
-)
+SCENE = letter_among_solids()
 
 
 def frame(k):

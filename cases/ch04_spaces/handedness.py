@@ -14,8 +14,7 @@ from math import radians
 
 import numpy as np
 
-from shaderlab import Case, Target, across, assets, formula, fullscreen, sweep
-from shaderlab.assets import solids
+from shaderlab import Case, Target, across, formula, fullscreen, sweep
 from shaderlab.glslmath import cross, vec3, where
 from shaderlab.reference.spaces import depth_of
 from shaderlab.reference.transforms import in_view, perspective
@@ -24,18 +23,11 @@ from ..scenes import stage
 from ..scenes.cameras import camera
 from ..scenes.figures import each_draw, figures, results
 from ..scenes.panels import cell
-from ..scenes.props import tripod
+from ..scenes.props import dice, tripod
 
 CAMERA = camera((2.9, 2.5, 3.6), (0.2, 0.32, -0.1), 33.0, 4.0 / 3.0)
 NEAR, FAR = 0.1, 100.0
-# Four dice in a row along −z.
-DICE = assets.joined(
-    *(
-        solids.painted(solids.box((0.46, 0.0, z - 0.13), (0.72, 0.26, z + 0.13)), color)
-        for k, color in enumerate((solids.GOLD, solids.ORANGE, solids.TEAL, solids.INK))
-        for z in [-0.42 * (k + 1)]
-    )
-)
+DICE = dice()
 
 
 def half(column, left_handed):

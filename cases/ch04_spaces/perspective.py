@@ -42,13 +42,6 @@ def in_device(aPos, view, fovy, aspect, near, far):
     return device(clip(aPos, view, fovy, aspect, near, far))
 
 
-def by_glm(aPos, view, fovy, aspect, near, far):
-    """The same through glm.perspective."""
-    numbers = (float(np.ravel(v)[0]) for v in (fovy, aspect, near, far))
-    points = np.column_stack([aPos, np.ones(len(aPos))])
-    return points @ view.T @ perspective_by_glm(*numbers).T
-
-
 def screen(place):
     """A place on the screen, in device coordinates of the case's own camera."""
     x, y, _, w = MATRIX @ VIEW @ (*place, 1.0)
@@ -80,7 +73,7 @@ case = Case(
     picture="picture.FragColor",
     expect=[
         *stage.checks(props=False),
-        formula("judged.gl_Position", clip, also={"PyGLM": by_glm}),
+        formula("judged.gl_Position", clip, also={"PyGLM": perspective_by_glm}),
         formula("judged.Ndc", in_device),
         formula("judged.Normal", unchanged("aNormal")),
         formula("judged.FragColor", studio_color),

@@ -19,7 +19,7 @@ from shaderlab.reference.transforms import clip_position, translate
 from shaderlab.sampling import texture
 
 from ..scenes import stage
-from ..scenes.boxes import nearest_box
+from ..scenes.boxes import clear_pixels
 from ..scenes.cameras import camera, turned
 from ..scenes.drawing import decoded
 from ..scenes.draws import tested
@@ -30,7 +30,6 @@ from ..scenes.studio import studio_color
 
 CAMERA = camera((0.6, 1.1, 5.6), (0.0, -0.05, -1.5), 45.0, 4.0 / 3.0, far=100.0)
 WOOD = Texture(image=assets.crate, filter=("nearest", "nearest"))
-JUDGED = (96, 72)
 
 
 def model(k):
@@ -65,21 +64,7 @@ def turned_normal(aNormal, model):
     return mul(model[:3, :3], aNormal)
 
 
-def clear_pixels():
-    """Pixels well inside a box, or well beside all: rays a pixel off meet the same one."""
-    x, y = np.meshgrid(np.arange(4, JUDGED[0], 5), np.arange(4, JUDGED[1], 5))
-    clip = CAMERA["projection"] @ CAMERA["view"]
-    around = [
-        nearest_box(x + 0.5 + dx, y + 0.5 + dy, JUDGED, BOXES, clip)
-        for dx in (-1, 0, 1)
-        for dy in (-1, 0, 1)
-    ]
-    alike = np.ptp(around, axis=0) == 0
-    wanted = alike & ((around[0] > 0) | ((x + y) % 3 == 0))
-    return np.stack([x, y, around[0]], axis=-1)[wanted].tolist()
-
-
-CLEAR = clear_pixels()
+CLEAR = clear_pixels((96, 72), BOXES, CAMERA["projection"] @ CAMERA["view"])
 BOX = {k: f"box {k + 1}" for k in range(10)}
 GLM = {"PyGLM": clip_by_glm}
 LEANING = {"Normal": (-2.0, 1.0, 2.0), "TexCoords": (0.5, 0.5)}

@@ -16,7 +16,7 @@ from shaderlab import Case, Erratum, Ramp, Variant, across, formula, fullscreen,
 from shaderlab.glslmath import length, mix, vec3, vec4
 from shaderlab.reference.attenuation import attenuation, crossover, reach
 
-from ..scenes.drawing import AMBER, BLUE, chessboard, encoded, line, pixel_size
+from ..scenes.drawing import AMBER, BLUE, chessboard, encoded, pixel_size, with_lines
 from ..scenes.figures import figure, results
 from ..scenes.panels import square
 
@@ -36,12 +36,12 @@ TABLE = [
     (3250, 0.0014, 0.000007, 0.012580594, 1550.541037, 3662.028328, 200.000000),
 ]
 CONSTANTS = np.linspace(0.5, 4.0, 15)
+DISTANCES = np.geomspace(0.001, 2.0, 97)  # as shares of d
 UNSET = {"light.constant": 1.0, "light.linear": 0.0, "light.quadratic": 0.0}
 
 
-def left_at_d():
-    """The light left at each row's own d, in per cent."""
-    return [100.0 * attenuation(d, 1.0, kl, kq) for d, kl, kq, *_ in TABLE]
+# The light left at each row's own d, in per cent.
+LEFT = [100.0 * attenuation(d, 1.0, kl, kq) for d, kl, kq, *_ in TABLE]
 
 
 def floor_in_light(
@@ -53,14 +53,11 @@ def floor_in_light(
     fields = mix(vec3(0.55), vec3(0.75), chessboard(FragPos * 10.0 / coverage))
     color = encoded(fields * vec3(1.0, 0.87, 0.66) * attenuation(length(FragPos), *light))
     rings = (
-        (reach(0.05, *light), 2.0, AMBER, 1.0),
-        (reach(0.01, *light), 2.0, BLUE, 1.0),
-        (coverage, 1.0, (1.0, 1.0, 1.0), 0.6),
+        (lambda place: length(place) - reach(0.05, *light), 2.0, AMBER, 1.0),
+        (lambda place: length(place) - reach(0.01, *light), 2.0, BLUE, 1.0),
+        (lambda place: length(place) - coverage, 1.0, (1.0, 1.0, 1.0), 0.6),
     )
-    for radius, width, hue, strength in rings:
-        ring = line(lambda place, radius=radius: length(place) - radius, FragPos, size, width)
-        color = mix(color, vec3(*hue), strength * ring)
-    return vec4(color, 1.0)
+    return vec4(with_lines(color, FragPos, size, rings), 1.0)
 
 
 def row(d, kl, kq, at_d, five, one, takes_over):
@@ -78,14 +75,8 @@ def row(d, kl, kq, at_d, five, one, takes_over):
             figure("factor", "left at d", {"distance": d}, at_d, digits=9),
             figure("reach", "5 % is left at", {"fraction": 0.05}, five),
             figure("reach", "1 % is left at", {"fraction": 0.01}, one),
-            *results({"the quadratic term takes over at": (lambda: crossover(kl, kq), takes_over)}),
-            sweep(
-                "factor",
-                attenuation,
-                over="distance",
-                values=np.geomspace(d / 1000.0, 2.0 * d, 97),
-                log_x=True,
-            ),
+            *results({"the quadratic term takes over at": (crossover(kl, kq), takes_over)}),
+            sweep("factor", attenuation, over="distance", values=d * DISTANCES, log_x=True),
         ],
     )
 
@@ -122,8 +113,8 @@ case = Case(
         ),
         *results(
             {
-                "least light left at d, %": (lambda: min(left_at_d()), 1.06),
-                "most light left at d, %": (lambda: max(left_at_d()), 1.30),
+                "least light left at d, %": (min(LEFT), 1.06),
+                "most light left at d, %": (max(LEFT), 1.30),
             },
             digits=2,
         ),

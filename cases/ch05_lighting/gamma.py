@@ -14,26 +14,14 @@ seem to match: the very mistake that this case is about.)
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Ramp,
-    State,
-    Target,
-    Texture,
-    across,
-    assets,
-    computed,
-    exact,
-    formula,
-    fullscreen,
-    sweep,
-    up,
-)
-from shaderlab.glslmath import abs, floor, fract, step, swizzle, vec3, vec4, where
+from shaderlab import Case, Ramp, Texture, across, assets, exact, formula, fullscreen, sweep, up
+from shaderlab.glslmath import abs, floor, step, vec3, vec4, where
+from shaderlab.model import State, Target
 from shaderlab.reference.gamma import gamma_encode, srgb_decode, srgb_encode
 
 from ..scenes.colour_science import srgb_by_colour_science
-from ..scenes.figures import figure
+from ..scenes.drawing import bayer_threshold
+from ..scenes.figures import figure, results
 
 CODES = np.arange(256) / 255.0
 ALL_CODES = np.stack([CODES, CODES, CODES, np.ones(256)], axis=-1)[None]
@@ -73,23 +61,11 @@ def around(threshold):
     return np.sort(np.concatenate([np.geomspace(0.0005, 1.0, 64), near]))
 
 
-def threshold(frag_coord):
-    """Bayer's 8 × 8 matrix of thresholds: D₂ₙ = (4 Dₙ, 4 Dₙ + 2; 4 Dₙ + 3, 4 Dₙ + 1), from D₁ = 0
-    (B. E. Bayer, 1973), over dots of 2 × 2 pixels."""
-    dot = floor(0.5 * swizzle(frag_coord, "xy"))
-    level = 1.0 / 128.0
-    for bit in range(3):
-        odd = 2.0 * fract(0.5 * floor(dot * 0.5**bit))
-        x, y = swizzle(odd, "x"), swizzle(odd, "y")
-        level = level + (2.0 * abs(x - y) + y) * 0.25 ** (bit + 1)
-    return level
-
-
 def stripes(linear, stripe, frag_coord):
     """The picture: light in sixteen steps, raw outside, encoded in the middle, dithered between."""
     light = (floor(linear * 16.0) + 0.5) / 16.0
     band = abs(floor(stripe) - 2.0)
-    dithered = step(threshold(frag_coord), light)
+    dithered = step(bayer_threshold(frag_coord), light)
     shown = where(band < 0.5, srgb_encode(light), where(band < 1.5, dithered, light))
     return vec4(vec3(1.0) * shown, 1.0)
 
@@ -127,6 +103,6 @@ case = Case(
         exact("texture.FragColor", CODE_BY_CODE, name="an sRGB texture decodes"),
         exact("there-and-back.FragColor", CODE_BY_CODE, name="both together change nothing"),
         formula("dither.FragColor", half_of_the_light, name="half of the pixels white"),
-        computed("… is a grey of", lambda: 255.0 * srgb_encode(0.5), equals=188.0, digits=0),
+        *results({"… is a grey of": (255.0 * srgb_encode(0.5), 188.0)}, digits=0),
     ],
 )

@@ -13,13 +13,13 @@ the chalk has become glazed clay.
 
 import numpy as np
 
-from shaderlab import Case, Erratum, assets, computed, sweep
+from shaderlab import Case, Erratum, assets, sweep
 from shaderlab.reference.lighting import mirrored_lobe, phong_color, specular_factor
 from shaderlab.reference.transforms import translate
 
 from ..scenes import lit
 from ..scenes.cameras import camera, turned
-from ..scenes.figures import each_draw, figure
+from ..scenes.figures import each_draw, figure, results
 from ..scenes.panels import cell
 
 EYE, LAMP = (0.0, 1.9, 5.6), (-1.8, 3.4, 2.4)
@@ -31,17 +31,23 @@ RING, BALL = assets.torus(0.74, 0.27), assets.sphere(0.62, segments=64, rings=32
 ROWS = [(0.1, 0.75, 0.9), (0.0, 0.0, 0.9), (0.1, 0.75, 0.0)]
 
 
+def strengths(ambient, diffuse, specular):
+    """How strong each of the three parts is."""
+    return {
+        "ambientStrength": ambient,
+        "diffuseStrength": diffuse,
+        "specularStrength": specular,
+    }
+
+
 def thing(geometry, model, row):
     """One thing in one row, with that row's strengths of the three parts."""
-    ambient, diffuse, specular = ROWS[row]
     uniforms = {
         "objectColor": lit.CORAL,
         "lightColor": (1.0, 0.96, 0.90),
         "lightPos": LAMP,
         "viewPos": EYE,
-        "ambientStrength": ambient,
-        "diffuseStrength": diffuse,
-        "specularStrength": specular,
+        **strengths(*ROWS[row]),
         "shininess": 32.0,
     }
     shader = "ch05_lighting/specular.frag"
@@ -51,17 +57,16 @@ def thing(geometry, model, row):
 PARTS = ("all parts", "specular part", "ambient and diffuse part")
 NAMES = dict(enumerate(f"{what}, {part}" for part in PARTS for what in ("ball", "ring")))
 POINT = {
+    **lit.POINT,
     "lightColor": lit.WHITE,
-    "FragPos": (0.0, 0.0, 0.0),
-    "Normal": (0.0, 0.0, 1.0),
     "lightPos": lit.POINT_LAMP,
-    "viewPos": (0.0, 0.0, 3.0),
-    "ambientStrength": 0.1,
-    "diffuseStrength": 1.0,
-    "specularStrength": 0.5,
+    **strengths(0.1, 1.0, 0.5),
 }
 BEHIND = {**lit.GRAZING, "lightPos": lit.BELOW, "shininess": 8.0}
-FACING = np.array(lit.POINT["Normal"])
+# What the notes' lobe gives there, which does not ask whether the surface faces the lamp.
+NOTES_LOBE = mirrored_lobe(np.array(POINT["Normal"]), lit.BELOW, BEHIND["viewPos"], 8.0)
+GREEN_HIGHLIGHT = "a green thing's highlight in white light"
+GREEN = {"lightPos": (0.0, 0.0, 2.0), "objectColor": (0.0, 1.0, 0.0)}
 ASIDE = {"viewPos": lit.ASIDE, "shininess": 0.5}
 
 case = Case(
@@ -87,18 +92,8 @@ case = Case(
         figure("spec", "its 32nd power", {**POINT, "shininess": 32.0}, 0.000490666, digits=9),
         figure("FragColor", "colour at the point", POINT, (0.888356, 0.444178, 0.275390, 1.0)),
         figure("spec", lit.TURNED_AWAY, {**POINT, **BEHIND}, 0.0),
-        computed(
-            "the notes' highlight there",
-            lambda: mirrored_lobe(FACING, BEHIND["lightPos"], BEHIND["viewPos"], 8.0),
-            equals=0.757792,
-            digits=6,
-        ),
-        figure(
-            "FragColor",
-            "a green thing's highlight in white light",
-            {**POINT, "lightPos": (0.0, 0.0, 2.0), "objectColor": (0.0, 1.0, 0.0)},
-            (0.0, 1.6, 0.0, 1.0),
-        ),
+        *results({"the notes' highlight there": (NOTES_LOBE, 0.757792)}),
+        figure("FragColor", GREEN_HIGHLIGHT, {**POINT, **GREEN}, (0.0, 1.6, 0.0, 1.0)),
         figure("spec", "nearly 90° from the mirrored ray", {**POINT, **ASIDE}, 0.071075),
         sweep(
             "spec",
@@ -123,7 +118,7 @@ case = Case(
             says="highlights tend to the light's colour more than to the object's",
             truth="on plastic they do, but the formula multiplies all by objectColor: a green "
             "thing's highlight in white light is green",
-            proof="a green thing's highlight in white light",
+            proof=GREEN_HIGHLIGHT,
         ),
     ],
 )

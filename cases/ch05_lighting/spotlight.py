@@ -13,23 +13,12 @@ from math import cos, radians, sin, tan
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Erratum,
-    Ramp,
-    Target,
-    Variant,
-    across,
-    computed,
-    formula,
-    fullscreen,
-    sweep,
-)
-from shaderlab.glslmath import dot, length, mix, step, swizzle, vec2, vec3, vec4
+from shaderlab import Case, Erratum, Ramp, Target, Variant, across, formula, fullscreen, sweep
+from shaderlab.glslmath import dot, length, step, swizzle, vec2, vec3, vec4
 from shaderlab.reference.spotlight import ratio_of_cosines, spot_intensity, spot_ratio
 
-from ..scenes.drawing import AMBER, BLUE, encoded, line, pixel_size
-from ..scenes.figures import figure
+from ..scenes.drawing import AMBER, BLUE, encoded, pixel_size, with_lines
+from ..scenes.figures import figure, results
 
 # The lamp hangs at the origin and points along −z; the picture is a slice with z upward.
 LIGHT = {"light.position": (0.0, 0.0, 0.0), "light.direction": (0.0, 0.0, -1.0)}
@@ -44,14 +33,9 @@ def cone(inner, outer):
 
 def shown(shader, name, domain, **target):
     """One of the shaders, with the cone of 25° and 35°."""
-    uniforms = {**LIGHT, **cone(25.0, 35.0)}
-    return fullscreen(
-        f"ch05_lighting/{shader}.frag",
-        name=name,
-        domain=domain,
-        uniforms=uniforms,
-        target=Target(**target),
-    )
+    uniforms, target = {**LIGHT, **cone(25.0, 35.0)}, Target(**target)
+    shader = f"ch05_lighting/{shader}.frag"
+    return fullscreen(shader, name=name, domain=domain, uniforms=uniforms, target=target)
 
 
 def below(tangent, light_position, light_direction, light_cutOff, light_outerCutOff):
@@ -86,9 +70,7 @@ def dusty_air(
         (ratio, 1.5, BLUE, in_front),
         (lambda at: distance(at) - 1.0, 1.0, (0.85, 0.85, 0.85), 0.35),
     )
-    for field, width, hue, strength in lines:
-        color = mix(color, vec3(*hue), strength * line(field, across, size, width))
-    return vec4(color, 1.0)
+    return vec4(with_lines(color, across, size, lines), 1.0)
 
 
 def row(degrees, notes, ratio, intensity):
@@ -114,18 +96,14 @@ WIDE = [
 ]
 
 
+MIXED_UP = ratio_of_cosines(cos(radians(15.0)), cos(12.5), cos(radians(17.5)))
+NOTES = (MIXED_UP, 0.277, "rounding on the way made it 0.29")
 # The notes' row for the cone of 12.5° and 17.5°, whose cosine they took of radians.
 NARROW = [
     *row(15, "0.29", 0.540717, 0.540717),
-    computed("cos 12.5°", lambda: cos(radians(12.5)), equals=0.976296, digits=6),
-    computed("cos(12.5 rad)", lambda: cos(12.5), equals=0.9978, digits=4, note="the notes' 0.9978"),
-    computed(
-        "with the notes' cosine",
-        lambda: ratio_of_cosines(cos(radians(15.0)), cos(12.5), cos(radians(17.5))),
-        equals=0.277,
-        digits=3,
-        note="rounding on the way made it 0.29",
-    ),
+    *results({"cos 12.5°": (cos(radians(12.5)), 0.976296)}),
+    *results({"cos(12.5 rad)": (cos(12.5), 0.9978, "the notes' 0.9978")}, digits=4),
+    *results({"with the notes' cosine": NOTES}, digits=3),
 ]
 
 case = Case(

@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from shaderlab import Case, Mesh, computed, formula, measure
+from shaderlab import Case, Mesh, formula, measure
 from shaderlab.glslmath import mix, mul, swizzle, vec3, vec4, where
 from shaderlab.reference.depth import distance_of, window_depth
 from shaderlab.reference.transforms import clip_position, translate
@@ -21,7 +21,7 @@ from shaderlab.reference.transforms import clip_position, translate
 from ..scenes import stage
 from ..scenes.cameras import camera
 from ..scenes.draws import tested
-from ..scenes.figures import figure
+from ..scenes.figures import each_draw, figure, results
 from ..scenes.laws import unchanged
 from ..scenes.panels import cell
 from ..scenes.props import railway
@@ -29,7 +29,8 @@ from ..scenes.studio import handed_on
 
 NEAR, FAR = 0.1, 30.0
 CAMERA = camera((0.5, 1.1, 2.6), (0.1, 0.55, -3.0), 48.0, near=NEAR, far=FAR)
-RAILWAY = Mesh(**railway())
+SEEN = {"model": np.eye(4), **CAMERA, "near": NEAR, "far": FAR}
+RAILWAY = Mesh(**railway()).only("aPos", "aColor")
 # The same triangles, the last one first.
 BACKWARDS = replace(RAILWAY, indices=RAILWAY.indices.reshape(-1, 3)[::-1].ravel())
 WHITE = (1.0, 1.0, 1.0, 0.0)
@@ -39,11 +40,7 @@ def halves(mesh):
     """The railway's depth on the left, its distance on the right."""
     return [
         tested(
-            "ch06_tests/depth_linear",
-            mesh,
-            {"model": np.eye(4), **CAMERA, "near": NEAR, "far": FAR, "linearly": linearly},
-            only=("aPos", "aColor"),
-            cell=cell(column, 2),
+            "ch06_tests/depth_linear", mesh, {**SEEN, "linearly": linearly}, cell=cell(column, 2)
         )
         for column, linearly in enumerate((0.0, 1.0))
     ]
@@ -66,11 +63,20 @@ def seen_distance(aPos, model, view):
     return -swizzle(mul(view, mul(model, vec4(aPos, 1.0))), "z")
 
 
+def there_and_back(z):
+    """A distance, through F."""
+    return distance_of(window_depth(z, NEAR, FAR), NEAR, FAR)
+
+
 def error(linear, travelled):
     """The largest error, as a share of the distance."""
     seen = travelled > 0.0
     return (np.abs(linear - travelled)[seen] / travelled[seen]).max()
 
+
+SIDES = {0: "as it is", 1: "as a distance"}
+FARTHER = {"aPos": (0.1, 0.55, -3.0), "model": translate((0.0, 0.0, -2.0))}
+HALF = (distance_of(0.5, NEAR, FAR), 0.199336, "half of all codes lie before it")
 
 case = Case(
     title="Distance out of depth",
@@ -82,23 +88,11 @@ case = Case(
     picture="picture.FragColor",
     expect=[
         *stage.picture_checks("linear", "travelled"),
-        *(
-            check
-            for draw, side in enumerate(("as it is", "as a distance"))
-            for check in (
-                formula("judged.linear", linear, draw=draw, name=f"distance out of depth, {side}"),
-                formula("judged.FragColor", grey, draw=draw, name=f"depth, {side}"),
-            )
-        ),
+        *each_draw("judged.linear", linear, SIDES, "distance out of depth, {}"),
+        *each_draw("judged.FragColor", grey, SIDES, "depth, {}"),
         formula("judged.travelled", unchanged("Distance")),
         formula("judged.Distance", seen_distance, name="distance of a vertex"),
-        figure(
-            "judged.Distance",
-            "two farther away",
-            {"aPos": (0.1, 0.55, -3.0), "model": translate((0.0, 0.0, -2.0))},
-            7.62656,
-            digits=5,
-        ),
+        figure("judged.Distance", "two farther away", FARTHER, 7.62656, digits=5),
         formula("judged.Color", handed_on),
         formula("judged.gl_Position", clip_position),
         measure(
@@ -110,19 +104,9 @@ case = Case(
             at_most=5.0 * 2.0**-24 * (FAR / NEAR - 1.0),
             note="a step of F below 1 is 6e-8: 2e-5 of the distance at the far plane",
         ),
-        computed("F at z = 2", lambda: window_depth(2.0, NEAR, FAR), equals=0.953177, digits=6),
-        computed(
-            "there and back at z = 12.5",
-            lambda: distance_of(window_depth(12.5, NEAR, FAR), NEAR, FAR),
-            equals=12.5,
-            digits=9,
+        *results(
+            {"F at z = 2": (window_depth(2.0, NEAR, FAR), 0.953177), "distance at F = ½": HALF}
         ),
-        computed(
-            "distance at F = ½",
-            lambda: distance_of(0.5, NEAR, FAR),
-            equals=0.199336,
-            digits=6,
-            note="half of all codes lie before it",
-        ),
+        *results({"there and back at z = 12.5": (there_and_back(12.5), 12.5)}, digits=9),
     ],
 )

@@ -43,6 +43,7 @@ RANDOM = np.random.default_rng(72)
 TEXELS, LIGHT = RANDOM.random((5, 4, 4)), 2.0 * RANDOM.random((3, 4, 4))
 PAIR = np.array([[(0.8, 0.6, 0.4, 1.0)]]), np.array([[(0.5, 0.5, 1.0, 1.0)]])
 WAYS = [(1.0, 0.0), (0.0, 1.0), (1.0, 1.0)]
+PARTS = "the texture alone", "the light alone", "their product"
 
 
 def walls(diffuse, baked_light, ways=WAYS):
@@ -65,6 +66,13 @@ def lit(diffuseMap, lightMap, TexCoords, LightCoords, shown):
     return vec4(color * light, 1.0)
 
 
+def white_light(beside, away):
+    """The light of a lamp of strength 1, on the wall so far beside it."""
+    return baked(np.array([beside, 0.0]), np.array([0.0, 0.0, away]), 1.0)
+
+
+MIXED = (0.9 * 0.875, 0.8 * 0.875, 0.7, 1.0)
+
 case = Case(
     title="A light map",
     section="7.2",
@@ -79,33 +87,20 @@ case = Case(
     expect=[
         enlarged_check(),
         *each_draw("small.FragColor", lit, enumerate(("bricks", "light", "lit bricks"))),
-        *each_draw(
-            "judged.FragColor",
-            lit,
-            enumerate(("the texture alone", "the light alone", "their product")),
-        ),
+        *each_draw("judged.FragColor", lit, enumerate(PARTS)),
         *figures(
             "pair.FragColor",
             {
                 "(0.8, 0.6, 0.4) in a light of (½, ½, 1)": ({}, (0.4, 0.3, 0.4, 1.0)),
-                "half of the texture, a quarter of the light": (
-                    {"shown": (0.5, 0.25)},
-                    (0.9 * 0.875, 0.8 * 0.875, 0.7, 1.0),
-                ),
+                "half of the texture, a quarter of the light": ({"shown": (0.5, 0.25)}, MIXED),
             },
             at={"TexCoords": (0.5, 0.5), "LightCoords": (0.5, 0.5)},
             reference=lit,
         ),
         *results(
             {
-                "right in front of a lamp, 2 away": (
-                    lambda: baked(np.array([0.0, 0.0]), np.array([0.0, 0.0, 2.0]), 1.0),
-                    0.25,
-                ),
-                "3 beside a lamp that is 4 away": (
-                    lambda: baked(np.array([3.0, 0.0]), np.array([0.0, 0.0, 4.0]), 1.0),
-                    0.032,
-                ),
+                "right in front of a lamp, 2 away": (white_light(beside=0.0, away=2.0), 0.25),
+                "3 beside a lamp that is 4 away": (white_light(beside=3.0, away=4.0), 0.032),
             },
             digits=9,
         ),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import reduce
 
 import numpy as np
@@ -15,16 +15,19 @@ from shaderlab.glslmath import (
     fract,
     max,
     min,
+    mix,
     pow,
     smoothstep,
     swizzle,
     vec2,
+    vec3,
 )
 
 AMBER, BLUE = (1.00, 0.72, 0.25), (0.45, 0.70, 1.00)
 """The colours of lines in pictures."""
 
 Field = Callable[[Value], Value]
+Color = tuple[float, float, float]
 
 
 def encoded(light: Value) -> Value:
@@ -53,6 +56,22 @@ def chessboard(place: Value) -> Value:
     """
     number = floor(swizzle(place, "x")) + floor(swizzle(place, "y"))
     return 2.0 * fract(0.5 * number)
+
+
+def bayer_threshold(frag_coord: Value) -> Value:
+    """Bayer's 8 × 8 matrix of thresholds over dots of 2 × 2 pixels: D₂ₙ = (4 Dₙ, 4 Dₙ + 2;
+    4 Dₙ + 3, 4 Dₙ + 1), from D₁ = 0 (B. E. Bayer, 1973); 1/128 … 127/128.
+
+    >>> bayer_threshold(np.array([[0.5, 0.5], [2.5, 2.5]])).ravel().tolist()
+    [0.0078125, 0.2578125]
+    """
+    dot = floor(0.5 * swizzle(frag_coord, "xy"))
+    level: Value = 1.0 / 128.0
+    for bit in range(3):
+        odd = 2.0 * fract(0.5 * floor(dot * 0.5**bit))
+        x, y = swizzle(odd, "x"), swizzle(odd, "y")
+        level = level + (2.0 * abs(x - y) + y) * 0.25 ** (bit + 1)
+    return level
 
 
 def pixel_size(place: Value, corner: Value | Sequence[float], frag_coord: Value) -> Value:
@@ -101,3 +120,22 @@ def line(field: Field, place: Value, size: Value, width: float) -> Value:
     """
     pixels = abs(field(place)) / max(change(field, place, size), 1.0e-12)
     return 1.0 - smoothstep(0.5 * width - 0.5, 0.5 * width + 0.5, pixels)
+
+
+def with_lines(
+    color: Value, place: Value, size: Value, rows: Iterable[tuple[Field, float, Color, Value]]
+) -> Value:
+    """A colour with lines over it, one after the other.
+
+    Args:
+        color: what is below them, (…, 3).
+        place, size: as `change` takes them.
+        rows: of each line its field, its width in pixels, its colour and how much it covers.
+
+    >>> rows = [(lambda place: place[..., :1], 2.0, (1.0, 0.5, 0.0), 0.5)]
+    >>> with_lines(np.zeros(3), np.zeros((1, 2)), np.array([0.1, 0.1]), rows).tolist()
+    [[0.5, 0.25, 0.0]]
+    """
+    for field, width, hue, strength in rows:
+        color = mix(color, vec3(*hue), strength * line(field, place, size, width))
+    return color

@@ -139,14 +139,17 @@ def rotation_by_glm_float32(angle: float, axis: Any) -> Any:
     return glm_rows(glm.rotate(glm.mat4(1.0), angle, glm.vec3(*axis)))
 
 
-def perspective_by_glm(fovy: float, aspect: float, near: float, far: float) -> Any:
-    """glm.perspective, in PyGLM's float32; rows first.
+def perspective_by_glm(aPos: Any, view: Any, fovy: Any, aspect: Any, near: Any, far: Any) -> Any:
+    """Clip coordinates through glm.perspective, in PyGLM's float32: (…, 4).
 
-    >>> perspective_by_glm(np.pi / 2, 1.0, 1.0, 3.0)[2].tolist()
-    [0.0, 0.0, -2.0, -3.0]
+    >>> lens = (np.array([value]) for value in (np.pi / 2, 1.0, 1.0, 3.0))
+    >>> perspective_by_glm(np.array([[0.0, 0, -3]]), np.eye(4), *lens).round(6).tolist()
+    [[0.0, 0.0, 3.0, 3.0]]
     """
     glm = _glm()
-    return glm_rows(glm.perspective(fovy, aspect, near, far))
+    lens = (float(np.ravel(value)[0]) for value in (fovy, aspect, near, far))
+    matrix = glm_rows(glm.perspective(*lens))
+    return np.column_stack([aPos, np.ones(len(aPos))]) @ np.asarray(view).T @ matrix.T
 
 
 def orthographic_by_glm(

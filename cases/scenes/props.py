@@ -5,14 +5,18 @@ Vertices have a colour, `aColor`, as all solids of `shaderlab.assets.solids` hav
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import pairwise
+from math import pi
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from shaderlab.assets.meshes import Geometry, joined, moved
+from shaderlab.assets.meshes import Geometry, joined, moved, sphere, torus
 from shaderlab.assets.solids import (
     BLUE,
+    GOLD,
     GREEN,
     INK,
     ORANGE,
@@ -25,10 +29,16 @@ from shaderlab.assets.solids import (
     box,
     lathe,
     painted,
+    rod,
     wire,
 )
+from shaderlab.reference.euler import gimbal_axes
+from shaderlab.reference.transforms import rotate, translate
 
+from .cameras import turned
 from .remembered import remembered
+
+Vector = npt.NDArray[Any]
 
 
 @remembered
@@ -119,6 +129,62 @@ def railway(length: float = 30.0) -> Geometry:
                 painted(box((x - 0.13, -0.06, z - 0.13), (x + 0.13, 1.8, z + 0.13)), PAPER)
             )
             parts.append(painted(box((x - 0.17, 1.8, z - 0.17), (x + 0.17, 2.05, z + 0.17)), color))
+    return joined(*parts)
+
+
+@remembered
+def letter_among_solids() -> Geometry:
+    """The letter F on a tile, with a ball, a ring and a box around it: no two sides look alike."""
+    ball = painted(sphere(0.32, 32, 16), GOLD)
+    ring = painted(torus(0.3, 0.1, 40, 16), BLUE)
+    cube = painted(box((-0.2, 0.0, -0.2), (0.2, 0.4, 0.2)), RED)
+    return joined(
+        tile(1.5, 0.5),
+        moved(letter_f(), translate((-0.35, 0.0, 0.0))),
+        moved(ball, translate((0.85, 0.32, -0.5))),
+        moved(ring, translate((0.7, 0.1, 0.75))),
+        moved(cube, translate((-0.9, 0.0, -0.7)) @ turned(30.0)),
+    )
+
+
+def dice() -> Geometry:
+    """Four dice in a row along −z, gold the nearest, then orange, teal and ink."""
+    return joined(
+        *(
+            painted(box((0.46, 0.0, z - 0.13), (0.72, 0.26, z + 0.13)), color)
+            for k, color in enumerate((GOLD, ORANGE, TEAL, INK))
+            for z in [-0.42 * (k + 1)]
+        )
+    )
+
+
+def gimbal(yaw: float, pitch: float) -> Geometry:
+    """Three rings that carry each other, each around the axis that its angle turns around: green
+    for yaw, red for pitch, blue for roll; the angles are in radians."""
+    outer = rotate(yaw, (0, 1, 0))
+    inner = outer @ rotate(pitch, (1, 0, 0))
+    turns = (outer, outer @ rotate(-pi / 2, (0, 0, 1)), inner @ rotate(pi / 2, (1, 0, 0)))
+    rings, pins = [], []
+    sizes = ((1.42, GREEN), (1.30, RED), (1.18, BLUE))
+    for (radius, color), turn, axis in zip(sizes, turns, gimbal_axes(yaw, pitch), strict=True):
+        rings.append(moved(painted(torus(radius, 0.022, segments=72, sides=10), color), turn))
+        pins.append(rod(-1.62 * axis, 1.62 * axis, color, 0.016))
+    return joined(*rings, *pins)
+
+
+def way(places: Sequence[Vector], colors: Sequence[Color]) -> Geometry:
+    """Rods from place to place, each with a knot at its end; a step that leads nowhere has its knot
+    alone.
+
+    Args:
+        places: one more than there are steps.
+        colors: of the steps.
+    """
+    parts = []
+    for (here, there), color in zip(pairwise(places), colors, strict=True):
+        if np.linalg.norm(there - here) > 0.0:
+            parts.append(rod(here, there, color, 0.05))
+        parts.append(painted(box(there - 0.10, there + 0.10), color))
     return joined(*parts)
 
 
