@@ -18,12 +18,12 @@ import numpy as np
 
 from shaderlab import Case, formula
 from shaderlab.reference.euler import euler_matrix, euler_turned, gimbal_freedom
-from shaderlab.reference.transforms import in_view
 
 from ..scenes import stage
 from ..scenes.cameras import camera
 from ..scenes.figures import each_draw, figures, results
 from ..scenes.glm import euler_by_glm
+from ..scenes.laws import projected, renamed
 from ..scenes.panels import cell
 from ..scenes.props import aircraft, gimbal
 
@@ -46,16 +46,6 @@ def panel(k, pose):
     yield stage.prop(gimbal(yaw, pitch), CAMERA, cell=place)
     uniforms = {"yaw": yaw, "pitch": pitch, "roll": roll, **CAMERA}
     yield stage.subject("ch03_transforms/euler_angles.vert", aircraft(), uniforms, cell=place)
-
-
-def turned_normal(aNormal, yaw, pitch, roll):
-    """Normals turn as points do."""
-    return euler_turned(aNormal, yaw, pitch, roll)
-
-
-def position(aPos, yaw, pitch, roll, view, projection):
-    """Clip coordinates of the turned vertex."""
-    return in_view(euler_turned(aPos, yaw, pitch, roll), view, projection)
 
 
 def wing(yaw, pitch, roll):
@@ -86,9 +76,9 @@ case = Case(
     expect=[
         *stage.checks(),
         *each_draw("judged.Turned", euler_turned, AIRCRAFT, also={"PyGLM": euler_by_glm}),
-        *each_draw("judged.Normal", turned_normal, AIRCRAFT, "normals, {}"),
+        *each_draw("judged.Normal", renamed(euler_turned, aPos="aNormal"), AIRCRAFT, "normals, {}"),
         *stage.color_checks(AIRCRAFT),
-        formula("judged.gl_Position", position, name="clip coordinates"),
+        formula("judged.gl_Position", projected(euler_turned), name="clip coordinates"),
         *figures(
             "judged.Turned",
             {

@@ -21,12 +21,13 @@ from shaderlab.assets import solids
 from shaderlab.glslmath import vec4
 from shaderlab.reference.euler import euler_matrix
 from shaderlab.reference.quaternions import axis_angle, conjugate, matrix_of, product, slerp, turned
-from shaderlab.reference.transforms import in_view, scale
+from shaderlab.reference.transforms import scale
 
 from ..scenes import stage
 from ..scenes.cameras import camera
 from ..scenes.figures import each_draw, figure, figures, results
 from ..scenes.glm import slerp_by_glm, turned_by_glm
+from ..scenes.laws import projected, renamed
 from ..scenes.props import aircraft, letter_f
 
 CAMERA = camera((0.3, 1.5, 6.0), (0.0, 0.72, 0.0), 38.0, 3.0 / 2.0)
@@ -76,14 +77,7 @@ def turned_normal(aNormal, t):
     return turned(aNormal, orientation(t))
 
 
-def position(aPos, away, t, view, projection):
-    """Clip coordinates of the turned vertex."""
-    return in_view(at_place(aPos, away, t), view, projection)
-
-
-def by_quaternion(aPos, q):
-    """q v q*."""
-    return turned(aPos, q)
+by_quaternion = renamed(turned, v="aPos")
 
 
 def half_size(aPos, q):
@@ -160,7 +154,7 @@ case = Case(
         *each_draw("judged.Turned", at_place, PLACES, "place {} of the formation"),
         formula("judged.Orientation", orientation, also={"PyGLM": slerp_by_glm(START, END)}),
         *each_draw("judged.Normal", turned_normal, ENDS, "normals turn, {}"),
-        formula("judged.gl_Position", position, name="clip coordinates"),
+        formula("judged.gl_Position", projected(at_place), name="clip coordinates"),
         *stage.color_checks(ENDS),
         sweep(
             "judged.Orientation",

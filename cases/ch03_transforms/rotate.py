@@ -16,12 +16,13 @@ from math import radians
 from shaderlab import Case, Erratum, formula
 from shaderlab.assets import solids
 from shaderlab.glslmath import normalize
-from shaderlab.reference.transforms import in_view, rotate, rotated, translate
+from shaderlab.reference.transforms import rotate, rotated, translate
 
 from ..scenes import stage
 from ..scenes.cameras import camera
 from ..scenes.figures import each_draw, figures, results
 from ..scenes.glm import rotated_by_glm
+from ..scenes.laws import projected
 from ..scenes.panels import cell
 from ..scenes.props import letter_f, tile
 
@@ -39,17 +40,11 @@ def quarter(k, name):
     for solid in still:
         yield stage.prop(solid, view, cell=place)
     for step in (0.0, 1.0, 2.0, 3.0):
-        yield stage.subject(
-            "ch03_transforms/rotate.vert",
-            solids.repainted(letter_f(), (0.66, 0.69, 0.72), 0.85 * (1.0 - step / 3.0)),
-            {
-                "axis": AXES[name],
-                "angle": radians(FULL[name] * step / 3.0),
-                "offset": 0.012 * (step + 1.0) * unit,  # so that no two lie in one plane
-                **view,
-            },
-            cell=place,
-        )
+        letter = solids.repainted(letter_f(), (0.66, 0.69, 0.72), 0.85 * (1.0 - step / 3.0))
+        angle = radians(FULL[name] * step / 3.0)
+        offset = 0.012 * (step + 1.0) * unit  # so that no two lie in one plane
+        turn = {"axis": AXES[name], "angle": angle, "offset": offset, **view}
+        yield stage.subject("ch03_transforms/rotate.vert", letter, turn, cell=place)
 
 
 def turned(aPos, axis, angle, offset):
@@ -62,17 +57,14 @@ def turned_normal(aNormal, axis, angle):
     return rotated(aNormal, normalize(axis), angle)
 
 
-def position(aPos, axis, angle, offset, view, projection):
-    """Where the turned vertex lands in clip space."""
-    return in_view(turned(aPos, axis, angle, offset), view, projection)
-
-
 LAST = {6 * k + 5: name for k, name in enumerate(AXES)}
+TURNS = {draw: f"{FULL[axis]:g}° around {axis}" for draw, axis in LAST.items()}
 THIRD = {"aPos": (1, 0, 0), "axis": (5, 5, 5), "angle": radians(120), "offset": (0, 0, 0)}
 RIGHT = {**THIRD, "axis": (0, 0, 1), "angle": radians(90)}
 # What the notes turn by 30° around z and move by (5, 6, 7), and what comes out.
 NOTES = {"aPos": (1.0, 2.0, 3.0), "axis": (0.0, 0.0, 1.0), "angle": radians(30.0)}
-MENDED, PRINTED = (4.866025, 8.232051, 10.0), (-0.133975, 2.232051, 10.0)
+MENDED = (4.866025, 8.232051, 10.0)
+PRINTED = (-0.133975, 2.232051, 10.0), "V₁ and V₂ are missing"
 AT_ONCE = translate((5, 6, 7)) @ rotate(radians(30), (0, 0, 1)) @ (1, 2, 3, 1)
 
 case = Case(
@@ -87,14 +79,9 @@ case = Case(
     picture="picture.FragColor",
     expect=[
         *stage.checks(),
-        *each_draw(
-            "judged.Turned",
-            turned,
-            {draw: f"{FULL[axis]:g}° around {axis}" for draw, axis in LAST.items()},
-            also={"PyGLM": rotated_by_glm},
-        ),
+        *each_draw("judged.Turned", turned, TURNS, also={"PyGLM": rotated_by_glm}),
         formula("judged.Normal", turned_normal, name="normals turn"),
-        formula("judged.gl_Position", position, name="clip coordinates"),
+        formula("judged.gl_Position", projected(turned), name="clip coordinates"),
         *stage.color_checks(LAST, "colour, around {}"),
         *figures(
             "judged.Turned",
@@ -102,11 +89,7 @@ case = Case(
                 "x becomes y": (RIGHT, (0.0, 1.0, 0.0)),
                 "a third of a turn around (5, 5, 5)": (THIRD, (0.0, 1.0, 0.0)),
                 "equation 3.4, mended": ({**NOTES, "offset": (5.0, 6.0, 7.0)}, MENDED),
-                "equation 3.4, as printed": (
-                    {**NOTES, "offset": (0.0, 0.0, 7.0)},
-                    PRINTED,
-                    "V₁ and V₂ are missing",
-                ),
+                "equation 3.4, as printed": ({**NOTES, "offset": (0.0, 0.0, 7.0)}, *PRINTED),
             },
             reference=turned,
         ),

@@ -17,11 +17,12 @@ import numpy as np
 from shaderlab import Case, Target, across, formula, fullscreen, sweep
 from shaderlab.glslmath import cross, vec3, where
 from shaderlab.reference.spaces import depth_of
-from shaderlab.reference.transforms import in_view, perspective
+from shaderlab.reference.transforms import perspective
 
 from ..scenes import stage
 from ..scenes.cameras import camera
-from ..scenes.figures import each_draw, figures, results
+from ..scenes.figures import each_draw, figure, figures, results
+from ..scenes.laws import projected, renamed
 from ..scenes.panels import cell
 from ..scenes.props import dice, tripod
 
@@ -42,16 +43,6 @@ def in_hand(aPos, leftHanded):
     return aPos * where(leftHanded > 0.5, vec3(1.0, 1.0, -1.0), vec3(1.0))
 
 
-def normal_in_hand(aNormal, leftHanded):
-    """Normals are mirrored likewise."""
-    return in_hand(aNormal, leftHanded)
-
-
-def position(aPos, leftHanded, view, projection):
-    """Clip coordinates of the vertex."""
-    return in_view(in_hand(aPos, leftHanded), view, projection)
-
-
 def both(viewZ, near, far):
     """Device depth and its slope."""
     return depth_of(viewZ, near, far)
@@ -68,11 +59,8 @@ def slope(z, h=1e-5):
     return (by_matrix(z + h) - by_matrix(z - h)) / (2.0 * h)
 
 
-def triple_product():
-    """(x × y) · z in device coordinates."""
-    return np.linalg.det(np.diag([1.0, 1.0, np.sign(slope(-1.0))]))
-
-
+# (x × y) · z in device coordinates.
+TRIPLE_PRODUCT = np.linalg.det(np.diag([1.0, 1.0, np.sign(slope(-1.0))]))
 HANDS = {1: "right-handed", 3: "left-handed"}
 LEFT = {"aPos": (1.0, 2.0, 3.0), "leftHanded": True}
 NEARER_IS_LESS = "the slope is negative: nearer is less"
@@ -97,8 +85,8 @@ case = Case(
     expect=[
         *stage.checks(light=False),
         *each_draw("judged.Seen", in_hand, HANDS),
-        formula("judged.Normal", normal_in_hand, draw=3),
-        *each_draw("judged.gl_Position", position, HANDS, "clip coordinates, {}"),
+        formula("judged.Normal", renamed(in_hand, aPos="aNormal"), draw=3),
+        *each_draw("judged.gl_Position", projected(in_hand), HANDS, "clip coordinates, {}"),
         *stage.color_checks(HANDS),
         formula("depth.depth", both, name="depth and its slope"),
         sweep("depth.depth", both, over="viewZ", values=-np.geomspace(0.1, 100.0, 65)),
@@ -110,15 +98,11 @@ case = Case(
                 "far": ({"viewZ": -100.0}, (1.0, -0.00002)),
             },
         ),
-        *figures(
-            "judged.Seen",
-            {"(1, 2, 3) in a left-handed frame": (LEFT, (1.0, 2.0, -3.0))},
-            reference=in_hand,
-        ),
+        figure("judged.Seen", "(1, 2, 3) in a left-handed frame", LEFT, (1, 2, -3)),
         *results(
             {
                 "x × y in the world": (cross(vec3(1, 0, 0), vec3(0, 1, 0)), (0.0, 0.0, 1.0)),
-                "(x × y) · z in device coordinates": (triple_product, -1.0, TURNED_AROUND),
+                "(x × y) · z in device coordinates": (TRIPLE_PRODUCT, -1.0, TURNED_AROUND),
             },
             digits=12,
         ),

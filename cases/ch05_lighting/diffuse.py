@@ -16,13 +16,14 @@ from math import acos, degrees
 
 import numpy as np
 
-from shaderlab import Case, Depth, Draw, Erratum, Mesh, State, assets, formula
+from shaderlab import Case, Erratum, assets, formula
 from shaderlab.glslmath import inverse, mat3, mul, transpose
 from shaderlab.reference.lighting import diffuse_color, diffuse_factor
 from shaderlab.reference.transforms import normal_matrix, scale, translate
 
 from ..scenes import lit, normal_rods
 from ..scenes.cameras import camera, turned
+from ..scenes.draws import tested
 from ..scenes.figures import each_draw, figure, results
 from ..scenes.laws import unchanged
 from ..scenes.panels import cell
@@ -41,21 +42,17 @@ QUARTERS = [(TILT, LIKE_A_POINT), *((SQUEEZED, path) for path in PATHS)]
 
 def thing(mesh, model, path, quarter, color=lit.CORAL, ambient=0.1):
     """One thing in a quarter of the picture, its normals on one of the three paths."""
-    return Draw(
-        vertex="ch05_lighting/diffuse.vert",
-        fragment="ch05_lighting/diffuse.frag",
-        mesh=Mesh(**mesh).only("aPos", "aNormal"),
-        uniforms={
-            "model": model,
-            **CAMERA,
-            "path": path,
-            "objectColor": color,
-            "lightColor": (1.0, 0.97, 0.92),
-            "lightPos": (-2.4, 3.0, 2.6),
-            "ambientStrength": ambient,
-        },
-        state=State(depth=Depth(), cell=cell(quarter, 2, 2, from_above=True)),
-    )
+    uniforms = {
+        "model": model,
+        **CAMERA,
+        "path": path,
+        "objectColor": color,
+        "lightColor": (1.0, 0.97, 0.92),
+        "lightPos": (-2.4, 3.0, 2.6),
+        "ambientStrength": ambient,
+    }
+    place = cell(quarter, 2, 2, from_above=True)
+    return tested("ch05_lighting/diffuse", mesh, uniforms, only=("aPos", "aNormal"), cell=place)
 
 
 def on_path(normal, model, path):
@@ -91,7 +88,7 @@ def inverse_transposed(aNormal, model):
     return mul(transpose(inverse(mat3(model))), aNormal)
 
 
-def angle_to_surface(path):
+def angle(path):
     """Degrees between a slanted normal on its path and the surface there; 90 is upright."""
     along = SQUEEZED[:3, :3] @ (-SLANTED[1], SLANTED[0], 0.0)
     normal = on_path(SLANTED, SQUEEZED, path)
@@ -129,12 +126,9 @@ case = Case(
         figure("FragColor", "colour at the point", POINT, (0.888110, 0.444055, 0.275314, 1.0)),
         *results(
             {
-                f"{label}: angle to the surface": (lambda path=path: angle_to_surface(path), angle)
-                for label, path, angle in (
-                    ("as it is", AS_IT_IS, 99.198591),
-                    ("like a point", LIKE_A_POINT, 136.397181),
-                    ("inverse transpose", INVERSE_TRANSPOSE, 90.0),
-                )
+                "as it is: angle to the surface": (angle(AS_IT_IS), 99.198591),
+                "like a point: angle to the surface": (angle(LIKE_A_POINT), 136.397181),
+                "inverse transpose: angle to the surface": (angle(INVERSE_TRANSPOSE), 90.0),
             }
         ),
     ],

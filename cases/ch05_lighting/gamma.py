@@ -16,12 +16,12 @@ import numpy as np
 
 from shaderlab import Case, Ramp, Texture, across, assets, exact, formula, fullscreen, sweep, up
 from shaderlab.glslmath import abs, floor, step, vec3, vec4, where
-from shaderlab.model import State, Target
 from shaderlab.reference.gamma import gamma_encode, srgb_decode, srgb_encode
 
 from ..scenes.colour_science import srgb_by_colour_science
 from ..scenes.drawing import bayer_threshold
 from ..scenes.figures import figure, results
+from ..scenes.panels import WHOLE, panel, picture
 
 CODES = np.arange(256) / 255.0
 ALL_CODES = np.stack([CODES, CODES, CODES, np.ones(256)], axis=-1)[None]
@@ -38,15 +38,11 @@ STRIPES = {**RAMP, "stripe": up(0.0, 5.0)}
 MIDDLE = {"TexCoords": Ramp((0.5, 0.5))}
 
 
-def converted(shader, name, format="srgb8_alpha8", **inputs):
+def converted(shader, name, format="srgb8_alpha8", domain=WHOLE, **inputs):
     """256 codes through one of the shaders into a framebuffer; sRGB ones encode."""
-    return fullscreen(
-        f"ch05_lighting/{shader}.frag",
-        name=name,
-        target=Target(size=(256, 16), colors={"FragColor": format}),
-        state=State(srgb=format.startswith("srgb")),
-        **inputs,
-    )
+    fragment, encodes = f"ch05_lighting/{shader}.frag", format.startswith("srgb")
+    draw = panel(fragment, domain, srgb=encodes, **inputs)
+    return picture([draw], (256, 16), name, colors={"FragColor": format})
 
 
 def decode(linear):
@@ -82,10 +78,10 @@ case = Case(
     r" 1.055\,c^{1/2.4} - 0.055 & \text{otherwise} \end{cases}",
     passes=(
         *fullscreen("ch05_lighting/gamma_picture.frag", name="picture", domain=STRIPES),
-        *converted("gamma_framebuffer", "framebuffer", domain={"code": across(0.0, 256.0)}),
-        *converted("gamma_encoded", "texture", "rgba8", textures={"image": SRGB_TEXTURE}),
-        *converted("gamma_texture", "there-and-back", textures={"image": SRGB_TEXTURE}),
-        *converted("gamma_texture", "dither", domain=MIDDLE, textures={"image": BLACK_AND_WHITE}),
+        converted("gamma_framebuffer", "framebuffer", domain={"code": across(0.0, 256.0)}),
+        converted("gamma_encoded", "texture", "rgba8", textures={"image": SRGB_TEXTURE}),
+        converted("gamma_texture", "there-and-back", textures={"image": SRGB_TEXTURE}),
+        converted("gamma_texture", "dither", domain=MIDDLE, textures={"image": BLACK_AND_WHITE}),
         *fullscreen("ch05_lighting/gamma.frag", domain=RAMP, uniforms={"gamma": 2.2}),
     ),
     picture="picture.FragColor",

@@ -25,7 +25,6 @@ from ..scenes.figures import each_draw, figure, results
 from ..scenes.laws import unchanged
 from ..scenes.panels import cell
 from ..scenes.props import railway
-from ..scenes.studio import handed_on
 
 NEAR, FAR = 0.1, 30.0
 CAMERA = camera((0.5, 1.1, 2.6), (0.1, 0.55, -3.0), 48.0, near=NEAR, far=FAR)
@@ -87,13 +86,12 @@ case = Case(
     ),
     picture="picture.FragColor",
     expect=[
-        *stage.picture_checks("linear", "travelled"),
+        *stage.checks("linear", "travelled", props=False, light=False),
         *each_draw("judged.linear", linear, SIDES, "distance out of depth, {}"),
         *each_draw("judged.FragColor", grey, SIDES, "depth, {}"),
         formula("judged.travelled", unchanged("Distance")),
         formula("judged.Distance", seen_distance, name="distance of a vertex"),
         figure("judged.Distance", "two farther away", FARTHER, 7.62656, digits=5),
-        formula("judged.Color", handed_on),
         formula("judged.gl_Position", clip_position),
         measure(
             "error of the distance",

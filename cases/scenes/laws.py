@@ -8,6 +8,7 @@ from functools import wraps
 from typing import Any
 
 from shaderlab.glslmath import either, vec4
+from shaderlab.reference.transforms import in_view
 
 Law = Callable[..., Any]
 
@@ -67,6 +68,20 @@ def renamed(law: Law, **words: str) -> Law:
         return law(**{names[name]: given for name, given in inputs.items()})
 
     return _with_inputs(same, tuple(names))
+
+
+def projected(law: Law) -> Law:
+    """Clip coordinates of the places that a law gives in the world, by `view` and `projection`.
+
+    >>> inputs_of(projected(lambda aPos, offset: aPos + offset))
+    ('aPos', 'offset', 'view', 'projection')
+    """
+
+    @wraps(law)
+    def position(view: Any, projection: Any, **inputs: Any) -> Any:
+        return in_view(law(**inputs), view, projection)
+
+    return _with_inputs(position, (*inputs_of(law), "view", "projection"))
 
 
 def summed(*laws: Law) -> Law:
