@@ -41,7 +41,7 @@ def examine() -> tuple[Finding, ...]:
         _compile_cache(),
         *_data(),
         *_driver(),
-        *_vulkan(),
+        *_further_drivers(),
     )
 
 
@@ -174,11 +174,11 @@ def _driver() -> Iterator[Finding]:
         yield Finding(name=names.get(key, key.replace("_", " ")), found=value)
 
 
-def _vulkan() -> Iterator[Finding]:
-    """The drivers of Vulkan, which only `--driver` asks for."""
+def _further_drivers() -> Iterator[Finding]:
+    """The drivers of Vulkan and of WebGL2, which only `--driver` asks for."""
     from . import backends
 
-    for name in ("lavapipe", "swiftshader", "vulkan"):
+    for name in ("lavapipe", "swiftshader", "vulkan", "webgl2"):
         try:
             driver = backends.probe(name)
         except ShaderlabError as error:

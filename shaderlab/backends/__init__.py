@@ -43,6 +43,7 @@ MODULES: Mapping[str, str] = {
     "lavapipe": "shaderlab.backends.vulkan",
     "swiftshader": "shaderlab.backends.vulkan",
     "vulkan": "shaderlab.backends.vulkan",
+    "webgl2": "shaderlab.backends.webgl",
 }
 """Each driver's name, and the module that opens it: with `open_backend` and `prepare_process`,
 both of which take the driver's name."""
@@ -268,7 +269,7 @@ def open_backend(driver: str | None = None) -> Backend:
     Args:
         driver: one of DRIVERS; None reads SHADERLAB_DRIVER, then takes "llvmpipe", Mesa's
             software driver, which is the same everywhere. "default" is the machine's own of
-            OpenGL, "vulkan" that of Vulkan.
+            OpenGL, "vulkan" that of Vulkan, "webgl2" that of a browser.
 
     Raises:
         DriverError: there is no such driver here, or it offers too little.

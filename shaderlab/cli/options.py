@@ -54,8 +54,8 @@ DRIVER = click.option(
     metavar="NAME",
     callback=lambda context, option, name: name if name is None else checked_driver(name),
     help="llvmpipe, softpipe, llvmpipe-spirv (which gets SPIR-V modules), or default for the "
-    "machine's own OpenGL; lavapipe, swiftshader, or vulkan for the machine's own Vulkan.  "
-    "[default: llvmpipe]",
+    "machine's own OpenGL; lavapipe, swiftshader, or vulkan for the machine's own Vulkan; "
+    "webgl2 for a headless Chromium's.  [default: llvmpipe]",
 )
 
 

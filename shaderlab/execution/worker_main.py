@@ -183,4 +183,6 @@ def _limit_memory(size: int) -> None:
     with contextlib.suppress(ValueError, OSError):
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         if size:
-            resource.setrlimit(resource.RLIMIT_AS, (size, size))
+            # A soft limit: what the worker starts may be a browser, which reserves far more.
+            hard = resource.getrlimit(resource.RLIMIT_AS)[1]
+            resource.setrlimit(resource.RLIMIT_AS, (size, hard))

@@ -96,6 +96,19 @@ def capture_fragment(
     return with_ending(text, declared, written, calls=not keep_all), captured
 
 
+def capture_vertex(text: str, group: Sequence[Piece]) -> tuple[str, dict[Piece, str]]:
+    """A vertex shader that also writes some of its outputs, each to an output of its own.
+
+    Returns:
+        Its text, and the output of each piece, of the type `padded_type`.
+    """
+    captured = {piece: f"{PREFIX}out{i}" for i, piece in enumerate(group)}
+    shader = Declared(text, "out")
+    declared = [f"flat out {padded_type(piece)} {name};" for piece, name in captured.items()]
+    written = [f"    {name} = {_padded_value(p, shader)};" for p, name in captured.items()]
+    return with_ending(text, declared, written), captured
+
+
 _OFF_SCREEN = (
     "    if (any(greaterThan(abs(gl_Position.xyz), vec3(gl_Position.w))))",
     "        gl_Position = vec4(64.0, 64.0, 0.0, 1.0);",

@@ -31,6 +31,7 @@ OWNERS: dict[str, set[str]] = {
     "glcontext": {"backends"},
     "OpenGL": {"backends"},
     "vulkan": {"backends"},
+    "playwright": {"backends"},
     "ctypes": {"backends", "bands", "execution", "compiler"},
     "OpenImageIO": {"pictures"},
     "trimesh": {"assets"},
@@ -59,6 +60,7 @@ OPTIONAL = {
     "pyarrow": "sweep",
     "watchfiles": "watch",
     "vulkan": "vulkan",
+    "playwright": "webgl",
 }
 
 CASES_MAY_IMPORT = {

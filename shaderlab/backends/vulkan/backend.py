@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 
 from shaderlab.backends import Backend, Evaluation, Size
-from shaderlab.backends.vulkan import capture, queries, vertex_storage
+from shaderlab.backends.vulkan import queries, vertex_storage
 from shaderlab.backends.vulkan.device import Device
 from shaderlab.backends.vulkan.drawing import Drawing
 from shaderlab.backends.vulkan.evaluating import evaluate
@@ -14,7 +14,7 @@ from shaderlab.backends.vulkan.linking import Linker
 from shaderlab.backends.vulkan.verdict import driver_verdict
 from shaderlab.compiler.sources import Source
 from shaderlab.errors import UnsupportedError
-from shaderlab.frame import Array, Fragments, PassDraw, Reply, TracedCall
+from shaderlab.frame import Array, PassDraw, Reply, TracedCall
 from shaderlab.model import Call, Scene
 from shaderlab.programs import captures
 from shaderlab.programs.prepare import Programs
@@ -57,24 +57,12 @@ class VulkanBackend(Backend):
 class VulkanSession(Drawing):
     """One scene on a Vulkan device."""
 
-    cache: captures.CaptureCache
-
-    probe_fragments = capture.probe_fragments
     vertices = vertex_storage.vertices
     probe_vertices = vertex_storage.probe_vertices
     count = queries.counted
     time = queries.timed
     attributes = queries.attributes
     blocks = queries.block_readings
-
-    def fragments(self, key: PassDraw) -> Fragments:
-        """As `Session.fragments`. Arrays from the cache can't be written to (see
-        `shaderlab.programs.captures`)."""
-        same = captures.identity(self.scene, self.programs, key, self.size)
-        return self.cache.get(same, lambda: capture.fragments(self, key))
-
-    def written(self, key: PassDraw, text: str, outputs: Mapping[str, str]) -> Mapping[str, Array]:
-        return capture.written(self, key, text, outputs)
 
     def locations(self, key: PassDraw) -> Mapping[str, int]:
         raise UnsupportedError("locations of uniforms: Vulkan has none, they lie in a block")

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from shaderlab.backends import Size
-from shaderlab.backends.passes import PassSession
+from shaderlab.backends.redrawing import RedrawingSession
 from shaderlab.backends.vulkan import state as fixed
 from shaderlab.backends.vulkan.bound_textures import BoundTextures
 from shaderlab.backends.vulkan.commands import Commands, recording
@@ -17,20 +17,21 @@ from shaderlab.backends.vulkan.descriptors import Image as BoundImage, new_set, 
 from shaderlab.backends.vulkan.device import Device
 from shaderlab.backends.vulkan.linking import Linker
 from shaderlab.backends.vulkan.memory import Buffer, Resources
-from shaderlab.backends.vulkan.modules import HEIGHT, drawing_points, for_vulkan
+from shaderlab.backends.vulkan.modules import for_vulkan
 from shaderlab.backends.vulkan.program import Layout, Program
 from shaderlab.backends.vulkan.ready import Ready
 from shaderlab.backends.vulkan.target import RenderTarget
 from shaderlab.backends.vulkan.uniforms import block_buffers
 from shaderlab.backends.vulkan.vertices import layout_of, upload
 from shaderlab.errors import UnsupportedError
-from shaderlab.frame import Array, Bindings, PassDraw
-from shaderlab.model import Pass, Scene, State
-from shaderlab.programs import bind, blocks, stages, storing
+from shaderlab.frame import Array, Bindings
+from shaderlab.model import Scene, State, Target
+from shaderlab.programs import bind, blocks
+from shaderlab.programs.module_texts import HEIGHT, as_drawn
 from shaderlab.programs.prepare import PreparedDraw, Programs
 
 
-class Drawing(PassSession[RenderTarget]):
+class Drawing(RedrawingSession[RenderTarget]):
     """One scene on the device: its targets and textures, kept until the session ends.
 
     Args:
@@ -59,11 +60,8 @@ class Drawing(PassSession[RenderTarget]):
         self._textures = BoundTextures(self._resources, linker, folder, self.images, self.targets)
         self._shared = blocks.SharedLayouts()
 
-    def make_target(self, description: Pass, colors: dict[str, str], extent: Size) -> RenderTarget:
-        return RenderTarget(self.device, description.target, colors, extent)
-
-    def issue(self, key: PassDraw, draw: PreparedDraw, target: RenderTarget) -> None:
-        self.render(draw, self.bindings[key], target)
+    def new_target(self, target: Target, colors: Mapping[str, str], size: Size) -> RenderTarget:
+        return RenderTarget(self.device, target, colors, size)
 
     def bind(self, draw: PreparedDraw) -> Bindings:
         return bind.bind(draw.draw, draw.interface, self._textures.texels)
@@ -78,20 +76,8 @@ class Drawing(PassSession[RenderTarget]):
         fixed_state: State | None = None,
         around: Callable[[Commands, Callable[[], None]], None] | None = None,
     ) -> None:
-        """Draw into a target, and wait until it is drawn.
-
-        Args:
-            draw: what to draw.
-            bindings: its uniforms and textures.
-            target: what to draw into.
-            texts: the stages' texts where they are others than its own.
-            fixed_state: another state in place of its own.
-            around: records the draw by calling what it is given, with commands of its own
-                before and after.
-
-        Raises:
-            UnsupportedError: Vulkan, or the device, has no such thing; the message names it.
-        """
+        """As `RedrawingSession.render`; `around` records the draw by calling what it is given, with
+        commands of its own before and after."""
         with Resources(self.device) as own:
             ready = self.ready(own, draw, bindings, target, texts=texts, fixed_state=fixed_state)
             with recording(self.device) as commands:
@@ -145,13 +131,7 @@ class Drawing(PassSession[RenderTarget]):
         own = dict(texts)
         if "fragment" in own:
             own["fragment"] = for_vulkan(own["fragment"])
-        mesh = draw.draw.mesh
-        # The points of a capture are no picture's: none is dropped, and they have a size already.
-        plain_points = mesh is not None and mesh.primitive == "points" and "geometry" not in own
-        if storing.BLOCK not in own.get("geometry", own["vertex"]) and (
-            plain_points or stages.emits_points(own)
-        ):
-            own = drawing_points(own, draw.draw.state.point_size)
+        own = as_drawn(draw.draw, own)
         return self.linker.link(own, draw.sources)
 
     def _descriptors(

@@ -12,13 +12,14 @@ import numpy as np
 from shaderlab.backends.vulkan.commands import recording
 from shaderlab.backends.vulkan.drawing import Drawing
 from shaderlab.backends.vulkan.memory import Resources
-from shaderlab.backends.vulkan.modules import modules_of, sources_of
+from shaderlab.backends.vulkan.modules import modules_of
 from shaderlab.backends.vulkan.target import RenderTarget
 from shaderlab.compiler.module import parse
 from shaderlab.errors import UnsupportedError
 from shaderlab.frame import Array, Bindings, PassDraw, Samples
 from shaderlab.model import Target
 from shaderlab.programs import storing, vertex_capture
+from shaderlab.programs.module_texts import sources_of
 from shaderlab.programs.prepare import PreparedDraw
 from shaderlab.programs.varyings import Piece
 from shaderlab.programs.vertices import corners

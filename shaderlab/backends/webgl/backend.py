@@ -1,0 +1,71 @@
+"""WebGL2 behind the protocol of `shaderlab.backends`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
+
+from shaderlab.backends import Backend, Size
+from shaderlab.backends.webgl import feedback, queries
+from shaderlab.backends.webgl.device import Device
+from shaderlab.backends.webgl.drawing import Drawing
+from shaderlab.backends.webgl.linking import Linker
+from shaderlab.backends.webgl.verdict import driver_verdict
+from shaderlab.compiler.sources import Source
+from shaderlab.errors import UnsupportedError
+from shaderlab.frame import PassDraw, Reply, TracedCall
+from shaderlab.model import Call, Scene
+from shaderlab.programs import captures
+from shaderlab.programs.prepare import Programs
+from shaderlab.records import Verdict
+
+
+class WebGLBackend(Backend):
+    """Draws scenes in one browser; caches programs and captured fragments across scenes."""
+
+    def __init__(self, device: Device) -> None:
+        self.info = device.info
+        self.device = device
+        self.captures = captures.CaptureCache()
+        self._linker = Linker(device)
+
+    @contextmanager
+    def session(
+        self, scene: Scene, programs: Programs, size: Size, *, temporary_programs: bool = False
+    ) -> Iterator[WebGLSession]:
+        with ExitStack() as stack:
+            linker = self._linker
+            if temporary_programs:
+                linker = Linker(self.device, self._linker)
+                stack.callback(linker.release)
+            session = WebGLSession(self.device, linker, scene, programs, size, stack)
+            session.cache = self.captures
+            yield session
+
+    def driver_verdict(self, sources: Sequence[Source]) -> Verdict:
+        return driver_verdict(self.device, sources)
+
+    def close(self) -> None:
+        self.device.close()
+
+
+class WebGLSession(Drawing):
+    """One scene in a browser."""
+
+    vertices = feedback.vertices
+    probe_vertices = feedback.probe_vertices
+    attributes = queries.attributes
+    blocks = queries.block_readings
+    time = queries.timed
+
+    def count(self, key: PassDraw, counter: str) -> int:
+        raise UnsupportedError(f"counting {counter}: WebGL2 only says whether there was any")
+
+    def locations(self, key: PassDraw) -> Mapping[str, int]:
+        raise UnsupportedError("locations of uniforms: WebGL2 does not say them")
+
+    def trace(self) -> Sequence[TracedCall]:
+        raise UnsupportedError("calls of OpenGL are recorded on OpenGL's drivers only")
+
+    def call(self, made: Sequence[Call], returns: Sequence[int | float | str]) -> Reply:
+        raise UnsupportedError("calls of OpenGL are answered by OpenGL's drivers only")

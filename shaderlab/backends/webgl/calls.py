@@ -1,0 +1,133 @@
+"""Calls of WebGL2, collected and played in order.
+
+Source: Khronos, "WebGL 2.0 Specification".
+"""
+
+from __future__ import annotations
+
+import base64
+import functools
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from shaderlab.backends.webgl.browser import Browser
+from shaderlab.errors import DeviceLostError
+from shaderlab.frame import Array
+
+_ARRAYS = {
+    np.dtype(np.uint8): "Uint8Array", np.dtype(np.float16): "Uint16Array",
+    np.dtype(np.uint16): "Uint16Array", np.dtype(np.int32): "Int32Array",
+    np.dtype(np.uint32): "Uint32Array", np.dtype(np.float32): "Float32Array",
+}  # fmt: skip
+_ALIGNMENT = 4
+
+
+@dataclass(frozen=True)
+class Object:
+    """One of WebGL's objects, by the number that the player knows it by."""
+
+    number: int
+
+
+class Calls:
+    """WebGL2's methods and constants by their names.
+
+    `gl.clear(gl.COLOR_BUFFER_BIT)` is played with the next question. Arguments are numbers, texts,
+    lists of them, objects, bytes and arrays.
+
+    Args:
+        browser: plays them.
+    """
+
+    def __init__(self, browser: Browser) -> None:
+        self._browser = browser
+        self._calls: list[tuple[str, int, list[Any]]] = []
+        self._data = bytearray()
+        self._last = 0
+        self.about: Mapping[str, Any] = self.ask("about")
+
+    def __getattr__(self, name: str) -> Any:
+        if name.isupper():
+            return self.about["constants"][name]
+        return functools.partial(self._add, name, 0)
+
+    def new(self, name: str, *given: Any) -> Object:
+        """The object that a method returns."""
+        made = self.number()
+        self._add(name, made.number, *given)
+        return made
+
+    def number(self) -> Object:
+        """A number for an object that a call makes."""
+        self._last += 1
+        return Object(self._last)
+
+    def ask(self, name: str, *given: Any) -> Any:
+        """What a method returns, all calls before it having been played."""
+        return self.ask_all([(name, *given)])[0]
+
+    def ask_all(self, questions: Sequence[tuple[Any, ...]]) -> list[Any]:
+        """What each of some methods, with its arguments, returns.
+
+        Raises:
+            DeviceLostError: the context is lost.
+            DriverError: one of the calls can't be made.
+        """
+        for name, *given in questions:
+            self._add(name, -1, *given)
+        text = json.dumps([self._calls, base64.b64encode(self._data).decode()])
+        self._calls, self._data = [], bytearray()
+        answer = json.loads(self._browser.play(text))
+        if answer["lost"]:
+            raise DeviceLostError("the context of WebGL2 was lost")
+        replies: list[Any] = answer["reply"]
+        return replies
+
+    def ask_array(self, kind: Any, name: str, *given: Any) -> Array:
+        """The numbers of a type that a method of the player returns."""
+        return np.frombuffer(base64.b64decode(self.ask(name, *given)), kind).copy()
+
+    def _add(self, name: str, where: int, *given: Any) -> None:
+        self._calls.append((name, where, [self._argument(each) for each in given]))
+
+    def _argument(self, given: Any) -> Any:
+        if isinstance(given, Object):
+            return {"object": given.number}
+        if isinstance(given, bytes):
+            given = np.frombuffer(given, np.uint8)
+        if not isinstance(given, np.ndarray):
+            return given
+        at = len(self._data)
+        self._data += np.ascontiguousarray(given).tobytes()
+        self._data += bytes(-len(self._data) % _ALIGNMENT)
+        return {"array": _ARRAYS[given.dtype], "at": at, "count": given.size}
+
+
+class Objects:
+    """Makes objects, and releases them together. As a context manager it does so in the end."""
+
+    def __init__(self, gl: Calls) -> None:
+        self.gl = gl
+        self._made: list[tuple[str, Object]] = []
+
+    def new(self, kind: str, *given: Any) -> Object:
+        """A new object of a kind such as "Texture"."""
+        made = self.gl.new(f"create{kind}", *given)
+        self._made.append((kind, made))
+        return made
+
+    def release(self) -> None:
+        """Release them all."""
+        while self._made:
+            kind, made = self._made.pop()
+            self.gl.release(kind, made.number)
+
+    def __enter__(self) -> Objects:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.release()

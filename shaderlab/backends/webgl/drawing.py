@@ -1,0 +1,173 @@
+"""Drawing a scene's passes, and reading back what they drew."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack
+from pathlib import Path
+
+import numpy as np
+
+from shaderlab.backends import Size
+from shaderlab.backends.redrawing import RedrawingSession
+from shaderlab.backends.webgl import state as fixed
+from shaderlab.backends.webgl.bound_textures import BoundTextures
+from shaderlab.backends.webgl.calls import Objects
+from shaderlab.backends.webgl.device import Device
+from shaderlab.backends.webgl.linking import Linker, Program
+from shaderlab.backends.webgl.target import RenderTarget
+from shaderlab.backends.webgl.vertices import VertexArray, vertex_array
+from shaderlab.errors import DriverError, UnsupportedError
+from shaderlab.frame import Bindings, PassDraw
+from shaderlab.model import Scene, State, Target
+from shaderlab.programs import bind, blocks
+from shaderlab.programs.module_texts import HEIGHT, as_drawn
+from shaderlab.programs.prepare import PreparedDraw, Programs
+
+
+class Drawing(RedrawingSession[RenderTarget]):
+    """One scene on the device: its targets and textures, kept until the session ends.
+
+    Args:
+        device: where to draw.
+        linker: makes its programs.
+        scene: what to draw.
+        programs: each pass's draws, compiled.
+        size: (width, height) for targets that do not say.
+        stack: releases device memory in the end.
+    """
+
+    def __init__(
+        self,
+        device: Device,
+        linker: Linker,
+        scene: Scene,
+        programs: Programs,
+        size: Size,
+        stack: ExitStack,
+    ) -> None:
+        super().__init__(scene, programs, size, stack)
+        self.device = device
+        self.linker = linker
+        folder = Path(scene.case.file).parent
+        own = stack.enter_context(Objects(device.gl))
+        self._textures = BoundTextures(device, own, folder, self.images, self.targets)
+        self._shared = blocks.SharedLayouts()
+
+    def new_target(self, target: Target, colors: Mapping[str, str], size: Size) -> RenderTarget:
+        return RenderTarget(self.device, target, colors, size)
+
+    def bind(self, draw: PreparedDraw) -> Bindings:
+        return bind.bind(draw.draw, draw.interface, self._textures.texels)
+
+    def issue(self, key: PassDraw, draw: PreparedDraw, target: RenderTarget) -> None:
+        errors = self._drawn(draw, self.bindings[key], target, draw.texts, draw.draw.state)
+        if errors:
+            self._gl_errors[key] = errors
+
+    def finish(self) -> None:
+        self.device.gl.ask("finish")
+
+    def render(
+        self,
+        draw: PreparedDraw,
+        bindings: Bindings,
+        target: RenderTarget,
+        *,
+        texts: Mapping[str, str] | None = None,
+        fixed_state: State | None = None,
+    ) -> None:
+        state = fixed_state or draw.draw.state
+        errors = self._drawn(draw, bindings, target, texts or draw.texts, state)
+        if errors:
+            raise DriverError(f"drawing again: WebGL2 raised {', '.join(map(hex, errors))}")
+
+    def _drawn(
+        self,
+        draw: PreparedDraw,
+        bindings: Bindings,
+        target: RenderTarget,
+        texts: Mapping[str, str],
+        state: State,
+    ) -> tuple[int, ...]:
+        """Draw; the errors that this raises."""
+        encodes = "srgb8_alpha8" in target.colors.values()
+        fixed.check(state, samples=target.samples, encodes=encodes)
+        program = self.linker.link(as_drawn(draw.draw, texts), draw.sources)
+
+        def draw_to(vertices: VertexArray) -> None:
+            target.bind(program.outputs(target.colors))
+            fixed.apply(self.device.gl, state, target.size)
+            vertices.draw(self.device.gl, draw.draw.instances)
+
+        values = {HEIGHT: np.array([target.size[1]], np.float32)}
+        self.use(program, draw, bindings, values, draw_to)
+        return tuple(self.device.gl.ask("errors"))
+
+    def use(
+        self,
+        program: Program,
+        draw: PreparedDraw,
+        bindings: Bindings,
+        values: Mapping[str, np.ndarray],
+        then: Callable[[VertexArray], None],
+    ) -> None:
+        """Set a program's uniforms and bind its textures and its mesh, and go on with the vertex
+        array.
+
+        Args:
+            program: of the draw, whatever its texts.
+            draw: what to draw.
+            bindings: its uniforms and textures.
+            values: further uniforms, by name.
+            then: what is done with it.
+
+        Raises:
+            UnsupportedError: WebGL2 has no such thing; the message names it.
+        """
+        if not draw.draw.vertex_array:
+            raise UnsupportedError("vertex_array=False: WebGL2 always has a vertex array")
+        gl = self.device.gl
+        with Objects(gl) as own:
+            gl.useProgram(program.handle)
+            self._uniforms(program, draw, {**bindings.uniforms, **values})
+            self._blocks(own, program, draw, bindings)
+            unit = 0
+            for name, source in draw.draw.textures.items():
+                if name not in program.locations:
+                    self._inactive.add(name)
+                    continue
+                self._textures.bind(unit, draw.interface.uniforms[name], source)
+                gl.uniform1i(program.locations[name], unit)
+                unit += 1
+            then(vertex_array(own, draw.draw.mesh, program.interface.attributes))
+            gl.bindVertexArray(None)
+
+    def _uniforms(
+        self, program: Program, draw: PreparedDraw, values: Mapping[str, np.ndarray]
+    ) -> None:
+        members = blocks.variables(draw.interface)
+        if draw.draw.domain is not None:
+            values = {**values, **bind.ramp_uniforms(draw.draw, draw.interface.varyings)}
+        for name, value in values.items():
+            if name not in members and not program.set(name, value):
+                self._inactive.add(name)
+        self._inactive.discard(HEIGHT)
+
+    def _blocks(
+        self, own: Objects, program: Program, draw: PreparedDraw, bindings: Bindings
+    ) -> None:
+        """A buffer for each uniform block."""
+        gl = self.device.gl
+        for point, (name, block) in enumerate(blocks.uniform_blocks(draw.interface).items()):
+            self._shared.check(draw.draw.blocks[name], block)
+            if name not in program.blocks:
+                self._inactive.add(name)
+                continue
+            buffer = own.new("Buffer")
+            gl.bindBuffer(gl.UNIFORM_BUFFER, buffer)
+            gl.bufferData(
+                gl.UNIFORM_BUFFER, blocks.packed(block, bindings.uniforms), gl.STATIC_DRAW
+            )
+            gl.uniformBlockBinding(program.handle, program.blocks[name], point)
+            gl.bindBufferBase(gl.UNIFORM_BUFFER, point, buffer)

@@ -1,0 +1,97 @@
+"""What vertices come out of a vertex stage, by transform feedback."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import partial
+
+import numpy as np
+
+from shaderlab.backends.webgl.calls import Objects
+from shaderlab.backends.webgl.drawing import Drawing
+from shaderlab.backends.webgl.linking import Program
+from shaderlab.backends.webgl.vertices import VertexArray
+from shaderlab.errors import DriverError
+from shaderlab.frame import Array, Bindings, PassDraw, Samples
+from shaderlab.programs import stages, vertex_capture
+from shaderlab.programs.formats import components_of, numpy_type
+from shaderlab.programs.prepare import PreparedDraw
+from shaderlab.programs.varyings import Piece
+
+_AT_ONCE = 8  # vectors; every device captures 16, and some of those are the author's own
+_CHANNELS = 4
+_FRAGMENT = "#version 330 core\nvoid main() {}\n"
+
+
+def vertices(drawing: Drawing, key: PassDraw) -> Samples:
+    """Every vertex that a draw hands to rasterisation; see `shaderlab.programs.vertex_capture`.
+
+    Raises:
+        UnsupportedError: an output is of double precision, or there is a geometry stage.
+    """
+    draw = drawing.programs[key[0]][key[1]]
+    return vertex_capture.vertices(draw, drawing.bindings[key], partial(_captured, drawing))
+
+
+def probe_vertices(
+    drawing: Drawing, key: PassDraw, bindings: Bindings, inputs: Mapping[str, Array]
+) -> Samples:
+    """Run the vertex stage on given inputs, each an array (count, components)."""
+    draw = drawing.programs[key[0]][key[1]]
+    return vertex_capture.probe(draw, bindings, inputs, partial(_captured, drawing))
+
+
+def _captured(
+    drawing: Drawing,
+    draw: PreparedDraw,
+    texts: Mapping[str, str],
+    parts: Sequence[Piece],
+    bindings: Bindings,
+    count: int | None,
+) -> Mapping[Piece, Array]:
+    assert count is not None, "without a geometry stage it is known"
+    found: dict[Piece, Array] = {}
+    for start in range(0, len(parts), _AT_ONCE):
+        group = parts[start : start + _AT_ONCE]
+        text, names = stages.capture_vertex(texts["vertex"], group)
+        program = drawing.linker.link(
+            {**texts, "vertex": text, "fragment": _FRAGMENT}, feedback=tuple(names.values())
+        )
+        raw = _fed(drawing, draw, program, bindings, 4 * _CHANNELS * len(group) * count)
+        rows = raw.reshape(count, len(group), _CHANNELS)
+        for number, piece in enumerate(group):
+            part = np.ascontiguousarray(rows[:, number, : components_of(piece.type)])
+            found[piece] = part.view(numpy_type(piece.type))
+    return found
+
+
+def _fed(
+    drawing: Drawing, draw: PreparedDraw, program: Program, bindings: Bindings, size: int
+) -> Array:
+    """The floats, of so many bytes, that a draw's vertices leave in a buffer.
+
+    Raises:
+        DriverError: a call that this takes raises an error.
+    """
+    gl = drawing.device.gl
+    with Objects(gl) as own:
+        buffer = own.new("Buffer")
+
+        def feed(vertices: VertexArray) -> None:
+            gl.bindFramebuffer(gl.FRAMEBUFFER, None)
+            gl.bindBuffer(gl.TRANSFORM_FEEDBACK_BUFFER, buffer)
+            gl.bufferData(gl.TRANSFORM_FEEDBACK_BUFFER, bytes(size), gl.STREAM_READ)
+            gl.bindBufferBase(gl.TRANSFORM_FEEDBACK_BUFFER, 0, buffer)
+            gl.enable(gl.RASTERIZER_DISCARD)
+            gl.beginTransformFeedback(gl.POINTS)
+            vertices.draw(gl, draw.draw.instances)
+            gl.endTransformFeedback()
+            gl.disable(gl.RASTERIZER_DISCARD)
+
+        drawing.use(program, draw, bindings, {}, feed)
+        raw = gl.ask_array(np.float32, "contents", gl.TRANSFORM_FEEDBACK_BUFFER, size)
+        gl.bindBufferBase(gl.TRANSFORM_FEEDBACK_BUFFER, 0, None)
+        errors = gl.ask("errors")
+    if errors:
+        raise DriverError(f"capturing vertices: WebGL2 raised {', '.join(map(hex, errors))}")
+    return raw

@@ -1,0 +1,123 @@
+"use strict";
+// Plays calls of WebGL2 that the lab has collected. A call is [name, where, arguments]: a method of
+// the context or of `own` below; `where` is 0 where nobody needs the result, a number under which
+// the object is kept, or −1 where the result is part of the reply.
+window.player = (() => {
+  const gl = new OffscreenCanvas(1, 1).getContext("webgl2", { antialias: false, depth: false });
+  if (gl === null) return null;
+  const objects = new Map();
+  const extensions = {};
+  for (const name of gl.getSupportedExtensions()) extensions[name] = gl.getExtension(name);
+
+  // Names of constants, the extensions' among them, and what the device says of itself.
+  const about = () => {
+    const constants = {};
+    for (const group of [gl, ...Object.values(extensions)])
+      for (const name in group) if (typeof group[name] === "number") constants[name] ??= group[name];
+    const info = extensions.WEBGL_debug_renderer_info;
+    return {
+      constants,
+      extensions: Object.keys(extensions),
+      renderer: gl.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : gl.RENDERER),
+      vendor: gl.getParameter(info ? info.UNMASKED_VENDOR_WEBGL : gl.VENDOR),
+      version: gl.getParameter(gl.VERSION),
+      glsl: gl.getParameter(gl.SHADING_LANGUAGE_VERSION),
+      texture: gl.getParameter(gl.MAX_TEXTURE_SIZE),
+      points: gl.getParameter(gl.ALIASED_POINT_SIZE_RANGE)[1],
+    };
+  };
+
+  // Compiles and links a program; the reply is why it can't be done, by stage, or "".
+  const link = (program, texts, varyings) => {
+    for (const [stage, text] of Object.entries(texts)) {
+      const shader = gl.createShader(gl[`${stage.toUpperCase()}_SHADER`]);
+      gl.shaderSource(shader, text);
+      gl.compileShader(shader);
+      gl.attachShader(program, shader);
+      gl.deleteShader(shader); // when the program is
+      if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS))
+        return [stage, gl.getShaderInfoLog(shader)];
+    }
+    if (!texts.vertex || !texts.fragment) return null; // the author's stage alone
+    if (varyings.length) gl.transformFeedbackVaryings(program, varyings, gl.INTERLEAVED_ATTRIBS);
+    gl.linkProgram(program);
+    if (!gl.getProgramParameter(program, gl.LINK_STATUS)) return ["", gl.getProgramInfoLog(program)];
+    return null;
+  };
+
+  // A uniform's location, kept under a number; the reply is whether it has any effect.
+  const locate = (program, to, names) => {
+    const found = names.map((name) => gl.getUniformLocation(program, name)).find((at) => at);
+    objects.set(to, found ?? null);
+    return found !== undefined;
+  };
+
+  // Whether a fragment shader writes to an output, which has one of these names.
+  const written = (program, names) =>
+    names.some((name) => gl.getFragDataLocation(program, name) >= 0);
+
+  const encoded = (values) => new Uint8Array(values.buffer).toBase64();
+
+  // The first channels of the framebuffer's texels, which are read in fours.
+  const texels = (width, height, format, type, kind, channels) => {
+    const all = new globalThis[kind](width * height * 4);
+    gl.readPixels(0, 0, width, height, format, type, all);
+    if (channels === 4) return encoded(all);
+    const some = new globalThis[kind](width * height * channels);
+    for (let at = 0, to = 0; at < all.length; at += 4)
+      for (let channel = 0; channel < channels; ++channel) some[to++] = all[at + channel];
+    return encoded(some);
+  };
+
+  const contents = (target, size) => {
+    const bytes = new Uint8Array(size);
+    gl.getBufferSubData(target, 0, bytes);
+    return encoded(bytes);
+  };
+
+  const errors = () => {
+    const found = [];
+    for (let code = gl.getError(); code && found.length < 16; code = gl.getError()) found.push(code);
+    return found;
+  };
+
+  const samples = (format) => [...gl.getInternalformatParameter(gl.RENDERBUFFER, format, gl.SAMPLES)];
+
+  const release = (kind, number) => {
+    gl[`delete${kind}`](objects.get(number));
+    objects.delete(number);
+  };
+
+  // The offset of each member of a uniform block by its name.
+  const offsets = (program, block) => {
+    const numbers = gl.getActiveUniformBlockParameter(
+      program, block, gl.UNIFORM_BLOCK_ACTIVE_UNIFORM_INDICES);
+    const places = gl.getActiveUniforms(program, numbers, gl.UNIFORM_OFFSET);
+    const names = [...numbers].map((number) => gl.getActiveUniform(program, number).name);
+    return Object.fromEntries(names.map((name, at) => [name, places[at]]));
+  };
+
+  const own = { about, link, locate, written, texels, contents, errors, samples, offsets, release };
+
+  const argument = (given, data) => {
+    if (given === null || typeof given !== "object" || Array.isArray(given)) return given;
+    if ("object" in given) return objects.get(given.object);
+    if ("array" in given) return new globalThis[given.array](data, given.at, given.count);
+    return given;
+  };
+
+  return {
+    play(text) {
+      const [calls, bytes] = JSON.parse(text);
+      const data = Uint8Array.fromBase64(bytes).buffer;
+      const reply = [];
+      for (const [name, where, given] of calls) {
+        const call = own[name] ?? gl[name];
+        const result = call.apply(gl, given.map((each) => argument(each, data)));
+        if (where > 0) objects.set(where, result);
+        else if (where < 0) reply.push(result ?? null);
+      }
+      return JSON.stringify({ reply, lost: gl.isContextLost() });
+    },
+  };
+})();

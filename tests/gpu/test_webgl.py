@@ -1,0 +1,211 @@
+"""Cases in a headless browser, by WebGL2."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from shaderlab import Case, Draw, Mesh, Pass, Ramp, Texture, exact, formula, fullscreen
+from shaderlab.compiler.sources import Shaders
+from shaderlab.errors import DeviceLostError, DriverError, UnsupportedError
+from shaderlab.evaluation import Lab
+from shaderlab.model import Expectation
+from shaderlab.options import RunOptions
+from shaderlab.records import Record
+from tests.catalogue import judged_only
+
+# Textures, meshes and their vertices, discarding, depth and stencil, passes, blocks, cubes.
+SHIPPED = ("mvp", "stencil-outline", "cubemap", "transparency-order")
+WAVE = """#version 330 core
+in vec2 place;
+out float level;
+uniform float height;
+void main() { level = height * place.x * place.y; }
+"""
+RIGHT = formula("level", lambda height, place: height * place.x * place.y)
+
+
+@pytest.fixture(scope="module")
+def lab() -> Iterator[Lab]:
+    with Lab(RunOptions(size=16, driver="webgl2")) as lab:
+        try:
+            assert lab.backend.info["version"].startswith("WebGL 2")
+        except DriverError as error:
+            pytest.skip(str(error))
+        yield lab
+
+
+def wave(lab: Lab, folder: Path, *expect: Expectation, text: str = WAVE) -> Record:
+    (folder / "wave.frag").write_text(text)
+    case = Case(
+        title="wave", file=str(folder / "wave.py"), expect=expect,
+        passes=fullscreen(
+            "wave.frag", uniforms={"height": 0.3},
+            domain={"place": Ramp((1.0, 2.0), (3.0, 0.0), (0.0, 5.0))},
+        ),
+    )  # fmt: skip
+    return lab.run(case.scene("default"))
+
+
+def test_a_formula_is_judged_at_each_pixel(lab: Lab, tmp_path: Path) -> None:
+    record = wave(lab, tmp_path, RIGHT)
+    assert (record.status, record.message) == ("pass", "")
+    assert record.expectations[0].judged == 256
+    wrong = formula("level", lambda height, place: height * place.x * place.x)
+    assert wave(lab, tmp_path, wrong).status == "fail"
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_shipped_cases_pass(lab: Lab, name: str) -> None:
+    case = judged_only(name)
+    drawn = [e for e in case.expect if not e.kind.startswith("GL ")]
+    record = lab.run(next(replace(case, expect=drawn).scenes()))
+    assert (record.status, record.message) == ("pass", "")
+
+
+@pytest.mark.parametrize(
+    ("name", "lacks"),
+    [
+        ("geometry-explode", "the geometry stage: WebGL2 has none"),
+        ("texture-wrap", "clamp_to_border: textures have no border in WebGL2"),
+        ("primitives", "the fragment stage in WebGL2: 'gl_PrimitiveID' : undeclared identifier"),
+        ("buffer-usage", "calls of OpenGL are recorded on OpenGL's drivers only"),
+        ("vertex-array", "vertex_array=False: WebGL2 always has a vertex array"),
+    ],
+)
+def test_what_webgl2_lacks_is_unsupported_by_name(lab: Lab, name: str, lacks: str) -> None:
+    record = lab.run(next(judged_only(name).scenes()))
+    assert (record.status, record.message) == ("unsupported", lacks)
+
+
+def test_an_extension_that_is_not_there_is_named(lab: Lab, tmp_path: Path) -> None:
+    """Without it the texture would be incomplete, and black."""
+    (tmp_path / "seen.frag").write_text(
+        "#version 330 core\nuniform sampler2D image;\nin vec2 at;\nout vec4 color;\n"
+        "void main() { color = texture(image, at); }\n"
+    )
+    texels = Texture(image=np.ones((4, 4, 4)), filter=("linear", "linear"))
+    case = Case(
+        title="seen", file=str(tmp_path / "seen.py"), expect=[exact("color", 1.0)],
+        passes=fullscreen(
+            "seen.frag", textures={"image": texels}, domain={"at": Ramp((0.0, 0.0), (1.0, 0.0))}
+        ),
+    )  # fmt: skip
+    assert lab.run(case.scene("default")).status == "pass"
+    device = lab.backend.device  # type: ignore[attr-defined]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(type(device), "extensions", frozenset(), raising=False)
+        object.__setattr__(device, "extensions", device.extensions - {"OES_texture_float_linear"})
+        record = lab.run(case.scene("default"))
+    assert record.status == "unsupported"
+    assert record.message == "filtering rgba32f: this browser has no OES_texture_float_linear"
+
+
+def test_words_that_essl_reserves_may_name_a_uniform(lab: Lab, tmp_path: Path) -> None:
+    """SPIRV-Cross calls it otherwise."""
+    text = WAVE.replace("uniform float height", "uniform float sample, height")
+    text = text.replace("= height", "= (sample + 0.0 * height)")
+    (tmp_path / "named.frag").write_text(text)
+    case = Case(
+        title="named", file=str(tmp_path / "named.py"),
+        expect=[formula("level", lambda sample, place: sample * place.x * place.y)],
+        passes=fullscreen(
+            "named.frag", uniforms={"height": 0.3, "sample": 0.7},
+            domain={"place": Ramp((1.0, 2.0), (3.0, 0.0), (0.0, 5.0))},
+        ),
+    )  # fmt: skip
+    assert lab.run(case.scene("default")).status == "pass"
+
+
+def test_the_verdict_is_the_browser_s_own(lab: Lab) -> None:
+    read = Shaders(()).from_text
+    assert lab.backend.driver_verdict([read(WAVE, "fragment", "wave.frag")]).ok
+    text = WAVE.replace("place.y;", "place.y + float(gl_PrimitiveID);")
+    verdict = lab.backend.driver_verdict([read(text, "fragment", "wave.frag")])
+    assert not verdict.ok and "gl_PrimitiveID" in verdict.diagnostics[0].message
+    text = WAVE.replace("place.y;", "place.y * float(sin(double(height)));")
+    with pytest.raises(DriverError):
+        lab.backend.driver_verdict([read(text, "fragment", "wave.frag")])
+    text = text.replace("330 core", "400 core").replace("sin(double(height))", "double(height)")
+    with pytest.raises(UnsupportedError, match="FP64 not supported"):
+        lab.backend.driver_verdict([read(text, "fragment", "wave.frag")])
+
+
+def test_a_browser_that_is_gone_is_a_crash_and_one_that_hangs_is_given_up(
+    lab: Lab, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from shaderlab.backends.webgl import browser
+
+    gone = lab.backend
+    running = gone.device._browser  # type: ignore[attr-defined]
+    with monkeypatch.context() as patch:
+        patch.setattr(browser, "PATIENCE", 0.3)
+        with pytest.raises(DeviceLostError, match=r"gave no answer in 0\.3 s"):
+            running._wait(running._page.evaluate("() => { for (;;); }"))
+    running._loop.run_until_complete(running._browser.close())
+    record = wave(lab, tmp_path, RIGHT)
+    assert (record.status, record.message) == ("crash", "webgl2: the browser is gone")
+    assert wave(lab, tmp_path, RIGHT).status == "pass"
+    assert lab.backend is not gone
+
+
+def test_what_is_not_there_is_an_error_with_its_remedy(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    from shaderlab.backends.webgl import browser, essl
+
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.delenv("SHADERLAB_CHROMIUM", raising=False)
+    with pytest.raises(DriverError, match=r"(?s)no spirv-cross.*apt-get install spirv-cross"):
+        essl.cross_compiler()
+    with pytest.raises(DriverError, match=r"(?s)no Chromium.*apt-get install chromium"):
+        browser.Browser()
+    monkeypatch.setenv("SHADERLAB_CHROMIUM", str(tmp_path / "none"))
+    with pytest.raises(DriverError, match="none does not start"):
+        browser.Browser()
+
+
+def test_a_lost_context_is_told() -> None:
+    from shaderlab.backends.webgl.calls import Calls
+
+    class Answering:
+        lost = False
+
+        def play(self, text: str) -> str:
+            calls, _ = json.loads(text)
+            reply = [{"constants": {"RED": 6403}} for name, *_ in calls if name == "about"]
+            return json.dumps({"reply": reply or [len(calls)], "lost": self.lost})
+
+    browser = Answering()
+    gl = Calls(browser)  # type: ignore[arg-type]
+    gl.clear(gl.RED)
+    assert gl.ask("getError") == 2
+    browser.lost = True
+    with pytest.raises(DeviceLostError, match="context"):
+        gl.ask("getError")
+
+
+def test_points_off_screen_are_dropped(lab: Lab, tmp_path: Path) -> None:
+    """OpenGL ES draws them."""
+    (tmp_path / "point.vert").write_text(
+        "#version 330 core\nin vec2 at;\n"
+        "void main() { gl_Position = vec4(at, 0.0, 1.0); gl_PointSize = 12.0; }\n"
+    )
+    (tmp_path / "point.frag").write_text(
+        "#version 330 core\nout float level;\nvoid main() { level = 1.0; }\n"
+    )
+    mesh = Mesh(attributes={"at": np.array([(1.2, 0.0)])}, primitive="points")
+    draw = Draw(vertex="point.vert", fragment="point.frag", mesh=mesh)
+    case = Case(
+        title="a point off screen", file=str(tmp_path / "point.py"), passes=(Pass(draws=(draw,)),),
+        expect=[exact("level", 0.0)],
+    )  # fmt: skip
+    assert lab.run(case.scene("default")).status == "pass"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("shaderlab.programs.stages._OFF_SCREEN", ())
+        assert lab.run(case.scene("default")).status == "fail"

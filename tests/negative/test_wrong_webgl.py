@@ -1,0 +1,137 @@
+"""Mistakes planted on the way to WebGL2: the matrix finds each, and blames that path."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from shaderlab.errors import DriverError
+from shaderlab.evaluation import Lab
+from shaderlab.execution.attribution import attributed
+from shaderlab.execution.drivers import disagreements
+from shaderlab.observations import Look
+from shaderlab.options import RunOptions
+from shaderlab.records import Disagreement
+from tests.negative.test_wrong_paths import scene
+
+PATHS = ("llvmpipe", "webgl2")
+Plant = Callable[[pytest.MonkeyPatch], None]
+
+
+@pytest.fixture(scope="module")
+def labs(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Lab, ...]]:
+    """A lab for each path, open for all tests: a browser takes a second to start."""
+    frames = tmp_path_factory.mktemp("frames")
+    both = tuple(
+        Lab(RunOptions(driver=path, size=32, pictures=False, frames=frames / path))
+        for path in PATHS
+    )
+    with both[0], both[1]:
+        try:
+            assert both[1].backend
+        except DriverError as error:
+            pytest.skip(str(error))
+        yield both
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Any:
+    return next(iter(scene(tmp_path_factory.mktemp("paths")).scenes()))
+
+
+def matrix(labs: tuple[Lab, ...], made: Any, plant: Plant | None) -> dict[str, Disagreement]:
+    """Each output on both paths, something planted in the second."""
+    frames = labs[0].options.frames
+    assert frames is not None
+    with pytest.MonkeyPatch.context() as patch:
+        records = [replace(labs[0].run(made), driver_name=PATHS[0])]
+        if plant is not None:
+            plant(patch)
+            labs[1].backend._linker.release()  # type: ignore[attr-defined]
+            labs[1].backend.captures.__init__()  # type: ignore[attr-defined]
+        records.append(replace(labs[1].run(made), driver_name=PATHS[1]))
+        assert [r.message for r in records] == ["", ""]
+        differences = list(disagreements(records, frames.parent))
+        looks = tuple(Look(output=d.found.output, pixels=d.pixels) for d in differences if d.pixels)
+        first, second = (
+            {seen.output: seen for seen in lab.observe(made, looks)} if looks else {}
+            for lab in labs
+        )
+    labs[1].backend._linker.release()  # type: ignore[attr-defined]
+    return {
+        d.found.output: attributed(d.found, first[d.found.output], second[d.found.output])
+        if d.pixels else d.found
+        for d in differences
+    }  # fmt: skip
+
+
+def function(owner: str, name: str, make: Callable[[Any], Any]) -> Plant:
+    """A function of the backend does something else."""
+
+    def plant(patch: pytest.MonkeyPatch) -> None:
+        import importlib
+
+        module, _, inner = owner.partition(":")
+        found = importlib.import_module(f"shaderlab.backends.webgl.{module}")
+        found = getattr(found, inner) if inner else found
+        patch.setattr(found, name, make(getattr(found, name)))
+
+    return plant
+
+
+def call(name: str, change: Callable[..., tuple[Any, ...]]) -> Plant:
+    """A call of WebGL2 is made with other arguments."""
+    return function("calls:Calls", "_add", lambda before: (
+        lambda self, called, where, *given:
+        before(self, called, where, *(change(*given) if called == name else given))
+    ))  # fmt: skip
+
+
+def essl(stage: str, old: str, new: str) -> Plant:
+    """The translation of a stage writes something else."""
+    return function("essl", "_essl", lambda before: (
+        lambda named, *rest: before(named, *rest).replace(old, new)
+        if named == stage else before(named, *rest)
+    ))  # fmt: skip
+
+
+FAULTS: Mapping[str, tuple[Plant, str, str]] = {
+    "rows read upside down": (
+        function("target:RenderTarget", "read", lambda before: (
+            lambda self, name: replace(i := before(self, name), values=i.values[::-1].copy())
+        )), "sheet.color", "coverage"),
+    "a matrix transposed": (
+        call("uniformMatrix4fv", lambda at, turned, v: (
+            at, turned, v.reshape(4, 4).T.copy())), "sheet.color", "vertex stage"),
+    "nearest for linear": (
+        call("samplerParameteri", lambda made, what, word: (
+            made, what, 0x2600 if word == 0x2601 else word)), "sheet.color", "fragment stage"),
+    "the winding flipped": (
+        call("frontFace", lambda face: (0x0900 + (face == 0x0900),)), "sheet.color", "coverage"),
+    "a subtraction translated for an addition": (
+        essl("fragment", "+ vec4(0.125)", "- vec4(0.125)"), "sheet.color", "fragment stage"),
+    "a stage's output taken for another": (
+        essl("vertex", "number + shift", "number - shift"), "sheet.marks", "vertex stage"),
+    "another factor of blending": (
+        call("blendFuncSeparate", lambda *given: (given[0], 0, given[2], 0)),
+        "blended.color", "fixed function"),
+}  # fmt: skip
+
+
+def test_without_a_mistake_nothing_is_outside(labs: tuple[Lab, ...], made: Any) -> None:
+    found = matrix(labs, made, None)
+    assert len(found) == 5
+    assert {d.verdict for d in found.values()} <= {"equal", "within"}, [
+        f"{d.output} {d.verdict} {d.cause} {d.why}" for d in found.values()
+    ]
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_mistake_is_found_and_webgl2_blamed(labs: tuple[Lab, ...], made: Any, fault: str) -> None:
+    plant, output, cause = FAULTS[fault]
+    found = matrix(labs, made, plant)[output]
+    assert found.verdict == "outside" and found.outside == (PATHS[1],), found
+    assert found.cause == cause, found.why
