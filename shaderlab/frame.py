@@ -35,10 +35,15 @@ def every_component(holds: Array) -> Array:
 
 @dataclass(frozen=True)
 class Image:
-    """One attachment, read back in its own components and type; `format` as in `Target`."""
+    """One attachment, read back in its own components and type; `format` as in `Target`.
+
+    `layers` is how many layers lie one above the other, where a dispatch wrote an image that has
+    some; else 0.
+    """
 
     values: Array
     format: str
+    layers: int = 0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,7 +91,8 @@ class Texels:
         values: the largest level: (height, width, channels), or with one more axis in front the
             layers of an array, the faces of a cube, the samples of a multisampled texture.
         filter, wrap, border, compare, lod: as in `shaderlab.model.Texture`.
-        kind: what comes after "sampler" in GLSL, without "Shadow": "2D", "2DArray", "Cube", "2DMS".
+        kind: what comes after "sampler" in GLSL, without "Shadow": "2D", "2DArray", "Cube", "2DMS";
+            or after "image": "2D", "2DArray", "3D".
         format: the texture's format; 8-bit texels are codes.
         smaller: the mipmap levels below the largest one, if there are any.
         seamless: whether a cube's filters reach over its edges.
@@ -110,7 +116,8 @@ class Bindings:
 
     `uniforms` are the float32 or integer values that the shader got, `decimal` the float64 values
     that the case wrote; `arrays` names those that are GLSL arrays (their first axis counts).
-    `buffers` are what the members of a dispatch's storage blocks held before it.
+    `buffers` are what the members of a dispatch's storage blocks held before it, `images` what its
+    images did.
     """
 
     uniforms: Mapping[str, Array] = field(default_factory=dict)
@@ -118,6 +125,12 @@ class Bindings:
     textures: Mapping[str, Texels] = field(default_factory=dict)
     arrays: frozenset[str] = frozenset()
     buffers: Mapping[str, Array] = field(default_factory=dict)
+    images: Mapping[str, Texels] = field(default_factory=dict)
+
+    @property
+    def computes(self) -> bool:
+        """Whether it is a dispatch that they are bound for."""
+        return bool(self.buffers or self.images)
 
 
 @dataclass(frozen=True, kw_only=True)

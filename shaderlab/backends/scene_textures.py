@@ -81,15 +81,17 @@ class SceneTextures(ABC, Generic[Kind]):
 
     def kind(self, source: TextureSource, variable: Variable) -> str:
         """What a texture is to the sampler that reads it: "2D", "3D", "cube", "2DMS", …"""
-        samples = 0
+        samples = layers = 0
         if isinstance(source, Output) and source.pass_name in self.targets:
             drawn = self.targets[source.pass_name].samples
             samples = drawn if drawn > 1 else 0
-        return kind_of(source, variable.type, samples)
+        elif isinstance(source, Output):
+            layers = find_image(source, self.images).layers
+        return kind_of(source, variable.type, samples, layers)
 
     def find(self, source: TextureSource, kind: str) -> DeviceTexels:
         """The texture on the device; it is made now if it is not there."""
-        if isinstance(source, Output):
+        if isinstance(source, Output) and source.pass_name in self.targets:
             return self.attachment(source, kind)
         if id(source) not in self._uploaded:
             self._uploaded[id(source)] = self.upload(source)
@@ -101,7 +103,7 @@ class SceneTextures(ABC, Generic[Kind]):
 
     @abstractmethod
     def upload(self, source: TextureSource) -> DeviceTexels:
-        """Make a texture that is no attachment."""
+        """Make a texture that is no attachment; an output is the image of a dispatch."""
 
     def _format(self, source: TextureSource) -> str:
         if isinstance(source, CompressedTexture):

@@ -26,6 +26,8 @@ class Variable:
         interpolation: of varyings.
         components: numbers in one element: 3 for vec3, 16 for mat4, 0 for samplers.
         used: whether the program's functions refer to it; a driver may still optimise it away.
+        format: of an image, as its layout says ("rgba8"); "" for none.
+        readonly: what GLSL says of an image.
     """
 
     name: str
@@ -35,6 +37,8 @@ class Variable:
     interpolation: Interpolation = "smooth"
     components: int = 0
     used: bool = False
+    format: str = ""
+    readonly: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,6 +8,14 @@ from collections.abc import Iterable
 from shaderlab.compiler.module import Module, Op
 
 OPAQUE = (Op.TYPE_IMAGE, Op.TYPE_SAMPLER, Op.TYPE_SAMPLED_IMAGE)
+# The image formats of SPIR-V 1.6, 3.11, by their numbers from 0 on, as GLSL spells them.
+_FORMATS = (
+    "", "rgba32f", "rgba16f", "r32f", "rgba8", "rgba8_snorm", "rg32f", "rg16f", "r11f_g11f_b10f",
+    "r16f", "rgba16", "rgb10_a2", "rg16", "rg8", "r16", "r8", "rgba16_snorm", "rg16_snorm",
+    "rg8_snorm", "r16_snorm", "r8_snorm", "rgba32i", "rgba16i", "rgba8i", "r32i", "rg32i", "rg16i",
+    "rg8i", "r16i", "r8i", "rgba32ui", "rgba16ui", "rgba8ui", "r32ui", "rgb10_a2ui", "rg32ui",
+    "rg16ui", "rg8ui", "r16ui", "r8ui", "r64ui", "r64i",
+)  # fmt: skip
 _DIMENSIONS = {0: "1D", 1: "2D", 2: "3D", 3: "Cube", 4: "2DRect", 5: "Buffer"}
 
 
@@ -88,6 +96,12 @@ def leaves_count(module: Module, id_: int) -> int:
 def elements_of(lengths: Iterable[int]) -> int:
     """The elements of an array of arrays; a length known at run time only counts as one."""
     return math.prod(max(length, 1) for length in lengths)
+
+
+def image_format(module: Module, id_: int) -> str:
+    """The format that an image's layout names, "" for none and for what is no image."""
+    instruction = module.types[unwrap(module, id_)[1]]
+    return _FORMATS[instruction.words[6]] if instruction.op == Op.TYPE_IMAGE else ""
 
 
 def _scalar(module: Module, id_: int) -> str:

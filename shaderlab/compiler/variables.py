@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 from shaderlab.compiler.interface import Interpolation, Variable
 from shaderlab.compiler.module import Decoration, Instruction, Module, Op, Storage
-from shaderlab.compiler.types import component_count, slots, type_name, unwrap
+from shaderlab.compiler.types import component_count, image_format, slots, type_name, unwrap
 
 Path = tuple[int, ...]
 """Indices from a variable to a part of it; `ANY` if computed at run time."""
@@ -108,6 +108,10 @@ def uniform_variables(module: Module) -> Iterator[Variable]:
             at = module.number(id_, Decoration.LOCATION)
             for leaf in leaves(module, pointee, module.names.get(id_, "")):
                 variable = _variable(module, leaf, at, paths.get(id_, ()), {})
+                if "image" in variable.type:
+                    fixed = module.decorated(id_, Decoration.NON_WRITABLE) is not None
+                    word = image_format(module, leaf.type)
+                    variable = replace(variable, format=word, readonly=fixed)
                 if storage == Storage.ATOMIC_COUNTER:
                     variable = replace(variable, type="atomic_uint", location=None)
                 yield variable

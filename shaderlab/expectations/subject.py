@@ -15,6 +15,7 @@ from shaderlab.expectations.needs import CapturedFragments, CapturedVertices
 from shaderlab.frame import Array, Frame, Image, PassDraw
 from shaderlab.judging.inputs import Inputs
 from shaderlab.model import Scene, UniformValue
+from shaderlab.programs import images
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,7 +47,7 @@ def subject_of(
         return Subject(measured=samples.outputs[name], inputs=inputs)
     image = find_image(expectation.output, scene, frame)
     covered = frame.answers[CapturedFragments(key)].covered
-    if frame.bindings[key].buffers:  # every element of a buffer, whatever invocations there are
+    if frame.bindings[key].computes:  # every element and texel, whatever invocations there are
         covered = np.ones(image.values.shape[:2], bool)
     whole = bool(covered.all())
 
@@ -111,9 +112,12 @@ def inputs_of(
 
 def pixel_inputs(frame: Frame, key: PassDraw, image: Image) -> dict[str, Array]:
     """Captured inputs of every pixel of a draw's output, `frag_coord` among them; of a dispatch
-    what there is one of for each element of that output."""
+    what there is one of for each element or texel of that output, and where each `texel` is."""
     fragments = frame.answers[CapturedFragments(key)]
-    if frame.bindings[key].buffers:
-        size = image.values.shape[:2]
-        return {name: v for name, v in fragments.inputs.items() if v.shape[:2] == size}
+    bindings = frame.bindings[key]
+    if bindings.computes:
+        found = images.laid_out(fragments.inputs, image)
+        if any(image is frame.images.get((key[0], name)) for name in bindings.images):
+            found["texel"] = images.texel_places(image)
+        return found
     return {**fragments.inputs, "frag_coord": fragments.frag_coord}

@@ -72,7 +72,8 @@ class Value(OfReference):
             x, y = self.at.x, self.at.y
             measured, format = _at_pixel(image, self.at)[None], image.format
             each = {n: v[y, x][None] for n, v in pixel_inputs(frame, key, image).items()}
-            decimal = {n: v[x][None] for n, v in decimal_inputs(frame, key, each).items()}
+            row = y * image.values.shape[1] + x
+            decimal = {n: v[row][None] for n, v in decimal_inputs(frame, key, each).items()}
         else:
             samples = frame.answers[Probe(self)]
             measured = samples.outputs[self.own_name(scene)]

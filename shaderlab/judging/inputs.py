@@ -74,7 +74,7 @@ class Inputs:
             shared={**kept(bindings.uniforms), **kept(whole), **rounded},
             each=kept(each),
             decimal={**kept(written), **constants, **(decimal or {})},
-            textures=bindings.textures,
+            textures={**bindings.textures, **bindings.images},
             arrays=bindings.arrays - constants.keys() - by_element,
         )
 

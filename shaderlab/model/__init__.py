@@ -55,6 +55,7 @@ from shaderlab.model.state import (
 from shaderlab.model.textures import (
     CompressedTexture as CompressedTexture,
     CubeTexture as CubeTexture,
+    ImageValue as ImageValue,
     Output as Output,
     Texture as Texture,
     TextureArray as TextureArray,

@@ -17,7 +17,7 @@ from shaderlab.model.scene import (
     UniformValue,
 )
 from shaderlab.model.state import State
-from shaderlab.model.textures import TextureSource
+from shaderlab.model.textures import ImageValue, TextureSource
 
 
 @checked_arguments
@@ -83,7 +83,8 @@ def compute(
     shader: str,
     *,
     groups: tuple[int, int, int],
-    buffers: Mapping[str, BufferValue],
+    buffers: Mapping[str, BufferValue] | None = None,
+    images: Mapping[str, ImageValue] | None = None,
     uniforms: Mapping[str, UniformValue] | None = None,
     textures: Mapping[str, TextureSource] | None = None,
     blocks: Mapping[str, UniformBuffer] | None = None,
@@ -92,7 +93,7 @@ def compute(
     """One pass that runs a compute shader once.
 
     Each member of its storage blocks that is not `readonly` is an output, called by its name: an
-    image of one row that has a pixel for each element.
+    image of one row that has a pixel for each element. So is each of its images.
 
     Args:
         shader: the compute shader.
@@ -101,12 +102,17 @@ def compute(
             with the block's before it where two blocks share one ("Block.values"). Arrays have
             shape (length, components); one of run-time length is as long as what is given. An
             `Output` is what an earlier pass left.
+        images: what each `image2D` holds before, by its name: an array (height, width, components)
+            whose row 0 is the bottom one, a function that makes one, a file's path, or an `Output`.
+            An `image2DArray` or `image3D` takes (layers, height, width, components). Its format is
+            the one that the shader's layout names.
         uniforms, textures, blocks, name: as in `Draw` and `Pass`.
     """
     draw = Draw(
         compute=shader,
         groups=groups,
-        buffers=buffers,
+        buffers=buffers or {},
+        images=images or {},
         uniforms=uniforms or {},
         textures=textures or {},
         blocks=blocks or {},

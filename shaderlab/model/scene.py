@@ -16,6 +16,7 @@ from shaderlab.model.state import State, one_of
 from shaderlab.model.textures import (
     COLOR_FORMATS,
     DEPTH_FORMATS,
+    ImageValue,
     Output,
     TextureSource,
     outputs_read,
@@ -87,8 +88,8 @@ class Draw(Checked):
     """One draw call or dispatch: a program, what it draws, and all that is bound while it does.
 
     Either `vertex` and `mesh` are given, or `domain` (the fragment shader's inputs laid over the
-    whole target; the vertex stage is then made by the lab), or for a dispatch `compute`, `groups`
-    and `buffers`, as in `compute`, and no other shader. Uniforms are keyed as GLSL spells
+    whole target; the vertex stage is then made by the lab), or for a dispatch `compute`, `groups`,
+    `buffers` and `images`, as in `compute`, and no other shader. Uniforms are keyed as GLSL spells
     them: "model", "light.constant", "weights", "lights[0].position". Matrices are given as
     mathematics writes them, rows first; the lab transposes for GLSL. `blocks` are uniform blocks
     by the name that GLSL gives the block itself.
@@ -108,6 +109,7 @@ class Draw(Checked):
     compute: str = ""
     groups: tuple[int, int, int] = (1, 1, 1)
     buffers: Mapping[str, BufferValue] = field(default_factory=dict)
+    images: Mapping[str, ImageValue] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if self.compute:
@@ -115,10 +117,11 @@ class Draw(Checked):
             return
         if not self.fragment:
             raise CaseError("Draw: give a fragment shader, or a compute shader (compute=…)")
-        if self.buffers or self.groups != (1, 1, 1):
+        if self.buffers or self.images or self.groups != (1, 1, 1):
             raise CaseError(
-                f"Draw of {self.fragment}: groups= and buffers= belong to a compute shader",
-                remedy="Draw(compute=…, groups=…, buffers=…), or shaderlab.compute",
+                f"Draw of {self.fragment}: groups=, buffers= and images= belong to a compute "
+                "shader",
+                remedy="Draw(compute=…, groups=…, buffers=…, images=…), or shaderlab.compute",
             )
         if (self.domain is None) == (self.mesh is None):
             raise CaseError(
@@ -155,8 +158,9 @@ class Draw(Checked):
         return tuple(s for s in (self.vertex, self.geometry, self.fragment, self.compute) if s)
 
     def outputs_read(self) -> Iterator[Output]:
-        """The outputs of earlier passes that it reads as textures and in buffers."""
-        for source in (*self.textures.values(), *self.buffers.values()):
+        """The outputs of earlier passes that it reads as textures, in buffers and in images."""
+        given = (self.textures, self.buffers, self.images)
+        for source in (value for mapping in given for value in mapping.values()):
             yield from outputs_read(source)
 
 
@@ -213,7 +217,7 @@ class Pass(Checked):
         if any(draw.compute for draw in self.draws) and not alone:
             raise CaseError(
                 f"Pass {self.name!r}: a dispatch is a pass of its own, without a target",
-                remedy="one pass for each; a later one reads Output('pass.buffer')",
+                remedy="one pass for each; a later one reads Output('pass.name')",
             )
         if self.onto and (self.target.depth or self.target.samples):
             raise CaseError(

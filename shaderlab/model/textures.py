@@ -222,8 +222,12 @@ class CompressedTexture(Sampling):
 TextureSource = Texture | TextureArray | CubeTexture | CompressedTexture | Output
 
 
+ImageValue = Pixels | Output
+
+
 def outputs_read(source: object) -> Iterator[Output]:
-    """The outputs of earlier passes that a texture, or what fills a buffer, is or is made of."""
+    """The outputs of earlier passes that a texture, a buffer's or an image's contents are or are
+    made of."""
     parts: Sequence[object] = (source,)
     if isinstance(source, TextureArray):
         parts = source.layers

@@ -135,6 +135,10 @@ class _Maker:
                 n: v if isinstance(v, Output) else self._contents(bindings.buffers[n])
                 for n, v in draw.buffers.items()
             }
+            changes["images"] = {
+                n: v if isinstance(v, Output) else self._image(bindings.images[n])
+                for n, v in draw.images.items()
+            }
             changes["blocks"] = {n: self._once(b, self._buffer) for n, b in draw.blocks.items()}
             if draw.domain is not None and draw.domain != UNIT_SQUARE:
                 changes["domain"] = {n: self._ramp(r) for n, r in draw.domain.items()}
@@ -188,6 +192,12 @@ class _Maker:
         if format.endswith("8") or format.startswith("depth"):
             return self._random.random(size, np.float32)
         return self._spread(size, "float")
+
+    def _image(self, held: Texels) -> Array:
+        """What an image holds instead."""
+        layers = held.values if held.values.ndim == 4 else held.values[None]
+        made = np.stack([self._texels(layer.shape, held.format) for layer in layers])
+        return made if held.values.ndim == 4 else made[0]
 
     def _buffer(self, buffer: UniformBuffer) -> UniformBuffer:
         return UniformBuffer(values={n: self._number(v, "") for n, v in buffer.values.items()})

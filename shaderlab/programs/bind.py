@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from shaderlab.compiler.interface import Interface, Variable
-from shaderlab.errors import CaseError, nearest
+from shaderlab.errors import CaseError, UnsupportedError, nearest
 from shaderlab.frame import Array, Bindings, Texels
 from shaderlab.model import Draw, Ramp, TextureSource
 from shaderlab.model.scene import UNIT_SQUARE
@@ -37,15 +37,25 @@ def bind(draw: Draw, interface: Interface, texels: Contents) -> Bindings:
     Raises:
         CaseError: a uniform, a block's member or a texture is missing, unknown, or of the wrong
             type or shape.
+        UnsupportedError: a program that draws has images.
     """
     for name in draw.uniforms:
         if name not in interface.uniforms:
             blocks.refuse_member(draw, interface, name)
     samplers = {n: v for n, v in interface.uniforms.items() if "sampler" in v.type}
     uniforms = interface.uniforms.items()
-    plain = {n: v for n, v in uniforms if n not in samplers and not n.startswith(PREFIX)}
-    compare("uniform", draw, draw.uniforms, plain, other={"texture": samplers})
-    compare("texture", draw, draw.textures, samplers, other={"uniform": plain})
+    images = {n: v for n, v in uniforms if "image" in v.type}
+    if images and not draw.compute:
+        name, image = next(iter(images.items()))
+        raise UnsupportedError(
+            f"{' + '.join(draw.shaders)}: {name} is an {image.type}; compute passes alone have "
+            "images",
+            remedy="write an output, and read textures",
+        )
+    opaque = samplers.keys() | images.keys()
+    plain = {n: v for n, v in uniforms if n not in opaque and not n.startswith(PREFIX)}
+    compare("uniform", draw, draw.uniforms, plain, other={"texture": samplers, "image": images})
+    compare("texture", draw, draw.textures, samplers, other={"uniform": plain, "image": images})
     known = declared(interface)
     values = {**draw.uniforms, **blocks.given(draw, interface)}
     exact, decimal = {}, {}

@@ -48,12 +48,12 @@ def check_reads(scene: Scene, description: Pass, draw: Draw, earlier: Iterable[s
             is a renderbuffer.
         UnsupportedError: a texture is a buffer of a dispatch.
     """
-    dispatches = {p.name for p in scene.passes if p.computes}
+    images = {p.name: p.draws[0].images for p in scene.passes if p.computes}
     owners = {name: _owner(scene, name) for name in earlier}
     for name, source in draw.textures.items():
         for output in outputs_read(source):
             read = output.pass_name
-            if read in dispatches:
+            if output.name not in images.get(read, (output.name,)):
                 raise UnsupportedError(
                     f"sampling a buffer: {name!r} is a texture, and {output.path} is left in a "
                     "storage buffer",

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from shaderlab.compiler.interface import Block, Interface, Member, Variable
 from shaderlab.errors import CaseError, UnsupportedError
 from shaderlab.frame import Array, Bindings, Fragments, Image
 from shaderlab.model import BufferValue, Draw, Output
-from shaderlab.programs import bind, formats
+from shaderlab.programs import bind, formats, images as stored_images
 from shaderlab.programs.textures import Images, find_image
 
 INVOCATION = "gl_GlobalInvocationID"
@@ -60,7 +61,7 @@ def slots(interface: Interface) -> dict[str, Slot]:
         for name, block in storage_blocks(interface).items()
         for member in block.members.values()
     ]
-    names = [own for _, own, _ in found]
+    names = [*(own for _, own, _ in found), *stored_images.declared(interface)]
     spelt = {
         (block, own): own if names.count(own) == 1 else f"{block}.{own}" for block, own, _ in found
     }
@@ -76,22 +77,28 @@ def _name(member: Member) -> str:
 
 
 def outputs(interface: Interface) -> dict[str, Variable]:
-    """The members that a program may write, by name."""
+    """The images and the members of blocks that a program may write, by name."""
     known = slots(interface).values()
-    return {slot.name: slot.variable for slot in known if not slot.member.readonly}
+    members = {slot.name: slot.variable for slot in known if not slot.member.readonly}
+    return {**stored_images.outputs(interface), **members}
 
 
-def bound(draw: Draw, interface: Interface, bindings: Bindings, images: Images) -> Bindings:
-    """A dispatch's bindings with what its storage blocks hold before.
+def bound(
+    draw: Draw, interface: Interface, bindings: Bindings, folder: Path, images: Images
+) -> Bindings:
+    """A dispatch's bindings with what its storage blocks and its images hold before.
 
     Args:
         draw: the dispatch.
         interface: what its program declares.
         bindings: its uniforms and textures.
+        folder: where paths of image files begin.
         images: what earlier passes gave.
 
     Raises:
-        CaseError: what is given for a member is missing, unknown, or of the wrong type or shape.
+        CaseError: what is given for a member or an image is missing, unknown, or of the wrong type
+            or shape.
+        AssetError: an image file can't be read.
     """
     known = slots(interface)
     bind.compare("buffer", draw, draw.buffers, {n: s.variable for n, s in known.items()})
@@ -113,6 +120,7 @@ def bound(draw: Draw, interface: Interface, bindings: Bindings, images: Images) 
     return replace(
         bindings,
         buffers=exact,
+        images=stored_images.bound(draw, interface, folder, images),
         decimal={**bindings.decimal, **decimal},
         arrays=bindings.arrays | arrays,
     )
@@ -126,12 +134,12 @@ def require_supported(draw: Draw, interface: Interface) -> None:
         CaseError: the shader writes nothing.
     """
     for name, variable in interface.uniforms.items():
-        if "image" in variable.type or variable.type == "atomic_uint":
+        if variable.type == "atomic_uint":
             raise UnsupportedError(
-                f"{draw.compute}: {name} is an {variable.type}; compute passes read and write "
-                "storage buffers alone",
-                remedy="declare a buffer block instead",
+                f"{draw.compute}: {name} is an atomic_uint",
+                remedy="declare a uint in a buffer block instead, or an r32ui image",
             )
+    stored_images.require_supported(draw, interface)
     for name, block in storage_blocks(interface).items():
         if block.array is not None:
             raise UnsupportedError(f"{draw.compute}: {name} is an array of storage blocks")
@@ -146,7 +154,9 @@ def require_supported(draw: Draw, interface: Interface) -> None:
         ):
             raise UnsupportedError(f"{draw.compute}: {slot.name} is {member.type}")
     if not outputs(interface):
-        raise CaseError(f"{draw.compute} writes to no storage block, so nothing could be checked")
+        raise CaseError(
+            f"{draw.compute} writes to no storage block and no image, so nothing could be checked"
+        )
 
 
 def _values(slot: Slot, value: BufferValue, images: Images) -> tuple[Array, Array]:
@@ -230,13 +240,14 @@ def image_of(slot: Slot, values: Array) -> Image:
 
 def captured(draw: Draw, interface: Interface, bindings: Bindings) -> Fragments:
     """What the invocations of a dispatch got: the contents of its storage blocks before, a pixel
-    for each element, and the invocations' own numbers, x first."""
+    for each element, and the invocations' own numbers, x first: a column for each x, a row for each
+    y, one z above the other."""
     local = interface.local_size or (1, 1, 1)
     sizes = [groups * size for groups, size in zip(draw.groups, local, strict=True)]
-    z, y, x = np.indices(sizes[::-1], np.uint32).reshape(3, -1)
-    inputs = {INVOCATION: np.stack([x, y, z], axis=-1)[None], **dict(_elements(bindings))}
-    covered = np.ones((1, x.size), bool)
-    return Fragments(covered=covered, frag_coord=np.zeros((1, x.size, 4)), inputs=inputs)
+    z, y, x = np.indices(sizes[::-1], np.uint32).reshape(3, -1, sizes[0])
+    inputs = {INVOCATION: np.stack([x, y, z], axis=-1), **dict(_elements(bindings))}
+    covered = np.ones(x.shape, bool)
+    return Fragments(covered=covered, frag_coord=np.zeros((*x.shape, 4)), inputs=inputs)
 
 
 def _elements(bindings: Bindings) -> Iterator[tuple[str, Array]]:

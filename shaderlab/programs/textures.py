@@ -50,7 +50,7 @@ def contents(
 
     def values(image: Any, owner: str) -> Array:
         image = find_image(image, images) if isinstance(image, Output) else image
-        return _values(image, source.format, folder, owner)
+        return pixel_values(image, source.format, folder, owner)
 
     if isinstance(source, Texture):
         first = values(source.image, "Texture")
@@ -81,6 +81,13 @@ def contents(
     return Contents(layers)
 
 
+def layers_of(image: Image) -> Contents:
+    """What a texture of a dispatch's image is made of."""
+    if not image.layers:
+        return Contents([image.values])
+    return Contents(list(image.values.reshape(image.layers, -1, *image.values.shape[1:])))
+
+
 def find_image(source: Output, images: Images) -> Image:
     """The output of an earlier pass. Raises CaseError if there is none."""
     key = (source.pass_name, source.name)
@@ -93,9 +100,14 @@ def find_image(source: Output, images: Images) -> Image:
     return images[key]
 
 
-def _values(image: Any, format: str, folder: Path, owner: str) -> Array:
+def pixel_values(image: Any, format: str, folder: Path, owner: str) -> Array:
     """One image: an array, a function that makes one, a file's path, or an earlier pass's output.
-    Floats for an 8-bit format are taken as 0…1 and rounded to the nearest code."""
+    Floats for an 8-bit format are taken as 0…1 and rounded to the nearest code.
+
+    Raises:
+        CaseError: it has another shape than the format takes.
+        AssetError: a file can't be read.
+    """
     wanted, channels = format_of(format).numpy, format_of(format).components
     if isinstance(image, str | Path):
         from shaderlab.pictures import load
@@ -104,6 +116,8 @@ def _values(image: Any, format: str, folder: Path, owner: str) -> Array:
     elif callable(image):
         image = _made(image)
     if isinstance(image, Image):
+        if image.layers:
+            raise CaseError(f"{owner}: an image of {image.layers} layers is no layer of another")
         codes = image.values.dtype == np.uint8 and wanted is not np.uint8
         values = image.values / 255.0 if codes else image.values
     else:
@@ -149,7 +163,7 @@ def _check_levels(first: Array, smaller: Sequence[Array]) -> None:
         )
 
 
-def kind_of(source: TextureSource, declared: str, samples: int) -> str:
+def kind_of(source: TextureSource, declared: str, samples: int, layers: int = 0) -> str:
     """The kind that a texture is when it is read by a sampler of the type `declared`.
 
     Args:
@@ -157,10 +171,13 @@ def kind_of(source: TextureSource, declared: str, samples: int) -> str:
         declared: the sampler's type: the output of a multisampled target is "2DMS" to a
             sampler2DMS, and "2D", its samples averaged, to all others.
         samples: how many samples the target has that `source` is an output of; 0 for one.
+        layers: how many layers the image has that `source` is an output of.
     """
     if isinstance(source, CubeTexture):
         return "Cube"
     if isinstance(source, TextureArray):
+        return "2DArray"
+    if layers:
         return "2DArray"
     return "2DMS" if samples and "2DMS" in declared and isinstance(source, Output) else "2D"
 

@@ -20,6 +20,7 @@ from shaderlab.sampling.gathering import (
     textureQueryLod,
     textureSamples,
 )
+from shaderlab.sampling.images import imageLoad, imageSize
 from shaderlab.sampling.lookups import (
     texelFetchOffset,
     textureGrad,
@@ -38,6 +39,8 @@ from shaderlab.sampling.reading import Sampler, wrap_index
 __all__ = [
     "Sampler",
     "cube_face",
+    "imageLoad",
+    "imageSize",
     "texelFetch",
     "texelFetchOffset",
     "texture",

@@ -316,14 +316,14 @@ def test_what_does_not_fit_is_an_error(
 @pytest.mark.parametrize(
     ("declared", "said"),
     [
-        ("layout (rgba32f) uniform image2D picture;", "picture is an image2D"),
+        ("layout (binding = 0) uniform atomic_uint c;", "c is an atomic_uint"),
         ("layout (std430) buffer Precise { double d; };", "d is double"),
         ("layout (std430) buffer Each { float e; } each[2];", "Each is an array of storage blocks"),
     ],
 )
 def test_what_is_not_supported_is_named(lab: Lab, tmp_path: Path, declared: str, said: str) -> None:
     text = SUM.replace("shared", f"{declared}\nshared")
-    used = {"image2D": "imageStore(picture, ivec2(0), vec4(1.0));", "Each": "each[1].e = 1.0;"}
+    used = {"atomic_uint": "atomicCounterIncrement(c);", "Each": "each[1].e = 1.0;"}
     added = next((line for word, line in used.items() if word in declared), "d = 1.0LF;")
     text = text.replace("    barrier();\n    for", f"    {added}\n    barrier();\n    for")
     buffers = {"values": np.arange(64), "total": 0}

@@ -61,7 +61,6 @@ CHAPTER_8: dict[str, str] = {
 }
 
 _ATOMIC = "what it returns depends on the order of invocations"
-_IMAGE = "the lab binds no images"
 _NOTHING = "returns nothing"
 
 WHY_NOT: dict[str, str] = {
@@ -69,7 +68,11 @@ WHY_NOT: dict[str, str] = {
     "unpackDouble2x32": "bands are of 32-bit floats",
     **dict.fromkeys(CHAPTER_8["8.10 Atomic counter"].split(), _ATOMIC),
     **dict.fromkeys(CHAPTER_8["8.11 Atomic memory"].split(), _ATOMIC),
-    **dict.fromkeys(CHAPTER_8["8.12 Image"].split(), _IMAGE),
+    "imageSamples": "the lab has no multisampled images",
+    "imageStore": _NOTHING,
+    **dict.fromkeys(
+        [name for name in CHAPTER_8["8.12 Image"].split() if "Atomic" in name], _ATOMIC
+    ),
     **dict.fromkeys(
         CHAPTER_8["8.13.2 Interpolation"].split(),
         "inputs are captured where the shader reads them; put the result out, and judge it",

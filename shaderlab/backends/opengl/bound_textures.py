@@ -28,7 +28,7 @@ from shaderlab.model import CompressedTexture, CubeTexture, Output, TextureSourc
 from shaderlab.model.textures import Sampling, level_sizes
 from shaderlab.programs.compressed import blocks_of
 from shaderlab.programs.formats import DEPTH
-from shaderlab.programs.textures import contents, find_image, kind_of
+from shaderlab.programs.textures import contents, find_image, kind_of, layers_of
 
 
 class BoundTextures(SceneTextures[RenderTarget]):
@@ -89,13 +89,17 @@ class BoundTextures(SceneTextures[RenderTarget]):
         return DeviceTexels(source, texture, image.format, image.values, levels)
 
     def upload(self, source: TextureSource) -> DeviceTexels:
-        assert not isinstance(source, Output)
         if isinstance(source, CompressedTexture):
             texture, levels = upload_compressed(self._device, blocks_of(source, self.folder))
             self._stack.callback(texture.release)
             return DeviceTexels(source, texture, "rgba8", levels[0], tuple(levels[1:]))
-        kind, format = kind_of(source, "", 0), source.format
-        images = contents(source, self.folder, self.images)
+        if isinstance(source, Output):
+            image = find_image(source, self.images)
+            kind, format = kind_of(source, "", 0, image.layers), image.format
+            images = layers_of(image)
+        else:
+            kind, format = kind_of(source, "", 0), source.format
+            images = contents(source, self.folder, self.images)
         texture = upload(self._device, kind, format, images)
         self._stack.callback(texture.release)
         values, smaller = images.layers[0], tuple(images.smaller)

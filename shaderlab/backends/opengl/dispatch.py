@@ -1,16 +1,18 @@
-"""Dispatches of compute shaders: their storage buffers, and what is left in them."""
+"""Dispatches of compute shaders: their storage buffers and images, and what is left in them."""
 
 from __future__ import annotations
 
 import ctypes
 from collections.abc import Mapping
+from contextlib import ExitStack
 from typing import TYPE_CHECKING, Any
 
+from shaderlab.backends.opengl.bound_images import bound_images, read_images
 from shaderlab.backends.opengl.linking import has_names
 from shaderlab.backends.opengl.pyopengl import GL
 from shaderlab.compiler.interface import Block
 from shaderlab.errors import DriverError
-from shaderlab.frame import Array, BlockReading, Image
+from shaderlab.frame import Bindings, BlockReading, Image
 from shaderlab.programs import blocks, storage
 from shaderlab.programs.prepare import PreparedDraw
 
@@ -26,7 +28,7 @@ def has_compute(device: Device) -> bool:
 
 
 def dispatch(
-    device: Device, program: Any, draw: PreparedDraw, values: Mapping[str, Array]
+    device: Device, program: Any, draw: PreparedDraw, bindings: Bindings
 ) -> Mapping[str, Image]:
     """Run a program that is linked and whose uniforms and textures are set.
 
@@ -34,32 +36,35 @@ def dispatch(
         device: where to run it.
         program: the linked program.
         draw: the dispatch.
-        values: what the members of its storage blocks hold before.
+        bindings: what its images and the members of its storage blocks hold before.
 
     Returns:
-        What is left in each member that is not `readonly`; of a block without any effect what it
-        held before.
+        What is left in each image and each member that is not `readonly`; of what has no effect
+        what it held before.
 
     Raises:
         DriverError: the driver lays a block out differently.
     """
-    known = storage.slots(draw.interface)
+    known, values = storage.slots(draw.interface), bindings.buffers
     buffers: list[tuple[Any, bytearray, Mapping[str, storage.Slot]]] = []
-    try:
+    with ExitStack() as stack:
         for point, (name, block) in enumerate(storage.storage_blocks(draw.interface).items()):
             members = {slot.name: slot for slot in known.values() if slot.block == name}
             data = storage.packed(block, members, values)
             buffer = device.context.buffer(data)
+            stack.callback(buffer.release)
             buffers.append((buffer, data, members))
             if _bind(program, block, point):
                 buffer.bind_to_storage_buffer(_point(program, block, point))
+        textures = bound_images(device, program, bindings.images, stack)
         GL.glUseProgram(program.glo)
         GL.glDispatchCompute(*draw.draw.groups)
-        GL.glMemoryBarrier(GL.GL_BUFFER_UPDATE_BARRIER_BIT)
+        GL.glMemoryBarrier(GL.GL_BUFFER_UPDATE_BARRIER_BIT | GL.GL_TEXTURE_UPDATE_BARRIER_BIT)
         # Drivers compute when they are made to: a program that hangs, hangs here.
         device.context.finish()
         device.reading()
-        left: dict[str, Image] = {}
+        changed = read_images(textures, bindings.images)
+        left = {n: i for n, i in changed.items() if not draw.interface.uniforms[n].readonly}
         for buffer, data, inside in buffers:
             data[:] = buffer.read()
             left |= {
@@ -68,9 +73,6 @@ def dispatch(
                 if not slot.member.readonly
             }
         return left
-    finally:
-        for buffer, _, _ in buffers:
-            buffer.release()
 
 
 def _point(program: Any, block: Block, point: int) -> int:

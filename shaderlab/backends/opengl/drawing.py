@@ -78,12 +78,13 @@ class Drawing(PassSession[RenderTarget]):
     def compute(self, key: PassDraw, draw: PreparedDraw) -> None:
         storage.require_supported(draw.draw, draw.interface)
         with doing("draw", step(key, draw)):
-            found = storage.bound(draw.draw, draw.interface, self.bind(draw), self.images)
+            folder = self._textures.folder
+            found = storage.bound(draw.draw, draw.interface, self.bind(draw), folder, self.images)
             self.bindings[key] = found
             program = self._linked(draw)
             self.use(program, draw, found)
             drain_errors()
-            left = dispatch(self.device, program, draw, found.buffers)
+            left = dispatch(self.device, program, draw, found)
             errors = drain_errors()
         self.images |= {(key[0], name): image for name, image in left.items()}
         if errors:

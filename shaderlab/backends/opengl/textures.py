@@ -26,6 +26,7 @@ from shaderlab.programs.textures import Contents
 _TARGETS = {
     "2D": "texture_2d",
     "2DArray": "texture_2d_array",
+    "3D": "texture_3d",
     "Cube": "texture_cube_map",
     "2DMS": "texture_2d_multisample",
 }
@@ -114,9 +115,13 @@ def upload(device: Device, kind: str, format: str, images: Contents) -> DeviceTe
     limit = int(device.context.info["GL_MAX_TEXTURE_SIZE"])
     if max(width, height) > limit:
         raise UnsupportedError(f"a texture of {width} × {height}: this driver ends at {limit}")
+    word = {"2DArray": "GL_MAX_ARRAY_TEXTURE_LAYERS", "3D": "GL_MAX_3D_TEXTURE_SIZE"}.get(kind)
+    if word and len(images.layers) > (most := int(device.context.info[word])):
+        layers = len(images.layers)
+        raise UnsupportedError(f"a texture of {layers} layers: this driver ends at {most}")
     made = DeviceTexture.new(kind)
     form = transfer(format)
-    if kind == "2DArray":
+    if kind in ("2DArray", "3D"):
         stacked = np.stack(images.layers)
         with tightly_packed():
             GL_1_2.glTexImage3D(
