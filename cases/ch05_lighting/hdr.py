@@ -37,9 +37,10 @@ from shaderlab.sampling import texture
 from ..scenes import lit
 from ..scenes.cameras import camera, turned
 from ..scenes.colour_science import delta_e_2000
-from ..scenes.drawing import encoded
+from ..scenes.corridor import corridor
 from ..scenes.figures import figures
 from ..scenes.panels import WHOLE, cell, panel
+from ..scenes.studio import mean_of_four
 
 # Past 1, at 1 and below it; exact in half floats.
 BRIGHT = (12.5, 3.0, 0.25)
@@ -47,17 +48,6 @@ LAMPS = {
     "lampPos": [(0.1, 0.2, -6.4), (-0.7, -0.55, 0.6), (0.75, 0.35, 2.9)],
     "lampColor": [(60.0, 52.0, 40.0), (0.9, 0.30, 0.08), (0.05, 0.12, 0.32)],
 }
-
-
-def corridor():
-    """A corridor along −z, two wide and two high, open towards the viewer."""
-    walls = []
-    for turn in (0.0, 90.0, 180.0, 270.0):
-        wall = assets.moved(assets.plane(2.0), np.diag([1.0, 1.0, 7.0, 1.0]))
-        wall["attributes"]["aTexCoords"] *= np.float32((1, 7))
-        wall = assets.moved(wall, translate((0.0, -1.0, 0.0)))
-        walls.append(assets.moved(wall, turned(turn, (0.0, 0.0, 1.0))))
-    return assets.joined(*walls, assets.moved(assets.quad(2.0), translate((0.0, 0.0, -7.0))))
 
 
 def room(name, **target):
@@ -114,17 +104,13 @@ def lit_by_lamps(FragPos, Normal, TexCoords, diffuseTexture, lampPos, lampColor)
 def through(curve):
     """A pixel of the picture: the curve on each of four texels, their mean, the gamma."""
 
-    def mean_of_four(hdrBuffer, TexCoords, exposure):
-        height, width = hdrBuffer.texels.values.shape[:2]
-
-        def mapped(x, y):
-            place = TexCoords + np.array([x / width, y / height])
+    def color(hdrBuffer, TexCoords, exposure):
+        def mapped(place):
             return curve(swizzle(texture(hdrBuffer, place), "rgb"), exposure)
 
-        total = mapped(-0.5, -0.5) + mapped(0.5, 0.5) + mapped(-0.5, 0.5) + mapped(0.5, -0.5)
-        return vec4(encoded(0.25 * total), 1.0)
+        return mean_of_four(hdrBuffer, TexCoords, mapped)
 
-    return mean_of_four
+    return color
 
 
 def clip(light, exposure):
@@ -171,6 +157,7 @@ def curve_of(output, *rows):
     return figures(output, named)
 
 
+FACING = (0.344580, 0.286686, 0.246223, 1.0)
 HERE = {"FragPos": (0.0, 0.0, 4.0), "Normal": (0.0, 0.0, 1.0), "TexCoords": (0.5, 0.5)}
 
 case = Case(
@@ -202,10 +189,7 @@ case = Case(
             "judged.FragColor",
             {
                 "turned away from all lamps": ({}, (0.005253, 0.005078, 0.004728, 1.0)),
-                "facing the lamps, its normal not of length 1": (
-                    {"Normal": (0.0, 0.0, -2.0)},
-                    (0.344580, 0.286686, 0.246223, 1.0),
-                ),
+                "facing the lamps, its normal not of length 1": ({"Normal": (0, 0, -2)}, FACING),
             },
             at=HERE,
         ),

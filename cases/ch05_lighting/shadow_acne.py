@@ -20,7 +20,7 @@ from ..scenes.cameras import camera
 from ..scenes.courtyard_light import courtyard_references
 from ..scenes.panels import cell
 from ..scenes.shadow_stage import BOXES, EYE, LIGHT_SPACE, MODEL, SHADOW, SUN, reads
-from ..scenes.shadow_truth import blocked, told_otherwise, wrongly_bright, wrongly_dark
+from ..scenes.shadow_truth import against_rays, told_otherwise, wrongly_bright, wrongly_dark
 
 CAMERA = tuple(camera(EYE, (0.0, 0.4, 0.1), 36.0, far=60.0).values())
 SIZES = (256, 512, 1024, 2048)
@@ -28,7 +28,8 @@ SIZES = (256, 512, 1024, 2048)
 BIASES = {"none": (0.0, 0.0), "constant": (0.0012, 0.0), "slope": (0.0012, 0.012)}
 # The pass that keeps all outputs: the others show the same surfaces.
 WHOLE = "slope-256"
-PASSES = {f"{bias}-{size}": (size, bias) for bias in BIASES for size in SIZES}
+PASSES = [(bias, size) for bias in BIASES for size in SIZES]
+OTHERS = [one for one in PASSES if one != ("slope", 256)]
 LAWS = courtyard_references(texture)
 SERIES = {"none": "no bias", "constant": "constant", "slope": "growing with the slope"}
 
@@ -41,11 +42,16 @@ def looked_at(name, texels, bias, radius=0, **target):
     return courtyard.lit(name, shadow_map, LIGHT_SPACE, MODEL, CAMERA, uniforms, **target)
 
 
+def surfaces(bias, size):
+    """What one of the passes says of the surfaces that all of them show."""
+    return reads(WHOLE, "place", "upright", shadow=f"{bias}-{size}.shadow")
+
+
 def by_rays(bias, size):
     """The map against one that rays make: the same texels, the same bias, nothing rasterised."""
     return reading(
         f"{SERIES[bias]}, {size}²",
-        reads=reads(WHOLE, "place", "upright", shadow=f"{bias}-{size}.shadow"),
+        reads=surfaces(bias, size),
         given={"size": size, "biases": BIASES[bias]},
     )
 
@@ -53,23 +59,17 @@ def by_rays(bias, size):
 def table(label, statistic, of, **none):
     """One statistic of the places that face the sun, by rays, at every size and with every bias.
     Without a bias it is bounded by `none`; what the others must be follows from `by_rays`."""
-
-    def share(shadow, place, upright):
-        there = courtyard.faces(upright, SUN)
-        return statistic(shadow[..., 0], blocked(place, SUN, BOXES), there)
-
     return measure(
         label,
-        share,
+        against_rays(statistic, SUN, BOXES),
         readings=[
             reading(
                 size,
-                reads=reads(WHOLE, "place", "upright", shadow=f"{bias}-{size}.shadow"),
+                reads=surfaces(bias, size),
                 series=SERIES[bias],
                 **(none if bias == "none" else {}),
             )
-            for bias in BIASES
-            for size in SIZES
+            for bias, size in PASSES
         ],
         x_label="texels along each side of the map",
         y_label=f"share of {of} places",
@@ -91,12 +91,8 @@ case = Case(
             courtyard.in_cell(looked_at("", *QUARTERS[k]), cell(k, 2, 2)) for k in (2, 3, 0, 1)
         ),
         looked_at("filtered", 256, "slope", radius=2, size=(48, 48), colors=SHADOW),
-        looked_at(WHOLE, *PASSES[WHOLE], size=(128, 128)),
-        *(
-            looked_at(name, *settings, size=(128, 128), colors=SHADOW)
-            for name, settings in PASSES.items()
-            if name != WHOLE
-        ),
+        looked_at(WHOLE, 256, "slope", size=(128, 128)),
+        *(looked_at(f"{b}-{n}", n, b, size=(128, 128), colors=SHADOW) for b, n in OTHERS),
     ),
     picture="picture.FragColor",
     expect=[
@@ -106,12 +102,12 @@ case = Case(
         *courtyard.single_points(WHOLE),
         formula("filtered.shadow", LAWS["shadow"]),
         courtyard.past_far_plane(WHOLE),
-        *courtyard.surface_checks(EYE, BOXES, WHOLE, [name for name in PASSES if name != WHOLE]),
+        *courtyard.surface_checks(EYE, BOXES, WHOLE, [f"{b}-{n}" for b, n in OTHERS]),
         *courtyard.picture_checks(EYE, BOXES),
         measure(
             "told otherwise than by a map of rays",
             told_otherwise(LIGHT_SPACE, SUN, BOXES),
-            readings=[by_rays(bias, size) for bias in BIASES for size in SIZES],
+            readings=[by_rays(*one) for one in PASSES],
             # Corners are moved by up to 1/256 of a texel, and depths are rounded to 2⁻²⁴: only
             # places within that of an edge or of equality may differ, a few of 16,384.
             at_most=0.001,

@@ -14,7 +14,7 @@ light as the ambient term makes them, never black.
 
 import numpy as np
 
-from shaderlab import Case, Erratum, Output, computed, formula, measure, reading
+from shaderlab import Case, Erratum, Output, formula, measure, reading
 from shaderlab.reference.shadows import shadow_coordinates
 from shaderlab.reference.transforms import look_at, orthographic
 from shaderlab.sampling import texture
@@ -24,7 +24,7 @@ from ..scenes.cameras import camera
 from ..scenes.courtyard_light import courtyard_references
 from ..scenes.figures import figure, results
 from ..scenes.shadow_stage import BOXES, EYE, LIGHT_VIEW, MODEL, SHADOW, SUN, WHITE, reads
-from ..scenes.shadow_truth import blocked, told_otherwise
+from ..scenes.shadow_truth import against_rays, told_otherwise, told_wrongly
 
 LIGHT_PROJECTION = orthographic(-10.0, 10.0, -10.0, 10.0, 1.0, 7.5)
 LIGHT_SPACE = LIGHT_PROJECTION @ LIGHT_VIEW
@@ -46,18 +46,7 @@ def scene(name, camera=CAMERA, wrap=WHITE, uniforms=BIAS, **target):
 
 def in_light(matrix):
     """Where the point (1, 0, 2) is in the map: (u, v, depth)."""
-    return lambda: shadow_coordinates(matrix @ (1.0, 0.0, 2.0, 1.0))
-
-
-def notes_ambient():
-    """The notes multiply the ambient light by the colour twice."""
-    return 0.15 * GREY[0] * GREY[0]
-
-
-def wrong(shadow, place, upright):
-    """The share of places in the sun's sight or out of it that the map tells wrongly."""
-    there = courtyard.faces(upright, SUN)
-    return np.mean((shadow[..., 0] > 0.5)[there] != blocked(place, SUN, BOXES)[there])
+    return shadow_coordinates(matrix @ (1.0, 0.0, 2.0, 1.0))
 
 
 def dark_outside(shadow, place):
@@ -78,6 +67,9 @@ IN_SHADOW = {
     "Color": GREY,
     "FragPosLightSpace": LIGHT_SPACE @ MODEL @ (-0.9, 0.0, 0.4, 1.0),
 }
+
+TURNED = (0.544450, 0.592841, 0.685453)
+KEPT = "grey in shadow keeps its ambient light"
 
 case = Case(
     title="Shadow mapping",
@@ -113,7 +105,7 @@ case = Case(
         ),
         measure(
             "shadows told wrongly",
-            wrong,
+            against_rays(told_wrongly, SUN, BOXES),
             reads=reads("judged", "shadow", "place", "upright"),
             at_most=0.003,  # places within a texel of an edge, or within the bias
             note="a map of 1024², seen from near",
@@ -130,26 +122,21 @@ case = Case(
         *results(
             {
                 "(1, 0, 2) in the map": (in_light(LIGHT_SPACE), (0.567082, 0.578072, 0.685453)),
-                "(1, 0, 2) in the map, with up = (1, 1, 1)": (
-                    in_light(AS_PRINTED),
-                    (0.544450, 0.592841, 0.685453),
-                ),
+                "(1, 0, 2) in the map, with up = (1, 1, 1)": (in_light(AS_PRINTED), TURNED),
             }
         ),
-        computed("the notes' ambient light on grey", notes_ambient, equals=0.0375, digits=4),
-        figure(
-            "judged.FragColor",
-            "grey in shadow keeps its ambient light",
-            IN_SHADOW,
-            (0.075, 0.075, 0.075, 1.0),
+        # The notes multiply the ambient light by the colour twice.
+        *results(
+            {"the notes' ambient light on grey": (0.15 * GREY[0] * GREY[0], 0.0375)}, digits=4
         ),
+        figure("judged.FragColor", KEPT, IN_SHADOW, (0.075, 0.075, 0.075, 1.0)),
     ],
     errata=[
         Erratum(
             says="ambient = 0.15 · color, and the sum of all parts times color once more",
             truth="the colour belongs to the light once: a grey of 0.5 in shadow is 0.075, "
             "not 0.0375",
-            proof="grey in shadow keeps its ambient light",
+            proof=KEPT,
         ),
         Erratum(
             says="the shadow map wraps with GL_REPEAT",

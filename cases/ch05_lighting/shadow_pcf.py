@@ -29,7 +29,7 @@ from ..scenes.courtyard_light import compared_shadow, courtyard_references
 from ..scenes.figures import figures
 from ..scenes.panels import cell
 from ..scenes.shadow_stage import BOXES, LIGHT_SPACE, LIGHT_VIEW, MODEL, SHADOW, SUN, WHITE, reads
-from ..scenes.shadow_truth import blocked, told_otherwise
+from ..scenes.shadow_truth import against_rays, rms_error, told_otherwise
 
 EYE = (1.4, 1.9, -2.6)
 BIAS = {"leastBias": 0.002, "mostBias": 0.03}
@@ -85,13 +85,6 @@ def in_between(shadow):
 def edge(shadow, upright):
     """The same of the places that face the sun."""
     return in_between(shadow[..., 0][courtyard.faces(upright, SUN)])
-
-
-def error(shadow, place, upright):
-    """Root mean square of the difference from what rays say, on places that face the sun."""
-    there = courtyard.faces(upright, SUN)
-    truth = blocked(place, SUN, BOXES)
-    return np.sqrt(np.mean((shadow[..., 0] - truth)[there] ** 2))
 
 
 def disagreement(one, other):
@@ -205,7 +198,7 @@ case = Case(
         ),
         measure(
             "error against rays",
-            error,
+            against_rays(rms_error, SUN, BOXES),
             readings=[
                 reading("one texel", **of("one", "place", "upright")),
                 reading("nine texels", **of("nine", "place", "upright")),

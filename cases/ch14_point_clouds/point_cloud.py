@@ -25,7 +25,6 @@ from shaderlab import (
     State,
     Target,
     assets,
-    computed,
     coverage,
     exact,
     formula,
@@ -33,10 +32,12 @@ from shaderlab import (
     mesh_pass,
     refused,
     sweep,
-    value,
 )
 from shaderlab.glslmath import dot, max, mix, mul, swizzle, vec3, vec4
 from shaderlab.reference.transforms import look_at, perspective
+
+from ..scenes.discs import add_discs
+from ..scenes.figures import figure, results
 
 FOLDER = Path(__file__).parent / "point_cloud"
 VIEW = look_at((0.35, 0.95, 1.75), (0.0, -0.05, 0.0))
@@ -48,6 +49,11 @@ PROJECTION = perspective(radians(55.0), 1.5, 0.1, 10.0)
 def cloud(encoding):
     """The galaxy from one of its three files."""
     return assets.load_pcd(FOLDER / f"galaxy_{encoding}.pcd")
+
+
+def places():
+    """Where the stars are."""
+    return cloud("binary").positions
 
 
 def stars(encoding):
@@ -118,22 +124,10 @@ def star(warmth, gl_PointCoord):
 
 def furthest_from_sum(FragColor):
     """How far any channel of the picture is from the sum of all stars' light, by NumPy."""
-    height, width, _ = FragColor.shape
-    total = np.tile(np.asarray(NIGHT[:3]), (height, width, 1))
-    found = cloud("binary")
-    places = np.column_stack([found.positions, np.ones(len(found.positions))])
-    clip_places = places @ (PROJECTION @ VIEW).T
-    for (x, y, z, w), warmth in zip(clip_places, np.ravel(found.fields["warmth"]), strict=True):
-        if np.max(np.abs((x, y, z))) > w:
-            continue
-        radius = 0.5 * LARGE / w
-        middle = np.array([(x / w + 1.0) * width, (y / w + 1.0) * height]) / 2.0
-        low = np.maximum(np.floor(middle - radius).astype(int), 0)
-        high = np.minimum(np.ceil(middle + radius).astype(int), (width, height))
-        across, up = (np.arange(*ends) + 0.5 for ends in zip(low, high, strict=True))
-        off = ((across - middle[0]) ** 2 + (up[:, None] - middle[1]) ** 2) / radius**2
-        hue = np.array([0.20, 0.36, 0.85]) * (1.0 - warmth) + np.array([1.0, 0.70, 0.35]) * warmth
-        total[low[1] : high[1], low[0] : high[0]] += np.maximum(1.0 - off, 0.0)[..., None] * hue
+    found, total = cloud("binary"), np.broadcast_to(NIGHT[:3], FragColor[..., :3].shape).copy()
+    warmth = np.ravel(found.fields["warmth"])[:, None]
+    hues = np.array([0.20, 0.36, 0.85]) * (1.0 - warmth) + np.array([1.0, 0.70, 0.35]) * warmth
+    add_discs(total, found.positions, hues, PROJECTION @ VIEW, LARGE)
     return np.abs(FragColor[..., :3] - total).max()
 
 
@@ -182,21 +176,20 @@ case = Case(
     ),
     picture="picture.FragColor",
     expect=[
-        computed("points", lambda: len(cloud("binary").positions), equals=1500.0, digits=0),
-        computed(
-            "lowest corner of the bounds",
-            lambda: cloud("binary").positions.min(axis=0),
-            equals=(-1.5, -0.4, -1.5),
-            digits=6,
+        *results({"points": (lambda: len(places()), 1500.0)}, digits=0),
+        *results(
+            {
+                "lowest corner of the bounds": (lambda: places().min(axis=0), (-1.5, -0.4, -1.5)),
+                "highest corner of the bounds": (lambda: places().max(axis=0), (1.5, 0.4, 1.5)),
+            }
         ),
-        computed(
-            "highest corner of the bounds",
-            lambda: cloud("binary").positions.max(axis=0),
-            equals=(1.5, 0.4, 1.5),
-            digits=6,
+        *results(
+            {
+                "text against binary": (lambda: apart("ascii"), 0.0),
+                "packed against binary": (lambda: apart("compressed"), 0.0),
+            },
+            digits=12,
         ),
-        computed("text against binary", lambda: apart("ascii"), equals=0.0, digits=12),
-        computed("packed against binary", lambda: apart("compressed"), equals=0.0, digits=12),
         exact("judged.FragColor", Output("ascii.FragColor"), name="the picture from text"),
         exact("judged.FragColor", Output("compressed.FragColor"), name="… from packed data"),
         measure(
@@ -215,13 +208,7 @@ case = Case(
         formula("ruler.FragColor", square),
         formula("ruler.diameter", width, name="the ruler's diameters"),
         coverage(16**2 + 8**2 + 4**2, pass_name="ruler", name="pixels at distances 1, 2 and 4"),
-        value(
-            "ruler.diameter",
-            at={"aPos": (0.0, 0.0, -4.0), "aWarmth": 0.0},
-            equals=4.0,
-            digits=6,
-            name="at distance 4",
-        ),
+        figure("ruler.diameter", "at distance 4", {"aPos": (0, 0, -4), "aWarmth": 0.0}, 4.0),
         sweep(
             "ruler.diameter",
             width,

@@ -202,26 +202,64 @@ def hidden_share(
     return share
 
 
-def wrongly_dark(shadow: ArrayLike, truth: ArrayLike, lit: ArrayLike) -> float:
-    """The share of truly lit places that a shadow map darkens: shadow acne.
+def against_rays(
+    statistic: Callable[[Matrix, NDArray[np.bool_]], float],
+    sun: ArrayLike,
+    models: Sequence[Matrix],
+) -> Callable[[Matrix, Matrix, Matrix], float]:
+    """A statistic of the places that face the sun: of what a shadow map says there, and rays.
 
     Args:
-        shadow: what the map says, 0…1; more than 0.5 is dark.
-        truth: whether each place is blocked.
-        lit: whether the surface faces the light there, and is there at all.
+        statistic: of the map's answers, 0…1, and whether each place is blocked, both (n,).
+        sun: towards the light, (3,).
+        models: the boxes' matrices.
 
-    >>> wrongly_dark([1.0, 0.0, 1.0, 0.0], [False, False, True, False], [True] * 4)
+    Returns:
+        a function of the shadow, the places and their normals (0 where nothing is drawn).
+
+    >>> up, above = np.array([[(0.0, 0.0, -1.0)]]), np.array([[(0.1, 0.2, -0.9)]])
+    >>> against_rays(told_wrongly, (0.0, 0.0, -1.0), [np.eye(4)])(np.ones((1, 1, 1)), above, up)
+    1.0
+    """
+
+    def found(shadow: Matrix, place: Matrix, upright: Matrix) -> float:
+        there = (upright * np.asarray(sun)).sum(axis=-1) > 0.0
+        return statistic(shadow[..., 0][there], blocked(place, sun, models)[there])
+
+    return found
+
+
+def told_wrongly(shadow: Matrix, truth: NDArray[np.bool_]) -> float:
+    """The share of places that a shadow map tells wrongly; more than 0.5 is dark.
+
+    >>> told_wrongly(np.array([1.0, 0.0]), np.array([False, False]))
+    0.5
+    """
+    return float(np.mean((shadow > 0.5) != truth))
+
+
+def rms_error(shadow: Matrix, truth: NDArray[np.bool_]) -> float:
+    """Root mean square of the difference between a shadow map and rays.
+
+    >>> rms_error(np.array([1.0, 0.0]), np.array([False, False])) == 0.5**0.5
+    True
+    """
+    return float(np.sqrt(np.mean((shadow - truth) ** 2)))
+
+
+def wrongly_dark(shadow: Matrix, truth: NDArray[np.bool_]) -> float:
+    """The share of truly lit places that a shadow map darkens: shadow acne.
+
+    >>> wrongly_dark(np.array([1.0, 0.0, 1.0, 0.0]), np.array([False, False, True, False]))
     0.3333333333333333
     """
-    there = np.asarray(lit) & ~np.asarray(truth)
-    return float(np.mean(np.asarray(shadow)[there] > 0.5))
+    return float(np.mean(shadow[~truth] > 0.5))
 
 
-def wrongly_bright(shadow: ArrayLike, truth: ArrayLike, lit: ArrayLike) -> float:
+def wrongly_bright(shadow: Matrix, truth: NDArray[np.bool_]) -> float:
     """The share of truly shadowed places that a shadow map leaves lit: what too large a bias does.
 
-    >>> wrongly_bright([1.0, 0.0, 1.0, 0.0], [True, True, True, False], [True] * 4)
+    >>> wrongly_bright(np.array([1.0, 0.0, 1.0, 0.0]), np.array([True, True, True, False]))
     0.3333333333333333
     """
-    there = np.asarray(lit) & np.asarray(truth)
-    return float(np.mean(np.asarray(shadow)[there] <= 0.5))
+    return float(np.mean(shadow[truth] <= 0.5))

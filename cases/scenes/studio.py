@@ -61,15 +61,25 @@ def finished(texture: Callable[[Any, Value], Value]) -> Callable[..., Value]:
     [0.72974, 0.532521, 1.0, 1.0]
     """
 
-    def mean_of_four(scene: Any, TexCoords: Value) -> Value:
-        height, width = scene.texels.values.shape[:2]
-        across, up = 0.5 / width, 0.5 / height
+    def halved(scene: Any, TexCoords: Value) -> Value:
+        return mean_of_four(scene, TexCoords, lambda at: min(texture(scene, at), 1.0))
 
-        def shown(x: float, y: float) -> Value:
-            light = swizzle(texture(scene, TexCoords + np.array([x, y])), "xyz")
-            return min(light, 1.0)
+    return halved
 
-        total = shown(-across, -up) + shown(across, up) + shown(-across, up) + shown(across, -up)
-        return vec4(encoded(0.25 * total), 1.0)
 
-    return mean_of_four
+def mean_of_four(scene: Any, TexCoords: Value, shown: Callable[[Value], Value]) -> Value:
+    """The mean of four texels around a place, encoded for a display.
+
+    Args:
+        scene: a sampler.
+        TexCoords: the place, between the four.
+        shown: what a display can show of the texel at a place.
+    """
+    height, width = scene.texels.values.shape[:2]
+    across, up = 0.5 / width, 0.5 / height
+
+    def near(x: float, y: float) -> Value:
+        return swizzle(shown(TexCoords + np.array([x, y])), "xyz")
+
+    total = near(-across, -up) + near(across, up) + near(-across, up) + near(across, -up)
+    return vec4(encoded(0.25 * total), 1.0)
