@@ -14,19 +14,15 @@ comes out the same, bit for bit.
 import numpy as np
 
 from shaderlab import Case, Pixel, Texture, assets, formula, value
-from shaderlab.glslmath import mul, swizzle
 from shaderlab.reference.transforms import clip_position, translate
-from shaderlab.sampling import texture
 
 from ..scenes import stage
 from ..scenes.boxes import clear_pixels
 from ..scenes.cameras import camera, turned
-from ..scenes.drawing import decoded
-from ..scenes.draws import tested
+from ..scenes.crates import crates, of_wood, turned_normal
 from ..scenes.figures import each_draw, figure, results
 from ..scenes.glm import clip_by_glm
 from ..scenes.laws import unchanged
-from ..scenes.studio import studio_color
 
 CAMERA = camera((0.6, 1.1, 5.6), (0.0, -0.05, -1.5), 45.0, 4.0 / 3.0, far=100.0)
 WOOD = Texture(image=assets.crate, filter=("nearest", "nearest"))
@@ -42,26 +38,7 @@ def model(k):
 
 BOXES = [model(k) for k in range(10)]
 # The nearest first; numbered from 1.
-DRAWS = [
-    tested(
-        "ch04_spaces/ten_cubes",
-        assets.cube(),
-        {"model": box, **CAMERA, "number": float(k)},
-        textures={"wood": WOOD},
-    )
-    for k, box in enumerate(BOXES, 1)
-]
-
-
-def of_wood(Normal, TexCoords, wood):
-    """The texel under a pixel, in the studio's light."""
-    color = swizzle(texture(wood, TexCoords), "xyz")
-    return studio_color(1.3 * decoded(color), Normal)
-
-
-def turned_normal(aNormal, model):
-    """A normal of a box that is only turned."""
-    return mul(model[:3, :3], aNormal)
+DRAWS = crates(BOXES, CAMERA, WOOD)
 
 
 CLEAR = clear_pixels((96, 72), BOXES, CAMERA["projection"] @ CAMERA["view"])

@@ -45,7 +45,7 @@ from ..scenes.courtyard_light import light_position, seen_place, unit_normal
 from ..scenes.draws import tested
 from ..scenes.figures import figure
 from ..scenes.shadow_stage import BOXES, MODEL, SHADOW, reads
-from ..scenes.shadow_truth import blocked, nearest_distances, wrongly_bright, wrongly_dark
+from ..scenes.shadow_truth import against_rays, nearest_distances, wrongly_bright, wrongly_dark
 
 LAMP, FAR = (0.12, 0.85, 0.1), 25.0
 EYE = (-3.0, 4.1, 4.0)
@@ -156,12 +156,6 @@ def by_rays(name, of, size, bias):
 def table(label, statistic, **none):
     """A statistic of the places that face the lamp, by rays that end in it, for each map. Without a
     bias it is bounded by `none`; what the others must be follows from `by_rays`."""
-
-    def share(shadow, place, upright):
-        ray = np.asarray(LAMP) - place
-        there = shadow_stage.faces(upright, ray)
-        return statistic(shadow[..., 0], blocked(place, ray, BOXES, reach=1.0), there)
-
     readings = [
         reading(
             name,
@@ -170,7 +164,7 @@ def table(label, statistic, **none):
         )
         for name, of in SEEN.items()
     ]
-    return measure(label, share, readings=readings)
+    return measure(label, against_rays(statistic, LAMP, BOXES, lamp=True), readings=readings)
 
 
 PAST = {"FragPos": (0.12, 0.85, 40.0), "Normal": (0, 0, -1), "Color": (1, 1, 1)}

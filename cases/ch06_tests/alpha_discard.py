@@ -12,28 +12,16 @@ shows behind the other although it was drawn later.
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Depth,
-    Draw,
-    Output,
-    Pass,
-    Pixel,
-    State,
-    Target,
-    across,
-    coverage,
-    exact,
-    formula,
-    value,
-)
+from shaderlab import Case, Depth, Output, Pixel, across, coverage, exact, formula
 from shaderlab.glslmath import abs, clamp, max, mix, swizzle, vec3, vec4
 
+from ..scenes.figures import figure
 from ..scenes.panels import enlarged_check, panel, picture, square
 
 THRESHOLD = 0.1
 CLEAR = (0.82, 0.87, 0.92, 1.0)
 LEAVES = 64  # side of the judged leaf in pixels
+WHOLE = (0, 0, LEAVES, LEAVES)
 
 
 def leaf_alpha(place):
@@ -68,13 +56,8 @@ def ramp_color(alpha):
 
 def leaf(threshold, depth, box):
     """A leaf on a rectangle of the target, at one depth."""
-    state = State(depth=Depth(), viewport=box, depth_range=(depth, depth))
-    return Draw(
-        fragment="ch06_tests/leaf.frag",
-        domain={"place": square()},
-        uniforms={"threshold": threshold},
-        state=state,
-    )
+    state = {"depth": Depth(), "viewport": box, "depth_range": (depth, depth)}
+    return panel("ch06_tests/leaf.frag", {"place": square()}, {"threshold": threshold}, **state)
 
 
 def bunch(left, threshold, by):
@@ -100,8 +83,7 @@ def kept(size):
 
 def alone(name, threshold):
     """One leaf over all of a small target."""
-    size = (LEAVES, LEAVES)
-    return Pass(name=name, target=Target(size=size), draws=(leaf(threshold, 0.5, (0, 0, *size)),))
+    return picture([leaf(threshold, 0.5, WHOLE)], WHOLE[2:], name)
 
 
 def ramp(name, low, high):
@@ -111,11 +93,9 @@ def ramp(name, low, high):
 
 
 # Two leaves on the same pixels, the nearer one first: the second shows where the first was cut.
-behind = Pass(
-    name="behind",
-    target=Target(size=(64, 64), depth="depth24", clear=CLEAR),
-    draws=(leaf(THRESHOLD, 0.25, (0, 0, 64, 64)), leaf(0.0, 0.5, (0, 0, 64, 64))),
-)
+TWO = (leaf(THRESHOLD, 0.25, WHOLE), leaf(0.0, 0.5, WHOLE))
+
+KEPT, RIB = (0.2, 0.5, 0.2, 0.1), (0.636, 0.751, 0.398, 1.0)
 
 case = Case(
     title="Discarding by alpha",
@@ -128,7 +108,7 @@ case = Case(
         ramp("edge", 0.0999, 0.1001),
         alone("leaf", THRESHOLD),
         alone("whole", 0.0),
-        behind,
+        picture(TWO, WHOLE[2:], "behind", depth="depth24", clear=CLEAR),
     ),
     picture="picture.FragColor",
     expect=[
@@ -136,27 +116,14 @@ case = Case(
         formula("small.FragColor", leaf_color, discards=cut, name="the last leaf on the right"),
         coverage(180 * 8, pass_name="ramp", name="180 of 200 columns are kept"),
         coverage(100 * 8, pass_name="edge", name="from 0.0999 to 0.1001, the upper half is kept"),
-        value(
-            "edge.FragColor",
-            at={"alpha": 0.1},
-            equals=(0.2, 0.5, 0.2, 0.1),
-            digits=6,
-            reference=ramp_color,
-            name="0.1 itself is kept",
-        ),
+        figure("edge.FragColor", "0.1 itself is kept", {"alpha": 0.1}, KEPT, reference=ramp_color),
         formula(
             "ramp.FragColor", ramp_color, discards=below, name="what is kept of the ramp"
         ),
-        value(
-            "ramp.FragColor", at=Pixel(20, 4), equals=(0.2, 0.5, 0.2, 0.1025), digits=6,
-            reference=ramp_color, name="α = 0.1025",
-        ),
+        figure("ramp.FragColor", "α = 0.1025", Pixel(20, 4), (0.2, 0.5, 0.2, 0.1025)),
         coverage(kept(LEAVES), pass_name="leaf", name="the leaf's own pixels"),
         formula("leaf.FragColor", leaf_color, discards=cut, name="the leaf"),
-        value(
-            "leaf.FragColor", at={"place": (0.0, 0.0)}, equals=(0.636, 0.751, 0.398, 1.0), digits=6,
-            reference=leaf_color, name="the middle of the rib",
-        ),
+        figure("leaf.FragColor", "the middle of the rib", {"place": (0.0, 0.0)}, RIB),
         coverage(LEAVES * LEAVES, pass_name="whole", name="without discard, the whole rectangle"),
         formula("whole.FragColor", leaf_color, name="the leaf and its paper"),
         coverage(kept(64), pass_name="behind", draw=0, name="the nearer leaf"),

@@ -136,6 +136,22 @@ def painted(faces, FragPos, Normal, light):
     return vec4(shade * swizzle(textureLod(faces, FragPos, 0.0), "rgb"), 1.0)
 
 
+# A direction, and what the table makes of it: face, s, t.
+DIRECTIONS = {
+    "(2, ½, −1) meets +X": ((2.0, 0.5, -1.0), (0.0, 0.75, 0.375)),
+    "−X is the second face": ((-1.0, 0.0, 0.0), (1.0, 0.5, 0.5)),
+    "+Y is the third": ((0.0, 5.0, 0.0), (2.0, 0.5, 0.5)),
+    "(¼, −1, ½) meets −Y": ((0.25, -1.0, 0.5), (3.0, 0.625, 0.25)),
+    "x goes before y where both are as large": ((1.0, -1.0, 0.5), (0.0, 0.25, 1.0)),
+    "+X, very short": ((0.005, 0.0, 0.0), (0.0, 0.5, 0.5)),
+    "+Y, very short": ((0.0, 0.005, 0.0), (2.0, 0.5, 0.5)),
+    "+Z, very short": ((0.001, 0.0, 0.005), (4.0, 0.6, 0.5)),
+    "an upward direction, very short": ((0.001, 0.005, 0.002), (2.0, 0.6, 0.7)),
+    "a sideward direction, very short": ((0.005, 0.002, 0.001), (0.0, 0.4, 0.3)),
+    "+Z is the fifth, however short": ((0.0, 0.0, 0.01), (4.0, 0.5, 0.5)),
+    "−Z is the last, however long": ((0.0, 0.0, -900.0), (5.0, 0.5, 0.5)),
+}
+
 case = Case(
     title="A cube map",
     section="7.4",
@@ -160,17 +176,9 @@ case = Case(
     picture="picture.FragColor",
     expect=[
         *stage.picture_checks(),
-        *(
-            check
-            for output, reference, what in (
-                ("FragColor", texel, "texels"),
-                ("byHand", face_coordinates, "the table"),
-                ("onceMore", stretched, "three times as long"),
-            )
-            for check in each_draw(
-                f"main.{output}", reference, {k: f"{what} around {n}" for k, n in enumerate(NAMES)}
-            )
-        ),
+        *each_draw("main.FragColor", texel, enumerate(NAMES), "texels around {}"),
+        *each_draw("main.byHand", face_coordinates, enumerate(NAMES), "the table around {}"),
+        *each_draw("main.onceMore", stretched, enumerate(NAMES), "three times as long around {}"),
         measure(
             "six files: texels of another face, column or row",
             unlike,
@@ -188,35 +196,7 @@ case = Case(
         *vertex_stage_checks(pass_name="judged", draw=0),
         *figures(
             "main.byHand",
-            {
-                "(2, ½, −1) meets +X": ({"direction": (2.0, 0.5, -1.0)}, (0.0, 0.75, 0.375)),
-                "−X is the second face": ({"direction": (-1.0, 0.0, 0.0)}, (1.0, 0.5, 0.5)),
-                "+Y is the third": ({"direction": (0.0, 5.0, 0.0)}, (2.0, 0.5, 0.5)),
-                "(¼, −1, ½) meets −Y": ({"direction": (0.25, -1.0, 0.5)}, (3.0, 0.625, 0.25)),
-                "x goes before y where both are as large": (
-                    {"direction": (1.0, -1.0, 0.5)},
-                    (0.0, 0.25, 1.0),
-                ),
-                "+X, very short": ({"direction": (0.005, 0.0, 0.0)}, (0.0, 0.5, 0.5)),
-                "+Y, very short": ({"direction": (0.0, 0.005, 0.0)}, (2.0, 0.5, 0.5)),
-                "+Z, very short": ({"direction": (0.001, 0.0, 0.005)}, (4.0, 0.6, 0.5)),
-                "an upward direction, very short": (
-                    {"direction": (0.001, 0.005, 0.002)},
-                    (2.0, 0.6, 0.7),
-                ),
-                "a sideward direction, very short": (
-                    {"direction": (0.005, 0.002, 0.001)},
-                    (0.0, 0.4, 0.3),
-                ),
-                "+Z is the fifth, however short": (
-                    {"direction": (0.0, 0.0, 0.01)},
-                    (4.0, 0.5, 0.5),
-                ),
-                "−Z is the last, however long": (
-                    {"direction": (0.0, 0.0, -900.0)},
-                    (5.0, 0.5, 0.5),
-                ),
-            },
+            {name: ({"direction": way}, found) for name, (way, found) in DIRECTIONS.items()},
             reference=face_coordinates,
         ),
     ],

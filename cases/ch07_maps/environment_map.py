@@ -10,30 +10,21 @@ In the ball the hills stand on their heads, as in any lens; its rim is a mirror.
 41° no ray leaves the glass any more: `refract` then gives (0, 0, 0).
 """
 
-from functools import partial
 from math import radians, tan
 
-import numpy as np
-
-from shaderlab import Case, CubeTexture, Depth, Ramp, any_order, assets, formula
+from shaderlab import Case, Depth, Ramp, any_order, assets, formula
 from shaderlab.glslmath import mix
 from shaderlab.reference.cube_maps import bent, fresnel, mirrored
-from shaderlab.reference.transforms import (
-    normal_matrix,
-    rotate,
-    scale,
-    translate,
-    world_normal,
-)
+from shaderlab.reference.transforms import normal_matrix, translate, world_normal
 from shaderlab.sampling import texture, textureLod
 
-from ..scenes.cameras import camera
+from ..scenes.cameras import camera, turned
 from ..scenes.draws import tested, twins
 from ..scenes.figures import each_draw, figure
 from ..scenes.lit import vertex_stage_checks
 from ..scenes.panels import panel, picture, softened_check, softened_pass
 from ..scenes.pottery import vase
-from ..scenes.sky import sky_face
+from ..scenes.sky import skies
 
 EYE, AIM = (0.0, 0.35, 6.4), (0.0, 0.0, 0.0)
 FOVY, ASPECT = 30.0, 2.0
@@ -41,19 +32,12 @@ CAMERA = camera(EYE, AIM, FOVY, ASPECT, far=100.0)
 RATIO = 1.0 / 1.52
 # What glass mirrors straight on, by Fresnel: ((1 − n) / (1 + n))².
 GLASS, METAL = ((1.0 - RATIO) / (1.0 + RATIO)) ** 2, 0.85
-SMOOTH = ("linear", "linear")
-
-MORNING = CubeTexture(faces=[partial(sky_face, k) for k in range(6)], filter=SMOOTH)
-NOISE = CubeTexture(faces=list(np.random.default_rng(74).random((6, 8, 8, 4))), filter=SMOOTH)
-
+MORNING, NOISE = skies(seed=74)
+RING_PLACE = translate((-2.15, 0.0, 0.0)) @ turned(62.0, (1.0, 0.35, 0.1))
 THINGS = [
-    (
-        assets.torus(0.78, 0.30, 128, 64),
-        translate((-2.15, 0.0, 0.0)) @ rotate(radians(62.0), (1.0, 0.35, 0.1)),
-        METAL,
-    ),
+    (assets.torus(0.78, 0.30, 128, 64), RING_PLACE, METAL),
     (assets.sphere(1.08, 128, 64), translate((0.0, 0.02, 0.0)), GLASS),
-    (vase(), translate((2.1, -1.15, 0.0)) @ scale((1.0, 1.0, 1.0)), METAL),
+    (vase(), translate((2.1, -1.15, 0.0)), METAL),
 ]
 
 
@@ -79,6 +63,12 @@ def behind(sky):
     return panel("ch13_skybox/skybox.frag", {"TexCoords": rays}, textures=textures, **farthest)
 
 
+def under(sky, size, name, **target):
+    """All things under this sky."""
+    draws = (behind(sky), *(thing(*one, sky) for one in THINGS))
+    return picture(draws, size, name, depth="depth24", **target)
+
+
 def sky_along(skybox, TexCoords):
     """The sky in the direction of a ray of any length."""
     return texture(skybox, TexCoords)
@@ -94,13 +84,15 @@ def seen(FragPos, Normal, cameraPos, ratio, base, sky):
 STRAIGHT = {"FragPos": (0.0, 0.0, 0.0), "Normal": (0.0, 2.0, 0.0)}
 
 
-def ray(output, reference, eye, equals, name, **changes):
+def ray(output, reference, eye, equals, name, **more):
     """One ray that meets a level surface in the origin."""
-    at = {**STRAIGHT, "cameraPos": eye, **changes}
+    at = {**STRAIGHT, "cameraPos": eye, **more}
     return figure(f"judged.{output}", name, at, equals, reference=reference)
 
 
-NAMES = ("the ring", "the ball", "the vase")
+NAMES = {1: "the ring", 2: "the ball", 3: "the vase"}
+
+NO_WAY_OUT, GRAZING = "out of glass at 53°: nothing leaves", "along the surface all is mirrored"
 
 case = Case(
     title="Environment mapping",
@@ -109,22 +101,9 @@ case = Case(
     r"\mathbf t = \eta\,\mathbf i - \left(\eta\,\mathbf n \cdot \mathbf i + \sqrt{1 - \eta^2"
     r"\left(1 - (\mathbf n \cdot \mathbf i)^2\right)}\right)\mathbf n",
     passes=(
-        picture(
-            (behind(MORNING), *(thing(*one, MORNING) for one in THINGS)),
-            (1536, 768),
-            "scene",
-            colors={"FragColor": "rgba32f"},
-            depth="depth24",
-        ),
+        under(MORNING, (1536, 768), "scene", colors={"FragColor": "rgba32f"}),
         *softened_pass("scene", (768, 384), domain={}),
-        *twins(
-            picture(
-                (behind(NOISE), *(thing(*one, NOISE) for one in THINGS)),
-                (112, 56),
-                "judged",
-                depth="depth24",
-            )
-        ),
+        *twins(under(NOISE, (112, 56), "judged")),
     ),
     picture="picture.FragColor",
     expect=[
@@ -132,34 +111,17 @@ case = Case(
         formula("judged.FragColor", sky_along, draw=0, name="the sky behind"),
         any_order("judged.FragColor"),
         any_order("judged.depth"),
-        *(
-            check
-            for output, reference, what in (
-                ("mirrored", mirrored, "mirrored in"),
-                ("bent", bent, "bent by"),
-                ("share", fresnel, "the share mirrored by"),
-                ("FragColor", seen, "the colour of"),
-                ("Normal", world_normal, "normals of"),
-            )
-            for check in each_draw(
-                f"judged.{output}", reference, {k: f"{what} {n}" for k, n in enumerate(NAMES, 1)}
-            )
-        ),
+        *each_draw("judged.mirrored", mirrored, NAMES, "mirrored in {}"),
+        *each_draw("judged.bent", bent, NAMES, "bent by {}"),
+        *each_draw("judged.share", fresnel, NAMES, "the share mirrored by {}"),
+        *each_draw("judged.FragColor", seen, NAMES, "the colour of {}"),
+        *each_draw("judged.Normal", world_normal, NAMES, "normals of {}"),
         *vertex_stage_checks("gl_Position", "FragPos", pass_name="judged"),
         ray("mirrored", mirrored, (3.0, 4.0, 0.0), (-0.6, 0.8, 0.0), "mirrored from (3, 4, 0)"),
         ray("bent", bent, (3.0, 4.0, 0.0), (-0.394737, -0.918794, 0.0), "into glass"),
         ray("bent", bent, (0.0, 2.0, 0.0), (0.0, -1.0, 0.0), "straight in, nothing is bent"),
-        ray(
-            "bent",
-            bent,
-            (4.0, 3.0, 0.0),
-            (0.0, 0.0, 0.0),
-            "out of glass at 53°: nothing leaves",
-            ratio=1.52,
-        ),
+        ray("bent", bent, (4.0, 3.0, 0.0), (0.0, 0.0, 0.0), NO_WAY_OUT, ratio=1.52),
         ray("share", fresnel, (0.0, 2.0, 0.0), 0.04258, "straight at glass", base=GLASS),
-        ray(
-            "share", fresnel, (1.0, 0.0, 0.0), 1.0, "along the surface all is mirrored", base=GLASS
-        ),
+        ray("share", fresnel, (1.0, 0.0, 0.0), 1.0, GRAZING, base=GLASS),
     ],
 )

@@ -10,7 +10,6 @@ Look at: two camera places, some steps apart, under one sky. The crates move aga
 against the hills; clouds and ridges stand at the very same pixels.
 """
 
-from functools import partial
 from math import radians
 
 import numpy as np
@@ -18,75 +17,56 @@ import numpy as np
 from shaderlab import (
     Case,
     Cell,
-    CubeTexture,
     Depth,
-    Draw,
     Erratum,
     Mesh,
     Output,
     Pass,
-    State,
     Target,
     Texture,
     assets,
     exact,
     formula,
     measure,
-    value,
 )
 from shaderlab.glslmath import mul, swizzle, vec4
 from shaderlab.reference.spaces import sky_clip
-from shaderlab.reference.transforms import clip_position, look_at, perspective, rotate, translate
+from shaderlab.reference.transforms import clip_position, look_at, perspective, translate
 from shaderlab.sampling import texture
 
-from ..scenes.drawing import decoded
+from ..scenes.cameras import turned
+from ..scenes.crates import crates, of_wood, turned_normal, wooden
+from ..scenes.draws import tested
+from ..scenes.figures import figure
 from ..scenes.laws import unchanged
 from ..scenes.panels import softened_check, softened_pass
-from ..scenes.sky import sky_face
-from ..scenes.studio import studio_color
+from ..scenes.sky import skies
 
 PROJECTION = perspective(radians(50.0), 1.0, 0.1, 100.0)
 # The camera looks the same way from both places.
 TURN = look_at((0.0, 0.0, 0.0), (0.10, 0.13, -1.0))
 HERE, THERE = TURN @ translate((0.0, -0.8, -5.0)), TURN @ translate((-1.5, -1.3, -3.4))
-SMOOTH = ("linear", "linear")
-MORNING = CubeTexture(faces=[partial(sky_face, k) for k in range(6)], filter=SMOOTH)
-NOISE = CubeTexture(faces=list(np.random.default_rng(13).random((6, 8, 8, 4))), filter=SMOOTH)
+MORNING, NOISE = skies(seed=13)
 BOX = Mesh(**assets.cube(2.0)).only("aPos")
-CRATE = Texture(image=assets.crate, filter=SMOOTH)
+CRATE = Texture(image=assets.crate, filter=("linear", "linear"))
 PLAIN = Texture(image=assets.crate(64))
 CRATES = [
-    translate((-0.9, 0.0, 0.4)) @ rotate(radians(28.0), (0.0, 1.0, 0.0)),
-    translate((0.7, 0.0, -2.0)) @ rotate(radians(-20.0), (0.0, 1.0, 0.0)),
-    translate((2.4, 0.0, -5.0)) @ rotate(radians(50.0), (0.0, 1.0, 0.0)),
+    translate((-0.9, 0.0, 0.4)) @ turned(28.0),
+    translate((0.7, 0.0, -2.0)) @ turned(-20.0),
+    translate((2.4, 0.0, -5.0)) @ turned(50.0),
 ]
 
 
 def sky(view, faces, vertex="skybox", func="lequal", cell=None):
     """The box around the camera."""
-    return Draw(
-        vertex=f"ch13_skybox/{vertex}.vert",
-        fragment="ch13_skybox/skybox.frag",
-        mesh=BOX,
-        uniforms={"view": view, "projection": PROJECTION},
-        textures={"skybox": faces},
-        state=State(depth=Depth(func=func), cell=cell),
-    )
+    shaders = (f"ch13_skybox/{vertex}.vert", "ch13_skybox/skybox.frag")
+    sides, camera = {"skybox": faces}, {"view": view, "projection": PROJECTION}
+    return tested(shaders, BOX, camera, textures=sides, depth=Depth(func=func), cell=cell)
 
 
-def crates(view, wood, cell=None):
-    """Three crates on the ground."""
-    return [
-        Draw(
-            vertex="ch04_spaces/ten_cubes.vert",
-            fragment="ch04_spaces/ten_cubes.frag",
-            mesh=Mesh(**assets.cube()),
-            uniforms={"model": model, "view": view, "projection": PROJECTION, "number": 1.0 + k},
-            textures={"wood": wood},
-            state=State(depth=Depth(), cell=cell),
-        )
-        for k, model in enumerate(CRATES)
-    ]
+def on_the_ground(view, wood, cell=None):
+    """Three crates."""
+    return crates(CRATES, {"view": view, "projection": PROJECTION}, wood, cell)
 
 
 def alone(name, view, vertex="skybox"):
@@ -115,24 +95,13 @@ def point(aPos):
     return aPos
 
 
-def of_wood(Normal, TexCoords, wood):
-    """A crate's texel in the studio's light."""
-    color = swizzle(texture(wood, TexCoords), "xyz")
-    return studio_color(1.3 * decoded(color), Normal)
-
-
-def turned_normal(aNormal, model):
-    """A normal of a crate that is only turned."""
-    return mul(model[:3, :3], aNormal)
-
-
 def kept_clip(aPos, view, projection):
     """The box's vertex as 7.4.2 has it: moved by the view, too, with z = w."""
     return swizzle(mul(projection, mul(view, vec4(aPos, 1.0))), "xyww")
 
 
 TEXEL = assets.crate(64)[int(0.3 * 64), int(0.4 * 64), :3].astype(float)
-IN_FRONT = np.ravel(studio_color(1.3 * decoded(TEXEL), np.array([0.0, 2.0, 0.0]))).tolist()
+IN_FRONT = np.ravel(wooden(TEXEL, np.array([0.0, 2.0, 0.0]))).tolist()
 
 
 def changed(one, other):
@@ -140,7 +109,11 @@ def changed(one, other):
     return float(np.mean(np.any(one != other, axis=-1)))
 
 
+LONG = {"Normal": (0.0, 2.0, 0.0), "TexCoords": (0.4, 0.3)}
 HALVES = [Cell(column=k, row=0, columns=2, rows=1) for k in range(2)]
+
+SAME_PIXELS = "sky first or last: the same pixels"
+SAME_AGAIN = "the order of drawing changes no pixel"
 
 case = Case(
     title="A sky box",
@@ -155,7 +128,7 @@ case = Case(
             draws=tuple(
                 draw
                 for view, cell in zip((HERE, THERE), HALVES, strict=True)
-                for draw in (*crates(view, CRATE, cell), sky(view, MORNING, cell=cell))
+                for draw in (*on_the_ground(view, CRATE, cell), sky(view, MORNING, cell=cell))
             ),
         ),
         *softened_pass("scene", (768, 384)),
@@ -163,8 +136,8 @@ case = Case(
         alone("there", THERE),
         alone("kept-here", HERE, "errata/skybox_kept"),
         alone("kept-there", THERE, "errata/skybox_kept"),
-        under("sky-last", *crates(HERE, PLAIN), sky(HERE, NOISE)),
-        under("sky-first", sky(HERE, NOISE), *crates(HERE, PLAIN)),
+        under("sky-last", *on_the_ground(HERE, PLAIN), sky(HERE, NOISE)),
+        under("sky-first", sky(HERE, NOISE), *on_the_ground(HERE, PLAIN)),
     ),
     picture="picture.FragColor",
     expect=[
@@ -188,15 +161,7 @@ case = Case(
         formula("sky-last.gl_Position", clip_position, draw=0, name="a crate in clip space"),
         formula("sky-last.Normal", turned_normal, draw=0, name="a crate's normals"),
         formula("sky-last.TexCoords", unchanged("aTexCoords"), draw=0, name="places on its wood"),
-        value(
-            "sky-last.FragColor",
-            draw=0,
-            at={"Normal": (0.0, 2.0, 0.0), "TexCoords": (0.4, 0.3)},
-            equals=IN_FRONT,
-            digits=6,
-            reference=of_wood,
-            name="a crate under a long normal",
-        ),
+        figure("sky-last.FragColor", "a crate under a long normal", LONG, IN_FRONT, draw=0),
         formula("kept-here.gl_Position", kept_clip, name="with the translation kept"),
         formula("kept-there.gl_Position", kept_clip, name="with the translation kept, elsewhere"),
         *(
@@ -204,17 +169,9 @@ case = Case(
             for place in ("here", "there")
         ),
         formula("kept-here.TexCoords", point, name="directions with the translation kept"),
-        exact(
-            "sky-first.FragColor",
-            Output("sky-last.FragColor"),
-            name="sky first or last: the same pixels",
-        ),
+        exact("sky-first.FragColor", Output("sky-last.FragColor"), name=SAME_PIXELS),
         exact("sky-first.depth", Output("sky-last.depth"), name="sky first or last: one depth"),
-        exact(
-            "sky-last.FragColor",
-            Output("sky-first.FragColor"),
-            name="the order of drawing changes no pixel",
-        ),
+        exact("sky-last.FragColor", Output("sky-first.FragColor"), name=SAME_AGAIN),
         exact("sky-last.depth", Output("sky-first.depth"), name="nor any depth"),
     ],
     errata=[

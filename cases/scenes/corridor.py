@@ -20,7 +20,7 @@ def corridor() -> Geometry:
     walls = []
     for turn in (0.0, 90.0, 180.0, 270.0):
         wall = assets.moved(assets.plane(2.0), np.diag([1.0, 1.0, 7.0, 1.0]))
-        wall["attributes"]["aTexCoords"] *= np.float32((1, 7))
+        wall["attributes"]["aTexCoords"] *= np.array([1, 7], np.float32)
         wall = assets.moved(wall, translate((0.0, -1.0, 0.0)))
         walls.append(assets.moved(wall, turned(turn, (0.0, 0.0, 1.0))))
     return assets.joined(*walls, assets.moved(assets.quad(2.0), translate((0.0, 0.0, -7.0))))

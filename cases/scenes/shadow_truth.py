@@ -204,15 +204,18 @@ def hidden_share(
 
 def against_rays(
     statistic: Callable[[Matrix, NDArray[np.bool_]], float],
-    sun: ArrayLike,
+    light: ArrayLike,
     models: Sequence[Matrix],
+    *,
+    lamp: bool = False,
 ) -> Callable[[Matrix, Matrix, Matrix], float]:
-    """A statistic of the places that face the sun: of what a shadow map says there, and rays.
+    """A statistic of the places that face the light: of what a shadow map says there, and rays.
 
     Args:
         statistic: of the map's answers, 0…1, and whether each place is blocked, both (n,).
-        sun: towards the light, (3,).
+        light: towards the sun, (3,); of a lamp its place.
         models: the boxes' matrices.
+        lamp: whether the light is a lamp.
 
     Returns:
         a function of the shadow, the places and their normals (0 where nothing is drawn).
@@ -223,8 +226,10 @@ def against_rays(
     """
 
     def found(shadow: Matrix, place: Matrix, upright: Matrix) -> float:
-        there = (upright * np.asarray(sun)).sum(axis=-1) > 0.0
-        return statistic(shadow[..., 0][there], blocked(place, sun, models)[there])
+        towards = np.asarray(light) - place if lamp else np.asarray(light)
+        there = (upright * towards).sum(axis=-1) > 0.0
+        truth = blocked(place, towards, models, reach=1.0 if lamp else np.inf)
+        return statistic(shadow[..., 0][there], truth[there])
 
     return found
 

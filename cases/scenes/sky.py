@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+
+from shaderlab import CubeTexture
 
 Array = npt.NDArray[Any]
 
@@ -75,3 +78,17 @@ def _noise(place: Array, seed: int) -> Array:
             x, y, z = (part[..., k] if corner[k] else 1.0 - part[..., k] for k in range(3))
             total += x * y * z * lattice[index] * 0.5 ** (octave + 1)
     return np.asarray(total / 0.875)
+
+
+def skies(seed: int) -> tuple[CubeTexture, CubeTexture]:
+    """The sky of a morning for people, and random texels for the checks; both filtered linearly.
+
+    >>> skies(1)[1].filter
+    ('linear', 'linear')
+    """
+    smooth = ("linear", "linear")
+    random = np.random.default_rng(seed).random((6, 8, 8, 4))
+    return (
+        CubeTexture(faces=[partial(sky_face, k) for k in range(6)], filter=smooth),
+        CubeTexture(faces=list(random), filter=smooth),
+    )

@@ -74,6 +74,11 @@ def mean_of_four(scene: Any, TexCoords: Value, shown: Callable[[Value], Value]) 
         scene: a sampler.
         TexCoords: the place, between the four.
         shown: what a display can show of the texel at a place.
+
+    >>> class Scene:
+    ...     texels = type("Texels", (), {"values": np.zeros((4, 4, 1))})
+    >>> mean_of_four(Scene, np.zeros(2), lambda at: vec3(0.5)).round(6).tolist()
+    [0.72974, 0.72974, 0.72974, 1.0]
     """
     height, width = scene.texels.values.shape[:2]
     across, up = 0.5 / width, 0.5 / height
