@@ -147,6 +147,7 @@ class Lab(SceneDrawer):
                         f"{index}-{expectation.name}",
                         judgement.pictures,
                         worst.pixel if worst else None,
+                        passed=judgement.outcome.status == "pass",
                     )
             except ShaderlabError as error:  # in a picture: of values that nothing else looked at
                 judgement = Judgement(

@@ -6,7 +6,7 @@ import hashlib
 import os
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +20,8 @@ from shaderlab.records import Attachment, PassRecord
 
 # Of compared pictures: one pixel a value (2 × 2 where some are outside); the page enlarges them.
 COMPARISON_SIDE = 1
-ATTACHMENT_SIDE = 160
+# An attachment is shown so small that twice as many pixels are too many.
+ATTACHMENT_SIDE = 136
 # An exact comparison without a difference keeps at most so many bytes of numbers, or a corner.
 LARGE = 4096
 # The most elements of a buffer that its picture shows.
@@ -50,7 +51,8 @@ class PictureWriter:
     def __init__(self, folder: Path | None, case_id: str, variant: str) -> None:
         self._folder = folder
         self._stem = f"{_safe(case_id)}--{_safe(variant)}"
-        self._saved: dict[tuple[bytes, tuple[int, ...], int], Path] = {}
+        self._saved: dict[tuple[bytes, tuple[int, ...], int], str] = {}
+        self._picture: tuple[Image, str] | None = None
 
     def write_picture(self, image: Image) -> PictureFiles:
         """Write the case's picture, with a small copy for the overview."""
@@ -58,15 +60,18 @@ class PictureWriter:
             return PictureFiles()
         display = _display(image)
         file = self._save("picture", display.image, 256)
-        if min(display.image.shape[:2]) >= 256:
-            pictures.save_previews(self._folder / file, display.image, (0,))
-            self._preview(file, display.image)
+        if min(display.image.shape[:2]) >= 256 and max(display.image.shape[:2]) > PREVIEW_SIDE:
+            pictures.save_preview(self._folder / file, display.image, PREVIEW_SIDE)
+        self._picture = image, file
         return PictureFiles({"picture": file}, {"picture": display.caption})
 
     def write_passes(
         self, scene: Scene, images: Mapping[tuple[str, str], Image]
     ) -> tuple[PassRecord, ...]:
-        """Describe a scene's passes, with a small picture of each attachment if it has several."""
+        """Describe a scene's passes, with a small picture of each attachment if it has several.
+
+        The one that is the case's picture has that file.
+        """
         if self._folder is None or (len(scene.passes) == 1 and len(images) == 1):
             return ()
         return tuple(self._pass(description, images) for description in scene.passes)
@@ -86,15 +91,20 @@ class PictureWriter:
         )
 
     def _attachment(self, label: str, name: str, image: Image) -> Attachment:
-        display = _display(image)
-        small = pictures.reduced(display.image, ATTACHMENT_SIDE)
-        file = self._save(f"pass-{label}", small, 1)
-        assert self._folder is not None
-        pictures.save_previews(self._folder / file, small, (0,))
-        return Attachment(name=name, format=image.format, image=file, caption=display.caption)
+        if self._picture is not None and self._picture[0] is image:
+            file = self._picture[1]
+        else:
+            small = replace(image, values=pictures.coarse(image.values, ATTACHMENT_SIDE))
+            file = self._save(f"pass-{label}", _display(small).image, 1)
+        return Attachment(name=name, format=image.format, image=file)
 
     def write_comparison(
-        self, label: str, arrays: Mapping[str, Array], worst: tuple[int, int] | None = None
+        self,
+        label: str,
+        arrays: Mapping[str, Array],
+        worst: tuple[int, int] | None = None,
+        *,
+        passed: bool = False,
     ) -> PictureFiles:
         """Write measured and reference values in common colours, their distance, and the numbers.
 
@@ -102,35 +112,32 @@ class PictureWriter:
             label: distinguishes this comparison from others of the scene.
             arrays: as in `Judgement.pictures`; nothing is written if there are none.
             worst: the pixel to keep where only a part of the numbers is kept.
+            passed: writes the measured values' picture alone: the page draws the others, which
+                look the same and pale, from the numbers.
         """
         if self._folder is None or not arrays:
             return PictureFiles()
-        distance, shown = arrays["distance"], {w: arrays[w] for w in ("measured", "reference")}
-        covered = arrays.get("covered", np.ones(distance.shape, bool))
+        shown = {what: arrays[what] for what in ("measured", "reference")}
+        covered = arrays.get("covered", np.ones(arrays["distance"].shape, bool))
         partly = not covered.all()
         span = _common_range(*(values[covered] if partly else values for values in shown.values()))
-        if partly:
-            shown = {what: np.where(covered[..., None], v, 0) for what, v in shown.items()}
+        if passed:
+            del shown["reference"]
         files: dict[str, str] = {}
         captions: dict[str, str] = {}
-        displayed: dict[str, Array] = {}
         for what, values in shown.items():
-            display = pictures.to_display(values, value_range=span)
+            drawn = np.where(covered[..., None], values, 0) if partly else values
+            display = pictures.to_display(drawn, value_range=span)
             if partly:
                 display.image[~covered, :3] = pictures.UNCOVERED
             captions[what] = display.caption
-            twin = displayed.get("measured")
-            if twin is not None and np.array_equal(twin, display.image):
-                files[what] = files["measured"]  # the usual case: nothing differs visibly
-                continue
-            displayed[what] = display.image
             files[what] = self._save(f"{label}-{what}", display.image, COMPARISON_SIDE)
-            self._preview(files[what], display.image)
-        seen, palette = pictures.distance_picture(
-            distance, np.abs(distance) > 1.0, min_side=COMPARISON_SIDE
-        )
-        files["distance"] = self._save(f"{label}-distance", seen, COMPARISON_SIDE, palette)
-        self._preview(files["distance"], seen, palette)
+        if not passed:
+            distance = arrays["distance"]
+            seen, palette = pictures.distance_picture(
+                distance, np.abs(distance) > 1.0, min_side=COMPARISON_SIDE
+            )
+            files["distance"] = self._save(f"{label}-distance", seen, COMPARISON_SIDE, palette)
         relative, path = self._file(label, "values")
         numbers = _numbers(arrays)
         packed = pictures.pack(pictures.judged_part(numbers, worst))
@@ -139,13 +146,6 @@ class PictureWriter:
             packed = pictures.pack(pictures.judged_part(numbers, worst, pictures.WINDOW // 2))
         write_bytes(path, packed)
         return PictureFiles(files, captions, relative)
-
-    def _preview(self, file: str, image: Array, palette: Array | None = None) -> None:
-        """Write a small copy of a picture that is larger than the page shows it."""
-        assert self._folder is not None
-        if max(image.shape[:2]) > PREVIEW_SIDE:
-            colours = image if palette is None else palette[image]
-            pictures.save_previews(self._folder / file, colours, (PREVIEW_SIDE,))
 
     def write_assembly(self, modules: Mapping[str, bytes]) -> str:
         """Write a program's modules as SPIR-V assembly, by stage; equal modules share a file.
@@ -166,16 +166,14 @@ class PictureWriter:
         return relative
 
     def _save(self, label: str, image: Array, side: int, palette: Array | None = None) -> str:
-        """Write a picture; equal ones of a scene are encoded once."""
-        relative, path = self._file(label, "png")
+        """Write a picture; equal ones of a scene are one file, named by the first label."""
         pixels = np.ascontiguousarray(image)
         key = hashlib.blake2b(pixels.data, digest_size=16).digest(), pixels.shape, side
-        if key in self._saved:
-            pictures.copy_png(path, self._saved[key])
-        else:
+        if key not in self._saved:
+            relative, path = self._file(label, "png")
             pictures.save_png(path, pixels, min_side=side, palette=palette)
-            self._saved[key] = path
-        return relative
+            self._saved[key] = relative
+        return self._saved[key]
 
     def _file(self, label: str, suffix: str) -> tuple[str, Path]:
         assert self._folder is not None

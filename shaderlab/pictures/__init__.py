@@ -18,12 +18,11 @@ from shaderlab.pictures.display import (
 )
 from shaderlab.pictures.files import (
     LARGEST_SIDE as LARGEST_SIDE,
-    copy_png as copy_png,
+    coarse as coarse,
     load as load,
-    reduced as reduced,
     save_png as save_png,
 )
-from shaderlab.pictures.previews import preview as preview, save_previews as save_previews
+from shaderlab.pictures.previews import preview as preview, save_preview as save_preview
 from shaderlab.pictures.values import (
     WINDOW as WINDOW,
     Values as Values,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,6 +20,7 @@ BAND_HIGH: Colour = (224, 130, 20)
 OUTSIDE: tuple[Colour, Colour] = ((214, 20, 20), (0, 0, 0))
 UNCOVERED: Colour = (205, 205, 205)
 _SHADES = 8
+_COLOURS = 256
 
 
 class Display(NamedTuple):
@@ -119,12 +121,10 @@ def distance_picture(
     return large, table
 
 
-def palette(count: int = 256) -> str:
+def palette(count: int = _COLOURS) -> str:
     """`count` colours from a false-colour picture's dark end to its bright one, six hexadecimal
     digits each."""
-    ramp = np.linspace(0.0, 1.0, count)[None, :, None]
-    table: bytes = to_display(ramp).image[0].tobytes()
-    return table.hex()
+    return _ramp(count).tobytes().hex()
 
 
 def _distance_palette() -> Bytes:
@@ -173,25 +173,29 @@ def _clipped(pixels: NDArray[Any]) -> Display:
 
 
 def _false_colour(values: NDArray[Any], value_range: tuple[float, float] | None) -> Display:
-    import OpenImageIO as oiio
-
     finite = np.isfinite(values)
     low, high = value_range or _finite_range(values)
     # Halved, so that the range of the largest floats does not overflow.
     span = (high / 2 - low / 2) or 1.0
     scaled = np.clip((np.where(finite, values, low) / 2 - low / 2) / span, 0, 1)
-    source = oiio.ImageBuf(np.ascontiguousarray(scaled[:, :, None], dtype=np.float32))
-    mapped = oiio.ImageBufAlgo.color_map(source, 0, "viridis")
-    image = _encoded(np.asarray(mapped.get_pixels("float"), dtype=np.float64))
-    image = np.ascontiguousarray(image[:, :, :3])
+    ramp = _ramp(_COLOURS)
+    image = ramp[np.rint(scaled * (len(ramp) - 1)).astype(np.uint8)]
     image[~finite] = NOT_FINITE
     words = f"one channel in false colour, {low:.6g} (dark) to {high:.6g} (bright)"
     return Display(image, float(low), float(high), words + _magenta(int((~finite).sum())))
 
 
-def _encoded(linear: NDArray[np.float64]) -> Bytes:
-    """Linear light as sRGB bytes: the library gives its maps linear, screens want them encoded."""
-    light = np.clip(linear, 0.0, 1.0)
+@functools.cache
+def _ramp(count: int) -> Bytes:
+    """The false colours from dark to bright as sRGB bytes, (count, 3).
+
+    The library gives its maps in linear light, screens want them encoded.
+    """
+    import OpenImageIO as oiio
+
+    steps = np.linspace(0.0, 1.0, count, dtype=np.float32)[None, :, None]
+    mapped = oiio.ImageBufAlgo.color_map(oiio.ImageBuf(steps), 0, "viridis")
+    light = np.clip(np.asarray(mapped.get_pixels("float"), dtype=np.float64)[0, :, :3], 0.0, 1.0)
     encoded = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
     return np.asarray(np.rint(encoded * 255), dtype=np.uint8)
 

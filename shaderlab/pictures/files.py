@@ -5,6 +5,7 @@ Files have the top row first, OpenGL the lowest; the flip happens here and nowhe
 
 from __future__ import annotations
 
+import functools
 import resource
 from collections.abc import Mapping
 from pathlib import Path
@@ -104,19 +105,6 @@ def write(path: Path, data: bytes) -> None:
         raise _unwritten(path, error.strerror or str(error)) from error
 
 
-def copy_png(path: str | Path, source: Path) -> None:
-    """Write a picture that is in the file `source` already, whole or not at all.
-
-    Raises:
-        AssetError: the file can't be read or written.
-    """
-    try:
-        data = source.read_bytes()
-    except OSError as error:
-        raise _damaged(source, str(error.strerror)) from error
-    write(Path(path), data)
-
-
 def _unwritten(target: str | Path, problem: str) -> AssetError:
     return AssetError(
         f"can't write the picture ({problem})",
@@ -187,6 +175,26 @@ def reduced(pixels: NDArray[np.uint8], side: int) -> NDArray[np.uint8]:
         sums = np.add.reduceat(means, starts, axis=axis, dtype=np.float32)
         means = sums / blocks.reshape(shape).astype(np.float32)
     return np.asarray(np.rint(means), dtype=np.uint8)
+
+
+def coarse(values: NDArray[Any], side: int) -> NDArray[Any]:
+    """Values of a picture (height, width, channels) at so many pixels in its longer direction, or
+    up to twice as many.
+
+    Colours are means of squares. Numbers that are no colours, which are integers or stand alone,
+    may have no mean: of these each square gives one.
+    """
+    factor = max(values.shape[:2]) // side
+    if factor < 2:
+        return values
+    down, across = (min(factor, count) for count in values.shape[:2])
+    height, width = values.shape[0] // down * down, values.shape[1] // across * across
+    if values.dtype.kind != "f" or values.shape[2] == 1:
+        return values[:height:down, :width:across]
+    with np.errstate(all="ignore"):
+        rows = functools.reduce(np.add, (values[start:height:down] for start in range(down)))
+        columns = (rows[:, start:width:across] for start in range(across))
+        return np.asarray(functools.reduce(np.add, columns) / (down * across))
 
 
 def _damaged(path: Path, problem: str) -> AssetError:

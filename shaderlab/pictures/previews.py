@@ -1,7 +1,6 @@
 """Small copies of picture files, for the page: made once, when the picture is drawn.
 
-`picture.png` has `picture@320.webp` beside it (at most 320 pixels in each direction), or
-`picture@320.png` where that is hardly larger, and `picture@0.webp` in its own size. WebP loses
+`picture.png` has `picture@320.webp` beside it, at most 320 pixels in each direction. WebP loses
 what eyes don't see; the PNG has every value.
 """
 
@@ -12,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from shaderlab.pictures.files import PNG, encoded, reduced, write
+from shaderlab.pictures.files import encoded, reduced, write
 
 _WEBP: dict[str, int | str] = {
     "compression": "webp:70",  # a photograph's usual quality
@@ -22,36 +21,25 @@ _WEBP: dict[str, int | str] = {
 }
 
 
-def save_previews(path: str | Path, pixels: NDArray[np.uint8], sides: tuple[int, ...]) -> None:
-    """Write copies of at most `sides` pixels (0: as large as it is) beside the PNG file `path`.
+def save_preview(path: str | Path, pixels: NDArray[np.uint8], side: int) -> None:
+    """Write a copy of at most `side` pixels in each direction beside the PNG file `path`.
 
     Args:
-        path: the PNG file, already written.
+        path: the PNG file.
         pixels: what is in it, uint8 (height, width, 3), row 0 at the bottom.
-        sides: which copies.
+        side: how large the copy is at most.
 
     Raises:
-        AssetError: a file can't be written.
-        OSError: the PNG file has gone.
+        AssetError: the copy can't be written.
     """
-    for side in sides:
-        small = reduced(pixels, side) if side else pixels
-        webp = encoded("webp", small, _WEBP, path)
-        png = encoded("png", small, PNG, path) if side else b""
-        if (len(png) or Path(path).stat().st_size) > 1.25 * len(webp):
-            write(_copy_path(Path(path), side, "webp"), webp)
-        elif side:
-            write(_copy_path(Path(path), side, "png"), png)
+    write(_copy_path(Path(path), side), encoded("webp", reduced(pixels, side), _WEBP, path))
 
 
 def preview(path: str | Path, side: int) -> Path:
     """A PNG file's copy of at most `side` pixels, or the file itself if there is none."""
-    for suffix in ("webp", "png"):
-        file = _copy_path(Path(path), side, suffix)
-        if file.is_file():
-            return file
-    return Path(path)
+    file = _copy_path(Path(path), side)
+    return file if side and file.is_file() else Path(path)
 
 
-def _copy_path(path: Path, side: int, suffix: str) -> Path:
-    return path.with_name(f"{path.stem}@{side}.{suffix}")
+def _copy_path(path: Path, side: int) -> Path:
+    return path.with_name(f"{path.stem}@{side}.webp")

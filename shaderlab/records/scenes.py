@@ -23,13 +23,12 @@ class ErratumNote:
 
 @dataclass(frozen=True, kw_only=True)
 class Attachment:
-    """One attachment of a pass: its format, a small picture of it ("" for none), and how that is
-    to be read. Pictures are files relative to the run's folder."""
+    """One attachment of a pass: its format, and a picture of it, a file relative to the run's
+    folder, or ""."""
 
     name: str
     format: str
     image: str = ""
-    caption: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)

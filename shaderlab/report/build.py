@@ -39,6 +39,8 @@ _LONGEST_NAME = 120
 SMALL = 320
 # A case shows so many figures in one table; if there are more, each variant shows its own.
 _FIGURES_TOGETHER = 200
+# What a script draws of a check's numbers where there is no file.
+_FROM_NUMBERS = ("measured", "reference", "distance")
 _KINDS = {"glsl": "shader", "python": "formula"}
 
 
@@ -162,19 +164,16 @@ def _with_variants(
 def _check(
     record: Record, outcome: Outcome, anchor: str, texts: Sequence[Listing], pictures: Pictures
 ) -> Check:
-    # Inside its band, a value rarely has another colour than its reference.
-    same = pictures.same(outcome.images.get("measured"), outcome.images.get("reference"))
+    numbers = pictures.numbers(outcome.values) if outcome.images else None
+    names = dict.fromkeys((*outcome.images, *(_FROM_NUMBERS if numbers else ())))
     plates = tuple(
         Plate(
             name=name,
             alt=f"{name}: {outcome.name} of {record.title}, {record.variant}",
             caption=outcome.captions.get(name, ""),
-            # A failing check shows every pixel.
-            picture=pictures.picture(file, 0 if outcome.status != "pass" else SMALL),
-            twin="measured" if name == "reference" and same else "",
-            file=file,
+            picture=pictures.picture(outcome.images[name]) if name in outcome.images else None,
         )
-        for name, file in outcome.images.items()
+        for name in names
     )
     places = tuple(
         (
@@ -185,7 +184,6 @@ def _check(
         for source in outcome.sources
     )
     panel = None if outcome.worst is None else worst_panel(outcome.worst)
-    numbers = pictures.numbers(outcome.values) if plates else None
     return Check(outcome, anchor, plates, panel, places, numbers)
 
 
@@ -211,7 +209,7 @@ def _steps(group: CaseGroup, pictures: Pictures) -> Iterator[Step]:
                 name=attachment.name,
                 alt=f"{record.title}: {attachment.name} of pass {step.name}",
                 caption=attachment.format,
-                picture=pictures.picture(attachment.image),
+                picture=pictures.picture(attachment.image, SMALL),
             )
             for attachment in step.attachments
         )

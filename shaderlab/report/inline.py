@@ -106,11 +106,6 @@ class Pictures:
         pixelated = scale >= 1 and width <= 600
         return Picture(path, *shown, pixelated=pixelated, side=side, folder=self._root)
 
-    def same(self, one: str | None, other: str | None) -> bool:
-        """Whether two files are there and equal in every byte."""
-        found = self.text(one or "")
-        return bool(found) and found == self.text(other or "")
-
     def text(self, name: str) -> bytes:
         """The bytes of the file `name`; none if there is no such file."""
         try:

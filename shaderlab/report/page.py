@@ -34,16 +34,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Plate:
-    """A picture with its name, alternative text and caption. `twin` names the plate beside it
-    that is the same in every byte, so that the page need not have it twice; `file` is the
-    picture's own, relative to the run's folder."""
+    """A picture with its name, alternative text and caption; None where a script draws it from
+    the check's numbers."""
 
     name: str
     alt: str
     caption: str
-    picture: Picture
-    twin: str = ""
-    file: str = ""
+    picture: Picture | None
 
 
 @dataclass(frozen=True)

@@ -428,11 +428,13 @@ def test_a_uniform_without_effect_is_noticed(lab: Lab, folder: Path) -> None:
 
 
 def test_pictures_are_written_where_the_record_says(folder: Path, tmp_path: Path) -> None:
+    expected = formula("product", product), exact("FragColor", 0.0)
     with Lab(RunOptions(size=16, picture_size=32, folder=tmp_path)) as lab:
-        record = run(lab, folder, ramp(), formula("product", product), picture="FragColor")
-    files = [*record.images.values(), *record.expectations[0].images.values()]
-    assert len(files) == 4
-    for file in files:
+        record = run(lab, folder, ramp(), *expected, picture="FragColor")
+    passed, failed = record.expectations
+    assert (passed.status, list(passed.images)) == ("pass", ["measured"])
+    assert (failed.status, list(failed.images)) == ("fail", ["measured", "reference", "distance"])
+    for file in (*record.images.values(), *passed.images.values(), *failed.images.values()):
         assert (tmp_path / file).read_bytes().startswith(b"\x89PNG")
 
 

@@ -180,7 +180,7 @@ def test_where_files_may_not_be_large_a_picture_is_named(tmp_path: Path) -> None
         "from shaderlab import pictures\n"
         "resource.setrlimit(resource.RLIMIT_FSIZE, (9000, 9000))\n"
         "noise = numpy.random.default_rng(0).integers(0, 255, (256, 256, 3), dtype=numpy.uint8)\n"
-        "pictures.save_previews('p.png', noise, (0,))"
+        "pictures.save_preview('p.png', noise, 256)"
     )
     done = subprocess.run(
         [sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, timeout=60

@@ -25,7 +25,7 @@ class Inspector {
   }
 
   canvasIn(figure) {
-    const image = figure.querySelector("img, .twin");
+    const image = figure.querySelector("img, .scripted");
     const canvas = document.createElement("canvas");
     canvas.setAttribute("role", "img");
     canvas.setAttribute("aria-label", image.alt ?? image.dataset.alt);
