@@ -11,7 +11,7 @@ from shaderlab.backends import Backend, Session
 from shaderlab.errors import DriverError
 from shaderlab.expectations import discards
 from shaderlab.expectations.base import Context
-from shaderlab.frame import Frame
+from shaderlab.frame import Frame, PassDraw
 from shaderlab.model import Expectation, Judgement, Need, error_name
 from shaderlab.programs.prepare import Preparer
 
@@ -40,6 +40,7 @@ class Evaluation:
         self.scene = session.scene
         self.programs = session.programs
         self.answers: dict[Need, Any] = {}
+        self._draw_faults: dict[PassDraw, str] = {}
         self._like = like
         with doing("draw"):
             self.drawn = session.draw()
@@ -86,7 +87,12 @@ class Evaluation:
             judgement = expectation.judge(self.scene, self.frame)
             if judgement.outcome.status == "pass":
                 fault = discards.fault(
-                    expectation, self.scene, self.programs, self.frame, self._discarding
+                    expectation,
+                    self.scene,
+                    self.programs,
+                    self.frame,
+                    self._discarding,
+                    self._draw_faults,
                 )
                 if fault:
                     failed = replace(judgement.outcome, status="fail", message=fault)

@@ -7,7 +7,7 @@ fragments of the draws that make this attachment are missing, or are seen and sh
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, MutableMapping
 from typing import Any
 
 import numpy as np
@@ -25,6 +25,8 @@ from shaderlab.programs.prepare import PreparedDraw
 from shaderlab.programs.stages import may_discard, writes_depth
 
 DiscardRules = Mapping[PassDraw | str, OfOutput]
+DrawFaults = MutableMapping[PassDraw, str]
+"""What is wrong with the fragments that each draw kept out; "" for nothing."""
 
 
 def rules_of(scene: Scene) -> DiscardRules:
@@ -61,6 +63,7 @@ def fault(
     programs: Programs,
     frame: Frame,
     rules: DiscardRules,
+    known: DrawFaults,
 ) -> str:
     """What is wrong with the fragments that were kept out of what an expectation read, or "".
 
@@ -68,6 +71,7 @@ def fault(
         expectation: what was judged.
         scene, programs, frame: what was drawn, with answers to `needed`.
         rules: what `rules_of` gives for the whole scene.
+        known: what was found of draws of this frame before; it is added to.
 
     Raises:
         FormulaError: a rule fails, or is no comparison.
@@ -76,20 +80,27 @@ def fault(
     if samples is not None and samples.discarded:
         return f"the shader discards {samples.discarded} of the samples, and gives no value there"
     for need in needed(expectation, scene, programs, rules):
-        name, index = need.key
-        draw = programs[name][index]
-        by_depth = writes_depth(draw.text("fragment") or "")
-        rule = _rule_of(need.key, draw, rules)
-        missing, surplus = _faults(need.key, frame, by_depth, rule)
-        of = f"of draw {index} of pass {name!r} ({draw.draw.fragment})"
-        if missing.any():
-            return (
-                f"missing: {_places(missing)} {of}, covered by the geometry and discarded by "
-                "no rule\n→ if the shader is to discard it, say so: discards=rule, a comparison "
-                "of its inputs"
-            )
-        if surplus.any():
-            return f"surplus: {_places(surplus)} {of}, which its rule says is discarded"
+        if need.key not in known:
+            known[need.key] = _fault_of(need.key, programs, frame, rules)
+        if known[need.key]:
+            return known[need.key]
+    return ""
+
+
+def _fault_of(key: PassDraw, programs: Programs, frame: Frame, rules: DiscardRules) -> str:
+    name, index = key
+    draw = programs[name][index]
+    by_depth = writes_depth(draw.text("fragment") or "")
+    missing, surplus = _faults(key, frame, by_depth, _rule_of(key, draw, rules))
+    of = f"of draw {index} of pass {name!r} ({draw.draw.fragment})"
+    if missing.any():
+        return (
+            f"missing: {_places(missing)} {of}, covered by the geometry and discarded by "
+            "no rule\n→ if the shader is to discard it, say so: discards=rule, a comparison "
+            "of its inputs"
+        )
+    if surplus.any():
+        return f"surplus: {_places(surplus)} {of}, which its rule says is discarded"
     return ""
 
 

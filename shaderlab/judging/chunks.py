@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -27,13 +27,17 @@ def chunks(inputs: Inputs, asked: Collection[str], count: int, size: int) -> Ite
         start = stop
 
 
-def quad_rows(inputs: Inputs, asked: Collection[str], start: int, stop: int) -> slice:
-    """The rows from `start` to `stop`, and with `frag_coord` all those of their quads."""
+def quad_rows(inputs: Inputs, asked: Collection[str], wanted: Sequence[slice]) -> Sequence[slice]:
+    """Some slices of rows, and with `frag_coord` all the rows of their quads."""
     if PLACE not in asked or PLACE not in inputs.each:
-        return slice(start, stop)
+        return wanted
     ends = _ends_of_quads(inputs)
-    first = ends[ends <= start]
-    return slice(int(first[-1]) if first.size else 0, int(ends[ends >= stop][0]))
+
+    def whole(rows: slice) -> slice:
+        first = ends[ends <= rows.start]
+        return slice(int(first[-1]) if first.size else 0, int(ends[ends >= rows.stop][0]))
+
+    return [whole(rows) for rows in wanted]
 
 
 def _ends_of_quads(inputs: Inputs) -> Any:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -44,9 +44,21 @@ class Exact:
 
     def part(self, start: int, count: int = 1) -> Array:
         """Some rows, (count, components). Raises FormulaError."""
-        stop = min(start + count, self.shape[0])
-        rows = quad_rows(self.inputs, self.asked, start, stop)
-        return self._values(rows)[start - rows.start : stop - rows.start]
+        return self._parts([(start, count)])[0]
+
+    def _parts(self, parts: Sequence[tuple[int, int]]) -> list[Array]:
+        """As `part`, of several (start, count), which are evaluated together."""
+        wanted = [slice(start, min(start + count, self.shape[0])) for start, count in parts]
+        whole = quad_rows(self.inputs, self.asked, wanted)
+        if len(whole) == 1:
+            found = [self._values(whole[0])]
+        else:
+            values = self._values(np.concatenate([np.arange(w.start, w.stop) for w in whole]))
+            found = np.split(values, np.cumsum([w.stop - w.start for w in whole])[:-1])
+        return [
+            values[some.start - rows.start : some.stop - rows.start]
+            for values, some, rows in zip(found, wanted, whole, strict=True)
+        ]
 
     def _values(self, rows: slice | Array) -> Array:
         part = self.inputs.part(rows)
@@ -70,8 +82,8 @@ class Exact:
         step -= 1 - step % 2
         if PLACE in self.asked:  # it may see a pixel's neighbours
             starts = range(0, self.shape[0], self.shape[0] // 8)
-            rows = np.concatenate([self.part(start, count // 8) for start in starts])
-            return rows, self.part(row)
+            found = self._parts([*((start, count // 8) for start in starts), (row, 1)])
+            return np.concatenate(found[:-1]), found[-1]
         values = self._values(np.append(np.arange(0, self.shape[0], step), row))
         return values[:-1], values[-1:]
 

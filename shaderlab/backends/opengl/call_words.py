@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Mapping, Sequence
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -87,12 +89,21 @@ def constant_for(function: str, name: str, value: int) -> str:
     """The constant that a parameter's number stands for; "" for none."""
     if name in ("buffer", "texture") and function not in ("glClearBufferfv", "glActiveTexture"):
         return ""  # an object's number
-    known = [word for word, number in constants().items() if number == value]
+    known = _constants_by_number().get(value, ())
     for word in (*_PREFERRED.get(name, ()), "GL_ZERO" if "factor" in name else "GL_NONE"):
         if word in known:
             return word
     plain = [w for w in known if not w.endswith(_VENDORS) and not w.endswith("_BIT")]
     return min(plain or known, key=len, default="")
+
+
+@cache
+def _constants_by_number() -> Mapping[int, Sequence[str]]:
+    """The names of the constants of each number."""
+    found: dict[int, list[str]] = {}
+    for word, number in constants().items():
+        found.setdefault(number, []).append(word)
+    return found
 
 
 def _bits(function: str, value: int) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping
+from functools import cache
 
 # What a call sets apart from others of its function: the parameters that choose the place.
 _PLACES: Mapping[str, tuple[str, ...]] = {
@@ -98,10 +99,7 @@ class StateTracker:
 
     def _is_off(self, function: str) -> bool:
         """Whether a function sets state of a test that is off."""
-        return any(
-            function.startswith(prefix) and self._state.get(("cap", cap)) != ("glEnable",)
-            for prefix, cap in _WHILE.items()
-        )
+        return any(self._state.get(("cap", cap)) != ("glEnable",) for cap in _tests(function))
 
     def _place(self, function: str, arguments: Mapping[str, str]) -> tuple[str, ...]:
         """What a call of this function sets."""
@@ -125,6 +123,12 @@ class StateTracker:
         before = self._state.get(key, initial)
         self._state[key] = value
         return value != before
+
+
+@cache
+def _tests(function: str) -> tuple[str, ...]:
+    """The tests without which what a function sets does not count."""
+    return tuple(cap for prefix, cap in _WHILE.items() if function.startswith(prefix))
 
 
 def _only_sets(function: str) -> bool:
