@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
+from dataclasses import replace
 from typing import Generic, Protocol, TypeVar
 
 from shaderlab.activity import doing
 from shaderlab.backends import Drawn, Session, Size
 from shaderlab.errors import UnsupportedError
-from shaderlab.frame import Array, Bindings, Image, PassDraw
-from shaderlab.model import Pass, Scene
+from shaderlab.frame import Array, Bindings, Fragments, Image, PassDraw
+from shaderlab.model import Pass, Scene, State, Target
+from shaderlab.programs import captures
 from shaderlab.programs.formats import components_of
+from shaderlab.programs.fragment_capture import PassCapture
 from shaderlab.programs.passes import check_continues, check_reads
 from shaderlab.programs.prepare import PreparedDraw, Programs, output_types, pass_colors, step
 
@@ -43,6 +47,11 @@ class Attachments(Protocol):
 Kind = TypeVar("Kind", bound=Attachments)
 
 
+def plain_state(draw: PreparedDraw) -> State:
+    """A draw's state without what changes the values that it writes: blending and masks."""
+    return replace(draw.draw.state, blend=None, srgb=False, color_mask=(True,) * 4)
+
+
 class PassSession(Session, Generic[Kind]):
     """A session that draws its scene pass by pass; a backend says how each is done.
 
@@ -51,7 +60,12 @@ class PassSession(Session, Generic[Kind]):
         programs: each pass's draws, compiled.
         size: (width, height) for targets that do not say.
         stack: releases device memory in the end.
+
+    Attributes:
+        cache: what other scenes captured, and this one does.
     """
+
+    cache: captures.CaptureCache
 
     def __init__(self, scene: Scene, programs: Programs, size: Size, stack: ExitStack) -> None:
         super().__init__(scene, programs)
@@ -64,6 +78,7 @@ class PassSession(Session, Generic[Kind]):
         self._gl_errors: dict[PassDraw, tuple[int, ...]] = {}
         self._inactive: set[str] = set()
         self._sample_positions: dict[str, Array] = {}
+        self._captures: dict[str, PassCapture] = {}
 
     def draw(self) -> Drawn:
         for description in self.scene.passes:
@@ -79,6 +94,34 @@ class PassSession(Session, Generic[Kind]):
     def extent(self, description: Pass) -> Size:
         """The size in pixels of a pass's target."""
         return description.target.size or self.size
+
+    def fragments(self, key: PassDraw) -> Fragments:
+        """As `Session.fragments`. Arrays from the cache can't be written to (see
+        `shaderlab.programs.captures`)."""
+        same = captures.identity(self.scene, self.programs, key, self.size)
+        return self.cache.get(same, lambda: self._capture(key[0]).fragments(key[1]))
+
+    def written(self, key: PassDraw, text: str, outputs: Mapping[str, str]) -> Mapping[str, Array]:
+        return self._capture(key[0]).written(key[1], text, outputs)
+
+    def _capture(self, name: str) -> PassCapture:
+        """The captures of a pass's draws."""
+        if name not in self._captures:
+            draws, description = self.programs[name], self.scene.find_pass(name)
+
+            def redrawn(texts: Sequence[str], colors: Mapping[str, str]) -> Mapping[str, Array]:
+                plain = replace(description.target, colors=colors, clear=(0.0,) * 4, samples=0)
+                return self.redrawn(description, plain, texts)
+
+            self._captures[name] = PassCapture(draws, redrawn)
+        return self._captures[name]
+
+    def redrawn(
+        self, description: Pass, target: Target, texts: Sequence[str]
+    ) -> Mapping[str, Array]:
+        """The attachments of a pass that is drawn once more, each draw with another fragment text
+        and in its `plain_state`."""
+        raise UnsupportedError("capturing fragments: this backend can't")
 
     @abstractmethod
     def bind(self, draw: PreparedDraw) -> Bindings:

@@ -4,16 +4,15 @@ that can draw a program of any text into a target of any attachments."""
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Mapping
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
 from typing import Generic, Protocol, Self, TypeVar
 
 from shaderlab.backends import Size
-from shaderlab.backends.passes import Attachments, PassSession
+from shaderlab.backends.passes import Attachments, PassSession, plain_state
 from shaderlab.errors import ShaderError
-from shaderlab.frame import Array, Bindings, Fragments, PassDraw, Samples
+from shaderlab.frame import Array, Bindings, PassDraw, Samples
 from shaderlab.model import Pass, State, Target
-from shaderlab.programs import captures, fragment_capture
+from shaderlab.programs.fragment_capture import numbered
 from shaderlab.programs.fragment_probe import fragment_probe, refused
 from shaderlab.programs.prepare import PreparedDraw
 
@@ -30,13 +29,7 @@ Kind = TypeVar("Kind", bound=Temporary)
 
 
 class RedrawingSession(PassSession[Kind], Generic[Kind]):
-    """A session that captures what fragment shaders got.
-
-    Attributes:
-        cache: captured fragments across scenes.
-    """
-
-    cache: captures.CaptureCache
+    """A session that captures what fragment shaders got."""
 
     @abstractmethod
     def new_target(self, target: Target, colors: Mapping[str, str], size: Size) -> Kind:
@@ -71,23 +64,6 @@ class RedrawingSession(PassSession[Kind], Generic[Kind]):
     def issue(self, key: PassDraw, draw: PreparedDraw, target: Kind) -> None:
         self.render(draw, self.bindings[key], target)
 
-    def fragments(self, key: PassDraw) -> Fragments:
-        """As `Session.fragments`. Arrays from the cache can't be written to (see
-        `shaderlab.programs.captures`)."""
-        draw = self.programs[key[0]][key[1]]
-        same = captures.identity(self.scene, self.programs, key, self.size)
-        return self.cache.get(
-            same,
-            lambda: fragment_capture.fragments(
-                draw, lambda text, colors: self._redrawn(key, text, colors)
-            ),
-        )
-
-    def written(self, key: PassDraw, text: str, outputs: Mapping[str, str]) -> Mapping[str, Array]:
-        return fragment_capture.written(
-            text, outputs, lambda text, colors: self._redrawn(key, text, colors)
-        )
-
     def probe_fragments(
         self, key: PassDraw, bindings: Bindings, inputs: Mapping[str, Array]
     ) -> Samples:
@@ -103,19 +79,15 @@ class RedrawingSession(PassSession[Kind], Generic[Kind]):
             kept = target.read("stencil").values if probe.discards else None
             return probe.samples(images, kept)
 
-    def _redrawn(self, key: PassDraw, text: str, colors: Mapping[str, str]) -> Mapping[str, Array]:
-        """The attachments of a pass whose draw `key` has another fragment text; other draws only
-        say that they are seen, blending and masks are off."""
-        description = self.scene.find_pass(key[0])
-        plain = replace(description.target, colors=colors, clear=(0.0,) * 4, samples=0)
-        with self.new_target(plain, colors, self.extent(description)) as target:
-            for index, draw in enumerate(self.programs[key[0]]):
-                own = text if index == key[1] else fragment_capture.blank(draw)
+    def redrawn(
+        self, description: Pass, target: Target, texts: Sequence[str]
+    ) -> Mapping[str, Array]:
+        name, colors = description.name, dict(target.colors or {})
+        with self.new_target(target, colors, self.extent(description)) as made:
+            for index, (draw, text) in enumerate(zip(self.programs[name], texts, strict=True)):
                 self.render(
-                    draw, self.bindings[key[0], index], target,
-                    texts={**draw.texts, "fragment": own},
-                    fixed_state=replace(
-                        draw.draw.state, blend=None, srgb=False, color_mask=(True,) * 4
-                    ),
+                    draw, self.bindings[name, index], made,
+                    texts={**draw.texts, "fragment": numbered(text, index)},
+                    fixed_state=plain_state(draw),
                 )  # fmt: skip
-            return {name: target.read(name).values for name in colors}
+            return {name: made.read(name).values for name in colors}

@@ -14,6 +14,9 @@ from shaderlab.programs.varyings import Declared, Piece, elements, pieces
 
 PREFIX = "shaderlab_"
 COORD = PREFIX + "coord"
+# A draw's number in its pass: the uniform that has it, and the output that it goes to.
+NUMBER = PREFIX + "draw"
+NUMBERED = PREFIX + "drawn"
 VERSION = re.compile(r"^[ \t]*#[ \t]*version[^\n]*", re.MULTILINE)
 _DIRECTIVE = re.compile(r"^[ \t]*#[ \t]*(?:version|extension)[^\n]*\n?", re.MULTILINE)
 MOST_OUTPUTS = 8
@@ -72,28 +75,42 @@ def capture_fragment(
     unwanted: Mapping[str, Variable] | None = None,
     *,
     keep_all: bool = False,
+    calls: bool = False,
+    numbered: bool = False,
 ) -> tuple[str, dict[Piece, str]]:
     """A fragment shader, unchanged but for a new ending that writes what it got.
 
-    The author's main is renamed and called, so `discard` and depth writes happen as before; then
-    gl_FragCoord goes to shaderlab_coord and each piece to an output of its own. `unwanted`
-    outputs become plain variables, to make room. With `keep_all` the author's main is not called:
-    every fragment is kept, with the depth that it comes with.
+    The author's main is renamed; then gl_FragCoord goes to shaderlab_coord and each piece to an
+    output of its own. It is called where it may keep fragments out, so that `discard` and depth
+    writes happen as before, and where a caller wants what it writes.
+
+    Args:
+        text: the shader's.
+        group: what is written of its inputs.
+        unwanted: outputs that become plain variables, to make room.
+        keep_all: whether every fragment is kept, with the depth that it comes with: the author's
+            main is not called then.
+        calls: whether the author's main is called in any case.
+        numbered: whether the uniform NUMBER, the draw's number, goes to the output NUMBERED.
 
     Returns:
         Its text, and the output of each piece, of the type `padded_type`.
     """
     captured = {piece: f"{PREFIX}out{i}" for i, piece in enumerate(group)}
     shader = Declared(text)
+    calls = not keep_all and (calls or may_keep_out(text))
     for variable in (unwanted or {}).values():
         text = _demoted(text, variable)
     declared = [f"out vec4 {COORD};"]
     declared += [f"out {padded_type(piece)} {name};" for piece, name in captured.items()]
     written = [f"    {COORD} = gl_FragCoord;"]
     written += [f"    {name} = {_padded_value(p, shader)};" for p, name in captured.items()]
+    if numbered:
+        declared += [f"uniform float {NUMBER};", f"out float {NUMBERED};"]
+        written.append(f"    {NUMBERED} = {NUMBER};")
     if keep_all and writes_depth(text):  # what names it has to write it
         written.append("    gl_FragDepth = gl_FragCoord.z;")
-    return with_ending(text, declared, written, calls=not keep_all), captured
+    return with_ending(text, declared, written, calls=calls), captured
 
 
 def capture_vertex(text: str, group: Sequence[Piece]) -> tuple[str, dict[Piece, str]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 
 from shaderlab.backends import Backend, Evaluation, Size
@@ -88,8 +88,7 @@ class OpenGLBackend(Backend):
 class OpenGLSession(Drawing):
     """One scene on an OpenGL device."""
 
-    cache: captures.CaptureCache
-
+    redrawn = capture.redrawn
     vertices = feedback.vertices
     probe_fragments = capture.probe_fragments
     probe_vertices = feedback.probe_vertices
@@ -101,16 +100,10 @@ class OpenGLSession(Drawing):
     trace = tracing.trace
 
     def fragments(self, key: PassDraw) -> Fragments:
-        """As `Session.fragments`. Arrays from the cache can't be written to (see
-        `shaderlab.programs.captures`)."""
         draw = self.programs[key[0]][key[1]]
         if draw.draw.compute:
             return captured(draw.draw, draw.interface, self.bindings[key])
-        same = captures.identity(self.scene, self.programs, key, self.size)
-        return self.cache.get(same, lambda: capture.fragments(self, key))
-
-    def written(self, key: PassDraw, text: str, outputs: Mapping[str, str]) -> Mapping[str, Array]:
-        return capture.written(self, key, text, outputs)
+        return super().fragments(key)
 
     def call(self, made: Sequence[Call], returns: Sequence[int | float | str]) -> Reply:
         def texts(program: Program) -> dict[str, str]:

@@ -7,8 +7,7 @@ Vertices are captured in `feedback`.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
 
 from shaderlab.backends.opengl import state as fixed
 from shaderlab.backends.opengl.drawing import Drawing, drain_errors, submit
@@ -16,52 +15,37 @@ from shaderlab.backends.opengl.linking import output_locations
 from shaderlab.backends.opengl.pyopengl import GL
 from shaderlab.backends.opengl.target import RenderTarget
 from shaderlab.backends.opengl.vertices import vertex_array
+from shaderlab.backends.passes import plain_state
 from shaderlab.errors import ShaderError
-from shaderlab.frame import Array, Bindings, Fragments, PassDraw, Samples
-from shaderlab.programs import fragment_capture
+from shaderlab.frame import Array, Bindings, PassDraw, Samples
+from shaderlab.model import Pass, Target
+from shaderlab.programs.fragment_capture import numbered
 from shaderlab.programs.fragment_probe import fragment_probe, refused
+from shaderlab.programs.stages import NUMBER
 
 
-def fragments(drawing: Drawing, key: PassDraw) -> Fragments:
-    """As `Session.fragments`: see `shaderlab.programs.fragment_capture`."""
-    return fragment_capture.fragments(
-        drawing.programs[key[0]][key[1]],
-        lambda text, colors: _redrawn(drawing, key, text, colors),
-    )
-
-
-def written(
-    drawing: Drawing, key: PassDraw, text: str, outputs: Mapping[str, str]
+def redrawn(
+    drawing: Drawing, description: Pass, target: Target, texts: Sequence[str]
 ) -> Mapping[str, Array]:
-    """Draw a pass once more, with draw `key` having another fragment text; see `Session.written`.
+    """As `PassSession.redrawn`.
 
     Raises:
-        ShaderError: the driver refuses the text.
+        ShaderError: the driver refuses a text.
     """
-    return fragment_capture.written(
-        text, outputs, lambda text, colors: _redrawn(drawing, key, text, colors)
-    )
-
-
-def _redrawn(
-    drawing: Drawing, key: PassDraw, text: str, colors: Mapping[str, str]
-) -> Mapping[str, Array]:
-    """The attachments of a pass whose draw `key` has another fragment text; other draws only say
-    that they are seen, blending and masks are off."""
-    plain = replace(
-        drawing.scene.find_pass(key[0]).target, colors=colors, clear=(0.0,) * 4, samples=0
-    )
-    size = drawing.extent(drawing.scene.find_pass(key[0]))
-    with RenderTarget(drawing.device, plain, colors, size) as target:
-        for index, draw in enumerate(drawing.programs[key[0]]):
+    name, colors = description.name, dict(target.colors or {})
+    with RenderTarget(drawing.device, target, colors, drawing.extent(description)) as made:
+        for index, (draw, text) in enumerate(zip(drawing.programs[name], texts, strict=True)):
+            named = not drawing.device.takes_spirv
             program, vao = drawing.ready(
-                draw, drawing.bindings[key[0], index], target,
-                fragment=text if index == key[1] else fragment_capture.blank(draw),
-                fixed=replace(draw.draw.state, blend=None, srgb=False, color_mask=(True,) * 4),
+                draw, drawing.bindings[name, index], made,
+                fragment=text if named else numbered(text, index), fixed=plain_state(draw),
+                only_active=True,
             )  # fmt: skip
+            if named and (number := program.get(NUMBER, None)) is not None:
+                number.value = index + 1.0
             submit(vao, program, draw)
             drain_errors()
-        return {name: target.read(name).values for name in colors}
+        return {name: made.read(name).values for name in colors}
 
 
 def probe_fragments(

@@ -93,14 +93,26 @@ class Drawing(PassSession[RenderTarget]):
     def bind(self, draw: PreparedDraw) -> Bindings:
         return bind.bind(draw.draw, draw.interface, self._textures.texels)
 
-    def use(self, program: Any, draw: PreparedDraw, bindings: Bindings) -> None:
-        """Set the program's uniforms and bind its textures."""
+    def use(
+        self,
+        program: Any,
+        draw: PreparedDraw,
+        bindings: Bindings,
+        *,
+        only_active: bool = False,
+    ) -> None:
+        """Set the program's uniforms and bind its textures; `only_active`: uniforms that it does
+        not know are left out."""
         ramps = {}
         if draw.draw.domain is not None:
             ramps = bind.ramp_uniforms(draw.draw, draw.interface.varyings)
         set_uniforms(program, ramps)
         members = blocks.variables(draw.interface)
-        plain = {name: v for name, v in bindings.uniforms.items() if name not in members}
+        plain = {
+            name: value
+            for name, value in bindings.uniforms.items()
+            if name not in members and not (only_active and program.get(name, None) is None)
+        }
         self._inactive.update(set_uniforms(program, plain))
         self._inactive.update(self._blocks.bind(program, draw, bindings.uniforms))
         for unit, (name, source) in enumerate(draw.draw.textures.items()):
@@ -124,6 +136,7 @@ class Drawing(PassSession[RenderTarget]):
         *,
         fragment: str | None = None,
         fixed: State | None = None,
+        only_active: bool = False,
     ) -> tuple[Any, VertexArray]:
         """Bind and set everything for a draw, which `submit` then issues: its program and vertex
         array.
@@ -134,13 +147,14 @@ class Drawing(PassSession[RenderTarget]):
             target: what to draw into.
             fragment: the text of another fragment shader in place of its own.
             fixed: another state in place of its own.
+            only_active: see `use`.
 
         Raises:
             ShaderError: the driver refuses the program.
         """
         require_inputs(self.device, draw)
         program = self._linked(draw, {"fragment": fragment} if fragment else {})
-        self.use(program, draw, bindings)
+        self.use(program, draw, bindings, only_active=only_active)
         vao = self._vertex_array(program, draw.draw.mesh)
         target.bind(output_locations(program, target.colors))
         state.apply(fixed or draw.draw.state, target.size, self.device.version)
