@@ -5,6 +5,7 @@ from .errors import ShaderlabError as ShaderlabError
 from .expectations.any_order import any_order as any_order, both_ways as both_ways
 from .expectations.attribute_layout import attribute_layout as attribute_layout
 from .expectations.block_layout import block_layout as block_layout
+from .expectations.boundaries import boundaries as boundaries
 from .expectations.bounded import bounded as bounded
 from .expectations.compile_fails import compile_fails as compile_fails
 from .expectations.computed import computed as computed

@@ -15,7 +15,7 @@ variant all of them have moved.
 
 import numpy as np
 
-from shaderlab import Case, Variant, exact, formula, fullscreen, gl_call, gl_calls
+from shaderlab import Case, Variant, boundaries, exact, formula, fullscreen, gl_call, gl_calls
 from shaderlab.expectations.gl_call import Location, Program, call
 from shaderlab.glslmath import (
     abs,
@@ -188,6 +188,7 @@ def arrives(sent):
     return [
         *(exact(name, expected) for name, expected in whole.items()),
         formula("small.FragColor", instruments(sent), name="the instruments"),
+        boundaries("small.FragColor", instruments(sent), name="… at their edges"),
         *sent_as(sent),
     ]
 

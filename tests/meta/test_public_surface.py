@@ -15,8 +15,8 @@ PUBLIC = {
     "State", "Depth", "Stencil", "Blend", "Cell",
     "fullscreen", "mesh_pass", "compute", "Ramp", "across", "up",
     # what must hold
-    "formula", "value", "sweep", "exact", "coverage", "computed", "compile_fails", "gl_error",
-    "gl_call", "gl_calls", "query", "cost", "attribute_layout", "block_layout",
+    "formula", "value", "sweep", "boundaries", "exact", "coverage", "computed", "compile_fails",
+    "gl_error", "gl_call", "gl_calls", "query", "cost", "attribute_layout", "block_layout",
     "refused", "inactive_uniforms", "same_as", "portable",
     "monotone", "bounded", "symmetric", "energy_conserving", "mean_of",
     "measure", "reading", "any_order", "both_ways",
