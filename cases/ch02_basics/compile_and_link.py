@@ -15,7 +15,7 @@ has every message, with file and line, in glslang's words and in the driver's.
 
 import numpy as np
 
-from shaderlab import Case, Mesh, Pass, State, compile_fails, formula, mesh_pass
+from shaderlab import Case, Mesh, Pass, State, boundaries, compile_fails, formula, mesh_pass
 from shaderlab.glslmath import abs, dot, max, min, swizzle, vec2, vec3, where
 
 from ..scenes.figures import each_draw
@@ -123,6 +123,7 @@ case = Case(
         *(fails(*refused) for refused in REFUSED),
         enlarged_check(),
         *each_draw("small.FragColor", opaque(lit_lamps), {k: f"panel {k + 1}" for k in range(8)}),
+        boundaries("small.FragColor", opaque(lit_lamps), draw=0, name="a panel's edges"),
         formula("small.FragColor", opaque(unchanged("color")), name="the triangle in its panel"),
         formula("gl_Position", device_place),
         formula("color", corner_color),

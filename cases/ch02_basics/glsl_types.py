@@ -20,6 +20,7 @@ from shaderlab import (
     Output,
     Target,
     Variant,
+    boundaries,
     compile_fails,
     exact,
     formula,
@@ -146,6 +147,7 @@ case = Case(
     expect=[
         exact("bits.bit", bits(), name="the bits of all sixteen words"),
         formula("small.FragColor", painted, name="the bits on show"),
+        boundaries("small.FragColor", painted, name="… at their edges"),
         enlarged_check(),
     ],
     variants=[

@@ -14,6 +14,7 @@ as in the first, to the bit.
 from shaderlab import (
     Case,
     Output,
+    boundaries,
     exact,
     formula,
     fullscreen,
@@ -127,6 +128,7 @@ case = Case(
         *each_draw(
             "small.FragColor", opaque(lamp_and_dials), {k: f"panel {k + 1}" for k in range(3)}
         ),
+        boundaries("small.FragColor", opaque(lamp_and_dials), draw=0, name="a panel's edges"),
         inactive_uniforms("unused", "neverAsked", pass_name="first", name="location −1"),
         *(
             gl_calls(

@@ -20,6 +20,7 @@ from shaderlab import (
     Output,
     Target,
     attribute_layout,
+    boundaries,
     coverage,
     exact,
     formula,
@@ -122,6 +123,7 @@ case = Case(
         formula("ourColor", unchanged("aColor")),
         formula("TexCoord", unchanged("aTexCoord")),
         formula("FragColor", fields),
+        boundaries("FragColor", fields),
         formula("share", unchanged("ourColor")),
         measure(
             "distance from the barycentric coordinates",

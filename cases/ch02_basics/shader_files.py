@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from shaderlab import Case, Output, Texture, exact, formula, fullscreen, refused
+from shaderlab import Case, Output, Texture, boundaries, exact, formula, fullscreen, refused
 from shaderlab.glslmath import floor, fract, max, min, mix, swizzle, vec3, vec4, where
 from shaderlab.sampling import texelFetch
 
@@ -101,6 +101,7 @@ case = Case(
         exact("bom.FragColor", PLAIN, name="a byte order mark is skipped"),
         exact("crlf.FragColor", PLAIN, name="carriage returns, in an included file as well"),
         formula("small.FragColor", painted, name="the bytes on show"),
+        boundaries("small.FragColor", painted, name="… at their edges"),
         enlarged_check(),
         exact("small.kind", kinds(), name="what kind of byte each one is"),
         no("empty", "the shader is empty"),

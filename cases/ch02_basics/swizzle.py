@@ -12,7 +12,7 @@ exchanges two lamps. The white in the middle, where all three are equal, no orde
 
 import numpy as np
 
-from shaderlab import Case, Variant, exact, formula, fullscreen
+from shaderlab import Case, Variant, boundaries, exact, formula, fullscreen
 from shaderlab.glslmath import (
     abs,
     distance,
@@ -88,6 +88,7 @@ case = Case(
             formula("small.FragColor", lamps(order), draw=k, name=f".{order}, the lamps")
             for k, order in enumerate(ORDERS)
         ),
+        boundaries("small.FragColor", lamps(ORDERS[0]), draw=0, name="a panel's edges"),
     ],
     variants=[
         Variant(

@@ -19,6 +19,7 @@ from shaderlab import (
     Pass,
     Ramp,
     Target,
+    boundaries,
     computed,
     coverage,
     formula,
@@ -91,6 +92,8 @@ case = Case(
     expect=[
         formula("picture.FragColor", paper, draw=0, name="the paper"),
         formula("picture.FragColor", orange_on_paper, name="the triangle on it"),
+        boundaries("picture.FragColor", paper, draw=0, name="the paper's lines"),
+        boundaries("picture.FragColor", orange_on_paper, name="lines under the triangle"),
         coverage(64800, name="pixels covered"),
         formula("gl_Position", as_it_is),
         formula("picture.gl_Position", as_it_is, name="corners on the paper"),
