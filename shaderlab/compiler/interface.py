@@ -28,6 +28,7 @@ class Variable:
         used: whether the program's functions refer to it; a driver may still optimise it away.
         format: of an image, as its layout says ("rgba8"); "" for none.
         readonly: what GLSL says of an image.
+        patch: of an evaluation stage's input, whether there is one for the whole patch.
     """
 
     name: str
@@ -39,6 +40,7 @@ class Variable:
     used: bool = False
     format: str = ""
     readonly: bool = False
+    patch: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,6 +101,8 @@ class Interface:
         attributes: inputs of the vertex stage.
         varyings: inputs of the fragment stage.
         vertex_outputs: outputs of the last stage before rasterisation.
+        evaluation_inputs: inputs of the tessellation evaluation stage, by a patch's vertices.
+        patch_vertices: of the patches that the tessellation control stage makes; 0 without one.
         outputs: outputs of the fragment stage.
         uniforms: uniforms outside blocks, samplers and images among them.
         blocks: uniform and storage blocks.
@@ -109,6 +113,8 @@ class Interface:
     attributes: Mapping[str, Variable] = field(default_factory=dict)
     varyings: Mapping[str, Variable] = field(default_factory=dict)
     vertex_outputs: Mapping[str, Variable] = field(default_factory=dict)
+    evaluation_inputs: Mapping[str, Variable] = field(default_factory=dict)
+    patch_vertices: int = 0
     outputs: Mapping[str, Variable] = field(default_factory=dict)
     uniforms: Mapping[str, Variable] = field(default_factory=dict)
     blocks: Mapping[str, Block] = field(default_factory=dict)

@@ -18,7 +18,7 @@ from shaderlab.compiler.variables import (
     used_paths,
 )
 
-_LOCAL_SIZE = 17  # execution mode
+_LOCAL_SIZE, _OUTPUT_VERTICES = 17, 26  # execution modes
 _FORMATS = {"int": "<i", "uint": "<I", "float": "<f", "double": "<d"}
 
 
@@ -34,6 +34,7 @@ def reflect(modules: Mapping[str, bytes]) -> Interface:
     parsed = {stage: parse(data) for stage, data in modules.items()}
     none = Module(())
     vertex, fragment = parsed.get("vertex", none), parsed.get("fragment", none)
+    control, evaluation = parsed.get("tess_control", none), parsed.get("tess_evaluation", none)
     last = next((parsed[s] for s in ("geometry", "tess_evaluation", "vertex") if s in parsed), none)
     uniforms: dict[str, Variable] = {}
     blocks: dict[str, Block] = {}
@@ -49,6 +50,8 @@ def reflect(modules: Mapping[str, bytes]) -> Interface:
         attributes={v.name: v for v in stage_variables(vertex, Storage.INPUT)},
         varyings={v.name: v for v in stage_variables(fragment, Storage.INPUT)},
         vertex_outputs={v.name: v for v in stage_variables(last, Storage.OUTPUT)},
+        evaluation_inputs={v.name: v for v in stage_variables(evaluation, Storage.INPUT)},
+        patch_vertices=control.modes.get(_OUTPUT_VERTICES, (0,))[0],
         outputs={v.name: v for v in stage_variables(fragment, Storage.OUTPUT)},
         uniforms=uniforms,
         blocks=blocks,

@@ -96,6 +96,7 @@ def _variable(
         interpolation=interpolation,
         components=component_count(module, element),
         used=is_used(paths, leaf.path),
+        patch=Decoration.PATCH in decorations,
     )
 
 

@@ -114,8 +114,9 @@ def given_fragments(captured: Fragments, bindings: Bindings, most: int) -> Given
 
 def given_vertices(captured: Samples, bindings: Bindings, most: int) -> Given:
     """What a draw gave its vertex shader."""
+    inputs = (captured.entering or captured).inputs
     # Copied, for a part keeps the whole of an array alive.
-    each = {name: values[:most].copy() for name, values in captured.inputs.items()}
+    each = {name: values[:most].copy() for name, values in inputs.items()}
     return Given(each, bindings, max((len(values) for values in each.values()), default=0))
 
 

@@ -150,7 +150,7 @@ class _Observer:
         for values in samples.outputs.values():
             found.update(np.ascontiguousarray(values).data)
         self._vertices[str(key[1])] = found.hexdigest()
-        if draw.draw.geometry is not None:
+        if draw.last_stage != "vertex":
             return
         try:
             yield from stage_faults.of_vertices(self._evaluation, key)

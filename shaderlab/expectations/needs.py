@@ -18,6 +18,8 @@ from shaderlab.programs.prepare import PreparedDraw
 from shaderlab.programs.stages import may_keep_out
 from shaderlab.programs.varyings import elements
 
+BEFORE_RASTERISATION = ("vertex", "tess_control", "tess_evaluation", "geometry")
+
 
 @dataclass(frozen=True)
 class CapturedFragments(Need):
@@ -115,9 +117,9 @@ class Probe(Need):
             result = run(key, changed, joined)
             if of_vertex and expectation.own_name(scene) not in result.outputs:
                 raise UnsupportedError(
-                    f"running {draw.draw.geometry} on given inputs: a geometry stage takes whole "
-                    "primitives",
-                    remedy="judge what it emits of the mesh (formula), with a mesh that has these "
+                    f"running {draw.draw.geometry or draw.draw.tess_evaluation} on given inputs: "
+                    "it takes whole primitives",
+                    remedy="judge what it makes of the mesh (formula), with a mesh that has these "
                     "inputs",
                 )
             exact = {n: _repeated(changed.uniforms[n], len(some)) for n in uniforms}
@@ -133,7 +135,7 @@ class Probe(Need):
 
 def _same_stages(one: PreparedDraw, other: PreparedDraw) -> bool:
     """Whether all stages before rasterisation are the same."""
-    return all(one.text(stage) == other.text(stage) for stage in ("vertex", "geometry"))
+    return all(one.text(stage) == other.text(stage) for stage in BEFORE_RASTERISATION)
 
 
 def _with_uniforms(bindings: Bindings, draw: PreparedDraw, values: Mapping[str, Any]) -> Bindings:

@@ -109,8 +109,11 @@ def load(source: Source) -> Program:
 
     Raises:
         ShaderError: it does not compile.
-        NotInterpretedError: the module has a type that the interpreter does not know.
+        NotInterpretedError: the module has a type that the interpreter does not know, or is of a
+            tessellation stage.
     """
+    if source.stage.startswith("tess_"):
+        raise NotInterpretedError(f"not interpreted: {source.stage} stage", file=source.path)
     compiled = compile_program([source], ("opengl", "vulkan"))
     for target in ("opengl", "vulkan"):
         if target in compiled.spirv:

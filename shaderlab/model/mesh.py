@@ -17,7 +17,9 @@ from shaderlab.frame import Array
 from shaderlab.model.checked import Checked
 from shaderlab.model.state import one_of
 
-PRIMITIVES = ("points", "lines", "line_strip", "triangles", "triangle_strip", "triangle_fan")
+PRIMITIVES = (
+    "points", "lines", "line_strip", "triangles", "triangle_strip", "triangle_fan", "patches",
+)  # fmt: skip
 LAYOUTS = ("separate", "interleaved", "batched")
 USAGES = (
     "stream_draw", "stream_read", "stream_copy", "static_draw", "static_read", "static_copy",
@@ -48,7 +50,8 @@ class Mesh(Checked):
     Args:
         attributes: what each vertex has.
         indices: a flat integer array, or None.
-        primitive: one of PRIMITIVES.
+        primitive: one of PRIMITIVES; patches are what tessellation stages take.
+        patch_vertices: how many vertices a patch has, 1…32.
         instance_attributes: what each instance has, shape (instances, components).
         layout: "separate" is a buffer for each attribute, "interleaved" one buffer of whole
             vertices (123123123), "batched" one buffer of one attribute after the other
@@ -62,6 +65,7 @@ class Mesh(Checked):
     attributes: Mapping[str, Array]
     indices: Array | None = None
     primitive: str = "triangles"
+    patch_vertices: int = 3
     instance_attributes: Mapping[str, Array] = field(default_factory=dict)
     layout: str = "separate"
     usage: str = "static_draw"
@@ -70,6 +74,8 @@ class Mesh(Checked):
     def __post_init__(self) -> None:
         one_of("Mesh", "primitive", self.primitive, PRIMITIVES)
         one_of("Mesh", "layout", self.layout, LAYOUTS)
+        if not 1 <= self.patch_vertices <= 32:
+            raise CaseError(f"Mesh: a patch has 1…32 vertices, not {self.patch_vertices}")
         one_of("Mesh", "usage", self.usage, USAGES)
         one_of("Mesh", "upload", self.upload, UPLOADS)
         vertices = _checked("attributes", "vertices", self.attributes)

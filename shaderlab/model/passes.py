@@ -55,6 +55,8 @@ def mesh_pass(
     mesh: Mesh,
     *,
     geometry: str | None = None,
+    tess_control: str | None = None,
+    tess_evaluation: str | None = None,
     uniforms: Mapping[str, UniformValue] | None = None,
     textures: Mapping[str, TextureSource] | None = None,
     blocks: Mapping[str, UniformBuffer] | None = None,
@@ -67,6 +69,8 @@ def mesh_pass(
     draw = Draw(
         vertex=vertex,
         geometry=geometry,
+        tess_control=tess_control,
+        tess_evaluation=tess_evaluation,
         fragment=fragment,
         mesh=mesh,
         uniforms=uniforms or {},

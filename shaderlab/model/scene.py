@@ -87,7 +87,8 @@ class UniformBuffer(Checked):
 class Draw(Checked):
     """One draw call or dispatch: a program, what it draws, and all that is bound while it does.
 
-    Either `vertex` and `mesh` are given, or `domain` (the fragment shader's inputs laid over the
+    Either `vertex` and `mesh` are given (with `geometry`, or with both tessellation stages and a
+    mesh of patches), or `domain` (the fragment shader's inputs laid over the
     whole target; the vertex stage is then made by the lab), or for a dispatch `compute`, `groups`,
     `buffers` and `images`, as in `compute`, and no other shader. Uniforms are keyed as GLSL spells
     them: "model", "light.constant", "weights", "lights[0].position". Matrices are given as
@@ -98,6 +99,8 @@ class Draw(Checked):
     fragment: str = ""
     vertex: str | None = None
     geometry: str | None = None
+    tess_control: str | None = None
+    tess_evaluation: str | None = None
     mesh: Mesh | None = None
     domain: Mapping[str, Ramp] | None = None
     uniforms: Mapping[str, UniformValue] = field(default_factory=dict)
@@ -129,10 +132,15 @@ class Draw(Checked):
             )
         if self.mesh is not None and self.vertex is None:
             raise CaseError(f"Draw of {self.fragment}: a mesh needs a vertex shader (vertex=…)")
-        if self.domain is not None and (self.vertex or self.geometry):
+        if (self.tess_control is None) != (self.tess_evaluation is None):
+            raise CaseError(
+                f"Draw of {self.fragment}: tessellation takes both stages",
+                remedy="give tess_control= and tess_evaluation=",
+            )
+        if self.domain is not None and (self.vertex or self.geometry or self.tess_control):
             raise CaseError(
                 f"Draw of {self.fragment}: over a domain the vertex stage is the lab's; "
-                "drop vertex= and geometry=, or draw a mesh"
+                "drop all stages but the fragment shader, or draw a mesh"
             )
         given = self.mesh.instances if self.mesh is not None else None
         if given not in (None, self.instances):
@@ -143,7 +151,7 @@ class Draw(Checked):
             )
 
     def _check_dispatch(self) -> None:
-        others = (self.vertex, self.geometry, self.fragment, self.mesh, self.domain)
+        others = (*self.shaders[:-1], self.mesh, self.domain)
         if any(others) or self.state != State() or self.instances != 1:
             raise CaseError(
                 f"Draw of {self.compute}: a compute shader is a program of its own; it has no "
@@ -155,7 +163,8 @@ class Draw(Checked):
     @property
     def shaders(self) -> tuple[str, ...]:
         """The shader files this draw names, in pipeline order."""
-        return tuple(s for s in (self.vertex, self.geometry, self.fragment, self.compute) if s)
+        before = (self.vertex, self.tess_control, self.tess_evaluation, self.geometry)
+        return tuple(s for s in (*before, self.fragment, self.compute) if s)
 
     def outputs_read(self) -> Iterator[Output]:
         """The outputs of earlier passes that it reads as textures, in buffers and in images."""

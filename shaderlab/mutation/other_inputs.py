@@ -151,7 +151,7 @@ class _Maker:
             v.name: (shape_of(v.type), v.type) for v in elements(interface.varyings.values())
         }
         attributes = {}
-        if draw.mesh is not None and draw.geometry is None:
+        if draw.mesh is not None and not (draw.geometry or draw.tess_evaluation):
             types = {n: v.type for n, v in interface.attributes.items()}
             attributes = {n: (a.shape[1:], types[n]) for n, a in draw.mesh.inputs.items()}
         return self._inputs(varyings), self._inputs(attributes)

@@ -50,9 +50,9 @@ class PreparedDraw:
 
     @functools.cached_property
     def vertex_interface(self) -> Interface:
-        """What the vertex stage alone declares: before a geometry stage, other outputs than the
+        """What the vertex stage alone declares: before further ones, other outputs than the
         program's. Raises ShaderError as `interface` does."""
-        if self.draw.geometry is None:
+        if self.draw.geometry is None and self.draw.tess_evaluation is None:
             return self.interface
         alone = self.compiling(self.sources[:1], ("glsl", "opengl"))
         alone.require()
@@ -63,6 +63,17 @@ class PreparedDraw:
     def texts(self) -> dict[str, str]:
         """The text of each stage after includes, by stage."""
         return {source.stage: source.text for source in self.sources}
+
+    @property
+    def last_stage(self) -> str:
+        """The last stage before rasterisation."""
+        stages = ("geometry", "tess_evaluation", "vertex")
+        return next((stage for stage in stages if stage in self.texts), "vertex")
+
+    @property
+    def last_text(self) -> str:
+        """The text of the last stage before rasterisation, empty of a dispatch."""
+        return self.texts.get(self.last_stage, "")
 
     def text(self, stage: str) -> str | None:
         """One stage's text after includes, or None where the program has no such stage."""
@@ -100,6 +111,7 @@ class Preparer:
         """
         if draw.mesh is not None and draw.mesh is not draw.mesh.made():
             draw = replace(draw, mesh=draw.mesh.made())
+        _check_patches(draw)
         authored = tuple(self._load(name) for name in draw.shaders)
         sources = authored
         if draw.domain is not None:
@@ -134,6 +146,21 @@ class Preparer:
         """Some shader files as one program, and what the plain GLSL compiler says of it."""
         sources = tuple(self._load(name) for name in names)
         return sources, self._compiling(sources, ("glsl",))
+
+
+def _check_patches(draw: Draw) -> None:
+    """Raise CaseError unless patches are drawn by tessellation stages, and nothing else is."""
+    patches = draw.mesh is not None and draw.mesh.primitive == "patches"
+    if patches and draw.tess_evaluation is None:
+        raise CaseError(
+            f"Draw of {draw.fragment}: a mesh of patches needs tessellation stages",
+            remedy="give tess_control= and tess_evaluation=, or draw another primitive",
+        )
+    if draw.tess_evaluation is not None and not patches:
+        raise CaseError(
+            f"Draw of {draw.fragment}: tessellation stages take patches",
+            remedy='Mesh(primitive="patches", patch_vertices=…)',
+        )
 
 
 def output_types(draws: Iterable[PreparedDraw]) -> dict[str, str]:

@@ -7,9 +7,10 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
+from shaderlab.errors import UnsupportedError
 from shaderlab.frame import Array, Bindings, Samples
 from shaderlab.model import Mesh, State
-from shaderlab.programs import stages
+from shaderlab.programs import stages, tessellation
 from shaderlab.programs.prepare import PreparedDraw
 from shaderlab.programs.varyings import Piece, assembled
 from shaderlab.programs.vertices import corners, entering, probed_mesh, vertex_inputs, vertex_pieces
@@ -35,13 +36,27 @@ def vertices(draw: PreparedDraw, bindings: Bindings, capture: Capture) -> Sample
     counts the vertices that one invocation emits, from 0. Those vertices are `entering` of the
     samples, with gl_Position as "gl_in.gl_Position".
 
+    Inputs of an evaluation stage are gl_TessCoord, gl_PrimitiveID, the levels, what the control
+    stage made of its patch ("gl_in[0].gl_Position", "Normal[2]"), and the attributes of the patch's
+    vertices ("aPos[0]"). What the control stage made is among the outputs, too.
+
     Raises:
-        UnsupportedError: an output is of double precision.
+        UnsupportedError: an output is of double precision, or a geometry stage follows an
+            evaluation stage.
     """
     mesh = draw.draw.mesh
     assert mesh is not None
     given = _stored(draw, bindings, mesh, draw.draw.instances, capture)
-    return given if draw.draw.geometry is None else _emitted(draw, bindings, mesh, given, capture)
+    if draw.last_stage == "vertex":
+        return given
+    if draw.last_stage == "tess_evaluation":
+        return _tessellated(draw, bindings, mesh, given, capture)
+    if draw.draw.tess_evaluation is not None:
+        raise UnsupportedError(
+            f"capturing what {draw.draw.geometry} makes of tessellated patches",
+            remedy="judge what is drawn of them, or draw them without the geometry stage",
+        )
+    return _emitted(draw, bindings, mesh, given, capture)
 
 
 def probe(
@@ -50,7 +65,7 @@ def probe(
     """Run the vertex stage on given inputs, each an array (count, components). Outputs are named as
     in `vertices`."""
     got = _stored(draw, bindings, probed_mesh(draw.draw, inputs), 1, capture)
-    return got if draw.draw.geometry is None else _entering(got)
+    return got if draw.last_stage == "vertex" else _entering(got)
 
 
 def _stored(
@@ -95,6 +110,32 @@ def _emitted(
         outputs={p.name + p.path: v for p, v in got.items()},
         entering=_entering(given),
     )
+
+
+def _tessellated(
+    draw: PreparedDraw, bindings: Bindings, mesh: Mesh, given: Samples, capture: Capture
+) -> Samples:
+    text = draw.text("tess_evaluation") or ""
+    plain = replace(draw, draw=replace(draw.draw, vertex_array=True, state=State()))
+    outputs: dict[Piece, Array] = {}
+    inputs: dict[Piece, Array] = {}
+    for group in tessellation.groups(draw.interface):
+        copying, copies = tessellation.copying(text, group)
+        own = [] if outputs else vertex_pieces(text, draw.interface)
+        texts = {stage: one for stage, one in draw.texts.items() if stage != "fragment"} | {
+            "tess_evaluation": copying
+        }
+        got = dict(capture(plain, texts, [*own, *copies.values()], bindings, None))
+        inputs |= {piece: got.pop(copy) for piece, copy in copies.items()}
+        outputs |= got
+    known = assembled(inputs)
+    which = corners(mesh)[known["gl_PrimitiveID"][:, 0]]
+    for name, values in mesh.attributes.items():
+        for corner in range(which.shape[1]):
+            known.setdefault(f"{name}[{corner}]", values[which[:, corner]])
+    controlled = {piece: inputs[piece] for piece in tessellation.controlled(draw.interface)}
+    written = {p.name + p.path: v for p, v in {**controlled, **outputs}.items()}
+    return Samples(inputs=known, outputs=written, entering=_entering(given))
 
 
 def _entering(given: Samples) -> Samples:

@@ -10,6 +10,7 @@ import numpy as np
 from shaderlab.compiler.interface import Interface
 from shaderlab.frame import Array
 from shaderlab.model import Draw, Mesh
+from shaderlab.programs import tessellation
 from shaderlab.programs.prepare import PreparedDraw
 from shaderlab.programs.varyings import Piece, elements, pieces
 
@@ -19,12 +20,14 @@ _CORNERS = {"points": 1, "lines": 2, "line_strip": 2, "triangles": 3}
 def vertex_outputs(draw: PreparedDraw) -> list[str]:
     """The names that a captured vertex of a draw has: gl_Position and each output of its last
     stage before rasterisation, arrays and matrices as their elements and columns; then those of a
-    vertex stage before a geometry stage, with gl_Position as "gl_in.gl_Position"."""
-    geometry, vertex = draw.text("geometry"), draw.text("vertex") or ""
-    last = [piece.name + piece.path for piece in vertex_pieces(geometry or vertex, draw.interface)]
-    if geometry is None:
+    vertex stage before further ones, with gl_Position as "gl_in.gl_Position". Of a tessellated
+    patch also what the control stage gives, as the evaluation stage calls it."""
+    last = [piece.name + piece.path for piece in vertex_pieces(draw.last_text, draw.interface)]
+    if draw.last_stage == "vertex":
         return last
-    pieces = vertex_pieces(vertex, draw.vertex_interface)
+    if draw.last_stage == "tess_evaluation":
+        last += [piece.name + piece.path for piece in tessellation.controlled(draw.interface)]
+    pieces = vertex_pieces(draw.text("vertex") or "", draw.vertex_interface)
     return [*last, *(entering(piece.name + piece.path) for piece in pieces)]
 
 
@@ -70,11 +73,12 @@ def probed_mesh(draw: Draw, inputs: Mapping[str, Array]) -> Mesh:
 
 
 def corners(mesh: Mesh) -> Array:
-    """The stored vertices of each primitive, (primitives, 1…3), in the order in which a geometry
-    shader gets them. Source: OpenGL 4.5 core profile specification, table 10.1 and §10.1."""
+    """The stored vertices of each primitive, (primitives, 1…3, of patches 1…32), in the order in
+    which the stages after the vertex stage get them. Source: OpenGL 4.5 core profile specification,
+    table 10.1 and §10.1."""
     order = np.arange(mesh.vertices) if mesh.indices is None else np.asarray(mesh.indices)
-    size = _CORNERS.get(mesh.primitive, 3)
-    if mesh.primitive in ("points", "lines", "triangles"):
+    size = mesh.patch_vertices if mesh.primitive == "patches" else _CORNERS.get(mesh.primitive, 3)
+    if mesh.primitive in ("points", "lines", "triangles", "patches"):
         return order[: len(order) // size * size].reshape(-1, size)
     count = max(len(order) - size + 1, 0)
     at = np.arange(count)

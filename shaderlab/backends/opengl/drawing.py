@@ -193,11 +193,14 @@ def require_glsl(device: Device, draw: PreparedDraw) -> None:
 def submit(vao: VertexArray, program: Any, draw: PreparedDraw) -> None:
     """Issue the draw call itself."""
     description = draw.draw
-    last = draw.text("geometry") or draw.text("vertex") or ""
     if description.state.point_size is None:
         # A shader that gives points no size gets the default one, a pixel.
-        (GL.glEnable if "gl_PointSize" in last else GL.glDisable)(GL.GL_PROGRAM_POINT_SIZE)
+        (GL.glEnable if "gl_PointSize" in draw.last_text else GL.glDisable)(
+            GL.GL_PROGRAM_POINT_SIZE
+        )
     mode = named(description.mesh.primitive if description.mesh else "triangles")
+    if description.mesh is not None and mode == GL.GL_PATCHES:
+        GL.glPatchParameteri(GL.GL_PATCH_VERTICES, description.mesh.patch_vertices)
     if not description.vertex_array:
         GL.glUseProgram(program.glo)
         GL.glBindVertexArray(0)

@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 
 from shaderlab.backends.opengl.drawing import Drawing, drain_errors, submit
-from shaderlab.backends.opengl.pyopengl import GL
+from shaderlab.backends.opengl.pyopengl import GL, named
 from shaderlab.backends.opengl.target import RenderTarget
 from shaderlab.backends.opengl.vertices import vertex_array
 from shaderlab.errors import DriverError
 from shaderlab.frame import Array, Bindings, PassDraw, Samples
 from shaderlab.model import Target
-from shaderlab.programs import vertex_capture
+from shaderlab.programs import tessellation, vertex_capture
 from shaderlab.programs.formats import components_of, numpy_type
 from shaderlab.programs.prepare import PreparedDraw
 from shaderlab.programs.varyings import Piece
@@ -61,9 +61,10 @@ def _captured(
         sizes = [components_of(piece.type) for piece in group]
         names = tuple(dict.fromkeys(piece.name for piece in group))
         program = drawing.linker.link(texts, feedback=names)
+        mode = _mode(program, texts)
         if count is None:
-            count, _ = _draw(drawing, draw, program, bindings, 1, 4 * sum(sizes))
-        _, data = _draw(drawing, draw, program, bindings, count, 4 * sum(sizes))
+            count, _ = _draw(drawing, draw, program, mode, bindings, 1, 4 * sum(sizes))
+        _, data = _draw(drawing, draw, program, mode, bindings, count, 4 * sum(sizes))
         raw = np.frombuffer(data, np.float32).reshape(count, sum(sizes))
         columns = np.split(raw, np.cumsum(sizes)[:-1], axis=1)
         for piece, part in zip(group, columns, strict=True):
@@ -86,17 +87,23 @@ def _groups(parts: Sequence[Piece]) -> list[list[Piece]]:
     return groups
 
 
+def _mode(program: Any, texts: Mapping[str, str]) -> int:
+    """The primitives that come out of the last stage; strips as the single ones of them."""
+    if "tess_evaluation" in texts:
+        return named(tessellation.primitive(texts["tess_evaluation"]))
+    return int(program.geometry_output or GL.GL_POINTS)
+
+
 def _draw(
-    drawing: Drawing, draw: PreparedDraw, program: Any, bindings: Bindings, room: int, stride: int
-) -> tuple[int, bytes]:
+    drawing: Drawing, draw: PreparedDraw, program: Any, mode: int, bindings: Bindings,
+    room: int, stride: int,
+) -> tuple[int, bytes]:  # fmt: skip
     """Draw into a buffer with room for so many vertices of `stride` bytes: how many there would
     have been, and what was written.
 
     Raises:
         DriverError: the buffer is large enough, but less was written.
     """
-    # What a geometry shader emits: moderngl has strips as the single primitives they are made of.
-    mode = program.geometry_output or GL.GL_POINTS
     corner_count = {GL.GL_LINES: 2, GL.GL_TRIANGLES: 3}.get(mode, 1)
     device = drawing.device
     # Transform feedback without a complete framebuffer returns zeros without an error.

@@ -33,7 +33,7 @@ class Linker:
         self._linked: dict[tuple[Any, ...], Any] = {}
 
     def link(self, stages: Mapping[str, str], *, feedback: Sequence[str] = ()) -> Any:
-        """A `moderngl.Program` of these stages (text by "vertex", "geometry", "fragment"), a
+        """A `moderngl.Program` of these stages (text by "vertex", "tess_control", …), a
         `moderngl.ComputeShader` of "compute", or a `SpirvProgram`, which can do what the lab needs
         of them.
 
@@ -68,6 +68,8 @@ class Linker:
         return self._device.context.program(
             vertex_shader=stages["vertex"],
             fragment_shader=stages.get("fragment"),
+            tess_control_shader=stages.get("tess_control"),
+            tess_evaluation_shader=stages.get("tess_evaluation"),
             geometry_shader=stages.get("geometry"),
             varyings=tuple(feedback),
         )

@@ -28,11 +28,11 @@ def driver_verdict(device: Device, sources: Sequence[Source]) -> Verdict:
         sources: the stages, each once.
 
     Raises:
-        DriverError: the driver has no such stage; glslang's verdict is then the only one.
+        UnsupportedError: the driver has no such stage; glslang's verdict is then the only one.
     """
     for source in sources:
         if device.version < _NEEDS.get(source.stage, 0):
-            raise DriverError(f"this driver has no {source.stage} stage", file=source.path)
+            raise UnsupportedError(f"this driver has no {source.stage} stage", file=source.path)
     modules: Mapping[str, bytes] = {}
     if device.takes_spirv:
         from shaderlab.backends.opengl.spirv_program import modules_of, specialise

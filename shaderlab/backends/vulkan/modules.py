@@ -21,7 +21,7 @@ from shaderlab.programs.module_texts import compiled_to_modules, counted_as_decl
 # Environment for SPIR-V: what each capability takes; those without a feature are always there.
 _CAPABILITIES = {
     0: "", 1: "", 40: "", 43: "", 44: "", 46: "", 47: "", 49: "", 50: "", 51: "",
-    2: "geometryShader", 3: "tessellationShader", 10: "shaderFloat64", 11: "shaderInt64",
+    2: "geometryShader", 10: "shaderFloat64", 11: "shaderInt64",
     22: "shaderInt16", 23: "shaderTessellationAndGeometryPointSize",
     24: "shaderTessellationAndGeometryPointSize", 25: "shaderImageGatherExtended",
     27: "shaderStorageImageMultisample", 28: "shaderUniformBufferArrayDynamicIndexing",
@@ -51,8 +51,10 @@ def modules_of(sources: Sequence[Source]) -> Mapping[str, bytes]:
 
 
 def check_capabilities(device: Device, modules: Mapping[str, bytes]) -> None:
-    """Raise UnsupportedError where a module takes a feature that the device lacks."""
+    """Raise UnsupportedError where a module takes a feature that the device or the lab lacks."""
     for stage, data in modules.items():
+        if stage.startswith("tess_"):
+            raise UnsupportedError(f"the {stage} stage: the lab tessellates on OpenGL only")
         for number in sorted(parse(data).capabilities):
             feature = _CAPABILITIES.get(number)
             if feature is None:
