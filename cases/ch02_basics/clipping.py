@@ -14,14 +14,15 @@ side. On the right a triangle as large as the first, whose corners have w = 2.
 
 import numpy as np
 
-from shaderlab import Case, Draw, Mesh, Pass, State, Target, coverage, formula, gl_call, measure
+from shaderlab import Case, Draw, Mesh, Pass, State, Target, formula, gl_call, measure
 from shaderlab.glslmath import mix, swizzle, vec4
+from shaderlab.reference.rasterisation import barycentric
 
 from ..scenes.figures import each_draw, figure
+from ..scenes.laws import unchanged
 
 SIDE, MARGIN = 160, 20
-PAPER = (0.10, 0.11, 0.14, 1.0)
-GREY = ((0.80, 0.81, 0.80),) * 2
+PAPER, GREY = (0.10, 0.11, 0.14, 1.0), ((0.80, 0.81, 0.80),) * 2
 WARM, COLD = ((0.98, 0.72, 0.28), (0.86, 0.30, 0.16)), ((0.96, 0.93, 0.75), (0.05, 0.16, 0.36))
 WIDE = [(-3.0, -3.0, 0.5, 1.0), (3.0, -3.0, 0.5, 1.0), (-3.0, 3.0, 0.5, 1.0), (3.0, 3.0, 0.5, 1.0)]
 CUT = [(-1.6, -0.7, 0.0, 1.0), (1.6, -0.7, 0.0, 1.0), (0.0, 1.5, 0.0, 1.0)]
@@ -47,52 +48,33 @@ def by_depth(place, nearColor, farColor):
     return vec4(mix(nearColor, farColor, 0.5 + 0.5 * depth), 1.0)
 
 
-def as_it_is(aPos):
-    """Corners are clip coordinates already."""
-    return aPos
-
-
 def inside(corners):
-    """Which pixel centres of a window lie in a triangle, counter-clockwise in clip space."""
+    """Which pixel centres of a window lie in a triangle."""
     centres = np.stack(np.meshgrid(*[(np.arange(SIDE) + 0.5) / (SIDE / 2) - 1.0] * 2), axis=-1)
     points = np.array(corners)[:, :2] / np.array(corners)[:, 3:]
-    found = np.ones((SIDE, SIDE), bool)
-    for one, other in zip(points, np.roll(points, -1, axis=0), strict=True):
-        along, to = other - one, centres - one
-        found &= along[0] * to[..., 1] - along[1] * to[..., 0] > 0.0
-    return found
-
-
-def left_of_strip():
-    """Which pixels of a window the strip keeps: 0.625 and 0.6 of the way to the edges."""
-    found = np.zeros((SIDE, SIDE), bool)
-    found[32:128, 30:130] = True
-    return found
-
-
-def window(FragColor, k):
-    """The pixels of the k-th window."""
-    left = MARGIN + k * (SIDE + MARGIN)
-    return FragColor[MARGIN : MARGIN + SIDE, left : left + SIDE]
+    return (barycentric(centres, points) > 0.0).all(axis=-1)
 
 
 def elsewhere(FragColor):
-    """How many pixels of the windows are grey where a shape is left, or the other way round."""
-    drawn = [(window(FragColor, k)[..., :3] != np.float32(GREY[0])).any(axis=-1) for k in range(3)]
-    return int(sum((one != other).sum() for one, other in zip(drawn, LEFT, strict=True)))
+    """How many pixels show paper, a window's grey or its shape where another of them should be."""
+    paper, grey = ((FragColor == np.float32(c)).all(axis=-1) for c in (PAPER, (*GREY[0], 1.0)))
+    return np.count_nonzero(np.where(paper, 0, np.where(grey, 1, 2)) != SEEN)
 
 
-def beside(FragColor):
-    """How many pixels outside of all windows are not as they were cleared."""
-    outside = np.ones(FragColor.shape[:2], bool)
-    for k in range(3):
-        window(outside, k)[:] = False
-    return int((FragColor[outside] != np.float32(PAPER)).any(axis=-1).sum())
-
-
-SHAPES = ((CUT, WARM), (STRIP, COLD), (HALF, WARM))
-LEFT = (inside(CUT), left_of_strip(), inside(HALF))
-NAMES = ("cut at the sides", "cut at the near and the far plane", "of w = 2, not cut")
+SHAPES = {
+    "cut at the sides": (CUT, WARM),
+    "cut at the near and the far plane": (STRIP, COLD),
+    "of w = 2, not cut": (HALF, WARM),
+}
+# What is seen at each pixel: 0 the paper, 1 a window's grey, 2 what is left of its shape. The strip
+# keeps 0.625 of the way to either side, and is 0.6 of it high.
+LEFT = (inside(CUT), np.pad(np.ones((96, 100), bool), ((32, 32), (30, 30))), inside(HALF))
+SEEN = np.pad(
+    np.concatenate([np.pad(1 + left, ((0, 0), (0, MARGIN))) for left in LEFT], axis=1),
+    ((MARGIN, MARGIN), (MARGIN, 0)),
+)
+ON_THE_WAY = {"place": (0, 0, 1, 2), "nearColor": (1.0, 0.5, 0.0), "farColor": (0.0, 0.5, 1.0)}
+DRAWN = [name for k, shape in enumerate(SHAPES) for name in (f"window {k + 1}", shape)]
 
 case = Case(
     title="Clipping",
@@ -103,36 +85,25 @@ case = Case(
             target=Target(size=(3 * SIDE + 4 * MARGIN, SIDE + 2 * MARGIN), clear=PAPER),
             draws=[
                 drawn(k, corners, colors)
-                for k, shape in enumerate(SHAPES)
+                for k, shape in enumerate(SHAPES.values())
                 for corners, colors in ((WIDE, GREY), shape)
             ],
         )
     ],
     expect=[
-        measure("pixels beside the windows", beside, equals=0, digits=0),
-        measure("pixels of the windows that are another's", elsewhere, equals=0, digits=0),
+        measure("pixels that show something else", elsewhere, equals=0, digits=0),
+        formula("place", unchanged("aPos"), name="what is handed on"),
+        *each_draw("FragColor", by_depth, enumerate(DRAWN)),
         *(
-            coverage(int(left.sum()), draw=2 * k + 1, name=f"pixels, {NAMES[k]}")
-            for k, left in enumerate(LEFT)
+            formula("gl_Position", unchanged("aPos"), draw=k, name=f"corners, {name}")
+            for k, name in enumerate(DRAWN)
         ),
-        formula("place", as_it_is, name="what is handed on"),
-        *each_draw("FragColor", by_depth, {2 * k + 1: name for k, name in enumerate(NAMES)}),
-        *each_draw("FragColor", by_depth, {2 * k: f"window {k + 1}" for k in range(3)}),
-        *(formula("gl_Position", as_it_is, draw=k, name=f"corners, draw {k}") for k in range(6)),
         figure(
             "FragColor",
             "a quarter of the way from the far plane",
-            {
-                "place": (0.0, 0.0, 1.0, 2.0),
-                "nearColor": (1.0, 0.5, 0.0),
-                "farColor": (0.0, 0.5, 1.0),
-            },
+            ON_THE_WAY,
             (0.25, 0.5, 0.75, 1.0),
-            reference=by_depth,
-            draw=5,
         ),
-        gl_call(
-            "glGetIntegerv", "GL_MAX_CLIP_DISTANCES", at_least=8, name="eight planes of one's own"
-        ),
+        gl_call("glGetIntegerv", "GL_MAX_CLIP_DISTANCES", at_least=8, name="eight planes more"),
     ],
 )

@@ -176,7 +176,7 @@ def color(
 leaking_or_not = gated_or_not(color, highlight=halfway_lobe)
 
 
-def checks(name):
+def checks(name, shaded=leaking_or_not):
     """What must hold of a judged pass."""
     return (
         formula(f"{name}.place", world_position, name=f"{name}: corners"),
@@ -187,7 +187,7 @@ def checks(name):
         formula(f"{name}.FragPos", place_of, name=f"{name}: places"),
         *(formula(f"{name}.TBN[{k}]", axis(k), name=f"{name}: {'TBN'[k]}") for k in range(3)),
         formula(f"{name}.normal", mapped_normal, name=f"{name}: normals"),
-        formula(f"{name}.FragColor", leaking_or_not, name=f"{name}: colours"),
+        formula(f"{name}.FragColor", shaded, name=f"{name}: colours"),
     )
 
 
@@ -226,7 +226,9 @@ case = Case(
     picture="picture.FragColor",
     expect=[
         formula("mapped.TexCoords", uv_of, name="mapped: texture coordinates"),
-        *(check for name in ("mapped", "mirrored", "flat") for check in checks(name)),
+        *checks("mapped"),
+        *checks("mirrored"),
+        *checks("flat", color),
         lit.picture_check(),
         figure(
             "flat.FragColor",

@@ -13,24 +13,12 @@ hole in the square, in the colour of the paper.
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Cell,
-    Depth,
-    Draw,
-    Mesh,
-    Pass,
-    State,
-    Target,
-    assets,
-    coverage,
-    exact,
-    formula,
-    gl_call,
-    query,
-)
+from shaderlab import Case, Depth, Mesh, Pass, Target, assets, exact, formula, gl_call, query
 from shaderlab.glslmath import swizzle, vec4
 
+from ..scenes.draws import tested
+from ..scenes.laws import unchanged
+from ..scenes.panels import cell
 from ..scenes.rosette import rosette
 
 SIDE = 256
@@ -57,58 +45,36 @@ STATES = (
 
 def shape(mesh, size, depth, color, column, test):
     """A shape at one depth, in one half of the window."""
-    return Draw(
-        vertex="ch08_techniques/framebuffer_renderbuffer.vert",
-        fragment="ch08_techniques/framebuffer_renderbuffer.frag",
-        mesh=mesh,
-        uniforms={"size": size, "depth": depth, "color": color},
-        state=State(depth=test, cell=Cell(column=column, row=0, columns=2, rows=1)),
-    )
+    uniforms = {"size": size, "depth": depth, "color": color}
+    half = cell(column, 2)
+    return tested("ch08_techniques/framebuffer_renderbuffer", mesh, uniforms, cell=half, depth=test)
 
 
 def two_frames(column, cleared):
     """The hexagon; the paper over it, and its depth as well if it is cleared; then the square."""
-    over = Depth(func="always", write=cleared)
     return (
         shape(HEXAGON, 0.5, -0.5, NEAR, column, Depth()),
-        shape(SQUARE, 1.0, 1.0, PAPER, column, over),
+        shape(SQUARE, 1.0, 1.0, PAPER, column, Depth(func="always", write=cleared)),
         shape(SQUARE, 0.75, 0.5, FAR, column, Depth()),
     )
 
 
-def in_hexagon():
-    """Which pixel centres of a half lie in the hexagon, (256, 256)."""
-    x, y = np.meshgrid(*[np.arange(SIDE) + 0.5 - SIDE / 2] * 2)
-    # Its corners are (±52, ±30) and (0, ±60) pixels from the middle.
-    return (np.abs(x) < 52.0) & (30.0 * np.abs(x) + 52.0 * np.abs(y) < 52.0 * 60.0)
+# Which pixel centres of a half lie in the hexagon: its corners are (±52, ±30) and (0, ±60) pixels
+# from the middle.
+X, Y = np.abs(np.meshgrid(*[np.arange(SIDE) + 0.5 - SIDE / 2] * 2))
+HOLE = (X < 52.0) & (30.0 * X + 52.0 * Y < 52.0 * 60.0)
 
 
-def second_frame(cleared):
-    """Half a window: paper and the square, with the hexagon's hole in it or without."""
-    half = np.tile(np.float32(PAPER), (SIDE, SIDE, 1))
-    half[32:224, 32:224] = FAR
-    if not cleared:
-        half[in_hexagon()] = PAPER
-    return half
-
-
-def depths(cleared):
-    """The depths of half a window: of z = 1, of the square at 0.5, of the hexagon at −0.5."""
-    half = np.ones((SIDE, SIDE, 1), np.float32)
-    half[32:224, 32:224] = 0.75
-    if not cleared:
-        half[in_hexagon()] = 0.25
-    return half
+def second_frame(paper, square, hole):
+    """The window at the end: on the left the square, on the right the square with a hole."""
+    left = np.tile(np.float32(paper), (SIDE, SIDE, 1))
+    left[32:224, 32:224] = square
+    return np.concatenate([left, np.where(HOLE[..., None], np.float32(hole), left)], axis=1)
 
 
 def placed(aPos, size, depth):
     """Scaled across, and put at a depth."""
     return vec4(swizzle(aPos, "xy") * size, depth, 1.0)
-
-
-def plain(color):
-    """One colour."""
-    return color
 
 
 case = Case(
@@ -123,24 +89,19 @@ case = Case(
         )
     ],
     expect=[
-        exact(
-            "FragColor",
-            np.concatenate([second_frame(True), second_frame(False)], axis=1),
-            name="the second frame, twice",
-        ),
-        exact(
-            "depth",
-            np.concatenate([depths(True), depths(False)], axis=1),
-            name="the depth that is left",
-        ),
+        exact("FragColor", second_frame(PAPER, FAR, PAPER), name="the second frame, twice"),
+        exact("depth", second_frame((1.0,), 0.75, (0.25,)), name="the depth that is left"),
         *(
-            query("samples_passed", equals=int(in_hexagon().sum()), draw=k, name=f"hexagon {half}")
-            for k, half in ((0, "left"), (3, "right"))
+            query("samples_passed", equals=passed, draw=k, name=name)
+            for k, passed, name in (
+                (0, HOLE.sum(), "hexagon left"),
+                (2, 192**2, "the square where depth was cleared"),
+                (3, HOLE.sum(), "hexagon right"),
+                (5, 192**2 - HOLE.sum(), "the square where it was not"),
+            )
         ),
-        coverage(192 * 192, draw=2, name="the square where depth was cleared"),
-        coverage(192 * 192 - int(in_hexagon().sum()), draw=5, name="the square where it was not"),
         *(formula("gl_Position", placed, draw=k, name=f"places of draw {k}") for k in range(6)),
-        formula("FragColor", plain, draw=2, name="the square's colour"),
+        formula("FragColor", unchanged("color"), draw=2, name="the square's colour"),
         *(
             gl_call(function, word, returns=at_first, name=f"{word} at first")
             for function, word, at_first in STATES

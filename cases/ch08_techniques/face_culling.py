@@ -8,7 +8,8 @@ to drop them changes no pixel, and spares every other fragment.
 
 Look at: the table. In the lower two rows squares run counter-clockwise, in the upper two clockwise;
 of each two rows the lower one has GL_CCW for front, the upper one GL_CW. From left to right: no
-culling, GL_FRONT, GL_BACK, both. Amber fields show a front face, blue ones a back face.
+culling, GL_FRONT, GL_BACK, both. Amber fields show a front face, blue ones a back face; where one
+was culled the ground is seen.
 """
 
 import numpy as np
@@ -42,6 +43,7 @@ WINDINGS, FRONTS = ("ccw", "cw"), ("ccw", "cw")
 CULLED = (None, "front", "back", "front_and_back")
 SHADERS = ("ch08_techniques/face_culling.vert", "ch08_techniques/face_culling.frag")
 PAPER = (0.13, 0.14, 0.17, 1.0)
+GROUND = (0.1875, 0.203125, 0.25, 1.0)
 AMBER, BLUE = (1.0, 0.625, 0.25, 1.0), (0.25, 0.5, 0.75, 1.0)
 
 
@@ -61,12 +63,23 @@ def field(column, row):
     )
 
 
+def ground(column, row):
+    """What a field shows where its square was culled."""
+    return Draw(
+        vertex="ch08_techniques/framebuffer_renderbuffer.vert",
+        fragment="ch08_techniques/framebuffer_renderbuffer.frag",
+        mesh=SQUARE,
+        uniforms={"size": 1.0, "depth": 0.0, "color": GROUND},
+        state=State(cell=Cell(column=column, row=row, columns=4, rows=4)),
+    )
+
+
 def seen(column, row):
     """What a field must show: a side, or nothing."""
     winding, front = divmod(row, 2)
     side = "front" if WINDINGS[winding] == FRONTS[front] else "back"
     if CULLED[column] in (side, "front_and_back"):
-        return PAPER
+        return GROUND
     return AMBER if side == "front" else BLUE
 
 
@@ -118,7 +131,7 @@ case = Case(
         Pass(
             name="table",
             target=Target(size=(256, 256), clear=PAPER),
-            draws=tuple(field(c, r) for r in range(4) for c in range(4)),
+            draws=tuple(of(c, r) for of in (ground, field) for r in range(4) for c in range(4)),
         ),
         *whole("back, ccw", NOTES, cull="back", front_face="ccw"),
         *whole("back, cw", NOTES, cull="back", front_face="cw"),
@@ -130,10 +143,10 @@ case = Case(
     picture="table.FragColor",
     expect=[
         exact("table.FragColor", TRUTH, name="winding × front face × culled face"),
-        formula("table.gl_Position", position, draw=0),
-        formula("table.gl_Position", position, draw=15, name="gl_Position, turned"),
-        formula("table.FragColor", side_color, draw=0, name="colour, front"),
-        formula("table.FragColor", side_color, draw=4, name="colour, back"),
+        formula("table.gl_Position", position, draw=16),
+        formula("table.gl_Position", position, draw=31, name="gl_Position, turned"),
+        formula("table.FragColor", side_color, draw=16, name="colour, front"),
+        formula("table.FragColor", side_color, draw=20, name="colour, back"),
         exact("back, ccw.FragColor", PAPER, name="2.2.7's quad, GL_BACK and GL_CCW"),
         exact("back, cw.FragColor", MIDDLE, name="2.2.7's quad, GL_BACK and GL_CW"),
         *(exact(f"{name}.FragColor", MIDDLE, name=f"{name}: its front") for name in CUBES),

@@ -124,6 +124,7 @@ case = Case(
         formula("table.placesX", places("x"), name="where samples are, to the right"),
         formula("table.placesY", places("y"), name="where samples are, upward"),
         formula("edge.gl_Position", pixel_place),
+        formula("where.gl_Position", pixel_place),
         measure(
             "the picture",
             furthest_drawn,

@@ -6,28 +6,35 @@ neither is better: seven vertices go in either way, and any order of the indices
 no point covers another one. An index is an unsigned byte, short or int, and no signed one. A point
 is a square of gl_PointSize pixels around its vertex.
 
-Look at: the seven squares, 24 pixels wide each: 576 pixels, 4032 together.
+Look at: the seven squares, 24 pixels wide each: 576 pixels, 4032 together. They are the same on
+both sides. A line strip of the same vertices runs through them, on the left in the order of the
+buffer, on the right in that of a list of seven bytes, which takes every third one.
 """
 
 import numpy as np
 
 from shaderlab import (
     Case,
+    Draw,
     Erratum,
     Mesh,
     Output,
+    Pass,
+    State,
     Target,
     exact,
     formula,
     gl_call,
+    gl_calls,
     measure,
-    mesh_pass,
     query,
     value,
 )
 from shaderlab.expectations.gl_call import Object, Program, call
 
 from ..scenes.api import ONE_PIXEL
+from ..scenes.figures import each_draw
+from ..scenes.panels import cell
 from ..scenes.rosette import as_it_is, color_of, encoded, rosette
 
 SIDE, SIZE = 256, 24.0
@@ -38,18 +45,25 @@ VERTICES = {
     "aColor": rosette().attributes["aColor"],
 }
 EVERY_THIRD = np.arange(7) * 3 % 7
+BYTES = EVERY_THIRD.astype(np.uint8)
+SHOWN = ("lines by arrays", "points by arrays", "lines by bytes", "points by bytes")
 
 
-def points(name, indices):
-    """The seven points by arrays, or by elements where there are indices."""
-    return mesh_pass(
-        "ch10_buffers/points.vert",
-        "ch10_buffers/rosette.frag",
-        Mesh(attributes=VERTICES, indices=indices, primitive="points"),
+def through(indices, primitive="points", **state):
+    """The seven vertices by arrays, or by elements where there are indices."""
+    return Draw(
+        vertex="ch10_buffers/points.vert",
+        fragment="ch10_buffers/rosette.frag",
+        mesh=Mesh(attributes=VERTICES, indices=indices, primitive=primitive),
         uniforms={"size": SIZE},
-        target=Target(size=(SIDE, SIDE), clear=(0.13, 0.14, 0.17, 1.0)),
-        name=name,
+        state=State(**state),
     )
+
+
+def window(name, *draws, wide=1):
+    """One of the windows, or two side by side."""
+    target = Target(size=(wide * SIDE, SIDE), clear=(0.13, 0.14, 0.17, 1.0))
+    return Pass(name=name, target=target, draws=draws)
 
 
 def size_of(size):
@@ -96,9 +110,34 @@ case = Case(
     title="Points by arrays and by elements",
     section="10",
     math=r"\text{arrays: } v_j = j, \qquad \text{elements: } v_j = e_j, \qquad 7 \cdot 24^2 = 4032",
-    passes=(*points("arrays", None), *points("elements", EVERY_THIRD)),
-    picture="arrays.FragColor",
+    passes=(
+        window("arrays", through(None)),
+        window("bytes", through(BYTES)),
+        window(
+            "picture",
+            *(
+                through(indices, primitive, cell=cell(k, 2))
+                for k, indices in enumerate((None, BYTES))
+                for primitive in ("line_strip", "points")
+            ),
+            wide=2,
+        ),
+        window("elements", through(EVERY_THIRD)),
+    ),
+    picture="picture.FragColor",
     expect=[
+        *each_draw("picture.FragColor", encoded, enumerate(SHOWN)),
+        *each_draw("picture.ourColor", color_of, enumerate(f"{name}: colours" for name in SHOWN)),
+        *each_draw("picture.gl_Position", as_it_is, enumerate(f"{name}: places" for name in SHOWN)),
+        exact("bytes.FragColor", Output("arrays.FragColor"), name="bytes: the same picture"),
+        gl_calls(
+            "glDrawElementsInstanced",
+            type="GL_UNSIGNED_BYTE",
+            count=7,
+            times=1,
+            pass_name="bytes",
+            name="seven indices of a byte",
+        ),
         exact("elements.FragColor", Output("arrays.FragColor"), name="the same picture"),
         query("vertices_submitted", equals=7, pass_name="arrays", name="vertices, arrays"),
         query("vertices_submitted", equals=7, name="vertices, elements"),
@@ -125,9 +164,7 @@ case = Case(
                 name=f"indices of GL_{kind}",
             )
             for kind, raises in (
-                ("UNSIGNED_BYTE", "no_error"),
                 ("UNSIGNED_SHORT", "no_error"),
-                ("UNSIGNED_INT", "no_error"),
                 ("BYTE", "invalid_enum"),
                 ("FLOAT", "invalid_enum"),
             )

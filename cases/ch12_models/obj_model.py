@@ -30,7 +30,7 @@ from shaderlab import (
 )
 from shaderlab.glslmath import fract, swizzle, vec4, where
 from shaderlab.reference import lighting
-from shaderlab.reference.transforms import clip_position, normal_matrix
+from shaderlab.reference.transforms import clip_position, normal_matrix, translate
 
 from ..scenes import lit, stage
 from ..scenes.cameras import camera, turned
@@ -172,6 +172,18 @@ case = Case(
         ),
         formula("judged.gl_Position", clip_position, name="the paint in clip space"),
         formula("judged.gl_Position", clip_position, draw=1, name="the plaster in clip space"),
+        figure(
+            "judged.gl_Position",
+            "a model that is moved as well",
+            {
+                "aPos": (1.0, 2.0, 3.0),
+                "model": translate((1.0, 2.0, 3.0)),
+                "view": np.eye(4),
+                "projection": stage.SHEAR,
+            },
+            (23.0, 19.0, 11.0, 3.0),
+            reference=clip_position,
+        ),
         *lit.vertex_stage_checks("FragPos", "Normal", "TexCoords", pass_name="judged"),
         *each_draw(
             "judged.FragColor",

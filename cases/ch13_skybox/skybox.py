@@ -24,6 +24,7 @@ from shaderlab import (
     Pass,
     Target,
     Texture,
+    any_order,
     assets,
     exact,
     formula,
@@ -36,7 +37,7 @@ from shaderlab.sampling import texture
 
 from ..scenes.cameras import turned
 from ..scenes.crates import crates, of_wood, turned_normal, wooden
-from ..scenes.draws import tested
+from ..scenes.draws import tested, twins
 from ..scenes.figures import figure
 from ..scenes.laws import unchanged
 from ..scenes.panels import softened_check, softened_pass
@@ -122,14 +123,16 @@ case = Case(
     r"\begin{pmatrix} \mathbf p \\ 1 \end{pmatrix}, \qquad "
     r"\mathbf c_{\text{sky}} = (c_x, c_y, c_w, c_w) \;\Rightarrow\; z = 1",
     passes=(
-        Pass(
-            name="scene",
-            target=Target(size=(1536, 768), depth="depth24", colors={"FragColor": "rgba16f"}),
-            draws=tuple(
-                draw
-                for view, cell in zip((HERE, THERE), HALVES, strict=True)
-                for draw in (*on_the_ground(view, CRATE, cell), sky(view, MORNING, cell=cell))
-            ),
+        *twins(
+            Pass(
+                name="scene",
+                target=Target(size=(1536, 768), depth="depth24", colors={"FragColor": "rgba16f"}),
+                draws=tuple(
+                    draw
+                    for view, cell in zip((HERE, THERE), HALVES, strict=True)
+                    for draw in (*on_the_ground(view, CRATE, cell), sky(view, MORNING, cell=cell))
+                ),
+            )
         ),
         *softened_pass("scene", (768, 384)),
         alone("here", HERE),
@@ -142,6 +145,7 @@ case = Case(
     picture="picture.FragColor",
     expect=[
         softened_check(),
+        any_order("scene.FragColor"),
         formula("here.gl_Position", sky_clip, name="turned, not moved, and z = w"),
         formula("there.gl_Position", sky_clip, name="the same from elsewhere"),
         formula("here.TexCoords", point),

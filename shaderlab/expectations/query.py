@@ -58,7 +58,7 @@ class Query(OfDraw):
         count = frame.answers[Counted(self.key(scene), self.counter)]
         low, high = self.at_least or 0, self.at_most
         if self.equals is not None:
-            low = high = self.equals
+            low = high = int(self.equals)
         ok = low <= count and (high is None or count <= high)
         if low == high:
             expected = str(low)

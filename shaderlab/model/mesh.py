@@ -49,7 +49,8 @@ class Mesh(Checked):
 
     Args:
         attributes: what each vertex has.
-        indices: a flat integer array, or None.
+        indices: a flat integer array, or None. OpenGL gets those of type uint8 and uint16 as bytes
+            and shorts; others are 32-bit numbers.
         primitive: one of PRIMITIVES; patches are what tessellation stages take.
         patch_vertices: how many vertices a patch has, 1…32.
         instance_attributes: what each instance has, shape (instances, components).
@@ -99,7 +100,8 @@ class Mesh(Checked):
                 f"Mesh: indices run from {indices.min()} to {indices.max()}, "
                 f"but there are {self.vertices} vertices"
             )
-        object.__setattr__(self, "indices", indices.astype(np.uint32))
+        kind = indices.dtype if indices.dtype in (np.uint8, np.uint16) else np.uint32
+        object.__setattr__(self, "indices", indices.astype(kind))
 
     @staticmethod
     def later(make: Callable[[], Mesh]) -> Mesh:

@@ -134,7 +134,7 @@ WITHIN: Mapping[tuple[str, str], tuple[str, tuple[str, ...]]] = {
     ("10", "points-and-elements"): (
         "Indices of one, two and four bytes",
         (
-            "indices of GL_UNSIGNED_BYTE",
+            "seven indices of a byte",
             "indices of GL_BYTE",
             "the fourth byte is the index 2, whose colour is cyan",
         ),

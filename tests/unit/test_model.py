@@ -165,3 +165,11 @@ def test_a_default_is_not_looked_at_and_what_is_given_is() -> None:
     assert State() == State(blend=None)
     with pytest.raises(CaseError, match="State: cull is 3"):
         State(cull=3)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("given", "kept"), [("u1", "uint8"), ("u2", "uint16"), ("i8", "uint32"), ("u4", "uint32")]
+)
+def test_small_unsigned_indices_keep_their_type(given: str, kept: str) -> None:
+    mesh = Mesh(attributes={"aPos": np.zeros((3, 3))}, indices=np.arange(3).astype(given))
+    assert mesh.indices is not None and mesh.indices.dtype == kept

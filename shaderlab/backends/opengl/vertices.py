@@ -17,6 +17,7 @@ from shaderlab.model import Mesh, Placement
 
 _WRITE = 0x0002  # GL_MAP_WRITE_BIT
 _KINDS = {"f": 0x1406, "i": 0x1404, "u": 0x1405}
+_INDICES = {1: 0x1401, 2: 0x1403, 4: 0x1405}  # GL_UNSIGNED_BYTE, _SHORT and _INT, by bytes
 
 
 class DeviceBuffer:
@@ -56,7 +57,7 @@ class VertexArray:
         if self.indices is None:
             GL.glDrawArraysInstanced(mode, 0, self.count, instances)
         else:
-            kind = GL.GL_UNSIGNED_INT
+            kind = _INDICES[self.indices.size // self.count]
             GL.glDrawElementsInstanced(mode, self.count, kind, ctypes.c_void_p(0), instances)
 
 
@@ -72,7 +73,8 @@ def vertex_array(device: Device, program: Any, mesh: Mesh | None) -> VertexArray
     if mesh is None:
         return VertexArray(context.vertex_array(owner, []), program, 3)
     indices = None if mesh.indices is None else context.buffer(mesh.indices)
-    made = context.vertex_array(owner, [], index_buffer=indices, index_element_size=4)
+    size = 4 if mesh.indices is None else mesh.indices.itemsize
+    made = context.vertex_array(owner, [], index_buffer=indices, index_element_size=size)
     buffers = tuple(_filled(device, parts, mesh) for parts in mesh.parts())
     for name, place in mesh.placements().items():
         member = program.get(name, None)

@@ -113,7 +113,7 @@ def upload(
     )
     if mesh.indices is None:
         return VertexBuffers(buffers, None, mesh.vertices)
-    indices = resources.buffer("index_buffer", mesh.indices)
+    indices = resources.buffer("index_buffer", mesh.indices.astype(np.uint32))
     return VertexBuffers(buffers, indices, len(mesh.indices))
 
 
