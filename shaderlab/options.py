@@ -41,7 +41,8 @@ class RunOptions:
         include: further folders in which shaders are found.
         targets: what programs are compiled for; if empty, what the case or its project says.
         gl_calls: whether the calls of OpenGL that drawing takes are recorded as well.
-        modules: whether each draw is held against its own shader's band as well.
+        modules: whether draws are held against their own shaders' bands as well: all pixels of
+            all draws, none, or with None some of each program.
         driver: as in `shaderlab.backends.open_backend`; a process keeps the first it is given.
         frames: the folder in which `shaderlab.evaluation.stored_images` stores what each scene
             draws, on each of several drivers in a folder of its own; None stores nothing.
@@ -58,7 +59,7 @@ class RunOptions:
     include: tuple[Path, ...] = ()
     targets: tuple[str, ...] = ()
     gl_calls: bool = False
-    modules: bool = False
+    modules: bool | None = None
     driver: str | None = None
     frames: Path | None = None
     limits: Limits = Limits()

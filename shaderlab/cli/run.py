@@ -75,9 +75,10 @@ if TYPE_CHECKING:
     help="Also list the calls of OpenGL that each pass takes, here and on the page.",
 )
 @click.option(
-    "--modules",
-    is_flag=True,
-    help="Also judge each draw by its own shader: a driver that miscompiles one is caught.",
+    "--modules/--no-modules",
+    default=None,
+    help="Judge every pixel of every draw by its own shader too, or none.  [default: some of each "
+    "program]",
 )
 @click.option("--profile", is_flag=True, help="Show where the time went.")
 @click.option("--open", "open_report", is_flag=True, help="Open the report in a browser.")
@@ -101,7 +102,7 @@ def command(
     pictures: bool,
     coverage: bool,
     gl_calls: bool,
-    modules: bool,
+    modules: bool | None,
     profile: bool,
     open_report: bool,
 ) -> int:

@@ -30,7 +30,7 @@ class Given:
     def rows_with(self, rows: Array, program: Program) -> Array:
         """Some rows, and where the program asks for derivatives those of their quads."""
         places = self.each.get("gl_FragCoord")
-        if places is None or not asks_for_neighbours(program, self):
+        if places is None or not asks_for_neighbours(program, self.bindings):
             return rows
         cells = cells_of(places)
         return np.flatnonzero(np.isin(cells, cells[rows]))
@@ -48,9 +48,9 @@ def cells_of(places: Array) -> Array:
     return found
 
 
-def asks_for_neighbours(program: Program, given: Given) -> bool:
+def asks_for_neighbours(program: Program, bindings: Bindings) -> bool:
     """Whether invocations depend on their quads: by derivatives, or by mipmaps."""
-    if any(texels.filter[0] != texels.filter[1] for texels in given.bindings.textures.values()):
+    if any(texels.filter[0] != texels.filter[1] for texels in bindings.textures.values()):
         return True
     return any(one.op in _DERIVATIVES for one in program.definitions.values())
 
@@ -62,7 +62,7 @@ def merged(givens: Sequence[Given], program: Program, most: int) -> list[Given]:
     found: list[Given] = []
     groups: dict[int, list[Given]] = {}
     for given in givens:
-        if asks_for_neighbours(program, given):
+        if asks_for_neighbours(program, given.bindings):
             found.append(given)
         else:
             groups.setdefault(_looks(given.bindings), []).append(given)
@@ -120,11 +120,27 @@ def given_vertices(captured: Samples, bindings: Bindings, most: int) -> Given:
     return Given(each, bindings, max((len(values) for values in each.values()), default=0))
 
 
-def whole_quads(x: Array, y: Array, most: int | None) -> Array:
-    """The pixels of quads from all over a picture; all where there are not too many."""
+def whole_quads(x: Array, y: Array, most: int | None, always: Sequence[int] = ()) -> Array:
+    """The pixels of quads from all over a picture, and those of the pixels `always`; all where
+    there are not too many."""
     if most is None or len(x) <= most:
         return np.arange(len(x))
-    quad = (y >> 1) * (int(x.max()) + 1) + (x >> 1)
-    known = np.unique(quad)
-    taken = known[np.unique(np.linspace(0, len(known) - 1, most // 4).astype(int))]
-    return np.flatnonzero(np.isin(quad, taken))
+    seen = np.zeros(((int(y.max()) >> 1) + 1, (int(x.max()) >> 1) + 1), np.bool_)
+    seen[y >> 1, x >> 1] = True
+    rows, columns = np.nonzero(seen)
+    taken = scattered(len(rows), most // 4)
+    seen[:] = False
+    seen[rows[taken], columns[taken]] = True
+    seen[y[list(always)] >> 1, x[list(always)] >> 1] = True
+    return np.flatnonzero(seen[y >> 1, x >> 1])
+
+
+def scattered(count: int, most: int) -> Array:
+    """`most` of so many numbers from 0, one at random from each of as many equal stretches: in the
+    order of a picture's pixels they follow no pattern of it. The same ones at each call."""
+    if count <= most:
+        return np.arange(count)
+    edges = np.linspace(0, count, most + 1)
+    found = edges[:-1] + np.random.default_rng(0).random(most) * np.diff(edges)
+    numbers = np.minimum(found.astype(np.int64), count - 1)
+    return numbers[np.diff(numbers, prepend=-1) > 0]

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
 from shaderlab.compiler.sources import Source
-from shaderlab.equivalence.given import whole_quads
+from shaderlab.equivalence.given import asks_for_neighbours, scattered, whole_quads
 from shaderlab.errors import NotInterpretedError
 from shaderlab.evaluation.evaluation import Evaluation
 from shaderlab.expectations.needs import CapturedFragments, CapturedVertices
@@ -56,18 +56,32 @@ def fragments(
     most: int | None = None,
     *,
     among: Array | None = None,
+    program: Program | None = None,
 ) -> Invocations:
-    """The fragments of a draw that are seen, `most` of them at most: whole quads from all over, or
-    those that have a pixel `among` some (count, 2).
+    """The fragments of a draw that are seen: all, or about `most` of them from all over, with those
+    where an input is least and greatest; or those of quads that have a pixel `among` some
+    (count, 2). Whole quads where the shader depends on its neighbours.
+
+    Args:
+        program: the fragment stage, if it is known already.
 
     Raises:
         ShaderError, NotInterpretedError: the fragment stage can't be interpreted.
         DriverError, CaseError: its inputs can't be captured.
     """
-    source = _stage(evaluation, key, "fragment")
+    program = program or program_of(stage_of(evaluation, key, "fragment"))
     captured = evaluation.answer(CapturedFragments(key))
+    bindings = evaluation.drawn.bindings[key]
     y, x = np.nonzero(captured.covered)
-    rows = whole_quads(x, y, most)
+    rows = np.arange(len(x))
+    if most is not None and len(x) > most:
+        ends = _extremes([values[y, x] for values in captured.inputs.values()])
+        if asks_for_neighbours(program, bindings):
+            rows = whole_quads(x, y, most, ends)
+        else:
+            chosen = np.zeros(len(x), np.bool_)
+            chosen[scattered(len(x), most)] = chosen[ends] = True
+            rows = np.flatnonzero(chosen)
     if among is not None:
         quads = among >> 1
         side = captured.covered.shape[1]
@@ -75,12 +89,12 @@ def fragments(
     at = (y[rows], x[rows])
     images = {n: i for (name, n), i in evaluation.drawn.images.items() if name == key[0]}
     return Invocations(
-        program=program_of(source),
+        program=program,
         each={
             **{name: values[at] for name, values in captured.inputs.items()},
             "gl_FragCoord": captured.frag_coord[at],
         },
-        bindings=evaluation.drawn.bindings[key],
+        bindings=bindings,
         measured={name: image.values[at] for name, image in images.items()},
         formats={name: image.format for name, image in images.items()},
         pixels=np.stack([x[rows], y[rows]], axis=-1),
@@ -94,7 +108,7 @@ def vertices(evaluation: Evaluation, key: PassDraw, most: int | None = None) -> 
         ShaderError, NotInterpretedError: the vertex stage can't be interpreted.
         DriverError, CaseError: its inputs can't be captured.
     """
-    source = _stage(evaluation, key, "vertex")
+    source = stage_of(evaluation, key, "vertex")
     captured = evaluation.answer(CapturedVertices(key))
     return Invocations(
         program=program_of(source),
@@ -105,7 +119,21 @@ def vertices(evaluation: Evaluation, key: PassDraw, most: int | None = None) -> 
     )
 
 
-def _stage(evaluation: Evaluation, key: PassDraw, stage: str) -> Source:
+def _extremes(inputs: Sequence[Array]) -> list[int]:
+    """The rows in which a component of an input is least or greatest."""
+    found: list[int] = []
+    for values in inputs:
+        flat = values.reshape(len(values), -1)
+        found += [*flat.argmin(axis=0), *flat.argmax(axis=0)]
+    return found
+
+
+def stage_of(evaluation: Evaluation, key: PassDraw, stage: str) -> Source:
+    """One stage of a draw's program.
+
+    Raises:
+        NotInterpretedError: it is a dispatch.
+    """
     sources = evaluation.programs[key[0]][key[1]].sources
     if sources[0].stage == "compute":
         raise NotInterpretedError("not interpreted: compute stage")

@@ -103,9 +103,11 @@ class Lab(SceneDrawer):
             if self.options.gl_calls:
                 builder.set_gl_calls(evaluation.answer(Traced()))
             of_modules = None
-            if self.options.modules:
+            if self.options.modules is not False:
+                every = bool(self.options.modules)
                 with doing("judge", "judging each draw by its shader"):
-                    of_modules = modules.judge_modules(evaluation)
+                    found, of_modules = modules.judge_modules(evaluation, every=every)
+                builder.set_modules(found)
         drawn = evaluation.drawn
         if self.options.frames is not None:
             with unless_unwritable(builder, "the values that drivers are compared by"):
@@ -118,7 +120,7 @@ class Lab(SceneDrawer):
             names = ", ".join(repr(scene.expect[index].name) for index in unanswered)
             builder.add_notice(f"not judged on this driver: {names}")
             builder.set_unanswered(next(iter(unanswered.values())))
-        if of_modules is not None:
+        if of_modules is not None and (self.options.modules or of_modules.outcome.message):
             builder.add_outcome(of_modules.outcome, of_modules)
         if folder is not None:
             with doing("picture", "drawing the picture"):

@@ -1,79 +1,139 @@
-"""Each draw held against its own shader's band: whether the driver draws what the shader says.
+"""Draws held against their own shaders' bands: whether the driver draws what a shader says.
 
-A formula looks at one draw's output. This looks at all of them, by interpreting their modules: a
-driver that miscompiles a shader is caught even where no formula is. A shader that is wrong in
-itself is not.
+A formula looks at one draw's output. This looks at every program of a scene, by interpreting its
+modules: a driver that miscompiles a shader is caught even where no formula is. A shader that is
+wrong in itself is not.
 """
 
 from __future__ import annotations
 
+import os
 import warnings
-from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
 from shaderlab.bands import Band
 from shaderlab.compiler.sources import Source
-from shaderlab.errors import ShaderlabError
+from shaderlab.errors import DeviceLostError, NotInterpretedError, ShaderlabError
 from shaderlab.evaluation.evaluation import Evaluation
-from shaderlab.evaluation.interpreting import Invocations, fragments
+from shaderlab.evaluation.interpreting import Invocations, fragments, program_of, stage_of
 from shaderlab.expectations import judge_rows
 from shaderlab.expectations.needs import CapturedFragments
 from shaderlab.frame import PassDraw
-from shaderlab.interpreter import Bands, interpret
+from shaderlab.interpreter import Bands, Interpreted, Program, interpret, read
 from shaderlab.interpreter.memory import Flags
 from shaderlab.judging.formats import stored
 from shaderlab.model import Judgement
-from shaderlab.records import Row
+from shaderlab.programs.formats import for_output
+from shaderlab.records import ModulesRecord, Row
 
-PIXELS = 256
-"""Of each draw, whole quads from all over the picture."""
-DRAWS = 4
-"""Of each program, in a scene."""
-_MOST_BLOCKS = 10_000
+PIXELS = 1024
+"""Of each draw in a sample."""
+_SAMPLE_BLOCKS, _MOST_BLOCKS = 1000, 10_000
 _NAME = "each draw is what its shader says"
 
 
-def judge_modules(evaluation: Evaluation) -> Judgement:
-    """Whether the driver drew, at some pixels of each draw, what its fragment shader allows; asked
-    while the scene is on the device."""
-    rows, judged, message = [], 0, ""
-    for key in _keys(evaluation):
+@dataclass
+class _Found:
+    rows: list[Row] = field(default_factory=list)
+    left_out: dict[str, None] = field(default_factory=dict)
+    outputs: dict[str, None] = field(default_factory=dict)
+    judged: int = 0
+    message: str = ""
+
+
+def judge_modules(
+    evaluation: Evaluation, *, every: bool = False
+) -> tuple[ModulesRecord, Judgement]:
+    """Whether the driver drew what each draw's fragment shader allows; asked while the scene is on
+    the device.
+
+    Args:
+        evaluation: the scene.
+        every: look at all pixels of all draws. Otherwise at some of each program's first draw,
+            and of those whose inputs are captured already, of one in each pass.
+    """
+    found = _Found()
+    for key in _keys(evaluation, every=every):
         need = CapturedFragments(key)
         known = need in evaluation.answers
         try:
-            given, outputs = _interpreted(evaluation, key)
-            wrong = {name: outside(given, name, band) for name, band in outputs.items()}
+            _judge(evaluation, key, found, every=every)
+        except DeviceLostError:
+            raise
         except ShaderlabError as error:
-            rows.append(_row(key, "", error.message.partition("\n")[0], ok=True))
-            continue
+            _leave_out(found, key, error.message.partition("\n")[0])
+        except MemoryError:
+            raise
+        except Exception as error:  # a defect of the interpreter changes no verdict
+            if os.environ.get("SHADERLAB_DEBUG"):
+                raise
+            _leave_out(found, key, f"not interpreted: unforeseen {error!r}")
         finally:
             if not known:  # of many draws, all are more than fits into memory
                 evaluation.answers.pop(need, None)
-        for name, flags in wrong.items():
-            if flags is None:
-                continue
-            judged += given.count
-            measured = f"{flags.sum()} of {given.count} pixels outside"
-            rows.append(_row(key, name, measured, ok=not flags.any()))
-            if flags.any() and not message:
-                message = _message(given, key, name, int(flags.argmax()), outputs[name])
-    return judge_rows(_NAME, "module", rows, message, judged=judged)
+    record = ModulesRecord(
+        judged=found.judged, outputs=tuple(found.outputs), left_out=tuple(found.left_out)
+    )
+    return record, judge_rows(_NAME, "module", found.rows, found.message, judged=found.judged)
 
 
-def _interpreted(evaluation: Evaluation, key: PassDraw) -> tuple[Invocations, Mapping[str, Any]]:
-    given = fragments(evaluation, key, PIXELS)
+def _judge(evaluation: Evaluation, key: PassDraw, found: _Found, *, every: bool) -> None:
+    given, result = _interpreted(evaluation, key, every=every)
+    if result is None:
+        return
+    if not shows_what_is_written(evaluation, key):
+        given = _with_written(evaluation, key, given)
+    gone = result.discarded.all_true.reshape(-1)
+    for name, band in result.outputs.items():
+        flags = outside(given, name, band)
+        if flags is None:
+            continue
+        flags |= gone
+        found.judged += given.count
+        found.outputs[f"{key[0]}.{name}"] = None
+        measured = f"{flags.sum()} of {given.count} pixels outside"
+        found.rows.append(_row(key, name, measured, ok=not flags.any()))
+        if flags.any() and not found.message:
+            row = int(flags.argmax())
+            found.message = _message(given, key, name, row, band, gone=bool(gone[row]))
+
+
+def _interpreted(
+    evaluation: Evaluation, key: PassDraw, *, every: bool
+) -> tuple[Invocations, Interpreted | None]:
+    """A draw's invocations and their bands; None where none is seen."""
+    source = stage_of(evaluation, key, "fragment")
+    module = evaluation.programs[key[0]][key[1]].compiled.spirv.get("opengl", {}).get("fragment")
+    blocks = _MOST_BLOCKS if every else _SAMPLE_BLOCKS
+    try:
+        # The module that is there already has no lines, which only messages need.
+        program = program_of(source) if module is None else _read(module, source)
+        return _run(evaluation, key, program, blocks, every=every)
+    except NotInterpretedError:
+        return _run(evaluation, key, program_of(source), blocks, every=every)
+
+
+def _run(
+    evaluation: Evaluation, key: PassDraw, program: Program, blocks: int, *, every: bool
+) -> tuple[Invocations, Interpreted | None]:
+    given = fragments(evaluation, key, None if every else PIXELS, program=program)
     if not given.count:
-        return given, {}
+        return given, None
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore")
-        result = interpret(
-            given.program, given.each, given.bindings, Bands(),
-            count=given.count, blocks=_MOST_BLOCKS,
-        )  # fmt: skip
-    return given, result.outputs
+        return given, interpret(
+            program, given.each, given.bindings, Bands(), count=given.count, blocks=blocks
+        )
+
+
+@lru_cache(maxsize=64)
+def _read(module: bytes, source: Source) -> Program:
+    return read(module, source)
 
 
 def shows_what_is_written(evaluation: Evaluation, key: PassDraw) -> bool:
@@ -81,6 +141,17 @@ def shows_what_is_written(evaluation: Evaluation, key: PassDraw) -> bool:
     state = evaluation.programs[key[0]][key[1]].draw.state
     target = evaluation.scene.find_pass(key[0]).target
     return not (state.blend or state.srgb or target.samples) and all(state.color_mask)
+
+
+def _with_written(evaluation: Evaluation, key: PassDraw, given: Invocations) -> Invocations:
+    """Invocations with what they write where the draw is made once more, into floats and without
+    blending, masks and samples."""
+    assert given.pixels is not None
+    draw = evaluation.programs[key[0]][key[1]]
+    formats = {name: for_output(one.type) for name, one in draw.interface.outputs.items()}
+    images = evaluation.session.written(key, draw.text("fragment") or "", formats)
+    at = given.pixels[:, 1], given.pixels[:, 0]
+    return replace(given, measured={n: v[at] for n, v in images.items()}, formats=formats)
 
 
 def outside(given: Invocations, name: str, band: Any) -> Flags | None:
@@ -94,16 +165,30 @@ def outside(given: Invocations, name: str, band: Any) -> Flags | None:
     return found
 
 
-def _keys(evaluation: Evaluation) -> Iterator[PassDraw]:
-    """The draws that are judged: some of each program."""
-    taken = Counter[tuple[Source, ...]]()
+def _keys(evaluation: Evaluation, *, every: bool) -> Iterator[PassDraw]:
+    """The draws that are judged."""
+    groups: dict[tuple[Source, ...], dict[str, list[PassDraw]]] = {}
     for name, draws in evaluation.programs.items():
         for i, draw in enumerate(draws):
-            if draw.sources[-1].stage not in ("fragment", "compute"):
-                continue
-            if shows_what_is_written(evaluation, (name, i)) and taken[draw.sources] < DRAWS:
-                taken[draw.sources] += 1
-                yield name, i
+            if draw.sources[-1].stage in ("fragment", "compute"):
+                groups.setdefault(draw.sources, {}).setdefault(name, []).append((name, i))
+
+    def cost(key: PassDraw) -> tuple[bool, bool]:
+        captured = CapturedFragments(key) in evaluation.answers
+        return not captured, not shows_what_is_written(evaluation, key)
+
+    for passes in groups.values():
+        if every:
+            yield from (key for keys in passes.values() for key in keys)
+            continue
+        first = sorted((min(keys, key=cost) for keys in passes.values()), key=cost)
+        yield first[0]
+        yield from (key for key in first[1:] if cost(key) == (False, False))
+
+
+def _leave_out(found: _Found, key: PassDraw, why: str) -> None:
+    found.left_out[f"draw {key[1]} of pass {key[0]!r}: {why}"] = None
+    found.rows.append(_row(key, "", why, ok=True))
 
 
 def _row(key: PassDraw, name: str, measured: str, *, ok: bool) -> Row:
@@ -111,7 +196,9 @@ def _row(key: PassDraw, name: str, measured: str, *, ok: bool) -> Row:
     return Row(label=label, expected="inside the band of its module", measured=measured, ok=ok)
 
 
-def _message(given: Invocations, key: PassDraw, name: str, row: int, band: Band) -> str:
+def _message(
+    given: Invocations, key: PassDraw, name: str, row: int, band: Band, *, gone: bool
+) -> str:
     assert given.pixels is not None
     x, y = (int(v) for v in given.pixels[row])
     values = ", ".join(f"{v:.9g}" for v in given.measured[name][row])
@@ -120,5 +207,5 @@ def _message(given: Invocations, key: PassDraw, name: str, row: int, band: Band)
     )
     return (
         f"draw {key[1]} of pass {key[0]!r} leaves what its shader allows: {name} is {values} at "
-        f"pixel ({x}, {y}), allowed {allowed}"
+        f"pixel ({x}, {y}), " + ("which the shader discards" if gone else f"allowed {allowed}")
     )

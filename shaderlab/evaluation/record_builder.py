@@ -29,6 +29,7 @@ from shaderlab.records import (
     Declared,
     DrawnOutput,
     ErratumNote,
+    ModulesRecord,
     Outcome,
     PassRecord,
     Plot,
@@ -57,6 +58,7 @@ class RecordBuilder:
         self._notices: list[str] = []
         self._unread: tuple[str, ...] = ()
         self._gl_calls: tuple[CallsRecord, ...] = ()
+        self._modules: ModulesRecord | None = None
         self._picture = PictureFiles()
         self._passes: tuple[PassRecord, ...] = ()
         self._buffers: tuple[BufferRecord, ...] = ()
@@ -111,6 +113,10 @@ class RecordBuilder:
             CallsRecord(pass_name=name, draw=draw, calls=tuple(map(str, calls)))
             for (name, draw), calls in groupby(shown, lambda c: (c.pass_name, c.draw))
         )
+
+    def set_modules(self, found: ModulesRecord) -> None:
+        """Set what was judged by its own shader."""
+        self._modules = found
 
     def add_notice(self, text: str) -> None:
         """Add a message that changes no verdict."""
@@ -183,6 +189,7 @@ class RecordBuilder:
             picture_size=self._picture_size,
             unread=self._unread,
             gl_calls=self._gl_calls,
+            modules=self._modules,
             drawn=tuple(self._drawn()),
         )
 

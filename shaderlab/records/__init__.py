@@ -39,6 +39,7 @@ from shaderlab.records.scenes import (
     CallsRecord as CallsRecord,
     DrawnOutput as DrawnOutput,
     ErratumNote as ErratumNote,
+    ModulesRecord as ModulesRecord,
     PassRecord as PassRecord,
     Record as Record,
 )

@@ -90,6 +90,17 @@ class DrawnOutput:
 
 
 @dataclass(frozen=True, kw_only=True)
+class ModulesRecord:
+    """What a scene's fragment shaders were interpreted for, to judge what the driver drew: how many
+    pixels' outputs lie inside or outside of their modules' bands, the outputs ("pass.output"), and
+    the draws that were left out, each with the reason."""
+
+    judged: int = 0
+    outputs: tuple[str, ...] = ()
+    left_out: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
 class Record:
     """One variant of one case, run and judged. `id` and `variant` name it within a run.
 
@@ -100,7 +111,8 @@ class Record:
     `buffers` are those of uniform blocks, and of meshes that say how they lie in memory.
     `unread` are the outputs that no expectation reads (see
     `shaderlab.expectations.reads.unread_outputs`): whatever is drawn there, the record passes.
-    `gl_calls` are there where they were asked for.
+    `gl_calls` are there where they were asked for. `modules` says what was judged by its own
+    shader, None where nothing was; what is outside there is an outcome as well.
 
     `driver_name` is the name given to `--drivers`, "" where a run has one driver. Where there are
     several, `drawn` has each output, so that they can be compared; `observed` is what a record has
@@ -141,6 +153,7 @@ class Record:
     chapter: str = ""
     unread: tuple[str, ...] = ()
     gl_calls: tuple[CallsRecord, ...] = ()
+    modules: ModulesRecord | None = None
     driver_name: str = ""
     drawn: tuple[DrawnOutput, ...] = ()
     observed: tuple[Observation, ...] = ()

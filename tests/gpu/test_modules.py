@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from shaderlab import Case, Ramp, coverage, fullscreen
-from shaderlab.evaluation import Lab
+from shaderlab import Blend, Case, Ramp, State, coverage, fullscreen
+from shaderlab.backends.opengl import linking
+from shaderlab.evaluation import Lab, modules
 from shaderlab.evaluation.modules import judge_modules
 from shaderlab.options import RunOptions
+from shaderlab.records import ModulesRecord
 
 SHADER = """#version 330 core
 in vec2 place;
@@ -57,12 +59,54 @@ def test_one_wrong_pixel_is_found_and_named(lab: Lab, case: Case) -> None:
         values[5, 3, 2] += 1e-6
         wrong = {key: replace(evaluation.drawn.images[key], values=values)}
         evaluation.drawn = replace(evaluation.drawn, images={**evaluation.drawn.images, **wrong})
-        outcome = judge_modules(evaluation).outcome
+        outcome = judge_modules(evaluation, every=True)[1].outcome
     assert (outcome.status, outcome.outside) == ("fail", 1)
     assert "second is 0." in outcome.message and "at pixel (3, 5)" in outcome.message
 
 
-def test_without_the_option_there_is_no_such_outcome(case: Case) -> None:
+@pytest.mark.parametrize("state", [State(), State(blend=Blend(source="one", destination="one"))])
+def test_a_miscompiled_output_that_no_formula_looks_at_turns_the_run_red(
+    case: Case, monkeypatch: pytest.MonkeyPatch, state: State
+) -> None:
+    (drawn,) = case.passes
+    passes = (replace(drawn, draws=(replace(drawn.draws[0], state=state),)),)
+    case = replace(case, passes=passes, expect=(coverage(64 * 64),))
     (scene,) = case.scenes()
-    with Lab(RunOptions(size=16)) as lab:
-        assert [one.kind for one in lab.run(scene).expectations] == ["coverage"]
+    with Lab(RunOptions()) as lab:
+        right = lab.run(scene)
+        # This driver takes a half for a quarter wherever place.y is large.
+        verbatim = linking.Linker.link
+        monkeypatch.setattr(
+            linking.Linker, "link",
+            lambda self, texts, **more: verbatim(self, miscompiled(texts), **more),
+        )  # fmt: skip
+        wrong = lab.run(scene)
+    assert right.modules == ModulesRecord(judged=2 * 1026, outputs=("main.color", "main.second"))
+    assert (right.status, [one.kind for one in right.expectations]) == ("pass", ["coverage"])
+    outcome = wrong.expectations[-1]
+    assert (wrong.status, outcome.kind, outcome.status) == ("fail", "module", "fail")
+    assert "leaves what its shader allows: second is" in outcome.message
+
+
+def miscompiled(texts: Mapping[str, str]) -> dict[str, str]:
+    return {k: t.replace("0.25, 0.5", "place.y > 0.9 ? 0.5 : 0.25, 0.5") for k, t in texts.items()}
+
+
+def test_no_modules_judges_none(case: Case) -> None:
+    (scene,) = case.scenes()
+    with Lab(RunOptions(size=16, modules=False)) as lab:
+        record = lab.run(scene)
+    assert (record.modules, [one.kind for one in record.expectations]) == (None, ["coverage"])
+
+
+def test_a_defect_of_the_interpreter_changes_no_verdict(
+    lab: Lab, case: Case, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (scene,) = case.scenes()
+    monkeypatch.delenv("SHADERLAB_DEBUG", raising=False)
+    monkeypatch.setattr(modules, "interpret", lambda *_, **__: {}["nothing"])
+    record = lab.run(scene)
+    assert record.status == "pass" and record.modules is not None
+    assert record.modules.left_out == (
+        "draw 0 of pass 'main': not interpreted: unforeseen KeyError('nothing')",
+    )

@@ -40,7 +40,7 @@ class Watched(Lab):
     """A lab that keeps a hash of each scene's frame, and judges only what it is told to."""
 
     def __init__(self, judged: Sequence[str] = ()) -> None:
-        super().__init__(RunOptions())
+        super().__init__(RunOptions(modules=False))
         self.hashes: dict[tuple[str, str], dict[str, str]] = {}
         self._judged = judged
 
