@@ -128,7 +128,12 @@ case = Case(
         *each_draw(
             "small.FragColor", opaque(lamp_and_dials), {k: f"panel {k + 1}" for k in range(3)}
         ),
-        boundaries("small.FragColor", opaque(lamp_and_dials), draw=0, name="a panel's edges"),
+        *(
+            boundaries(
+                "small.FragColor", opaque(lamp_and_dials), draw=k, name=f"edges of panel {k + 1}"
+            )
+            for k in range(3)
+        ),
         inactive_uniforms("unused", "neverAsked", pass_name="first", name="location −1"),
         *(
             gl_calls(

@@ -88,7 +88,7 @@ case = Case(
             formula("small.FragColor", lamps(order), draw=k, name=f".{order}, the lamps")
             for k, order in enumerate(ORDERS)
         ),
-        boundaries("small.FragColor", lamps(ORDERS[0]), draw=0, name="a panel's edges"),
+        boundaries("picture.FragColor", lamps(ORDERS[0]), draw=0, name="a panel's edges"),
     ],
     variants=[
         Variant(

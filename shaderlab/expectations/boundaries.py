@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import KW_ONLY, dataclass
 
@@ -15,6 +16,7 @@ from shaderlab.expectations.needs import CapturedFragments
 from shaderlab.expectations.subject import inputs_of
 from shaderlab.frame import Array, Frame, Samples
 from shaderlab.judging.banded import judge_band
+from shaderlab.judging.chunks import PLACE
 from shaderlab.judging.inputs import Inputs, evaluate
 from shaderlab.model import Judgement, Need, Programs, Scene
 
@@ -36,12 +38,11 @@ class Boundaries(OfReference):
     A threshold that is off by a little changes no pixel of most frames. Here straight ways are
     laid between the inputs of pixels that were drawn, and on each a place at which the reference
     changes most is searched for by bisection, to 3·10⁻⁵ of the way; the shader is run beside it.
-    For the arguments see `Formula`. The reference can't ask for `frag_coord`, and the shader must
-    not discard there.
+    For the arguments see `Formula`. The shader must not discard there.
 
     Raises:
-        CaseError: the shader reads no float that varies over the frame, or a vertex stage writes
-            the output.
+        CaseError: the shader reads no float that varies over the frame, a vertex stage writes the
+            output, or the reference asks for `frag_coord`.
     """
 
     kind = "boundaries"
@@ -59,6 +60,12 @@ class Boundaries(OfReference):
             raise CaseError(
                 f"boundaries of {self.output!r}: it is a vertex stage's",
                 remedy="formula judges each vertex",
+            )
+        if PLACE in inspect.signature(self.reference).parameters:
+            raise CaseError(
+                f"boundaries of {self.output!r}: the reference asks for {PLACE}, and the shader is "
+                "run between pixels",
+                remedy="formula judges it at each pixel; value near an edge",
             )
         yield CapturedFragments(self.key(scene))
         yield BesideBoundaries(self)

@@ -94,3 +94,9 @@ def test_a_shader_without_inputs_has_no_boundaries(lab: Lab, tmp_path: Path) -> 
     text += "void main() { FragColor = vec4(edge); }\n"
     record = judged(lab, tmp_path, text, [boundaries("FragColor", lambda edge: vec4(edge))])
     assert record.status == "error" and "no float input varies" in record.message
+
+
+def test_a_reference_of_places_is_refused(lab: Lab, tmp_path: Path) -> None:
+    by_pixel = boundaries("FragColor", lambda place, frag_coord: vec4(place, 0.0, 1.0))
+    record = judged(lab, tmp_path, SHADER, [by_pixel])
+    assert record.status == "error" and "asks for frag_coord" in record.message
