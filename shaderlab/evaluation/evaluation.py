@@ -9,9 +9,9 @@ from typing import Any
 from shaderlab.activity import doing
 from shaderlab.backends import Backend, Session
 from shaderlab.errors import DriverError
-from shaderlab.expectations import discards
 from shaderlab.expectations.base import Context
-from shaderlab.frame import Frame, PassDraw
+from shaderlab.expectations.discards import KeptOut
+from shaderlab.frame import Frame
 from shaderlab.model import Expectation, Judgement, Need, error_name
 from shaderlab.programs.prepare import Preparer
 
@@ -40,7 +40,6 @@ class Evaluation:
         self.scene = session.scene
         self.programs = session.programs
         self.answers: dict[Need, Any] = {}
-        self._draw_faults: dict[PassDraw, str] = {}
         self._like = like
         with doing("draw"):
             self.drawn = session.draw()
@@ -59,9 +58,10 @@ class Evaluation:
         )
 
     @functools.cached_property
-    def _discarding(self) -> discards.DiscardRules:
+    def _kept_out(self) -> KeptOut:
         # A part of a scene may lack the expectation that has the rule.
-        return discards.rules_of(self.scene if self._like is None else self._like.scene)
+        whole = self.scene if self._like is None else self._like.scene
+        return KeptOut(self.scene, self.programs, whole)
 
     def gather(self, expectation: Expectation) -> None:
         """Ask for all that an expectation needs.
@@ -70,7 +70,7 @@ class Evaluation:
             ShaderlabError: it names what is not there, or there is no answer.
         """
         with doing("draw"):
-            kept_out = discards.needed(expectation, self.scene, self.programs, self._discarding)
+            kept_out = self._kept_out.needed(expectation)
             for need in (*expectation.needs(self.scene, self.programs), *kept_out):
                 self.answer(need)
 
@@ -86,14 +86,7 @@ class Evaluation:
         with doing("judge", f"judging {expectation.name!r}"):
             judgement = expectation.judge(self.scene, self.frame)
             if judgement.outcome.status == "pass":
-                fault = discards.fault(
-                    expectation,
-                    self.scene,
-                    self.programs,
-                    self.frame,
-                    self._discarding,
-                    self._draw_faults,
-                )
+                fault = self._kept_out.fault(expectation, self.frame)
                 if fault:
                     failed = replace(judgement.outcome, status="fail", message=fault)
                     judgement = replace(judgement, outcome=failed)

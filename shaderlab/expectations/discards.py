@@ -7,7 +7,8 @@ fragments of the draws that make this attachment are missing, or are seen and sh
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, MutableMapping
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -19,17 +20,94 @@ from shaderlab.expectations.base import OfOutput
 from shaderlab.expectations.needs import CapturedFragments, Probe
 from shaderlab.expectations.subject import inputs_of
 from shaderlab.frame import Array, Fragments, Frame, PassDraw, every_component
-from shaderlab.judging.inputs import evaluate, name_of, source_of
+from shaderlab.judging.inputs import evaluate, name_of, source_of, wanted
 from shaderlab.model import Expectation, Programs, Scene
-from shaderlab.programs.prepare import PreparedDraw
 from shaderlab.programs.stages import may_discard, writes_depth
 
-DiscardRules = Mapping[PassDraw | str, OfOutput]
-DrawFaults = MutableMapping[PassDraw, str]
-"""What is wrong with the fragments that each draw kept out; "" for nothing."""
+
+class KeptOut:
+    """The draws of a scene that may leave something out of their attachments, or should by a rule,
+    and what is wrong with what they left out; each is looked at once.
+
+    Args:
+        scene, programs: what is judged, all of a case's scene or a part of it.
+        whole: the whole scene: its expectations have the rules.
+    """
+
+    def __init__(self, scene: Scene, programs: Programs, whole: Scene) -> None:
+        self._scene = scene
+        self._programs = programs
+        self._rules = _rules_of(whole)
+        self._faults: dict[PassDraw, str] = {}
+        self._draws = {
+            name: tuple(
+                CapturedFragments((name, index))
+                for index, draw in enumerate(draws)
+                if self._rule_of((name, index)) is not None
+                or may_discard(text := draw.text("fragment") or "")
+                or writes_depth(text)
+            )
+            for name, draws in programs.items()
+        }
+
+    def needed(self, expectation: Expectation) -> Iterator[CapturedFragments]:
+        """Those among the draws that make what an expectation reads."""
+        if not any(self._draws.values()):
+            return
+        reads = tuple(expectation.reads(self._scene))
+        for name in dict.fromkeys(read.pass_name for read in reads):
+            draws = self._programs.get(name, ())
+            kept = {"depth", "stencil"}.union(*(draw.interface.outputs for draw in draws))
+            if any(read.output in kept for read in reads if read.pass_name == name):
+                yield from self._draws.get(name, ())
+
+    def fault(self, expectation: Expectation, frame: Frame) -> str:
+        """What is wrong with the fragments that were kept out of what an expectation read, or "".
+
+        Args:
+            expectation: what was judged.
+            frame: what was drawn, with answers to `needed`; always the same one.
+
+        Raises:
+            FormulaError: a rule fails, or is no comparison.
+        """
+        if isinstance(expectation, OfOutput):
+            samples = frame.answers.get(Probe(expectation))
+            if samples is not None and samples.discarded:
+                return (
+                    f"the shader discards {samples.discarded} of the samples, "
+                    "and gives no value there"
+                )
+        for need in self.needed(expectation):
+            if need.key not in self._faults:
+                self._faults[need.key] = self._fault_of(need.key, frame)
+            if self._faults[need.key]:
+                return self._faults[need.key]
+        return ""
+
+    def _fault_of(self, key: PassDraw, frame: Frame) -> str:
+        name, index = key
+        draw = self._programs[name][index]
+        by_depth = writes_depth(draw.text("fragment") or "")
+        missing, surplus = _faults(key, frame, by_depth, self._rule_of(key))
+        of = f"of draw {index} of pass {name!r} ({draw.draw.fragment})"
+        if missing.any():
+            return (
+                f"missing: {_places(missing)} {of}, covered by the geometry and discarded by "
+                "no rule\n→ if the shader is to discard it, say so: discards=rule, a comparison "
+                "of its inputs"
+            )
+        if surplus.any():
+            return f"surplus: {_places(surplus)} {of}, which its rule says is discarded"
+        return ""
+
+    def _rule_of(self, key: PassDraw) -> OfOutput | None:
+        """The rule of a draw, or else of another one of the same fragment shader."""
+        shader = self._programs[key[0]][key[1]].draw.shaders[-1]
+        return self._rules.get(key) or self._rules.get(shader)
 
 
-def rules_of(scene: Scene) -> DiscardRules:
+def _rules_of(scene: Scene) -> Mapping[PassDraw | str, OfOutput]:
     """The expectations of a whole scene that say what is discarded, by draw and by shader."""
     rules: dict[PassDraw | str, OfOutput] = {}
     for expectation in scene.expect:
@@ -38,75 +116,6 @@ def rules_of(scene: Scene) -> DiscardRules:
             rules.setdefault(key, expectation)
             rules.setdefault(scene.find_pass(key[0]).draws[key[1]].shaders[-1], expectation)
     return rules
-
-
-def needed(
-    expectation: Expectation, scene: Scene, programs: Programs, rules: DiscardRules
-) -> Iterator[CapturedFragments]:
-    """The draws that may leave something out of the attachments that an expectation reads, or
-    should by a rule."""
-    for name in dict.fromkeys(read.pass_name for read in expectation.reads(scene)):
-        draws = programs.get(name, ())
-        kept = {"depth", "stencil"}.union(*(draw.interface.outputs for draw in draws))
-        if all(r.output not in kept for r in expectation.reads(scene) if r.pass_name == name):
-            continue
-        for index, draw in enumerate(draws):
-            text = draw.text("fragment") or ""
-            rule = _rule_of((name, index), draw, rules)
-            if rule is not None or may_discard(text) or writes_depth(text):
-                yield CapturedFragments((name, index))
-
-
-def fault(
-    expectation: Expectation,
-    scene: Scene,
-    programs: Programs,
-    frame: Frame,
-    rules: DiscardRules,
-    known: DrawFaults,
-) -> str:
-    """What is wrong with the fragments that were kept out of what an expectation read, or "".
-
-    Args:
-        expectation: what was judged.
-        scene, programs, frame: what was drawn, with answers to `needed`.
-        rules: what `rules_of` gives for the whole scene.
-        known: what was found of draws of this frame before; it is added to.
-
-    Raises:
-        FormulaError: a rule fails, or is no comparison.
-    """
-    samples = frame.answers.get(Probe(expectation)) if isinstance(expectation, OfOutput) else None
-    if samples is not None and samples.discarded:
-        return f"the shader discards {samples.discarded} of the samples, and gives no value there"
-    for need in needed(expectation, scene, programs, rules):
-        if need.key not in known:
-            known[need.key] = _fault_of(need.key, programs, frame, rules)
-        if known[need.key]:
-            return known[need.key]
-    return ""
-
-
-def _fault_of(key: PassDraw, programs: Programs, frame: Frame, rules: DiscardRules) -> str:
-    name, index = key
-    draw = programs[name][index]
-    by_depth = writes_depth(draw.text("fragment") or "")
-    missing, surplus = _faults(key, frame, by_depth, _rule_of(key, draw, rules))
-    of = f"of draw {index} of pass {name!r} ({draw.draw.fragment})"
-    if missing.any():
-        return (
-            f"missing: {_places(missing)} {of}, covered by the geometry and discarded by "
-            "no rule\n→ if the shader is to discard it, say so: discards=rule, a comparison "
-            "of its inputs"
-        )
-    if surplus.any():
-        return f"surplus: {_places(surplus)} {of}, which its rule says is discarded"
-    return ""
-
-
-def _rule_of(key: PassDraw, draw: PreparedDraw, rules: DiscardRules) -> OfOutput | None:
-    """The rule of a draw, or else of another one of the same fragment shader."""
-    return rules.get(key) or rules.get(draw.draw.shaders[-1])
 
 
 def _faults(
@@ -146,10 +155,14 @@ def _truth(
     """Whether each of some fragments is discarded, (count,)."""
     reference: Any = rule.discards
     values = {**fragments.inputs, "frag_coord": fragments.frag_coord}
-    each = {name: array[where] for name, array in values.items()}
+    each = {name: array.reshape(-1, *array.shape[2:]) for name, array in values.items()}
     inputs = inputs_of(frame, key, each=each, given=getattr(rule, "given", {}))
+    asked = wanted(reference, inputs)
+    names = {name for names in asked.values() for name in names}
+    inputs = replace(inputs, each={n: v for n, v in inputs.each.items() if n in names})
     bands = getattr(rule, "rules", None) or Rules()
-    found = evaluate(reference, inputs, rules=bands, decimal=False)
+    rows = inputs.part(np.flatnonzero(where))
+    found = evaluate(reference, rows, rules=bands, decimal=False, asked=asked)
     count = int(np.count_nonzero(where))
     try:
         if isinstance(found, Band):
