@@ -185,6 +185,7 @@ def finish(
     if is_latest:
         latest(recorded.folder)
         _remove_old(recorded.folder.parent)
+        problems += _index(recorded.folder.parent)
     if page is not None:
         show.where(page)
     unwritten = tell(problems)
@@ -205,6 +206,17 @@ def _remove_old(parent: Path) -> None:
     if count:
         what = "an old run" if count == 1 else f"{count} old runs"
         click.echo(f"removed {what} from {parent}/ (keep in [tool.shaderlab])", err=True)
+
+
+def _index(parent: Path) -> list[ShaderlabError]:
+    """Write the page of all runs there; what was wrong with that."""
+    from shaderlab.report import runs
+
+    try:
+        runs.write(parent)
+    except ShaderlabError as error:
+        return [error]
+    return []
 
 
 def write_report(

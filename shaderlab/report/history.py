@@ -16,6 +16,7 @@ from typing import Any
 from shaderlab.files import read_regular, write_text
 from shaderlab.records import Record, Run, Status, Worst
 from shaderlab.report.grouping import STATUSES, group_cases
+from shaderlab.report.plain_text import summary
 from shaderlab.report.text import day
 
 FILE_NAME = "summary.json"
@@ -121,8 +122,22 @@ def save(run: Run, folder: Path) -> None:
         cases.setdefault(record.id, {})[record.variant] = [
             entry.status, widths, round(entry.seconds, 4), entry.size
         ]  # fmt: skip
-    about = {"started": run.started, **_alike(run), "cases": cases}
+    about = {
+        "started": run.started,
+        "status": _status(run),
+        "missing": run.missing,
+        "said": summary(run.records, run.seconds, run.missing),
+        **_alike(run),
+        "cases": cases,
+    }
     write_text(folder / FILE_NAME, json.dumps(about, separators=(",", ":")) + "\n")
+
+
+def _status(run: Run) -> Status:
+    """The worst of its records, or of another driver's; "unsupported" only where nothing passed."""
+    found = {record.status for record in run.records} | {each.status for each in run.drivers}
+    some = [status for status in STATUSES if status in found and status != "unsupported"]
+    return some[0] if some else "unsupported"
 
 
 def history(run: Run, folder: Path, links: Mapping[tuple[str, str], str]) -> History | None:

@@ -47,6 +47,11 @@ def single_policy() -> str:
     )
 
 
+def plain_policy() -> str:
+    """The content security policy of a page of text in one file, without scripts."""
+    return f"{_NOTHING_ELSE}; style-src '{_hash(style())}'"
+
+
 def _together(folder: str, names: tuple[str, ...], suffix: str) -> str:
     root = files(__package__).joinpath(folder)
     parts = [root.joinpath(f"{name}.{suffix}").read_text(encoding="utf-8") for name in names]

@@ -15,6 +15,7 @@ from shaderlab.cli import cli
 from shaderlab.cli.files import report_folder
 from shaderlab.cli.old_runs import mark_named, remove_old
 from shaderlab.errors import UsageError
+from shaderlab.report import runs
 
 
 def run(parent: Path, name: str, age: int) -> Path:
@@ -63,6 +64,11 @@ def test_a_page_of_anothers_is_not_replaced(tmp_path: Path) -> None:
     assert report_folder(tmp_path) == tmp_path
 
 
+def test_the_list_of_runs_may_be_replaced(tmp_path: Path) -> None:
+    runs.write(tmp_path)
+    assert report_folder(tmp_path) == tmp_path
+
+
 def test_a_run_removes_what_the_project_does_not_keep(
     fake_lab: Callable[..., list[Any]],
     case_folder: Path,
@@ -81,3 +87,5 @@ def test_a_run_removes_what_the_project_does_not_keep(
     assert result.exit_code == 0 and "removed 2 old runs from reports/" in result.output
     assert [folder.exists() for folder in old] == [False, False, True]
     assert Path("reports/latest/index.html").is_file()
+    index = Path("reports/index.html").read_text()
+    assert index.count("/index.html") == 1 and "1 case:" in index  # none of those that went
