@@ -185,7 +185,8 @@ def finish(
     if is_latest:
         latest(recorded.folder)
         _remove_old(recorded.folder.parent)
-        problems += _index(recorded.folder.parent)
+        if page is not None:
+            problems += _index(recorded.folder.parent)
     if page is not None:
         show.where(page)
     unwritten = tell(problems)
