@@ -23,7 +23,7 @@ def kept_facts(course: Path, load: Callable[[], list[CaseFacts]]) -> list[CaseFa
 
     Args:
         course: the folder that holds all of its Python files.
-        load: imports the cases; what it gives is kept, what it raises is not.
+        load: imports the cases; what it gives is kept where all of them could be.
     """
     root = cache_root()
     if root is None:
@@ -44,6 +44,8 @@ def kept_facts(course: Path, load: Callable[[], list[CaseFacts]]) -> list[CaseFa
                 for each in kept["cases"]
             ]
     found = load()
+    if any(each.error is not None for each in found):
+        return found
     cases = [
         {
             "file": each.file,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import click
 
@@ -31,11 +31,8 @@ def command(targets: tuple[str, ...], chapter: int | None, json_file: str | None
 
     Exit code: 0 all of them can be loaded, 1 one can't, 2 wrong usage.
     """
-    cases = _loaded(targets) if targets else _shipped()
-    broken = [case for case in cases if case.error is not None]
-    for case in broken:
-        click.echo(f"shaderlab: {case.error}", err=True)
-    cases = [case for case in cases if case.error is None]
+    found = _loaded(targets) if targets else _shipped()
+    cases = [case for case in found if case.error is None]
     if chapter is not None:
         chapters = sorted({_chapter(case) for case in cases})
         cases = [case for case in cases if _chapter(case) == str(chapter)]
@@ -49,7 +46,22 @@ def command(targets: tuple[str, ...], chapter: int | None, json_file: str | None
         write_json([_entry(case) for case in cases], json_file)
     if json_file != "-" and cases:
         click.echo("\n".join(_lines(cases)))
-    return FAILED if broken else OK
+    for line in _problems(found):
+        click.echo(line, err=True)
+    return OK if all(case.error is None for case in found) else FAILED
+
+
+def _problems(found: Sequence[CaseFacts]) -> Iterator[str]:
+    """Why cases can't be loaded; those that miss packages of one extra in one message."""
+    missing: dict[str, list[str]] = {}
+    for case in found:
+        if case.error is not None and (case.error.remedy or "").startswith("pip install"):
+            missing.setdefault(case.error.remedy or "", []).append(case.id)
+        elif case.error is not None:
+            yield f"shaderlab: {case.error}"
+    for remedy, ids in missing.items():
+        what = "a case needs" if len(ids) == 1 else f"{len(ids)} more cases need"
+        yield f"shaderlab: {what} packages that are not here: {', '.join(ids)}\n  → {remedy}"
 
 
 def _shipped() -> list[CaseFacts]:
@@ -61,18 +73,25 @@ def _shipped() -> list[CaseFacts]:
 
 def _imported() -> list[CaseFacts]:
     from shaderlab.catalogue import load_cases
-    from shaderlab.discovery import shipped_cases
+    from shaderlab.discovery import place, shipped_cases
+    from shaderlab.errors import CaseError
 
-    return [
-        CaseFacts(
-            file=case.file,
-            id=case.id,
-            title=case.title,
-            section=case.section,
-            variants=tuple(scene.variant for scene in case.scenes()),
-        )
-        for case in load_cases(shipped_cases()).values()
-    ]
+    found = []
+    for file in shipped_cases():
+        try:
+            ((name, case),) = load_cases([file]).items()
+        except CaseError as error:
+            facts = CaseFacts(file=str(file), id=file.stem.replace("_", "-"), error=error)
+        else:
+            facts = CaseFacts(
+                file=case.file,
+                id=name,
+                title=case.title,
+                section=case.section,
+                variants=tuple(scene.variant for scene in case.scenes()),
+            )
+        found.append(facts)
+    return sorted(found, key=lambda case: place(case.section, case.id))
 
 
 def _loaded(targets: Sequence[str]) -> list[CaseFacts]:

@@ -15,6 +15,11 @@ from shaderlab.report.text import share
 STYLES = {"pass": "green", "unsupported": "yellow"}
 _HEADINGS = ("", "case", "section", "variants", "checks", "of band", "seconds", "compiled")
 _INFORMATIVE = "informative"
+_NAMES = 1  # the column of names,
+_NAME = 16  # of which this much is always shown,
+_HEADING = 6  # and of a heading this
+# What is left out of a narrow terminal's table, the first of these first.
+_LEAST = (_INFORMATIVE, "compiled", "section", "seconds", "variants", "of band", "checks")
 _RIGHT = frozenset({"variants", "checks", "of band", "seconds", _INFORMATIVE})
 
 
@@ -39,26 +44,61 @@ def plain_table(
     return table
 
 
-def case_table(records: Iterable[Record]) -> Table:
+def case_table(records: Iterable[Record], width: int) -> Table:
     """A row for all variants of a case that passed, and one for each other variant.
 
-    The least share of informative values has a column where it is not 100 % everywhere.
+    The least share of informative values has a column where it is not 100 % everywhere. Columns are
+    left out where a table of all would be wider than `width`; names are cut last.
     """
     records = list(records)
     tells = any(o.informative not in (None, 1.0) for r in records for o in r.expectations)
     headings = (*_HEADINGS, *([_INFORMATIVE] if tells else []))
-    table = plain_table(*headings, right=_RIGHT, whole={"case"})
+    rows: list[Sequence[Text]] = []
     cases: dict[tuple[str, str], list[Record]] = {}
     for record in records:
         cases.setdefault((record.id, record.file), []).append(record)
     for group in cases.values():
         passed = [r for r in group if r.status == "pass"]
         if passed:
-            table.add_row(*_cells(passed[0].id, passed, f"{len(passed)}/{len(group)}", tells))
+            rows.append(_cells(passed[0].id, passed, f"{len(passed)}/{len(group)}", tells))
         for record in group:
             if record.status != "pass":
-                table.add_row(*_cells(label(record.id, record.variant), [record], "", tells))
+                rows.append(_cells(label(record.id, record.variant), [record], "", tells))
+    return _fitted(headings, rows, width)
+
+
+def _fitted(headings: Sequence[str], rows: Sequence[Sequence[Text]], width: int) -> Table:
+    """The table without the columns that it has no room for; headings are cut before, and names
+    where the others leave them no room."""
+    cells = [max((row[n].cell_len for row in rows), default=0) for n in range(len(headings))]
+    whole = [max(cell, len(heading)) for cell, heading in zip(cells, headings, strict=True)]
+    least = [max(cell, min(len(h), _HEADING)) for cell, h in zip(cells, headings, strict=True)]
+    least[_NAMES] = min(least[_NAMES], _NAME)
+    shown = list(range(len(headings)))
+
+    def needed(widths: Sequence[int]) -> int:
+        return sum(widths[n] for n in shown) + 2 * len(shown) - 2
+
+    for name in _LEAST:
+        if needed(least) > width:
+            shown = [n for n in shown if headings[n] != name]
+    if needed(whole) > width:
+        spare = width - needed(least)
+        whole = [*least]
+        whole[_NAMES] += max(0, min(spare, cells[_NAMES] - least[_NAMES]))
+    table = plain_table(
+        *(_cut(headings[n], whole[n]) for n in shown),
+        right={_cut(headings[n], whole[n]) for n in shown if headings[n] in _RIGHT},
+        whole={_cut(headings[n], whole[n]) for n in shown},
+    )
+    for row in rows:
+        row[_NAMES].truncate(whole[_NAMES], overflow="ellipsis")
+        table.add_row(*(row[n] for n in shown))
     return table
+
+
+def _cut(heading: str, width: int) -> str:
+    return heading if len(heading) <= width else heading[: width - 1] + "…"
 
 
 def _cells(name: str, group: Sequence[Record], variants: str, tells: bool) -> Sequence[Text]:

@@ -73,7 +73,7 @@ class Show:
 
     def outcomes(self, run: Run) -> None:
         """A table of all cases, each failure in full, and a line that sums up."""
-        self.console.print(case_table(run.records))
+        self.console.print(case_table(run.records, self.console.width))
         for record in run.records:
             if failed(record):
                 self.console.print()

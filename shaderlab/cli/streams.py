@@ -3,6 +3,7 @@ report and its verdict, and says at its end what was lost."""
 
 from __future__ import annotations
 
+import codecs
 import contextlib
 import errno
 import io
@@ -11,6 +12,19 @@ import sys
 from typing import Any, TextIO
 
 from shaderlab.cli import FAILED
+
+_PLAIN = {"✓": "+", "✗": "x", "–": "-", "→": "->", "…": "...", "·": "-", "×": "x", "≤": "<="}
+"""What stands for a character in an encoding without it; "?" for all others."""
+
+
+def _plainly(error: UnicodeError) -> tuple[str, int]:
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    lacking = error.object[error.start : error.end]
+    return "".join(_PLAIN.get(character, "?") for character in lacking), error.end
+
+
+codecs.register_error("shaderlab.plainly", _plainly)
 
 
 class _Lasting(io.FileIO):
@@ -29,13 +43,13 @@ class _Lasting(io.FileIO):
 def lasting(stream: TextIO) -> TextIO:
     """A text stream to the same descriptor to which writing never fails.
 
-    Characters that its encoding lacks become question marks: a terminal without ✓ gets a "?".
+    Characters that its encoding lacks are written in plain ones: a terminal without ✓ gets a "+".
     """
     raw = _Lasting(stream.fileno(), "wb", closefd=False)
     return io.TextIOWrapper(
         io.BufferedWriter(raw),
         encoding=stream.encoding,
-        errors="replace",
+        errors="shaderlab.plainly",
         line_buffering=getattr(stream, "line_buffering", False),
     )
 

@@ -82,6 +82,6 @@ def test_cases_of_the_course_ask_for_its_extra(engine: dict[str, str], example: 
     }
     # Where nothing is kept of an installation that could import them.
     listed = run({**engine, "SHADERLAB_CACHE_DIR": ""}, example, "list")
-    assert listed.returncode == 1
+    assert listed.returncode == 1 and "  spotlight " in listed.stdout
     for said in (done.stdout, listed.stderr):
         assert "pip install 'shaderlab[course]'" in said

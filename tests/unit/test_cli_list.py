@@ -10,7 +10,7 @@ import pytest
 from click.testing import CliRunner
 
 from shaderlab import catalogue
-from shaderlab.cli import COMMANDS, cli
+from shaderlab.cli import COMMANDS, cli, list_cases
 from shaderlab.cli.case_index import kept_facts
 from shaderlab.errors import CaseError, UsageError
 from shaderlab.execution.jobs import CaseFacts
@@ -24,8 +24,10 @@ def call(*args: str) -> Any:
 @pytest.fixture
 def loaded(monkeypatch: pytest.MonkeyPatch) -> None:
     """The command takes the catalogue that this process has loaded."""
-    cases = shipped()
-    monkeypatch.setattr(catalogue, "load_cases", lambda _: cases)
+    cases = {Path(case.file): case for case in shipped().values()}
+    monkeypatch.setattr(
+        catalogue, "load_cases", lambda files: {cases[f].id: cases[f] for f in files}
+    )
 
 
 def test_list_json_has_the_documented_fields() -> None:
@@ -81,11 +83,10 @@ def test_a_misspelt_command_is_corrected() -> None:
 def test_errors_are_one_block_unless_debugging(
     monkeypatch: pytest.MonkeyPatch, error: Exception, code: int
 ) -> None:
-    def fail(files: object) -> None:
+    def fail() -> None:
         raise error
 
-    monkeypatch.setattr(catalogue, "load_cases", fail)
-    monkeypatch.setenv("SHADERLAB_CACHE_DIR", "")  # nor are the facts of another time taken
+    monkeypatch.setattr(list_cases, "_shipped", fail)
     result = call("list")
     assert result.exit_code == code
     assert result.stderr == f"shaderlab: {error}\n"
@@ -132,3 +133,37 @@ def test_what_a_case_raises_is_not_kept(tmp_path: Path, monkeypatch: pytest.Monk
     for _ in range(2):
         with pytest.raises(CaseError, match="so it is"):
             kept_facts(tmp_path, fails)
+
+
+def test_what_could_not_be_loaded_is_not_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("SHADERLAB_CACHE_DIR", str(tmp_path / "cache"))
+    broken = CaseFacts(file="a.py", id="a", error=CaseError("so it is"))
+    assert kept_facts(tmp_path, lambda: [broken]) == [broken]
+    assert kept_facts(tmp_path, list) == []
+
+
+@pytest.mark.usefixtures("loaded")
+def test_cases_that_miss_packages_hide_no_others(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    load = catalogue.load_cases
+
+    def some(files: list[Path]) -> dict[str, Any]:
+        if files[0].stem in ("gamma", "spotlight"):
+            raise CaseError("this needs a package", remedy="pip install 'shaderlab[x]'")
+        if files[0].stem == "scale":
+            raise CaseError("so it is")
+        return load(files)
+
+    monkeypatch.setattr(catalogue, "load_cases", some)
+    monkeypatch.setenv("SHADERLAB_CACHE_DIR", "")
+    result = call("list")
+    assert result.exit_code == 1
+    assert "  attenuation " in result.stdout and "spotlight " not in result.stdout
+    assert result.stderr == (
+        "shaderlab: so it is\n"
+        "shaderlab: 2 more cases need packages that are not here: gamma, spotlight\n"
+        "  → pip install 'shaderlab[x]'\n"
+    )

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
+import io
 
 import pytest
+from rich.console import Console
 
+from shaderlab.cli.rows import case_table
 from shaderlab.cli.showing import Show
 from shaderlab.records import Record, Run
 
@@ -138,3 +141,21 @@ def test_on_a_terminal_there_is_a_live_line(
         progress.starts("lamp", "50")
         progress.ends(passing)
     assert "lamp[50]" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("width", [20, 30, 40, 60, 80, 200])
+@pytest.mark.parametrize("name", ["lamp", "a-much-longer-name-" * 12])
+def test_a_table_fits_its_terminal_and_cuts_no_number(
+    passing: Record, failing: Record, width: int, name: str
+) -> None:
+    records = [dataclasses.replace(r, id=name) for r in (passing, failing)]
+    console = Console(width=width, soft_wrap=True, file=io.StringIO())
+    console.print(case_table(records, width))
+    heading, *lines = console.file.getvalue().splitlines()  # type: ignore[attr-defined]
+    assert len(lines) == 2 and all(len(line) <= width for line in (heading, *lines))
+    assert [line[0] for line in lines] == ["✓", "✗"]
+    assert all(name[:4] in line for line in lines)
+    if width > 20:
+        assert "checks" in heading and "1/1" in lines[0] and "0/1" in lines[1]
+    if width >= 80:
+        assert "3/3" in lines[0] and "0.25" in lines[0] and "> 9999 %" in lines[1]

@@ -32,9 +32,9 @@ def test_a_command_goes_on_when_its_output_finds_no_room(
 def test_what_can_be_written_is_and_a_reader_may_go(tmp_path: Path) -> None:
     with open(tmp_path / "a", "w", encoding="ascii") as file:
         stream = lasting(file)
-        print("✓ all", file=stream)
+        print("✓ all → ✗ ☼", file=stream)
         assert problem(stream) == ""
-    assert (tmp_path / "a").read_text() == "? all\n"
+    assert (tmp_path / "a").read_text() == "+ all -> x ?\n"
     ours, theirs = os.pipe()
     os.close(ours)
     with open(theirs, "w") as pipe:
