@@ -21,10 +21,10 @@ from shaderlab.glslmath import mix, vec3, vec4
 from ..scenes.figures import each_draw
 from ..scenes.panels import cell
 
-SIDE, SIZE = 128, 12.0
-# Corners between pixels of a field of 128 × 128; along a diagonal of the zigzag a square's pixels
+WIDE, HIGH, SIZE = 128, 64, 12.0
+# Corners between pixels of a field of 128 × 64; along a diagonal of the zigzag a square's pixels
 # lie on both sides of it, half of them each.
-ZIGZAG = np.array([(x, y) for x in (-0.75, 0.0, 0.75) for y in (-0.375, 0.375)])
+ZIGZAG = np.array([(x, y) for x in (-0.75, 0.0, 0.75) for y in (-0.75, 0.75)])
 # Mode, how many primitives it makes, and their vertices one by one, as separate ones need them.
 MODES = {
     "triangles": (2, [(0, 1, 2), (3, 4, 5)]),
@@ -57,7 +57,7 @@ def field(k, mode, spelt_out):
 
 def drawn(name, *, spelt_out):
     """All six, by their modes or each primitive from vertices of its own."""
-    target = Target(size=(3 * SIDE, 2 * SIDE), clear=(0.07, 0.08, 0.10, 1.0))
+    target = Target(size=(3 * WIDE, 2 * HIGH), clear=(0.07, 0.08, 0.10, 1.0))
     draws = tuple(field(k, mode, spelt_out) for k, mode in enumerate(MODES))
     return Pass(name=name, target=target, draws=draws)
 
