@@ -9,7 +9,13 @@ from dataclasses import replace
 from shaderlab.observations import Observation
 from shaderlab.records import Disagreement
 
-_OTHER_PATH = "-spirv"
+# Drivers that have one compiler and one device, and differ in what those get.
+_PATHS = {
+    frozenset(("llvmpipe", "llvmpipe-spirv")):
+        "the same compiler made other instructions of SPIR-V than of text",
+    frozenset(("swiftshader", "webgl2")):
+        "the same device got the module, and what ANGLE made of the ESSL that was made of it",
+}  # fmt: skip
 
 
 def attributed(
@@ -67,9 +73,9 @@ def _differences(
         yield "earlier pass", f"it reads {', '.join(one.reads)}, which may differ"
     if one.after:
         yield "fixed function", f"what the shader gets is the same; then comes {one.after}"
-    first, second = found.drivers
-    if second.removesuffix(_OTHER_PATH) == first.removesuffix(_OTHER_PATH):
-        yield "translation", "the same compiler made other instructions of SPIR-V than of text"
+    path = _PATHS.get(frozenset(found.drivers))
+    if path is not None:
+        yield "translation", path
     if one.samples_textures:
         yield "texels", "the shader gets the same: filtered texels, or arithmetic within its band"
     yield "arithmetic", "the shader gets the same: rounding of its arithmetic, within its band"

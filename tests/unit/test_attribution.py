@@ -48,9 +48,12 @@ def test_the_first_input_that_differs_is_the_cause(
     assert (found.cause, found.verdict, found.outside) == (cause, "within", ())
 
 
-def test_between_text_and_modules_arithmetic_is_translation() -> None:
-    pair = replace(FOUND, drivers=("llvmpipe", "llvmpipe-spirv"))
-    assert attributed(pair, SEEN, SEEN).cause == "translation"
+@pytest.mark.parametrize("pair", [("llvmpipe", "llvmpipe-spirv"), ("webgl2", "swiftshader")])
+def test_between_two_paths_to_one_compiler_arithmetic_is_translation(pair: tuple[str, str]) -> None:
+    found = attributed(replace(FOUND, drivers=pair), SEEN, SEEN)
+    assert found.cause == "translation"
+    others = attributed(replace(FOUND, drivers=(pair[0], "lavapipe")), SEEN, SEEN)
+    assert others.cause == "arithmetic"
 
 
 def test_a_fault_is_blamed_whatever_else_differs() -> None:

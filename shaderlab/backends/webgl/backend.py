@@ -16,6 +16,7 @@ from shaderlab.errors import UnsupportedError
 from shaderlab.frame import PassDraw, Reply, TracedCall
 from shaderlab.model import Call, Scene
 from shaderlab.programs import captures
+from shaderlab.programs.module_texts import as_drawn
 from shaderlab.programs.prepare import Programs
 from shaderlab.records import Verdict
 
@@ -33,6 +34,7 @@ class WebGLBackend(Backend):
     def session(
         self, scene: Scene, programs: Programs, size: Size, *, temporary_programs: bool = False
     ) -> Iterator[WebGLSession]:
+        self.device.gl.start_afresh()
         with ExitStack() as stack:
             linker = self._linker
             if temporary_programs:
@@ -62,7 +64,13 @@ class WebGLSession(Drawing):
         raise UnsupportedError(f"counting {counter}: WebGL2 only says whether there was any")
 
     def locations(self, key: PassDraw) -> Mapping[str, int]:
-        raise UnsupportedError("locations of uniforms: WebGL2 does not say them")
+        """As `Session.locations`: WebGL2 only says whether there is one, so they are counted."""
+        draw = self.programs[key[0]][key[1]]
+        program = self.linker.link(as_drawn(draw.draw, draw.texts), draw.sources)
+        active = list(program.locations)
+        return {
+            name: active.index(name) if name in active else -1 for name in draw.interface.uniforms
+        }
 
     def trace(self) -> Sequence[TracedCall]:
         raise UnsupportedError("calls of OpenGL are recorded on OpenGL's drivers only")

@@ -13,7 +13,13 @@ import numpy as np
 from shaderlab.backends.scene_textures import DeviceTexels, SceneTextures
 from shaderlab.backends.webgl.calls import Object, Objects
 from shaderlab.backends.webgl.device import Device
-from shaderlab.backends.webgl.formats import COMPRESSED, require_filtered, stored, uploaded
+from shaderlab.backends.webgl.formats import (
+    COMPRESSED,
+    require_filtered,
+    stored,
+    stored_depths,
+    uploaded,
+)
 from shaderlab.backends.webgl.reading import attached, fetched
 from shaderlab.backends.webgl.target import RenderTarget
 from shaderlab.compiler.interface import Variable
@@ -123,15 +129,15 @@ class BoundTextures(SceneTextures[RenderTarget]):
             for layer, values in enumerate(layers):
                 self._write(texture, level, layer, uploaded(word, values))
         values, smaller = images.layers[0], tuple(images.smaller)
-        if word in DEPTH:  # a depth is rounded to its format's codes on the way
+        if kind != "2D":
+            values = np.stack([stored_depths(word, each) for each in images.layers])
+        elif word in DEPTH:  # a depth is rounded to its format's codes on the way
             values = fetched(self._device, texture.handle, texture.size)[..., :1]
             sizes = level_sizes(width, height)[1:count]
             smaller = tuple(
                 fetched(self._device, texture.handle, size, level)[..., :1]
                 for level, size in enumerate(sizes, start=1)
             )
-        elif kind != "2D":
-            values = np.stack(images.layers)
         if whole:
             self._generate(texture)
             smaller = self._smaller(texture)

@@ -6,6 +6,7 @@ import asyncio
 import os
 import resource
 import shutil
+import subprocess
 from collections.abc import Coroutine, Iterator
 from contextlib import contextmanager, suppress
 from importlib.resources import files
@@ -54,6 +55,7 @@ class Browser:
 
     _playwright: Any = None
     _browser: Any = None
+    _guard: subprocess.Popen[bytes] | None = None
 
     def play(self, text: str) -> str:
         """What the player answers.
@@ -73,12 +75,19 @@ class Browser:
             if self._playwright is not None:
                 self._loop.run_until_complete(asyncio.wait_for(self._playwright.stop(), 5.0))
         self._loop.close()
+        if self._guard is not None:
+            assert self._guard.stdin is not None
+            self._guard.stdin.close()
+            self._guard.wait()
 
     async def _start(self) -> None:
         self._playwright = await async_playwright().start()
         self._browser = await self._playwright.chromium.launch(
             executable_path=self._path, args=_FLAGS
         )
+        session = await self._browser.new_browser_cdp_session()
+        running = (await session.send("SystemInfo.getProcessInfo"))["processInfo"]
+        self._guard = _guard(next(one["id"] for one in running if one["type"] == "browser"))
         self._page = await self._browser.new_page()
         player = files(__package__).joinpath("player.js").read_text(encoding="utf-8")
         await self._page.evaluate(player)
@@ -103,6 +112,13 @@ class Browser:
                     f"{self._path} does not start: {error.message.partition(chr(10))[0]}"
                 ) from error
             raise DeviceLostError("the browser is gone") from error
+
+
+def _guard(browser: int) -> subprocess.Popen[bytes]:
+    """A process that kills a browser and its processes, which are a group of their own, when this
+    one lets go of it or is gone. A shader that does not end would outlive both."""
+    command = ("sh", "-c", 'read -r _; kill -9 "-$0" 2>/dev/null', str(browser))
+    return subprocess.Popen(command, stdin=subprocess.PIPE, start_new_session=True)
 
 
 def _chromium() -> str:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import base64
 import functools
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -48,6 +48,7 @@ class Calls:
         self._calls: list[tuple[str, int, list[Any]]] = []
         self._data = bytearray()
         self._last = 0
+        self._waiting: list[Callable[[Any], object]] = []
         self.about: Mapping[str, Any] = self.ask("about")
 
     def __getattr__(self, name: str) -> Any:
@@ -77,19 +78,29 @@ class Calls:
             DeviceLostError: the context is lost.
             DriverError: one of the calls can't be made.
         """
+        replies: list[Any] = []
         for name, *given in questions:
-            self._add(name, -1, *given)
+            self.ask_later(replies.append, name, *given)
         text = json.dumps([self._calls, base64.b64encode(self._data).decode()])
+        waiting, self._waiting = self._waiting, []
         self._calls, self._data = [], bytearray()
         answer = json.loads(self._browser.play(text))
         if answer["lost"]:
             raise DeviceLostError("the context of WebGL2 was lost")
-        replies: list[Any] = answer["reply"]
+        for then, reply in zip(waiting, answer["reply"], strict=True):
+            then(reply)
         return replies
 
-    def ask_array(self, kind: Any, name: str, *given: Any) -> Array:
-        """The numbers of a type that a method of the player returns."""
-        return np.frombuffer(base64.b64decode(self.ask(name, *given)), kind).copy()
+    def ask_later(self, then: Callable[[Any], object], name: str, *given: Any) -> None:
+        """Have `then` called with what a method returns, once something is asked for. Each question
+        takes the way to the browser and back, and a pass may have hundreds of draws."""
+        self._add(name, -1, *given)
+        self._waiting.append(then)
+
+    def start_afresh(self) -> None:
+        """Ignore what is yet to be answered, and errors until here: an exception ended a scene."""
+        self._waiting = [_ignore] * len(self._waiting)
+        self.ask_later(_ignore, "errors")
 
     def _add(self, name: str, where: int, *given: Any) -> None:
         self._calls.append((name, where, [self._argument(each) for each in given]))
@@ -105,6 +116,14 @@ class Calls:
         self._data += np.ascontiguousarray(given).tobytes()
         self._data += bytes(-len(self._data) % _ALIGNMENT)
         return {"array": _ARRAYS[given.dtype], "at": at, "count": given.size}
+
+
+def _ignore(_: object) -> None: ...
+
+
+def decoded(data: str, kind: Any) -> Array:
+    """The numbers of a type that a method of the player returned."""
+    return np.frombuffer(base64.b64decode(data), kind).copy()
 
 
 class Objects:

@@ -17,7 +17,7 @@ from shaderlab.backends.webgl.device import Device
 from shaderlab.backends.webgl.linking import Linker, Program
 from shaderlab.backends.webgl.target import RenderTarget
 from shaderlab.backends.webgl.vertices import VertexArray, vertex_array
-from shaderlab.errors import DriverError, UnsupportedError
+from shaderlab.errors import UnsupportedError
 from shaderlab.frame import Bindings, PassDraw
 from shaderlab.model import Scene, State, Target
 from shaderlab.programs import bind, blocks
@@ -61,9 +61,13 @@ class Drawing(RedrawingSession[RenderTarget]):
         return bind.bind(draw.draw, draw.interface, self._textures.texels)
 
     def issue(self, key: PassDraw, draw: PreparedDraw, target: RenderTarget) -> None:
-        errors = self._drawn(draw, self.bindings[key], target, draw.texts, draw.draw.state)
-        if errors:
-            self._gl_errors[key] = errors
+        super().issue(key, draw, target)
+
+        def note(errors: list[int]) -> None:
+            if errors:
+                self._gl_errors[key] = tuple(errors)
+
+        self.device.gl.ask_later(note, "errors")
 
     def finish(self) -> None:
         self.device.gl.ask("finish")
@@ -78,22 +82,9 @@ class Drawing(RedrawingSession[RenderTarget]):
         fixed_state: State | None = None,
     ) -> None:
         state = fixed_state or draw.draw.state
-        errors = self._drawn(draw, bindings, target, texts or draw.texts, state)
-        if errors:
-            raise DriverError(f"drawing again: WebGL2 raised {', '.join(map(hex, errors))}")
-
-    def _drawn(
-        self,
-        draw: PreparedDraw,
-        bindings: Bindings,
-        target: RenderTarget,
-        texts: Mapping[str, str],
-        state: State,
-    ) -> tuple[int, ...]:
-        """Draw; the errors that this raises."""
         encodes = "srgb8_alpha8" in target.colors.values()
         fixed.check(state, samples=target.samples, encodes=encodes)
-        program = self.linker.link(as_drawn(draw.draw, texts), draw.sources)
+        program = self.linker.link(as_drawn(draw.draw, texts or draw.texts), draw.sources)
 
         def draw_to(vertices: VertexArray) -> None:
             target.bind(program.outputs(target.colors))
@@ -102,7 +93,6 @@ class Drawing(RedrawingSession[RenderTarget]):
 
         values = {HEIGHT: np.array([target.size[1]], np.float32)}
         self.use(program, draw, bindings, values, draw_to)
-        return tuple(self.device.gl.ask("errors"))
 
     def use(
         self,

@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 
-from shaderlab.backends.webgl.calls import Objects
+from shaderlab.backends.webgl.calls import Objects, decoded
 from shaderlab.backends.webgl.drawing import Drawing
 from shaderlab.backends.webgl.linking import Program
 from shaderlab.backends.webgl.vertices import VertexArray
@@ -89,9 +89,8 @@ def _fed(
             gl.disable(gl.RASTERIZER_DISCARD)
 
         drawing.use(program, draw, bindings, {}, feed)
-        raw = gl.ask_array(np.float32, "contents", gl.TRANSFORM_FEEDBACK_BUFFER, size)
+        data, errors = gl.ask_all([("contents", gl.TRANSFORM_FEEDBACK_BUFFER, size), ("errors",)])
         gl.bindBufferBase(gl.TRANSFORM_FEEDBACK_BUFFER, 0, None)
-        errors = gl.ask("errors")
     if errors:
         raise DriverError(f"capturing vertices: WebGL2 raised {', '.join(map(hex, errors))}")
-    return raw
+    return decoded(data, np.float32)

@@ -57,12 +57,20 @@ def stored(word: str) -> Stored:
 
 
 def uploaded(word: str, values: Array) -> Array:
-    """Texels as they are handed over: depths as codes, those of 24 bits in the upper ones."""
+    """Texels as they are handed over: depths as codes, those of 24 bits as the nearest of 32."""
     if word not in DEPTH or word == "depth32f":
         return np.ascontiguousarray(values)
     most = 0xFFFF if word == "depth16" else 0xFFFFFF
-    codes = np.rint(np.clip(values.astype(np.float64), 0.0, 1.0) * most)
-    return codes.astype(np.uint16) if word == "depth16" else codes.astype(np.uint32) << 8
+    codes = np.rint(np.clip(values.astype(np.float64), 0.0, 1.0) * most).astype(np.uint32)
+    return codes.astype(np.uint16) if word == "depth16" else codes << 8 | codes >> 16
+
+
+def stored_depths(word: str, values: Array) -> Array:
+    """Texels as shaders get them after `uploaded`: depths are those that their codes stand for."""
+    if word not in DEPTH or word == "depth32f":
+        return values
+    codes = uploaded(word, values)
+    return (codes / float(np.iinfo(codes.dtype).max)).astype(np.float32)
 
 
 def read_as(word: str) -> tuple[str, str, str]:

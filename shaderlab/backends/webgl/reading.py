@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from shaderlab.backends.webgl.calls import Object, Objects
+from shaderlab.backends.webgl.calls import Object, Objects, decoded
 from shaderlab.backends.webgl.device import Device
 from shaderlab.backends.webgl.formats import READ_TYPES, read_as
 from shaderlab.errors import DriverError
@@ -68,14 +68,12 @@ def read_pixels(device: Device, word: str, size: Size) -> Array:
     """
     gl, found = device.gl, format_of(word)
     format, kind, array = read_as(word)
-    channels = found.components
-    values = gl.ask_array(
-        READ_TYPES[array], "texels", *size, getattr(gl, format), getattr(gl, kind), array, channels
-    )
-    errors = gl.ask("errors")
+    how = (getattr(gl, format), getattr(gl, kind), array, found.components)
+    data, errors = gl.ask_all([("texels", *size, *how), ("errors",)])
     if errors:
         raise DriverError(f"reading {word}: WebGL2 raised {', '.join(map(hex, errors))}")
-    return values.reshape(size[1], size[0], channels).astype(found.numpy, copy=False)
+    values = decoded(data, READ_TYPES[array])
+    return values.reshape(size[1], size[0], found.components).astype(found.numpy, copy=False)
 
 
 def fetched(device: Device, texture: Object, size: Size, level: int = 0) -> Array:

@@ -92,8 +92,11 @@ class RenderTarget:
             for place in range(count)
         ])  # fmt: skip
         self._attached = dict(locations)
-        status = gl.ask("checkFramebufferStatus", gl.FRAMEBUFFER)
-        if locations and status != gl.FRAMEBUFFER_COMPLETE:
+        if locations:
+            gl.ask_later(self._check, "checkFramebufferStatus", gl.FRAMEBUFFER)
+
+    def _check(self, status: int) -> None:
+        if status != self._device.gl.FRAMEBUFFER_COMPLETE:
             raise UnsupportedError(
                 f"drawing to {', '.join((*self.colors.values(), self.depth))}: WebGL2 says that "
                 f"the framebuffer is incomplete ({status:#x})"
