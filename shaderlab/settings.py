@@ -88,6 +88,15 @@ def settings_of(folder: str | Path) -> Settings:
         return Settings()
 
 
+def settings_changed(folder: str | Path) -> bool:
+    """Whether the settings of a folder's project are others by now than `settings_of` gives.
+
+    Raises:
+        UsageError: as `settings_of`, of their file as it is now.
+    """
+    return _settings.__wrapped__(os.path.abspath(folder)) != settings_of(folder)
+
+
 @cache
 def _settings(folder: str) -> Settings:
     here = Path(folder)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import datetime
 import os
+import sys
 import time
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
@@ -26,6 +27,7 @@ from shaderlab.cli.options import (
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.files import display_path
 from shaderlab.options import Limits, RunOptions
+from shaderlab.settings import FILE, settings_changed, settings_of
 
 if TYPE_CHECKING:
     from shaderlab.cli.showing import Show
@@ -62,7 +64,8 @@ def command(
     is saved: a shader or what it includes, a case or test file or a module that it imports, an
     image. Without a name that is everything below this folder.
 
-    Workers stay warm, with their device open. Ctrl-C ends it.
+    Workers stay warm, with their device open. Where [tool.shaderlab] changes, it starts anew.
+    Ctrl-C ends it.
 
     \b
     Examples:
@@ -92,6 +95,7 @@ def command(
     show = Show()
     # Python takes its compiled modules for new as long as a file's second and size stay the same.
     os.environ["PYTHONDONTWRITEBYTECODE"] = "1"
+    restart = False
     with (
         contextlib.suppress(KeyboardInterrupt),
         contextlib.ExitStack() as stack,
@@ -101,7 +105,11 @@ def command(
             contextlib.closing(Session(start, wanted.jobs, options, warm_up))
         )
         page = stack.enter_context(_page(options)) if open_report else None
+        changes.add({file.parent for file in wanted.settings()}, below=False)
         _Watch(session, changes, Contents(), wanted, show, page).run(case_files, test_files)
+        restart = True
+    if restart:  # options, workers and what they keep come of the settings
+        os.execv(sys.executable, [sys.executable, "-m", "shaderlab", *sys.argv[1:]])
     return OK
 
 
@@ -128,6 +136,18 @@ class _Wanted:
         """The folders that the case files are in, and those that were named."""
         named = {Path(os.path.abspath(t)) for t in self._targets if os.path.isdir(t)}
         return named | {file.parent for file in (*self._variants, *self._tests)}
+
+    def settings(self) -> set[Path]:
+        """The files that the settings of this folder and of the case files come from, or would."""
+        roots = (settings_of(folder).root for folder in self._projects())
+        return {(root or Path.cwd()) / FILE for root in roots}
+
+    def settings_changed(self) -> bool:
+        """Whether settings are others by now. Raises UsageError where they can't be read."""
+        return any([settings_changed(folder) for folder in self._projects()])
+
+    def _projects(self) -> set[Path]:
+        return {Path(), *(file.parent for file in (*self._variants, *self._tests))}
 
     def jobs(self, facts: Sequence[CaseFacts]) -> list[Job]:
         """The jobs of case files, in order."""
@@ -157,7 +177,8 @@ class _Watch:
         self._wanted, self._show, self._page = wanted, show, page
 
     def run(self, case_files: Collection[Path], test_files: Collection[Path]) -> None:
-        """Judge all files, then wait for changes, until an interrupt."""
+        """Judge all files, then wait for changes, until the settings are other ones."""
+        self._contents.learn(self._wanted.settings())
         self._judge(self._session.follow(case_files, test_files), time.perf_counter())
         while True:
             self._show.console.print("watching; Ctrl-C ends it", style="dim")
@@ -166,12 +187,31 @@ class _Watch:
             while not waiting:
                 found = self._changes.next()
                 began = time.perf_counter()
-                waiting = self._after(self._changes.settled(found, self._session.files))
+                changed = self._changed(self._changes.settled(found, self._session.files))
+                if changed & self._wanted.settings() and self._other_settings():
+                    return
+                waiting = self._after(changed)
             self._judge(waiting, began)
 
-    def _after(self, found: Collection[Path]) -> set[Path]:
+    def _changed(self, found: Collection[Path]) -> set[Path]:
+        """Of these files, those with other contents. One that nothing depends on and that is gone
+        again was an editor's own."""
+        known = self._session.files
+        return self._contents.changed(path for path in found if path in known or path.exists())
+
+    def _other_settings(self) -> bool:
+        """Whether the settings are others; ones that can't be read are none."""
+        try:
+            changed = self._wanted.settings_changed()
+        except UsageError as error:
+            click.echo(f"shaderlab: {error}", err=True)
+            return False
+        if changed:
+            self._show.console.print("\nthe settings changed: starting anew", style="bold")
+        return changed
+
+    def _after(self, changed: Collection[Path]) -> set[Path]:
         """The case files to judge after these files changed."""
-        changed = self._contents.changed(found)
         if not changed:
             return set()
         new: set[Path] = set()
@@ -180,21 +220,22 @@ class _Watch:
                 new = self._session.follow(*self._wanted.files())
         affected = new | self._session.affected(changed)
         if affected:
-            names = sorted(display_path(path) for path in changed)
+            known = {path for path in changed if path in new or path in self._session.files}
+            names = sorted(display_path(path) for path in known or changed)
             more = ", …" if len(names) > _SHOWN else ""
             now = datetime.datetime.now().strftime("%H:%M:%S")
             self._show.console.print(f"\n{now} {', '.join(names[:_SHOWN])}{more}", style="bold")
         return affected
 
     def _judge(self, case_files: Collection[Path], began: float) -> None:
-        records = []
+        records, since = [], time.time()
         self._contents.learn(self._session.files)
         for record in self._session.judge(case_files, self._changes.pending):
             self._show.verdict(record)
             records.append(record)
         self._show.total(records, time.perf_counter() - began)
         files = self._session.files
-        self._contents.learn(files)
+        self._contents.learn(files, since)
         self._changes.add({path.parent for path in files})
         if self._page is not None and not self._changes.pending():
             self._page.write(self._session, case_files)

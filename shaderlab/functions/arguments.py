@@ -27,13 +27,13 @@ class Argument:
         batch: the axes before the type's own.
         leaves: its numbers in the order of the type's words: each (batch…, words of the leaf),
             where the batch may be any shape that broadcasts.
-        whole: whether integers were given.
+        whole: the kind of the integers that were given, "i" or "u" as in NumPy; "" for others.
     """
 
     type: Type
     batch: tuple[int, ...]
     leaves: tuple[Array, ...]
-    whole: bool = False
+    whole: str = ""
 
     @property
     def varies(self) -> bool:
@@ -92,8 +92,8 @@ def argument(value: Any, kind: Type, label: str) -> Argument:
     except ValueError:
         shapes = ", ".join(dict.fromkeys(str(leaf.shape[:-1]) for leaf in leaves))
         raise CallError(f"{label}: members of shapes {shapes} do not broadcast") from None
-    whole = not kind.members and np.asarray(value).dtype.kind in "iu"
-    return Argument(kind, batch, leaves, whole)
+    given = "" if kind.members else np.asarray(value).dtype.kind
+    return Argument(kind, batch, leaves, given if given in ("i", "u") else "")
 
 
 def _leaves(value: Any, kind: Type, label: str) -> Iterator[Array]:

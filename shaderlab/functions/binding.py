@@ -13,6 +13,13 @@ from shaderlab.functions.arguments import Argument, argument
 from shaderlab.functions.signatures import Input, Signature
 
 
+def _strange(kind: str, whole: str) -> int:
+    """How far a type is from whole numbers: `whole` as in `Argument`."""
+    if not whole or kind == "bool":
+        return 0
+    return 2 if kind == "float" else kind != {"i": "int", "u": "uint"}[whole]
+
+
 @dataclass(frozen=True)
 class Call:
     """A function with the arguments that it is called with.
@@ -31,10 +38,10 @@ class Call:
 
     @property
     def fit(self) -> int:
-        """How well it fits: the more of an argument's axes are the type's own, the better; whole
-        numbers fit integers better."""
+        """How well it fits: the more of an argument's axes are the type's own, the better. Whole
+        numbers fit integers better, signed ones `int` unless they are unsigned in NumPy."""
         return sum(
-            2 * len(given.type.shape) - (given.whole and given.type.kind == "float")
+            4 * len(given.type.shape) - _strange(given.type.kind, given.whole)
             for given in self.values.values()
         )
 

@@ -13,6 +13,15 @@ from shaderlab.functions.arguments import argument
 from shaderlab.functions.types import Type
 from shaderlab.model import CompressedTexture, CubeTexture, Texture, TextureArray
 
+_ARRAY = "give a shaderlab.Texture, or an array (height, width, channels)"
+_REMEDIES = {
+    **dict.fromkeys(("sampler2D", "isampler2D", "usampler2D"), _ARRAY),
+    **dict.fromkeys(
+        ("sampler2DArray", "isampler2DArray", "usampler2DArray"), "give a shaderlab.TextureArray"
+    ),
+    "samplerCube": "give a shaderlab.CubeTexture",
+    "sampler2DShadow": 'give a shaderlab.Texture with compare="lequal"',
+}
 _TEXTURES = (Texture, TextureArray, CubeTexture, CompressedTexture)
 
 
@@ -50,12 +59,18 @@ def _texture(value: Any, kind: Type, label: str) -> Any:
     if isinstance(value, _TEXTURES):
         return value
     array = np.asarray(value)
-    if kind.name != "sampler2D" or array.ndim not in (2, 3) or array.dtype.kind not in "fiu":
+    letter = kind.name.removesuffix("sampler2D")
+    if letter not in ("", "i", "u") or array.ndim not in (2, 3) or array.dtype.kind not in "fiu":
         raise CallError(
             f"{label} is {kind}; given was {type(value).__name__}",
-            remedy="give a shaderlab.Texture; a sampler2D takes an array (height, width, channels)",
+            remedy=_REMEDIES.get(kind.name, "the lab has no textures for it"),
         )
     pixels = array.reshape(*array.shape[:2], -1)
+    if letter:
+        if array.dtype.kind == "f" or pixels.shape[2] == 3:
+            raise CallError(f"{label} is {kind}: it takes whole numbers in 1, 2 or 4 channels")
+        word = {1: "r32", 2: "rg32", 4: "rgba32"}[pixels.shape[2]] + {"i": "i", "u": "ui"}[letter]
+        return Texture(image=pixels, format=word)
     if array.dtype == np.uint8:
         return Texture(image=pixels, format=("r8", "rg8", "rgb8", "rgba8")[pixels.shape[2] - 1])
     format = ("r32f", "rg32f", "rgb32f", "rgba32f")[pixels.shape[2] - 1]

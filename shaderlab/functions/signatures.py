@@ -43,6 +43,8 @@ FRAGMENT_ONLY = re.compile(
 )
 """What depends on the pixel that a function runs for, or on its neighbours."""
 _GL = re.compile(rf"\bgl_({'|'.join(n[3:] for n in (*_STAGE_INPUTS, *_STAGE_OUTPUTS))})\b")
+# The samplers that the lab has textures for.
+_TEXTURED = re.compile(r"[iu]?sampler(?:2D|2DArray|Cube)|sampler(?:2D|2DArray|Cube)Shadow")
 # Texture functions of GLSL 1.20 and ES 1.00, under the names that replaced them.
 _OLD = re.compile(r"\btexture(?:1D|2D|3D|Cube)(Proj)?(Lod)?(?:EXT|ARB)?(?=\s*\()")
 
@@ -159,8 +161,11 @@ def _signature(found: Declarations, own: Item) -> Signature:
         if item.kind == "block" and "buffer" in item.qualifiers:
             obstacles.append(f"reads or writes the storage block {item.name}")
     for one in globals_:
-        if one.type.opaque and not one.type.members and "sampler" not in one.type.name[:8]:
+        if one.type.opaque and not one.type.members and not _TEXTURED.fullmatch(one.type.name):
             obstacles.append(f"reads {one.type} {one.name}")
+    for one in parameters:
+        if "sampler" in one.type.name[:8] and not _TEXTURED.fullmatch(one.type.name):
+            obstacles.append(f"{one.name} is a {one.type}, of which the lab has no textures")
     obstacles += [f"uses {name}, of another stage" for name in sorted(used & _OTHER_STAGES)]
     for name, kind in (("result", result), *((p.name, p.type) for p in parameters)):
         if kind.name != "void" and not kind.known and not kind.opaque and not obstacles:

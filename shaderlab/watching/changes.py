@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import queue
 import threading
 import time
@@ -17,6 +18,8 @@ _STEP = 15
 _LONGEST = 200
 _MISSING = 0.15
 """Seconds that a file may be missing: some editors remove it and write it anew."""
+_CLOCK_TICK = 0.02
+"""Seconds by which a file's time may lag behind the clock."""
 
 
 class Changes:
@@ -48,15 +51,17 @@ class Changes:
         for thread in self._threads:
             thread.join(2.0)
 
-    def add(self, folders: Iterable[Path]) -> None:
-        """Watch further folders, unless they lie in those that are watched."""
+    def add(self, folders: Iterable[Path], *, below: bool = True) -> None:
+        """Watch further folders, unless they lie in those that are watched; with `below` also
+        everything below them."""
         for folder in sorted(set(folders)):
             known = any(folder.is_relative_to(one) for one in self._folders)
             if known or not folder.is_dir():
                 continue
-            self._folders.add(folder)
+            if below:
+                self._folders.add(folder)
             ready = threading.Event()
-            thread = threading.Thread(target=self._serve, args=[folder, ready], daemon=True)
+            thread = threading.Thread(target=self._serve, args=[folder, ready, below], daemon=True)
             self._threads.append(thread)
             thread.start()
             ready.wait(5.0)
@@ -85,7 +90,7 @@ class Changes:
             found = found | self.next(rest)
         return found
 
-    def _serve(self, folder: Path, ready: threading.Event) -> None:
+    def _serve(self, folder: Path, ready: threading.Event, below: bool) -> None:
         moments = self._watch(
             folder,
             watch_filter=self._filter,
@@ -94,6 +99,7 @@ class Changes:
             rust_timeout=200,
             yield_on_timeout=True,
             stop_event=self._stop,
+            recursive=below,
             raise_interrupt=False,
         )
         ready.set()
@@ -108,10 +114,11 @@ class Contents:
     def __init__(self) -> None:
         self._known: dict[Path, bytes] = {}
 
-    def learn(self, files: Iterable[Path]) -> None:
-        """Take files that are not known yet as they are now."""
+    def learn(self, files: Iterable[Path], since: float = math.inf) -> None:
+        """Take files that are not known yet as they are now, but for those that were written after
+        `since` (seconds as of `time.time`): who read them may have read something else."""
         for path in files:
-            if path not in self._known:
+            if path not in self._known and _written(path) < since - _CLOCK_TICK:
                 self._known[path] = _digest(path)
 
     def changed(self, files: Iterable[Path]) -> set[Path]:
@@ -124,6 +131,13 @@ class Contents:
                 self._known[path] = digest
                 found.add(path)
         return found
+
+
+def _written(path: Path) -> float:
+    try:
+        return path.stat().st_mtime
+    except OSError:
+        return 0.0
 
 
 def _digest(path: Path) -> bytes:

@@ -82,6 +82,15 @@ def test_overloads_follow_the_arguments(kinds: glsl.Library) -> None:
     assert kinds.over([1.0, 2.0]).tolist() == [0.0, 1.0]
 
 
+def test_overloads_of_integers_follow_their_sign() -> None:
+    text = "float f(float x) { return x; } int f(int x) { return x * 2; }"
+    text += "uint f(uint x) { return x ^ 7u; } bool f(bool b) { return !b; }"
+    f = glsl.load(f"#version 330 core\n{text}").f
+    assert f(3) == 6 and f(np.int32(-3)) == -6 and f(True) == np.False_ and f(3.0) == 3.0
+    assert f(np.arange(3)).tolist() == [0, 2, 4]
+    assert f(np.arange(3, dtype=np.uint32)).tolist() == [7, 6, 5] and f(np.uint8(3)) == 4
+
+
 def test_matrices_are_rows_and_columns(kinds: glsl.Library) -> None:
     m, v = np.arange(9.0).reshape(3, 3), np.array([1.0, 2.0, 3.0])
     assert kinds.turned(m, v).tolist() == (m @ v).tolist()
@@ -122,6 +131,24 @@ def test_samplers_take_arrays_and_textures(kinds: glsl.Library) -> None:
     assert kinds.sampled(image, places).tolist() == [[0, 1, 2, 3], [12, 13, 14, 15]]
     texture = Texture(image=image, filter=("linear", "linear"))
     assert kinds.sampled(texture, [0.5, 0.5]).tolist() == [6.0, 7.0, 8.0, 9.0]
+
+
+def test_samplers_of_integers_take_whole_numbers_and_others_are_named() -> None:
+    library = glsl.load("""#version 330 core
+    ivec4 signed_at(isampler2D map, ivec2 p) { return texelFetch(map, p, 0); }
+    uvec4 unsigned_at(usampler2D map, ivec2 p) { return texelFetch(map, p, 0); }
+    vec4 deep(sampler3D map) { return texture(map, vec3(0.5)); }
+    uniform samplerBuffer numbers;
+    vec4 number(int n) { return texelFetch(numbers, n); }
+    """)
+    assert library.signed_at(np.array([[-1, 2]]), (0, 0)).tolist() == [-1, 0, 0, 1]
+    assert library.unsigned_at(np.array([[1, 2]]), (1, 0)).tolist() == [2, 0, 0, 1]
+    with pytest.raises(CallError, match="map is isampler2D: it takes whole numbers"):
+        library.signed_at(np.ones((2, 2)), (0, 0))
+    with pytest.raises(CallError, match="deep can't be called: map is a sampler3D, of which the"):
+        library.deep(np.ones((2, 2, 2, 4)))
+    with pytest.raises(CallError, match="number can't be called: reads samplerBuffer numbers"):
+        library.number(0)
 
 
 def test_functions_of_the_fragment_stage(kinds: glsl.Library) -> None:

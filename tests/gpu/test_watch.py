@@ -142,15 +142,18 @@ def test_a_terminal_shows_verdicts_until_ctrl_c(project: Path) -> None:
     ) as watch:
         assert watch.stdout is not None
 
-        def said() -> str:
-            """What is printed up to where it waits."""
+        def until(word: str) -> str:
+            """What is printed up to a line with this word, and that."""
             lines = []
             assert watch.stdout is not None
             for line in watch.stdout:
-                if line.startswith("watching"):
-                    return "".join(lines)
                 lines.append(line)
+                if word in line:
+                    return "".join(lines)
             raise AssertionError("".join(lines))
+
+        def said() -> str:
+            return until("watching")
 
         assert "✓ lamp-case\n1 case: 1 passed in " in said()
         law.with_suffix(".new").write_text(LAW.replace("2.0", "2.5"))
@@ -164,6 +167,22 @@ def test_a_terminal_shows_verdicts_until_ctrl_c(project: Path) -> None:
         case.write_text(case.read_text().replace("2.0 *", "3.0 *"))
         failed = said()
         assert "tests/lamp_case.py" in failed and "1 case: 1 failed in " in failed
+        draft = law.with_name("4913")  # as vim tries whether it may write
+        draft.write_text("")
+        draft.unlink()
+        law.with_name("law.draft").write_text(LAW)
+        law.with_name("law.draft").replace(law)
+        case.write_text(case.read_text().replace("3.0 *", "2.0 *"))
+        again = said()
+        while "1 case: 1 passed in " not in again:
+            again += said()
+        assert "4913" not in again and "draft" not in again
+        settings = project / "pyproject.toml"
+        settings.write_text("[tool.shaderlab]\nshaders = 1\n")
+        assert "pyproject.toml" in until("shaderlab: ")
+        settings.write_text('[tool.shaderlab]\nshaders = ["tests"]\n[tool.other]\n')
+        until("the settings changed: starting anew")
+        assert "lamp.frag" in said()
         watch.send_signal(signal.SIGINT)
         assert watch.wait(20) == 0
         assert "Traceback" not in watch.stdout.read()

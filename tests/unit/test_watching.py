@@ -105,6 +105,17 @@ def test_what_was_only_touched_has_not_changed(shader: Path, tmp_path: Path) -> 
     assert contents.changed([shader, missing]) == {shader, missing}
 
 
+def test_what_is_written_while_it_is_judged_has_changed(shader: Path) -> None:
+    contents, began = Contents(), time.time()
+    shader.write_text("b")
+    contents.learn([shader], began)
+    assert contents.changed([shader]) == {shader}
+    os.utime(shader, (began - 60.0, began - 60.0))
+    contents = Contents()
+    contents.learn([shader], began)
+    assert contents.changed([shader]) == set()
+
+
 def test_files_that_are_read_are_noted_missing_ones_too(shader: Path) -> None:
     opened = OpenedFiles()
     with opened.noted() as files:
