@@ -7,15 +7,13 @@ import datetime
 import os
 import sys
 import time
-from collections.abc import Collection, Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from shaderlab.cli import OK
-from shaderlab.cli.files import new_run_folder
 from shaderlab.cli.options import (
     DRIVER,
     INCLUDE,
@@ -24,17 +22,16 @@ from shaderlab.cli.options import (
     limits_option,
     make_local_executor,
 )
-from shaderlab.errors import ShaderlabError, UsageError
+from shaderlab.errors import UsageError
 from shaderlab.files import display_path
 from shaderlab.options import Limits, RunOptions
 from shaderlab.settings import FILE, settings_changed, settings_of
 
 if TYPE_CHECKING:
+    from shaderlab.cli.live_page import LivePage
     from shaderlab.cli.showing import Show
     from shaderlab.execution.executor import LocalExecutor
     from shaderlab.execution.jobs import CaseFacts, Job
-    from shaderlab.records import Record
-    from shaderlab.report.live import LiveReport
     from shaderlab.watching.changes import Changes, Contents
     from shaderlab.watching.session import Session
 
@@ -104,7 +101,11 @@ def command(
         session = stack.enter_context(
             contextlib.closing(Session(start, wanted.jobs, options, warm_up))
         )
-        page = stack.enter_context(_page(options)) if open_report else None
+        page = None
+        if open_report:
+            from shaderlab.cli.live_page import live_page
+
+            page = stack.enter_context(live_page(options))
         changes.add({file.parent for file in wanted.settings()}, below=False)
         _Watch(session, changes, Contents(), wanted, show, page).run(case_files, test_files)
         restart = True
@@ -171,7 +172,7 @@ class _Watch:
         contents: Contents,
         wanted: _Wanted,
         show: Show,
-        page: _Page | None,
+        page: LivePage | None,
     ) -> None:
         self._session, self._changes, self._contents = session, changes, contents
         self._wanted, self._show, self._page = wanted, show, page
@@ -239,52 +240,3 @@ class _Watch:
         self._changes.add({path.parent for path in files})
         if self._page is not None and not self._changes.pending():
             self._page.write(self._session, case_files)
-
-
-class _Page:
-    """The report of all that is watched, in a browser."""
-
-    def __init__(self, report: LiveReport, folder: Path, options: RunOptions) -> None:
-        self._report, self._folder = report, folder
-        self._options = replace(options, folder=folder, pictures=True)
-        self._records: dict[tuple[str, str], Record] = {}
-        self._started = datetime.datetime.now().astimezone().isoformat(timespec="seconds")
-        self._opened = False
-
-    def write(self, session: Session, case_files: Collection[Path]) -> None:
-        """Run what was judged once more, with pictures, and write the page anew."""
-        from shaderlab.records import Run
-        from shaderlab.report import html, store
-
-        began = time.perf_counter()
-        jobs = [job for job in session.jobs if Path(job.file) in case_files]
-        for _, record in session.executor.run(jobs, self._options):
-            self._records[record.id, record.variant] = record
-        about = session.executor.about()
-        run = Run(
-            driver=about.driver,
-            versions=about.versions,
-            started=self._started,
-            seconds=time.perf_counter() - began,
-            records=tuple(self._records.get((r.id, r.variant), r) for r in session.records),
-        )
-        try:
-            store.save(run, self._folder)
-            html.write(run, self._folder)
-        except ShaderlabError as error:
-            click.echo(f"shaderlab: {error}", err=True)
-            return
-        self._report.changed()
-        if not self._opened:
-            self._opened = True
-            click.echo(f"report: {self._report.address}")
-            click.launch(self._report.address)
-
-
-@contextlib.contextmanager
-def _page(options: RunOptions) -> Iterator[_Page]:
-    from shaderlab.report.live import live_report
-
-    folder = new_run_folder()
-    with live_report(folder) as report:
-        yield _Page(report, folder, options)
