@@ -33,7 +33,7 @@ class PassCapture:
     def __init__(self, draws: Sequence[PreparedDraw], redraw: Redraw) -> None:
         self._draws = draws
         self._redraw = redraw
-        self._captured: dict[int, _Captured] = {}
+        self._together: dict[int, _Captured] = {}
 
     def fragments(self, index: int) -> Fragments:
         """What one draw's fragment shader got.
@@ -46,9 +46,7 @@ class PassCapture:
             UnsupportedError: the fragment shader has so many outputs that none can be added, and
                 they are declared in a way that leaves none out.
         """
-        if index not in self._captured:
-            self._capture(index)
-        found = self._captured[index].fragments(index)
+        found = (self._together.get(index) or self._capture(index)).fragments(index)
         text = self._draws[index].text("fragment") or ""
         if not (stages.may_discard(text) or stages.writes_depth(text)):
             return found
@@ -63,16 +61,16 @@ class PassCapture:
         seen = images[stages.COORD][..., 3:] > 0.0
         return {name: np.where(seen, images[name], 0) for name in outputs}
 
-    def _capture(self, index: int) -> None:
-        """Capture a draw, and the others with it that can be."""
+    def _capture(self, index: int) -> _Captured:
+        """Capture a draw, and the others with it that can be, whose captures share their memory."""
         together = _together(self._draws, index)
         if len(together) > 1:
             try:
-                self._captured |= self._at_once(together)
-                return
+                self._together |= self._at_once(together)
+                return self._together[index]
             except (ShaderError, UnsupportedError):
                 pass  # one of the others may be what the driver refuses
-        self._captured[index] = self._alone(index)
+        return self._alone(index)
 
     def _at_once(self, draws: Mapping[int, Sequence[Piece]]) -> dict[int, _Captured]:
         """Several draws with the pieces of their inputs, captured by one redraw."""

@@ -84,7 +84,7 @@ def captured(lab: Lab, scene: Scene, change: Callable[[str], str] = lambda text:
             return found
 
         together, alone = PassCapture(draws, changed), PassCapture(draws, redraw)
-        alone._captured = {number: alone._alone(number) for number in numbers}
+        alone._together = {number: alone._alone(number) for number in numbers}
         made = [together.fragments(number) for number in numbers]
         return made, [alone.fragments(number) for number in numbers], count
 
