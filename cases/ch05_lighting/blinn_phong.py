@@ -119,7 +119,14 @@ def notes_lobe(lobe, degrees):
     """What the notes' formula, without a gate, gives for a lamp 5° below the surface and a viewer
     so many degrees above the other side; shininess 8."""
     eye = np.array([cos(radians(degrees)), 0.0, sin(radians(degrees))])
-    return lambda: lobe(np.array(lit.GRAZING["Normal"]), np.array(lit.BELOW), eye, 8.0)
+    return lobe(np.array(lit.GRAZING["Normal"]), np.array(lit.BELOW), eye, 8.0)
+
+
+NOTES = (
+    ("Phong", 10, notes_lobe(lobes.mirrored_lobe, 10), 0.757792),
+    ("Blinn", 10, notes_lobe(lobes.halfway_lobe, 10), 0.933574),
+    ("Blinn", 70, notes_lobe(lobes.halfway_lobe, 70), 0.156940),
+)
 
 
 def phong_over_slope(slope, lightDir, shininess):
@@ -187,15 +194,8 @@ case = Case(
         ),
         *results(
             {
-                f"the notes' {name} on a face turned away, seen {degrees}° above it": (
-                    notes_lobe(lobe, degrees),
-                    share,
-                )
-                for name, lobe, degrees, share in (
-                    ("Phong", lobes.mirrored_lobe, 10, 0.757792),
-                    ("Blinn", lobes.halfway_lobe, 10, 0.933574),
-                    ("Blinn", lobes.halfway_lobe, 70, 0.156940),
-                )
+                f"the notes' {name} on a face turned away, seen {degrees}° above it": made
+                for name, degrees, *made in NOTES
             }
         ),
         any_order("picture.FragColor"),

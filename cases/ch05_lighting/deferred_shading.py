@@ -12,47 +12,27 @@ Look at: the three attachments of the G-buffer, places (upper left), normals (up
 of any lamp.
 """
 
-from math import cos, radians, sin
+from math import cos, sin
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Depth,
-    Draw,
-    Mesh,
-    Output,
-    Pass,
-    State,
-    Target,
-    formula,
-    fullscreen,
-    measure,
-    reading,
-    value,
-)
+from shaderlab import Case, Output, Pass, Target, formula, fullscreen, measure, reading
 from shaderlab.glslmath import dot, fract, length, max, normalize, swizzle, vec2, vec4, where
 from shaderlab.reference.attenuation import attenuation
 from shaderlab.reference.lighting import gated, lobe
-from shaderlab.reference.transforms import (
-    clip_position,
-    look_at,
-    normal_matrix,
-    perspective,
-    rotate,
-    world_normal,
-    world_position,
-)
+from shaderlab.reference.transforms import normal_matrix
 from shaderlab.sampling import texture
 
+from ..scenes.cameras import camera, turned
 from ..scenes.drawing import encoded
+from ..scenes.figures import figure
 from ..scenes.laws import gated_or_not
-from ..scenes.lit import BELOW, GRAZING, TURNED_AWAY
+from ..scenes.lit import BELOW, GRAZING, PAINTED, TURNED_AWAY, thing, vertex_stage_checks
 from ..scenes.plaza import plaza
-from ..scenes.studio import handed_on
 
 EYE = (0.0, 4.6, 7.4)
-MODEL = rotate(radians(12.0), (0.0, 1.0, 0.0))
+MODEL = turned(12.0)
+CAMERA = camera(EYE, (0.0, 0.2, 0.4), 36.0, far=30.0)
 HUES = ((3.4, 1.5, 0.5), (0.6, 1.7, 3.6), (2.7, 0.6, 1.6), (0.7, 2.6, 1.2))
 BUFFER = ("gPosition", "gNormal", "gAlbedoSpec")
 HALF = {"gPosition": "rgba16f", "gNormal": "rgba16f", "gAlbedoSpec": "rgba8"}
@@ -76,20 +56,10 @@ LIGHTS = {
 
 def scene(name, fragment, uniforms, segments=40, **target):
     """The plaza in one of the two ways."""
-    draw = Draw(
-        vertex="ch05_lighting/lit_painted.vert",
-        fragment=f"ch05_lighting/{fragment}",
-        mesh=Mesh(**plaza(segments=segments)),
-        uniforms={
-            "model": MODEL,
-            # Half as long as they were: the fragment shader is to make them whole again.
-            "normalMatrix": 0.5 * normal_matrix(MODEL),
-            "view": look_at(EYE, (0.0, 0.2, 0.4)),
-            "projection": perspective(radians(36.0), 1.0, 0.1, 30.0),
-            **uniforms,
-        },
-        state=State(depth=Depth()),
-    )
+    # Half as long as they were: the fragment shader is to make them whole again.
+    uniforms = {"normalMatrix": 0.5 * normal_matrix(MODEL), **uniforms}
+    shader, solid = f"ch05_lighting/{fragment}", plaza(segments=segments)
+    draw = thing(shader, solid, MODEL, CAMERA, uniforms, vertex=PAINTED)
     return Pass(name=name, target=Target(depth="depth24", **target), draws=(draw,))
 
 
@@ -185,6 +155,11 @@ def difference(label, buffer, **bound):
     return reading(label, reads=reads, **bound)
 
 
+POINT = {"FragPos": (0.0, 0.0, 0.0), "Normal": (0.0, 1.0, 0.0), "Color": (0.5, 0.5, 0.5)}
+IN_THE_MIDDLE, AMBIENT = (1.010453, 0.657102, 0.704490, 1.0), (0.015, 0.015, 0.015, 1.0)
+LAMPS_BELOW = {f"lamps[{k}].position": BELOW for k in range(16)}
+ALL_BELOW = {**GRAZING, "Color": (0.5, 0.5, 0.5), **LAMPS_BELOW}
+
 case = Case(
     title="Deferred shading",
     section="5.12",
@@ -206,10 +181,7 @@ case = Case(
     ),
     picture="picture.FragColor",
     expect=[
-        formula("buffer.gl_Position", clip_position),
-        formula("buffer.FragPos", world_position),
-        formula("buffer.Normal", world_normal),
-        formula("buffer.Color", handed_on),
+        *vertex_stage_checks("gl_Position", "FragPos", "Normal", "Color", pass_name="buffer"),
         formula("buffer.gPosition", place_of),
         formula("buffer.gNormal", normal_of),
         formula("buffer.gAlbedoSpec", surface_of),
@@ -227,24 +199,7 @@ case = Case(
                 difference("16-bit floats, colours in bytes", "small-lit", between=(1e-4, 2e-2)),
             ],
         ),
-        value(
-            "forward.FragColor",
-            at={"FragPos": (0.0, 0.0, 0.0), "Normal": (0.0, 1.0, 0.0), "Color": (0.5, 0.5, 0.5)},
-            equals=(1.010453, 0.657102, 0.704490, 1.0),
-            digits=6,
-            name="a grey point in the middle",
-        ),
-        value(
-            "forward.FragColor",
-            at={
-                **GRAZING,
-                "Color": (0.5, 0.5, 0.5),
-                **{f"lamps[{k}].position": BELOW for k in range(16)},
-            },
-            equals=(0.015, 0.015, 0.015, 1.0),
-            digits=6,
-            reference=forward,
-            name=TURNED_AWAY,
-        ),
+        figure("forward.FragColor", "a grey point in the middle", POINT, IN_THE_MIDDLE),
+        figure("forward.FragColor", TURNED_AWAY, ALL_BELOW, AMBIENT, reference=forward),
     ],
 )

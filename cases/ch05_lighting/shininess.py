@@ -23,7 +23,6 @@ from shaderlab import (
     across,
     any_order,
     assets,
-    computed,
     formula,
     fullscreen,
     sweep,
@@ -36,7 +35,7 @@ from shaderlab.reference.transforms import translate
 from ..scenes import lit
 from ..scenes.cameras import camera, turned
 from ..scenes.draws import twins
-from ..scenes.figures import each_draw, figure, figures
+from ..scenes.figures import each_draw, figure, figures, results
 from ..scenes.panels import cell, panel
 
 SHININESS = (2, 4, 8, 16, 32, 64, 128, 256)
@@ -46,7 +45,7 @@ CAMERA = camera(EYE, (0.0, 0.0, 0.0), 14.5, near=1.0)
 BALL = Mesh(**assets.sphere(0.98, segments=96, rings=48))
 SMALL_BALL = Mesh(**assets.sphere(0.98, segments=24, rings=12))
 MODEL = translate((0.02, 0.03, -0.1)) @ turned(30.0, (1.0, 1.0, 0.0))
-MOST = tan(radians(50.0))
+MOST, SLOPES = tan(radians(50.0)), np.tan(np.radians(np.linspace(-80.0, 80.0, 81)))
 
 
 def ball(mesh, column, shininess):
@@ -103,14 +102,14 @@ def half_power(shininess, angle):
     """The angle by the formula, and the shader's lobe there."""
     at = {"slope": tan(radians(angle)), "level": 0.5, "shininess": float(shininess)}
     return (
-        computed(
-            f"half-power angle of {shininess}, degrees",
-            lambda: half_power_angle(shininess),
-            equals=angle,
-            digits=6,
+        *results(
+            {f"half-power angle of {shininess}, degrees": (half_power_angle(shininess), angle)}
         ),
         figure("lobe", f"the lobe of {shininess} there", at, 0.5),
     )
+
+
+BALLS = {2 * k: s for k, s in enumerate(SHININESS)}
 
 
 def where_high(height, level):
@@ -135,11 +134,7 @@ case = Case(
     picture="picture.FragColor",
     expect=[
         *lit.vertex_stage_checks(pass_name="balls", draw=14),
-        *each_draw(
-            "balls.spec",
-            specular_factor,
-            {2 * k: f"lobe of {s} on its ball" for k, s in enumerate(SHININESS)},
-        ),
+        *each_draw("balls.spec", specular_factor, BALLS, "lobe of {} on its ball"),
         *each_draw(
             "balls.FragColor", phong_color, {2 * k: f"ball of {SHININESS[k]}" for k in (0, 4, 7)}
         ),
@@ -158,12 +153,6 @@ case = Case(
                 "just below one half": (where_high(0.498, 0.25), (*BLUE, 1.0)),
             },
         ),
-        sweep(
-            "lobe",
-            lobe,
-            over="slope",
-            values=np.tan(np.radians(np.linspace(-80.0, 80.0, 81))),
-            name="the lobe of 8",
-        ),
+        sweep("lobe", lobe, over="slope", values=SLOPES, name="the lobe of 8"),
     ],
 )

@@ -22,18 +22,17 @@ from shaderlab import (
     Target,
     across,
     assets,
-    computed,
     formula,
     measure,
     reading,
     up,
-    value,
 )
 from shaderlab.glslmath import abs, floor, min, mix, mod, mul, pow, swizzle, vec3, vec4, where
 from shaderlab.reference.depth import depth_step, window_depth
 from shaderlab.reference.transforms import perspective
 
 from ..scenes.draws import tested
+from ..scenes.figures import each_draw, figure, figures, results
 from ..scenes.panels import cell, enlarged, enlarged_check, panel
 
 FAR = 100.0
@@ -135,13 +134,17 @@ def steps(series, near):
 
 def share(start, stop, near):
     """The share of all codes between two distances."""
-    return lambda: window_depth(stop, near, FAR) - window_depth(start, near, FAR)
+    return window_depth(stop, near, FAR) - window_depth(start, near, FAR)
 
 
 def largest_error(depth, F):
     """Depth buffer against formula."""
     return np.abs(depth - F).max()
 
+
+GREY, DARK = (0.75, 0.75, 0.75, 1.0), (0.10, 0.13, 0.20, 1.0)
+HALFWAY = {"aPos": (0.5, 0.0, 0.0), "middle": 10.0, "slope": 4.0}
+AT_TWO = {"decade": 0.30102999566398, "near": 1.0}
 
 case = Case(
     title="The precision of depth",
@@ -156,29 +159,21 @@ case = Case(
     picture="picture.FragColor",
     expect=[
         enlarged_check("judged"),
-        formula("judged.depth", charted, draw=0, name="F with n = 0.1"),
-        formula("judged.depth", charted, draw=1, name="F with n = 1"),
-        formula("judged.FragColor", painted, draw=0, name="the lower chart"),
-        formula("judged.FragColor", painted, draw=1, name="the upper chart"),
-        *(
-            value(
-                "judged.FragColor", at={"decade": decade, "height": 0.5},
-                equals=(0.75, 0.75, 0.75, 1.0), digits=6, reference=painted, name=where_it_is,
-            )
-            for where_it_is, decade in LINES.items()
-        ),
-        value(
-            "judged.FragColor", at={"decade": 0.5, "height": 0.98}, equals=(0.10, 0.13, 0.20, 1.0),
-            digits=6, reference=painted, name="just below the bar at the top",
+        *each_draw("judged.depth", charted, enumerate(NEARS), "F with {}"),
+        *each_draw("judged.FragColor", painted, enumerate(("lower", "upper")), "the {} chart"),
+        *figures(
+            "judged.FragColor",
+            {
+                **{line: ({"decade": x, "height": 0.5}, GREY) for line, x in LINES.items()},
+                "just below the bar at the top": ({"decade": 0.5, "height": 0.98}, DARK),
+            },
+            reference=painted,
         ),
         formula("tenth.F", of_distance, name="F of a strip, n = 0.1"),
         formula("one.F", of_distance, name="F of a strip, n = 1"),
         formula("one.Distance", distance, name="the strip's distance"),
         formula("one.gl_Position", on_the_screen, name="the strip in clip space"),
-        value(
-            "one.Distance", at={"aPos": (0.5, 0.0, 0.0), "middle": 10.0, "slope": 4.0}, equals=12.0,
-            digits=6, reference=distance, name="the distance between its middle and its edge",
-        ),
+        figure("one.Distance", "the distance between its middle and its edge", HALFWAY, 12.0),
         measure(
             "depth buffer against F",
             largest_error,
@@ -198,18 +193,17 @@ case = Case(
             log_x=True,
             log_y=True,
         ),
-        value(
-            "judged.depth", at={"decade": 0.30102999566398, "near": 1.0}, equals=0.505051,
-            digits=6, reference=charted, draw=1, name="F at z = 2 with n = 1",
+        figure("judged.depth", "F at z = 2 with n = 1", AT_TWO, 0.505051, draw=1),
+        *results({"step at z = 50, n = 0.1": (depth_step(50.0, 0.1, FAR), 0.00148863)}, digits=8),
+        *results({"step at z = 50, n = 1": (depth_step(50.0, 1.0, FAR), 0.000147521)}, digits=9),
+        *results(
+            {
+                "z from 1 to 2, n = 1": (share(1.0, 2.0, 1.0), 0.505051),
+                "z from 1 to 2, n = 0.1": (share(1.0, 2.0, 0.1), 0.050050),
+                "z from 50 to 100, n = 1": (share(50.0, 100.0, 1.0), 0.010101),
+                "z from 50 to 100, n = 0.1": (share(50.0, 100.0, 0.1), 0.001001),
+            }
         ),
-        computed("step at z = 50, n = 0.1", lambda: depth_step(50.0, 0.1, FAR),
-                 equals=0.00148863, digits=8),
-        computed("step at z = 50, n = 1", lambda: depth_step(50.0, 1.0, FAR),
-                 equals=0.000147521, digits=9),
-        computed("z from 1 to 2, n = 1", share(1.0, 2.0, 1.0), equals=0.505051, digits=6),
-        computed("z from 1 to 2, n = 0.1", share(1.0, 2.0, 0.1), equals=0.050050, digits=6),
-        computed("z from 50 to 100, n = 1", share(50.0, 100.0, 1.0), equals=0.010101, digits=6),
-        computed("z from 50 to 100, n = 0.1", share(50.0, 100.0, 0.1), equals=0.001001, digits=6),
     ],
     errata=[
         Erratum(
@@ -223,4 +217,4 @@ case = Case(
             proof="z from 50 to 100, n = 1",
         ),
     ],
-)  # fmt: skip
+)

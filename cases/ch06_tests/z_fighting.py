@@ -12,18 +12,17 @@ From left to right the near plane is at 0.01, at 0.1, and at 0.01 with a polygon
 for the teal wall. Orange should be seen nowhere; the stripes are pairs of equal codes.
 """
 
-from itertools import pairwise, product
+from itertools import product
 
 import numpy as np
 
-from shaderlab import Case, Mesh, Pass, Target, formula, measure, reading, value
+from shaderlab import Case, Pass, Target, formula, measure, reading, value
 from shaderlab.glslmath import swizzle, vec4
 from shaderlab.reference.depth import same_code_share
 
-from ..scenes.draws import tested
 from ..scenes.panels import cell, picture
+from ..scenes.two_walls import FAR, MIDDLE, ORANGE, SLANT, TEAL, two_walls
 
-FAR, MIDDLE, SLANT = 100.0, 10.0, 1.0
 NEARS = (0.01, 0.1, 1.0)
 BITS = {"depth16": 16, "depth24": 24, "depth32f": 24}
 # Gaps, in steps of the depth buffer at the wall's middle. The smallest one with 24 bits is lost in
@@ -38,36 +37,6 @@ ROUNDED = {16: 0.125, 24: 1.5}
 # Each column of pixels is one trial whether two depths share a code: three standard deviations.
 CHANCE = 3.0 * (0.25 / SIZE[0]) ** 0.5
 CUT = -0.9  # where the wall in front begins, of −1 … 1
-ORANGE, TEAL = (0.95, 0.55, 0.12), (0.10, 0.45, 0.50)
-
-
-def strips(gaps, edges, half):
-    """One strip above the other for each gap, side by side between the edges, from −half to half.
-
-    Both walls are cut at the same places, so that their corners differ in depth alone.
-    """
-    rows = np.linspace(-half, half, len(gaps) + 1)
-    corners, distances = [], []
-    for k, gap in enumerate(gaps):
-        for left, right in pairwise(edges):
-            low, high = rows[k], rows[k + 1]
-            corners += [(left, low), (right, low), (right, high), (left, high)]
-            distances += [gap] * 4
-    quads = 4 * np.arange(len(corners) // 4)[:, None] + [0, 1, 2, 0, 2, 3]
-    attributes = {"aPos": np.array(corners), "aGap": np.array(distances)[:, None]}
-    return Mesh(attributes=attributes, indices=quads.ravel())
-
-
-def both(near, gaps, edges, offset=None, rise=0.0, half=1.0, cell=None):
-    """The wall behind, then the wall in front, which lacks the margin on the left."""
-    walls = (
-        (strips(gaps, edges, half), ORANGE, 2.0, None),
-        (strips([0.0] * len(gaps), edges[1:], half), TEAL, 1.0, offset),
-    )
-    place = {"near": near, "far": FAR, "middle": MIDDLE, "slant": SLANT, "rise": rise}
-    for mesh, color, number, moved in walls:
-        uniforms = {**place, "color": color, "number": number}
-        yield tested("ch06_tests/z_fighting", mesh, uniforms, polygon_offset=moved, cell=cell)
 
 
 def step(near, bits):
@@ -95,14 +64,16 @@ def trials(format, near, offset=None, prefix=""):
     return Pass(
         name=prefix + name_of(format, near),
         target=Target(size=SIZE, depth=format, colors={"winner": "r32f"}),
-        draws=tuple(both(near, gaps(near, BITS[format]), (-1.0, CUT, 1.0), offset)),
+        draws=tuple(two_walls(near, gaps(near, BITS[format]), (-1.0, CUT, 1.0), offset)),
     )
 
 
 def panels():
     """The picture's panels, with a margin of the background around each."""
     for k, (near, offset) in enumerate(PANELS.values()):
-        yield from both(near, [GAP], (-0.9, -0.8, 0.9), offset, RISE, 0.9, cell(k, len(PANELS)))
+        yield from two_walls(
+            near, [GAP], (-0.9, -0.8, 0.9), offset, RISE, 0.9, cell(k, len(PANELS))
+        )
 
 
 def wrong_winners(winner, row):

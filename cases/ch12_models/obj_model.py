@@ -17,25 +17,17 @@ from pathlib import Path
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Depth,
-    Draw,
-    Mesh,
-    State,
-    assets,
-    computed,
-    formula,
-    refused,
-)
+from shaderlab import Case, Mesh, assets, formula
 from shaderlab.glslmath import fract, swizzle, vec4, where
 from shaderlab.reference import lighting
 from shaderlab.reference.transforms import clip_position, normal_matrix, translate
 
 from ..scenes import lit, stage
+from ..scenes.broken_files import broken_files
 from ..scenes.cameras import camera, turned
 from ..scenes.drawing import encoded
-from ..scenes.figures import each_draw, figure, results
+from ..scenes.draws import tested
+from ..scenes.figures import each_draw, figure, figures, results
 from ..scenes.laws import gated_or_not
 from ..scenes.props import tile
 
@@ -53,21 +45,17 @@ def parts():
 
 def draw(material, diffuse, shininess):
     """One material's faces."""
-    return Draw(
-        vertex="ch12_models/obj_model.vert",
-        fragment="ch12_models/obj_model.frag",
-        mesh=Mesh.later(lambda: Mesh(**parts()[material].geometry)),
-        uniforms={
-            "model": MODEL,
-            "normalMatrix": normal_matrix(MODEL),
-            **CAMERA,
-            "diffuse": diffuse,
-            "shininess": shininess,
-            "lightDir": (-0.36, 0.80, 0.48),
-            "viewPos": EYE,
-        },
-        state=State(depth=Depth()),
-    )
+    uniforms = {
+        "model": MODEL,
+        "normalMatrix": normal_matrix(MODEL),
+        **CAMERA,
+        "diffuse": diffuse,
+        "shininess": shininess,
+        "lightDir": (-0.36, 0.80, 0.48),
+        "viewPos": EYE,
+    }
+    mesh = Mesh.later(lambda: Mesh(**parts()[material].geometry))
+    return tested("ch12_models/obj_model", mesh, uniforms)
 
 
 DRAWS = [
@@ -112,17 +100,23 @@ def outward():
     return np.min(found)
 
 
-def bad(name, message, **place):
-    """A broken file is refused in exactly these words."""
-    return refused(
-        lambda: assets.load_obj(FOLDER / "broken" / name),
-        message=message,
-        file=f"obj_model/broken/{name}",
-        name=name,
-        **({"remedy": "export the model again"} | place),
-    )
+def agree():
+    """Whether they are alike but for the angle that one of 24 segments spans."""
+    return outward() > np.cos(np.radians(360.0 / 24.0))
 
 
+LIBRARY = {"line": 1, "remedy": "put it beside the OBJ file"}
+NORMALS = {"line": 8, "remedy": "export the model with normals"}
+CHECK = {"remedy": "check the path and its spelling"}
+BROKEN = {
+    "truncated.obj": ("a face has 2 corners; it needs three", {"line": 8}),
+    "out_of_range.obj": ("a face names v 5, but there are 4", {"line": 8}),
+    "not_a_number.obj": ("a position holds nan", {"line": 5}),
+    "no_library.obj": ("its material library is not there: lighthouse.mtl", LIBRARY),
+    "no_normals.obj": ("a face's corner has no normal", NORMALS),
+    "empty.obj": "the file is empty",
+    "absent.obj": ("there is no such file (an OBJ file was asked for)", CHECK),
+}
 STONE = {
     "FragPos": (0.0, 0.0, 0.0),
     "Normal": (0.0, 2.0, 0.0),
@@ -132,6 +126,9 @@ STONE = {
     "lightDir": (0.0, 0.6, 0.8),
     "viewPos": (0.0, 3.0, 4.0),
 }
+BEHIND = {**STONE, **lit.GRAZING, "lightDir": lit.BELOW}
+AMBIENT = (0.366665, 0.267570, 0.195257, 1.0)
+WINDING = "within one of 24 segments, so all faces wind counter-clockwise"
 
 case = Case(
     title="A model from an OBJ file",
@@ -151,25 +148,13 @@ case = Case(
         ),
         *results(
             {
-                "lowest corner of the bounds": (
-                    lambda: positions().min(axis=0),
-                    (-0.62, 0.0, -0.62),
-                ),
-                "highest corner of the bounds": (
-                    lambda: positions().max(axis=0),
-                    (0.62, 2.8, 0.62),
-                ),
+                "lowest corner of the bounds": (lambda: positions().min(0), (-0.62, 0.0, -0.62)),
+                "highest corner of the bounds": (lambda: positions().max(0), (0.62, 2.8, 0.62)),
                 "Kd of the paint": (lambda: parts()["paint"].color, (0.62, 0.07, 0.05)),
                 "Ns of the paint": (lambda: parts()["paint"].shininess, 48.0),
             }
         ),
-        computed(
-            "triangle normals agree with vertex normals",
-            lambda: outward() > np.cos(np.radians(360.0 / 24.0)),
-            equals=1.0,
-            digits=0,
-            note="within one of 24 segments, so all faces wind counter-clockwise",
-        ),
+        *results({"triangle normals agree with vertex normals": (agree, 1.0, WINDING)}, digits=0),
         formula("judged.gl_Position", clip_position, name="the paint in clip space"),
         formula("judged.gl_Position", clip_position, draw=1, name="the plaster in clip space"),
         figure(
@@ -190,47 +175,17 @@ case = Case(
             gated_or_not(lit_by_lamp, highlight=lighting.halfway_lobe),
             {1: "the plaster in the light", 2: "the paint in the light"},
         ),
-        figure(
+        *figures(
             "judged.FragColor",
-            "a stone's middle, seen aslant",
-            STONE,
-            (0.646373, 0.492882, 0.388432, 1.0),
+            {
+                "a stone's middle, seen aslant": ({}, (0.646373, 0.492882, 0.388432, 1.0)),
+                "brighter than white": ({"diffuse": (4.0, 4.0, 4.0)}, (1.0, 1.0, 1.0, 1.0)),
+            },
+            at=STONE,
         ),
-        figure(
-            "judged.FragColor",
-            lit.TURNED_AWAY,
-            {**STONE, **lit.GRAZING, "lightDir": lit.BELOW},
-            (0.366665, 0.267570, 0.195257, 1.0),
-            reference=lit_by_lamp,
-        ),
-        figure(
-            "judged.FragColor",
-            "brighter than white",
-            {**STONE, "diffuse": (4.0, 4.0, 4.0)},
-            (1.0, 1.0, 1.0, 1.0),
-        ),
+        figure("judged.FragColor", lit.TURNED_AWAY, BEHIND, AMBIENT, reference=lit_by_lamp),
         *stage.prop_checks(),
         *stage.picture_checks(),
-        bad("truncated.obj", "a face has 2 corners; it needs three", line=8),
-        bad("out_of_range.obj", "a face names v 5, but there are 4", line=8),
-        bad("not_a_number.obj", "a position holds nan", line=5),
-        bad(
-            "no_library.obj",
-            "its material library is not there: lighthouse.mtl",
-            line=1,
-            remedy="put it beside the OBJ file",
-        ),
-        bad(
-            "no_normals.obj",
-            "a face's corner has no normal",
-            line=8,
-            remedy="export the model with normals",
-        ),
-        bad("empty.obj", "the file is empty"),
-        bad(
-            "absent.obj",
-            "there is no such file (an OBJ file was asked for)",
-            remedy="check the path and its spelling",
-        ),
+        *broken_files(assets.load_obj, FOLDER, BROKEN, remedy="export the model again"),
     ],
 )

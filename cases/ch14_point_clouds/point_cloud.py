@@ -30,15 +30,16 @@ from shaderlab import (
     formula,
     measure,
     mesh_pass,
-    refused,
     sweep,
 )
 from shaderlab.glslmath import dot, max, mix, mul, swizzle, vec3, vec4
 from shaderlab.reference.transforms import look_at, perspective
 
+from ..scenes.broken_files import broken_files
 from ..scenes.discs import add_discs
 from ..scenes.figures import figure, results
 
+DROP, CHECK = "leave such points out with drop_invalid=True", "check the path and its spelling"
 FOLDER = Path(__file__).parent / "point_cloud"
 VIEW = look_at((0.35, 0.95, 1.75), (0.0, -0.05, 0.0))
 LARGE, NIGHT = 22.0, (0.006, 0.008, 0.02, 1.0)
@@ -131,23 +132,24 @@ def furthest_from_sum(FragColor):
     return np.abs(FragColor[..., :3] - total).max()
 
 
-def bad(name, message, remedy="save the cloud again"):
-    """A broken file is refused in exactly these words."""
-    return refused(
-        lambda: assets.load_pcd(FOLDER / "broken" / name),
-        message=message,
-        file=f"point_cloud/broken/{name}",
-        remedy=remedy,
-        name=name,
-    )
-
-
 def apart(encoding):
     """The largest difference of any number from the plain binary file's."""
     one, other = cloud(encoding), cloud("binary")
     warmth = np.abs(one.fields["warmth"] - other.fields["warmth"]).max()
     return np.maximum(np.abs(one.positions - other.positions).max(), warmth)
 
+
+BROKEN = {
+    "truncated.pcd": "is cut off: it promises 40 points and has 33",
+    "short_row.pcd": "is cut off: point 1 has 2 numbers, not 4",
+    "wrong_magic.pcd": "is no PCD file: it begins with 'PLY'",
+    "not_a_number.pcd": ("point 1 is [0.0, nan, 0.0]", {"remedy": DROP}),
+    "enormous.pcd": "is cut off: it promises 1000000000000 points and has 4",
+    "enormous_compressed.pcd": "promises 1000000000 points, 16000000000 bytes, "
+    "but unpacks to 4294967295",
+    "empty.pcd": "is no PCD file",
+    "absent.pcd": ("there is no such file (a PCD file was asked for)", {"remedy": CHECK}),
+}
 
 case = Case(
     title="A point cloud",
@@ -216,24 +218,6 @@ case = Case(
             values=np.linspace(1.0, 32.0, 32),
             at={"aPos": (0.25, 0.5, -2.0), "aWarmth": 0.5},
         ),
-        bad("truncated.pcd", "is cut off: it promises 40 points and has 33"),
-        bad("short_row.pcd", "is cut off: point 1 has 2 numbers, not 4"),
-        bad("wrong_magic.pcd", "is no PCD file: it begins with 'PLY'"),
-        bad(
-            "not_a_number.pcd",
-            "point 1 is [0.0, nan, 0.0]",
-            "leave such points out with drop_invalid=True",
-        ),
-        bad("enormous.pcd", "is cut off: it promises 1000000000000 points and has 4"),
-        bad(
-            "enormous_compressed.pcd",
-            "promises 1000000000 points, 16000000000 bytes, but unpacks to 4294967295",
-        ),
-        bad("empty.pcd", "is no PCD file"),
-        bad(
-            "absent.pcd",
-            "there is no such file (a PCD file was asked for)",
-            "check the path and its spelling",
-        ),
+        *broken_files(assets.load_pcd, FOLDER, BROKEN, remedy="save the cloud again"),
     ],
 )
