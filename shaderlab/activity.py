@@ -1,7 +1,7 @@
 """What the lab is doing right now, and how long each kind of work took.
 
 Drawing, compiling and judging say what they are about with `doing`; nobody has to hand a watch
-through every call. Whoever wants to know opens an `Activity` around them: it adds up the time of
+through every call. A caller that measures opens an `Activity` around them: it adds up the time of
 each phase, and passes every step on as it begins. If a driver takes the process down with it, the
 last step that was passed on is what it died of.
 """

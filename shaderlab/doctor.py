@@ -1,4 +1,4 @@
-"""What a machine needs for the lab, looked at piece by piece; nothing is taken on trust."""
+"""Checks that a machine has what the lab needs, by using each part of it once."""
 
 from __future__ import annotations
 

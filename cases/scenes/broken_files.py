@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -30,7 +31,7 @@ def broken_files(
     """
     return [
         refused(
-            lambda name=name: load(folder / "broken" / name),
+            partial(load, folder / "broken" / name),
             message=message,
             file=f"{folder.name}/broken/{name}",
             name=name,

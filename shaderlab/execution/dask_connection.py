@@ -47,7 +47,7 @@ def connected(address: str) -> Client:
 
 
 def check_workers(client: Client, address: str) -> None:
-    """See that there are workers, and that each has what this machine has. Raises UsageError."""
+    """Check that there are workers, all with the versions of this machine. Raises UsageError."""
     from shaderlab.execution.dask_plugin import identify_worker
 
     with contextlib.suppress(TimeoutError):
@@ -99,7 +99,7 @@ def other_version(
 
 @contextlib.contextmanager
 def quiet() -> Iterator[None]:
-    """Dask's own log says in many lines what an error says in one."""
+    """Silence Dask's own log: an error says the same in one line."""
     log = logging.getLogger("distributed")
     before = log.level
     log.setLevel(logging.CRITICAL)

@@ -1,7 +1,7 @@
-"""An `Executor` on a running Dask cluster: jobs go out, records and pictures come back.
+"""An `Executor` on a running Dask cluster: it sends jobs and receives records and pictures.
 
-Each job is a task of its own. Dask gives the tasks of a worker that is lost to others, and each
-record is taken once, so it does not matter where or how often its scene was run.
+Each job is one Dask task. Dask reassigns the tasks of a lost worker, and each record is taken once,
+so a scene may run on any worker, and more than once.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
 PATIENCE_SECONDS = 60.0
 LOOK_SECONDS = 2.0
-_GO_ON = "what was finished is kept: go on with shaderlab run --resume"
+_RESUME = "finished results are saved: resume with shaderlab run --resume"
 
 
 class DaskExecutor:
@@ -50,7 +50,7 @@ class DaskExecutor:
         address: the scheduler's, such as "tcp://host:8786".
         driver: as in `shaderlab.backends.open_backend`, on the workers.
         limits: of each job.
-        patience: seconds that a cluster may be without any worker in the middle of a run.
+        patience: seconds to wait during a run while the cluster has no workers.
 
     Raises:
         UsageError: Dask is not installed here, no scheduler answers, it has no workers, or they
@@ -85,16 +85,16 @@ class DaskExecutor:
 
     @cached_property
     def _about(self) -> About:
-        with self._watched():
-            about: About = self._patiently(self._submit("about").result)
+        with self._translating_errors():
+            about: About = self._wait_for(self._submit("about").result)
             return about
 
     def load(self, files: Sequence[Path]) -> list[CaseFacts]:
         """See `Executor`. Files are imported by workers, never here."""
         jobs = [Job(file=str(file), id=file.stem, variant="") for file in files]
-        with self._watched():
+        with self._translating_errors():
             asked = [self._submit("load", *self._remote(job, RunOptions())) for job in jobs]
-            found: list[CaseFacts] = [self._patiently(future.result) for future in asked]
+            found: list[CaseFacts] = [self._wait_for(future.result) for future in asked]
         return [replace(facts, file=str(f)) for f, facts in zip(files, found, strict=True)]
 
     def run(self, jobs: Sequence[Job], options: RunOptions) -> Generator[tuple[Job, Record]]:
@@ -106,7 +106,7 @@ class DaskExecutor:
         _ = self.about()
         finished: queue.SimpleQueue[int] = queue.SimpleQueue()
         futures: dict[int, Future[Any]] = {}
-        with self._watched():
+        with self._translating_errors():
             for number, job in enumerate(jobs):
                 if not job.broken:
                     remote = self._remote(job, options)
@@ -116,21 +116,21 @@ class DaskExecutor:
                 if job.broken:
                     yield job, failed_record(job, job.broken, job.trouble)
             while futures:
-                number = self._patiently(lambda seconds: finished.get(timeout=seconds))
+                number = self._wait_for(lambda seconds: finished.get(timeout=seconds))
                 if number in futures:  # a task that was run twice is done twice
                     record = self._record(jobs[number], options, futures.pop(number))
                     yield jobs[number], record
 
     def close(self) -> None:
-        """See `Executor`. The cluster itself goes on."""
+        """See `Executor`. The cluster keeps running."""
         with contextlib.suppress(Exception), quiet():
-            # What still runs is given up: its processes end with the plugin.
+            # Jobs that still run are abandoned: their processes end with the plugin.
             self._client.unregister_worker_plugin(self._name)
         with contextlib.suppress(Exception), quiet():
             self._client.close()
 
     def _submit(self, method: str, *arguments: Any, **how: Any) -> Future[Any]:
-        """A call of a method of a worker's `DaskPlugin`, as a task."""
+        """Submit a task that calls a method of a worker's `DaskPlugin`."""
         from shaderlab.execution.dask_plugin import call
 
         key = f"{self._name}-{method}-{uuid.uuid4().hex}"
@@ -144,7 +144,7 @@ class DaskExecutor:
         from shaderlab.report import store
 
         try:
-            result = self._patiently(future.result)
+            result = self._wait_for(future.result)
         except KilledWorker:
             return failed_record(job, "crash", "every Dask worker that ran it was lost")
         finally:
@@ -160,8 +160,8 @@ class DaskExecutor:
             record = replace(record, notices=(*record.notices, problem))
         return record
 
-    def _patiently(self, get: Callable[[float], Any]) -> Any:
-        """What `get` gives within some seconds, asked for again as long as there are workers."""
+    def _wait_for(self, get: Callable[[float], Any]) -> Any:
+        """The result of `get`, retried when it times out, while the cluster has workers."""
         without = 0.0
         while True:
             try:
@@ -174,8 +174,8 @@ class DaskExecutor:
                     raise self._gone("there are no workers left") from None
 
     @contextlib.contextmanager
-    def _watched(self) -> Iterator[None]:
-        """Errors of the connection as the lab's own."""
+    def _translating_errors(self) -> Iterator[None]:
+        """Raise errors of the connection as errors of the lab."""
         from distributed.comm.core import CommClosedError
 
         try:
@@ -187,7 +187,7 @@ class DaskExecutor:
             raise self._gone("the scheduler is gone") from error
 
     def _gone(self, how: str) -> ShaderlabError:
-        return ShaderlabError(f"Dask cluster {self._address}: {how}", remedy=_GO_ON)
+        return ShaderlabError(f"Dask cluster {self._address}: {how}", remedy=_RESUME)
 
     def _remote(self, job: Job, options: RunOptions) -> list[Any]:
         """A job as any machine can run it, and after it the bundles it needs, on their way."""

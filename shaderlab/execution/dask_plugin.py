@@ -1,7 +1,7 @@
-"""The lab on a Dask worker: jobs run in processes of its own, never in the worker itself.
+"""The lab on a Dask worker: jobs run in separate processes, never in the worker itself.
 
 A `DaskPlugin` is installed on every worker for one run. Its `ProcessExecutor` has a process for
-each of the worker's threads; whatever a scene does to its process, the Dask worker lives.
+each of the worker's threads, so a scene that crashes its process leaves the Dask worker running.
 """
 
 from __future__ import annotations
@@ -25,20 +25,20 @@ from shaderlab.execution.jobs import About, CaseFacts, Job
 from shaderlab.options import Limits, RunOptions
 
 IDLE_SECONDS = 120.0
-"""After so long without work the processes end: the cluster may be shared with others."""
+"""The processes end after this time without work, as the cluster may be shared."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class RemoteJob:
-    """A job as any machine can run it.
+    """A job in a form that any machine can run.
 
     Attributes:
-        options: as for a run here; of its folders only their presence counts.
+        options: as for a local run; of its folders only whether they are set counts.
         job: what to run.
         file: the case file.
         shaders: replacements, by shader name.
-        local_names: how this machine names the folders "package", "cases" and "shaders" of the
-            lab, and each bundle's by the bundle's name, in everything that comes back.
+        local_names: this machine's paths of the lab's folders "package", "cases" and "shaders",
+            and of each bundle, by name; results are returned with these paths.
     """
 
     options: RunOptions
@@ -50,8 +50,8 @@ class RemoteJob:
 
 @dataclass(frozen=True, kw_only=True)
 class RemoteResult:
-    """What comes back: a record as plain data, and the files that were written for it by their
-    paths inside the run's folder, and inside the folder of frames."""
+    """A record as plain data, and the files written for it, by their paths inside the run's folder
+    and inside the folder of frames."""
 
     record: Any
     files: Mapping[str, bytes]
@@ -59,10 +59,10 @@ class RemoteResult:
 
 
 class DaskPlugin(WorkerPlugin):
-    """What a run installs on each Dask worker.
+    """The plug-in that a run installs on each Dask worker.
 
     Args:
-        name: the run's own name for it.
+        name: unique to the run.
         driver: as in `shaderlab.backends.open_backend`.
         limits: of each job.
     """
@@ -73,7 +73,7 @@ class DaskPlugin(WorkerPlugin):
         self._limits = limits
 
     def setup(self, worker: Worker) -> None:
-        """Make folders; processes start with the first job."""
+        """Create folders; processes start with the first job."""
         self._folder = Path(os.path.realpath(tempfile.mkdtemp(prefix="shaderlab-")))
         # An empty working directory, so that no path in a record is shortened by this one.
         self._home = self._folder / "home"
@@ -98,7 +98,7 @@ class DaskPlugin(WorkerPlugin):
             return executor.about()
 
     def load(self, remote: RemoteJob, *bundles: Bundle) -> CaseFacts:
-        """What is in a case file; its paths are those of the asking machine."""
+        """The facts of a case file, with the paths of the machine that sent it."""
         folders, names = self._unpacked(remote, bundles)
         with self._processes() as executor:
             (found,) = executor.load([_path(remote.file, folders)])
@@ -113,9 +113,9 @@ class DaskPlugin(WorkerPlugin):
     def run(
         self, expected: Mapping[str, str], remote: RemoteJob, *bundles: Bundle
     ) -> RemoteResult | dict[str, str]:
-        """Run a job; nothing of it stays here.
+        """Run a job, and leave no files on this machine.
 
-        A worker whose `identity` is not the `expected` one gives it instead: it joined later.
+        A worker that joined later, with other versions, returns its own `identity` instead.
         """
         from shaderlab.report import store
 
@@ -170,7 +170,7 @@ class DaskPlugin(WorkerPlugin):
     def _unpacked(
         self, remote: RemoteJob, bundles: Sequence[Bundle]
     ) -> tuple[dict[str, Path], list[tuple[str, str]]]:
-        """The folders of bundles and of the lab itself, and what to call their paths."""
+        """The folders of bundles and of the lab, and pairs of a path here and the sender's path."""
         with self._unpacking:
             folders = {bundle.name: bundle.unpack(self._folder) for bundle in bundles}
         names = []
@@ -185,7 +185,7 @@ class DaskPlugin(WorkerPlugin):
 
 
 def call(plugin: str, method: str, *arguments: Any) -> Any:
-    """On a Dask worker: the result of a method of the `DaskPlugin` of this name."""
+    """On a Dask worker: call a method of the `DaskPlugin` of this name."""
     return getattr(get_worker().plugins[plugin], method)(*arguments)
 
 
@@ -195,10 +195,10 @@ def carry(bundle: Bundle) -> Bundle:
 
 
 def identify_worker() -> Callable[[], dict[str, str]]:
-    """A function that returns a Dask worker's `identity`, and an "error" where there is no lab.
+    """A function that returns a Dask worker's `identity`, or an "error" if it has no shaderlab.
 
-    It is defined inside this one because such functions travel as code and not as a name that
-    the worker would have to import."""
+    It is a nested function because those are pickled as code, not as a name that the worker would
+    have to import."""
 
     def identify() -> dict[str, str]:
         try:

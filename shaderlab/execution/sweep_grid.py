@@ -1,4 +1,4 @@
-"""Parameters of a sweep, as they are typed, and the grid of points that they span."""
+"""Parameters of a sweep as given on the command line, and the grid of points that they span."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from shaderlab.errors import UsageError, nearest
 from shaderlab.execution.jobs import CaseFacts, Job, Point
 
 SIZE = "size"
-"""The parameter that is the side of the judged frame in pixels, and no input of a shader."""
+"""The parameter that sets the side of the judged frame in pixels; it is not a shader input."""
 LARGEST_SIZE = 4096
 MOST_POINTS = 10_000
 _RANGE = re.compile(r"(?P<start>[^:]+):(?P<stop>[^:]+):(?P<count>\d+)(?P<log>log)?")
@@ -23,7 +23,7 @@ _RIGHT = "write NAME=START:STOP:COUNT, NAME=START:STOP:COUNTlog or NAME=A,B,C"
 
 @dataclass(frozen=True)
 class Parameter:
-    """One parameter with the values that it takes; `log` where they are geometrically spaced."""
+    """One parameter and its values; `log` if they are logarithmically spaced."""
 
     name: str
     values: tuple[float, ...]
@@ -37,7 +37,7 @@ class Parameter:
         (64.0, 256.0, 1024.0)
 
         Raises:
-            UsageError: it is spelt in another way; says in which it should be.
+            UsageError: the format is wrong; the remedy shows the right one.
         """
         name, equals, values = (part.strip() for part in word.partition("="))
         if not equals or not name or not values:
@@ -46,7 +46,7 @@ class Parameter:
         if found is None and ":" in values:
             raise UsageError(
                 f"--param {word}: {values!r} is no range",
-                remedy="write START:STOP:COUNT, such as 0:1:11, or 0.01:1:50log for equal ratios",
+                remedy="write START:STOP:COUNT, such as 0:1:11, or 0.01:1:50log (logarithmic)",
             )
         if found is None:
             numbers = tuple(_number(word, text) for text in values.split(","))
@@ -58,23 +58,25 @@ class Parameter:
         return cls(name, tuple(dict.fromkeys(numbers)), bool(found and found["log"]))
 
     def spelt(self, value: float) -> str:
-        """A value in few digits, or in as many as tell it from the others."""
+        """A value with six digits, or with all digits if the others would look the same."""
         short = f"{value:.6g}"
         alike = sum(f"{other:.6g}" == short for other in self.values)
         return short if alike == 1 else repr(value)
 
 
 def parameters(words: Sequence[str]) -> tuple[Parameter, ...]:
-    """All parameters of a sweep. Raises UsageError, also where one is given twice."""
+    """All parameters of a sweep. Raises UsageError, also if one is given twice."""
     found = tuple(Parameter.parse(word) for word in words)
     names = [parameter.name for parameter in found]
     for name in names:
         if names.count(name) > 1:
-            raise UsageError(f"--param {name} is given twice", remedy="one list holds all values")
+            raise UsageError(
+                f"--param {name} is given twice", remedy="put all its values into one list"
+            )
     points = math.prod(len(parameter.values) for parameter in found)
     if points > MOST_POINTS:
         raise UsageError(
-            f"these are {points} points, the most are {MOST_POINTS}", remedy="sweep in parts"
+            f"the grid has {points} points, the limit is {MOST_POINTS}", remedy="sweep in parts"
         )
     return found
 
@@ -84,16 +86,16 @@ def grid(facts: CaseFacts, variant: str, swept: Sequence[Parameter]) -> list[Job
 
     Args:
         facts: of the case.
-        variant: the one whose inputs hold for all that is not swept.
+        variant: whose inputs all points have, except the swept ones.
         swept: the parameters.
 
     Raises:
-        UsageError: the case has no such parameter or it is no single number, or nothing of the
-            case can be judged at other inputs than its own.
+        UsageError: the case has no such parameter, it is not a single number, or the case has no
+            formula, so that nothing can be judged at other inputs.
     """
     if not facts.formulas[facts.variants.index(variant)]:
         raise UsageError(
-            f"{facts.id} has no formula, and its figures hold for its own inputs alone",
+            f"{facts.id} has no formula, and its figures hold for its own inputs only",
             file=facts.file,
             remedy="sweep a case with a formula(…) expectation",
         )
@@ -119,7 +121,7 @@ def grid(facts: CaseFacts, variant: str, swept: Sequence[Parameter]) -> list[Job
 
 
 def coordinates(job: Job) -> Iterator[tuple[str, float]]:
-    """A point's parameters with their values there; nothing for a job that is no point."""
+    """The parameters of a point and their values; nothing for a job that is not a point."""
     if job.point is not None:
         yield from job.point.changes.items()
         if job.point.size:
@@ -129,7 +131,7 @@ def coordinates(job: Job) -> Iterator[tuple[str, float]]:
 def _check(facts: CaseFacts, parameter: Parameter) -> None:
     if parameter.name == SIZE:
         if not facts.sized:
-            raise UsageError(f"every pass of {facts.id} has a size of its own", file=facts.file)
+            raise UsageError(f"every pass of {facts.id} has a fixed size", file=facts.file)
         return
     single = [name for name, components in facts.parameters.items() if components == 1]
     components = facts.parameters.get(parameter.name)
@@ -141,9 +143,9 @@ def _check(facts: CaseFacts, parameter: Parameter) -> None:
         )
     if components != 1:
         raise UsageError(
-            f"{parameter.name!r} of {facts.id} has {components} components; a sweep gives numbers",
+            f"{parameter.name!r} of {facts.id} has {components} components, not one",
             file=facts.file,
-            remedy=f"numbers are {', '.join([*single, SIZE])}",
+            remedy=f"single numbers are {', '.join([*single, SIZE])}",
         )
 
 
@@ -159,21 +161,21 @@ def _number(word: str, text: str) -> float:
 
 def _range(word: str, start: float, stop: float, count: int, *, log: bool) -> tuple[float, ...]:
     if count < 2:
-        raise UsageError(f"--param {word}: a range has 2 values or more", remedy=_RIGHT)
+        raise UsageError(f"--param {word}: a range needs 2 values or more", remedy=_RIGHT)
     if count > MOST_POINTS:
-        raise UsageError(f"--param {word}: the most are {MOST_POINTS} points")
+        raise UsageError(f"--param {word}: the limit is {MOST_POINTS} points")
     if log and not start * stop > 0.0:
         raise UsageError(
-            f"--param {word}: equal ratios lead from {start:g} to {stop:g} nowhere",
-            remedy="with log both ends are above 0, or both below it",
+            f"--param {word}: a logarithmic range can't go from {start:g} to {stop:g}",
+            remedy="both ends must be above 0, or both below",
         )
     space = np.geomspace if log else np.linspace
-    # Twelve digits: 0.3 is meant, not 0.30000000000000004.
+    # Twelve digits, so that 0.3 does not become 0.30000000000000004.
     return tuple(float(f"{value:.12g}") for value in space(start, stop, count))
 
 
 def _sizes(word: str, values: Sequence[float]) -> tuple[float, ...]:
     sizes = [float(round(value)) for value in values]
     if not all(1 <= size <= LARGEST_SIZE for size in sizes):
-        raise UsageError(f"--param {word}: a size lies in 1…{LARGEST_SIZE} pixels")
+        raise UsageError(f"--param {word}: sizes are 1…{LARGEST_SIZE} pixels")
     return tuple(sizes)

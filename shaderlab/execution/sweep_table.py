@@ -1,4 +1,4 @@
-"""What a sweep found: a row for each point, and figures over a parameter."""
+"""The results of a sweep: a row for each point, and plots over a parameter."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from shaderlab.execution.sweep_grid import coordinates
 from shaderlab.records import Plot, PlotPoint, Record
 
 MOST_SERIES = 6
-"""As many series as a plot has colours for."""
+"""The number of colours that a plot has for series."""
 
 Cell = str | float | int | None
 Row = Mapping[str, Cell]
 
 
 def rows(jobs: Sequence[Job], records: Sequence[Record]) -> list[Row]:
-    """A row for each point that was run, in the jobs' order, all with the same columns.
+    """A row for each point that was run, in the order of the jobs, all with the same columns.
 
-    The parameters come first, under their own names. `widths` (half band widths) and `ulp` are
-    the largest distances from the reference over all formulas, None where nothing was judged;
-    `outside` and `judged` count values, `vacuous` is the largest share of values whose band allows
-    anything. Then seconds: of all, and of each phase.
+    The parameters come first, by name. `widths` (half band widths) and `ulp` are the largest
+    distances from the reference over all formulas, None if nothing was judged. `outside` and
+    `judged` count values; `vacuous` is the largest share of values whose band allows any value.
+    Then come the seconds, in total and in each phase.
     """
     found = {record.key: record for record in records}
     return [
@@ -32,8 +32,8 @@ def rows(jobs: Sequence[Job], records: Sequence[Record]) -> list[Row]:
 
 
 def plots(jobs: Sequence[Job], table: Sequence[Row]) -> tuple[Plot, ...]:
-    """The worst distances over the parameter with most values; one with few values, if there is
-    any, gives a series each, and over all others the largest is taken."""
+    """The largest distances over the parameter with the most values. Another parameter with few
+    values, if there is one, gives the series; the maximum is taken over all others."""
     if not table or not jobs:
         return ()
     names = [name for name, _ in coordinates(jobs[0])]
@@ -109,7 +109,7 @@ def _figures(record: Record) -> dict[str, Cell]:
 
 
 def _or_infinite(distance: float) -> float:
-    """What is not a number is as far away as can be."""
+    """A NaN counts as infinitely far away."""
     return math.inf if math.isnan(distance) else distance
 
 

@@ -64,8 +64,8 @@ def encoded(
 ) -> bytes:
     """uint8 pixels (height, width, channels), row 0 at the bottom, as the bytes of an image file.
 
-    They are encoded in memory: OpenImageIO says nothing of a PNG file that the disk has no room
-    for, and never returns from a WebP file.
+    They are encoded in memory: on a full disk OpenImageIO reports no error for a PNG file, and
+    never returns from a WebP file.
 
     Args:
         kind, attributes: those of OpenImageIO.

@@ -1,4 +1,4 @@
-"""The numbers behind a check's pictures, packed so small that a page can carry all of them.
+"""The numbers behind a check's pictures, compressed so that a page can embed all of them.
 
 A file is one zlib stream: a line of JSON (`Values` but for its arrays), then, each for all
 components one after the other, rows from the bottom:

@@ -1,8 +1,9 @@
-"""Textures as references read them: GLSL's texture functions for numbers and bands.
+"""GLSL's texture functions for reference formulas, over float64 arrays and bands.
 
 Every filter and every wrap mode, mipmap levels, arrays, cubes, multisampled textures and shadow
-samplers. A band holds what a conforming driver may answer: a coordinate that may lie on either
-side of a texel's edge gives both texels, and weights are as precise as `filters.WEIGHT` says.
+samplers. A band holds every result that a conforming driver may return: a coordinate that may lie
+on either side of a texel's edge selects both texels, and weights have the precision
+`filters.WEIGHT`.
 """
 
 from shaderlab.sampling.cube import cube_face

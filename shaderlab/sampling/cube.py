@@ -57,9 +57,9 @@ def cube_face(direction: Any) -> tuple[Integers, Array, Array]:
 
 
 def met_faces(direction: Span, exact: bool) -> Iterator[tuple[int, Flags, Span, Span]]:
-    """Each face that some directions may meet: its number, which they are, s and t of all.
+    """Each face that some directions may select: its number, which directions, and s and t of all.
 
-    `exact` for numbers, which meet one face even where two of their components are equal.
+    `exact` for float64 directions, which select one face even if two components are equal.
     """
     axes = [component(direction, k) for k in range(3)]
     if exact:
@@ -83,7 +83,7 @@ def met_faces(direction: Span, exact: bool) -> Iterator[tuple[int, Flags, Span, 
 
 
 def across_edges(sampler: Sampler, level: int, x: Array, y: Array, face: Integers) -> Span:
-    """Texels of a face, or across its edges: of the neighbouring face where filtering is
+    """Texels of a face or beyond its edges: of the adjacent face where filtering is
     seamless, else by the wrap modes."""
     if not sampler.texels.seamless:
         return wrapped(sampler, level, x, y, face)
@@ -125,7 +125,7 @@ def across_edges(sampler: Sampler, level: int, x: Array, y: Array, face: Integer
 def _neighbour(
     sampler: Sampler, level: int, column: Integers, row: Integers, face: Integers, size: int
 ) -> Span:
-    """The texel that a place just outside a face lies over on the next one."""
+    """The texel of the adjacent face that a position just outside a face falls on."""
     s, t = 2.0 * (column + 0.5) / size - 1.0, 2.0 * (row + 0.5) / size - 1.0
     direction = np.zeros((*np.shape(s), 3))
     for number, (axis, s_axis, t_axis) in enumerate(_TABLE):

@@ -1,8 +1,8 @@
-"""NEAREST and LINEAR: which texels a place mixes, and how.
+"""NEAREST and LINEAR filtering: which texels contribute to a sample, and with what weights.
 
-A sample with LINEAR is a continuous, piecewise bilinear function of the place, whatever the wrap
-mode, so a place that is known to lie in a small box gives the hull of the function's values at
-the box's corners and at the texel centres' rows and columns that cross it.
+A sample with LINEAR is a continuous, piecewise bilinear function of the position, whatever the wrap
+mode. So if a position is only known to lie in a small box, the result is the hull of the function's
+values at the box's corners and where rows and columns of texel centres cross the box.
 
 Source: OpenGL 4.5 core profile specification, §8.14.2, equations 8.13 to 8.17. It leaves open how
 precise the weights are. Direct3D 11.3 (functional specification, §7.18.8) asks for 8 bits of
@@ -34,7 +34,7 @@ EVERYWHERE = ...
 
 
 def nearest(texel: Texel, x: Span, y: Span) -> Span:
-    """The texel that holds a place (in texels, 0 at the edge); both where it may be either."""
+    """The texel that contains a position (in texels, 0 at the edge), or both candidates."""
     require_narrow(x, "texture()")
     require_narrow(y, "texture()")
     floors = [(np.floor(a), np.floor(b)) for a in _ends(x) for b in _ends(y)]
@@ -42,10 +42,10 @@ def nearest(texel: Texel, x: Span, y: Span) -> Span:
 
 
 def linear(texel: Texel, x: Span, y: Span, exact: bool, compared: bool = False) -> Span:
-    """The four texels around a place, mixed; `exact` for numbers, whose weights are as given.
+    """The weighted mean of the four texels around a position; `exact` for float64 positions.
 
-    Where `compared` texels, each 0 or 1, do not agree, a driver may answer anything in between:
-    OpenGL leaves open whether it compares one of them, all four, or (as softpipe) their mix.
+    Where `compared` texels, each 0 or 1, differ, a driver may return anything in between: OpenGL
+    leaves open whether it compares one of them, all four, or (like softpipe) their mean.
     """
     if exact:
         column, row = x[0] - 0.5, y[0] - 0.5
@@ -87,7 +87,7 @@ def _ends(span: Span) -> list[Array]:
 
 
 def _within_cell(texel: Texel, x: Span, y: Span, places: Any) -> Span:
-    """The bounds of a mix of four texels over a box between their centres: those at its corners.
+    """The bounds of a mean of four texels over a box between their centres: those at its corners.
 
     Numbers, whose bounds are one array, have one corner and no rounding.
     """

@@ -40,7 +40,7 @@ def texture(sampler: Sampler, p: Any, lod: Any = None) -> Any:
 
 
 def sampled(sampler: Sampler, p: Any, level: Span | None, offset: Offset = (0, 0)) -> Any:
-    """`texture` at a level, in texels of each level `offset` further to the right and up."""
+    """`texture` at a mipmap level, at a position moved by `offset` texels of each level read."""
     texels = sampler.texels
     wanted = _COORDINATES.get(texels.kind, 0) + (texels.compare is not None)
     if texels.kind not in _COORDINATES:
@@ -210,7 +210,7 @@ def compared(sampler: Sampler, reference: Span | None, found: Span, at: Any) -> 
 
 
 def value_of(sampler: Sampler, span: Span) -> Any:
-    """What a sampler gives: a band, float64 values, or integers."""
+    """The result of a sampler: a band, float64 values, or integers."""
     integers = np.dtype(sampler.texels.values.dtype).kind in "iu" and "32" in sampler.texels.format
     if integers:
         unsigned = sampler.texels.format.endswith("ui")

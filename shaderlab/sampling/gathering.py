@@ -37,7 +37,7 @@ def textureGatherOffset(sampler: Sampler, p: Any, offset: Offset, comp: int = 0)
 
 
 def textureGatherOffsets(sampler: Sampler, p: Any, offsets: Sequence[Offset], comp: int = 0) -> Any:
-    """GLSL's `textureGatherOffsets`: of each footprint so moved the lower left texel."""
+    """GLSL's `textureGatherOffsets`: the lower left texel of the footprint at each offset."""
     if len(offsets) != 4:
         raise FormulaError(f"textureGatherOffsets() takes 4 offsets, not {len(offsets)}")
     return _gathered(sampler, p, comp, offsets)
@@ -47,7 +47,7 @@ def textureQueryLod(sampler: Sampler, p: Any, frag_coord: Any) -> Any:
     """GLSL's `textureQueryLod`: the level that would be read, and the level of detail that the
     derivatives of p over a quad give, (count, 2).
 
-    GLSL finds the derivatives by itself; here `frag_coord` says where the values of p are.
+    GLSL takes the derivatives implicitly; here they follow from `frag_coord`, the pixels of p.
     """
     dx, dy = (difference(p, frag_coord, direction, own=False) for direction in "xy")
     low, high = level_of(sampler, dx, dy)
@@ -65,7 +65,7 @@ def textureQueryLod(sampler: Sampler, p: Any, frag_coord: Any) -> Any:
 
 
 def textureSamples(sampler: Sampler) -> Integer:
-    """GLSL's `textureSamples`: of each texel of a multisampled texture."""
+    """GLSL's `textureSamples`: how many samples a multisampled texture has."""
     if sampler.texels.kind != "2DMS":
         raise FormulaError(f"textureSamples(): a sampler{sampler.texels.kind} has no samples")
     return Integer(reading.level_values(sampler, 0).shape[0], rules=sampler.rules)

@@ -1,4 +1,4 @@
-"""Mipmap levels: which of them a sample reads, and how two of them are mixed.
+"""Mipmap levels: which levels a sample reads, and how two of them are mixed.
 
 Source: OpenGL 4.5 core profile specification, §8.14.3 (equations 8.18 to 8.22) and §8.15 (where
 minification ends: at a level of 0, or of 0.5 for some pairs of filters, at the driver's choice).
@@ -23,7 +23,7 @@ Filtered = Callable[[int, str], Span]
 
 
 def at_level(sampler: Sampler, filtered: Filtered, lod: Span | None) -> Span:
-    """A sample at a level: magnified, minified within it, or mixed of two.
+    """A sample at a level of detail: magnified, minified from one level, or a mix of two levels.
 
     Raises:
         FormulaError: the filters depend on a level, and it is None.
@@ -94,13 +94,13 @@ def _minified(sampler: Sampler, filtered: Filtered, within: str, between: str, l
 
 
 def _levels(filtered: Filtered, within: str, numbers: list[Array]) -> dict[int, Span]:
-    """The samples of every level that some value wants."""
+    """The samples of every level that some value reads."""
     wanted = sorted({int(n) for number in numbers for n in np.unique(number)})
     return {number: filtered(number, within) for number in wanted}
 
 
 def _picked(known: dict[int, Span], number: Array) -> Span:
-    """For each value the sample of the level it wants."""
+    """For each value, the sample of the level it reads."""
     low: Any = np.nan
     high: Any = np.nan
     for level, (one, other) in known.items():

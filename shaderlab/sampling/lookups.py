@@ -32,7 +32,7 @@ def textureLodOffset(sampler: Sampler, p: Any, lod: Any, offset: Offset) -> Any:
 
 
 def texelFetchOffset(sampler: Sampler, p: Any, lod: Any, offset: Offset) -> Any:
-    """GLSL's `texelFetchOffset`: the texel `offset` further; undefined outside of the texture."""
+    """GLSL's `texelFetchOffset`: the texel at p + `offset`; undefined outside the texture."""
     low, high = span_of(p)
     if not np.array_equal(np.rint(low), np.rint(high)):
         raise FormulaError("texelFetchOffset(): a band holds several texels")
@@ -62,7 +62,7 @@ def textureProjLodOffset(sampler: Sampler, p: Any, lod: Any, offset: Offset) -> 
 
 
 def textureGrad(sampler: Sampler, p: Any, dPdx: Any, dPdy: Any) -> Any:
-    """GLSL's `textureGrad`: the level comes of these derivatives of p, (…, 2)."""
+    """GLSL's `textureGrad`: the level follows from these derivatives of p, (…, 2)."""
     return sampled(sampler, p, level_of(sampler, dPdx, dPdy))
 
 

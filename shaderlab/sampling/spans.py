@@ -54,7 +54,7 @@ def hull(parts: list[Span]) -> Span:
 
 
 def require_narrow(span: Span, what: str) -> None:
-    """Raise FormulaError if a span, in texels or levels, is wider than one of them."""
+    """Raise FormulaError if a span, in texels or levels, is wider than 1."""
     low, high = span
     if low is not high and not (high - low <= 1.0).all():
         raise FormulaError(

@@ -1,4 +1,4 @@
-"""Which files of a project a process reads: what a verdict depends on, whoever reads it."""
+"""Which files of a project a process reads: what a verdict depends on."""
 
 from __future__ import annotations
 

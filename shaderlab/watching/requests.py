@@ -39,7 +39,7 @@ def warm_up(executor: LocalExecutor) -> None:
     """Have an executor's worker get ready, in the background."""
 
     def perform() -> None:
-        with contextlib.suppress(ShaderlabError):  # whoever asks next is told
+        with contextlib.suppress(ShaderlabError):  # the next request reports it
             list(executor.perform([WarmUp()]))
 
     threading.Thread(target=perform, daemon=True).start()

@@ -64,9 +64,9 @@ def test_ranges(word: str, values: tuple[float, ...], log: bool) -> None:
         ("x=1,,2", "'' is no number", "NAME=START"),
         ("x=1,inf", "is not finite", "NAME=START"),
         ("x=1:2:1", "2 values or more", "NAME=START"),
-        ("x=0:1:5log", "equal ratios", "above 0"),
-        ("x=-1:1:5log", "equal ratios", "above 0"),
-        ("x=0:1:99999", "the most are", ""),
+        ("x=0:1:5log", "logarithmic", "above 0"),
+        ("x=-1:1:5log", "logarithmic", "above 0"),
+        ("x=0:1:99999", "the limit is", ""),
         ("size=0,8", "1…4096", ""),
         ("size=8,5000", "1…4096", ""),
     ],
@@ -107,7 +107,7 @@ def test_what_a_case_does_not_have_is_named() -> None:
     with pytest.raises(UsageError, match="has no formula"):
         grid(FACTS, "far", parameters(["reach=1,2"]))
     fixed = dataclasses.replace(FACTS, sized=False)
-    with pytest.raises(UsageError, match="size of its own"):
+    with pytest.raises(UsageError, match="fixed size"):
         grid(fixed, "near", parameters(["size=1,2"]))
 
 
