@@ -12,27 +12,14 @@ square.
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Cell,
-    Draw,
-    Mesh,
-    Pass,
-    Pixel,
-    Ramp,
-    State,
-    Target,
-    computed,
-    coverage,
-    formula,
-    fullscreen,
-)
+from shaderlab import Case, Cell, Draw, Mesh, Pixel, Ramp, State, coverage, formula
 from shaderlab.glslmath import abs, dot, fract, min, swizzle, vec3, vec4, where
 from shaderlab.reference.spaces import window
 
 from ..scenes import stage
-from ..scenes.figures import each_draw, figures
+from ..scenes.figures import each_draw, figure, figures, results
 from ..scenes.laws import device_place, unchanged
+from ..scenes.panels import panel, picture
 
 LARGE = (10, 20, 640, 480)
 NOTES = {"viewport": LARGE, "depthRange": (0.0, 1.0)}
@@ -73,17 +60,14 @@ def patch(name, viewport, depths=(0.0, 1.0)):
     the window, and only what lies in both is seen."""
     state = State(viewport=viewport, depth_range=depths)
     draw = filled(PATCH, state, {"viewport": viewport, "depthRange": depths})
-    return Pass(name=name, target=Target(size=(512, 256), depth="depth24"), draws=(draw,))
+    return picture([draw], (512, 256), name, depth="depth24")
 
 
 def closeup(name, corner, side):
     """A part of the square, far enlarged."""
-    return fullscreen(
-        "ch04_spaces/viewport.frag",
-        name=name,
-        domain={"Ndc": Ramp((*corner, 0.0), (side, 0.0, 0.0), (0.0, side, 0.0))},
-        target=Target(size=(96, 96), colors={"FragColor": "rgba32f"}),
-    )
+    domain = {"Ndc": Ramp((*corner, 0.0), (side, 0.0, 0.0), (0.0, side, 0.0))}
+    draw = panel("ch04_spaces/viewport.frag", domain)
+    return picture([draw], (96, 96), name, colors={"FragColor": "rgba32f"})
 
 
 def by_hand(aPos, viewport, depthRange):
@@ -110,7 +94,10 @@ def where_it_is(frag_coord):
 
 PLACE = {"aPos": (0.5, -0.5, 0.2)}
 NEAR, FAR = {"aPos": (0.5, -0.5, -1.0)}, {"aPos": (1.0, 1.0, 1.0)}
-NOTHING = (0.0, 0.0, 0.0)
+NOTHING, THERE = (0.0, 0.0, 0.0), Pixel(470, 100)
+NOTES_PLACE = "(½, −½, 0.2) in the viewport (10, 20, 640, 480)"
+IN_FLOAT64 = window(np.array(PLACE["aPos"]), np.array(LARGE), np.array([0, 1]))
+VIEWPORTS = {k: k + 1 for k in range(len(CELLS))}
 
 case = Case(
     title="The viewport",
@@ -123,8 +110,8 @@ case = Case(
             (960, 480),
             clear=(0.93, 0.93, 0.92, 1),
         ),
-        *closeup("chart", (-0.06, -0.06), 0.36),
-        *closeup("disc", (0.41, -0.59), 0.18),
+        closeup("chart", (-0.06, -0.06), 0.36),
+        closeup("disc", (0.41, -0.59), 0.18),
         patch("patch", LARGE),
         patch("middle", BEYOND, (0.25, 0.75)),
         patch("turned", BEYOND, (1.0, 0.0)),
@@ -135,11 +122,7 @@ case = Case(
         formula("judged.Window", by_hand),
         formula("judged.Ndc", unchanged("aPos")),
         formula("judged.gl_Position", device_place),
-        *each_draw(
-            "judged.FragColor",
-            chart,
-            {k: f"viewport {k + 1} of {len(CELLS)}" for k in range(len(CELLS))},
-        ),
+        *each_draw("judged.FragColor", chart, VIEWPORTS, "viewport {} of 6"),
         formula("chart.FragColor", chart, name="axes and lines from near by"),
         formula("disc.FragColor", chart, name="the disc from near by"),
         formula("judged.landed", where_it_is),
@@ -151,7 +134,7 @@ case = Case(
         *figures(
             "judged.Window",
             {
-                "(½, −½, 0.2) in the viewport (10, 20, 640, 480)": ({}, (490.0, 140.0, 0.6)),
+                NOTES_PLACE: ({}, (490.0, 140.0, 0.6)),
                 "lower left corner, near": ({"aPos": (-1.0, -1.0, -1.0)}, (10.0, 20.0, 0.0)),
                 "upper right corner, far": (FAR, (650.0, 500.0, 1.0)),
                 "depth range ¼ … ¾": ({"depthRange": (0.25, 0.75)}, (490.0, 140.0, 0.55)),
@@ -173,18 +156,9 @@ case = Case(
                 "one pixel above": (Pixel(493, 143), NOTHING),
             },
         ),
-        *figures(
-            "middle.landed", {"in the depth range ¼ … ¾": (Pixel(470, 100), (470.5, 100.5, 0.55))}
-        ),
-        *figures(
-            "turned.landed", {"in the depth range 1 … 0": (Pixel(470, 100), (470.5, 100.5, 0.4))}
-        ),
+        figure("middle.landed", "in the depth range ¼ … ¾", THERE, (470.5, 100.5, 0.55)),
+        figure("turned.landed", "in the depth range 1 … 0", THERE, (470.5, 100.5, 0.4)),
         coverage(12, pass_name="middle", name="a viewport may reach beyond the window"),
-        computed(
-            "(½, −½, 0.2) in the viewport (10, 20, 640, 480), in float64",
-            lambda: window(np.array(PLACE["aPos"]), np.array(LARGE), np.array([0, 1])),
-            equals=(490.0, 140.0, 0.6),
-            digits=9,
-        ),
+        *results({f"{NOTES_PLACE}, in float64": (IN_FLOAT64, (490.0, 140.0, 0.6))}, digits=9),
     ],
 )

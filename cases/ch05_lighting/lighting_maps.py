@@ -23,7 +23,7 @@ from shaderlab.sampling import texture
 from ..scenes import lit
 from ..scenes.cameras import camera, turned
 from ..scenes.chest import chest_diffuse, chest_specular
-from ..scenes.figures import each_draw, figure, figures
+from ..scenes.figures import each_draw, figures
 
 EYE = (0.1, 1.7, 5.8)
 LAMP = (0.1, 0.5, 1.55)
@@ -112,6 +112,10 @@ ASIDE = {
     "material.shininess": 0.5,
 }
 
+BELOW = {**lit.GRAZING, "light.position": lit.BELOW, "material.shininess": 8.0}
+HIGHLIGHTS = {1: "of the floor", 2: "without a map", 3: "with one"}
+COLOURS = {1: "of the floor", 2: "without a specular map", -1: "with both maps"}
+
 case = Case(
     title="Lighting maps",
     section="5.4",
@@ -135,17 +139,8 @@ case = Case(
         formula("judged.gl_Position", clip_position, draw=0, name="where the lantern is"),
         formula("judged.FragColor", lit.glowing, draw=0, name="colour of the lantern"),
         *lit.vertex_stage_checks("FragPos", "Normal", "TexCoords", pass_name="judged"),
-        *each_draw(
-            "judged.highlight",
-            highlight,
-            {1: "highlight of the floor", 2: "highlight without a map", 3: "highlight with one"},
-        ),
-        *each_draw(
-            "judged.FragColor",
-            color,
-            {1: "colour of the floor", 2: "colour without a specular map"},
-        ),
-        formula("judged.FragColor", color, name="colour with both maps"),
+        *each_draw("judged.highlight", highlight, HIGHLIGHTS, "highlight {}"),
+        *each_draw("judged.FragColor", color, COLOURS, "colour {}"),
         *lit.picture_checks(),
         *figures(
             "four.FragColor",
@@ -161,28 +156,19 @@ case = Case(
             reference=color,
         ),
         *(
-            gl_calls(
-                "glUniform1i",
-                v0=unit,
-                times=1,
-                pass_name="four",
-                name=f"one sampler is told unit {unit}",
-            )
-            for unit in (0, 1)
+            gl_calls("glUniform1i", **told, pass_name="four", name=name)
+            for name, told in {
+                "one sampler is told unit 0": {"v0": 0, "times": 1},
+                "one sampler is told unit 1": {"v0": 1, "times": 1},
+                "and there are two": {"times": 2},
+            }.items()
         ),
-        gl_calls("glUniform1i", times=2, pass_name="four", name="and there are two"),
-        figure(
+        *figures(
             "four.highlight",
-            "nearly 90° from the mirrored ray",
-            ASIDE,
-            (0.028430, 0.014215, 0.056860),
-            reference=highlight,
-        ),
-        figure(
-            "four.highlight",
-            lit.TURNED_AWAY,
-            {**ASIDE, **lit.GRAZING, "light.position": lit.BELOW, "material.shininess": 8.0},
-            (0.0, 0.0, 0.0),
+            {
+                "nearly 90° from the mirrored ray": (ASIDE, (0.028430, 0.014215, 0.056860)),
+                lit.TURNED_AWAY: ({**ASIDE, **BELOW}, (0.0, 0.0, 0.0)),
+            },
             reference=highlight,
         ),
     ],

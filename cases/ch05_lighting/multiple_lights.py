@@ -111,6 +111,7 @@ by_moon = renamed(light_sources.directional, light="dirLight")
 by_spot = renamed(light_sources.soft_spot, light="spotLight")
 by_points = gated_or_not(light_sources.points, highlight=mirrored_lobe)
 by_all = opaque(summed(by_moon, by_points, by_spot))
+by_all_gated = opaque(summed(by_moon, light_sources.points, by_spot))
 
 
 def largest_difference(one, other):
@@ -129,22 +130,25 @@ ASIDE = {
 }
 
 # Where all four bulbs are before the surface.
-BEFORE_ALL = {**ASIDE, "FragPos": (0.0, 0.0, -2.0)}
+CONSTANTS = {f"pointLights[{i}].constant": 2.0 + i for i in range(4)}
+BEFORE_ALL = {**ASIDE, "FragPos": (0.0, 0.0, -2.0), **CONSTANTS}
+UNDERNEATH = {"position": lit.BELOW, "direction": lit.TOWARDS_BELOW, "ambient": (0, 0, 0)}
 # All six lamps below the surface's horizon, without the light that is everywhere.
 ALL_BELOW = {
     **ASIDE,
     **lit.GRAZING,
     "shininess": 8.0,
     **{
-        name: {
-            "ambient": (0.0, 0.0, 0.0),
-            "position": lit.BELOW,
-            "direction": lit.TOWARDS_BELOW,
-        }[name.split(".")[1]]
-        for name in ALL
-        if name.endswith(("ambient", "position", "direction"))
+        f"{lamp}.{member}": value
+        for lamp, *_ in (name.split(".") for name in ALL)
+        for member, value in UNDERNEATH.items()
+        if f"{lamp}.{member}" in ALL
     },
 }
+
+ALMOST_MIRRORED, LESS = "nearly 90° from the mirrored ray", "bulbs that shine less from near"
+MOONLIT, DIM = (0.629593, 0.332565, 0.219695), (0.369335, 0.159546, 0.201533)
+BLACK = (0.0, 0.0, 0.0, 1.0)
 
 case = Case(
     title="Multiple lights",
@@ -188,27 +192,9 @@ case = Case(
             (7, "'output' : Reserved word."),
             name="a variable called output is refused",
         ),
-        figure(
-            "together.directional",
-            "nearly 90° from the mirrored ray",
-            ASIDE,
-            (0.629593, 0.332565, 0.219695),
-            reference=by_moon,
-        ),
-        figure(
-            "together.points",
-            "bulbs that shine less from near",
-            {**BEFORE_ALL, **{f"pointLights[{i}].constant": 2.0 + i for i in range(4)}},
-            (0.369335, 0.159546, 0.201533),
-            reference=light_sources.points,
-        ),
-        figure(
-            "together.FragColor",
-            lit.TURNED_AWAY,
-            ALL_BELOW,
-            (0.0, 0.0, 0.0, 1.0),
-            reference=opaque(summed(by_moon, light_sources.points, by_spot)),
-        ),
+        figure("together.directional", ALMOST_MIRRORED, ASIDE, MOONLIT, reference=by_moon),
+        figure("together.points", LESS, BEFORE_ALL, DIM, reference=light_sources.points),
+        figure("together.FragColor", lit.TURNED_AWAY, ALL_BELOW, BLACK, reference=by_all_gated),
     ],
     errata=[
         Erratum(

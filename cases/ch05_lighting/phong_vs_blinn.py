@@ -94,8 +94,12 @@ def largest_gap(factor):
 NARROW = {"place": (0.35, 0.20), "blinnExponent": 256.0}
 LAMP_ASIDE = {"place": (0.6, 0.8), "lightDir": (-0.48, 0.6, 0.64), "shininess": 2.0}
 ALONG_GROUND = {"place": (0.8074, -0.59), "lightDir": (0.0, 0.6, 0.8), "blinnExponent": 0.5}
-LEVEL = (cos(radians(5.0)), sin(radians(5.0)))
+# The lamp 5° below the ground on the right.
+BELOW = {"place": (0.2, 0.04), "lightDir": (-cos(radians(5.0)), -sin(radians(5.0)), 0.0)}
+GREY, DARK = (0.30, 0.32, 0.36, 1.0), (0.012, 0.015, 0.022, 1.0)
+RED, YELLOW = (0.75, 0.05, 0.03, 1.0), (0.95, 0.85, 0.45, 1.0)
 AT_20 = past_the_mirrored_ray(20.0)
+SAME_EXPONENT = {**AT_20, "blinnExponent": 8.0}
 
 case = Case(
     title="Phong and Blinn, two lobes",
@@ -136,50 +140,36 @@ case = Case(
         *figures(
             "FragColor",
             {
-                name: (at, (*color, 1.0))
-                for name, color, at in (
-                    ("on the normal", (0.30, 0.32, 0.36), {"place": (0.00597, 0.5)}),
-                    ("beside the normal", (0.012, 0.015, 0.022), {"place": (0.00603, 0.5)}),
-                    ("red, if Blinn's is too narrow", (0.75, 0.05, 0.03), NARROW),
-                    (
-                        "in the middle, above the ground",
-                        (0.3, 0.32, 0.36),
-                        {"place": (0.003, 0.004)},
-                    ),
-                    ("where the ground begins", (0.95, 0.85, 0.45), {"place": (-0.003, 0.0)}),
-                    (
-                        lit.TURNED_AWAY,
-                        (0.012, 0.015, 0.022),
-                        {"place": (0.2, 0.04), "lightDir": (-LEVEL[0], -LEVEL[1], 0.0)},
-                    ),
-                    ("beyond both", (0.012, 0.015, 0.022), {**NARROW, "place": (0.87, 0.48)}),
-                )
+                "on the normal": ({"place": (0.00597, 0.5)}, GREY),
+                "beside the normal": ({"place": (0.00603, 0.5)}, DARK),
+                "red, if Blinn's is too narrow": (NARROW, RED),
+                "in the middle, above the ground": ({"place": (0.003, 0.004)}, GREY),
+                "where the ground begins": ({"place": (-0.003, 0.0)}, YELLOW),
+                lit.TURNED_AWAY: (BELOW, DARK),
+                "beyond both": ({**NARROW, "place": (0.87, 0.48)}, DARK),
             },
         ),
         *results(
             {
-                "largest gap with the same exponent": (lambda: largest_gap(1), 0.4904),
-                "largest gap with four times it": (lambda: largest_gap(4), 0.0180),
+                "largest gap with the same exponent": (largest_gap(1), 0.4904),
+                "largest gap with four times it": (largest_gap(4), 0.0180),
             },
             digits=4,
         ),
-        sweep(
-            "phong",
-            phong,
-            over="shininess",
-            values=np.geomspace(1.0, 256.0, 33),
-            at=AT_20,
-            log_x=True,
-            name="Phong over the exponent, 20° off",
-        ),
-        sweep(
-            "blinn",
-            blinn,
-            over="blinnExponent",
-            values=np.geomspace(1.0, 256.0, 33),
-            at=AT_20,
-            log_x=True,
-            name="Blinn over the exponent, 20° off",
+        *(
+            sweep(
+                name.lower(),
+                lobe,
+                over=exponent,
+                values=np.geomspace(1.0, 256.0, 33),
+                at=AT_20,
+                log_x=True,
+                name=f"{name} over the exponent, 20° off",
+            )
+            for name, lobe, exponent in (
+                ("Phong", phong, "shininess"),
+                ("Blinn", blinn, "blinnExponent"),
+            )
         ),
     ],
 )

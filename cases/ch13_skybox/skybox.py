@@ -16,13 +16,10 @@ import numpy as np
 
 from shaderlab import (
     Case,
-    Cell,
     Depth,
     Erratum,
     Mesh,
     Output,
-    Pass,
-    Target,
     Texture,
     any_order,
     assets,
@@ -40,7 +37,7 @@ from ..scenes.crates import crates, of_wood, turned_normal, wooden
 from ..scenes.draws import tested, twins
 from ..scenes.figures import figure
 from ..scenes.laws import unchanged
-from ..scenes.panels import softened_check, softened_pass
+from ..scenes.panels import cell, picture, softened_check, softened_pass
 from ..scenes.sky import skies
 
 PROJECTION = perspective(radians(50.0), 1.0, 0.1, 100.0)
@@ -72,18 +69,12 @@ def on_the_ground(view, wood, cell=None):
 
 def alone(name, view, vertex="skybox"):
     """The sky without anything in front of it."""
-    return Pass(
-        name=name, target=Target(size=(64, 64), depth="depth24"), draws=(sky(view, NOISE, vertex),)
-    )
+    return picture([sky(view, NOISE, vertex)], (64, 64), name, depth="depth24")
 
 
 def under(name, *draws):
     """Crates and sky, in one order or the other; the sky writes no number."""
-    return Pass(
-        name=name,
-        target=Target(size=(64, 64), depth="depth24", colors={"FragColor": "rgba32f"}),
-        draws=draws,
-    )
+    return picture(draws, (64, 64), name, depth="depth24", colors={"FragColor": "rgba32f"})
 
 
 def along(skybox, TexCoords):
@@ -111,7 +102,11 @@ def changed(one, other):
 
 
 LONG = {"Normal": (0.0, 2.0, 0.0), "TexCoords": (0.4, 0.3)}
-HALVES = [Cell(column=k, row=0, columns=2, rows=1) for k in range(2)]
+HALVES = [
+    draw
+    for k, view in enumerate((HERE, THERE))
+    for draw in (*on_the_ground(view, CRATE, cell(k, 2)), sky(view, MORNING, cell=cell(k, 2)))
+]
 
 SAME_PIXELS = "sky first or last: the same pixels"
 SAME_AGAIN = "the order of drawing changes no pixel"
@@ -124,15 +119,7 @@ case = Case(
     r"\mathbf c_{\text{sky}} = (c_x, c_y, c_w, c_w) \;\Rightarrow\; z = 1",
     passes=(
         *twins(
-            Pass(
-                name="scene",
-                target=Target(size=(1536, 768), depth="depth24", colors={"FragColor": "rgba16f"}),
-                draws=tuple(
-                    draw
-                    for view, cell in zip((HERE, THERE), HALVES, strict=True)
-                    for draw in (*on_the_ground(view, CRATE, cell), sky(view, MORNING, cell=cell))
-                ),
-            )
+            picture(HALVES, (1536, 768), "scene", depth="depth24", colors={"FragColor": "rgba16f"})
         ),
         *softened_pass("scene", (768, 384)),
         alone("here", HERE),
