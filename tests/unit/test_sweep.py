@@ -102,7 +102,7 @@ def test_what_a_case_does_not_have_is_named() -> None:
         assert remedy in (raised.value.remedy or "")
     with pytest.raises(UsageError, match="given twice"):
         parameters(["x=1", "x=2"])
-    with pytest.raises(UsageError, match="the most are 10000"):
+    with pytest.raises(UsageError, match="the limit is 10000"):
         parameters(["x=0:1:200", "y=0:1:200"])
     with pytest.raises(UsageError, match="has no formula"):
         grid(FACTS, "far", parameters(["reach=1,2"]))
@@ -238,7 +238,7 @@ def test_wrong_usage_says_what_is_right(
 ) -> None:
     fake_lab({})
     for words, says in [
-        ((), "nothing to sweep"),
+        ((), "no case to sweep"),
         ((ramp,), "--param light.linear=0.01:1:50log"),
         ((ramp, "--param", "raech=1,2"), "did you mean reach?"),
         ((ramp, "--param", "reach=1:2"), "START:STOP:COUNT"),
