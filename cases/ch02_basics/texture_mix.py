@@ -20,7 +20,6 @@ from shaderlab import (
     assets,
     formula,
     gl_call,
-    measure,
     mesh_pass,
     sweep,
     value,
@@ -28,18 +27,14 @@ from shaderlab import (
 from shaderlab.glslmath import mix, vec4
 from shaderlab.sampling import texture
 
+from ..scenes.figures import ground
+
 GROUND = (0.2, 0.3, 0.3, 1.0)
 
 
 def mixed(texture1, texture2, TexCoords, mixValue):
     """a·(1 − w) + b·w, texel by texel."""
     return mix(texture(texture1, TexCoords), texture(texture2, TexCoords), mixValue)
-
-
-def off_ground(FragColor):
-    """How far what lies beside the quad is from the colour that it was cleared to."""
-    rim = np.concatenate([FragColor[[0, -1]].reshape(-1, 4), FragColor[:, [0, -1]].reshape(-1, 4)])
-    return np.abs(rim - GROUND).max()
 
 
 def handed_on(aTexCoords):
@@ -78,7 +73,7 @@ case = Case(
         formula("gl_Position", in_place),
         formula("TexCoords", handed_on),
         formula("FragColor", mixed),
-        measure("the ground around it", off_ground, at_most=2.0**-24),
+        ground("FragColor", GROUND),
         gl_call(
             "glGetIntegerv",
             "GL_MAX_TEXTURE_IMAGE_UNITS",

@@ -16,7 +16,7 @@ import numpy as np
 from shaderlab import Case, Draw, Mesh, Pass, Target, compile_fails, formula, query
 from shaderlab.glslmath import vec2, vec3, vec4, where
 
-from ..scenes.figures import each_draw
+from ..scenes.figures import each_draw, ground
 from ..scenes.laws import opaque, unchanged
 
 COLORS = np.array([(0.85, 0.25, 0.2), (0.3, 0.6, 0.3), (0.25, 0.4, 0.8), (0.9, 0.7, 0.2)])
@@ -28,6 +28,7 @@ POINTS = Mesh(
     },
     primitive="points",
 )
+SKY = (0.80, 0.83, 0.86, 1.0)
 TRIANGLES = ((-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (0.0, 2.0))
 OUTLINE = ((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (0.0, 2.0), (-1.0, 1.0), (-1.0, -1.0))
 WINDOWS = ((-0.5, 0.25), (0.5, 0.25))
@@ -47,7 +48,7 @@ def houses(kind):
 
 def drawn(name, *draws, side=128):
     """A window with some of the draws."""
-    target = Target(size=(side, side), clear=(0.80, 0.83, 0.86, 1.0))
+    target = Target(size=(side, side), clear=SKY)
     return Pass(name=name, target=target, draws=draws)
 
 
@@ -132,6 +133,7 @@ case = Case(
             formula(f"{kind}.wall", unchanged("aColor"), name=f"{kind}: their colours")
             for kind in KINDS
         ),
+        *(ground(f"{name}.FragColor", SKY, f"{name}: the sky") for name in ("street", *KINDS)),
         emitted(12, "walls", "triangles of walls"),
         emitted(20, "outline", "lines"),
         emitted(8, "windows", "points"),

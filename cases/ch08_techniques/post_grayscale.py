@@ -14,7 +14,17 @@ average, .592582 by luma and .639345 by its light.
 
 import numpy as np
 
-from shaderlab import Case, Erratum, Output, Texture, assets, computed, formula, fullscreen
+from shaderlab import (
+    Case,
+    Erratum,
+    Output,
+    Texture,
+    assets,
+    computed,
+    coverage,
+    formula,
+    fullscreen,
+)
 from shaderlab.glslmath import swizzle, vec4, where
 from shaderlab.reference import post_processing
 from shaderlab.reference.gamma import srgb_decode, srgb_encode
@@ -72,6 +82,11 @@ case = Case(
         formula("picture.luma", luma),
         formula("picture.luminance", luminance),
         formula("picture.FragColor", grey),
+        formula("patch.FragColor", grey, name="patch"),
+        formula("patch.average", average, name="patch: average"),
+        formula("patch.luma", luma, name="patch: luma"),
+        formula("patch.luminance", luminance, name="patch: luminance"),
+        coverage(64 * 64, pass_name="patch", name="all of the patch"),
         *figures(
             "patch.FragColor",
             {

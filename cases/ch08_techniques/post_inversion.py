@@ -7,7 +7,7 @@ Look at: the negative. The sky, nearly white, is nearly black, the coral ball li
 shadows are bright.
 """
 
-from shaderlab import Case, Output, Texture, assets, formula, fullscreen, measure, value
+from shaderlab import Case, Output, Texture, assets, coverage, formula, fullscreen, measure, value
 from shaderlab.glslmath import swizzle, vec4
 from shaderlab.reference import post_processing
 from shaderlab.sampling import texture
@@ -56,6 +56,8 @@ case = Case(
             between=(0.25, 1.0),
             note="in units of 2⁻²⁴, half the spacing of floats below 1: some are not restored",
         ),
+        formula("patch.FragColor", negative, name="patch"),
+        coverage(64 * 64, pass_name="patch", name="all of the patch"),
         value(
             "patch.FragColor",
             at={"TexCoords": (0.5, 0.5)},

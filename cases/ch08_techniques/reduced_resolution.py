@@ -17,7 +17,7 @@ from shaderlab.glslmath import fract, swizzle, vec2, vec4, where
 from shaderlab.sampling import texture
 
 from ..scenes.picture_difference import flip, psnr
-from ..scenes.still_life import photograph_checks, photographed
+from ..scenes.still_life import hue_checks, photograph_checks, photographed
 
 SIDE = 256
 SMALL = {"half": 2, "quarter": 4}
@@ -140,6 +140,11 @@ case = Case(
             *(more(f"LINEAR over NEAREST, {n}", (n, "linear"), (n, "nearest")) for n in SMALL),
         ),
         *photograph_checks(side=SIDE, pass_name="full"),
+        *(
+            check
+            for name, by in SMALL.items()
+            for check in hue_checks(SIDE // by, name, f"{name}: ")
+        ),
         cost(
             {
                 "enlarged": {

@@ -6,7 +6,9 @@ from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from typing import Any
 
-from shaderlab import Pixel, computed, formula, value
+import numpy as np
+
+from shaderlab import Pixel, computed, formula, measure, value
 
 
 def figure(
@@ -118,3 +120,17 @@ def each_draw(
         formula(output, reference, draw=draw, name=named.format(name), **more)
         for draw, name in pairs
     ]
+
+
+def ground(output: str, color: tuple[float, ...], name: str = "the ground") -> Any:
+    """What nothing is drawn on has the colour that it was cleared to: the two upper corners of an
+    output of 32-bit floats.
+
+    >>> ground("FragColor", (0.5, 0.5, 0.5, 1.0)).name
+    'the ground'
+    """
+
+    def farthest(FragColor: Any) -> float:
+        return float(np.abs(FragColor[-1, [0, -1]] - np.asarray(color)).max())
+
+    return measure(name, farthest, reads={"FragColor": output}, at_most=2.0**-24)

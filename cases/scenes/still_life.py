@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from shaderlab.assets.solids import box, painted
 from shaderlab.reference.rasterisation import samples_seen
 
 from .cameras import camera
-from .figures import figure
+from .figures import figure, ground
 from .props import letter_f
 from .remembered import remembered
 from .stage import SKY, prop, prop_checks
@@ -68,18 +69,27 @@ def photograph_checks(*, side: int = 64, pass_name: str = "scene") -> tuple[Any,
             (0.0, 0.0, 0.0, 1.0),
             reference=studio_color,
         ),
-        *(
-            measure(
-                f"{word} in the picture",
-                _count,
-                reads={"picture": f"{pass_name}.FragColor"},
-                given={"of": HUES[word]},
-                between=counts,
-                note="pixels; what stands in front hides the rest",
-            )
-            for word, counts in zip(HUES, _in_sight(side), strict=True)
-        ),
+        *hue_checks(side, pass_name),
     )
+
+
+def hue_checks(side: int, pass_name: str, of: str = "") -> Iterator[Any]:
+    """Coral, blue and green each have as much of a pass of `side` pixels as the mesh says, and the
+    sky has its corners; `of` tells passes apart.
+
+    >>> [check.name for check in hue_checks(64, "scene")]
+    ['coral in the picture', 'blue in the picture', 'green in the picture', 'sky']
+    """
+    for word, counts in zip(HUES, _in_sight(side), strict=True):
+        yield measure(
+            f"{of}{word} in the picture",
+            _count,
+            reads={"picture": f"{pass_name}.FragColor"},
+            given={"of": HUES[word]},
+            between=counts,
+            note="pixels; what stands in front hides the rest",
+        )
+    yield ground(f"{pass_name}.FragColor", SKY, f"{of}sky")
 
 
 @functools.cache

@@ -204,3 +204,11 @@ def test_every_case_is_broken_at_least_twice() -> None:
     broken = [case_id for case_id, *_ in SHADERS] + by_data
     assert len(set(broken)) == 21
     assert min(broken.count(case_id) for case_id in broken) >= 2
+
+
+def test_a_target_that_is_cleared_to_another_colour_is_seen() -> None:
+    case = shipped()["geometry-houses"]
+    street, *others = case.passes
+    black = replace(street, target=replace(street.target, clear=(0.0, 0.0, 0.0, 1.0)))
+    scene = replace(case, passes=(black, *others)).scene("default")
+    assert list(failures(scene, only=["street: the sky"]))
