@@ -20,9 +20,9 @@ DEFAULT_VARIANT = "default"
 class Variant(Checked):
     """A named change of a case's inputs.
 
-    `changes` replaces uniforms, textures, buffers, ramps of the domain, or members of uniform
-    blocks ("Matrices.view"), by the names the case uses, in every draw that has them; `passes`
-    replaces the passes altogether. `expect` is added to the case's own expectations.
+    `changes` replaces uniforms, textures, buffers, images, ramps of the domain, or members of
+    uniform blocks ("Matrices.view"), by the names the case uses, in every draw that has them;
+    `passes` replaces the passes altogether. `expect` is added to the case's own expectations.
     """
 
     name: str
@@ -254,7 +254,7 @@ def _changed(passes: tuple[Pass, ...], variant: Variant) -> tuple[Pass, ...]:
 
     def change(draw: Draw) -> Draw:
         edits: dict[str, Any] = {}
-        for slot in ("uniforms", "textures", "domain", "buffers"):
+        for slot in ("uniforms", "textures", "domain", "buffers", "images"):
             present = getattr(draw, slot) or {}
             hits = changes_of(present)
             if slot == "domain":

@@ -15,6 +15,7 @@ from shaderlab import (
     Pixel,
     Target,
     TextureArray,
+    Variant,
     compute,
     exact,
     formula,
@@ -206,6 +207,23 @@ def test_what_lies_outside_is_read_as_zeros_and_is_not_written(lab: Lab, tmp_pat
     given = {"images": {"a": np.full((2, 4), 2.0)}}
     held = [[1, 1, 1, 2], [2, 2, 2, 2]]
     assert failed(run(lab, tmp_path, text, exact("a", np.array(held)[..., None]), **given)) == []
+
+
+def test_a_variant_changes_what_an_image_holds(lab: Lab, tmp_path: Path) -> None:
+    text = f"""{HEAD}layout (r32f) restrict uniform image2D a;
+    void main() {{ {PLACE} imageStore(a, p, 2.0 * imageLoad(a, p)); }}
+    """
+    (tmp_path / "t.comp").write_text(text)
+    passes = compute("t.comp", groups=(1, 1, 1), images={"a": np.zeros((2, 4))})
+    ones = Variant("ones", {"a": np.ones((2, 4))}, expect=[exact("a", 2.0)])
+    case = Case(
+        title="t", id="t", file=str(tmp_path / "t.py"), passes=passes, variants=[ones], expect=[]
+    )
+    lab.forget_shaders()
+    assert failed(lab.run(case.scene("ones"))) == []
+    (tmp_path / "t.comp").write_text(text.replace("2.0 *", "3.0 *"))
+    lab.forget_shaders()
+    assert failed(lab.run(case.scene("ones"))) == ["a"]
 
 
 # From pass to pass --------------------------------------------------------------------------
