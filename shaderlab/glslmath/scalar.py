@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from shaderlab.bands import Band, Truth, arithmetic, exact, functions
+from shaderlab.bands import Band, Truth, arithmetic, exact, functions, mixed
 from shaderlab.glslmath import integer
 from shaderlab.glslmath.choice import where
 from shaderlab.glslmath.dispatch import Value, applied, integers, number, undefined
@@ -213,7 +213,8 @@ def mix(x: Value, y: Value, a: Value) -> Value:
         return where(a, y, x)
 
     def banded(x: Band, y: Band, a: Band) -> Band:
-        return exact.union(x * (1.0 - a) + y * a, x + (y - x) * a)
+        found = exact.union(x * (1.0 - a) + y * a, x + (y - x) * a)
+        return mixed.within_ends(found, x, y, a)
 
     return applied(lambda x, y, a: x * (1.0 - a) + y * a, banded, x, y, a)
 
