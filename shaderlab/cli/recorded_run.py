@@ -185,8 +185,8 @@ def finish(
     if is_latest:
         latest(recorded.folder)
         _remove_old(recorded.folder.parent)
-        if page is not None:
-            problems += _index(recorded.folder.parent)
+    if page is not None:
+        problems += _index(recorded.folder.parent, new=is_latest)
     if page is not None:
         show.where(page)
     unwritten = tell(problems)
@@ -209,12 +209,13 @@ def _remove_old(parent: Path) -> None:
         click.echo(f"removed {what} from {parent}/ (keep in [tool.shaderlab])", err=True)
 
 
-def _index(parent: Path) -> list[ShaderlabError]:
-    """Write the page of all runs there; what was wrong with that."""
-    from shaderlab.report import runs
+def _index(parent: Path, *, new: bool) -> list[ShaderlabError]:
+    """Write the list of all runs there, made where it is `new` only; what was wrong with that."""
+    from shaderlab.report import html, runs
 
     try:
-        runs.write(parent)
+        if new or runs.is_list(parent / html.FILE_NAME):
+            runs.write(parent)
     except ShaderlabError as error:
         return [error]
     return []

@@ -40,6 +40,9 @@ def test_no_violation(visit: Callable[..., Any], lamp: Sample, scheme: str, widt
     )
     page.evaluate(UNFOLD)
     page.locator("#case-lamp-bad-fragcolor canvas").first.wait_for()
+    # What has no role may have no label; the checker minds only while there is no text in it.
+    assert page.locator("pre[aria-label]").count() >= 2
+    assert page.locator("pre[aria-label]:not([role])").count() == 0
     assert violations(page) == []
 
 

@@ -89,3 +89,7 @@ def test_a_run_removes_what_the_project_does_not_keep(
     assert Path("reports/latest/index.html").is_file()
     index = Path("reports/index.html").read_text()
     assert index.count("/index.html") == 1 and "1 case:" in index  # none of those that went
+    CliRunner().invoke(cli, ["run", "lamp.py", "--report", "reports/mine"])
+    assert 'href="mine/index.html"' in Path("reports/index.html").read_text()
+    CliRunner().invoke(cli, ["run", "lamp.py", "--report", "elsewhere/mine"])
+    assert not Path("elsewhere/index.html").exists()

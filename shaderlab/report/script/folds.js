@@ -16,6 +16,7 @@ fillOnOpening("details[data-assembly]", async (details) => {
   const code = document.createElement("pre");
   code.className = "code";
   code.tabIndex = 0;
+  code.setAttribute("role", "group");
   code.setAttribute("aria-label", details.querySelector("summary").textContent.trim());
   details.append(code);
   try {
