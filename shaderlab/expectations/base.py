@@ -47,8 +47,10 @@ class Context:
 
     @functools.cached_property
     def _folders(self) -> list[str]:
-        own = Path(self.session.scene.case.file).parent
-        return sorted({str(f) for f in (own, *self.preparer.folders)}, key=len, reverse=True)
+        # A case that was named by a relative path has errors with absolute ones.
+        named = (Path(self.session.scene.case.file).parent, *self.preparer.folders)
+        found = {str(f) for folder in named for f in (folder, folder.resolve()) if f.parts}
+        return sorted(found, key=len, reverse=True)
 
 
 @dataclass(frozen=True, kw_only=True)

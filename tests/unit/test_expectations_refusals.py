@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
+from unittest.mock import Mock
 
 import pytest
 
@@ -127,3 +128,26 @@ def test_the_place_that_the_driver_names(places: tuple[Place, ...], status: str)
     assert found.status == status
     assert found.rows[1].expected == "refused at a.frag:3"
     assert status == "pass" or "another place" in found.message
+
+
+@pytest.mark.parametrize("file", ["cases/a.py", "{here}/cases/a.py"])
+def test_a_case_s_folder_is_left_out_however_the_case_was_named(
+    file: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    here = tmp_path.resolve()
+    case = SimpleNamespace(file=file.format(here=here))
+    session: Any = SimpleNamespace(scene=SimpleNamespace(case=case))
+    preparer: Any = SimpleNamespace(folders=(here / "shaders",))
+    context = Context(session, {}, preparer, Mock())
+    assert context.shortened(f"{here}/cases/b.obj:8, {here}/shaders/c.glsl") == "b.obj:8, c.glsl"
+
+
+def test_the_working_directory_as_a_folder_takes_no_dots(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    session: Any = SimpleNamespace(scene=SimpleNamespace(case=SimpleNamespace(file="a.py")))
+    preparer: Any = SimpleNamespace(folders=())
+    context = Context(session, {}, preparer, Mock())
+    assert context.shortened(f"{tmp_path.resolve()}/b.obj: 1.5") == "b.obj: 1.5"
