@@ -46,7 +46,7 @@ def new_run_folder(parent: Path = REPORTS) -> Path:
             continue
         except OSError as error:
             if error.errno not in NO_ROOM:
-                raise _unwritable(parent, error) from error
+                raise _unwritable(parent, error, "name another folder: --report DIR") from error
         return folder
     raise AssertionError("unreachable")
 
@@ -62,7 +62,7 @@ def report_folder(folder: Path) -> Path:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         if error.errno not in NO_ROOM:
-            raise _unwritable(folder, error) from error
+            raise _unwritable(folder, error, "name another folder") from error
     mark_named(folder)
     return folder
 
@@ -186,5 +186,5 @@ def write_output(text: str, file: str, *, append: bool = False) -> None:
         raise _unwritable(Path(file), error) from error
 
 
-def _unwritable(path: Path, error: OSError) -> UsageError:
-    return UsageError(f"can't write here: {error.strerror or error}", file=path)
+def _unwritable(path: Path, error: OSError, remedy: str | None = None) -> UsageError:
+    return UsageError(f"can't write here: {error.strerror or error}", file=path, remedy=remedy)

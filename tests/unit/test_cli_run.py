@@ -209,6 +209,24 @@ def test_a_disk_without_room_for_the_runs_folder_costs_no_verdict(
     assert result.stderr.count("No space left on device") == 3
 
 
+@pytest.mark.parametrize("folder", [(), ("--report", "here")])
+def test_where_nothing_may_be_written_another_folder_is_asked_for(
+    shaderlab: Callable[..., Result],
+    case_folder: Path,
+    fake_lab: Install,
+    monkeypatch: pytest.MonkeyPatch,
+    folder: tuple[str, ...],
+) -> None:
+    def read_only(*_: object) -> None:
+        raise OSError(errno.EROFS, os.strerror(errno.EROFS))
+
+    fake_lab({})
+    monkeypatch.setattr(os, "mkdir", read_only)
+    result = shaderlab("run", case_folder / "lamp.py", *folder)
+    assert result.exit_code == 2
+    assert "Read-only file system" in result.stderr and "→ name another folder" in result.stderr
+
+
 def test_junit(
     shaderlab: Callable[..., Result], case_folder: Path, fake_lab: Install, tmp_path: Path
 ) -> None:
