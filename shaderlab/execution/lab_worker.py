@@ -25,6 +25,9 @@ from shaderlab.model import Case, Ramp, Scene
 from shaderlab.options import RunOptions
 from shaderlab.records import Record
 
+LARGE = 256 << 20
+"""A worker that holds so many bytes of its own gives way to a fresh one before its next scene."""
+
 
 class LabWorker:
     """The state of a process that performs requests: an open lab, and case files loaded once.
@@ -95,6 +98,10 @@ class LabWorker:
 
     def run(self, job: Job, options: RunOptions) -> Record:
         """Run one job. Raises CaseError where the case file is wrong."""
+        if self._channel is not None and self._lab is not None and _own_memory() > LARGE:
+            # Drivers and caches keep a little of every scene. The parent starts another process
+            # and asks that one.
+            os._exit(0)
         size = options.size if job.point is None else job.point.size or options.size
         lab = self.lab(_of_driver(job.driver, replace(options, size=size)))
         self.note("loading the case file")
@@ -125,6 +132,16 @@ class LabWorker:
         """Close the lab."""
         if self._lab is not None:
             self._lab.close()
+
+
+def _own_memory() -> int:
+    """How many bytes of memory this process has and shares with no file; 0 where none can tell."""
+    try:
+        with open("/proc/self/statm", encoding="ascii") as file:
+            _, resident, shared, *_ = map(int, file.read().split())
+    except OSError:
+        return 0
+    return (resident - shared) * os.sysconf("SC_PAGE_SIZE")
 
 
 def _of_driver(driver: str, options: RunOptions) -> RunOptions:

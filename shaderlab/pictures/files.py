@@ -166,14 +166,18 @@ def reduced(pixels: NDArray[np.uint8], side: int) -> NDArray[np.uint8]:
     scale = side / max(height, width)
     if scale >= 1:
         return pixels
-    means = pixels.astype(np.float32)
-    for axis, length in ((0, height), (1, width)):
+    means: NDArray[Any] = pixels
+    for length in (height, width):
         count = max(1, round(length * scale))
         starts = np.arange(count) * length // count
         blocks = np.diff(starts, append=length)
-        shape = (-1, 1, 1) if axis == 0 else (1, -1, 1)
-        sums = np.add.reduceat(means, starts, axis=axis, dtype=np.float32)
-        means = sums / blocks.reshape(shape).astype(np.float32)
+        sums = means[starts].astype(np.float32)
+        # One row of each block after the other: `np.add.reduceat` takes three times as long.
+        for step in range(1, int(blocks.max())):
+            more = blocks > step
+            sums[more] += means[starts[more] + step]
+        sums /= blocks.astype(np.float32)[:, None, None]
+        means = np.ascontiguousarray(sums.swapaxes(0, 1))
     return np.asarray(np.rint(means), dtype=np.uint8)
 
 

@@ -15,6 +15,9 @@ from shaderlab.frame import PassDraw
 from shaderlab.model import Draw, Pass
 from shaderlab.programs import bind, formats, storage, vertex_stages
 
+# Files and programs of one folder that are not read and compiled once more.
+_KEPT = 512
+
 
 @dataclass(frozen=True, kw_only=True)
 class PreparedDraw:
@@ -95,8 +98,8 @@ class Preparer:
     def __init__(self, shaders: Shaders, compiling: Compile = compile_program) -> None:
         self._shaders = shaders
         self._compiling = compiling
-        self._load = functools.cache(shaders.load)
-        self._compile = functools.cache(compiling)
+        self._load = functools.lru_cache(_KEPT)(shaders.load)
+        self._compile = functools.lru_cache(_KEPT)(compiling)
         self.folders = shaders.folders
 
     def prepare(self, draw: Draw, targets: tuple[str, ...] = TARGETS) -> PreparedDraw:

@@ -1,0 +1,136 @@
+"""How runs grow: `python -m benchmarks.scale [COUNT …] [--sweep POINTS] [--cluster CASES]`.
+
+Runs folders of so many small cases (500 and 2,000 by default; 10,000 take minutes), each a shader
+of its own with 16 × 16 judged pixels: records a second, milliseconds of the processors for each,
+the largest process, and the page, made once more. `--sweep` judges one case at so many points.
+`--cluster` compares one and two workers of a Dask cluster on this machine with `-j 1`, which is the
+same work without a cluster.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import NamedTuple
+
+from benchmarks import running_programs
+from benchmarks.beside import PAGE, measured
+
+REPOSITORY = Path(__file__).resolve().parent.parent
+SIZE = 16
+HEAD = (
+    f"{'cases':>7} {'clock, s':>9} {'records/s':>10} {'processors, ms each':>20} "
+    f"{'largest, MiB':>13} {'page, s':>8} {'front page, kB':>15} {'run.json, MB':>13}"
+)
+
+
+class Taken(NamedTuple):
+    """Seconds by the clock and of the processors, and MiB of the largest process."""
+
+    clock: float
+    processors: float
+    largest: float
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("counts", type=int, nargs="*", metavar="COUNT")
+    parser.add_argument("--sweep", type=int, metavar="POINTS")
+    parser.add_argument("--cluster", type=int, metavar="CASES")
+    asked = parser.parse_args()
+    counts = asked.counts or ([] if asked.sweep or asked.cluster else [500, 2000])
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        if counts:
+            print(HEAD, flush=True)
+        for count in counts:
+            grown(folder, count)
+        if asked.sweep:
+            swept(folder, asked.sweep)
+        if asked.cluster:
+            clustered(folder, asked.cluster)
+
+
+def grown(folder: Path, count: int) -> None:
+    """A folder of `count` cases, run with their page and without pictures."""
+    cases, report = folder / f"cases-{count}", folder / f"report-{count}"
+    running_programs.write(cases, count, SIZE)
+    taken = lab(folder, "run", str(cases), "--no-pictures", "--report", str(report))
+    (page,) = measured(PAGE, folder, [str(report)])
+    front, run = ((report / file).stat().st_size for file in ("index.html", "run.json"))
+    print(
+        f"{count:>7} {taken.clock:>9.1f} {count / taken.clock:>10.1f} "
+        f"{1000 * taken.processors / count:>20.1f} {taken.largest:>13.0f} {page:>8.2f} "
+        f"{front / 1e3:>15.0f} {run / 1e6:>13.1f}",
+        flush=True,
+    )
+
+
+def swept(folder: Path, points: int) -> None:
+    """One case at so many points, into a table."""
+    (case,) = running_programs.write(folder / "swept", 1, SIZE)
+    where = "--table", str(folder / "sweep.csv"), "--report", str(folder / "report-sweep")
+    taken = lab(folder, "sweep", str(case), "--param", f"gain=0:1:{points}", *where)
+    print(
+        f"sweep of {points} points: {taken.clock:.1f} s, {points / taken.clock:.0f} a second, "
+        f"{1000 * taken.processors / points:.2f} ms of the processors each, "
+        f"largest process {taken.largest:.0f} MiB",
+        flush=True,
+    )
+
+
+def clustered(folder: Path, count: int) -> None:
+    """The same cases by one process, and by clusters of one and two workers."""
+    from distributed import LocalCluster
+
+    cases = str(folder / "clustered")
+    running_programs.write(Path(cases), count, SIZE)
+    ran = "run", cases, "--no-pictures", "--report"
+    lab(folder, *ran, str(folder / "first"))  # what is compiled is kept from here on
+    alone = lab(folder, *ran, str(folder / "alone"), "-j", "1").clock
+    print(f"{count} cases, -j 1: {alone:.1f} s", flush=True)
+    least = alone
+    for workers in (1, 2):
+        with LocalCluster(
+            n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=":0"
+        ) as cluster:
+            asked = *ran, str(folder / "cluster"), "--scheduler", cluster.scheduler_address
+            lab(folder, *asked)  # the workers' own processes start
+            clock = lab(folder, *asked).clock
+        least = clock if workers == 1 else least
+        print(
+            f"a cluster's {workers}: {clock:.1f} s, {1000 * (clock - alone / workers) / count:.1f} "
+            f"ms a case more than its share of -j 1, {least / clock:.2f} × one worker's speed",
+            flush=True,
+        )
+
+
+def lab(folder: Path, *arguments: str) -> Taken:
+    """What a command of the lab takes, with all processes that it starts."""
+    environment = {
+        **os.environ,
+        "PYTHONPATH": str(REPOSITORY),
+        "SHADERLAB_CACHE_DIR": str(folder / "kept"),
+    }
+    began = time.perf_counter()
+    process = subprocess.Popen(
+        [sys.executable, "-m", "shaderlab", *arguments],
+        cwd=folder,
+        env=environment,
+        stdout=subprocess.DEVNULL,
+    )
+    _, status, usage = os.wait4(process.pid, 0)
+    clock = time.perf_counter() - began
+    if status:
+        sys.exit(f"shaderlab {' '.join(arguments[:2])} did not pass")
+    return Taken(clock, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024)
+
+
+if __name__ == "__main__":
+    main()
