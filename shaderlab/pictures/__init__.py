@@ -13,7 +13,6 @@ from shaderlab.pictures.display import (
     UNCOVERED as UNCOVERED,
     Display as Display,
     distance_picture as distance_picture,
-    palette as palette,
     to_display as to_display,
 )
 from shaderlab.pictures.files import (
@@ -29,3 +28,4 @@ from shaderlab.pictures.values import (
     judged_part as judged_part,
     pack as pack,
 )
+from shaderlab.pictures.viridis import VIRIDIS as VIRIDIS

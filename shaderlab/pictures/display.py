@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import functools
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from shaderlab.errors import AssetError
+from shaderlab.pictures.viridis import VIRIDIS
 
 Bytes = NDArray[np.uint8]
 Colour = tuple[int, int, int]
@@ -20,7 +20,7 @@ BAND_HIGH: Colour = (224, 130, 20)
 OUTSIDE: tuple[Colour, Colour] = ((214, 20, 20), (0, 0, 0))
 UNCOVERED: Colour = (205, 205, 205)
 _SHADES = 8
-_COLOURS = 256
+_RAMP: Bytes = np.frombuffer(bytes.fromhex(VIRIDIS), np.uint8).reshape(-1, 3)
 
 
 class Display(NamedTuple):
@@ -121,12 +121,6 @@ def distance_picture(
     return large, table
 
 
-def palette(count: int = _COLOURS) -> str:
-    """`count` colours from a false-colour picture's dark end to its bright one, six hexadecimal
-    digits each."""
-    return _ramp(count).tobytes().hex()
-
-
 def _distance_palette() -> Bytes:
     """The colours from a band's lower end to its upper one, of an uncovered pixel, of a check."""
     t = np.arange(-_SHADES, _SHADES + 1)[:, None] / _SHADES
@@ -178,26 +172,10 @@ def _false_colour(values: NDArray[Any], value_range: tuple[float, float] | None)
     # Halved, so that the range of the largest floats does not overflow.
     span = (high / 2 - low / 2) or 1.0
     scaled = np.clip((np.where(finite, values, low) / 2 - low / 2) / span, 0, 1)
-    ramp = _ramp(_COLOURS)
-    image = ramp[np.rint(scaled * (len(ramp) - 1)).astype(np.uint8)]
+    image = _RAMP[np.rint(scaled * (len(_RAMP) - 1)).astype(np.uint8)]
     image[~finite] = NOT_FINITE
     words = f"one channel in false colour, {low:.6g} (dark) to {high:.6g} (bright)"
     return Display(image, float(low), float(high), words + _magenta(int((~finite).sum())))
-
-
-@functools.cache
-def _ramp(count: int) -> Bytes:
-    """The false colours from dark to bright as sRGB bytes, (count, 3).
-
-    The library gives its maps in linear light, screens want them encoded.
-    """
-    import OpenImageIO as oiio
-
-    steps = np.linspace(0.0, 1.0, count, dtype=np.float32)[None, :, None]
-    mapped = oiio.ImageBufAlgo.color_map(oiio.ImageBuf(steps), 0, "viridis")
-    light = np.clip(np.asarray(mapped.get_pixels("float"), dtype=np.float64)[0, :, :3], 0.0, 1.0)
-    encoded = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
-    return np.asarray(np.rint(encoded * 255), dtype=np.uint8)
 
 
 def _finite_range(values: NDArray[Any]) -> tuple[float, float]:

@@ -14,7 +14,7 @@ from shaderlab.report import markup
 from shaderlab.report.assembly import Packed, assemblies
 from shaderlab.report.chart import chart
 from shaderlab.report.grouping import CaseGroup, group_cases, total
-from shaderlab.report.inline import Picture, Pictures
+from shaderlab.report.inline import SMALL, Picture, Pictures
 from shaderlab.report.listing import Listing, anchor_of
 from shaderlab.report.mutants import Mutants, combined
 from shaderlab.report.page import (
@@ -35,8 +35,6 @@ from shaderlab.report.worst import worst_panel
 # The folder of the cases' own pages.
 CASES = "cases"
 _LONGEST_NAME = 120
-# The overview's pictures, and those of several variants side by side.
-SMALL = 320
 # A case shows so many figures in one table; if there are more, each variant shows its own.
 _FIGURES_TOGETHER = 200
 # What a script draws of a check's numbers where there is no file.

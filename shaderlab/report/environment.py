@@ -83,7 +83,7 @@ def _css(colour: tuple[int, int, int]) -> str:
 def _script_colours() -> str:
     """The colours that the inspector paints with, as JSON: the same as in the pictures' files."""
     named = {
-        "palette": pictures.palette(),
+        "palette": pictures.VIRIDIS,
         "low": pictures.BAND_LOW,
         "middle": pictures.BAND_MIDDLE,
         "high": pictures.BAND_HIGH,

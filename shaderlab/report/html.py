@@ -121,7 +121,7 @@ def load_libraries() -> None:
         coloured_lines = importlib.import_module("shaderlab.report.colouring").coloured_lines
         for language in ("glsl", "python"):
             coloured_lines("\n", language)
-        for name in ("OpenImageIO", "markdown_it", "latex2mathml.converter"):
+        for name in ("markdown_it", "latex2mathml.converter"):
             importlib.import_module(name)
 
     threading.Thread(target=load, daemon=True).start()

@@ -21,7 +21,9 @@ from shaderlab.files import read_regular
 
 _SIGNATURE = b"\x89PNG\r\n\x1a\n"
 # Below this a picture is a table of pixels, to be enlarged with hard edges.
-_SMALL = 200
+_TABLE = 200
+# The size of copies: the overview's, those of several variants side by side, a single file's.
+SMALL = 320
 
 
 @dataclass(frozen=True)
@@ -55,8 +57,16 @@ class Picture:
     @property
     def uri(self) -> Markup:
         """The picture as a data URI; an empty one if the file has gone or is damaged."""
+        return self._data(self.side)
+
+    @property
+    def small_uri(self) -> Markup:
+        """As `uri`, of the small copy where there is one."""
+        return self._data(self.side or SMALL)
+
+    def _data(self, side: int) -> Markup:
         try:
-            data = read_regular(pictures.preview(self.path, self.side))
+            data = read_regular(pictures.preview(self.path, side))
         except OSError:
             data = b""
         kind = "webp" if data[:4] == b"RIFF" else "png"
@@ -98,7 +108,7 @@ class Pictures:
             return Picture(missing=f"{name}: is no PNG file")
         width, height = struct.unpack(">II", head[16:24])
         longest = max(width, height, 1)
-        scale = float(max(1, -(-_SMALL // longest)) if longest < _SMALL else 1)
+        scale = float(max(1, -(-_TABLE // longest)) if longest < _TABLE else 1)
         side = side if longest > side else 0
         if side:
             scale = side / longest

@@ -142,11 +142,16 @@ def arrays(full: np.ndarray, covered: np.ndarray) -> dict[str, np.ndarray]:
     return {**each, "outside": full > 9, "covered": covered, "unit": np.float64(0)}
 
 
-def test_the_palette_is_that_of_the_pictures() -> None:
-    table = pictures.palette(count=3)
-    ends = pictures.to_display(np.array([[0.0, 1.0]])).image[0]
-    assert len(table) == 18
-    assert table.startswith(ends[0].tobytes().hex()) and table.endswith(ends[1].tobytes().hex())
+def test_the_palette_is_the_librarys_and_that_of_the_pictures() -> None:
+    import OpenImageIO as oiio
+
+    steps = np.linspace(0.0, 1.0, 256, dtype=np.float32)[None, :, None]
+    shown = pictures.to_display(steps).image[0]
+    assert shown.tobytes().hex() == pictures.VIRIDIS
+    mapped = oiio.ImageBufAlgo.color_map(oiio.ImageBuf(steps), 0, "viridis").get_pixels("float")
+    light = mapped[0, :, :3]  # linear
+    encoded = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
+    assert np.abs(shown - encoded * 255).max() < 0.6
 
 
 def test_a_preview_is_small_and_stands_for_its_picture(tmp_path: Path) -> None:
