@@ -10,7 +10,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from shaderlab import Case, Draw, Mesh, Pass, Ramp, Texture, exact, formula, fullscreen
+from shaderlab import (
+    Blend,
+    Case,
+    Draw,
+    Mesh,
+    Pass,
+    Ramp,
+    State,
+    Stencil,
+    Texture,
+    exact,
+    formula,
+    fullscreen,
+)
 from shaderlab.compiler.sources import Shaders
 from shaderlab.errors import DeviceLostError, DriverError, UnsupportedError
 from shaderlab.evaluation import Lab
@@ -216,3 +229,37 @@ def test_points_off_screen_are_dropped(lab: Lab, tmp_path: Path) -> None:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("shaderlab.programs.stages._OFF_SCREEN", ())
         assert lab.run(case.scene("default")).status == "fail"
+
+
+@pytest.mark.parametrize(
+    ("state", "says"),
+    [
+        (State(sample_shading=1.0), "sample_shading"),
+        (State(multisample=False), "multisample=False"),
+        (State(srgb=True, depth_range=(1.0, 0.0)), "from far to near"),
+        (State(srgb=True, stencil=Stencil(), stencil_back=Stencil(mask=3)), "stencil_back"),
+        (State(), "srgb=False"),
+        (
+            State(srgb=True, blend=Blend(source="constant_color", destination="constant_alpha")),
+            "constant alpha",
+        ),
+    ],
+)
+def test_states_that_webgl2_lacks_are_named(state: State, says: str) -> None:
+    from shaderlab.backends.webgl.state import check
+
+    with pytest.raises(UnsupportedError, match=says):
+        check(state, samples=4, encodes=True)
+    plain = State(srgb=True, blend=Blend(destination="one_minus_constant_color"))
+    check(plain, samples=4, encodes=True)
+
+
+def test_depths_are_the_codes_that_were_handed_over() -> None:
+    from shaderlab.backends.webgl.formats import stored_depths, uploaded
+
+    given = np.array([[[0.0], [0.3], [1.0], [1.7]]], np.float32)
+    for word, most in (("depth16", 0xFFFF), ("depth24", 0xFFFFFF)):
+        codes = np.rint(np.minimum(given, 1.0).astype(np.float64) * most)
+        assert np.array_equal(stored_depths(word, given), (codes / most).astype(np.float32))
+    assert uploaded("depth24", given).ravel().tolist()[2:] == [0xFFFFFFFF] * 2
+    assert np.array_equal(stored_depths("depth32f", given), given)

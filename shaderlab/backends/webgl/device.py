@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from shaderlab.backends.webgl.browser import Browser
-from shaderlab.backends.webgl.calls import Calls
+from shaderlab.backends.webgl.calls import Calls, Object
 from shaderlab.backends.webgl.essl import cross_compiler
 from shaderlab.errors import DriverError, UnsupportedError
 
@@ -21,12 +21,14 @@ class Device:
         gl: its calls.
         info: what the browser says of itself.
         extensions: the names of those that it has, all of them enabled.
+        own_programs: the lab's own, which read what can't be read otherwise, by their text.
     """
 
     gl: Calls
     info: Mapping[str, str]
     extensions: frozenset[str]
     _browser: Browser
+    own_programs: dict[str, Object] = field(default_factory=dict, compare=False)
 
     def require(self, extension: str, what: str) -> None:
         """Raise UnsupportedError where the browser lacks an extension that something takes."""

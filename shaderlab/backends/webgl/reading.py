@@ -80,7 +80,7 @@ def fetched(device: Device, texture: Object, size: Size, level: int = 0) -> Arra
     """A level of a texture of floats or depths, as shaders get it: (height, width, 4) floats."""
     gl = device.gl
     with Objects(gl) as own:
-        program = program_of(own, _FETCH)
+        program = program_of(device, _FETCH)
         draw_to_floats(device, own, size)
         gl.activeTexture(gl.TEXTURE0)
         gl.bindTexture(gl.TEXTURE_2D, texture)
@@ -107,7 +107,7 @@ def stencil(device: Device, attachment: Mapping[str, Object], size: Size) -> Arr
     """
     gl = device.gl
     with Objects(gl) as own:
-        program = program_of(own, _BIT)
+        program = program_of(device, _BIT)
         draw_to_floats(device, own, size)
         for point, texture in attachment.items():
             gl.framebufferTexture2D(gl.FRAMEBUFFER, getattr(gl, point), gl.TEXTURE_2D, texture, 0)
@@ -127,14 +127,17 @@ def stencil(device: Device, attachment: Mapping[str, Object], size: Size) -> Arr
         return read_pixels(device, "rgba32f", size)[..., :1].astype(np.uint8)
 
 
-def program_of(own: Objects, fragment: str) -> Object:
-    """A program of the lab's, in use, that draws one triangle over the target."""
-    program = own.new("Program")
-    refused = own.gl.ask("link", program, {"vertex": _CORNERS, "fragment": fragment}, [])
-    if refused:
-        raise DriverError(f"WebGL2 refuses a program of the lab's: {refused[1]}")
-    own.gl.useProgram(program)
-    return program
+def program_of(device: Device, fragment: str) -> Object:
+    """A program of the lab's, in use, that draws one triangle over the target; made once."""
+    gl = device.gl
+    if fragment not in device.own_programs:
+        program = gl.new("createProgram")
+        refused = gl.ask("link", program, {"vertex": _CORNERS, "fragment": fragment}, [])
+        if refused:
+            raise DriverError(f"WebGL2 refuses a program of the lab's: {refused[1]}")
+        device.own_programs[fragment] = program
+    gl.useProgram(device.own_programs[fragment])
+    return device.own_programs[fragment]
 
 
 def draw_to_floats(device: Device, own: Objects, size: Size) -> Object:

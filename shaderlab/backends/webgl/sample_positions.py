@@ -34,7 +34,7 @@ def sample_positions(device: Device, samples: int) -> Array:
     device.require(_EXTENSION, "sample positions")
     gl, found = device.gl, []
     with Objects(gl) as own:
-        program = program_of(own, _TELLING)
+        program = program_of(device, _TELLING)
         # What is read is the average of all samples, of which one is not zero.
         frame = draw_to_floats(device, own, (1, 1))
         several, buffer = own.new("Framebuffer"), own.new("Renderbuffer")
