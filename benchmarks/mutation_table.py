@@ -2,7 +2,8 @@
 
 Takes the cases in each FILE, which `shaderlab mutate --json FILE` wrote, into mutation-scores.json,
 and writes the page's tables from that and from mutation-survivors.toml, which says why a mutant
-survives. Survivors that nothing there is about are printed, and the exit status is 1.
+survives. Survivors that nothing there is about are printed, and the exit status is 1. Of files that
+`mutate --api` wrote, the cases go to api-mutation-scores.json, and their survivors into the table.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ FOLDER = REPOSITORY / "docs" / "internals"
 PAGE = FOLDER / "mutation-scores.md"
 SCORES = FOLDER / "mutation-scores.json"
 SURVIVORS = FOLDER / "mutation-survivors.toml"
+API_SCORES = FOLDER / "api-mutation-scores.json"
 _KILLED, _SURVIVED, _UNREAD = "killed", "survived", "unread"
 _STATE_KILLED, _STATE_SURVIVED = "killed in state", "survived in state"
 
@@ -29,12 +31,13 @@ Entry = Mapping[str, Any]
 
 def main(files: Sequence[str]) -> int:
     """Write the page and return the exit status."""
-    scores, known = load_scores(), load_survivors()
+    scores, calls, known = load_scores(), load_api_scores(), load_survivors()
     unknown = []
     for file in files:
         data = json.loads(Path(file).read_text(encoding="utf-8"))
         if data.get("api"):
-            sys.exit(f"{file} has mistakes in calls of OpenGL, and the page is about shaders")
+            calls |= {case["id"]: api_row_of(case, int(data["seed"])) for case in data["cases"]}
+            continue
         for case in data["cases"]:
             scores[case["id"]] = row_of(case, int(data["limit"]), int(data["seed"]))
             unknown += [
@@ -42,9 +45,10 @@ def main(files: Sequence[str]) -> int:
                 for s in case["survived"]
                 if not any(is_about(entry, case["id"], s) for entry in known)
             ]
-    lines = (f"  {json.dumps(case)}: {json.dumps(row)}" for case, row in scores.items())
-    SCORES.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")
-    PAGE.write_text(page(PAGE.read_text(encoding="utf-8"), scores, known), encoding="utf-8")
+    _write(SCORES, scores)
+    _write(API_SCORES, calls)
+    text = page(PAGE.read_text(encoding="utf-8"), scores, known, calls)
+    PAGE.write_text(text, encoding="utf-8")
     for line in unknown:
         print(f"not in {SURVIVORS.name}: {line}")
     return 1 if unknown else 0
@@ -53,6 +57,12 @@ def main(files: Sequence[str]) -> int:
 def load_scores() -> dict[str, Row]:
     """Each case's counts, by id."""
     scores: dict[str, Row] = json.loads(SCORES.read_text(encoding="utf-8"))
+    return scores
+
+
+def load_api_scores() -> dict[str, Entry]:
+    """What became of each case's mistakes in calls, by id."""
+    scores: dict[str, Entry] = json.loads(API_SCORES.read_text(encoding="utf-8"))
     return scores
 
 
@@ -76,6 +86,17 @@ def row_of(case: Mapping[str, Any], limit: int, seed: int) -> Row:
     return row
 
 
+def api_row_of(case: Mapping[str, Any], seed: int) -> Entry:
+    """A case's counts from what `mutate --api` says of it, and what survived."""
+    return {
+        _KILLED: case["killed"],
+        _SURVIVED: [f"{s['before']} → {s['after']}" for s in case["survived"]],
+        "equivalent": case["equivalent"],
+        "no difference": len(case["no_difference"]),
+        "seed": seed,
+    }
+
+
 def is_about(entry: Entry, case_id: str, survivor: Mapping[str, Any]) -> bool:
     """Whether an explanation is about a survivor of a case."""
     if case_id not in entry.get("cases", (case_id,)):
@@ -90,9 +111,12 @@ def is_about(entry: Entry, case_id: str, survivor: Mapping[str, Any]) -> bool:
     )
 
 
-def page(text: str, scores: Mapping[str, Row], known: Sequence[Entry]) -> str:
+def page(
+    text: str, scores: Mapping[str, Row], known: Sequence[Entry], calls: Mapping[str, Entry]
+) -> str:
     """The page with its tables made anew."""
-    return between(between(text, "scores", score_table(scores)), "survivors", survivor_table(known))
+    text = between(text, "scores", score_table(scores))
+    return between(between(text, "survivors", survivor_table(known)), "calls", call_table(calls))
 
 
 def score_table(scores: Mapping[str, Row]) -> str:
@@ -134,6 +158,25 @@ def survivor_table(known: Sequence[Entry]) -> str:
     return "\n".join(lines)
 
 
+def call_table(scores: Mapping[str, Entry]) -> str:
+    """A row for each case whose calls were mutated, the sum, and the mistakes that get by."""
+    lines = [
+        "| case | mutants | noticed | not noticed | score | equivalent | no difference |",
+        "|---|---|---|---|---|---|---|",
+    ]
+    noticed = missed = 0
+    for case, row in scores.items():
+        killed, survived = row[_KILLED], len(row[_SURVIVED])
+        noticed, missed = noticed + killed, missed + survived
+        tried = killed + survived + row["equivalent"] + row["no difference"]
+        share = f"{100 * killed / (killed + survived):.1f} %" if killed + survived else "–"
+        others = f"{row['equivalent']} | {row['no difference']}"
+        lines.append(f"| {case} | {tried} | {killed} | {survived} | {share} | {others} |")
+    total = f"**{noticed}** | **{missed}** | **{_share(noticed, missed)}**"
+    lines += [f"| **{len(scores)} cases** | | {total} | | |", "", "Not noticed:", ""]
+    return "\n".join(lines + [f"- {c}: `{s}`" for c, row in scores.items() for s in row[_SURVIVED]])
+
+
 def line_number(file: str, text: str) -> int:
     """Where a shader has this line.
 
@@ -145,6 +188,14 @@ def line_number(file: str, text: str) -> int:
             if line.strip() == text:
                 return number
     raise LookupError(f"{SURVIVORS.name}: no shader {file} has the line {text!r}")
+
+
+def _write(file: Path, scores: Mapping[str, Entry]) -> None:
+    lines = (
+        f"  {json.dumps(case)}: {json.dumps(row, ensure_ascii=False)}"
+        for case, row in scores.items()
+    )
+    file.write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")
 
 
 def _lines(entry: Entry) -> Iterator[tuple[str, str]]:

@@ -22,12 +22,34 @@ SURVIVOR = {
 
 def test_the_page_is_what_the_data_give() -> None:
     text = made.PAGE.read_text(encoding="utf-8")
-    found = made.page(text, made.load_scores(), made.load_survivors())
+    found = made.page(text, made.load_scores(), made.load_survivors(), made.load_api_scores())
     assert text == found, "run `python -m benchmarks.mutation_table`"
 
 
 def test_every_case_has_a_row() -> None:
     assert set(made.load_scores()) == set(shipped())
+
+
+def test_cases_about_the_api_notice_mistakes_in_its_calls() -> None:
+    chapters = ("ch02", "ch08", "ch09", "ch10", "ch11")
+    about = {c for c, case in shipped().items() if Path(case.file).parent.name[:4] in chapters}
+    assert set(made.load_api_scores()) <= about
+    too_low = {
+        case
+        for case, row in made.load_api_scores().items()
+        if row["killed"] < 19 * len(row["survived"])
+    }
+    assert too_low == set(), "less than 95 % of the mistakes in calls are noticed"
+
+
+def test_counts_of_mistakes_in_calls_become_a_row() -> None:
+    case = {"killed": 19, "survived": [SURVIVOR], "equivalent": 2, "no_difference": [SURVIVOR] * 8}
+    row = made.api_row_of(case, 3)
+    assert row["survived"] == ["vec4(aPos, 1.0) → 1.01"]
+    table = made.call_table({"a": row, "b": {**row, "survived": []}})
+    assert "| a | 30 | 19 | 1 | 95.0 % | 2 | 8 |" in table
+    assert "97.4 % of 39 mistakes" in table
+    assert "- a: `vec4(aPos, 1.0) → 1.01`" in table
 
 
 def test_counts_of_a_file_become_a_row() -> None:
