@@ -32,8 +32,8 @@ from shaderlab.options import RunOptions
 from shaderlab.records import Record
 from tests.catalogue import judged_only
 
-# Textures, meshes and their vertices, discarding, depth and stencil, passes, blocks, cubes.
-SHIPPED = ("stencil-outline", "cubemap", "transparency-order")
+# Textures, meshes and their vertices, discarding, blending, depth and stencil, several passes.
+SHIPPED = ("stencil-outline", "transparency-order")
 WAVE = """#version 330 core
 in vec2 place;
 out float level;
