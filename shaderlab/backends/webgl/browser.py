@@ -7,6 +7,7 @@ import os
 import resource
 import shutil
 import subprocess
+import threading
 from collections.abc import Coroutine, Iterator
 from contextlib import contextmanager, suppress
 from importlib.resources import files
@@ -45,7 +46,10 @@ class Browser:
 
     def __init__(self) -> None:
         self._path = _chromium()
+        # In a thread of its own: the caller may run an event loop itself, as a notebook does.
         self._loop = asyncio.new_event_loop()
+        self._thread = threading.Thread(target=self._loop.run_forever, daemon=True)
+        self._thread.start()
         try:
             with _memory_unlimited():
                 self._wait(self._start())
@@ -70,10 +74,12 @@ class Browser:
         """End the browser, whatever state it is in."""
         with suppress(Exception):
             if self._browser is not None:
-                self._loop.run_until_complete(asyncio.wait_for(self._browser.close(), 5.0))
+                self._run(self._browser.close(), 5.0)
         with suppress(Exception):
             if self._playwright is not None:
-                self._loop.run_until_complete(asyncio.wait_for(self._playwright.stop(), 5.0))
+                self._run(self._playwright.stop(), 5.0)
+        self._loop.call_soon_threadsafe(self._loop.stop)
+        self._thread.join()
         self._loop.close()
         if self._guard is not None:
             assert self._guard.stdin is not None
@@ -96,9 +102,14 @@ class Browser:
                 f"{self._path} has no WebGL2, or is older than version 140", remedy=_INSTALL
             )
 
+    def _run(self, work: Coroutine[Any, Any, Result], seconds: float) -> Result:
+        return asyncio.run_coroutine_threadsafe(
+            asyncio.wait_for(work, seconds), self._loop
+        ).result()
+
     def _wait(self, work: Coroutine[Any, Any, Result]) -> Result:
         try:
-            return self._loop.run_until_complete(asyncio.wait_for(work, PATIENCE))
+            return self._run(work, PATIENCE)
         except TimeoutError:
             raise DeviceLostError(f"the browser gave no answer in {PATIENCE:g} s") from None
         except Error as error:
