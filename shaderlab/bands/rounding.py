@@ -143,3 +143,14 @@ def _out_of_normal(x: Floats, ulps: Floats | float) -> Floats:
     size *= ulps
     size += FLOAT64_ERROR * x
     return size
+
+
+def shortest(value: Any) -> str:
+    """The fewest digits that give this float32 back. NumPy's own text of a number depends on a
+    setting of the process, which other packages change as they are imported.
+
+    >>> shortest(1.0 / 2.2)
+    '0.45454547'
+    """
+    with np.printoptions(legacy=False):
+        return str(np.float32(value))

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from shaderlab.bands.rounding import shortest
 from shaderlab.errors import CallError
 from shaderlab.frame import Array
 
@@ -200,8 +201,8 @@ def weight(value: float) -> float:
     if not math.isfinite(value):
         return 50.0
     digits, _, exponent = f"{np.float32(value):.9g}".partition("e")
-    shortest = str(np.float32(value)).partition("e")[0]
-    figures = len(shortest.strip("-0.").replace(".", ""))
+    written = shortest(value).partition("e")[0]
+    figures = len(written.strip("-0.").replace(".", ""))
     power = abs(int(exponent)) if exponent else max(len(digits.split(".")[0].strip("-")) - 2, 0)
     return figures + 0.5 * (value < 0) + power + (0.0 if value == 1 else 0.5) + abs(value) * 1e-9
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from shaderlab.bands.rounding import shortest
 from shaderlab.frame import Array
 
 Values = dict[str, Array]
@@ -70,4 +71,4 @@ def spelt(values: Values) -> Iterator[str]:
 
 def number(value: Any) -> str:
     """The shortest text that gives the same float32, integer or boolean."""
-    return str(value) if np.asarray(value).dtype.kind != "f" else str(np.float32(value))
+    return str(value) if np.asarray(value).dtype.kind != "f" else shortest(value)

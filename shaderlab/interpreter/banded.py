@@ -11,6 +11,7 @@ import numpy as np
 
 from shaderlab import glslmath
 from shaderlab.bands import Band, Rules
+from shaderlab.bands.rounding import shortest
 from shaderlab.interpreter.arithmetic import Floats
 
 # A float32 that needs more digits was computed by the compiler: another one may round otherwise.
@@ -30,7 +31,7 @@ class Bands:
     def literal(self, value: float) -> Floats:
         """The hull of the decimal number's neighbours, as in a reference; 3 ULP around one with
         so many digits that the compiler must have computed it of others."""
-        shown = str(np.float32(value))
+        shown = shortest(value)
         digits = shown.split("e")[0].replace(".", "").replace("-", "").lstrip("0")
         if len(digits) < _DIGITS or value == round(value):
             return Band.literal(np.full((1, 1), float(shown)), self.rules)

@@ -15,6 +15,7 @@ import numpy as np
 
 from shaderlab import glslmath
 from shaderlab.bands import Integer
+from shaderlab.bands.rounding import shortest
 from shaderlab.interpreter.arithmetic import Floats
 
 
@@ -35,7 +36,7 @@ class Numbers:
 
     def literal(self, value: float) -> Floats:
         # The shortest decimal number with this float32 is the one that was written.
-        return np.full((1, 1), float(str(np.float32(value))), self.dtype)
+        return np.full((1, 1), float(shortest(value)), self.dtype)
 
     def undefined(self) -> Floats:
         return np.zeros((1, 1), self.dtype)
