@@ -42,6 +42,7 @@ def test_a_card_leads_to_its_case(visit: Visit, lamp: Sample) -> None:
     page.locator("a.card", has_text="Blending").click()
     assert page.locator("h1#case-blend").is_visible()
     assert page.url == lamp.case("blend").as_uri()
+    page.wait_for_load_state()  # its script stands at the end
     page.keyboard.press("/")
     page.locator("#find:focus").wait_for()
     assert page.url == lamp.page.as_uri() + "#find"
