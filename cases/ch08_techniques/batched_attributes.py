@@ -11,31 +11,12 @@ Look at: the rosette, read from three buffers of the same numbers in three order
 not differ in a single bit.
 """
 
-from shaderlab import (
-    Case,
-    Output,
-    Target,
-    attribute_layout,
-    computed,
-    exact,
-    formula,
-    mesh_pass,
-    query,
-    value,
-)
+from shaderlab import Case, Output, attribute_layout, exact, query
 
-from ..scenes.rosette import as_it_is, color_of, encoded, rosette
+from ..scenes.figures import results
+from ..scenes.rosette import rosette, rosette_checks, window
 
-
-def drawn(name, layout, upload):
-    """The rosette in one layout."""
-    return mesh_pass(
-        "ch10_buffers/rosette.vert",
-        "ch10_buffers/rosette.frag",
-        rosette(layout=layout, upload=upload),
-        target=Target(size=(512, 512), clear=(0.93, 0.93, 0.92, 1.0)),
-        name=name,
-    )
+LIGHT = (0.93, 0.93, 0.92, 1.0)
 
 
 def size_of(layout):
@@ -49,9 +30,9 @@ case = Case(
     math=r"\text{interleaved: } s_i = \textstyle\sum_k b_k,\ o_i = \sum_{k<i} b_k \qquad "
     r"\text{batched: } s_i = b_i,\ o_i = n \sum_{k<i} b_k",
     passes=(
-        *drawn("separate", "separate", "data"),
-        *drawn("interleaved", "interleaved", "data"),
-        *drawn("batched", "batched", "sub_data"),
+        window("separate", clear=LIGHT, layout="separate"),
+        window("interleaved", clear=LIGHT, layout="interleaved"),
+        window("batched", clear=LIGHT, layout="batched", upload="sub_data"),
     ),
     expect=[
         exact("batched.FragColor", Output("interleaved.FragColor"), name="111222 equals 123123"),
@@ -65,16 +46,14 @@ case = Case(
         attribute_layout(
             {"aPos": (0, 12), "aColor": (0, 12)}, pass_name="separate", name="separate: 111, 222"
         ),
-        *(
-            computed(f"bytes, {layout}", lambda kind=layout: size_of(kind), equals=168.0, digits=0)
-            for layout in ("separate", "interleaved", "batched")
+        *results(
+            {
+                f"bytes, {layout}": (size_of(layout), 168.0)
+                for layout in ("separate", "interleaved", "batched")
+            },
+            digits=0,
         ),
         query("vertices_submitted", equals=18, name="vertices submitted"),
-        formula("gl_Position", as_it_is),
-        formula("ourColor", color_of),
-        formula("FragColor", encoded),
-        value(
-            "FragColor", at={"ourColor": (0.25, 1.0, 0.0)}, equals=(0.5, 1.0, 0.0, 1.0), digits=6
-        ),
+        *rosette_checks(),
     ],
 )

@@ -10,21 +10,11 @@ Look at: the rosette. Its 168 bytes came through a pointer, and its pixels are t
 that was filled by glBufferData.
 """
 
-from shaderlab import (
-    Case,
-    Output,
-    Target,
-    attribute_layout,
-    exact,
-    formula,
-    gl_call,
-    gl_calls,
-    mesh_pass,
-    value,
-)
+from shaderlab import Case, Output, attribute_layout, exact, gl_call, gl_calls
 from shaderlab.expectations.gl_call import Object, call
 
-from ..scenes.rosette import as_it_is, color_of, encoded, rosette
+from ..scenes.api import answers
+from ..scenes.rosette import rosette_checks, window
 
 BUFFER = Object("buffer")
 BOUND = (
@@ -36,23 +26,17 @@ UNMAP = ("glUnmapBuffer", "GL_ARRAY_BUFFER")
 REFUSED = "invalid_operation"
 
 
-def drawn(name, upload):
-    """The rosette, its buffers filled in one way or the other."""
-    return mesh_pass(
-        "ch10_buffers/rosette.vert",
-        "ch10_buffers/rosette.frag",
-        rosette(layout="batched", upload=upload),
-        target=Target(size=(512, 512), clear=(0.13, 0.14, 0.17, 1.0)),
-        name=name,
-    )
-
+SIZE = call("glGetBufferParameteriv", "GL_ARRAY_BUFFER", "GL_BUFFER_SIZE")
 
 case = Case(
     title="Writing through a mapping",
     section="10",
     math=r"168 = 7 \cdot (3 + 3) \cdot 4\ \text{bytes}, \qquad "
     r"\text{map} \to \text{write} \to \text{unmap} = \mathtt{GL\_TRUE}",
-    passes=(*drawn("copied", "data"), *drawn("mapped", "map")),
+    passes=(
+        window("copied", layout="batched", upload="data"),
+        window("mapped", layout="batched", upload="map"),
+    ),
     expect=[
         exact("mapped.FragColor", Output("copied.FragColor"), name="same pixels as copied"),
         gl_calls("glMapBufferRange", access="GL_MAP_WRITE_BIT", length=168, times=1, name="mapped"),
@@ -63,18 +47,8 @@ case = Case(
         gl_call(*MAP, before=(*BOUND, call(*MAP)), raises=REFUSED, name="map what is mapped"),
         gl_call(*UNMAP, before=(*BOUND, call(*MAP)), returns="GL_TRUE", name="unmap"),
         gl_call(*UNMAP, before=BOUND, raises=REFUSED, name="unmap what is not mapped"),
-        gl_call(
-            "glGetBufferParameteriv",
-            "GL_ARRAY_BUFFER",
-            "GL_BUFFER_SIZE",
-            before=BOUND,
-            returns=168,
-            name="size of the buffer",
-        ),
+        *answers({"size of the buffer": (SIZE, 168, BOUND)}),
         attribute_layout({"aPos": (0, 12), "aColor": (84, 12)}, name="positions, then colours"),
-        formula("gl_Position", as_it_is),
-        formula("ourColor", color_of),
-        formula("FragColor", encoded),
-        value("FragColor", at={"ourColor": (0.25, 1, 0)}, equals=(0.5, 1, 0, 1), digits=6),
+        *rosette_checks(),
     ],
 )

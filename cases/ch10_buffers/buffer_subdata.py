@@ -13,37 +13,30 @@ Look at: the rosette. Were the second piece written to byte 0, or the pointer le
 would serve as colours, and three corners with negative coordinates would be black.
 """
 
-from shaderlab import (
-    Case,
-    Erratum,
-    Output,
-    Target,
-    attribute_layout,
-    exact,
-    formula,
-    gl_call,
-    gl_calls,
-    measure,
-    mesh_pass,
-    value,
-)
+from shaderlab import Case, Erratum, Output, attribute_layout, exact, gl_call, gl_calls, measure
 from shaderlab.expectations.gl_call import Object, call
 
-from ..scenes.api import ONE_PIXEL
-from ..scenes.rosette import as_it_is, color_of, encoded, rosette
+from ..scenes.api import ONE_PIXEL, answers
+from ..scenes.rosette import rosette_checks, window
 
 PIXELS, TEXEL = Object("buffer"), bytes(range(10, 90, 10))
-
-
-def drawn(name, **memory):
-    """The rosette, its buffer filled in one way or another."""
-    return mesh_pass(
-        "ch10_buffers/rosette.vert",
-        "ch10_buffers/rosette.frag",
-        rosette(**memory),
-        target=Target(size=(512, 512), clear=(0.13, 0.14, 0.17, 1.0)),
-        name=name,
-    )
+READ_BACK = (
+    *ONE_PIXEL,
+    call("glClearColor", 0.2, 0.4, 0.6, 1.0),
+    call("glClear", "GL_COLOR_BUFFER_BIT"),
+    call("glBindBuffer", "GL_PIXEL_PACK_BUFFER", PIXELS),
+    call("glBufferData", "GL_PIXEL_PACK_BUFFER", 4, None, "GL_STREAM_READ"),
+    call("glReadPixels", 0, 0, 1, 1, "GL_RGBA", "GL_UNSIGNED_BYTE", 0),
+)
+TEXTURE = (0, "GL_RGBA8", 1, 1, 0, "GL_RGBA", "GL_UNSIGNED_BYTE", 4)  # from byte 4 of the buffer
+UNPACKED = (
+    call("glBindBuffer", "GL_PIXEL_UNPACK_BUFFER", PIXELS),
+    call("glBufferData", "GL_PIXEL_UNPACK_BUFFER", 8, TEXEL, "GL_STREAM_DRAW"),
+    call("glBindTexture", "GL_TEXTURE_2D", Object("texture")),
+    call("glTexImage2D", "GL_TEXTURE_2D", *TEXTURE),
+)
+FOUR_BYTES = call("glGetBufferSubData", "GL_PIXEL_PACK_BUFFER", 0, 4)
+IMAGE = call("glGetTexImage", "GL_TEXTURE_2D", 0, "GL_RGBA", "GL_UNSIGNED_BYTE")
 
 
 def white(FragColor):
@@ -57,8 +50,8 @@ case = Case(
     math=r"84 = 7 \cdot 3 \cdot 4\ \text{bytes}, \qquad \text{positions}: 0 \ldots 83, \quad "
     r"\text{colours}: 84 \ldots 167",
     passes=(
-        *drawn("at once", layout="separate", upload="data"),
-        *drawn("main", layout="batched", upload="sub_data"),
+        window("at once", layout="separate", upload="data"),
+        window("main", layout="batched", upload="sub_data"),
     ),
     expect=[
         attribute_layout(
@@ -85,12 +78,7 @@ case = Case(
             name="indices, at once",
         ),
         gl_calls("glBufferData", times=2, pass_name="main", name="and nothing else"),
-        formula("gl_Position", as_it_is),
-        formula("ourColor", color_of),
-        formula("FragColor", encoded),
-        value(
-            "FragColor", at={"ourColor": (0.25, 1.0, 0.0)}, equals=(0.5, 1.0, 0.0, 1.0), digits=6
-        ),
+        *rosette_checks(),
         *(
             gl_call("glBindBuffer", f"GL_{target}_BUFFER", Object("buffer"), name=name)
             for target, name in (
@@ -98,39 +86,11 @@ case = Case(
                 ("UNIFORM", "a buffer of uniforms"),
             )
         ),
-        gl_call(
-            "glGetBufferSubData",
-            "GL_PIXEL_PACK_BUFFER",
-            0,
-            4,
-            before=(
-                *ONE_PIXEL,
-                call("glClearColor", 0.2, 0.4, 0.6, 1.0),
-                call("glClear", "GL_COLOR_BUFFER_BIT"),
-                call("glBindBuffer", "GL_PIXEL_PACK_BUFFER", PIXELS),
-                call("glBufferData", "GL_PIXEL_PACK_BUFFER", 4, None, "GL_STREAM_READ"),
-                call("glReadPixels", 0, 0, 1, 1, "GL_RGBA", "GL_UNSIGNED_BYTE", 0),
-            ),
-            returns=(51, 102, 153, 255),
-            name="pixels are read into a buffer",
-        ),
-        gl_call(
-            "glGetTexImage",
-            "GL_TEXTURE_2D",
-            0,
-            "GL_RGBA",
-            "GL_UNSIGNED_BYTE",
-            before=(
-                call("glBindBuffer", "GL_PIXEL_UNPACK_BUFFER", PIXELS),
-                call("glBufferData", "GL_PIXEL_UNPACK_BUFFER", 8, TEXEL, "GL_STREAM_DRAW"),
-                call("glBindTexture", "GL_TEXTURE_2D", Object("texture")),
-                call(
-                    "glTexImage2D",
-                    *("GL_TEXTURE_2D", 0, "GL_RGBA8", 1, 1, 0, "GL_RGBA", "GL_UNSIGNED_BYTE", 4),
-                ),
-            ),
-            returns=tuple(TEXEL[4:]),
-            name="a texture is filled from byte 4 of a buffer",
+        *answers(
+            {
+                "pixels are read into a buffer": (FOUR_BYTES, (51, 102, 153, 255), READ_BACK),
+                "a texture is filled from byte 4 of a buffer": (IMAGE, tuple(TEXEL[4:]), UNPACKED),
+            }
         ),
         # The nearest pixels are half a pixel off the white vertex both ways, and 208 pixels from
         # there all channels have fallen by 1 at most: to 0.9966, whose root is 0.9983.

@@ -10,74 +10,43 @@ Look at: the nine rosettes: from left to right DRAW, READ and COPY, from bottom 
 STATIC and DYNAMIC. All were made empty and written to afterwards.
 """
 
-from shaderlab import (
-    Case,
-    Cell,
-    Draw,
-    Erratum,
-    Output,
-    Pass,
-    State,
-    Target,
-    attribute_layout,
-    coverage,
-    exact,
-    formula,
-    gl_calls,
-    value,
-)
+from shaderlab import Case, Erratum, Output, attribute_layout, coverage, exact, gl_calls
 
+from ..scenes.draws import drawn
 from ..scenes.figures import each_draw
-from ..scenes.rosette import as_it_is, color_of, encoded, rosette
+from ..scenes.panels import cell, picture
+from ..scenes.rosette import PAPER, encoded, rosette, rosette_checks
 
 OFTEN = ("stream", "static", "dynamic")
 WHO = ("draw", "read", "copy")
 USAGES = tuple(f"{often}_{who}" for often in OFTEN for who in WHO)
-PAPER = (0.13, 0.14, 0.17, 1.0)
 
 
-def drawn(usage, cell=None):
+def hinted(usage, place=None):
     """The rosette, its buffer made with a hint and then written to."""
-    return Draw(
-        vertex="ch10_buffers/rosette.vert",
-        fragment="ch10_buffers/rosette.frag",
-        mesh=rosette(layout="batched", usage=usage, upload="sub_data"),
-        state=State(cell=cell),
-    )
+    mesh = rosette(layout="batched", usage=usage, upload="sub_data")
+    return drawn("ch10_buffers/rosette", mesh, cell=place)
 
 
 def alone(usage):
     """A window with this one rosette."""
-    target = Target(size=(128, 128), clear=PAPER)
-    return Pass(name=usage, target=target, draws=(drawn(usage),))
+    return picture([hinted(usage)], (128, 128), usage, clear=PAPER)
 
 
-ALL = Pass(
-    name="picture",
-    target=Target(size=(576, 576), clear=PAPER),
-    draws=tuple(
-        drawn(usage, Cell(column=place % 3, row=place // 3, columns=3, rows=3))
-        for place, usage in enumerate(USAGES)
-    ),
-)
+ALL = [hinted(usage, cell(place, 3, 3)) for place, usage in enumerate(USAGES)]
 
 case = Case(
     title="Usage hints",
     section="10",
     math=r"\{\mathtt{STREAM}, \mathtt{STATIC}, \mathtt{DYNAMIC}\} \times "
     r"\{\mathtt{DRAW}, \mathtt{READ}, \mathtt{COPY}\}, \qquad 3 \cdot 3 = 9",
-    passes=(ALL, *(alone(usage) for usage in USAGES)),
+    passes=(
+        picture(ALL, (576, 576), clear=PAPER),
+        *(alone(usage) for usage in USAGES),
+    ),
     picture="picture.FragColor",
     expect=[
-        formula("stream_draw.gl_Position", as_it_is),
-        formula("stream_draw.ourColor", color_of),
-        formula("stream_draw.FragColor", encoded),
-        value(
-            "stream_draw.FragColor",
-            at={"ourColor": (0.25, 1.0, 0.0)},
-            equals=(0.5, 1.0, 0.0, 1.0),
-            digits=6,
-        ),
+        *rosette_checks("stream_draw"),
         *each_draw(
             "picture.FragColor", encoded, {k: f"picture, {u}" for k, u in enumerate(USAGES)}
         ),

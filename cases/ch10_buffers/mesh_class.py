@@ -10,48 +10,29 @@ Look at: sixteen rosettes of one mesh, each drawn with an offset of its own. The
 described once: stride and offsets are the same behind the last draw as behind the first.
 """
 
-from shaderlab import (
-    Case,
-    Draw,
-    Output,
-    Pass,
-    Target,
-    attribute_layout,
-    cost,
-    coverage,
-    exact,
-    formula,
-    gl_call,
-    gl_calls,
-    query,
-    value,
-)
+from shaderlab import Case, Output, attribute_layout, cost, coverage, exact, gl_calls, query, value
 from shaderlab.expectations.gl_call import Object, Program, call
 from shaderlab.glslmath import swizzle, vec4
 
-from ..scenes.rosette import color_of, encoded, rosette
+from ..scenes.api import answers, errors
+from ..scenes.draws import drawn
+from ..scenes.panels import picture
+from ..scenes.rosette import PAPER, rosette, rosette_checks
 
 SIDE = 4
 ROSETTE = rosette(layout="interleaved")
 PLACES = [((2 * k + 1) / SIDE - 1.0, (2 * j + 1) / SIDE - 1.0) for j in range(SIDE)
           for k in range(SIDE)]  # fmt: skip
-PAPER = (0.13, 0.14, 0.17, 1.0)
-
-
-def drawn(mesh, place):
-    """One rosette, a quarter as large as the window."""
-    return Draw(
-        vertex="ch10_buffers/mesh_class.vert",
-        fragment="ch10_buffers/rosette.frag",
-        mesh=mesh,
-        uniforms={"offset": place, "size": 1.0 / SIDE},
-    )
 
 
 def window(name, meshes):
-    """All sixteen, each of the mesh that is its turn."""
-    draws = tuple(drawn(mesh, place) for mesh, place in zip(meshes, PLACES, strict=True))
-    return Pass(name=name, target=Target(size=(512, 512), clear=PAPER), draws=draws)
+    """All sixteen a quarter as large as the window, each of the mesh that is its turn."""
+    shaders = ("ch10_buffers/mesh_class.vert", "ch10_buffers/rosette.frag")
+    draws = (
+        drawn(shaders, mesh, {"offset": place, "size": 1.0 / SIDE})
+        for mesh, place in zip(meshes, PLACES, strict=True)
+    )
+    return picture(draws, (512, 512), name, clear=PAPER)
 
 
 def moved(aPos, offset, size):
@@ -60,8 +41,13 @@ def moved(aPos, offset, size):
 
 
 KEPT, USED = Object("buffer"), Program("kept")
+IS_BUFFER, IS_PROGRAM = call("glIsBuffer", KEPT), call("glIsProgram", USED)
+BOUND = call("glGetIntegerv", "GL_ARRAY_BUFFER_BINDING")
 MADE = (call("glBindBuffer", "GL_ARRAY_BUFFER", KEPT),)
-DELETE = call("glDeleteBuffers", 1, (KEPT,))
+DELETED = (*MADE, call("glDeleteBuffers", 1, (KEPT,)))
+DELETED_IN_USE = (call("glUseProgram", USED), call("glDeleteProgram", USED))
+NOT_USED = (call("glUseProgram", 0),)
+LIVES_ON = "a program that is deleted while it is used lives on"
 LAYOUT = {"aPos": (0, 24), "aColor": (12, 24)}
 
 case = Case(
@@ -80,43 +66,20 @@ case = Case(
         attribute_layout(LAYOUT, pass_name="kept", draw=-1, name="layout, last draw"),
         gl_calls("glGenVertexArrays", times=1, pass_name="kept", name="one vertex array for all"),
         gl_calls("glGenVertexArrays", times=16, pass_name="made anew", name="or one for each"),
-        gl_call("glIsBuffer", KEPT, before=MADE, returns="GL_TRUE", name="made: it is a buffer"),
-        gl_call(
-            "glIsBuffer", KEPT, before=(*MADE, DELETE), returns="GL_FALSE", name="deleted: none"
+        *answers(
+            {
+                "made: it is a buffer": (IS_BUFFER, "GL_TRUE", MADE),
+                "deleted: none": (IS_BUFFER, "GL_FALSE", DELETED),
+                "what is deleted is not bound any more": (BOUND, 0, DELETED),
+                LIVES_ON: (IS_PROGRAM, "GL_TRUE", DELETED_IN_USE),
+                "until another one is used": (IS_PROGRAM, "GL_FALSE", DELETED_IN_USE, NOT_USED),
+            }
         ),
-        gl_call(
-            "glGetIntegerv",
-            "GL_ARRAY_BUFFER_BINDING",
-            before=(*MADE, DELETE),
-            returns=0,
-            name="what is deleted is not bound any more",
-        ),
-        gl_call(
-            "glIsProgram",
-            USED,
-            before=(call("glUseProgram", USED), call("glDeleteProgram", USED)),
-            returns="GL_TRUE",
-            name="a program that is deleted while it is used lives on",
-        ),
-        gl_call(
-            "glIsProgram",
-            USED,
-            before=(
-                call("glUseProgram", USED),
-                call("glDeleteProgram", USED),
-                call("glUseProgram", 0),
-            ),
-            returns="GL_FALSE",
-            name="until another one is used",
-        ),
-        gl_call("glDeleteBuffers", 1, (0,), name="deleting 0 is no error"),
+        *errors({"deleting 0 is no error": (call("glDeleteBuffers", 1, (0,)), "no_error")}),
         query("vertices_submitted", equals=18, pass_name="kept", name="vertices of one draw"),
         coverage(9360, pass_name="kept", draw=0, name="pixels of the first"),
         coverage(9360, pass_name="kept", draw=-1, name="pixels of the last"),
-        formula("kept.gl_Position", moved, draw=6),
-        formula("kept.ourColor", color_of, draw=6),
-        formula("kept.FragColor", encoded, draw=6),
-        value("kept.FragColor", at={"ourColor": (0.25, 1, 0)}, equals=(0.5, 1, 0, 1), digits=6),
+        *rosette_checks("kept", places=moved, draw=6),
         value(
             "kept.gl_Position",
             at={"aPos": (0.5, -0.5, 0.25), "offset": (0.125, 0.25), "size": 0.5},

@@ -13,29 +13,15 @@ buffer, on the right in that of a list of seven bytes, which takes every third o
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Draw,
-    Erratum,
-    Mesh,
-    Output,
-    Pass,
-    State,
-    Target,
-    exact,
-    formula,
-    gl_call,
-    gl_calls,
-    measure,
-    query,
-    value,
-)
+from shaderlab import Case, Erratum, Mesh, Output, exact, formula, gl_calls, measure, query
 from shaderlab.expectations.gl_call import Object, Program, call
 
-from ..scenes.api import ONE_PIXEL
+from ..scenes.api import ONE_PIXEL, answers, errors
+from ..scenes.draws import drawn
 from ..scenes.figures import each_draw
-from ..scenes.panels import cell
-from ..scenes.rosette import as_it_is, color_of, encoded, rosette
+from ..scenes.laws import device_place
+from ..scenes.panels import cell, picture
+from ..scenes.rosette import PAPER, color_of, encoded, rosette, rosette_checks
 
 SIDE, SIZE = 256, 24.0
 # Device coordinates of corners between pixels, where a square of even size covers whole pixels.
@@ -51,19 +37,14 @@ SHOWN = ("lines by arrays", "points by arrays", "lines by bytes", "points by byt
 
 def through(indices, primitive="points", **state):
     """The seven vertices by arrays, or by elements where there are indices."""
-    return Draw(
-        vertex="ch10_buffers/points.vert",
-        fragment="ch10_buffers/rosette.frag",
-        mesh=Mesh(attributes=VERTICES, indices=indices, primitive=primitive),
-        uniforms={"size": SIZE},
-        state=State(**state),
-    )
+    mesh = Mesh(attributes=VERTICES, indices=indices, primitive=primitive)
+    shaders = ("ch10_buffers/points.vert", "ch10_buffers/rosette.frag")
+    return drawn(shaders, mesh, {"size": SIZE}, **state)
 
 
 def window(name, *draws, wide=1):
     """One of the windows, or two side by side."""
-    target = Target(size=(wide * SIDE, SIDE), clear=(0.13, 0.14, 0.17, 1.0))
-    return Pass(name=name, target=target, draws=draws)
+    return picture(draws, (wide * SIDE, SIDE), name, clear=PAPER)
 
 
 def size_of(size):
@@ -106,6 +87,11 @@ INDEXED = (
     ),
 )
 
+THIRD = (*INDEXED, call("glDrawElements", "GL_POINTS", 1, "GL_UNSIGNED_BYTE", 3))
+PIXEL = call("glReadPixels", 0, 0, 1, 1, "GL_RGBA", "GL_UNSIGNED_BYTE")
+CYAN = (0, 255, 255, 255)
+GONE = "glIndexPointer is gone from OpenGL's core"
+
 case = Case(
     title="Points by arrays and by elements",
     section="10",
@@ -128,7 +114,7 @@ case = Case(
     expect=[
         *each_draw("picture.FragColor", encoded, enumerate(SHOWN)),
         *each_draw("picture.ourColor", color_of, enumerate(f"{name}: colours" for name in SHOWN)),
-        *each_draw("picture.gl_Position", as_it_is, enumerate(f"{name}: places" for name in SHOWN)),
+        *each_draw("picture.gl_Position", device_place, enumerate(f"{n}: places" for n in SHOWN)),
         exact("bytes.FragColor", Output("arrays.FragColor"), name="bytes: the same picture"),
         gl_calls(
             "glDrawElementsInstanced",
@@ -144,48 +130,26 @@ case = Case(
         query("samples_passed", equals=4032, name="7 squares of 24 × 24 pixels"),
         measure("pixels of the points", lit, equals=4032, digits=0),
         measure("white pixels in the middle", one_square, equals=576, digits=0),
-        gl_call(
-            "glIndexPointer",
-            "GL_INT",
-            0,
-            None,
-            raises="invalid_operation",
-            name="glIndexPointer is gone from OpenGL's core",
+        *errors(
+            {
+                GONE: (call("glIndexPointer", "GL_INT", 0, None), "invalid_operation"),
+                **{
+                    f"indices of GL_{kind}": (
+                        call("glDrawElements", "GL_POINTS", 7, f"GL_{kind}", 0),
+                        raises,
+                        INDEXED,
+                    )
+                    for kind, raises in (
+                        ("UNSIGNED_SHORT", "no_error"),
+                        ("BYTE", "invalid_enum"),
+                        ("FLOAT", "invalid_enum"),
+                    )
+                },
+            }
         ),
-        *(
-            gl_call(
-                "glDrawElements",
-                "GL_POINTS",
-                7,
-                f"GL_{kind}",
-                0,
-                before=INDEXED,
-                raises=raises,
-                name=f"indices of GL_{kind}",
-            )
-            for kind, raises in (
-                ("UNSIGNED_SHORT", "no_error"),
-                ("BYTE", "invalid_enum"),
-                ("FLOAT", "invalid_enum"),
-            )
-        ),
-        gl_call(
-            "glReadPixels",
-            *(0, 0, 1, 1, "GL_RGBA", "GL_UNSIGNED_BYTE"),
-            before=(
-                *INDEXED,
-                call("glDrawElements", "GL_POINTS", 1, "GL_UNSIGNED_BYTE", 3),
-            ),
-            returns=(0, 255, 255, 255),
-            name="the fourth byte is the index 2, whose colour is cyan",
-        ),
-        formula("gl_Position", as_it_is),
+        *answers({"the fourth byte is the index 2, whose colour is cyan": (PIXEL, CYAN, THIRD)}),
         formula("gl_PointSize", size_of),
-        formula("ourColor", color_of),
-        formula("FragColor", encoded),
-        value(
-            "FragColor", at={"ourColor": (0.25, 1.0, 0.0)}, equals=(0.5, 1.0, 0.0, 1.0), digits=6
-        ),
+        *rosette_checks(),
     ],
     errata=[
         Erratum(
@@ -193,7 +157,7 @@ case = Case(
             says="with GL_ELEMENT_ARRAY_BUFFER bound, glIndexPointer says where the indices are",
             truth="it set indices of colours, in the colour-index mode that went with OpenGL 3.1; "
             "indices of vertices need no pointer but glDrawElements' own",
-            proof="glIndexPointer is gone from OpenGL's core",
+            proof=GONE,
         )
     ],
 )

@@ -1,7 +1,12 @@
-"""Calls of OpenGL that several lessons make before the one that they are about."""
+"""Tables of what OpenGL answers to calls, and calls that several lessons make before theirs."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from itertools import chain
+from typing import Any
+
+from shaderlab import gl_call
 from shaderlab.expectations.gl_call import Object, call
 
 _COLOR = ("GL_FRAMEBUFFER", "GL_COLOR_ATTACHMENT0", "GL_RENDERBUFFER")
@@ -14,3 +19,49 @@ ONE_PIXEL = (
     call("glViewport", 0, 0, 1, 1),
 )
 """A framebuffer of one pixel, to be drawn into and read."""
+
+
+def answers(rows: Mapping[str, tuple[Any, ...]]) -> list[Any]:
+    """A `gl_call` for each row: its name → (the call, what it returns or writes, and if any come
+    before it, groups of calls in order).
+
+    >>> made = (call("glBindBuffer", "GL_ARRAY_BUFFER", Object("buffer")),)
+    >>> rows = {"one": (call("glIsBuffer", Object("buffer")), "GL_TRUE", made)}
+    >>> [(check.name, check.returns) for check in answers(rows)]
+    [('one', ('GL_TRUE',))]
+    """
+    return [
+        gl_call(
+            asked.function, *asked.arguments, returns=returns, before=(*chain(*before),), name=name
+        )
+        for name, (asked, returns, *before) in rows.items()
+    ]
+
+
+def errors(rows: Mapping[str, tuple[Any, ...]]) -> list[Any]:
+    """A `gl_call` for each row: its name → (the call, the error that it raises, and if any come
+    before it, groups of calls in order).
+
+    >>> unmap = call("glUnmapBuffer", "GL_ARRAY_BUFFER")
+    >>> [check.raises for check in errors({"none": (unmap, "invalid_operation")})]
+    ['invalid_operation']
+    """
+    return [
+        gl_call(
+            asked.function, *asked.arguments, raises=raises, before=(*chain(*before),), name=name
+        )
+        for name, (asked, raises, *before) in rows.items()
+    ]
+
+
+def limits(rows: Mapping[str, tuple[str, int]]) -> list[Any]:
+    """A `gl_call` for each limit of the driver's: what it is → (its word, the least that OpenGL
+    promises).
+
+    >>> [check.at_least for check in limits({"samples of a pixel": ("GL_MAX_SAMPLES", 4)})]
+    [True]
+    """
+    return [
+        gl_call("glGetIntegerv", word, at_least=least, name=name)
+        for name, (word, least) in rows.items()
+    ]

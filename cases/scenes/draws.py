@@ -1,4 +1,4 @@
-"""Draws of meshes with a depth test, and passes of them in either order."""
+"""Draws of meshes, with a depth test or without, and passes of them in either order."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from typing import Any
 from shaderlab import Cell, Depth, Draw, Mesh, Pass, State, both_ways
 
 
-def tested(
+def drawn(
     shaders: str | tuple[str, str],
     solid: Any,
-    uniforms: Mapping[str, Any],
+    uniforms: Mapping[str, Any] | None = None,
     *,
     only: tuple[str, ...] = (),
     textures: Mapping[str, Any] | None = None,
     cell: Cell | None = None,
     **state: Any,
 ) -> Draw:
-    """A mesh, depth tested unless `state` says otherwise.
+    """A mesh, drawn over what is there unless `state` says otherwise.
 
     Args:
         shaders: vertex and fragment shader; one name stands for both, `a` for `a.vert`, `a.frag`.
@@ -29,8 +29,10 @@ def tested(
         cell: the part of the target to draw into.
         state: what else `State` takes.
 
-    >>> tested("ch04_spaces/ten_cubes", Mesh(attributes={"aPos": [[0, 0, 0]] * 3}), {}).fragment
-    'ch04_spaces/ten_cubes.frag'
+    >>> corners = Mesh(attributes={"aPos": [[0, 0, 0]] * 3})
+    >>> one = drawn("ch10_buffers/rosette", corners)
+    >>> one.fragment, one.state.depth
+    ('ch10_buffers/rosette.frag', None)
     """
     mesh = solid if isinstance(solid, Mesh) else Mesh(**solid)
     both = (f"{shaders}.vert", f"{shaders}.frag") if isinstance(shaders, str) else shaders
@@ -38,10 +40,22 @@ def tested(
         vertex=both[0],
         fragment=both[1],
         mesh=mesh.only(*only) if only else mesh,
-        uniforms=uniforms,
+        uniforms=uniforms or {},
         textures=textures or {},
-        state=State(**{"depth": Depth(), "cell": cell, **state}),
+        state=State(cell=cell, **state),
     )
+
+
+def tested(
+    shaders: str | tuple[str, str], solid: Any, uniforms: Mapping[str, Any], **more: Any
+) -> Draw:
+    """A mesh, depth tested unless `more` says otherwise, which is what else `drawn` takes.
+
+    >>> corners = Mesh(attributes={"aPos": [[0, 0, 0]] * 3})
+    >>> tested("ch04_spaces/ten_cubes", corners, {}).state.depth
+    Depth(func='less', write=True)
+    """
+    return drawn(shaders, solid, uniforms, **{"depth": Depth(), **more})
 
 
 def twins(description: Pass, output: str = "FragColor") -> tuple[Pass, Pass]:

@@ -7,13 +7,20 @@ for the display's curve, a gamma of 2.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from shaderlab import Mesh
+from shaderlab import Mesh, Pass, formula, value
 from shaderlab.glslmath import Value, sqrt, vec4
 
+from .draws import drawn
+from .laws import device_place, unchanged
+from .panels import picture
+
+PAPER = (0.13, 0.14, 0.17, 1.0)
+color_of = unchanged("aColor")
 RIM = ((1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 1, 1), (0, 0, 1), (1, 0, 1))
 
 
@@ -41,24 +48,6 @@ def rosette(**memory: Any) -> Mesh:
     )
 
 
-def as_it_is(aPos: Value) -> Value:
-    """A vertex in device coordinates as clip coordinates.
-
-    >>> as_it_is((0.5, 0.25, 0.0)).tolist()
-    [0.5, 0.25, 0.0, 1.0]
-    """
-    return vec4(aPos, 1.0)
-
-
-def color_of(aColor: Value) -> Value:
-    """A vertex's colour, handed on.
-
-    >>> color_of(0.5)
-    0.5
-    """
-    return aColor
-
-
 def encoded(ourColor: Value) -> Value:
     """Interpolated light, (…, 3) in 0…1, as the display's numbers, (…, 4).
 
@@ -66,3 +55,42 @@ def encoded(ourColor: Value) -> Value:
     [0.5, 1.0, 0.0, 1.0]
     """
     return vec4(sqrt(ourColor), 1.0)
+
+
+def window(name: str, *, side: int = 512, clear: Any = PAPER, **memory: Any) -> Pass:
+    """A pass of this name that draws one rosette into a square window.
+
+    Args:
+        name: of the pass.
+        side: of the window in pixels.
+        clear: its background.
+        memory: as in `rosette`.
+
+    >>> window("batched", layout="batched").target.size
+    (512, 512)
+    """
+    draw = drawn("ch10_buffers/rosette", rosette(**memory))
+    return picture([draw], (side, side), name, clear=clear)
+
+
+def rosette_checks(
+    pass_name: str = "", *, places: Callable[..., Any] = device_place, draw: int = -1
+) -> list[Any]:
+    """What must hold of rosettes: where vertices are, their colours, and the pixels between them,
+    one of which is given in figures.
+
+    Args:
+        pass_name: the pass that is judged, if it is not the last.
+        places: the formula of `gl_Position`; that of device coordinates by default.
+        draw: which of the pass's draws.
+
+    >>> [check.output for check in rosette_checks("kept")][:2]
+    ['kept.gl_Position', 'kept.ourColor']
+    """
+    prefix = f"{pass_name}." if pass_name else ""
+    laws = {"gl_Position": places, "ourColor": color_of, "FragColor": encoded}
+    green, seen = {"ourColor": (0.25, 1.0, 0.0)}, (0.5, 1.0, 0.0, 1.0)
+    return [
+        *(formula(prefix + output, law, draw=draw) for output, law in laws.items()),
+        value(f"{prefix}FragColor", at=green, equals=seen, digits=6),
+    ]
