@@ -28,13 +28,19 @@ from ..scenes.props import letter_f, tile
 
 AXES = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1), "any": (1, 1, 1)}
 FULL = {"x": 90.0, "y": 90.0, "z": 90.0, "any": 120.0}
-EYES = {"x": (3.6, 1.9, 2.8), "y": (1.4, 4.1, 2.3), "z": (1.2, 1.7, 4.5), "any": (2.2, 2.3, 3.9)}
+# From where each is seen, and the point in the middle of its part of the picture.
+VIEWS = {
+    "x": ((3.6, 1.9, 2.8), (0.2, 0.3, -0.1)),
+    "y": ((1.8, 4.1, 3.8), (0.2, 0.1, 0.0)),
+    "z": ((1.2, 1.7, 4.5), (-0.1, 0.1, 0.1)),
+    "any": ((2.2, 2.3, 3.9), (0.2, 0.3, 0.3)),
+}
 
 
 def quarter(k, name):
     """One axis: a floor, the axis as an arrow, and the letter in four positions, first pale."""
     place = cell(k, 2, 2, from_above=True)
-    view = camera(EYES[name], (0.1, 0.35, 0.1), 38.0, 4.0 / 3.0)
+    view = camera(*VIEWS[name], 42.0, 4.0 / 3.0)
     unit = normalize([float(a) for a in AXES[name]])
     still = (tile(1.5, 0.5), solids.arrow(1.6 * unit, color=solids.INK, thickness=0.026))
     for solid in still:

@@ -43,7 +43,7 @@ ORDERS = {
     "S·R·T": (-4.0, 2.0, 3.0),
 }
 POINT = np.array([1.0, 0.0, 0.0, 1.0])
-CAMERA = camera((1.2, 6.0, 16.0), (-0.7, 1.9, 0.8), 24.0, 16.0 / 9.0, near=1.0, far=40.0)
+CAMERA = camera((1.2, 6.0, 16.0), (-0.8, 1.1, 0.8), 26.5, 16.0 / 9.0, near=1.0, far=40.0)
 LETTER = assets.joined(
     letter_f(),
     solids.rod((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), solids.INK, 0.04),

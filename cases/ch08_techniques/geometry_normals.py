@@ -35,12 +35,13 @@ from ..scenes.cameras import camera, turned
 from ..scenes.figures import figure
 from ..scenes.studio import studio_color
 
-CAMERA = camera((0.5, 1.7, 4.2), (0.14, 0.0, 0.0), 42.0)
+CAMERA = camera((0.4, 2.3, 4.2), (0.04, 0.02, 0.0), 36.5)
 VIEW, PROJECTION = CAMERA["view"], CAMERA["projection"]
+BLUE = (0.30, 0.45, 0.75)
 TURN = turned(25.0, (0.2, 1.0, 0.1))
 SOLIDS = {
-    "box": (meshes.cube(0.8), (0.16, 0.52, 0.20), translate((-0.8, 0.1, 0.0)) @ TURN),
-    "ring": (meshes.torus(0.5, 0.2, 20, 10), (0.30, 0.45, 0.75), translate((0.8, 0.0, 0.0)) @ TURN),
+    "box": (meshes.cube(0.8), (0.16, 0.52, 0.20), translate((-0.6, 0.42, -0.3)) @ TURN),
+    "ring": (meshes.torus(0.5, 0.2, 20, 10), BLUE, translate((0.5, -0.42, 0.3)) @ TURN),
 }
 SIDE = 64  # at which targets without a size are judged
 SURFACES = [

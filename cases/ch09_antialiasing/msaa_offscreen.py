@@ -32,6 +32,7 @@ DRAWS = (
     stage.prop(TEAL, CAMERA, model=translate((-0.12, 0.5, 0.0)) @ turned(20.0)),
     stage.prop(RUST, CAMERA, model=translate((0.30, 0.42, 0.22)) @ turned(52.0, (0.3, 1.0, 0.1))),
 )
+SOLIDS = {0: "the floor", 1: "the teal box", 2: "the rust box"}
 
 
 def scene(name, draws, samples=4):
@@ -94,7 +95,7 @@ case = Case(
             Output("again.mean"),
             name="every sample shows the nearest, in whichever order it is drawn",
         ),
-        *each_draw("single.FragColor", studio_color, {k: f"colour of draw {k}" for k in range(3)}),
+        *each_draw("single.FragColor", studio_color, SOLIDS, "colour of {}"),
         *figures(
             "single.FragColor",
             {
@@ -108,8 +109,8 @@ case = Case(
             reference=studio_color,
         ),
         exact("single.FragColor", Output("turned.FragColor"), name="one sample, in any order"),
-        formula("scene.gl_Position", clip_position),
-        formula("scene.Normal", world_normal),
-        formula("scene.Color", handed_on),
+        *each_draw("scene.gl_Position", clip_position, SOLIDS, "{} in clip space"),
+        *each_draw("scene.Normal", world_normal, SOLIDS, "normals of {}"),
+        *each_draw("scene.Color", handed_on, SOLIDS, "colours of {}"),
     ],
 )
