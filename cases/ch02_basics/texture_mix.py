@@ -9,25 +9,15 @@ over the weight, in a straight line from one texture to the other.
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Erratum,
-    Mesh,
-    Pixel,
-    Target,
-    Texture,
-    Variant,
-    assets,
-    formula,
-    gl_call,
-    mesh_pass,
-    sweep,
-    value,
-)
-from shaderlab.glslmath import mix, vec4
+from shaderlab import Case, Erratum, Pixel, Texture, Variant, assets, formula, gl_call, sweep, value
+from shaderlab.glslmath import mix
 from shaderlab.sampling import texture
 
+from ..scenes.api import limits
+from ..scenes.draws import drawn
 from ..scenes.figures import ground
+from ..scenes.laws import device_place, unchanged
+from ..scenes.panels import picture
 
 GROUND = (0.2, 0.3, 0.3, 1.0)
 
@@ -37,49 +27,31 @@ def mixed(texture1, texture2, TexCoords, mixValue):
     return mix(texture(texture1, TexCoords), texture(texture2, TexCoords), mixValue)
 
 
-def handed_on(aTexCoords):
-    """What the vertex shader does with texture coordinates: nothing."""
-    return aTexCoords
-
-
-def in_place(aPos):
-    """What it does with positions, which are device coordinates already: w is 1."""
-    return vec4(aPos, 1.0)
-
-
 def one_texel(*color):
     """A texture that has the same colour everywhere."""
     return Texture(image=assets.solid(color))
 
 
 RED, BLUE = one_texel(1.0, 0.0, 0.0, 1.0), one_texel(0.0, 0.0, 1.0, 1.0)
+MIXED = drawn(
+    "ch02_basics/texture_mix",
+    assets.quad(size=1.8),
+    {"mixValue": 0.2},
+    only=("aPos", "aTexCoords"),
+    textures={"texture1": Texture(image=assets.crate), "texture2": Texture(image=assets.emblem)},
+)
 
 case = Case(
     title="Mixing two textures",
     section="2.4.6",
     math=r"\operatorname{mix}(a, b, w) = a\,(1 - w) + b\,w",
-    passes=mesh_pass(
-        "ch02_basics/texture_mix.vert",
-        "ch02_basics/texture_mix.frag",
-        Mesh(**assets.quad(size=1.8)).only("aPos", "aTexCoords"),
-        uniforms={"mixValue": 0.2},
-        textures={
-            "texture1": Texture(image=assets.crate),
-            "texture2": Texture(image=assets.emblem),
-        },
-        target=Target(clear=GROUND),
-    ),
+    passes=(picture([MIXED], None, "main", clear=GROUND),),
     expect=[
-        formula("gl_Position", in_place),
-        formula("TexCoords", handed_on),
+        formula("gl_Position", device_place),
+        formula("TexCoords", unchanged("aTexCoords")),
         formula("FragColor", mixed),
         ground("FragColor", GROUND),
-        gl_call(
-            "glGetIntegerv",
-            "GL_MAX_TEXTURE_IMAGE_UNITS",
-            at_least=16,
-            name="textures that a fragment shader may read",
-        ),
+        *limits({"textures that a fragment shader may read": ("GL_MAX_TEXTURE_IMAGE_UNITS", 16)}),
         gl_call("glActiveTexture", "GL_TEXTURE16", name="the seventeenth unit"),
     ],
     errata=[

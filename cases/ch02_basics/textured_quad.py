@@ -11,12 +11,14 @@ red, green, blue and yellow, and the same planks take the colour of the corner t
 
 import numpy as np
 
-from shaderlab import Case, Draw, Mesh, Pass, Target, Texture, assets, coverage, formula, value
+from shaderlab import Case, Mesh, Texture, assets, coverage, formula
 from shaderlab.glslmath import vec4
 from shaderlab.sampling import texture
 
-from ..scenes.figures import each_draw
-from ..scenes.panels import enlarged, enlarged_check
+from ..scenes.draws import drawn
+from ..scenes.figures import each_draw, figure, figures
+from ..scenes.laws import device_place, unchanged
+from ..scenes.panels import enlarged, enlarged_check, picture
 
 PLACES = np.array([(0.5, 0.5, 0.0), (0.5, -0.5, 0.0), (-0.5, -0.5, 0.0), (-0.5, 0.5, 0.0)])
 CORNERS = np.array([(1.0, 1.0), (1.0, 0.0), (0.0, 0.0), (0.0, 1.0)])
@@ -38,32 +40,12 @@ def square(colors, scale=(1.0, 1.0, 1.0), offset=(0.0, 0.0, 0.0)):
 
 def textured(mesh, image):
     """One quad with one texture."""
-    return Draw(
-        vertex="ch02_basics/textured_quad.vert",
-        fragment="ch02_basics/textured_quad.frag",
-        mesh=mesh,
-        textures={"ourTexture": Texture(image=image)},
-    )
+    return drawn("ch02_basics/textured_quad", mesh, textures={"ourTexture": Texture(image=image)})
 
 
 def tinted(ourTexture, TexCoord, ourColor):
     """Texel times colour, channel by channel."""
     return texture(ourTexture, TexCoord) * vec4(ourColor, 1.0)
-
-
-def in_place(aPos):
-    """Positions are device coordinates already."""
-    return vec4(aPos, 1.0)
-
-
-def colors_handed_on(aColor):
-    """The vertex shader changes no colour."""
-    return aColor
-
-
-def places_handed_on(aTexCoord):
-    """Nor a texture coordinate."""
-    return aTexCoord
 
 
 case = Case(
@@ -80,33 +62,32 @@ case = Case(
             9,
             clear=(0.16, 0.19, 0.22, 1.0),
         ),
-        Pass(name="judged", target=Target(size=(64, 64)), draws=(textured(square(TINTS), NOISE),)),
+        picture([textured(square(TINTS), NOISE)], (64, 64), "judged"),
     ),
     picture="picture.FragColor",
     expect=[
         enlarged_check(),
         *each_draw("small.FragColor", tinted, {0: "in white light", 1: "in four colours"}),
         coverage(1024, pass_name="judged", name="the quad covers a quarter of 64 × 64"),
-        formula("judged.gl_Position", in_place),
-        formula("judged.ourColor", colors_handed_on),
-        formula("judged.TexCoord", places_handed_on),
+        formula("judged.gl_Position", device_place),
+        formula("judged.ourColor", unchanged("aColor")),
+        formula("judged.TexCoord", unchanged("aTexCoord")),
         formula("judged.FragColor", tinted),
-        *(
-            value(
-                "judged.FragColor",
-                at={"TexCoord": tuple((corner * 7.0 + 0.5) / 8.0), "ourColor": (1.0, 1.0, 1.0)},
-                equals=NOISE[tuple((corner[::-1] * 7).astype(int))].tolist(),
-                digits=6,
-                name=f"the corner ({corner[0]:g}, {corner[1]:g}) in white light",
-            )
-            for corner in CORNERS
-        ),
-        value(
+        *figures(
             "judged.FragColor",
-            at={"TexCoord": (0.5625, 0.5625), "ourColor": (0.0, 0.0, 0.0)},
-            equals=(0.0, 0.0, 0.0, NOISE[4, 4, 3]),
-            digits=6,
-            name="black leaves alpha alone",
+            {
+                f"the corner ({corner[0]:g}, {corner[1]:g}) in white light": (
+                    {"TexCoord": tuple((corner * 7.0 + 0.5) / 8.0), "ourColor": (1.0, 1.0, 1.0)},
+                    NOISE[tuple((corner[::-1] * 7).astype(int))].tolist(),
+                )
+                for corner in CORNERS
+            },
+        ),
+        figure(
+            "judged.FragColor",
+            "black leaves alpha alone",
+            {"TexCoord": (0.5625, 0.5625), "ourColor": (0.0, 0.0, 0.0)},
+            (0.0, 0.0, 0.0, NOISE[4, 4, 3]),
         ),
     ],
 )

@@ -12,32 +12,24 @@ left and right of the middle, two below it and two above.
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Draw,
-    Mesh,
-    Pass,
-    Ramp,
-    Target,
-    boundaries,
-    computed,
-    coverage,
-    formula,
-    mesh_pass,
-    value,
-)
+from shaderlab import Case, Mesh, boundaries, coverage, formula
 from shaderlab.glslmath import abs, fract, min, swizzle, vec3, vec4, where
 from shaderlab.reference.transforms import signed_area
 
+from ..scenes.draws import drawn
+from ..scenes.figures import figure, results
+from ..scenes.laws import device_place
+from ..scenes.panels import panel, picture, square
+
 CORNERS = np.array([(-0.5, -0.5, 0.0), (0.5, -0.5, 0.0), (0.0, 0.5, 0.0)])
-WINDOW = Target(size=(720, 720))
-DEVICE = {"place": Ramp((-1.0, -1.0), (2.0, 0.0), (0.0, 2.0))}
+WINDOW = (720, 720)
+PAPER = panel("ch02_basics/graph_paper.frag", {"place": square()})
 
 
 def triangle(fragment):
     """The triangle, with one fragment shader or the other."""
-    mesh = Mesh(attributes={"aPos": CORNERS})
-    return mesh_pass("ch02_basics/triangle.vert", f"ch02_basics/{fragment}", mesh)[0].draws[0]
+    shaders = ("ch02_basics/triangle.vert", f"ch02_basics/{fragment}.frag")
+    return drawn(shaders, Mesh(attributes={"aPos": CORNERS}))
 
 
 def orange():
@@ -63,30 +55,21 @@ def orange_on_paper(place):
     return vec4(vec3(1.0, 0.5, 0.2) * where(on_a_line(place, 0.0028), 0.85, 1.0), 1.0)
 
 
-def as_it_is(aPos):
-    """Corners are device coordinates already: w is 1."""
-    return vec4(aPos, 1.0)
-
-
 def flat(aPos):
     """Where on the paper the corner is."""
     return swizzle(aPos, "xy")
 
+
+AREA = signed_area(CORNERS)
+PLACE = (0.25, -0.75, 0.5)
 
 case = Case(
     title="A triangle",
     section="2.2.2",
     math=r"\text{pixels} = \tfrac12 \cdot 1 \cdot 1 \cdot \frac{720^2}{2 \cdot 2} = 64800",
     passes=(
-        Pass(
-            name="picture",
-            target=WINDOW,
-            draws=(
-                Draw(fragment="ch02_basics/graph_paper.frag", domain=DEVICE),
-                triangle("triangle_picture.frag"),
-            ),
-        ),
-        Pass(target=WINDOW, draws=(triangle("triangle.frag"),)),
+        picture([PAPER, triangle("triangle_picture")], WINDOW),
+        picture([triangle("triangle")], WINDOW, "main"),
     ),
     picture="picture.FragColor",
     expect=[
@@ -95,31 +78,13 @@ case = Case(
         boundaries("picture.FragColor", paper, draw=0, name="the paper's lines"),
         boundaries("picture.FragColor", orange_on_paper, name="lines under the triangle"),
         coverage(64800, name="pixels covered"),
-        formula("gl_Position", as_it_is),
-        formula("picture.gl_Position", as_it_is, name="corners on the paper"),
+        formula("gl_Position", device_place),
+        formula("picture.gl_Position", device_place, name="corners on the paper"),
         formula("picture.place", flat, name="where on the paper they are"),
         formula("place", flat),
         formula("FragColor", orange),
-        value(
-            "gl_Position",
-            at={"aPos": (0.25, -0.75, 0.5)},
-            equals=(0.25, -0.75, 0.5, 1.0),
-            digits=6,
-            name="a corner somewhere",
-        ),
-        computed(
-            "signed area",
-            lambda: signed_area(CORNERS),
-            equals=0.5,
-            digits=6,
-            note="positive: counter-clockwise",
-        ),
-        computed(
-            "share of the window",
-            lambda: signed_area(CORNERS) / 4.0,
-            equals=0.125,
-            digits=4,
-            note="64800 of 518400 pixels",
-        ),
+        figure("gl_Position", "a corner somewhere", {"aPos": PLACE}, (*PLACE, 1.0)),
+        *results({"signed area": (AREA, 0.5, "positive: counter-clockwise")}),
+        *results({"share of the window": (AREA / 4.0, 0.125, "64800 of 518400 pixels")}, digits=4),
     ],
 )

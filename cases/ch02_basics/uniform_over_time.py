@@ -16,6 +16,8 @@ from shaderlab import Case, Rules, Variant, exact, formula, fullscreen, sweep, v
 from shaderlab.glslmath import length, mix, swizzle, vec2, vec3, vec4, where
 
 from ..scenes.drawing import line, pixel_size
+from ..scenes.figures import figure
+from ..scenes.laws import unchanged
 from ..scenes.panels import rectangle
 from ..scenes.waves import pulse
 
@@ -36,11 +38,6 @@ START = (-0.4, -0.3)  # time and green in the picture's corner
 def our_color(time):
     """What the notes' render loop sends."""
     return (0.0, sin(time) / 2.0 + 0.5, 0.0, 1.0)
-
-
-def sent(ourColor):
-    """What arrives is what was sent."""
-    return ourColor
 
 
 def curve(place):
@@ -83,6 +80,7 @@ def frame(name, time, green):
     )
 
 
+OTHER, ANOTHER = (0.25, 0.5, 0.75, 1.0), "another colour arrives as well"
 moment = {"time": 0.0, "ourColor": our_color(0.0)}
 
 case = Case(
@@ -102,14 +100,7 @@ case = Case(
     expect=[
         formula("picture.FragColor", painted, rules=LATER, name="the curve and the bead"),
         formula("green", pulse, rules=LATER),
-        value(
-            "FragColor",
-            at={"ourColor": (0.25, 0.5, 0.75, 1.0)},
-            equals=(0.25, 0.5, 0.75, 1.0),
-            digits=6,
-            reference=sent,
-            name="another colour arrives as well",
-        ),
+        figure("FragColor", ANOTHER, {"ourColor": OTHER}, OTHER, reference=unchanged("ourColor")),
         sweep("green", pulse, over="time", values=np.linspace(0.0, 2 * pi, 65), rules=LATER),
     ],
     variants=[frame(*row) for row in FRAMES],

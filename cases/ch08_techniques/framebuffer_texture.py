@@ -11,31 +11,19 @@ window of its own size, texel on pixel, the texture is the scene bit for bit.
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Depth,
-    Draw,
-    Mesh,
-    Output,
-    Pass,
-    State,
-    Target,
-    assets,
-    computed,
-    exact,
-    formula,
-    fullscreen,
-)
+from shaderlab import Case, Output, assets, exact, formula, fullscreen
 from shaderlab.glslmath import min, swizzle, vec4, where
 from shaderlab.reference.transforms import clip_position, device_position, translate
 from shaderlab.sampling import texture
 
 from ..scenes.cameras import camera, turned
-from ..scenes.figures import figures
+from ..scenes.draws import tested
+from ..scenes.figures import figures, results
 from ..scenes.laws import unchanged
+from ..scenes.panels import picture
 from ..scenes.still_life import photograph_checks, photographed
 
-SCREEN = Mesh(**assets.quad(1.5)).only("aPos", "aTexCoords")
+SCREEN = {"screen": Output("scene.FragColor")}
 SIDES = (turned(0.0), turned(90.0), turned(-90.0, (1.0, 0.0, 0.0)))  # front, right, above
 CAMERA = camera((0.0, 2.7, 4.5), (0.0, -0.06, 0.0), 28.5)
 
@@ -59,13 +47,12 @@ DARK = (0.07, 0.07, 0.09, 1.0)
 
 def screen(place):
     """One of the screens."""
-    return Draw(
-        vertex="ch08_techniques/framebuffer_texture.vert",
-        fragment="ch08_techniques/framebuffer_texture.frag",
-        mesh=SCREEN,
-        uniforms={"model": model(place), **CAMERA},
-        textures={"screen": Output("scene.FragColor")},
-        state=State(depth=Depth()),
+    return tested(
+        "ch08_techniques/framebuffer_texture",
+        assets.quad(1.5),
+        {"model": model(place), **CAMERA},
+        only=("aPos", "aTexCoords"),
+        textures=SCREEN,
     )
 
 
@@ -83,16 +70,10 @@ case = Case(
     r"(0, 0)\ \text{lower left}",
     passes=(
         photographed(),
-        Pass(
-            name="wall",
-            target=Target(depth="depth24", clear=(0.62, 0.60, 0.56, 1.0)),
-            draws=tuple(screen(place) for place in range(3)),
+        picture(
+            map(screen, range(3)), None, "wall", depth="depth24", clear=(0.62, 0.60, 0.56, 1.0)
         ),
-        *fullscreen(
-            "ch08_techniques/copy.frag",
-            name="copy",
-            textures={"screen": Output("scene.FragColor")},
-        ),
+        *fullscreen("ch08_techniques/copy.frag", name="copy", textures=SCREEN),
     ),
     picture="wall.FragColor",
     expect=[
@@ -114,7 +95,7 @@ case = Case(
             },
             reference=shown,
         ),
-        computed("no screen is cut off: farthest corner", farthest_corner, equals=0.9362, digits=4),
+        *results({"no screen is cut off: farthest corner": (farthest_corner, 0.9362)}, digits=4),
         *photograph_checks(),
     ],
 )

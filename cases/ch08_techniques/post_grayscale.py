@@ -14,24 +14,14 @@ average, .592582 by luma and .639345 by its light.
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Erratum,
-    Output,
-    Texture,
-    assets,
-    computed,
-    coverage,
-    formula,
-    fullscreen,
-)
+from shaderlab import Case, Erratum, Output, Texture, assets, coverage, formula, fullscreen
 from shaderlab.glslmath import swizzle, vec4, where
 from shaderlab.reference import post_processing
 from shaderlab.reference.gamma import srgb_decode, srgb_encode
 from shaderlab.sampling import texture
 
 from ..scenes.drawing import decoded, encoded
-from ..scenes.figures import figure, figures
+from ..scenes.figures import figure, figures, results
 from ..scenes.still_life import CORAL, photograph_checks, photographed
 
 PATCH = Texture(image=assets.solid((*CORAL, 1.0)))
@@ -68,7 +58,10 @@ def grey(screenTexture, TexCoords):
     return vec4(seen, seen, seen, 1.0)
 
 
+LAWS = {"average": average, "luma": luma, "luminance": luminance}
 MIDDLE = {"TexCoords": (0.5, 0.5)}
+TOGETHER = post_processing.luminance((1.0, 1.0, 1.0))
+BY_SRGB = srgb_encode(post_processing.luminance(srgb_decode(np.array(CORAL))))
 
 case = Case(
     title="Grey values",
@@ -78,14 +71,10 @@ case = Case(
     passes=(photographed(), *post("picture", Output("scene.FragColor")), *post("patch", PATCH)),
     picture="picture.FragColor",
     expect=[
-        formula("picture.average", average),
-        formula("picture.luma", luma),
-        formula("picture.luminance", luminance),
+        *(formula(f"picture.{output}", law) for output, law in LAWS.items()),
         formula("picture.FragColor", grey),
         formula("patch.FragColor", grey, name="patch"),
-        formula("patch.average", average, name="patch: average"),
-        formula("patch.luma", luma, name="patch: luma"),
-        formula("patch.luminance", luminance, name="patch: luminance"),
+        *(formula(f"patch.{output}", law, name=f"patch: {output}") for output, law in LAWS.items()),
         coverage(64 * 64, pass_name="patch", name="all of the patch"),
         *figures(
             "patch.FragColor",
@@ -103,19 +92,8 @@ case = Case(
         figure("patch.average", "average of coral", MIDDLE, 0.603333, reference=average),
         figure("patch.luma", "luma of coral", MIDDLE, 0.592582, reference=luma),
         figure("patch.luminance", "luminance of coral", MIDDLE, 0.639316, reference=luminance),
-        computed(
-            "luminance of coral by sRGB's own curve",
-            lambda: srgb_encode(post_processing.luminance(srgb_decode(np.array(CORAL)))),
-            equals=0.643,
-            digits=3,
-        ),
-        computed(
-            "weights of Rec. 709 together",
-            lambda: post_processing.luminance((1.0, 1.0, 1.0)),
-            equals=1.0,
-            digits=4,
-            note="white stays white",
-        ),
+        *results({"luminance of coral by sRGB's own curve": (BY_SRGB, 0.643)}, digits=3),
+        *results({"weights of Rec. 709 together": (TOGETHER, 1.0, "white stays white")}, digits=4),
         *photograph_checks(),
     ],
     errata=[

@@ -13,19 +13,10 @@ it is the lower left one, on the right, where the origin was asked to be above, 
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Output,
-    Pixel,
-    Target,
-    exact,
-    formula,
-    fullscreen,
-    measure,
-    value,
-)
+from shaderlab import Case, Output, Pixel, Target, exact, formula, fullscreen, measure
 from shaderlab.glslmath import swizzle
 
+from ..scenes.figures import figure
 from ..scenes.panels import cell, panel, picture, rectangle
 
 WIDTH, HEIGHT = 16, 12
@@ -102,14 +93,7 @@ case = Case(
         ),
         formula("lower.place", centre, name="what the capture says of itself"),
         *(
-            value(
-                f"{name}.place",
-                at=Pixel(x, y),
-                equals=place,
-                digits=6,
-                name=f"{name}: {what}",
-                reference=None,
-            )
+            figure(f"{name}.place", f"{name}: {what}", Pixel(x, y), place)
             for name, what, x, y, place in (
                 ("upper", "the lowest row's first pixel", 0, 0, (0.5, 11.5)),
                 ("upper", "the top row's last pixel", 15, 11, (15.5, 0.5)),

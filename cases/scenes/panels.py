@@ -73,9 +73,10 @@ def panel(
 
 
 def picture(
-    draws: Iterable[Draw], size: tuple[int, int], name: str = "picture", **target: Any
+    draws: Iterable[Draw], size: tuple[int, int] | None, name: str = "picture", **target: Any
 ) -> Pass:
-    """A pass of several draws into a target of this size; `target` is what else `Target` takes.
+    """A pass of several draws into a target of this size, or of the case's own if that is None;
+    `target` is what else `Target` takes.
 
     >>> picture([panel("a.frag", {})], (64, 32)).target.size
     (64, 32)
