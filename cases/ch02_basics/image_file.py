@@ -13,9 +13,9 @@ from pathlib import Path
 import numpy as np
 
 from shaderlab import Case, Target, Texture, formula, fullscreen, measure, reading
-from shaderlab.sampling import texture
 
 from ..scenes.figures import figures
+from ..scenes.laws import sampled
 
 FOLDER = Path(__file__).parent / "image_file"
 WIDTH, HEIGHT = 40, 30
@@ -41,11 +41,6 @@ def shown(name, file, size, format="rgb32f"):
     )
 
 
-def sampled(image, TexCoords):
-    """The texel that holds the point."""
-    return texture(image, TexCoords)
-
-
 def texel(x, row):
     """The middle of a texel, its row counted from above, as files count."""
     return {"TexCoords": ((x + 0.5) / WIDTH, 1.0 - (row + 0.5) / HEIGHT)}
@@ -63,7 +58,7 @@ case = Case(
     ),
     picture="picture.FragColor",
     expect=[
-        formula("picture.FragColor", sampled),
+        formula("picture.FragColor", sampled("image")),
         measure(
             "channels that are not the file's bytes, read by hand",
             bytes_unlike,
@@ -85,7 +80,7 @@ case = Case(
                 "lower left": (texel(0, 29), (40 / 255, 214 / 255, 200 / 255, 1.0)),
                 "in the letter's upper bar": (texel(29, 5), (1.0, 248 / 255, 220 / 255, 1.0)),
             },
-            reference=sampled,
+            reference=sampled("image"),
         ),
     ],
 )

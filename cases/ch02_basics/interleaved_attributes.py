@@ -18,23 +18,22 @@ from shaderlab import (
     Case,
     Mesh,
     Output,
-    Target,
     attribute_layout,
     boundaries,
     coverage,
     exact,
     formula,
-    gl_call,
     measure,
-    mesh_pass,
 )
 from shaderlab.expectations.gl_call import Object, Program, call
 from shaderlab.glslmath import floor, mod, swizzle, vec4, where
 from shaderlab.reference.rasterisation import barycentric
 
-from ..scenes.api import ONE_PIXEL
+from ..scenes.api import ONE_PIXEL, PIXEL, answers
+from ..scenes.draws import drawn
 from ..scenes.figures import figure
 from ..scenes.laws import device_place, unchanged
+from ..scenes.panels import picture
 
 CORNERS = np.array([(-0.5, -0.5, 0.0), (0.5, -0.5, 0.0), (0.0, 0.5, 0.0)])
 VERTICES = {
@@ -47,13 +46,9 @@ SIDE = 720
 
 def triangle(layout, name):
     """The triangle, its attributes in memory one way or another."""
-    return mesh_pass(
-        "ch02_basics/interleaved_attributes.vert",
-        "ch02_basics/interleaved_attributes.frag",
-        Mesh(attributes=VERTICES, layout=layout),
-        target=Target(size=(SIDE, SIDE), clear=(0.93, 0.93, 0.92, 1.0)),
-        name=name,
-    )
+    mesh = Mesh(attributes=VERTICES, layout=layout)
+    draw = drawn("ch02_basics/interleaved_attributes", mesh)
+    return picture([draw], (SIDE, SIDE), name, clear=(0.93, 0.93, 0.92, 1.0))
 
 
 def fields(ourColor, TexCoord):
@@ -79,7 +74,17 @@ ONE_POINT = (
 )
 
 
-def byte_colors(normalized):
+DRAWN = (call("glDrawArrays", "GL_POINTS", 0, 1),)
+NOT_ENABLED = "an attribute that is not enabled is the same for all vertices"
+ONE_COLOR = (call("glVertexAttrib3f", 1, 0.2, 0.4, 0.6),)
+
+
+def pixel(color, *steps):
+    """What is read where a point is drawn after these steps."""
+    return PIXEL, (*color, 255), ONE_POINT, *steps, DRAWN
+
+
+def bytes_as(normalized):
     """The colour from three bytes, the position as it is at first."""
     return (
         call("glBindBuffer", "GL_ARRAY_BUFFER", Object("buffer")),
@@ -94,30 +99,19 @@ case = Case(
     section="2.2.2",
     math=r"\text{address}(n) = \text{offset} + n \cdot \text{stride}, \qquad "
     r"\text{stride} = (3 + 3 + 2) \cdot 4 = 32",
-    passes=(*triangle("separate", "separate"), *triangle("interleaved", "main")),
+    passes=(triangle("separate", "separate"), triangle("interleaved", "main")),
     expect=[
         attribute_layout(
             {"aPos": (0, 32), "aColor": (12, 32), "aTexCoord": (24, 32)},
             name="stride 32, offsets 0, 12, 24",
         ),
-        *(
-            gl_call(
-                "glReadPixels",
-                *(0, 0, 1, 1, "GL_RGBA", "GL_UNSIGNED_BYTE"),
-                before=(*ONE_POINT, *steps, call("glDrawArrays", "GL_POINTS", 0, 1)),
-                returns=(*color, 255),
-                name=name,
-            )
-            for name, color, steps in (
-                ("bytes that are normalised: 0…255 is 0…1", (64, 255, 0), byte_colors("GL_TRUE")),
-                ("bytes that are not: 64 is 64", (255, 255, 0), byte_colors("GL_FALSE")),
-                (
-                    "an attribute that is not enabled is the same for all vertices",
-                    (51, 102, 153),
-                    (call("glVertexAttrib3f", 1, 0.2, 0.4, 0.6),),
-                ),
-                ("and (0, 0, 0) at first", (0, 0, 0), ()),
-            )
+        *answers(
+            {
+                "bytes that are normalised: 0…255 is 0…1": pixel((64, 255, 0), bytes_as("GL_TRUE")),
+                "bytes that are not: 64 is 64": pixel((255, 255, 0), bytes_as("GL_FALSE")),
+                NOT_ENABLED: pixel((51, 102, 153), ONE_COLOR),
+                "and (0, 0, 0) at first": pixel((0, 0, 0)),
+            }
         ),
         formula("gl_Position", device_place),
         formula("ourColor", unchanged("aColor")),

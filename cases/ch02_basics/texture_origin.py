@@ -13,20 +13,15 @@ row first: 00 is where 07 should be, and every figure stands on its head.
 import numpy as np
 
 from shaderlab import Case, Erratum, Pixel, Target, Texture, assets, exact, formula, fullscreen
-from shaderlab.sampling import texture
 
 from ..scenes.figures import each_draw, figure
+from ..scenes.laws import sampled
 from ..scenes.panels import cell, enlarged, enlarged_check, panel, square
 
 # Twelve texels that say their column and row; the first row in memory is row 0.
 COLUMN, ROW = np.meshgrid(np.arange(4.0), np.arange(3.0))
 NUMBERED = np.stack([COLUMN, ROW, 0.0 * ROW, 1.0 + 0.0 * ROW], axis=-1)
 PAPER = {"wrap": ("clamp_to_border",) * 2, "border": (0.93, 0.93, 0.92, 1.0)}
-
-
-def sampled(image, TexCoords):
-    """The texel that holds the point."""
-    return texture(image, TexCoords)
 
 
 def numbered(name, image):
@@ -63,8 +58,10 @@ case = Case(
     picture="picture.FragColor",
     expect=[
         enlarged_check(),
-        *each_draw("small.FragColor", sampled, {0: "as OpenGL wants it", 1: "top row first"}),
-        formula("lowest-first.FragColor", sampled),
+        *each_draw(
+            "small.FragColor", sampled("image"), {0: "as OpenGL wants it", 1: "top row first"}
+        ),
+        formula("lowest-first.FragColor", sampled("image")),
         exact("lowest-first.FragColor", NUMBERED, name="the first row in memory is the lowest"),
         exact("topmost-first.FragColor", NUMBERED[::-1], name="a top-first image is upside down"),
         figure("lowest-first.FragColor", "(0, 0) is the first texel", ORIGIN, (0.0, 0.0, 0.0, 1.0)),
@@ -73,7 +70,7 @@ case = Case(
             "(0, 0) of a top-first image is its upper left",
             ORIGIN,
             (0.0, 2.0, 0.0, 1.0),
-            reference=sampled,
+            reference=sampled("image"),
         ),
         figure(
             "lowest-first.FragColor",

@@ -17,9 +17,9 @@ import numpy as np
 from shaderlab import Case, Target, Texture, assets, formula, fullscreen, gl_call
 from shaderlab.expectations.gl_call import Object, call
 from shaderlab.reference.filtering import linear_sample
-from shaderlab.sampling import texture
 
 from ..scenes.figures import each_draw, figure
+from ..scenes.laws import sampled
 from ..scenes.panels import cell, enlarged, enlarged_check, panel, picture, square
 
 WRAPS = ("repeat", "mirrored_repeat", "clamp_to_edge", "clamp_to_border")
@@ -48,11 +48,6 @@ def wrapped(image):
         yield panel("ch02_basics/textured.frag", domain, textures=textures, cell=cell(k, 4, 2))
 
 
-def sampled(image, TexCoords):
-    """The specification's equations for the texture's own filter and wrap modes."""
-    return texture(image, TexCoords)
-
-
 def texels(name, wrap, row, word="nearest"):
     """A row of texels, for printed figures."""
     image = Texture(
@@ -72,7 +67,7 @@ def texels(name, wrap, row, word="nearest"):
 def at(name, u, equals, label):
     """What stands at u."""
     point = {"TexCoords": (u, 0.5)}
-    return figure(f"{name}.FragColor", label, point, (equals,) * 4, reference=sampled)
+    return figure(f"{name}.FragColor", label, point, (equals,) * 4, reference=sampled("image"))
 
 
 case = Case(
@@ -95,13 +90,13 @@ case = Case(
         enlarged_check(),
         *each_draw(
             "small.FragColor",
-            sampled,
+            sampled("image"),
             {k: f"the chart, {wrap}, {word}" for k, (word, wrap) in enumerate(FIELDS)},
         ),
         *(
             formula(
                 "judged.FragColor",
-                sampled,
+                sampled("image"),
                 draw=k,
                 name=f"{wrap}, {word}",
                 also={"equation 8.17": linear_sample} if word == "linear" else {},
@@ -136,7 +131,7 @@ case = Case(
             name="no image in two dimensions fits it: 0x0500",
         ),
         *(
-            formula(f"{name}.FragColor", sampled, name=f"a row of texels, {name}")
+            formula(f"{name}.FragColor", sampled("image"), name=f"a row of texels, {name}")
             for name in ("repeat", "mirror", "edge", "border")
         ),
         at("repeat", -0.25, 0.75, "REPEAT: −0.25 is 0.75"),

@@ -14,7 +14,7 @@ from math import radians
 
 import numpy as np
 
-from shaderlab import Case, Target, across, formula, fullscreen, sweep
+from shaderlab import Case, across, formula, sweep
 from shaderlab.glslmath import cross, vec3, where
 from shaderlab.reference.spaces import depth_of
 from shaderlab.reference.transforms import perspective
@@ -23,7 +23,7 @@ from ..scenes import stage
 from ..scenes.cameras import camera
 from ..scenes.figures import each_draw, figure, figures, results
 from ..scenes.laws import projected, renamed
-from ..scenes.panels import cell
+from ..scenes.panels import cell, panel, picture
 from ..scenes.props import dice, tripod
 
 CAMERA = camera((2.9, 2.5, 3.6), (0.2, 0.32, -0.1), 33.0, 4.0 / 3.0)
@@ -59,6 +59,8 @@ def slope(z, h=1e-5):
     return (by_matrix(z + h) - by_matrix(z - h)) / (2.0 * h)
 
 
+VIEW_Z, PLANES = {"viewZ": across(-10.0, -0.1)}, {"near": NEAR, "far": FAR}
+DEPTH = panel("ch04_spaces/handedness_depth.frag", VIEW_Z, PLANES)
 # (x × y) · z in device coordinates.
 TRIPLE_PRODUCT = np.linalg.det(np.diag([1.0, 1.0, np.sign(slope(-1.0))]))
 HANDS = {1: "right-handed", 3: "left-handed"}
@@ -73,13 +75,7 @@ case = Case(
     r"\qquad \frac{\partial z_{\text{ndc}}}{\partial z} = -\frac{2fn}{(f-n)\,z^2} < 0",
     passes=(
         *stage.photographed((*half(0, False), *half(1, True)), (880, 330)),
-        *fullscreen(
-            "ch04_spaces/handedness_depth.frag",
-            name="depth",
-            domain={"viewZ": across(-10.0, -0.1)},
-            uniforms={"near": NEAR, "far": FAR},
-            target=Target(size=(64, 1)),
-        ),
+        picture([DEPTH], (64, 1), "depth"),
     ),
     picture="picture.FragColor",
     expect=[

@@ -20,7 +20,7 @@ from ..scenes.cameras import camera
 from ..scenes.courtyard_light import courtyard_references
 from ..scenes.panels import cell
 from ..scenes.shadow_stage import BOXES, EYE, LIGHT_SPACE, MODEL, SHADOW, SUN, reads
-from ..scenes.shadow_truth import against_rays, told_otherwise, wrongly_bright, wrongly_dark
+from ..scenes.shadow_truth import against_rays, wrongly_bright, wrongly_dark
 
 CAMERA = tuple(camera(EYE, (0.0, 0.4, 0.1), 36.0, far=60.0).values())
 SIZES = (256, 512, 1024, 2048)
@@ -59,16 +59,12 @@ def by_rays(bias, size):
 def table(label, statistic, of, **none):
     """One statistic of the places that face the sun, by rays, at every size and with every bias.
     Without a bias it is bounded by `none`; what the others must be follows from `by_rays`."""
+    bounds = {"none": none}
     return measure(
         label,
         against_rays(statistic, SUN, BOXES),
         readings=[
-            reading(
-                size,
-                reads=surfaces(bias, size),
-                series=SERIES[bias],
-                **(none if bias == "none" else {}),
-            )
+            reading(size, reads=surfaces(bias, size), series=SERIES[bias], **bounds.get(bias, {}))
             for bias, size in PASSES
         ],
         x_label="texels along each side of the map",
@@ -104,14 +100,7 @@ case = Case(
         courtyard.past_far_plane(WHOLE),
         *courtyard.surface_checks(EYE, BOXES, WHOLE, [f"{b}-{n}" for b, n in OTHERS]),
         *courtyard.picture_checks(EYE, BOXES),
-        measure(
-            "told otherwise than by a map of rays",
-            told_otherwise(LIGHT_SPACE, SUN, BOXES),
-            readings=[by_rays(*one) for one in PASSES],
-            # Corners are moved by up to 1/256 of a texel, and depths are rounded to 2⁻²⁴: only
-            # places within that of an edge or of equality may differ, a few of 16,384.
-            at_most=0.001,
-        ),
+        courtyard.map_of_rays_check(readings=[by_rays(*one) for one in PASSES]),
         # Half of all places have a texel's middle nearer to the light than they are.
         table("wrongly dark", wrongly_dark, "lit", between=(0.47, 0.53)),
         # A texel on an edge is wrong for half of its places: less than one in the shadows' width.

@@ -24,7 +24,7 @@ from ..scenes.cameras import camera
 from ..scenes.courtyard_light import courtyard_references
 from ..scenes.figures import figure, results
 from ..scenes.shadow_stage import BOXES, EYE, LIGHT_VIEW, MODEL, SHADOW, SUN, WHITE, reads
-from ..scenes.shadow_truth import against_rays, told_otherwise, told_wrongly
+from ..scenes.shadow_truth import against_rays, told_wrongly
 
 LIGHT_PROJECTION = orthographic(-10.0, 10.0, -10.0, 10.0, 1.0, 7.5)
 LIGHT_SPACE = LIGHT_PROJECTION @ LIGHT_VIEW
@@ -96,12 +96,10 @@ case = Case(
         *courtyard.surface_checks(EYE, BOXES, "judged"),
         courtyard.same_surfaces("repeated", "wide"),
         *courtyard.picture_checks(EYE, BOXES),
-        measure(
-            "told otherwise than by a map of rays",
-            told_otherwise(LIGHT_SPACE, SUN, BOXES),
+        courtyard.map_of_rays_check(
+            light_space=LIGHT_SPACE,
             reads=reads("judged", "shadow", "place", "upright"),
             given={"size": 1024, "biases": tuple(BIAS.values())},
-            at_most=0.001,  # places within 1/256 of a texel of an edge: see shadow-acne
         ),
         measure(
             "shadows told wrongly",

@@ -29,7 +29,7 @@ from ..scenes.courtyard_light import compared_shadow, courtyard_references
 from ..scenes.figures import figures
 from ..scenes.panels import cell
 from ..scenes.shadow_stage import BOXES, LIGHT_SPACE, LIGHT_VIEW, MODEL, SHADOW, SUN, WHITE, reads
-from ..scenes.shadow_truth import against_rays, rms_error, told_otherwise
+from ..scenes.shadow_truth import against_rays, rms_error
 
 EYE = (1.4, 1.9, -2.6)
 BIAS = {"leastBias": 0.002, "mostBias": 0.03}
@@ -183,13 +183,11 @@ case = Case(
             ],
         ),
         *(
-            measure(
-                f"{texels}: told otherwise than by a map of rays",
-                told_otherwise(LIGHT_SPACE, SUN, BOXES, radius),
+            courtyard.map_of_rays_check(
+                f"{texels}: ",
+                radius=radius,
                 reads=reads("nine", "place", "upright", shadow=f"{name}.shadow"),
                 given={"size": 512, "biases": tuple(bias.values())},
-                # As in shadow-acne, of each texel that is asked.
-                at_most=0.001 * (2 * radius + 1) ** 2,
             )
             for name, texels, radius, bias in (
                 ("one", "one texel", 0, STEADY),

@@ -22,7 +22,8 @@ from ..scenes.cameras import camera, turned
 from ..scenes.figures import each_draw, figure, results
 from ..scenes.panels import cell
 
-EYE, LAMP = (0.0, 1.9, 5.6), (-1.8, 3.4, 2.4)
+EYE = (0.0, 1.9, 5.6)
+LIGHT = {"lightColor": (1.0, 0.96, 0.90), "lightPos": (-1.8, 3.4, 2.4), "viewPos": EYE}
 CAMERA = camera(EYE, (0.0, 0.68, 0.0), 21.5, 3.0)
 LEANING = translate((0.85, 0.72, -0.3)) @ turned(58.0, (1.0, -0.25, 0.3))
 RING, BALL = assets.torus(0.74, 0.27), assets.sphere(0.62, segments=64, rings=32)
@@ -33,35 +34,20 @@ ROWS = [(0.1, 0.75, 0.9), (0.0, 0.0, 0.9), (0.1, 0.75, 0.0)]
 
 def strengths(ambient, diffuse, specular):
     """How strong each of the three parts is."""
-    return {
-        "ambientStrength": ambient,
-        "diffuseStrength": diffuse,
-        "specularStrength": specular,
-    }
+    return {"ambientStrength": ambient, "diffuseStrength": diffuse, "specularStrength": specular}
 
 
 def thing(geometry, model, row):
     """One thing in one row, with that row's strengths of the three parts."""
-    uniforms = {
-        "objectColor": lit.CORAL,
-        "lightColor": (1.0, 0.96, 0.90),
-        "lightPos": LAMP,
-        "viewPos": EYE,
-        **strengths(*ROWS[row]),
-        "shininess": 32.0,
-    }
-    shader = "ch05_lighting/specular.frag"
+    material = {"objectColor": lit.CORAL, **strengths(*ROWS[row]), "shininess": 32.0}
+    shader, uniforms = "ch05_lighting/specular.frag", {**LIGHT, **material}
     return lit.thing(shader, geometry, model, CAMERA, uniforms, cell=cell(row, 1, 3))
 
 
 PARTS = ("all parts", "specular part", "ambient and diffuse part")
 NAMES = dict(enumerate(f"{what}, {part}" for part in PARTS for what in ("ball", "ring")))
-POINT = {
-    **lit.POINT,
-    "lightColor": lit.WHITE,
-    "lightPos": lit.POINT_LAMP,
-    **strengths(0.1, 1.0, 0.5),
-}
+LAMP = {"lightColor": lit.WHITE, "lightPos": lit.POINT_LAMP}
+POINT = {**lit.POINT, **LAMP, **strengths(0.1, 1.0, 0.5)}
 BEHIND = {**lit.GRAZING, "lightPos": lit.BELOW, "shininess": 8.0}
 # What the notes' lobe gives there, which does not ask whether the surface faces the lamp.
 NOTES_LOBE = mirrored_lobe(np.array(POINT["Normal"]), lit.BELOW, BEHIND["viewPos"], 8.0)

@@ -16,11 +16,12 @@ from shaderlab import Case, Depth, Ramp, any_order, assets, formula
 from shaderlab.glslmath import mix
 from shaderlab.reference.cube_maps import bent, fresnel, mirrored
 from shaderlab.reference.transforms import normal_matrix, translate, world_normal
-from shaderlab.sampling import texture, textureLod
+from shaderlab.sampling import textureLod
 
 from ..scenes.cameras import camera, turned
 from ..scenes.draws import tested, twins
 from ..scenes.figures import each_draw, figure
+from ..scenes.laws import sampled
 from ..scenes.lit import vertex_stage_checks
 from ..scenes.panels import panel, picture, softened_check, softened_pass
 from ..scenes.pottery import vase
@@ -69,11 +70,6 @@ def under(sky, size, name, **target):
     return picture(draws, size, name, depth="depth24", **target)
 
 
-def sky_along(skybox, TexCoords):
-    """The sky in the direction of a ray of any length."""
-    return texture(skybox, TexCoords)
-
-
 def seen(FragPos, Normal, cameraPos, ratio, base, sky):
     """What is mirrored and what shines through, each by its share."""
     through = textureLod(sky, bent(FragPos, Normal, cameraPos, ratio), 0.0)
@@ -108,7 +104,7 @@ case = Case(
     picture="picture.FragColor",
     expect=[
         softened_check(),
-        formula("judged.FragColor", sky_along, draw=0, name="the sky behind"),
+        formula("judged.FragColor", sampled("skybox"), draw=0, name="the sky behind"),
         any_order("judged.FragColor"),
         any_order("judged.depth"),
         *each_draw("judged.mirrored", mirrored, NAMES, "mirrored in {}"),

@@ -14,7 +14,7 @@ average, .592582 by luma and .639345 by its light.
 
 import numpy as np
 
-from shaderlab import Case, Erratum, Output, Texture, assets, coverage, formula, fullscreen
+from shaderlab import Case, Erratum, Texture, assets, coverage, formula
 from shaderlab.glslmath import swizzle, vec4, where
 from shaderlab.reference import post_processing
 from shaderlab.reference.gamma import srgb_decode, srgb_encode
@@ -22,16 +22,14 @@ from shaderlab.sampling import texture
 
 from ..scenes.drawing import decoded, encoded
 from ..scenes.figures import figure, figures, results
-from ..scenes.still_life import CORAL, photograph_checks, photographed
+from ..scenes.still_life import CORAL, SCENE, photograph_checks, photographed, post_processed
 
 PATCH = Texture(image=assets.solid((*CORAL, 1.0)))
 
 
-def post(name, source):
+def greyed(name, source):
     """The second pass, over one texture or another."""
-    return fullscreen(
-        "ch08_techniques/post_grayscale.frag", name=name, textures={"screenTexture": source}
-    )
+    return post_processed("post_grayscale", source, name)
 
 
 def average(screenTexture, TexCoords):
@@ -68,7 +66,7 @@ case = Case(
     section="8.2.3",
     math=r"\bar c = \tfrac13 (R + G + B), \qquad "
     r"Y^{2.2} = .2126\,R^{2.2} + .7152\,G^{2.2} + .0722\,B^{2.2}",
-    passes=(photographed(), *post("picture", Output("scene.FragColor")), *post("patch", PATCH)),
+    passes=(photographed(), greyed("picture", SCENE), greyed("patch", PATCH)),
     picture="picture.FragColor",
     expect=[
         *(formula(f"picture.{output}", law) for output, law in LAWS.items()),

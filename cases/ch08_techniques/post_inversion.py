@@ -7,19 +7,17 @@ Look at: the negative. The sky, nearly white, is nearly black, the coral ball li
 shadows are bright.
 """
 
-from shaderlab import Case, Output, Texture, assets, coverage, formula, fullscreen, measure, value
+from shaderlab import Case, Output, Texture, assets, coverage, formula, measure, value
 from shaderlab.glslmath import swizzle, vec4
 from shaderlab.reference import post_processing
 from shaderlab.sampling import texture
 
-from ..scenes.still_life import CORAL, photograph_checks, photographed
+from ..scenes.still_life import CORAL, SCENE, photograph_checks, photographed, post_processed
 
 
-def post(name, source):
+def inverted(name, source):
     """The negative of a texture."""
-    return fullscreen(
-        "ch08_techniques/post_inversion.frag", name=name, textures={"screenTexture": source}
-    )
+    return post_processed("post_inversion", source, name)
 
 
 def negative(screenTexture, TexCoords):
@@ -39,9 +37,9 @@ case = Case(
     math=r"c' = 1 - c",
     passes=(
         photographed(),
-        *post("picture", Output("scene.FragColor")),
-        *post("twice", Output("picture.FragColor")),
-        *post("patch", Texture(image=assets.solid((*CORAL, 1.0)))),
+        inverted("picture", SCENE),
+        inverted("twice", Output("picture.FragColor")),
+        inverted("patch", Texture(image=assets.solid((*CORAL, 1.0)))),
     ),
     picture="picture.FragColor",
     expect=[

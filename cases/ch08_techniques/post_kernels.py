@@ -15,25 +15,14 @@ as they are printed, or the other way.
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Erratum,
-    Output,
-    Pixel,
-    Ramp,
-    Target,
-    Texture,
-    Variant,
-    computed,
-    formula,
-    fullscreen,
-)
+from shaderlab import Case, Erratum, Pixel, Texture, Variant, formula
 from shaderlab.glslmath import swizzle, vec4
 from shaderlab.reference.post_processing import BLUR, EDGES, EMBOSS, SHARPEN, convolved, filtered
 from shaderlab.sampling import texture
 
-from ..scenes.figures import figures
-from ..scenes.still_life import photograph_checks, photographed
+from ..scenes.figures import figures, results
+from ..scenes.panels import WHOLE, square
+from ..scenes.still_life import SCENE, photograph_checks, photographed, post_processed
 
 AS_PRINTED = (2.0, 2.0, 2.0, 2.0, -15.0, 2.0, 2.0, 2.0, 2.0)
 # Weights; their sum; what is left of a step from 0 to 1, before it and behind it.
@@ -46,13 +35,11 @@ KERNELS = {
 }
 STEP = Texture(image=np.array([[(level,) * 3 + (1.0,) for level in (0.0, 0.0, 1.0, 1.0)]] * 4))
 
-
 # Noise, read 1/200 of a texel from each texel's lower left corner: a neighbour that is not exactly
 # one texel away is another one.
 SIDE = 32
 NOISE = Texture(image=np.random.default_rng(8).uniform(0.0, 1.0, (SIDE, SIDE, 4)))
-NEAR = -0.495 / SIDE
-NEAR_A_CORNER = {"TexCoords": Ramp((NEAR, NEAR), (1.0, 0.0), (0.0, 1.0))}
+NEAR_A_CORNER = {"TexCoords": square(-0.495 / SIDE, 1.0 - 0.495 / SIDE)}
 
 
 def around(screenTexture, TexCoords, kernel):
@@ -75,15 +62,18 @@ def by_numpy(screenTexture, TexCoords, kernel):
     return np.column_stack([whole[y, x], np.ones(len(x))])
 
 
+def sharpened(name, source, size=None, domain=WHOLE):
+    """A texture through the first kernel; each variant sends its own."""
+    return post_processed("post_kernels", source, name, domain=domain, size=size, kernel=SHARPEN)
+
+
 def answers(before, behind):
     """What a kernel makes of the two pixels at a step."""
-    return figures(
-        "step.FragColor",
-        {
-            f"{side} a step from 0 to 1": (Pixel(x, 1), (seen,) * 3 + (1.0,))
-            for x, side, seen in ((1, "before", before), (2, "behind", behind))
-        },
-    )
+    rows = {
+        f"{side} a step from 0 to 1": (Pixel(x, 1), (seen,) * 3 + (1.0,))
+        for x, side, seen in ((1, "before", before), (2, "behind", behind))
+    }
+    return figures("step.FragColor", rows)
 
 
 case = Case(
@@ -92,26 +82,9 @@ case = Case(
     math=r"c'(x, y) = \sum_{i=-1}^{1} \sum_{j=-1}^{1} w_{ij}\, c(x + i,\, y + j)",
     passes=(
         photographed(),
-        *fullscreen(
-            "ch08_techniques/post_kernels.frag",
-            uniforms={"kernel": SHARPEN},
-            textures={"screenTexture": Output("scene.FragColor")},
-        ),
-        *fullscreen(
-            "ch08_techniques/post_kernels.frag",
-            name="corners",
-            domain=NEAR_A_CORNER,
-            uniforms={"kernel": SHARPEN},
-            textures={"screenTexture": NOISE},
-            target=Target(size=(SIDE, SIDE)),
-        ),
-        *fullscreen(
-            "ch08_techniques/post_kernels.frag",
-            name="step",
-            uniforms={"kernel": SHARPEN},
-            textures={"screenTexture": STEP},
-            target=Target(size=(4, 4)),
-        ),
+        sharpened("main", SCENE),
+        sharpened("corners", NOISE, (SIDE, SIDE), NEAR_A_CORNER),
+        sharpened("step", STEP, (4, 4)),
     ),
     picture="main.FragColor",
     variants=[
@@ -122,10 +95,7 @@ case = Case(
         formula("main.FragColor", around, also={"NumPy's convolution": by_numpy}),
         formula("corners.FragColor", around, name="read near each texel's corner"),
         formula("step.FragColor", around, name="a step"),
-        *(
-            computed(f"weights, {name}", lambda w=kernel: sum(w), equals=total, digits=6)
-            for name, (kernel, total, *_) in KERNELS.items()
-        ),
+        *results({f"weights, {name}": (sum(k), total) for name, (k, total, *_) in KERNELS.items()}),
         *photograph_checks(),
     ],
     errata=[

@@ -16,6 +16,7 @@ from shaderlab import Case, Output, Target, cost, formula, fullscreen, measure, 
 from shaderlab.glslmath import fract, swizzle, vec2, vec4, where
 from shaderlab.sampling import texture
 
+from ..scenes.laws import sampled
 from ..scenes.picture_difference import flip, psnr
 from ..scenes.still_life import hue_checks, photograph_checks, photographed
 
@@ -54,11 +55,6 @@ def five_strips(name, target):
         target=target,
     )
     return drawn
-
-
-def copied(screen, TexCoords):
-    """What the sampler gives."""
-    return texture(screen, TexCoords)
 
 
 def strips(TexCoords, whole, halved, halvedSmooth, quartered, quarteredSmooth):
@@ -121,8 +117,8 @@ case = Case(
     ),
     picture="strips.FragColor",
     expect=[
-        formula("half linear.FragColor", copied, name="half, linear"),
-        formula("quarter nearest.FragColor", copied, name="quarter, nearest"),
+        formula("half linear.FragColor", sampled("screen"), name="half, linear"),
+        formula("quarter nearest.FragColor", sampled("screen"), name="quarter, nearest"),
         formula("strips.FragColor", strips, name="five strips"),
         formula("edges.FragColor", strips, name="where one strip ends and the next begins"),
         table(

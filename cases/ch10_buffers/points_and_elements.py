@@ -16,7 +16,7 @@ import numpy as np
 from shaderlab import Case, Erratum, Mesh, Output, exact, formula, gl_calls, measure, query
 from shaderlab.expectations.gl_call import Object, Program, call
 
-from ..scenes.api import ONE_PIXEL, answers, errors
+from ..scenes.api import ONE_PIXEL, PIXEL, answers, errors
 from ..scenes.draws import drawn
 from ..scenes.figures import each_draw
 from ..scenes.laws import device_place
@@ -88,7 +88,6 @@ INDEXED = (
 )
 
 THIRD = (*INDEXED, call("glDrawElements", "GL_POINTS", 1, "GL_UNSIGNED_BYTE", 3))
-PIXEL = call("glReadPixels", 0, 0, 1, 1, "GL_RGBA", "GL_UNSIGNED_BYTE")
 CYAN = (0, 255, 255, 255)
 GONE = "glIndexPointer is gone from OpenGL's core"
 

@@ -30,13 +30,12 @@ from shaderlab import (
 from shaderlab.glslmath import mul, swizzle, vec4
 from shaderlab.reference.spaces import sky_clip
 from shaderlab.reference.transforms import clip_position, look_at, perspective, translate
-from shaderlab.sampling import texture
 
 from ..scenes.cameras import turned
 from ..scenes.crates import crates, of_wood, turned_normal, wooden
 from ..scenes.draws import tested, twins
 from ..scenes.figures import figure
-from ..scenes.laws import unchanged
+from ..scenes.laws import sampled, unchanged
 from ..scenes.panels import cell, picture, softened_check, softened_pass
 from ..scenes.sky import skies
 
@@ -77,9 +76,8 @@ def under(name, *draws):
     return picture(draws, (64, 64), name, depth="depth24", colors={"FragColor": "rgba32f"})
 
 
-def along(skybox, TexCoords):
-    """The sky in the direction of the box's point."""
-    return texture(skybox, TexCoords)
+# The sky in the direction of the box's point.
+ALONG = sampled("skybox")
 
 
 def point(aPos):
@@ -136,7 +134,7 @@ case = Case(
         formula("here.gl_Position", sky_clip, name="turned, not moved, and z = w"),
         formula("there.gl_Position", sky_clip, name="the same from elsewhere"),
         formula("here.TexCoords", point),
-        formula("here.FragColor", along, name="the sky's colours"),
+        formula("here.FragColor", ALONG, name="the sky's colours"),
         exact("here.depth", 1.0, name="the sky's depth is 1"),
         exact("there.depth", 1.0, name="and 1 from elsewhere"),
         exact("there.FragColor", Output("here.FragColor"), name="a step changes no pixel"),
@@ -148,7 +146,7 @@ case = Case(
         ),
         formula("sky-last.FragColor", of_wood, draw=0, name="the first crate is in front"),
         formula("sky-last.FragColor", of_wood, draw=1, name="the second crate is in front"),
-        formula("sky-last.FragColor", along, draw=3, name="sky is where nothing else is"),
+        formula("sky-last.FragColor", ALONG, draw=3, name="sky is where nothing else is"),
         formula("sky-last.gl_Position", clip_position, draw=0, name="a crate in clip space"),
         formula("sky-last.Normal", turned_normal, draw=0, name="a crate's normals"),
         formula("sky-last.TexCoords", unchanged("aTexCoords"), draw=0, name="places on its wood"),
@@ -156,7 +154,7 @@ case = Case(
         formula("kept-here.gl_Position", kept_clip, name="with the translation kept"),
         formula("kept-there.gl_Position", kept_clip, name="with the translation kept, elsewhere"),
         *(
-            formula(f"kept-{place}.FragColor", along, name=f"{place}, with the translation kept")
+            formula(f"kept-{place}.FragColor", ALONG, name=f"{place}, with the translation kept")
             for place in ("here", "there")
         ),
         formula("kept-here.TexCoords", point, name="directions with the translation kept"),

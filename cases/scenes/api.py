@@ -21,6 +21,10 @@ ONE_PIXEL = (
 """A framebuffer of one pixel, to be drawn into and read."""
 
 
+PIXEL = call("glReadPixels", 0, 0, 1, 1, "GL_RGBA", "GL_UNSIGNED_BYTE")
+"""What is in that pixel, as four bytes."""
+
+
 def answers(rows: Mapping[str, tuple[Any, ...]]) -> list[Any]:
     """A `gl_call` for each row: its name → (the call, what it returns or writes, and if any come
     before it, groups of calls in order).

@@ -9,6 +9,7 @@ from typing import Any
 
 from shaderlab.glslmath import either, vec4
 from shaderlab.reference.transforms import in_view
+from shaderlab.sampling import texture
 
 Law = Callable[..., Any]
 
@@ -24,6 +25,19 @@ def unchanged(name: str) -> Law:
         return inputs[name]
 
     return _with_inputs(same, (name,))
+
+
+def sampled(sampler: str, at: str = "TexCoords") -> Law:
+    """The texel of a sampler under coordinates, by the sampler's own filter and wrap modes.
+
+    >>> inputs_of(sampled("image"))
+    ('image', 'TexCoords')
+    """
+
+    def texel(**inputs: Any) -> Any:
+        return texture(inputs[sampler], inputs[at])
+
+    return _with_inputs(texel, (sampler, at))
 
 
 def device_place(aPos: Any) -> Any:

@@ -32,7 +32,7 @@ from .courtyard_light import light_position, stored_depth
 from .draws import tested, twins
 from .figures import figure
 from .lit import BELOW, GRAZING, TURNED_AWAY, picture, picture_check
-from .shadow_truth import hidden_share
+from .shadow_truth import hidden_share, told_otherwise
 
 Matrix = npt.NDArray[Any]
 SUN = (-2.0, 4.0, -1.0)
@@ -164,6 +164,33 @@ def past_far_plane(name: str) -> Any:
         "Color": (1.0, 1.0, 1.0),
     }
     return figure(f"{name}.shadow", "past the far plane nothing is dark", at, 0.0)
+
+
+def map_of_rays_check(
+    name: str = "", *, light_space: Matrix = LIGHT_SPACE, radius: int = 0, **measured: Any
+) -> Any:
+    """The shadow map of the sun tells of next to no place something else than a map that rays make:
+    the same texels, the same bias, nothing rasterised.
+
+    Corners are moved by up to 1/256 of a texel, and depths are rounded to 2⁻²⁴: only places within
+    that of an edge or of equality may differ, a few of 10,000, for each texel that is asked.
+
+    Args:
+        name: what else is to be said of the map.
+        light_space: the matrix that the map was drawn with.
+        radius: texels that are asked, to either side.
+        measured: as `measure` takes them: `reads` (shadow, place, upright) and `given` (the map's
+            size, its biases), or `readings` of these.
+
+    >>> map_of_rays_check("9 texels: ", reads={}).name
+    '9 texels: told otherwise than by a map of rays'
+    """
+    return measure(
+        f"{name}told otherwise than by a map of rays",
+        told_otherwise(light_space, SUN, BOXES, radius),
+        at_most=0.001 * (2 * radius + 1) ** 2,
+        **measured,
+    )
 
 
 def in_cell(description: Pass, cell: Cell) -> Draw:

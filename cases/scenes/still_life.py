@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from shaderlab import Pass, Target, measure
+from shaderlab import Output, Pass, Ramp, Target, measure
 from shaderlab.assets.meshes import Geometry, joined, moved, sphere, torus
 from shaderlab.assets.solids import box, painted
+from shaderlab.model import TextureSource
 from shaderlab.reference.rasterisation import samples_seen
 
 from .cameras import camera
 from .figures import figure, ground
+from .panels import WHOLE, panel, picture
 from .props import letter_f
 from .remembered import remembered
 from .stage import SKY, prop, prop_checks
@@ -25,6 +27,8 @@ Array = npt.NDArray[Any]
 
 CAMERA = camera((0.0, 2.4, 4.4), (0.0, 0.35, 0.1), 38.0)
 CORAL, BLUE, GREEN = (1.0, 0.5, 0.31), (0.10, 0.22, 0.75), (0.16, 0.52, 0.20)
+SCENE = Output("scene.FragColor")
+"""What `photographed` draws, to be read by the next pass."""
 HUES = {"coral": CORAL, "blue": BLUE, "green": GREEN}
 
 
@@ -52,6 +56,32 @@ def photographed(name: str = "scene", size: tuple[int, int] | None = None) -> Pa
     model[:3, :3] = (c, 0.0, s), (0.0, 1.0, 0.0), (-s, 0.0, c)
     draw = prop(still_life(), CAMERA, model=model)
     return Pass(name=name, target=target, draws=(draw,))
+
+
+def post_processed(
+    shader: str,
+    source: TextureSource,
+    name: str = "picture",
+    *,
+    domain: Mapping[str, Ramp] = WHOLE,
+    size: tuple[int, int] | None = None,
+    **uniforms: Any,
+) -> Pass:
+    """A pass over the whole target that reads a picture as `screenTexture`.
+
+    Args:
+        shader: its name in chapter 8.
+        source: the picture: `SCENE`, another pass's output, or a texture.
+        name: of the pass.
+        domain: where it reads, if not each place once.
+        size: of the target; a case's own by default.
+        uniforms: what else the shader asks for.
+
+    >>> post_processed("post_inversion", SCENE).name
+    'picture'
+    """
+    fragment, textures = f"ch08_techniques/{shader}.frag", {"screenTexture": source}
+    return picture([panel(fragment, domain, uniforms, textures=textures)], size, name)
 
 
 def photograph_checks(*, side: int = 64, pass_name: str = "scene") -> tuple[Any, ...]:
