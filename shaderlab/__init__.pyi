@@ -47,6 +47,7 @@ from .model import (
     Stencil as Stencil,
     Target as Target,
     Texture as Texture,
+    Texture3D as Texture3D,
     TextureArray as TextureArray,
     UniformBuffer as UniformBuffer,
     Variant as Variant,

@@ -89,10 +89,11 @@ class Texels:
 
     Attributes:
         values: the largest level: (height, width, channels), or with one more axis in front the
-            layers of an array, the faces of a cube, the samples of a multisampled texture.
+            layers of an array or of a texture in three dimensions, the faces of a cube, the samples
+            of a multisampled texture.
         filter, wrap, border, compare, lod: as in `shaderlab.model.Texture`.
-        kind: what comes after "sampler" in GLSL, without "Shadow": "2D", "2DArray", "Cube", "2DMS";
-            or after "image": "2D", "2DArray", "3D".
+        kind: what comes after "sampler" in GLSL, without "Shadow": "2D", "2DArray", "3D", "Cube",
+            "2DMS"; or after "image": "2D", "2DArray", "3D".
         format: the texture's format; 8-bit texels are codes.
         smaller: the mipmap levels below the largest one, if there are any.
         seamless: whether a cube's filters reach over its edges.
@@ -100,7 +101,7 @@ class Texels:
 
     values: Array
     filter: tuple[str, str]
-    wrap: tuple[str, str]
+    wrap: tuple[str, ...]
     border: tuple[float, float, float, float]
     kind: str = field(default="2D", kw_only=True)
     format: str = field(default="rgba32f", kw_only=True)

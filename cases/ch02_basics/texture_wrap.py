@@ -5,16 +5,28 @@ turns every other copy round. GL_CLAMP_TO_EDGE goes on with the outermost texel,
 GL_CLAMP_TO_BORDER with a colour of one's own; with GL_LINEAR the edge is mixed with that colour
 over a texel's width. It is texels that are wrapped, by their numbers, not coordinates: so LINEAR
 mixes across the seam, from the last texel to the first. A texture in three dimensions is a stack
-of layers, with a wrap mode for r, the third coordinate, as well.
+of layers, between which LINEAR mixes as well, and has a third wrap mode, for r.
 
 Look at: one image and u and v from −1.5 to 2.5, so that it fits four times. From left to right
 stand REPEAT, MIRRORED_REPEAT, CLAMP_TO_EDGE and CLAMP_TO_BORDER, below with NEAREST and above with
-LINEAR. Where copies meet, LINEAR blurs under REPEAT and has nothing to blur under the mirror.
+LINEAR. Where copies meet, LINEAR blurs under REPEAT and has nothing to blur under the mirror. On
+top a block of wood in three dimensions, and four cuts through it and what surrounds it: s grows to
+the right and r upward, and the cut climbs along t a little.
 """
 
 import numpy as np
 
-from shaderlab import Case, Target, Texture, assets, formula, fullscreen, gl_call
+from shaderlab import (
+    Case,
+    Ramp,
+    Target,
+    Texture,
+    Texture3D,
+    assets,
+    formula,
+    fullscreen,
+    gl_call,
+)
 from shaderlab.expectations.gl_call import Object, call
 from shaderlab.reference.filtering import linear_sample
 
@@ -28,24 +40,40 @@ FIELDS = [(word, wrap) for word in ("nearest", "linear") for wrap in WRAPS]
 # The picture's image, and one of 5 × 3 texels that are all different, to be judged.
 CHART = assets.uv_grid(64, 4)
 TEXELS = np.random.default_rng(24).random((3, 5, 4))
-# Two texels side by side, in three layers.
-TEXELS_3D = bytes(range(24))
-VOLUME = (
-    call("glBindTexture", "GL_TEXTURE_3D", Object("texture")),
-    call(
-        "glTexImage3D",
-        *("GL_TEXTURE_3D", 0, "GL_RGBA8", 2, 1, 3, 0, "GL_RGBA", "GL_UNSIGNED_BYTE", TEXELS_3D),
-    ),
-)
+SOLID_TEXELS = np.random.default_rng(24).random((4, 3, 5, 4))
+VOLUME = (call("glBindTexture", "GL_TEXTURE_3D", Object("texture")),)
 BORDER = (0.93, 0.55, 0.20, 1.0)
 
 
-def wrapped(image):
+def wood():
+    """A block of wood, 32 texels a side: rings around an axis that is not quite upright."""
+    t, r, s = np.moveaxis((np.indices((32, 32, 32)) + 0.5) / 32.0, 0, 0)[[1, 0, 2]]
+    ring = 7.0 * np.hypot(s - 0.25 - 0.15 * r, t - 0.1)
+    light = 1.0 - 0.62 * (ring % 1.0) ** 3
+    return np.stack([0.86 * light, 0.62 * light, 0.36 * light, np.ones(light.shape)], axis=-1)
+
+
+def wrapped(image, rows=2):
     """Every wrap mode with every filter, in a field of its own."""
     for k, (word, wrap) in enumerate(FIELDS):
         texels = Texture(image=image, wrap=(wrap, wrap), filter=(word, word), border=BORDER)
         domain, textures = {"TexCoords": square(-1.497, 2.503)}, {"image": texels}
-        yield panel("ch02_basics/textured.frag", domain, textures=textures, cell=cell(k, 4, 2))
+        place = cell(k, 4, rows)
+        yield panel("ch02_basics/textured.frag", domain, textures=textures, cell=place)
+
+
+def cuts(layers, fields, first, rows):
+    """Each wrap mode in all three dimensions: from the `first` cell on, a slanting cut each."""
+    cut = Ramp((-1.497, 0.203, -1.497), (4.0, 0.0, 0.0), (0.0, 0.5, 4.0))
+    for k, (word, wrap) in enumerate(fields, first):
+        solid = Texture3D(layers=layers, wrap=(wrap,) * 3, filter=(word, word), border=BORDER)
+        domain, textures = {"TexCoords": cut}, {"solid": solid}
+        yield panel("ch02_basics/solid.frag", domain, textures=textures, cell=cell(k, 4, rows))
+
+
+def cut_through(solid, TexCoords):
+    """The same equations with a third coordinate."""
+    return texture(solid, TexCoords)
 
 
 def texels(name, wrap, row, word="nearest"):
@@ -77,9 +105,10 @@ case = Case(
     r"\operatorname{mir}\bigl((i \bmod 2n) - n\bigr), \qquad "
     r"\text{edge: } \operatorname{clamp}(i, 0, n - 1)",
     passes=(
-        *enlarged(wrapped(CHART), (116, 58), 9),
+        *enlarged([*wrapped(CHART, 3), *cuts(wood(), FIELDS[4:], 8, 3)], (116, 87), 9),
         # 40 and 32 pixels over 20 and 12 texels: none of them lies on a texel's edge or centre.
         picture(wrapped(TEXELS), (160, 64), "judged"),
+        picture(cuts(SOLID_TEXELS, FIELDS, 0, 2), (160, 68), "solid"),
         *texels("repeat", "repeat", (0.25, 0.75)),
         *texels("mirror", "mirrored_repeat", (0.25, 0.75)),
         *texels("edge", "clamp_to_edge", (0.25, 0.75)),
@@ -103,30 +132,16 @@ case = Case(
             )
             for k, (word, wrap) in enumerate(FIELDS)
         ),
-        gl_call(
-            "glGetTexImage",
-            *("GL_TEXTURE_3D", 0, "GL_RGBA", "GL_UNSIGNED_BYTE"),
-            before=VOLUME,
-            returns=tuple(TEXELS_3D),
-            name="a texture in three dimensions keeps its layers",
-        ),
-        gl_call(
-            "glGetTexLevelParameteriv",
-            *("GL_TEXTURE_3D", 0, "GL_TEXTURE_DEPTH"),
-            before=VOLUME,
-            returns=3,
-            name="it has a depth",
-        ),
-        gl_call(
-            "glTexParameteri",
-            *("GL_TEXTURE_3D", "GL_TEXTURE_WRAP_R", "GL_MIRRORED_REPEAT"),
-            before=VOLUME,
-            name="and a third wrap mode, R",
+        *each_draw("small.FragColor", cut_through, dict(enumerate(WRAPS, 8)), "the wood, {}"),
+        *each_draw(
+            "solid.FragColor",
+            cut_through,
+            {k: f"three dimensions, {wrap}, {word}" for k, (word, wrap) in enumerate(FIELDS)},
         ),
         gl_call(
             "glTexImage2D",
             *("GL_TEXTURE_3D", 0, "GL_RGBA8", 1, 1, 0, "GL_RGBA", "GL_UNSIGNED_BYTE", None),
-            before=VOLUME[:1],
+            before=VOLUME,
             raises="invalid_enum",
             name="no image in two dimensions fits it: 0x0500",
         ),

@@ -6,12 +6,31 @@ contents are safe. What is mapped is what is bound: with no buffer bound there i
 and the call raises GL_INVALID_OPERATION (0x0502); so does mapping twice, and unmapping what is not
 mapped.
 
-Look at: the rosette. Its 168 bytes came through a pointer, and its pixels are those of a buffer
-that was filled by glBufferData.
+Pixels can be written so, too. While a buffer is bound as GL_PIXEL_UNPACK_BUFFER, glTexImage2D takes
+its image from there, and its last argument is an offset into the buffer. Films and whatever else
+the processor draws anew for each frame come to the screen in that way.
+
+Look at: a Julia set of z² + c, computed by the processor, texel by texel, and written through a
+pointer. The rosette's 168 bytes came through one as well. The pixels of both are those of contents
+that were copied.
 """
 
-from shaderlab import Case, Output, attribute_layout, exact, gl_call, gl_calls
+import numpy as np
+
+from shaderlab import (
+    Case,
+    Output,
+    Target,
+    Texture,
+    attribute_layout,
+    exact,
+    formula,
+    fullscreen,
+    gl_call,
+    gl_calls,
+)
 from shaderlab.expectations.gl_call import Object, call
+from shaderlab.sampling import texture
 
 from ..scenes.api import answers
 from ..scenes.rosette import rosette_checks, window
@@ -24,6 +43,35 @@ BOUND = (
 MAP = ("glMapBuffer", "GL_ARRAY_BUFFER", "GL_WRITE_ONLY")
 UNMAP = ("glUnmapBuffer", "GL_ARRAY_BUFFER")
 REFUSED = "invalid_operation"
+IMAGE = {"width": 480, "height": 320, "internalformat": "GL_RGBA8", "times": 1}
+BYTES = 4 * 480 * 320
+
+
+def julia():
+    """How soon |z² + c| passes 2, for c = −0.8 + 0.156i and z in ±1.56 and ±1.04i, as colours."""
+    z = np.linspace(-1.56, 1.56, 480) + 1j * np.linspace(-1.04, 1.04, 320)[:, None]
+    steps = np.zeros(z.shape)
+    for _ in range(96):
+        inside = np.abs(z) <= 2.0
+        z = np.where(inside, z * z + (-0.8 + 0.156j), z)
+        steps += inside
+    light = (steps / 96.0)[..., None] ** (1.2, 0.75, 0.42, 0.0)
+    return (255.0 * light).astype(np.uint8)
+
+
+def shown(name, upload):
+    """The Julia set, each texel on a pixel, after one way of filling its texture."""
+    return fullscreen(
+        "ch02_basics/textured.frag",
+        name=name,
+        textures={"image": Texture(image=julia, format="rgba8", upload=upload)},
+        target=Target(size=(480, 320)),
+    )
+
+
+def sampled(image, TexCoords):
+    """The texel that holds the point."""
+    return texture(image, TexCoords)
 
 
 SIZE = call("glGetBufferParameteriv", "GL_ARRAY_BUFFER", "GL_BUFFER_SIZE")
@@ -35,13 +83,20 @@ case = Case(
     r"\text{map} \to \text{write} \to \text{unmap} = \mathtt{GL\_TRUE}",
     passes=(
         window("copied", layout="batched", upload="data"),
+        *shown("picture, copied", "data"),
+        *shown("picture", "map"),
         window("mapped", layout="batched", upload="map"),
     ),
+    picture="picture.FragColor",
     expect=[
         exact("mapped.FragColor", Output("copied.FragColor"), name="same pixels as copied"),
         gl_calls("glMapBufferRange", access="GL_MAP_WRITE_BIT", length=168, times=1, name="mapped"),
         gl_calls("glUnmapBuffer", times=1, pass_name="mapped", after="glMapBufferRange"),
         gl_calls("glBufferSubData", times=0, pass_name="mapped", name="nothing else is written"),
+        formula("picture.FragColor", sampled, name="texels from a buffer"),
+        exact("picture.FragColor", Output("picture, copied.FragColor"), name="same as from memory"),
+        gl_calls("glMapBufferRange", length=BYTES, times=1, pass_name="picture", name="written"),
+        gl_calls("glTexImage2D", **IMAGE, pixels="NULL", after="glUnmapBuffer", name="then read"),
         gl_call(*MAP, raises=REFUSED, name="map with buffer 0 bound: 0x0502"),
         gl_call(*MAP, before=BOUND, name="map with a buffer bound"),
         gl_call(*MAP, before=(*BOUND, call(*MAP)), raises=REFUSED, name="map what is mapped"),

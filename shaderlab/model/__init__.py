@@ -58,6 +58,7 @@ from shaderlab.model.textures import (
     ImageValue as ImageValue,
     Output as Output,
     Texture as Texture,
+    Texture3D as Texture3D,
     TextureArray as TextureArray,
     TextureSource as TextureSource,
     outputs_read as outputs_read,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 
@@ -23,6 +24,7 @@ FILTERS = (
     "nearest", "linear", "nearest_mipmap_nearest", "linear_mipmap_nearest",
     "nearest_mipmap_linear", "linear_mipmap_linear",
 )  # fmt: skip
+TEXTURE_UPLOADS = ("data", "map")
 WRAPS = ("repeat", "mirrored_repeat", "clamp_to_edge", "clamp_to_border")
 # Bytes of a block of 4 × 4 texels.
 BLOCK_BYTES = {"etc2_rgb8": 8, "etc2_eac_rgba8": 16, "bc1": 8, "bc3": 16, "bc7": 16}
@@ -30,6 +32,7 @@ FACES = ("+X", "−X", "+Y", "−Y", "+Z", "−Z")
 ANY_LEVEL = (-1000.0, 1000.0)
 
 Filters = tuple[str, str]
+Wraps = tuple[str, str] | tuple[str, str, str]
 Pixels = Array | Callable[[], Array] | str | Path
 Levels = bool | Sequence[Array]
 
@@ -40,7 +43,7 @@ class Sampling(Checked):
 
     Args:
         filter: for minifying and for magnifying; a mipmap filter can only be the first.
-        wrap: what coordinates outside 0…1 mean, along s and t.
+        wrap: what coordinates outside 0…1 mean, along s and t; of a `Texture3D` along r as well.
         border: the colour beyond the edge under "clamp_to_border".
         compare: a depth comparison for a shadow sampler, `reference func texel`; None for all
             others.
@@ -48,16 +51,19 @@ class Sampling(Checked):
     """
 
     filter: Filters = ("nearest", "nearest")
-    wrap: tuple[str, str] = ("repeat", "repeat")
+    wrap: Wraps = ("repeat", "repeat")
     border: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
     compare: str | None = None
     lod: tuple[float, float] = ANY_LEVEL
+    _AXES: ClassVar[str] = "st"
 
     def __post_init__(self) -> None:
         owner = type(self).__name__
         one_of(owner, "filter[0] (minifying)", self.filter[0], FILTERS)
         one_of(owner, "filter[1] (magnifying)", self.filter[1], FILTERS[:2])
-        for axis, word in zip("st", self.wrap, strict=True):
+        if len(self.wrap) != len(self._AXES):
+            raise CaseError(f"{owner}: wrap has {len(self.wrap)} words, not {len(self._AXES)}")
+        for axis, word in zip(self._AXES, self.wrap, strict=True):
             one_of(owner, f"wrap along {axis}", word, WRAPS)
         if self.compare is not None:
             one_of(owner, "compare", self.compare, COMPARISONS)
@@ -95,14 +101,19 @@ class Texture(Sampling):
     makes such an array when the case runs, or an image file's path (relative to the case file;
     files are flipped so that their lowest row comes first). `mipmaps` are made by the driver
     (True) or given: all smaller levels, each half as large as the one before (rounded down).
+
+    `upload` is "data" where OpenGL reads the image from the program's memory, "map" where it is
+    written into a mapped pixel buffer (GL_PIXEL_UNPACK_BUFFER) that the texture is filled from.
     """
 
     image: Pixels
     format: str = "rgba32f"
     mipmaps: Levels = False
+    upload: str = "data"
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        one_of("Texture", "upload", self.upload, TEXTURE_UPLOADS)
         self._check_format(self.format)
         self._check_levels(self.mipmaps)
 
@@ -118,7 +129,7 @@ class Output(Sampling):
     """
 
     path: str
-    wrap: tuple[str, str] = field(default=("clamp_to_edge", "clamp_to_edge"), kw_only=True)
+    wrap: Wraps = field(default=("clamp_to_edge", "clamp_to_edge"), kw_only=True)
     mipmaps: bool = field(default=False, kw_only=True)
 
     def __post_init__(self) -> None:
@@ -162,7 +173,30 @@ class TextureArray(Sampling):
         self._check_levels(self.mipmaps)
         object.__setattr__(self, "layers", tuple(self.layers))
         if not self.layers:
-            raise CaseError("TextureArray: there are no layers")
+            raise CaseError(f"{type(self).__name__}: there are no layers")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Texture3D(TextureArray):
+    """A texture in three dimensions, for `sampler3D`: layers that LINEAR mixes as it does rows.
+
+    The first layer is at r = 0. `wrap` has a word for r as well. There are no mipmaps, and
+    minifying and magnifying have one filter.
+    """
+
+    wrap: Wraps = ("repeat", "repeat", "repeat")
+    _AXES: ClassVar[str] = "str"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.mipmaps or self.filter[0] != self.filter[1]:
+            raise CaseError(
+                f"Texture3D: mipmaps={self.mipmaps}, filter={self.filter}: the lab knows no levels "
+                "in three dimensions",
+                remedy='mipmaps=False and one filter, such as filter=("linear", "linear")',
+            )
+        if self.format in DEPTH_FORMATS:
+            raise CaseError(f"Texture3D: OpenGL has no {self.format} in three dimensions")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -177,7 +211,7 @@ class CubeTexture(Sampling):
 
     faces: Sequence[Image]
     format: str = "rgba32f"
-    wrap: tuple[str, str] = ("clamp_to_edge", "clamp_to_edge")
+    wrap: Wraps = ("clamp_to_edge", "clamp_to_edge")
     mipmaps: bool = False
     seamless: bool = True
 

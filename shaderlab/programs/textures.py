@@ -13,7 +13,14 @@ import numpy as np
 from shaderlab.compiler.interface import Variable
 from shaderlab.errors import CaseError, nearest
 from shaderlab.frame import Array, Image
-from shaderlab.model import CubeTexture, Output, Texture, TextureArray, TextureSource
+from shaderlab.model import (
+    CubeTexture,
+    Output,
+    Texture,
+    Texture3D,
+    TextureArray,
+    TextureSource,
+)
 from shaderlab.model.textures import level_sizes
 from shaderlab.programs.formats import format_of
 
@@ -60,7 +67,7 @@ def contents(
         _check_levels(first, smaller)
         return Contents([first], smaller)
     cube = isinstance(source, CubeTexture)
-    owner = "CubeTexture: face" if cube else "TextureArray: layer"
+    owner = "CubeTexture: face" if cube else f"{type(source).__name__}: layer"
     given = source.faces if isinstance(source, CubeTexture) else source.layers
     layers = [values(image, f"{owner} {number}") for number, image in enumerate(given)]
     if cube:  # t runs down on a cube: files begin with the row that its faces begin with
@@ -176,7 +183,7 @@ def kind_of(source: TextureSource, declared: str, samples: int, layers: int = 0)
     if isinstance(source, CubeTexture):
         return "Cube"
     if isinstance(source, TextureArray):
-        return "2DArray"
+        return "3D" if isinstance(source, Texture3D) else "2DArray"
     if layers:
         return "2DArray"
     return "2DMS" if samples and "2DMS" in declared and isinstance(source, Output) else "2D"

@@ -10,12 +10,13 @@ from shaderlab.bands import Band, Integer
 from shaderlab.bands.swizzles import Vector
 from shaderlab.errors import FormulaError
 from shaderlab.frame import Array
-from shaderlab.sampling import cube, filters, levels, reading
+from shaderlab.sampling import cube, filters, levels, reading, volume
 from shaderlab.sampling.reading import Integers, Sampler
 from shaderlab.sampling.spans import Span, component, components, hull, span_of
 
 Offset = tuple[int, int]
-_COORDINATES = {"2D": 2, "2DArray": 3, "Cube": 3}
+COORDINATES = {"2D": 2, "2DArray": 3, "3D": 3, "Cube": 3}
+"""How many coordinates place a sample, by the sampler's kind."""
 
 
 def texture(sampler: Sampler, p: Any, lod: Any = None) -> Any:
@@ -25,8 +26,9 @@ def texture(sampler: Sampler, p: Any, lod: Any = None) -> Any:
         sampler: a texture; a shadow sampler answers with one component, how much of the four
             texels around (the nearest one, with NEAREST) passes the comparison. A band allows
             anything where the four disagree (OpenGL 4.5, §8.23.1, leaves it to the driver).
-        p: coordinates (count, n) or (n,), as an array or a band: s, t; then the layer of an
-            array; of a cube the direction; last the value that a shadow sampler compares.
+        p: coordinates (count, n) or (n,), as an array or a band: s, t; then r of three dimensions
+            or the layer of an array; of a cube the direction; last the value that a shadow sampler
+            compares.
         lod: the mipmap level that the derivatives give, where the filters depend on it.
 
     Returns:
@@ -42,8 +44,8 @@ def texture(sampler: Sampler, p: Any, lod: Any = None) -> Any:
 def sampled(sampler: Sampler, p: Any, level: Span | None, offset: Offset = (0, 0)) -> Any:
     """`texture` at a mipmap level, at a position moved by `offset` texels of each level read."""
     texels = sampler.texels
-    wanted = _COORDINATES.get(texels.kind, 0) + (texels.compare is not None)
-    if texels.kind not in _COORDINATES:
+    wanted = COORDINATES.get(texels.kind, 0) + (texels.compare is not None)
+    if texels.kind not in COORDINATES:
         raise FormulaError(f"texture(): a sampler{texels.kind} is read by texelFetch() alone")
     given = components(span_of(p))
     if given != wanted:
@@ -51,10 +53,14 @@ def sampled(sampler: Sampler, p: Any, level: Span | None, offset: Offset = (0, 0
         raise FormulaError(
             f"texture(): a sampler{texels.kind}{shadow} takes {wanted} coordinates, not {given}"
         )
-    if texels.kind != "Cube":
+    if texels.kind in ("2D", "2DArray"):
         return value_of(sampler, _of_plane(sampler, p, level, offset))
     if offset != (0, 0):
-        raise FormulaError("GLSL has no offsets on cubes")
+        raise FormulaError(
+            f"offsets of a sampler{texels.kind} are not known; GLSL has none on cubes"
+        )
+    if texels.kind == "3D":
+        return value_of(sampler, volume.sampled(sampler, p))
     return value_of(sampler, _of_cube(sampler, p, level))
 
 
@@ -68,7 +74,7 @@ def texelFetch(sampler: Sampler, p: Any, lod: Any = 0) -> Any:
 
     Args:
         sampler: any texture but a cube.
-        p: integers (count, 2), of an array (count, 3).
+        p: integers (count, 2), of an array or three dimensions (count, 3).
         lod: the level; of a multisampled texture the sample's number. One for all.
 
     Raises:
@@ -87,7 +93,7 @@ def texelFetch(sampler: Sampler, p: Any, lod: Any = 0) -> Any:
     if not 0 <= level <= len(texels.smaller):
         raise FormulaError(f"texelFetch(): there is no level {level}")
     layers: Integers = np.full(place.shape[:-1], layer, np.int64)
-    if texels.kind == "2DArray":
+    if texels.kind in ("2DArray", "3D"):
         layers = place[..., 2]
     count, height, width, _ = reading.level_values(sampler, level).shape
     place = np.stack([place[..., 0], place[..., 1], layers], axis=-1)
@@ -100,7 +106,8 @@ def texelFetch(sampler: Sampler, p: Any, lod: Any = 0) -> Any:
 
 
 def textureSize(sampler: Sampler, lod: Any = 0) -> Integer:
-    """GLSL's `textureSize`: (width, height) of a level in texels, then the layers of an array.
+    """GLSL's `textureSize`: (width, height) of a level in texels, then the layers of an array or
+    the depth in three dimensions.
 
     >>> from shaderlab.frame import Texels
     >>> image = Texels(np.zeros((2, 4, 1)), ("nearest",) * 2, ("repeat",) * 2, (0.0,) * 4)
@@ -108,7 +115,8 @@ def textureSize(sampler: Sampler, lod: Any = 0) -> Integer:
     Integer(int, [4, 2] … [4, 2])
     """
     count, height, width, _ = reading.level_values(sampler, int(span_of(lod)[0].flat[0])).shape
-    size = (width, height, count) if sampler.texels.kind == "2DArray" else (width, height)
+    deep = sampler.texels.kind in ("2DArray", "3D")
+    size = (width, height, count) if deep else (width, height)
     return Integer(np.array(size), rules=sampler.rules)
 
 

@@ -71,13 +71,17 @@ def stored(sampler: Sampler, level: int, x: Integers, y: Integers, layer: Intege
 
 
 def wrapped(sampler: Sampler, level: int, x: Array, y: Array, layer: Integers) -> Span:
-    """Texels at any integer column and row, by the sampler's wrap modes; (count, 4)."""
+    """Texels at any integer column and row, and layer of three dimensions, by the sampler's wrap
+    modes; (count, 4)."""
     texels = sampler.texels
-    height, width, channels = level_values(sampler, level).shape[1:]
+    depth, height, width, channels = level_values(sampler, level).shape
     column = wrap_index(x.astype(np.int64), width, texels.wrap[0])
     row = wrap_index(y.astype(np.int64), height, texels.wrap[1])
-    low, high = stored(sampler, level, np.maximum(column, 0), np.maximum(row, 0), layer)
-    outside = ((column < 0) | (row < 0))[..., None]
+    if texels.kind == "3D":
+        layer = wrap_index(layer, depth, texels.wrap[2])
+    inside = (np.maximum(index, 0) for index in (column, row, layer))
+    low, high = stored(sampler, level, *inside)
+    outside = ((column < 0) | (row < 0) | (layer < 0))[..., None]
     if outside.any():
         border = np.asarray(texels.border[:channels], np.float32).astype(np.float64)
         fixed = texels.values.dtype == np.uint8 or texels.format in LARGEST

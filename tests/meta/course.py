@@ -125,7 +125,11 @@ WITHIN: Mapping[tuple[str, str], tuple[str, tuple[str, ...]]] = {
     ),
     ("2.4.2", "texture-wrap"): (
         "Textures in three dimensions",
-        ("a texture in three dimensions keeps its layers", "and a third wrap mode, R"),
+        ("three dimensions, mirrored_repeat, linear", "no image in two dimensions fits it: 0x0500"),
+    ),
+    ("10", "buffer-map"): (
+        "Textures from buffers of pixels",
+        ("texels from a buffer", "written", "then read"),
     ),
     ("10", "buffer-subdata"): (
         "Buffers of pixels",

@@ -10,7 +10,7 @@ import shaderlab
 PUBLIC = {
     # a case and what it is made of
     "Case", "Variant", "Erratum", "Pass", "Draw", "Target", "Mesh", "Texture", "Output",
-    "TextureArray", "CubeTexture", "CompressedTexture",
+    "TextureArray", "Texture3D", "CubeTexture", "CompressedTexture",
     "UniformBuffer",
     "State", "Depth", "Stencil", "Blend", "Cell",
     "fullscreen", "mesh_pass", "compute", "Ramp", "across", "up",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import fields, replace
 from typing import Any
 
 import pytest
@@ -18,6 +18,7 @@ from shaderlab.backends.opengl import (
 )
 from shaderlab.backends.opengl.pyopengl import named
 from shaderlab.evaluation import Lab
+from shaderlab.model.textures import Sampling
 from tests.catalogue import judged_only, shipped
 
 Patch = Callable[[pytest.MonkeyPatch], None]
@@ -34,6 +35,12 @@ def always_copied(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(
         vertices, "_filled", lambda d, parts, mesh: filled(d, parts, replace(mesh, upload="data"))
     )
+
+
+def pixels_always_copied(patch: pytest.MonkeyPatch) -> None:
+    """Textures are filled from the program's memory, never from a buffer."""
+    upload = bound_textures.upload
+    patch.setattr(bound_textures, "upload", lambda *given, mapped: upload(*given))
 
 
 def always_anew(patch: pytest.MonkeyPatch) -> None:
@@ -91,6 +98,7 @@ def as_many_buffers_as_frames(patch: pytest.MonkeyPatch) -> None:
         ("buffer-usage", always_static),
         ("buffer-subdata", always_copied),
         ("buffer-map", always_copied),
+        ("buffer-map", pixels_always_copied),
         ("mesh-class", always_anew),
         ("uniform-buffer", always_written),
         ("framebuffer-renderbuffer", depth_in_textures),
@@ -126,3 +134,17 @@ def test_one_filter_in_place_of_two_is_noticed(
     with Lab() as lab:
         record = lab.run(next(judged_only(case_id).scenes()))
     assert record.status == "fail", record.message
+
+
+def test_a_wrap_mode_that_is_not_set_along_r_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    made = bound_textures._new_sampler
+
+    def sampler(sampling: Any) -> int:
+        plane = {f.name: getattr(sampling, f.name) for f in fields(Sampling)}
+        return made(Sampling(**plane | {"wrap": sampling.wrap[:2]}))
+
+    monkeypatch.setattr(bound_textures, "_new_sampler", sampler)
+    with Lab() as lab:
+        record = lab.run(next(judged_only("texture-wrap").scenes()))
+    failed = {o.name for o in record.expectations if o.status != "pass"}
+    assert failed and all(name.startswith(("three dim", "the wood")) for name in failed), failed

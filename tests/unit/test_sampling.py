@@ -10,7 +10,7 @@ import pytest
 from shaderlab.bands import Band, Rules
 from shaderlab.errors import CaseError, FormulaError
 from shaderlab.frame import Texels
-from shaderlab.model import CubeTexture, Output, Texture, TextureArray
+from shaderlab.model import CubeTexture, Output, Texture, Texture3D, TextureArray
 from shaderlab.model.textures import level_sizes
 from shaderlab.reference import filtering
 from shaderlab.sampling import (
@@ -19,6 +19,7 @@ from shaderlab.sampling import (
     texelFetch,
     texture,
     textureLod,
+    textureOffset,
     textureQueryLevels,
     textureSize,
 )
@@ -29,7 +30,8 @@ RNG = np.random.default_rng(5)
 def texels(values: Any, word: str = "nearest", wrap: str = "repeat", **more: Any) -> Texels:
     border = more.pop("border", (0.0,) * 4)
     filters = more.pop("filter", (word, word))
-    return Texels(np.asarray(values, np.float32), filters, (wrap, wrap), border, **more)
+    wraps = (wrap,) * (3 if more.get("kind") == "3D" else 2)
+    return Texels(np.asarray(values, np.float32), filters, wraps, border, **more)
 
 
 def both(image: Texels, p: Any, *lod: Any) -> tuple[Any, Band]:
@@ -90,6 +92,46 @@ def test_bands_hold_what_weights_of_eight_bits_give(wrap: str) -> None:
         assert band.contains(texture(Sampler(image), (kept + 0.5) / 4.0)).all()
     assert not band.contains(texture(Sampler(image), uv.astype(float) + 0.01)).all()
     assert float(np.median(band.hi - band.lo)) < 0.01
+
+
+@pytest.mark.parametrize("wrap", ["repeat", "mirrored_repeat", "clamp_to_edge", "clamp_to_border"])
+def test_eight_texels_are_mixed_in_three_dimensions(wrap: str) -> None:
+    values = RNG.random((2, 3, 5, 4)).astype(np.float32)
+    image = texels(values, "linear", wrap, border=(2.0,) * 4, kind="3D")
+    p = RNG.uniform(-1.0, 2.0, (300, 3)).astype(np.float32)
+    # As many copies as the places reach, so that an index needs no wrapping.
+    modes = {"repeat": "wrap", "mirrored_repeat": "symmetric", "clamp_to_edge": "edge"}
+    padding = [(2 * n, 2 * n) for n in (2, 3, 5)] + [(0, 0)]
+    if wrap == "clamp_to_border":
+        around = np.pad(values, padding, constant_values=2.0)
+    else:
+        around = np.pad(values, padding, mode=modes[wrap])  # type: ignore[call-overload]
+
+    def mixed(p: Any, kept: Any = lambda place: place) -> Any:
+        place = kept(p[:, ::-1].astype(float) * (2, 3, 5) - 0.5)
+        first = np.floor(place).astype(int)
+        found = np.zeros((len(p), 4))
+        for corner in np.ndindex(2, 2, 2):
+            weight = np.where(corner, place - first, 1.0 - (place - first)).prod(axis=1)
+            found += weight[:, None] * around[tuple((first + corner + (4, 6, 10)).T)]
+        return found
+
+    got, band = both(image, p)
+    np.testing.assert_allclose(got, mixed(p), atol=1e-12)
+    for rounding in (np.floor, np.rint, np.ceil):
+        assert band.contains(mixed(p, lambda place, r=rounding: r(place * 256.0) / 256.0)).all()
+    assert not band.contains(mixed(p + np.array([0.0, 0.0, 0.02]))).all()
+    assert float(np.median(band.hi - band.lo)) < 0.02
+
+
+def test_layers_between_which_nothing_is_mixed() -> None:
+    image = texels(np.arange(3.0)[:, None, None, None], kind="3D", wrap="mirrored_repeat")
+    got, _ = both(image, [[0.5, 0.5, r] for r in (0.1, 0.5, 0.9, 1.1, 1.9)])
+    assert got[:, 0].tolist() == [0.0, 1.0, 2.0, 2.0, 0.0]
+    edge = texture(Sampler(image, Rules()), Band.between([0.5, 0.5, 0.33], [0.5, 0.5, 0.34]))
+    assert (edge.lo[..., 0], edge.hi[..., 0]) == (0.0, 1.0)
+    assert texelFetch(Sampler(image), np.array([0, 0, 2]))[0] == 2.0
+    assert textureSize(Sampler(image)).lo.tolist() == [1, 1, 3]
 
 
 def test_mipmap_levels() -> None:
@@ -218,6 +260,12 @@ def test_codes_are_divided_by_their_largest() -> None:
             ),
             "more than two texels",
         ),
+        (
+            lambda: textureOffset(
+                Sampler(texels(np.zeros((1, 1, 1, 1)), kind="3D")), np.zeros(3), (1, 0)
+            ),
+            "offsets of a sampler3D",
+        ),
     ],
 )
 def test_what_can_not_be_sampled(make: Any, says: str) -> None:
@@ -240,6 +288,12 @@ def test_what_can_not_be_sampled(make: Any, says: str) -> None:
         (lambda: Texture(image=np.zeros((1, 1, 4)), lod=(3.0, 1.0)), "from 3.0 down to 1.0"),
         (lambda: CubeTexture(faces=[np.zeros((1, 1, 4))] * 5), "5 faces"),
         (lambda: TextureArray(layers=[]), "no layers"),
+        (lambda: Texture(image=np.zeros((1, 1, 4)), upload="copy"), "upload"),
+        (lambda: Texture(image=np.zeros((1, 1, 4)), wrap=("repeat",) * 3), "3 words, not 2"),
+        (lambda: Texture3D(layers=[np.zeros((1, 1, 4))], wrap=("repeat",) * 2), "2 words, not 3"),
+        (lambda: Texture3D(layers=[np.zeros((1, 1, 4))], mipmaps=True), "no levels"),
+        (lambda: Texture3D(layers=[np.zeros((1, 1, 4))], filter=("linear", "nearest")), "levels"),
+        (lambda: Texture3D(layers=[np.zeros((1, 1, 1))], format="depth24"), "no depth24"),
     ],
 )  # fmt: skip
 def test_what_can_not_be_a_texture(make: Any, says: str) -> None:

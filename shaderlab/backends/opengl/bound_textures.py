@@ -24,7 +24,7 @@ from shaderlab.backends.opengl.textures import (
 from shaderlab.backends.scene_textures import DeviceTexels, SceneTextures
 from shaderlab.compiler.interface import Variable
 from shaderlab.frame import Array, Image
-from shaderlab.model import CompressedTexture, CubeTexture, Output, TextureSource
+from shaderlab.model import CompressedTexture, CubeTexture, Output, Texture, TextureSource
 from shaderlab.model.textures import Sampling, level_sizes
 from shaderlab.programs.compressed import blocks_of
 from shaderlab.programs.formats import DEPTH
@@ -100,7 +100,8 @@ class BoundTextures(SceneTextures[RenderTarget]):
         else:
             kind, format = kind_of(source, "", 0), source.format
             images = contents(source, self.folder, self.images)
-        texture = upload(self._device, kind, format, images)
+        mapped = isinstance(source, Texture) and source.upload == "map"
+        texture = upload(self._device, kind, format, images, mapped=mapped)
         self._stack.callback(texture.release)
         values, smaller = images.layers[0], tuple(images.smaller)
         if kind != "2D" or format in DEPTH:
@@ -139,11 +140,13 @@ def _new_sampler(sampling: Sampling) -> int:
     GL.glGenSamplers(1, sampler)
     name = int(sampler[0])
     compare = GL.GL_NONE if sampling.compare is None else GL.GL_COMPARE_REF_TO_TEXTURE
+    along_r = [(GL.GL_TEXTURE_WRAP_R, named(word)) for word in sampling.wrap[2:]]
     for what, number in (
         (GL.GL_TEXTURE_MIN_FILTER, named(sampling.filter[0])),
         (GL.GL_TEXTURE_MAG_FILTER, named(sampling.filter[1])),
         (GL.GL_TEXTURE_WRAP_S, named(sampling.wrap[0])),
         (GL.GL_TEXTURE_WRAP_T, named(sampling.wrap[1])),
+        *along_r,
         (GL.GL_TEXTURE_COMPARE_MODE, compare),
         (GL.GL_TEXTURE_COMPARE_FUNC, named(sampling.compare or "lequal")),
     ):

@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 
 import numpy as np
 
 from shaderlab.backends.opengl.device import Device
+from shaderlab.backends.opengl.mapping import write_mapped
 from shaderlab.backends.opengl.pyopengl import GL, GL_1_0, GL_1_2, GL_1_3, named
 from shaderlab.errors import UnsupportedError
 from shaderlab.frame import Array
@@ -105,8 +106,10 @@ class DeviceTexture:
         GL.glDeleteTextures(1, [self.glo])
 
 
-def upload(device: Device, kind: str, format: str, images: Contents) -> DeviceTexture:
-    """A texture with these images.
+def upload(
+    device: Device, kind: str, format: str, images: Contents, *, mapped: bool = False
+) -> DeviceTexture:
+    """A texture with these images; `mapped` writes those of a plane through a pixel buffer.
 
     Raises:
         UnsupportedError: it is too large for the driver.
@@ -133,20 +136,37 @@ def upload(device: Device, kind: str, format: str, images: Contents) -> DeviceTe
             _set_image(GL.GL_TEXTURE_CUBE_MAP_POSITIVE_X + face, 0, format, image)
     else:
         for level, image in enumerate((*images.layers, *images.smaller)):
-            _set_image(made.target, level, format, image)
+            _set_image(made.target, level, format, image, mapped=mapped)
     GL.glBindTexture(made.target, 0)
     return made
 
 
-def _set_image(target: int, level: int, format: str, image: Array) -> None:
+def _set_image(target: int, level: int, format: str, image: Array, *, mapped: bool = False) -> None:
     """Fill one level of the texture that is bound."""
     form = transfer(format)
     height, width = image.shape[:2]
-    with tightly_packed():
+    texels = np.ascontiguousarray(image)
+    source = _pixel_buffer(texels) if mapped else nullcontext(address(texels))
+    with tightly_packed(), source as pixels:
         GL_1_0.glTexImage2D(
-            target, level, form.internal, width, height, 0, form.components, form.type,
-            address(np.ascontiguousarray(image)),
-        )  # fmt: skip
+            target, level, form.internal, width, height, 0, form.components, form.type, pixels
+        )
+
+
+@contextmanager
+def _pixel_buffer(texels: Array) -> Iterator[ctypes.c_void_p]:
+    """A buffer that texels are written into through a mapping, and that is bound for textures to
+    be filled from; gives where they begin in it."""
+    target = GL.GL_PIXEL_UNPACK_BUFFER
+    name = int(GL.glGenBuffers(1))
+    GL.glBindBuffer(target, name)
+    GL.glBufferData(target, texels.nbytes, None, GL.GL_STREAM_DRAW)
+    write_mapped(target, texels.tobytes())
+    try:
+        yield ctypes.c_void_p(0)
+    finally:
+        GL.glBindBuffer(target, 0)
+        GL.glDeleteBuffers(1, np.array([name], np.uint32))
 
 
 def upload_compressed(device: Device, blocks: Blocks) -> tuple[DeviceTexture, list[Array]]:

@@ -10,12 +10,11 @@ import numpy as np
 
 from shaderlab.backends.opengl.device import Device
 from shaderlab.backends.opengl.linking import has_names
+from shaderlab.backends.opengl.mapping import write_mapped
 from shaderlab.backends.opengl.pyopengl import GL, named
-from shaderlab.errors import DriverError
 from shaderlab.frame import Array, AttributeReading
 from shaderlab.model import Mesh, Placement
 
-_WRITE = 0x0002  # GL_MAP_WRITE_BIT
 _KINDS = {"f": 0x1406, "i": 0x1404, "u": 0x1405}
 _INDICES = {1: 0x1401, 2: 0x1403, 4: 0x1405}  # GL_UNSIGNED_BYTE, _SHORT and _INT, by bytes
 
@@ -122,19 +121,9 @@ def _filled(device: Device, parts: list[tuple[int, bytes]], mesh: Mesh) -> Devic
         for offset, piece in parts:
             GL.glBufferSubData(GL.GL_ARRAY_BUFFER, offset, len(piece), piece)
     elif mesh.upload == "map" and whole:
-        _write_mapped(whole)
+        write_mapped(GL.GL_ARRAY_BUFFER, whole)
     GL.glBindBuffer(GL.GL_ARRAY_BUFFER, 0)
     return buffer
-
-
-def _write_mapped(whole: bytes) -> None:
-    """Write through a mapping of the buffer that is bound."""
-    address = GL.glMapBufferRange(GL.GL_ARRAY_BUFFER, 0, len(whole), _WRITE)
-    if not address:
-        raise DriverError(f"the driver does not map a buffer of {len(whole)} bytes")
-    ctypes.memmove(address, whole, len(whole))
-    if not GL.glUnmapBuffer(GL.GL_ARRAY_BUFFER):
-        raise DriverError("the driver lost a buffer's contents while it was mapped")
 
 
 def _point(vao: int, buffer: int, member: Any, array: Array, place: Placement) -> None:

@@ -20,7 +20,6 @@ from shaderlab.sampling.spans import Span, span_of
 if TYPE_CHECKING:
     from shaderlab.interpreter.running import Run
 
-COORDINATES = {"2D": 2, "2DArray": 3, "Cube": 3}
 _CODE = 1.0 / 255.0
 # Half a code off (Direct3D 11.3, functional specification, 3.2.3.7), where the curve is steepest.
 _SRGB = 0.5 * _CODE * 2.4 / 1.055
@@ -110,8 +109,9 @@ def _wide(lookup: Lookup) -> Flags:
             moved = (high - low)[..., :3].max(axis=-1) / largest * size
             wide = ~(moved < _NARROW)
         else:
-            height, width = level_values(lookup.sampler, 0).shape[1:3]
-            moved = (high - low)[..., :2] * np.array([width, height])
+            depth, height, width, _ = level_values(lookup.sampler, 0).shape
+            size = (width, height, depth) if texels.kind == "3D" else (width, height)
+            moved = (high - low)[..., : len(size)] * np.array(size)
             wide = ~(moved < _NARROW).all(axis=-1)
         if texels.compare is not None:
             wide = wide | ~np.isfinite(low).all(axis=-1) | ~np.isfinite(high).all(axis=-1)

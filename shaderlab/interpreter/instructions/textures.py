@@ -13,11 +13,12 @@ from shaderlab.errors import FormulaError
 from shaderlab.frame import Texels
 from shaderlab.interpreter.instructions.derivatives import derivative
 from shaderlab.interpreter.instructions.handler import Handler
-from shaderlab.interpreter.instructions.lookup import COORDINATES, Lookup, answer
+from shaderlab.interpreter.instructions.lookup import Lookup, answer
 from shaderlab.interpreter.memory import World
 from shaderlab.interpreter.program import Instruction
 from shaderlab.interpreter.values import component, composed, select
 from shaderlab.sampling import Sampler
+from shaderlab.sampling.functions import COORDINATES
 from shaderlab.sampling.lookups import level_of
 from shaderlab.sampling.spans import Span, component as bounds_of, span_of
 
