@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any, Generic, Protocol, TypeVar
 
 from shaderlab.compiler.interface import Variable
-from shaderlab.errors import UnsupportedError
 from shaderlab.frame import Array, Image, Texels
 from shaderlab.model import CompressedTexture, Output, TextureSource
 from shaderlab.programs.textures import check_sampler, find_image, kind_of
@@ -40,12 +39,6 @@ class DeviceTexels:
     format: str
     values: Array
     smaller: tuple[Array, ...] = ()
-
-
-def require_planes(kind: str) -> None:
-    """Raise UnsupportedError for a texture in three dimensions: OpenGL's backend alone makes it."""
-    if kind == "3D":
-        raise UnsupportedError("sampler3D on this backend", remedy="--driver opengl draws it")
 
 
 Kind = TypeVar("Kind", bound=Sampled)

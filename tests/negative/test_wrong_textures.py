@@ -92,7 +92,7 @@ def test_printed_figures_tell_the_wrap_modes_and_the_border() -> None:
     """References read the texture's own modes, so it is the figures that tell a wrong one."""
 
     def repeated(texture: Texture) -> Texture:
-        return replace(texture, wrap=("repeat", "repeat"))
+        return replace(texture, wrap=("repeat",) * len(texture.wrap))
 
     def blackened(texture: Texture) -> Texture:
         return replace(texture, border=(0.0,) * 4)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.backends.scene_textures import DeviceTexels, SceneTextures, require_planes
+from shaderlab.backends.scene_textures import DeviceTexels, SceneTextures
 from shaderlab.backends.vulkan.descriptors import Image as BoundImage
 from shaderlab.backends.vulkan.device import Device
 from shaderlab.backends.vulkan.fetching import fetched
@@ -124,7 +124,6 @@ class BoundTextures(SceneTextures[RenderTarget]):
         if isinstance(source, CompressedTexture):
             return self._compressed(source)
         kind = kind_of(source, "", 0)
-        require_planes(kind)
         images = contents(source, self.folder, self.images)
         height, width = images.layers[0].shape[:2]
         format = stored_as(self._device, source.format, "sampled_image")

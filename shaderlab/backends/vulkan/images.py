@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -28,7 +28,7 @@ from shaderlab.model.textures import level_sizes
 Size = tuple[int, int]
 
 _CUBE, _OTHER_FORMATS = 0x10, 0x8
-_VIEWS = {"2D": 1, "2DMS": 1, "Cube": 3, "2DArray": 5}
+_VIEWS = {"2D": 1, "2DMS": 1, "3D": 2, "Cube": 3, "2DArray": 5}
 
 
 @dataclass(frozen=True)
@@ -47,6 +47,16 @@ class DeviceImage:
     def sizes(self) -> list[Size]:
         """Each level's size."""
         return level_sizes(*self.size)[: self.levels]
+
+    @property
+    def depth(self) -> int:
+        """Of an image in three dimensions how many layers it has, which are not Vulkan's."""
+        return self.layers if self.kind == "3D" else 1
+
+    @property
+    def array_layers(self) -> int:
+        """How many images there are in it, as Vulkan counts."""
+        return self.layers // self.depth
 
 
 def new_image(
@@ -68,14 +78,19 @@ def new_image(
     limit = device.limits.maxImageDimension2D
     if max(size) > limit:
         raise UnsupportedError(f"an image of {size[0]} × {size[1]}: this device ends at {limit}")
+    most = device.limits.maxImageDimension3D
+    if kind == "3D" and max(*size, layers) > most:
+        raise UnsupportedError(f"a texture of {layers} layers: this device ends at {most} each way")
     usage = sum(constant(f"IMAGE_USAGE_{use.upper()}_BIT") for use in uses)
     flags = (_CUBE if kind == "Cube" else 0) | (_OTHER_FORMATS if word == "srgb8_alpha8" else 0)
+    made = DeviceImage(None, word, kind, size, layers, levels, samples)
     handle = resources.create("Image", Structs()(
-        "ImageCreateInfo", flags=flags, imageType=1, format=vulkan_format(word),
-        extent=(*size, 1), mipLevels=levels, arrayLayers=layers, samples=samples, usage=usage,
+        "ImageCreateInfo", flags=flags, imageType=2 if kind == "3D" else 1,
+        format=vulkan_format(word), extent=(*size, made.depth), mipLevels=levels,
+        arrayLayers=made.array_layers, samples=samples, usage=usage,
     ))  # fmt: skip
     resources.bind_image_memory(handle)
-    image = DeviceImage(handle, word, kind, size, layers, levels, samples)
+    image = replace(made, handle=handle)
     with recording(device) as commands:
         commands.make_usable(handle, aspects(word))
     return image
@@ -93,7 +108,7 @@ def new_view(
     return resources.create("ImageView", Structs()(
         "ImageViewCreateInfo", image=image.handle, viewType=_VIEWS[image.kind],
         format=vulkan_format(word),
-        subresourceRange=(aspect, 0, image.levels if sampled else 1, 0, image.layers),
+        subresourceRange=(aspect, 0, image.levels if sampled else 1, 0, image.array_layers),
     ))  # fmt: skip
 
 
@@ -154,8 +169,8 @@ def copy_level(device: Device, source: DeviceImage, to: DeviceImage) -> None:
 
 def _region(commands: Commands, image: DeviceImage, level: int, aspect: int) -> Any:
     return commands.structs(
-        "BufferImageCopy", imageSubresource=(aspect, level, 0, image.layers),
-        imageExtent=(*image.sizes[level], 1),
+        "BufferImageCopy", imageSubresource=(aspect, level, 0, image.array_layers),
+        imageExtent=(*image.sizes[level], image.depth),
     )  # fmt: skip
 
 

@@ -34,12 +34,12 @@ def new_sampler(resources: Resources, sampling: Sampling, *, seamless: bool = Tr
     chain, border = {}, _BORDERS.get(sampling.border, 0)
     if "clamp_to_border" in sampling.wrap and sampling.border not in _BORDERS:
         chain, border = {"pNext": _custom_border(device, structs, sampling)}, _CUSTOM_BORDER
-    across, up = (WRAPS.index(word) for word in sampling.wrap)
+    across, up, *along_r = (WRAPS.index(word) for word in sampling.wrap)
     return resources.create("Sampler", structs(
         "SamplerCreateInfo", **chain, flags=0 if seamless else _NOT_SEAMLESS,
         magFilter=larger.startswith("linear"), minFilter=smaller.startswith("linear"),
         mipmapMode=smaller.endswith("mipmap_linear"), addressModeU=across, addressModeV=up,
-        addressModeW=up, minLod=lod[0], maxLod=lod[1], borderColor=border,
+        addressModeW=(*along_r, up)[0], minLod=lod[0], maxLod=lod[1], borderColor=border,
         compareEnable=sampling.compare is not None,
         compareOp=COMPARISONS.index(sampling.compare or "lequal"),
     ))  # fmt: skip

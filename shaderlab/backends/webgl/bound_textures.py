@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.backends.scene_textures import DeviceTexels, SceneTextures, require_planes
+from shaderlab.backends.scene_textures import DeviceTexels, SceneTextures
 from shaderlab.backends.webgl.calls import Object, Objects
 from shaderlab.backends.webgl.device import Device
 from shaderlab.backends.webgl.formats import (
@@ -119,7 +119,8 @@ class BoundTextures(SceneTextures[RenderTarget]):
         if isinstance(source, CompressedTexture):
             return self._compressed(source)
         kind, word = kind_of(source, "", 0), source.format
-        require_planes(kind)
+        if kind == "3D":
+            raise UnsupportedError("sampler3D on this backend", remedy="--driver opengl draws it")
         images = contents(source, self.folder, self.images)
         height, width = images.layers[0].shape[:2]
         given: list[Sequence[Array]] = [images.layers, *([level] for level in images.smaller)]
