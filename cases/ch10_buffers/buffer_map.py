@@ -30,9 +30,9 @@ from shaderlab import (
     gl_calls,
 )
 from shaderlab.expectations.gl_call import Object, call
-from shaderlab.sampling import texture
 
 from ..scenes.api import answers
+from ..scenes.laws import sampled
 from ..scenes.rosette import rosette_checks, window
 
 BUFFER = Object("buffer")
@@ -67,11 +67,6 @@ def shown(name, upload):
         textures={"image": Texture(image=julia, format="rgba8", upload=upload)},
         target=Target(size=(480, 320)),
     )
-
-
-def sampled(image, TexCoords):
-    """The texel that holds the point."""
-    return texture(image, TexCoords)
 
 
 SIZE = call("glGetBufferParameteriv", "GL_ARRAY_BUFFER", "GL_BUFFER_SIZE")
