@@ -31,7 +31,7 @@ from shaderlab.expectations.gl_call import Object, call
 from shaderlab.reference.filtering import linear_sample
 
 from ..scenes.figures import each_draw, figure
-from ..scenes.laws import renamed, sampled
+from ..scenes.laws import sampled
 from ..scenes.panels import cell, enlarged, enlarged_check, panel, picture, square
 
 WRAPS = ("repeat", "mirrored_repeat", "clamp_to_edge", "clamp_to_border")
@@ -44,7 +44,7 @@ SOLID_TEXELS = np.random.default_rng(24).random((4, 3, 5, 4))
 VOLUME = (call("glBindTexture", "GL_TEXTURE_3D", Object("texture")),)
 BORDER = (0.93, 0.55, 0.20, 1.0)
 
-cut_through = renamed(sampled, image="solid")  # the same equations with a third coordinate
+cut_through = sampled("solid")  # the same equations with a third coordinate
 
 
 def wood():

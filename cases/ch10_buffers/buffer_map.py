@@ -88,7 +88,7 @@ case = Case(
         gl_calls("glMapBufferRange", access="GL_MAP_WRITE_BIT", length=168, times=1, name="mapped"),
         gl_calls("glUnmapBuffer", times=1, pass_name="mapped", after="glMapBufferRange"),
         gl_calls("glBufferSubData", times=0, pass_name="mapped", name="nothing else is written"),
-        formula("picture.FragColor", sampled, name="texels from a buffer"),
+        formula("picture.FragColor", sampled("image"), name="texels from a buffer"),
         exact("picture.FragColor", Output("picture, copied.FragColor"), name="same as from memory"),
         gl_calls("glMapBufferRange", length=BYTES, times=1, pass_name="picture", name="written"),
         gl_calls("glTexImage2D", **IMAGE, pixels="NULL", after="glUnmapBuffer", name="then read"),
