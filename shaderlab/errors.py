@@ -67,6 +67,10 @@ class UnsupportedError(DriverError):
     """This driver truly lacks a feature that the case needs; the message names the feature."""
 
 
+class OtherApiError(UnsupportedError):
+    """What is asked is about OpenGL's own calls, and this driver draws by another API."""
+
+
 class DeviceLostError(DriverError):
     """The device is gone, and all that was on it; the message says what it was doing."""
 

@@ -211,7 +211,6 @@ class Frame:
         images: attachments by (pass, output).
         order: the passes' names in the order they ran.
         bindings: uniforms and textures by (pass, draw).
-        gl_errors: GL errors by (pass, draw); only draws that raised any have an entry.
         sample_positions: where the driver takes a pixel's samples, by pass, for passes that have
             several: (samples, 2), from the pixel's lower left corner, 0…1.
         answers: what else expectations asked for, by their needs
@@ -221,6 +220,5 @@ class Frame:
     images: Mapping[tuple[str, str], Image]
     order: tuple[str, ...]
     bindings: Mapping[PassDraw, Bindings]
-    gl_errors: Mapping[PassDraw, tuple[int, ...]] = field(default_factory=dict)
     sample_positions: Mapping[str, Array] = field(default_factory=dict)
     answers: Mapping[Any, Any] = field(default_factory=dict)

@@ -14,7 +14,7 @@ from contextlib import AbstractContextManager, suppress
 from dataclasses import dataclass, field
 
 from shaderlab.compiler.sources import Source
-from shaderlab.errors import UnsupportedError, UsageError, nearest
+from shaderlab.errors import OtherApiError, UnsupportedError, UsageError, nearest
 from shaderlab.frame import (
     Array,
     AttributeReading,
@@ -89,7 +89,7 @@ class Session(ABC):
     """One scene on a device. `draw` comes first; the rest answers questions about that draw.
 
     A backend overrides what it can answer. All else raises UnsupportedError, as does what its
-    driver can't.
+    driver can't; what is about OpenGL's own calls raises OtherApiError where others draw.
 
     Attributes:
         scene: what is drawn.
@@ -152,12 +152,16 @@ class Session(ABC):
 
     def locations(self, key: PassDraw) -> Mapping[str, int]:
         """Where the driver put each declared uniform; −1 for one without any effect."""
-        raise UnsupportedError("reading where uniforms are: this backend can't")
+        raise OtherApiError("locations of uniforms: this driver's API has none")
+
+    def gl_errors(self, key: PassDraw) -> Sequence[int]:
+        """The errors that a draw raised."""
+        raise OtherApiError("errors of OpenGL: this driver draws by another API")
 
     def trace(self) -> Sequence[TracedCall]:
         """The calls of the API that drawing the scene takes, in order; the lab's own questions
         apart."""
-        raise UnsupportedError("recording calls of OpenGL: this backend can't")
+        raise OtherApiError("calls of OpenGL are recorded on OpenGL's drivers only")
 
     def call(self, made: Sequence[Call], returns: Sequence[int | float | str]) -> Reply:
         """What the API itself answers to the last of some calls. OpenGL alone has an answer.
@@ -170,7 +174,7 @@ class Session(ABC):
         Raises:
             CaseError: a function, a constant, an argument or a pass does not exist.
         """
-        raise UnsupportedError("calls of OpenGL: this backend can't")
+        raise OtherApiError("calls of OpenGL are answered by OpenGL's drivers only")
 
 
 class Backend(ABC):

@@ -106,11 +106,13 @@ def _cells(name: str, group: Sequence[Record], variants: str, tells: bool) -> Se
     good = sum(outcome.status == "pass" for outcome in outcomes)
     widths = [o.worst.widths for o in outcomes if o.worst is not None]
     status = group[0].status
+    left = sum(len(record.not_asked) for record in group)
+    checks = f"{good}/{len(outcomes)}" + (f", {left} not asked" if left else "")
     plain = (
         name,
         group[0].section,
         variants,
-        f"{good}/{len(outcomes)}" if outcomes else status,
+        checks if outcomes else status,
         _share(max(widths)) if widths else "",
         f"{sum(record.seconds for record in group):.2f}",
     )

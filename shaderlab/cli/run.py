@@ -132,7 +132,8 @@ def command(
     everything below its folder, records and pictures come back into the run's folder here.
 
     Exit code: 0 all passed, 1 something failed, 2 wrong usage. A case that needs a feature which
-    this driver lacks is "unsupported", which is no failure.
+    this driver lacks is "unsupported", which is no failure. Checks of OpenGL's own
+    calls are not asked where another API draws; how many they are is said.
     """
     compared = _compared_drivers(drivers)
     if compared and (driver is not None or resume is not None or workers == 0):

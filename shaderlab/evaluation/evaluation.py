@@ -52,7 +52,6 @@ class Evaluation:
             images=self.drawn.images,
             order=tuple(p.name for p in self.scene.passes),
             bindings=self.drawn.bindings,
-            gl_errors=self.drawn.gl_errors,
             sample_positions=self.drawn.sample_positions,
             answers=self.answers,
         )

@@ -12,6 +12,7 @@ from shaderlab.backends import Drawn
 from shaderlab.errors import (
     CaseError,
     DeviceLostError,
+    OtherApiError,
     ShaderlabError,
     UnsupportedError,
     nearest,
@@ -117,9 +118,14 @@ class Lab(SceneDrawer):
         evaluation.require_no_other_errors()
         self.judge_all(evaluation, builder, writer, unanswered)
         if unanswered:
-            names = ", ".join(repr(scene.expect[index].name) for index in unanswered)
-            builder.add_notice(f"not judged on this driver: {names}")
-            builder.set_unanswered(next(iter(unanswered.values())))
+            names = {index: scene.expect[index].name for index in unanswered}
+            lacking = {i: e for i, e in unanswered.items() if not isinstance(e, OtherApiError)}
+            builder.set_not_asked(tuple(n for i, n in names.items() if i not in lacking))
+            if lacking:
+                listed = ", ".join(repr(names[index]) for index in lacking)
+                builder.add_notice(f"not judged on this driver: {listed}")
+            if lacking or len(unanswered) == len(scene.expect):
+                builder.set_unanswered(next(iter((lacking or unanswered).values())))
         if of_modules is not None and (self.options.modules or of_modules.outcome.message):
             builder.add_outcome(of_modules.outcome, of_modules)
         if folder is not None:

@@ -57,6 +57,7 @@ class RecordBuilder:
         self._plots: list[Plot] = []
         self._notices: list[str] = []
         self._unread: tuple[str, ...] = ()
+        self._not_asked: tuple[str, ...] = ()
         self._gl_calls: tuple[CallsRecord, ...] = ()
         self._modules: ModulesRecord | None = None
         self._picture = PictureFiles()
@@ -76,6 +77,10 @@ class RecordBuilder:
         """Give the reason why some expectations were not judged; one that fails weighs more."""
         if all(outcome.status == "pass" for outcome in self._outcomes):
             self.set_failure("unsupported", error)
+
+    def set_not_asked(self, names: tuple[str, ...]) -> None:
+        """Set the names of the expectations about OpenGL's own calls, where another API draws."""
+        self._not_asked = names
 
     def set_device(self, driver: Mapping[str, str], size: int, picture_size: int) -> None:
         """Set what the drawn values depend on besides the case."""
@@ -188,6 +193,7 @@ class RecordBuilder:
             size=self._size,
             picture_size=self._picture_size,
             unread=self._unread,
+            not_asked=self._not_asked,
             gl_calls=self._gl_calls,
             modules=self._modules,
             drawn=tuple(self._drawn()),

@@ -51,6 +51,7 @@ def results(records: Sequence[Record], apart: Sequence[Disagreement]) -> Iterato
             widths=max((w.widths for w in worst), default=0.0),
             message=_reason(record),
             agrees=agreement.get(record.key, ""),
+            not_asked=len(record.not_asked),
         )
 
 

@@ -96,6 +96,9 @@ class CaseItem(pytest.Item):
             pytest.skip(record.message or "this driver lacks what the case needs")
         if failed(record):
             raise CaseFailure(record)
+        if record.not_asked:
+            said = f"{len(record.not_asked)} checks of OpenGL's own calls were not asked"
+            self.warn(pytest.PytestWarning(f"{said}: {', '.join(record.not_asked)}"))
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
         if isinstance(excinfo.value, CaseFailure):

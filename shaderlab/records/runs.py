@@ -16,6 +16,7 @@ Agreement = Literal["equal", "within", "outside"]
 class DriverResult:
     """One scene's result on one of several drivers; `driver` is the name given to `--drivers`,
     `renderer` what draws there, "" if it never drew.
+    `not_asked` counts its expectations about OpenGL's own calls, where another API draws.
     `ulp` and `widths` are the largest of its outcomes' worst values. `message` says why it did not
     pass; `agrees` how its outputs compare with those on the first driver: the worst of
     `Disagreement.verdict`, "" where either drew nothing."""
@@ -29,6 +30,7 @@ class DriverResult:
     widths: float = 0.0
     message: str = ""
     agrees: Literal["", "equal", "within", "outside"] = ""
+    not_asked: int = 0
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -111,6 +111,8 @@ class Record:
     `buffers` are those of uniform blocks, and of meshes that say how they lie in memory.
     `unread` are the outputs that no expectation reads (see
     `shaderlab.expectations.reads.unread_outputs`): whatever is drawn there, the record passes.
+    `not_asked` are the names of the expectations about OpenGL's own calls, where another API draws:
+    the record may pass without them, and each report says how many they are.
     `gl_calls` are there where they were asked for. `modules` says what was judged by its own
     shader, None where nothing was; what is outside there is an outcome as well.
 
@@ -152,6 +154,7 @@ class Record:
     picture_size: int = 0
     chapter: str = ""
     unread: tuple[str, ...] = ()
+    not_asked: tuple[str, ...] = ()
     gl_calls: tuple[CallsRecord, ...] = ()
     modules: ModulesRecord | None = None
     driver_name: str = ""

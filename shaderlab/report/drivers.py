@@ -89,4 +89,5 @@ def driver_table(run: Run, links: Mapping[tuple[str, str], str]) -> DriverTable 
 def _cell(result: DriverResult | None) -> str:
     if result is None:
         return "not run"
-    return f"{MARKS[result.status]} {result.agrees or result.status}"
+    without = f", {result.not_asked} not asked" if result.not_asked else ""
+    return f"{MARKS[result.status]} {result.agrees or result.status}{without}"

@@ -43,6 +43,11 @@ class CaseGroup:
         return worst(record.status for record in self.records)
 
     @property
+    def not_asked(self) -> int:
+        """How many of its expectations are about OpenGL's own calls, where another API draws."""
+        return sum(len(record.not_asked) for record in self.records)
+
+    @property
     def chapter(self) -> tuple[int, str]:
         """Number and title of the chapter it lies in; (0, OWN) for a case of one's own."""
         head = re.match(r"\s*(\d{1,4})", self.first.section)
@@ -52,7 +57,8 @@ class CaseGroup:
 @dataclass(frozen=True)
 class Totals:
     """What was done, in numbers. `cases` and `variants` count statuses, `missing` the variants that
-    an interrupted run did not come to."""
+    an interrupted run did not come to. `partly` counts cases that passed without their checks of
+    OpenGL's own calls, `not_asked` those checks."""
 
     cases: Counter[Status]
     variants: Counter[Status]
@@ -63,6 +69,8 @@ class Totals:
     targets: tuple[str, ...]
     refused: int
     missing: int
+    partly: int
+    not_asked: int
 
     @property
     def good(self) -> bool:
@@ -120,4 +128,6 @@ def total(run: Run, cases: Sequence[CaseGroup]) -> Totals:
         targets=tuple(dict.fromkeys(verdict.target for verdict in verdicts)),
         refused=sum(not verdict.ok for verdict in verdicts),
         missing=run.missing,
+        partly=sum(case.status == "pass" and case.not_asked > 0 for case in cases),
+        not_asked=sum(case.not_asked for case in cases),
     )

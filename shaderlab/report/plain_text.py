@@ -200,4 +200,7 @@ def tally(records: Iterable[Record], missing: int = 0) -> str:
     parts = [f"{counts[s]} {words.get(s, s)}" for s in MARKS if counts.get(s)]
     parts += [f"{missing} not run"] if missing else []
     noun = "case" if len(cases) == 1 else "cases"
+    left = [len(r.not_asked) for r in some if r.status == "pass" and r.not_asked]
+    if left:
+        parts[0] += f" ({len(left)} of them without {sum(left)} checks of OpenGL's own calls)"
     return f"{len(cases)} {noun}: {', '.join(parts) or 'nothing run'}"

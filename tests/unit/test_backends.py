@@ -9,7 +9,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from shaderlab import Case, Ramp, backends, exact, formula, fullscreen, gl_call, query
+from shaderlab import (
+    Case,
+    Ramp,
+    backends,
+    exact,
+    formula,
+    fullscreen,
+    gl_call,
+    gl_error,
+    query,
+)
 from shaderlab.backends import Backend, Drawn, Session, Size
 from shaderlab.compiler import Source
 from shaderlab.errors import UnsupportedError, UsageError
@@ -112,16 +122,26 @@ def test_what_a_backend_lacks_is_unsupported_by_name(
 ) -> None:
     record = run(tmp_path, expected)
     assert record.status == "unsupported"
-    assert record.message == f"{what}: this backend can't"
+    assert record.message.startswith(what) and not record.expectations
 
 
 def test_what_a_backend_can_answer_is_judged_beside_what_it_cannot(tmp_path: Path) -> None:
     calls = gl_call("glFinish", name="finish")
-    record = run(tmp_path, exact("color", GRAY), calls)
-    assert record.status == "unsupported" and record.message.startswith("calls of OpenGL")
+    count = query("samples_passed", equals=64, name="count")
+    record = run(tmp_path, exact("color", GRAY), calls, count)
+    assert record.status == "unsupported" and record.message.startswith("counting")
     assert [(o.kind, o.status) for o in record.expectations] == [("exact", "pass")]
-    assert record.notices == ("not judged on this driver: 'finish'",)
-    assert run(tmp_path, exact("color", 0.5), calls).status == "fail"
+    assert record.notices == ("not judged on this driver: 'count'",)
+    assert run(tmp_path, exact("color", 0.5), calls, count).status == "fail"
+
+
+def test_a_case_passes_without_what_asks_for_opengls_own_calls_and_says_so(tmp_path: Path) -> None:
+    asked = gl_call("glFinish", name="finish"), gl_error("no_error", name="none")
+    record = run(tmp_path, exact("color", GRAY), *asked)
+    assert (record.status, record.not_asked) == ("pass", ("finish", "none"))
+    assert run(tmp_path, exact("color", 0.5), *asked).status == "fail"
+    alone = run(tmp_path, *asked)
+    assert (alone.status, alone.not_asked) == ("unsupported", ("finish", "none"))
 
 
 def test_an_unknown_driver_is_an_error_that_names_the_known() -> None:

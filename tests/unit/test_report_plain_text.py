@@ -4,10 +4,17 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from dataclasses import replace
+from io import StringIO
+from pathlib import Path
 
-from shaderlab.records import Record
+from rich.console import Console
+
+from shaderlab.cli.rows import case_table
+from shaderlab.records import DriverResult, Record
+from shaderlab.report.formats import junit, markdown
 from shaderlab.report.plain_text import conditions, failure, label, numbers, summary
-from tests.unit.test_report_samples import outcome, record, run
+from tests.unit.test_report_samples import Page, outcome, record, run, write
 
 
 def test_labels() -> None:
@@ -48,6 +55,29 @@ def test_summary_counts_variants_by_outcome(passing: Record, failing: Record) ->
     other = dataclasses.replace(passing, id="sun")
     text = summary([passing, failing, other], 3.14)
     assert text == "2 cases: 2 passed, 1 failed in 3.1 s"
+
+
+def test_every_report_counts_what_was_not_asked(tmp_path: Path) -> None:
+    """Checks of OpenGL's own calls, where another API draws: the case passes without them."""
+    plain, without = record("a"), record("b", not_asked=("two calls", "no error"))
+    made = run(plain, without)
+    said = summary(made.records, 1.0)
+    assert said == "2 cases: 2 passed (1 of them without 2 checks of OpenGL's own calls) in 1.0 s"
+    console = Console(width=120, record=True, file=StringIO())
+    console.print(case_table(made.records, 120))
+    rows = console.export_text().splitlines()
+    assert "2 not asked" in rows[2] and "not asked" not in rows[1]
+    words = Page(write(made, tmp_path)).words()
+    assert "2 about OpenGL’s own calls not asked here, in 1 case that passed without them" in words
+    assert "they are about its calls: two calls, no error." in words
+    assert "2 checks of OpenGL's own calls not asked here; 1 case passed" in markdown.render(made)
+    assert junit.render(made).count("<skipped") == 2
+    results = [
+        DriverResult(driver=d, renderer=d, id="b", variant="default", status="pass", not_asked=n)
+        for d, n in (("llvmpipe", 0), ("lavapipe", 2))
+    ]
+    sides = markdown.render(replace(made, drivers=tuple(results)))
+    assert "| ✓ pass | ✓ pass, 2 not asked |" in sides
 
 
 def test_what_failed_at_another_size_is_told_to_be_so() -> None:

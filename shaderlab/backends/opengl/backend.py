@@ -111,3 +111,6 @@ class OpenGLSession(Drawing):
             return self.programs[name][index].texts
 
         return calls.answer(self.device, made, returns, texts)
+
+    def gl_errors(self, key: PassDraw) -> Sequence[int]:
+        return self._gl_errors.get(key, ())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 
 from shaderlab.backends import Backend, Evaluation, Size
@@ -13,9 +13,8 @@ from shaderlab.backends.vulkan.evaluating import evaluate
 from shaderlab.backends.vulkan.linking import Linker
 from shaderlab.backends.vulkan.verdict import driver_verdict
 from shaderlab.compiler.sources import Source
-from shaderlab.errors import UnsupportedError
-from shaderlab.frame import Array, PassDraw, Reply, TracedCall
-from shaderlab.model import Call, Scene
+from shaderlab.frame import Array
+from shaderlab.model import Scene
 from shaderlab.programs import captures
 from shaderlab.programs.prepare import Programs
 from shaderlab.records import Verdict
@@ -63,12 +62,3 @@ class VulkanSession(Drawing):
     time = queries.timed
     attributes = queries.attributes
     blocks = queries.block_readings
-
-    def locations(self, key: PassDraw) -> Mapping[str, int]:
-        raise UnsupportedError("locations of uniforms: Vulkan has none, they lie in a block")
-
-    def trace(self) -> Sequence[TracedCall]:
-        raise UnsupportedError("calls of OpenGL are recorded on OpenGL's drivers only")
-
-    def call(self, made: Sequence[Call], returns: Sequence[int | float | str]) -> Reply:
-        raise UnsupportedError("calls of OpenGL are answered by OpenGL's drivers only")

@@ -13,8 +13,8 @@ from shaderlab.backends.webgl.linking import Linker
 from shaderlab.backends.webgl.verdict import driver_verdict
 from shaderlab.compiler.sources import Source
 from shaderlab.errors import UnsupportedError
-from shaderlab.frame import PassDraw, Reply, TracedCall
-from shaderlab.model import Call, Scene
+from shaderlab.frame import PassDraw
+from shaderlab.model import Scene
 from shaderlab.programs import captures
 from shaderlab.programs.module_texts import as_drawn
 from shaderlab.programs.prepare import Programs
@@ -72,8 +72,5 @@ class WebGLSession(Drawing):
             name: active.index(name) if name in active else -1 for name in draw.interface.uniforms
         }
 
-    def trace(self) -> Sequence[TracedCall]:
-        raise UnsupportedError("calls of OpenGL are recorded on OpenGL's drivers only")
-
-    def call(self, made: Sequence[Call], returns: Sequence[int | float | str]) -> Reply:
-        raise UnsupportedError("calls of OpenGL are answered by OpenGL's drivers only")
+    def gl_errors(self, key: PassDraw) -> Sequence[int]:
+        return self._gl_errors.get(key, ())

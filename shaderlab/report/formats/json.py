@@ -15,7 +15,7 @@ from shaderlab.report.store import plain
 
 _RECORD = (
     "id", "variant", "status", "message", "seconds", "timings", "driver", "size", "compile",
-    "expectations", "images", "unread", "gl_calls", "modules",
+    "expectations", "images", "unread", "gl_calls", "modules", "not_asked",
 )  # fmt: skip
 _OUTCOME = (
     "name", "kind", "status", "message", "worst", "vacuous", "undecided", "informative",

@@ -54,6 +54,11 @@ def render(run: Run) -> str:
         f"{plural(totals.variants.total(), 'variant')} · {duration(run.seconds)} · "
         f"{escape(run.driver.get('renderer', 'no driver'))}"
     )
+    if totals.not_asked:
+        lines.append(
+            f"  \n{plural(totals.not_asked, 'check')} of OpenGL's own calls not asked here; "
+            f"{plural(totals.partly, 'case')} passed without them"
+        )
     if cases:
         lines += ["", *_chapters(cases)]
     failed = [r for case in cases for r in case.records if r.status not in PASSABLE]
