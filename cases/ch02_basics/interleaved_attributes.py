@@ -14,22 +14,12 @@ coordinates wide and high. Both grow evenly over the triangle: they are interpol
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Mesh,
-    Output,
-    attribute_layout,
-    boundaries,
-    coverage,
-    exact,
-    formula,
-    measure,
-)
-from shaderlab.expectations.gl_call import Object, Program, call
+from shaderlab import Case, Output, attribute_layout, boundaries, coverage, exact, formula, measure
+from shaderlab.expectations.gl_call import Object, call
 from shaderlab.glslmath import floor, mod, swizzle, vec4, where
 from shaderlab.reference.rasterisation import barycentric
 
-from ..scenes.api import ONE_PIXEL, PIXEL, answers
+from ..scenes.api import answers, pixel
 from ..scenes.draws import drawn
 from ..scenes.figures import figure
 from ..scenes.laws import device_place, unchanged
@@ -41,12 +31,14 @@ VERTICES = {
     "aColor": np.eye(3),
     "aTexCoord": np.array([(0.0, 0.0), (1.0, 0.0), (0.5, 1.0)]),
 }
+LAYOUT = {"aPos": (0, 32), "aColor": (12, 32), "aTexCoord": (24, 32)}
+DARK = {"ourColor": (0.5, 0.25, 1.0), "TexCoord": (0.2, 0.1)}
 SIDE = 720
 
 
 def triangle(layout, name):
     """The triangle, its attributes in memory one way or another."""
-    mesh = Mesh(attributes=VERTICES, layout=layout)
+    mesh = {"attributes": VERTICES, "layout": layout}
     draw = drawn("ch02_basics/interleaved_attributes", mesh)
     return picture([draw], (SIDE, SIDE), name, clear=(0.93, 0.93, 0.92, 1.0))
 
@@ -67,21 +59,8 @@ def off_by(share):
     return np.abs(share - expected)[inside].max()
 
 
-ONE_POINT = (
-    *ONE_PIXEL,
-    call("glUseProgram", Program()),
-    call("glBindVertexArray", Object("vertex_array")),
-)
-
-
-DRAWN = (call("glDrawArrays", "GL_POINTS", 0, 1),)
 NOT_ENABLED = "an attribute that is not enabled is the same for all vertices"
 ONE_COLOR = (call("glVertexAttrib3f", 1, 0.2, 0.4, 0.6),)
-
-
-def pixel(color, *steps):
-    """What is read where a point is drawn after these steps."""
-    return PIXEL, (*color, 255), ONE_POINT, *steps, DRAWN
 
 
 def bytes_as(normalized):
@@ -101,10 +80,7 @@ case = Case(
     r"\text{stride} = (3 + 3 + 2) \cdot 4 = 32",
     passes=(triangle("separate", "separate"), triangle("interleaved", "main")),
     expect=[
-        attribute_layout(
-            {"aPos": (0, 32), "aColor": (12, 32), "aTexCoord": (24, 32)},
-            name="stride 32, offsets 0, 12, 24",
-        ),
+        attribute_layout(LAYOUT, name="stride 32, offsets 0, 12, 24"),
         *answers(
             {
                 "bytes that are normalised: 0…255 is 0…1": pixel((64, 255, 0), bytes_as("GL_TRUE")),
@@ -128,11 +104,6 @@ case = Case(
         exact("FragColor", Output("separate.FragColor"), name="same as three buffers"),
         exact("share", Output("separate.share"), name="shares of corners, too", pictured=False),
         coverage(64800, name="pixels covered"),
-        figure(
-            "FragColor",
-            "a dark field",
-            {"ourColor": (0.5, 0.25, 1.0), "TexCoord": (0.2, 0.1)},
-            (0.375, 0.1875, 0.75, 1.0),
-        ),
+        figure("FragColor", "a dark field", DARK, (0.375, 0.1875, 0.75, 1.0)),
     ],
 )

@@ -11,16 +11,15 @@ four pixels a texel throughout. The joints go first, then the bricks, and a sing
 
 import numpy as np
 
-from shaderlab import Case, Ramp, Target, Texture, assets, formula, fullscreen
+from shaderlab import Case, Ramp, Texture, assets, formula
 from shaderlab.glslmath import floor, swizzle, vec2
 from shaderlab.reference.filtering import box, level_count, texel_count
 from shaderlab.sampling import texelFetch, textureSize
 
 from ..scenes.figures import figure, results
-from ..scenes.panels import WHOLE, panel, picture
+from ..scenes.panels import WHOLE, panel, panel_pass, picture
 
-SIDE = 256
-LEVELS = level_count(SIDE, SIDE)
+SIDE, LEVELS = 256, level_count(256, 256)
 NOISE = np.random.default_rng(244).random((SIDE, SIDE, 4))
 STEPS = ("nearest_mipmap_nearest", "nearest")
 
@@ -38,23 +37,14 @@ def mean_of_four(level):
 
 def size_of(level):
     """Half as wide and high with each level."""
-
-    def extent(image):
-        return textureSize(image, level)
-
-    return extent
+    return lambda image: textureSize(image, level)
 
 
 def level_pass(level):
     """One level, a texel a pixel."""
-    return fullscreen(
-        "ch02_basics/mipmap_chain.frag",
-        name=f"level{level}",
-        domain={},
-        uniforms={"level": level},
-        textures={"image": Texture(image=NOISE, mipmaps=True, filter=STEPS)},
-        target=Target(size=(SIDE >> level,) * 2),
-    )
+    noise = {"image": Texture(image=NOISE, mipmaps=True, filter=STEPS)}
+    shader, size = "ch02_basics/mipmap_chain.frag", (SIDE >> level,) * 2
+    return panel_pass(f"level{level}", shader, {}, {"level": level}, size=size, textures=noise)
 
 
 def rectangle(level):
@@ -77,14 +67,13 @@ def in_its_place(level):
 
 def shown(level):
     """A level in the picture."""
-    bricks = Texture(image=assets.brick_wall, mipmaps=True, filter=STEPS)
-    return panel(
-        "ch02_basics/mipmapped.frag",
-        {**WHOLE, "lod": Ramp(float(level))},
-        textures={"image": bricks},
-        viewport=rectangle(level),
-    )
+    bricks = {"image": Texture(image=assets.brick_wall, mipmaps=True, filter=STEPS)}
+    domain, place = {**WHOLE, "lod": Ramp(float(level))}, rectangle(level)
+    return panel("ch02_basics/mipmapped.frag", domain, textures=bricks, viewport=place)
 
+
+SIZES = {n: (float(SIDE >> n),) * 2 for n in range(1, LEVELS)}
+MEANS = {n: f"level {n} is the mean of level {n - 1}" for n in range(1, LEVELS)}
 
 case = Case(
     title="The chain of mipmaps",
@@ -93,38 +82,26 @@ case = Case(
     r"\tau^n_{2i+1,2j+1}\right), \qquad 1 + \lfloor \log_2 256 \rfloor = 9",
     passes=(
         picture(map(shown, range(LEVELS)), (3 * SIDE, 2 * SIDE), clear=(0.93, 0.93, 0.92, 1.0)),
-        *(one for level in range(2, LEVELS) for one in level_pass(level)),
-        *level_pass(1),
+        *map(level_pass, (*range(2, LEVELS), 1)),
     ),
     picture="picture.FragColor",
     expect=[
-        *(
-            formula(
-                f"level{n}.FragColor",
-                mean_of_four(n),
-                name=f"level {n} is the mean of level {n - 1}",
-            )
-            for n in range(1, LEVELS)
-        ),
+        *(formula(f"level{n}.FragColor", mean_of_four(n), name=mean) for n, mean in MEANS.items()),
         *(
             formula("picture.FragColor", in_its_place(n), draw=n, name=f"level {n} in the picture")
             for n in range(LEVELS)
         ),
         *(
             figure(
-                f"level{n}.extent",
-                f"level {n}'s width and height",
-                {},
-                (float(SIDE >> n),) * 2,
-                reference=size_of(n),
+                f"level{n}.extent", f"level {n}'s width and height", {}, size, reference=size_of(n)
             )
-            for n in range(1, LEVELS)
+            for n, size in SIZES.items()
         ),
         *results(
             {
-                "levels of 256 × 256": (lambda: level_count(256, 256), 9),
-                "texels of all levels": (lambda: texel_count(256, 256), 87381),
-                "levels of 5 × 3": (lambda: level_count(5, 3), 3),
+                "levels of 256 × 256": (level_count(256, 256), 9),
+                "texels of all levels": (texel_count(256, 256), 87381),
+                "levels of 5 × 3": (level_count(5, 3), 3),
             },
             digits=0,
         ),

@@ -24,7 +24,6 @@ from ..scenes.cameras import camera
 from ..scenes.figures import each_draw, figures, results
 from ..scenes.glm import euler_by_glm
 from ..scenes.laws import projected, renamed
-from ..scenes.panels import cell
 from ..scenes.props import aircraft, gimbal
 
 CAMERA = camera((2.6, 2.1, 4.2), (0.0, 0.0, 0.0), 38.0)
@@ -39,10 +38,9 @@ POSES = {
 }
 
 
-def panel(k, pose):
+def panel(place, pose):
     """One pose: the gimbal and the aircraft in it."""
     yaw, pitch, roll = (radians(angle) for angle in pose)
-    place = cell(k, 3, 2, from_above=True)
     yield stage.prop(gimbal(yaw, pitch), CAMERA, cell=place)
     uniforms = {"yaw": yaw, "pitch": pitch, "roll": roll, **CAMERA}
     yield stage.subject("ch03_transforms/euler_angles.vert", aircraft(), uniforms, cell=place)
@@ -69,9 +67,7 @@ case = Case(
     section="3.6",
     math=r"R = R_y(\text{yaw})\,R_x(\text{pitch})\,R_z(\text{roll}), \qquad "
     r"R_y(\alpha)\,R_x(90^\circ)\,R_z(\gamma) = R_y(\alpha - \gamma)\,R_x(90^\circ)",
-    passes=stage.photographed(
-        [draw for k, pose in enumerate(POSES.values()) for draw in panel(k, pose)], (960, 640)
-    ),
+    passes=stage.gallery(panel, POSES.values(), 3, (960, 640)),
     picture="picture.FragColor",
     expect=[
         *stage.checks(),

@@ -23,7 +23,6 @@ from ..scenes.cameras import camera
 from ..scenes.figures import each_draw, figures, results
 from ..scenes.glm import rotated_by_glm
 from ..scenes.laws import projected
-from ..scenes.panels import cell
 from ..scenes.props import letter_f, tile
 
 AXES = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1), "any": (1, 1, 1)}
@@ -37,9 +36,8 @@ VIEWS = {
 }
 
 
-def quarter(k, name):
+def quarter(place, name):
     """One axis: a floor, the axis as an arrow, and the letter in four positions, first pale."""
-    place = cell(k, 2, 2, from_above=True)
     view = camera(*VIEWS[name], 42.0, 4.0 / 3.0)
     unit = normalize([float(a) for a in AXES[name]])
     still = (tile(1.5, 0.5), solids.arrow(1.6 * unit, color=solids.INK, thickness=0.026))
@@ -79,9 +77,7 @@ case = Case(
     math=r"R\,v = v\cos\varphi + (u \times v)\sin\varphi + u\,(u \cdot v)(1 - \cos\varphi), \qquad "
     r"R_z = \begin{pmatrix} \cos\varphi & -\sin\varphi & 0 & V_1 \\ \sin\varphi & \cos\varphi & 0 "
     r"& V_2 \\ 0 & 0 & 1 & V_3 \\ 0 & 0 & 0 & 1 \end{pmatrix}",
-    passes=stage.photographed(
-        [draw for k, name in enumerate(AXES) for draw in quarter(k, name)], (800, 600)
-    ),
+    passes=stage.gallery(quarter, AXES, 2, (800, 600)),
     picture="picture.FragColor",
     expect=[
         *stage.checks(),

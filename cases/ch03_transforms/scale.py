@@ -14,14 +14,13 @@ from numpy.linalg import det
 
 from shaderlab import Case, formula
 from shaderlab.assets import solids
-from shaderlab.glslmath import mul
 from shaderlab.reference.transforms import scale, scaled, translate
 
 from ..scenes import stage
 from ..scenes.cameras import camera
 from ..scenes.figures import each_draw, figures, results
 from ..scenes.glm import scaled_by_glm
-from ..scenes.panels import cell
+from ..scenes.laws import projected
 from ..scenes.props import letter_f, tile
 
 CAMERA = camera((1.5, 2.3, 5.6), (0.15, 0.75, 0.0), 34.0, 4.0 / 3.0)
@@ -34,9 +33,8 @@ SCALES = {
 }
 
 
-def quarter(k, factors):
+def quarter(place, factors):
     """One cell: floor, the letter as it is, the letter scaled."""
-    place = cell(k, 2, 2, from_above=True)
     yield stage.prop(tile(1.5, 0.5), CAMERA, cell=place)
     yield stage.prop(GHOST, CAMERA, cell=place, model=translate((0.0, 0.0, -0.6)))
     uniforms = {"factors": factors, "offset": (0.0, 0.0, 0.55), **CAMERA}
@@ -46,11 +44,6 @@ def quarter(k, factors):
 def across_the_slope(aNormal, factors):
     """A normal through the inverse transpose of a diagonal matrix."""
     return aNormal / factors
-
-
-def position(aPos, factors, offset, view, projection):
-    """Where the scaled vertex lands in clip space."""
-    return mul(projection, mul(view, scaled(aPos, factors, offset)))
 
 
 LAST = {3 * k + 2: name for k, name in enumerate(SCALES)}
@@ -67,17 +60,14 @@ case = Case(
     math=r"\begin{pmatrix} S_1 & 0 & 0 & V_1 \\ 0 & S_2 & 0 & V_2 \\ 0 & 0 & S_3 & V_3 \\ 0 & 0 & "
     r"0 & 1 \end{pmatrix} \begin{pmatrix} x \\ y \\ z \\ 1 \end{pmatrix} = \begin{pmatrix} "
     r"S_1 x + V_1 \\ S_2 y + V_2 \\ S_3 z + V_3 \\ 1 \end{pmatrix}",
-    passes=stage.photographed(
-        [draw for k, factors in enumerate(SCALES.values()) for draw in quarter(k, factors)],
-        (800, 600),
-    ),
+    passes=stage.gallery(quarter, SCALES.values(), 2, (800, 600)),
     picture="picture.FragColor",
     expect=[
         *stage.checks(),
         *each_draw("judged.Scaled", scaled, LAST, also={"PyGLM": scaled_by_glm}),
         *stage.color_checks(LAST),
         formula("judged.Normal", across_the_slope, draw=5, name="normals"),
-        formula("judged.gl_Position", position, name="clip coordinates"),
+        formula("judged.gl_Position", projected(scaled, homogeneous=True), name="clip coordinates"),
         *figures(
             "judged.Scaled",
             {

@@ -25,7 +25,7 @@ from ..scenes import stage
 from ..scenes.cameras import camera, turned
 from ..scenes.figures import each_draw, figure, results
 from ..scenes.glm import scaled_then_rotated_by_glm
-from ..scenes.panels import cell
+from ..scenes.laws import projected
 from ..scenes.props import letter_f, tile, way
 
 STEPS = {
@@ -59,9 +59,8 @@ def path(order):
     return way([place[:3] for place in places], colors)
 
 
-def panel(k, order):
+def panel(place, order):
     """One order: floor, the letter at the origin, the way, and the letter at its end."""
-    place = cell(k, 2, 3, from_above=True)
     for solid in (tile(4.5, 1.0), GHOST, path(order)):
         yield stage.prop(solid, CAMERA, cell=place)
     first, second, third = (STEPS[name][0] for name in reversed(order.split("·")))
@@ -78,11 +77,6 @@ def placed(aPos, first, second, third):
 def placed_at_once(aPos, first, second, third):
     """The same by NumPy: one product of three matrices, then the points."""
     return (third @ second @ first @ np.column_stack([aPos, np.ones(len(aPos))]).T).T
-
-
-def position(aPos, first, second, third, view, projection):
-    """Clip coordinates of the placed vertex."""
-    return mul(projection, mul(view, placed(aPos, first, second, third)))
 
 
 def product(order):
@@ -102,9 +96,7 @@ case = Case(
     section="3.5",
     math=r"T\,R\,S\,p = T\,(R\,(S\,p)) \ne S\,R\,T\,p, \qquad p = (1, 0, 0),\ S = (2, 1, 1),\ "
     r"R = 90^\circ_z,\ T = (1, 2, 3)",
-    passes=stage.photographed(
-        [draw for k, order in enumerate(ORDERS) for draw in panel(k, order)], (960, 810)
-    ),
+    passes=stage.gallery(panel, ORDERS, 2, (960, 810)),
     picture="picture.FragColor",
     expect=[
         *stage.checks(),
@@ -116,7 +108,7 @@ case = Case(
         ),
         *results({f"{o} as one matrix": (product(o), ORDERS[o]) for o in ORDERS}, digits=12),
         *results({BY_GLM: (scaled_then_rotated_by_glm((1, 0, 0)), (0, 1, 0), NOTE)}, digits=12),
-        formula("judged.gl_Position", position, name="clip coordinates"),
+        formula("judged.gl_Position", projected(placed, homogeneous=True), name="clip coordinates"),
         formula("judged.Normal", world_normal, name="normals"),
     ],
     errata=[

@@ -23,7 +23,7 @@ from ..scenes import stage
 from ..scenes.cameras import camera
 from ..scenes.figures import each_draw, figure, figures, results
 from ..scenes.laws import projected, renamed
-from ..scenes.panels import cell, panel, picture
+from ..scenes.panels import cell, panel_pass
 from ..scenes.props import dice, tripod
 
 CAMERA = camera((2.9, 2.5, 3.6), (0.2, 0.32, -0.1), 33.0, 4.0 / 3.0)
@@ -60,7 +60,6 @@ def slope(z, h=1e-5):
 
 
 VIEW_Z, PLANES = {"viewZ": across(-10.0, -0.1)}, {"near": NEAR, "far": FAR}
-DEPTH = panel("ch04_spaces/handedness_depth.frag", VIEW_Z, PLANES)
 # (x × y) · z in device coordinates.
 TRIPLE_PRODUCT = np.linalg.det(np.diag([1.0, 1.0, np.sign(slope(-1.0))]))
 HANDS = {1: "right-handed", 3: "left-handed"}
@@ -75,7 +74,7 @@ case = Case(
     r"\qquad \frac{\partial z_{\text{ndc}}}{\partial z} = -\frac{2fn}{(f-n)\,z^2} < 0",
     passes=(
         *stage.photographed((*half(0, False), *half(1, True)), (880, 330)),
-        picture([DEPTH], (64, 1), "depth"),
+        panel_pass("depth", "ch04_spaces/handedness_depth.frag", VIEW_Z, PLANES, size=(64, 1)),
     ),
     picture="picture.FragColor",
     expect=[

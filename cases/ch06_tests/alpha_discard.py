@@ -16,9 +16,9 @@ from shaderlab import Case, Depth, Output, Pixel, across, coverage, exact, formu
 from shaderlab.glslmath import abs, clamp, max, mix, swizzle, vec3, vec4
 
 from ..scenes.figures import figure
-from ..scenes.panels import enlarged_check, panel, picture, square
+from ..scenes.panels import enlarged_check, panel, panel_pass, picture, square
 
-THRESHOLD = 0.1
+THRESHOLD, RAMP = 0.1, "ch06_tests/alpha_discard.frag"
 CLEAR = (0.82, 0.87, 0.92, 1.0)
 LEAVES = 64  # side of the judged leaf in pixels
 WHOLE = (0, 0, LEAVES, LEAVES)
@@ -44,11 +44,6 @@ def cut(place, threshold):
     return leaf_alpha(place) < threshold
 
 
-def below(alpha):
-    """What is thrown away of the ramp."""
-    return alpha < THRESHOLD
-
-
 def ramp_color(alpha):
     """Green with the alpha that came in."""
     return vec4(0.2, 0.5, 0.2, alpha)
@@ -60,41 +55,22 @@ def leaf(threshold, depth, box):
     return panel("ch06_tests/leaf.frag", {"place": square()}, {"threshold": threshold}, **state)
 
 
-def bunch(left, threshold, by):
-    """Five leaves, the nearest first; `by` times as large as in the judged picture."""
-    boxes = [(left + 6 + 15 * k, 2 + 8 * (k * 2 % 3), 38, 60) for k in range(5)]
-    return [
-        leaf(threshold, 0.1 + 0.1 * k, tuple(by * n for n in box)) for k, box in enumerate(boxes)
-    ]
-
-
 def bunches(name, by):
-    """Leaves whose corners hide others on the left, and cut out on the right."""
-    draws = (*bunch(0, 0.0, by), *bunch(108, THRESHOLD, by))
+    """Five leaves twice, the nearest first, `by` times as large as judged: on the left their
+    corners hide others, on the right they are cut out."""
+    draws = [
+        leaf(threshold, 0.1 + 0.1 * k, (by * x, by * (2 + 8 * (k * 2 % 3)), by * 38, by * 60))
+        for left, threshold in ((0, 0.0), (108, THRESHOLD))
+        for k, x in enumerate(range(left + 6, left + 81, 15))
+    ]
     return picture(draws, (216 * by, 80 * by), name, depth="depth24", clear=CLEAR)
 
 
-def kept(size):
-    """How many pixels of a leaf `size` pixels wide and high are at or above the threshold."""
-    at = (np.arange(size) + 0.5) / size * 2.0 - 1.0
-    place = np.stack(np.meshgrid(at, at), axis=-1)
-    return int(np.count_nonzero(leaf_alpha(place) >= THRESHOLD))
-
-
-def alone(name, threshold):
-    """One leaf over all of a small target."""
-    return picture([leaf(threshold, 0.5, WHOLE)], WHOLE[2:], name)
-
-
-def ramp(name, low, high):
-    """Every alpha between two, from left to right."""
-    draw = panel("ch06_tests/alpha_discard.frag", {"alpha": across(low, high)})
-    return picture([draw], (200, 8), name)
-
-
+# Pixels of a leaf that are at or above the threshold.
+AT = (np.arange(LEAVES) + 0.5) / LEAVES * 2.0 - 1.0
+OWN = int(np.count_nonzero(leaf_alpha(np.stack(np.meshgrid(AT, AT), axis=-1)) >= THRESHOLD))
 # Two leaves on the same pixels, the nearer one first: the second shows where the first was cut.
 TWO = (leaf(THRESHOLD, 0.25, WHOLE), leaf(0.0, 0.5, WHOLE))
-
 KEPT, RIB = (0.2, 0.5, 0.2, 0.1), (0.636, 0.751, 0.398, 1.0)
 
 case = Case(
@@ -104,10 +80,10 @@ case = Case(
     passes=(
         bunches("picture", 3),
         bunches("small", 1),
-        ramp("ramp", 0.0, 1.0),
-        ramp("edge", 0.0999, 0.1001),
-        alone("leaf", THRESHOLD),
-        alone("whole", 0.0),
+        panel_pass("ramp", RAMP, {"alpha": across(0.0, 1.0)}, size=(200, 8)),
+        panel_pass("edge", RAMP, {"alpha": across(0.0999, 0.1001)}, size=(200, 8)),
+        picture([leaf(THRESHOLD, 0.5, WHOLE)], WHOLE[2:], "leaf"),
+        picture([leaf(0.0, 0.5, WHOLE)], WHOLE[2:], "whole"),
         picture(TWO, WHOLE[2:], "behind", depth="depth24", clear=CLEAR),
     ),
     picture="picture.FragColor",
@@ -118,17 +94,20 @@ case = Case(
         coverage(100 * 8, pass_name="edge", name="from 0.0999 to 0.1001, the upper half is kept"),
         figure("edge.FragColor", "0.1 itself is kept", {"alpha": 0.1}, KEPT, reference=ramp_color),
         formula(
-            "ramp.FragColor", ramp_color, discards=below, name="what is kept of the ramp"
+            "ramp.FragColor",
+            ramp_color,
+            discards=lambda alpha: alpha < THRESHOLD,
+            name="what is kept of the ramp",
         ),
         figure("ramp.FragColor", "α = 0.1025", Pixel(20, 4), (0.2, 0.5, 0.2, 0.1025)),
-        coverage(kept(LEAVES), pass_name="leaf", name="the leaf's own pixels"),
+        coverage(OWN, pass_name="leaf", name="the leaf's own pixels"),
         formula("leaf.FragColor", leaf_color, discards=cut, name="the leaf"),
         figure("leaf.FragColor", "the middle of the rib", {"place": (0.0, 0.0)}, RIB),
         coverage(LEAVES * LEAVES, pass_name="whole", name="without discard, the whole rectangle"),
         formula("whole.FragColor", leaf_color, name="the leaf and its paper"),
-        coverage(kept(64), pass_name="behind", draw=0, name="the nearer leaf"),
-        coverage(64 * 64 - kept(64), pass_name="behind", name="seen where the nearer one is cut"),
+        coverage(OWN, pass_name="behind", draw=0, name="the nearer leaf"),
+        coverage(64 * 64 - OWN, pass_name="behind", name="seen where the nearer one is cut"),
         formula("behind.FragColor", leaf_color, name="the farther leaf"),
         exact("behind.FragColor", Output("whole.FragColor"), name="two leaves that are one"),
     ],
-)  # fmt: skip
+)

@@ -18,13 +18,14 @@ from math import radians
 
 import numpy as np
 
-from shaderlab import Case, CubeTexture, Ramp, State, assets, measure
+from shaderlab import Case, CubeTexture, State, assets, measure
 from shaderlab.glslmath import dot, max, normalize, swizzle, vec4
 from shaderlab.reference.cube_maps import face_coordinates
 from shaderlab.reference.transforms import look_at, perspective, rotate, translate
 from shaderlab.sampling import textureLod
 
 from ..scenes import stage
+from ..scenes.cameras import directions
 from ..scenes.draws import tested
 from ..scenes.figures import each_draw, figures
 from ..scenes.lit import vertex_stage_checks
@@ -72,14 +73,10 @@ def looking(index, name, faces=NUMBERED):
     """One of six fields, with directions of very different lengths."""
     right, above, forward = (np.array(axis, float) for axis in VIEWS[name])
     size = 0.5 + 0.75 * index
-    direction = Ramp(
-        tuple(size * (forward - REACH * right - REACH * above)),
-        tuple(size * 2.0 * REACH * right),
-        tuple(size * 2.0 * REACH * above),
-    )
+    along = directions(size * REACH * right, size * REACH * above, size * forward)
     return panel(
         "ch07_maps/cubemap.frag",
-        {"direction": direction},
+        {"direction": along},
         {"stretch": 3.0},
         textures={"faces": faces},
         cell=cell(index, 3, 2),

@@ -10,26 +10,24 @@ In the ball the hills stand on their heads, as in any lens; its rim is a mirror.
 41° no ray leaves the glass any more: `refract` then gives (0, 0, 0).
 """
 
-from math import radians, tan
-
-from shaderlab import Case, Depth, Ramp, any_order, assets, formula
+from shaderlab import Case, Depth, any_order, assets, formula
 from shaderlab.glslmath import mix
 from shaderlab.reference.cube_maps import bent, fresnel, mirrored
-from shaderlab.reference.transforms import normal_matrix, translate, world_normal
+from shaderlab.reference.transforms import translate, world_normal
 from shaderlab.sampling import textureLod
 
-from ..scenes.cameras import camera, turned
-from ..scenes.draws import tested, twins
+from ..scenes import lit
+from ..scenes.cameras import camera, camera_rays, turned
+from ..scenes.draws import twins
 from ..scenes.figures import each_draw, figure
 from ..scenes.laws import sampled
-from ..scenes.lit import vertex_stage_checks
 from ..scenes.panels import panel, picture, softened_check, softened_pass
 from ..scenes.pottery import vase
 from ..scenes.sky import skies
 
-EYE, AIM = (0.0, 0.35, 6.4), (0.0, 0.0, 0.0)
-FOVY, ASPECT = 30.0, 2.0
-CAMERA = camera(EYE, AIM, FOVY, ASPECT, far=100.0)
+EYE = (0.0, 0.35, 6.4)
+CAMERA = camera(EYE, (0.0, 0.0, 0.0), 30.0, 2.0, far=100.0)
+RAYS = {"TexCoords": camera_rays(**CAMERA)}
 RATIO = 1.0 / 1.52
 # What glass mirrors straight on, by Fresnel: ((1 − n) / (1 + n))².
 GLASS, METAL = ((1.0 - RATIO) / (1.0 + RATIO)) ** 2, 0.85
@@ -44,24 +42,15 @@ THINGS = [
 
 def thing(geometry, model, base, sky):
     """One thing under this sky."""
-    placed = {"model": model, "normalMatrix": normal_matrix(model), **CAMERA}
-    return tested(
-        ("ch07_maps/placed.vert", "ch07_maps/environment_map.frag"),
-        geometry,
-        {**placed, "cameraPos": EYE, "ratio": RATIO, "base": base},
-        only=("aPos", "aNormal"),
-        textures={"sky": sky},
-    )
+    uniforms = {"cameraPos": EYE, "ratio": RATIO, "base": base}
+    of = {"vertex": lit.PLACED, "textures": {"sky": sky}}
+    return lit.thing("ch07_maps/environment_map.frag", geometry, model, CAMERA, uniforms, **of)
 
 
 def behind(sky):
     """The sky itself, seen along each pixel's ray, as far away as can be."""
-    turn = CAMERA["view"][:3, :3].T
-    half = tan(radians(FOVY) / 2.0)
-    right, above = half * ASPECT * turn[:, 0], half * turn[:, 1]
-    rays = Ramp(tuple(-turn[:, 2] - right - above), tuple(2.0 * right), tuple(2.0 * above))
     textures, farthest = {"skybox": sky}, {"depth": Depth(func="lequal"), "depth_range": (1, 1)}
-    return panel("ch13_skybox/skybox.frag", {"TexCoords": rays}, textures=textures, **farthest)
+    return panel("ch13_skybox/skybox.frag", RAYS, textures=textures, **farthest)
 
 
 def under(sky, size, name, **target):
@@ -77,17 +66,13 @@ def seen(FragPos, Normal, cameraPos, ratio, base, sky):
     return mix(through, back, fresnel(FragPos, Normal, cameraPos, base))
 
 
-STRAIGHT = {"FragPos": (0.0, 0.0, 0.0), "Normal": (0.0, 2.0, 0.0)}
-
-
 def ray(output, reference, eye, equals, name, **more):
     """One ray that meets a level surface in the origin."""
-    at = {**STRAIGHT, "cameraPos": eye, **more}
+    at = {"FragPos": (0.0, 0.0, 0.0), "Normal": (0.0, 2.0, 0.0), "cameraPos": eye, **more}
     return figure(f"judged.{output}", name, at, equals, reference=reference)
 
 
 NAMES = {1: "the ring", 2: "the ball", 3: "the vase"}
-
 NO_WAY_OUT, GRAZING = "out of glass at 53°: nothing leaves", "along the surface all is mirrored"
 
 case = Case(
@@ -112,7 +97,7 @@ case = Case(
         *each_draw("judged.share", fresnel, NAMES, "the share mirrored by {}"),
         *each_draw("judged.FragColor", seen, NAMES, "the colour of {}"),
         *each_draw("judged.Normal", world_normal, NAMES, "normals of {}"),
-        *vertex_stage_checks("gl_Position", "FragPos", pass_name="judged"),
+        *lit.vertex_stage_checks("gl_Position", "FragPos", pass_name="judged"),
         ray("mirrored", mirrored, (3.0, 4.0, 0.0), (-0.6, 0.8, 0.0), "mirrored from (3, 4, 0)"),
         ray("bent", bent, (3.0, 4.0, 0.0), (-0.394737, -0.918794, 0.0), "into glass"),
         ray("bent", bent, (0.0, 2.0, 0.0), (0.0, -1.0, 0.0), "straight in, nothing is bent"),

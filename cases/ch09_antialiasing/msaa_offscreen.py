@@ -10,7 +10,7 @@ Look at: two boxes that stand in each other, enlarged. On the left of the orange
 first of each pixel's four samples, on the right the mean of all four.
 """
 
-from shaderlab import Case, Output, Pass, Target, exact, formula, fullscreen
+from shaderlab import Case, Output, exact, formula
 from shaderlab.assets import solids
 from shaderlab.glslmath import abs, floor, swizzle, vec4, where
 from shaderlab.reference.transforms import clip_position, translate, world_normal
@@ -19,11 +19,12 @@ from shaderlab.sampling import texelFetch
 from ..scenes import stage
 from ..scenes.cameras import camera, turned
 from ..scenes.figures import each_draw, figures
-from ..scenes.panels import rectangle
+from ..scenes.panels import panel_pass, picture, rectangle
 from ..scenes.props import tile
 from ..scenes.studio import handed_on, studio_color
 
 SIZE = (96, 64)
+PIXELS, HALF = {"at": rectangle((0.0, 0.0), SIZE)}, {"half_": SIZE[0] / 2.0 + 0.5}
 CAMERA = camera((1.3, 1.5, 3.4), (0.0, 0.35, 0.0), 36.0, 1.5)
 CUBE = solids.box((-0.5, -0.5, -0.5), (0.5, 0.5, 0.5))
 TEAL, RUST = (solids.painted(CUBE, c) for c in ((0.12, 0.42, 0.48), (0.72, 0.30, 0.16)))
@@ -35,23 +36,22 @@ DRAWS = (
 SOLIDS = {0: "the floor", 1: "the teal box", 2: "the rust box"}
 
 
+NEAREST = "every sample shows the nearest, in whichever order it is drawn"
+# A grey surface that faces up, and the grey that it has in the studio.
+GREYS = {"grey, facing up": (0.5, 0.742866), "black": (0.0, 0.0), "too bright": (4.0, 1.0)}
+
+
 def scene(name, draws, samples=4):
     """The boxes and the floor, with so many samples a pixel for colour and depth."""
-    colors = {"FragColor": "rgba32f"}
-    target = Target(size=SIZE, samples=samples, depth="depth24", colors=colors, clear=stage.SKY)
-    return Pass(name=name, target=target, draws=draws)
+    target = {"samples": samples, "depth": "depth24", "colors": {"FragColor": "rgba32f"}}
+    return picture(draws, SIZE, name, clear=stage.SKY, **target)
 
 
 def read(name, of, size, *outputs):
     """The samples, their mean, and what the resolve made of them; some of it."""
-    return fullscreen(
-        "ch09_antialiasing/mean_of_samples.frag",
-        name=name,
-        domain={"at": rectangle((0.0, 0.0), (float(SIZE[0]), float(SIZE[1])))},
-        uniforms={"half_": SIZE[0] / 2.0 + 0.5},
-        textures={"resolved": Output(f"{of}.FragColor"), "samples": Output(f"{of}.FragColor")},
-        target=Target(size=size, colors=dict.fromkeys(outputs, "rgba32f")),
-    )
+    both = dict.fromkeys(("resolved", "samples"), Output(f"{of}.FragColor"))
+    shader, colors = "ch09_antialiasing/mean_of_samples.frag", dict.fromkeys(outputs, "rgba32f")
+    return panel_pass(name, shader, PIXELS, HALF, size=size, textures=both, colors=colors)
 
 
 def shown(at, samples, half):
@@ -78,9 +78,9 @@ case = Case(
         scene("reordered", DRAWS[::-1]),
         scene("single", DRAWS, samples=0),
         scene("turned", DRAWS[::-1], samples=0),
-        *read("judged", "scene", SIZE, "FragColor", "mean", "blitted"),
-        *read("again", "reordered", SIZE, "mean"),
-        *read("picture", "scene", (960, 640), "FragColor"),
+        read("judged", "scene", SIZE, "FragColor", "mean", "blitted"),
+        read("again", "reordered", SIZE, "mean"),
+        read("picture", "scene", (960, 640), "FragColor"),
     ),
     picture="picture.FragColor",
     expect=[
@@ -90,21 +90,13 @@ case = Case(
         ),
         formula("judged.mean", mean_of_samples, name="the shader's mean of the samples"),
         formula("judged.blitted", mean_of_samples, name="the resolve is the mean of the samples"),
-        exact(
-            "judged.mean",
-            Output("again.mean"),
-            name="every sample shows the nearest, in whichever order it is drawn",
-        ),
+        exact("judged.mean", Output("again.mean"), name=NEAREST),
         *each_draw("single.FragColor", studio_color, SOLIDS, "colour of {}"),
         *figures(
             "single.FragColor",
             {
                 name: ({"Color": (light,) * 3, "Normal": (0.0, 2.0, 0.0)}, (*(shown,) * 3, 1.0))
-                for name, light, shown in (
-                    ("grey, facing up", 0.5, 0.742866),
-                    ("black", 0.0, 0.0),
-                    ("too bright", 4.0, 1.0),
-                )
+                for name, (light, shown) in GREYS.items()
             },
             reference=studio_color,
         ),

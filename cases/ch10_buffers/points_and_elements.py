@@ -16,7 +16,7 @@ import numpy as np
 from shaderlab import Case, Erratum, Mesh, Output, exact, formula, gl_calls, measure, query
 from shaderlab.expectations.gl_call import Object, Program, call
 
-from ..scenes.api import ONE_PIXEL, PIXEL, answers, errors
+from ..scenes.api import PIXEL, answers, errors, in_use
 from ..scenes.draws import drawn
 from ..scenes.figures import each_draw
 from ..scenes.laws import device_place
@@ -69,9 +69,7 @@ def one_square(FragColor):
 
 # Three points in one place in as many colours, and indices of a byte each.
 INDEXED = (
-    *ONE_PIXEL,
-    call("glUseProgram", Program("arrays")),
-    call("glBindVertexArray", Object("vertex_array")),
+    *in_use(Program("arrays")),
     call("glBindBuffer", "GL_ARRAY_BUFFER", Object("buffer", "colours")),
     call(
         "glBufferData",

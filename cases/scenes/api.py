@@ -7,7 +7,8 @@ from itertools import chain
 from typing import Any
 
 from shaderlab import gl_call
-from shaderlab.expectations.gl_call import Object, call
+from shaderlab.expectations.gl_call import Object, Program, call
+from shaderlab.model.calls import Call
 
 _COLOR = ("GL_FRAMEBUFFER", "GL_COLOR_ATTACHMENT0", "GL_RENDERBUFFER")
 
@@ -23,6 +24,23 @@ ONE_PIXEL = (
 
 PIXEL = call("glReadPixels", 0, 0, 1, 1, "GL_RGBA", "GL_UNSIGNED_BYTE")
 """What is in that pixel, as four bytes."""
+
+
+def in_use(program: Program | None = None) -> tuple[Call, ...]:
+    """Calls before a draw into `ONE_PIXEL`: a program, the last pass's by default, and a vertex
+    array of its own.
+
+    >>> [step.function for step in in_use()][-2:]
+    ['glUseProgram', 'glBindVertexArray']
+    """
+    vertices = call("glBindVertexArray", Object("vertex_array"))
+    return *ONE_PIXEL, call("glUseProgram", program or Program()), vertices
+
+
+def pixel(color: tuple[int, int, int], *steps: tuple[Call, ...]) -> tuple[Any, ...]:
+    """A row for `answers`: the opaque colour, in bytes, of a point drawn after these steps."""
+    point = (call("glDrawArrays", "GL_POINTS", 0, 1),)
+    return PIXEL, (*color, 255), in_use(), *steps, point
 
 
 def answers(rows: Mapping[str, tuple[Any, ...]]) -> list[Any]:

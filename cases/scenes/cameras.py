@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from shaderlab import Ramp
 from shaderlab.reference.transforms import look_at, perspective, rotate
 
 Matrix = npt.NDArray[Any]
@@ -31,6 +32,31 @@ def camera(
     """
     projection = perspective(radians(fovy), aspect, near, far)
     return {"view": look_at(eye, target), "projection": projection}
+
+
+def camera_rays(view: Matrix, projection: Matrix) -> Ramp:
+    """The directions in which a camera's pixels look, over the whole target; of any length.
+
+    >>> round(camera_rays(**camera((0.0, 0.0, 5.0), (0.0, 0.0, 0.0), 90.0)).dx[0], 6)
+    2.0
+    """
+    right, above, back = np.asarray(view)[:3, :3]
+    return directions(right / projection[0, 0], above / projection[1, 1], -back)
+
+
+def directions(right: Vector, above: Vector, forward: Vector) -> Ramp:
+    """Directions over all of a panel.
+
+    Args:
+        forward: the one in the middle.
+        right, above: from there to the middles of the right and the upper edge.
+
+    >>> directions((1.0, 0.0, 0.0), (0.0, 0.5, 0.0), (0.0, 0.0, -1.0)).origin
+    (-1.0, -0.5, -1.0)
+    """
+    across, up, middle = (np.asarray(axis, float) for axis in (right, above, forward))
+    corner = (middle - across - up).tolist()
+    return Ramp(tuple(corner), tuple((2.0 * across).tolist()), tuple((2.0 * up).tolist()))
 
 
 def turned(degrees: float, axis: Vector = (0.0, 1.0, 0.0)) -> Matrix:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from functools import wraps
 from typing import Any
 
-from shaderlab.glslmath import either, vec4
+from shaderlab.glslmath import either, mul, vec4
 from shaderlab.reference.transforms import in_view
 from shaderlab.sampling import texture
 
@@ -84,8 +84,11 @@ def renamed(law: Law, **words: str) -> Law:
     return _with_inputs(same, tuple(names))
 
 
-def projected(law: Law) -> Law:
+def projected(law: Law, *, homogeneous: bool = False) -> Law:
     """Clip coordinates of the places that a law gives in the world, by `view` and `projection`.
+
+    Args:
+        law: gives (…, 3), or (…, 4) if it is `homogeneous`.
 
     >>> inputs_of(projected(lambda aPos, offset: aPos + offset))
     ('aPos', 'offset', 'view', 'projection')
@@ -93,7 +96,10 @@ def projected(law: Law) -> Law:
 
     @wraps(law)
     def position(view: Any, projection: Any, **inputs: Any) -> Any:
-        return in_view(law(**inputs), view, projection)
+        place = law(**inputs)
+        if homogeneous:
+            return mul(projection, mul(view, place))
+        return in_view(place, view, projection)
 
     return _with_inputs(position, (*inputs_of(law), "view", "projection"))
 

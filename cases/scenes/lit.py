@@ -45,6 +45,7 @@ Color = tuple[float, float, float, float]
 LIT = "ch05_lighting/lit.vert"
 PAINTED = "ch05_lighting/lit_painted.vert"
 TEXTURED = "ch05_lighting/lit_textured.vert"
+PLACED = "ch07_maps/placed.vert"
 BLACK = (0.0, 0.0, 0.0, 0.0)
 
 # The notes' test point: a surface in the origin that faces +z, the viewer before it, a lamp aside.
@@ -98,7 +99,7 @@ def thing(
         model: where it stands; its normals go through the inverse transpose.
         camera: what `camera` gave.
         uniforms: what else the shaders want.
-        vertex: LIT, PAINTED (vertices have a colour) or TEXTURED.
+        vertex: LIT or PLACED (places and normals), PAINTED (a colour as well) or TEXTURED.
         textures: by sampler.
         cell: the part of the target to draw into.
         state: what else `State` takes.
@@ -108,7 +109,7 @@ def thing(
         (vertex, fragment),
         solid,
         {**placed, **camera, **uniforms},
-        only=("aPos", "aNormal") if vertex == LIT else (),
+        only=("aPos", "aNormal") if vertex in (LIT, PLACED) else (),
         textures=textures,
         cell=cell,
         **state,

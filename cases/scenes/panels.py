@@ -84,6 +84,30 @@ def picture(
     return Pass(name=name, target=Target(size=size, **target), draws=tuple(draws))
 
 
+def panel_pass(
+    name: str,
+    fragment: str,
+    domain: Mapping[str, Ramp],
+    uniforms: Mapping[str, Any] | None = None,
+    *,
+    size: tuple[int, int] | None = None,
+    textures: Mapping[str, Any] | None = None,
+    **target: Any,
+) -> Pass:
+    """A pass that runs a fragment shader over all of a target of its own.
+
+    Args:
+        name: of the pass.
+        fragment, domain, uniforms, textures: as in `panel`.
+        size: of the target; a case's own by default.
+        target: what else `Target` takes.
+
+    >>> panel_pass("ramp", "a.frag", {"alpha": square(0.0, 1.0)}, size=(200, 8)).target.size
+    (200, 8)
+    """
+    return picture([panel(fragment, domain, uniforms, textures=textures)], size, name, **target)
+
+
 def table(
     fragment: str,
     domain: Mapping[str, Ramp],

@@ -6,7 +6,7 @@ multisampling, which not every driver has. The same draws go, small, into the pa
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -19,7 +19,7 @@ from shaderlab.reference.transforms import clip_position, normal_matrix, world_n
 
 from .draws import tested
 from .figures import each_draw, figure, figures
-from .panels import smaller_check, softened_check, softened_pass
+from .panels import cell, smaller_check, softened_check, softened_pass
 from .studio import handed_on, studio_color
 
 Matrix = npt.NDArray[Any]
@@ -173,6 +173,32 @@ def light_checks(*, draw: int = -1, pass_name: str = "judged", of: str = "") -> 
         reference=studio_color,
         draw=draw,
     )
+
+
+def gallery(
+    panel: Callable[[Cell, Any], Iterable[Draw]],
+    entries: Iterable[Any],
+    columns: int,
+    size: tuple[int, int],
+) -> tuple[Pass, ...]:
+    """The passes of `photographed` for a panel of each entry, row by row from the topmost.
+
+    Args:
+        panel: what to draw into a cell for an entry.
+        entries: what `panel` gets, one a cell.
+        columns: of the grid.
+        size: of the picture in pixels.
+
+    >>> corners = {"attributes": {"aPos": np.zeros((3, 3))}, "indices": np.arange(3)}
+    >>> passes = gallery(lambda at, _: [prop(corners, {}, cell=at)], "abc", 2, (256, 256))
+    >>> [draw.state.cell.row for draw in passes[0].draws]
+    [1, 1, 0]
+    """
+    entries = tuple(entries)
+    rows = -(-len(entries) // columns)
+    cells = (cell(k, columns, rows, from_above=True) for k in range(len(entries)))
+    drawn = (panel(at, entry) for at, entry in zip(cells, entries, strict=True))
+    return photographed([draw for draws in drawn for draw in draws], size)
 
 
 def photographed(

@@ -17,7 +17,7 @@ from shaderlab.reference.rasterisation import samples_seen
 
 from .cameras import camera
 from .figures import figure, ground
-from .panels import WHOLE, panel, picture
+from .panels import WHOLE, panel_pass
 from .props import letter_f
 from .remembered import remembered
 from .stage import SKY, prop, prop_checks
@@ -81,7 +81,7 @@ def post_processed(
     'picture'
     """
     fragment, textures = f"ch08_techniques/{shader}.frag", {"screenTexture": source}
-    return picture([panel(fragment, domain, uniforms, textures=textures)], size, name)
+    return panel_pass(name, fragment, domain, uniforms, textures=textures, size=size)
 
 
 def photograph_checks(*, side: int = 64, pass_name: str = "scene") -> tuple[Any, ...]:
