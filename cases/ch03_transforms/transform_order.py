@@ -4,7 +4,9 @@ In T·R·S·p the matrix next to the point acts first. Scale first and the lette
 its own axes; rotate first and it is stretched along the world's, which shears nothing here but
 stretches another side of it. Translate before a rotation and it swings around the origin; before a
 scaling, and its distance is scaled with it. "Scale, then rotate, then translate" is the order that
-does what its words say to the thing itself.
+does what its words say to the thing itself. In C++ the product begins with glm::mat4(1.0f): since
+GLM 0.9.9 (release notes: "no more default initialization") glm::mat4 without an argument holds
+whatever was in memory, often zeros, which stay zeros in every product.
 
 Look at: where the six letters are. All have been stretched to (2, 1, 1), turned by 90° around z and
 moved by (1, 2, 3). The rods follow the black point at its foot, (1, 0, 0), through the steps: green
@@ -24,7 +26,7 @@ from shaderlab.reference.transforms import normal_matrix, scale, translate, worl
 from ..scenes import stage
 from ..scenes.cameras import camera, turned
 from ..scenes.figures import each_draw, figure, results
-from ..scenes.glm import scaled_then_rotated_by_glm
+from ..scenes.glm import scaled_then_rotated_by_glm, translated_from_by_glm
 from ..scenes.laws import projected
 from ..scenes.props import letter_f, tile, way
 
@@ -89,6 +91,8 @@ def product(order):
 LETTERS = {4 * k + 3: order for k, order in enumerate(ORDERS)}
 ONE, AT_ONCE = {"aPos": (1.0, 0.0, 0.0)}, {"one product of matrices": placed_at_once}
 BY_GLM = "(1, 0, 0) by glm::scale, and then glm::rotate"
+FROM_ZEROS = "(1, 0, 0), begun with zeros: there is no place left, w is 0"
+FROM_ONE = "(1, 0, 0), begun with glm::mat4(1)"
 NOTE = "scaled first, it would be at (0, 2, 0)"
 
 case = Case(
@@ -108,6 +112,8 @@ case = Case(
         ),
         *results({f"{o} as one matrix": (product(o), ORDERS[o]) for o in ORDERS}, digits=12),
         *results({BY_GLM: (scaled_then_rotated_by_glm((1, 0, 0)), (0, 1, 0), NOTE)}, digits=12),
+        *results({FROM_ONE: (translated_from_by_glm(1.0), (2.0, 2.0, 3.0, 1.0))}, digits=12),
+        *results({FROM_ZEROS: (translated_from_by_glm(0.0), (0.0, 0.0, 0.0, 0.0))}, digits=12),
         formula("judged.gl_Position", projected(placed, homogeneous=True), name="clip coordinates"),
         formula("judged.Normal", world_normal, name="normals"),
     ],
@@ -118,6 +124,12 @@ case = Case(
             truth="GLM multiplies on the right: what is called last acts first, so the vertex is "
             "rotated, and then scaled",
             proof=BY_GLM,
-        )
+        ),
+        Erratum(
+            section="3.4",
+            says="glm::mat4 model; is an identity matrix",
+            truth="it was until GLM 0.9.9; glm::mat4(1.0f) is one in every version",
+            proof=FROM_ZEROS,
+        ),
     ],
 )

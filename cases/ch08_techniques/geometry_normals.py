@@ -105,9 +105,9 @@ def grown(gl_in_gl_Position, VS_OUT_normal, emitted, projection, magnitude):
     return mul(projection, of_corner(gl_in_gl_Position, emitted) + vec4(offset, 0.0))
 
 
-def faded(along):
+def faded(fraction):
     """From yellow to red."""
-    return vec4(mix(vec3(0.95, 0.75, 0.15), vec3(0.85, 0.15, 0.1), along), 1.0)
+    return vec4(mix(vec3(0.95, 0.75, 0.15), vec3(0.85, 0.15, 0.1), fraction), 1.0)
 
 
 def counted(counter, draw, name, **bounds):
@@ -140,7 +140,7 @@ case = Case(
                 ("gl_in.gl_Position", in_view, "vertices in view space"),
                 ("VS_OUT.normal", turned_normal, "normals in view space"),
                 ("gl_Position", grown, "feet and tips"),
-                ("along", at_tip, "which end"),
+                ("fraction", at_tip, "which end"),
                 ("FragColor", faded, "colour"),
             )
         ),
@@ -161,7 +161,7 @@ case = Case(
         figure(
             "judged.FragColor",
             "judged.FragColor",
-            {"along": 0.25},
+            {"fraction": 0.25},
             (0.925, 0.6, 0.1375, 1.0),
             reference=faded,
             draw=2,

@@ -63,6 +63,17 @@ def scaled_then_rotated_by_glm(point: Any) -> Any:
     return np.array((model * glm.dvec4(*point, 1.0)).xyz)
 
 
+def translated_from_by_glm(diagonal: float) -> Any:
+    """Where (1, 0, 0, 1) is after `glm.translate` (1, 2, 3) of a matrix with this diagonal.
+
+    >>> translated_from_by_glm(1.0).tolist()
+    [2.0, 2.0, 3.0, 1.0]
+    """
+    glm = _glm()
+    moved = glm.translate(glm.dmat4(diagonal), glm.dvec3(1.0, 2.0, 3.0))
+    return np.array(moved * glm.dvec4(1.0, 0.0, 0.0, 1.0))
+
+
 def rotated_by_glm(aPos: Any, axis: Any, angle: Any, offset: Any) -> Any:
     """Rotation around an axis of any length, then translation: (…, 3).
 

@@ -9,7 +9,7 @@ in VS_OUT {
 uniform mat4 projection;
 uniform float magnitude;
 
-out float along;   // 0 at the foot of a normal, 1 at its tip
+out float fraction;   // 0 at the foot of a normal, 1 at its tip
 
 void main()
 {
@@ -17,7 +17,7 @@ void main()
         for (int end = 0; end < 2; ++end) {
             vec4 offset = vec4(magnitude * float(end) * gs_in[i].normal, 0.0);
             gl_Position = projection * (gl_in[i].gl_Position + offset);
-            along = float(end);
+            fraction = float(end);
             EmitVertex();
         }
         EndPrimitive();

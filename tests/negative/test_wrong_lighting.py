@@ -5,6 +5,8 @@ from __future__ import annotations
 import pytest
 
 from cases.scenes.lit import TURNED_AWAY
+from shaderlab.compiler.sources import Shaders
+from shaderlab.discovery import data_folder
 from tests.catalogue import judged_only, shipped
 from tests.negative.broken import failing, failures, mistaken
 
@@ -101,8 +103,10 @@ def test_a_mistake_makes_its_case_fail_and_names_a_place(
 SHINING = [
     "specular", "material", "light-struct", "lighting-maps", "directional-light", "point-light",
     "spotlight-hard", "multiple-lights", "phong-vs-blinn", "blinn-phong", "normal-map",
-    "deferred-shading", "shadow-map", "obj-model",
+    "deferred-shading", "shadow-map", "shadow-acne", "shadow-pcf", "obj-model",
 ]  # fmt: skip
+# They include the law and show no highlight (diffuse, hdr), or light faces from straight above.
+NEVER_TURNED_AWAY = {"diffuse", "hdr", "shininess"}
 
 
 @pytest.mark.parametrize("case_id", SHINING)
@@ -110,6 +114,22 @@ def test_without_the_gate_one_check_fails_and_says_so(case_id: str) -> None:
     texts = mistaken(PHONG, "return dot(normal, lightDir) > 0.0;", "return true;")
     for scene in judged_only(case_id).scenes():
         assert failing(scene, texts) == {TURNED_AWAY}, scene.variant
+
+
+def test_every_lesson_that_includes_the_gate_is_tried_without_it() -> None:
+    shaders = Shaders([data_folder("shaders")])
+    gate = str(data_folder("shaders") / PHONG)
+    used = {
+        case.id: {name for p in case.passes for draw in p.draws for name in draw.shaders}
+        for case in shipped().values()
+    }
+    gated = {
+        name
+        for name in set().union(*used.values())
+        if (data_folder("shaders") / name).exists() and gate in dict(shaders.load(name).parts)
+    }
+    included = {case_id for case_id, names in used.items() if names & gated}
+    assert included == {*SHINING} | NEVER_TURNED_AWAY
 
 
 def test_every_lighting_lesson_is_broken_at_least_twice() -> None:
