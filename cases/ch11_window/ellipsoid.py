@@ -13,7 +13,7 @@ light falls as if on something rounder: the brightest place is too far down the 
 
 import numpy as np
 
-from shaderlab import Case, Output, Pass, Target, assets, formula, fullscreen
+from shaderlab import Case, Output, Pass, Target, assets, formula, fullscreen, gl_calls
 from shaderlab.glslmath import abs, dot, fract, max, mul, normalize, swizzle, vec3, vec4, where
 from shaderlab.reference.transforms import normal_matrix, orthographic
 from shaderlab.sampling import texture
@@ -162,6 +162,14 @@ case = Case(
             for check in each_draw(
                 f"both.{output}", law, {k: f"{what}, {side}" for k, side in enumerate(NAMES)}
             )
+        ),
+        gl_calls(
+            "glDrawElementsInstanced",
+            mode="GL_TRIANGLES",
+            count=2 * 64 * 31 * 3,
+            pass_name="scene",
+            times=2,
+            name="both of 3968 triangles: two for each of 64 · 32 fields, one at the poles",
         ),
         formula("mesh.facing", outer, name="the outer side of the mesh is seen"),
         formula("silhouette.inside", outline, name="the outline against the true one"),

@@ -93,7 +93,7 @@ OF_STATE = {
     "places hidden from the eye, in the large picture",
     "share of the large picture that is drawn",
     "pixels of the large picture that the order of drawing changes",
-    "shadows told wrongly, in the large picture",
+    "told otherwise than by maps of rays, in the large picture",
 }
 
 
