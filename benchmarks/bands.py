@@ -28,6 +28,7 @@ from shaderlab.bands.allowed import contains
 from shaderlab.catalogue import load_cases
 from shaderlab.discovery import shipped_cases
 from shaderlab.evaluation import Lab
+from shaderlab.execution.worker_main import keep_freed_memory
 from shaderlab.expectations.formula import Formula
 from shaderlab.expectations.subject import subject_of
 from shaderlab.frame import Frame
@@ -57,6 +58,7 @@ def main(words: list[str] | None = None) -> int:
     options.add_argument("--repeats", type=int, default=5)
     options.add_argument("--variants", action="store_true", help="list every variant")
     given = options.parse_args(words)
+    keep_freed_memory()  # as workers do
     slowest = evaluation(given.repeats, given.variants, given.cases)
     comparison(given.repeats)
     memory(slowest)

@@ -56,7 +56,7 @@ def numpy_alone() -> Iterator[None]:
 
 def compiled(plain: Callable[..., Band]) -> Callable[..., Band]:
     """An operation on bands by its compiled pass, and `plain` where that finds something rare."""
-    # Terms stand on what `compiled_bounds` makes faster.
+    # Terms stand on what `compiled_arrays` makes faster.
     from shaderlab.bands.terms import Terms
 
     kernel = getattr(KERNELS, plain.__name__, None)
@@ -79,18 +79,18 @@ def compiled(plain: Callable[..., Band]) -> Callable[..., Band]:
     return by_kernel
 
 
-Bounds = TypeVar("Bounds", bound=Callable[..., tuple[Any, Any]])
+OfArrays = TypeVar("OfArrays", bound=Callable[..., Any])
 
 
-def compiled_bounds(plain: Bounds) -> Bounds:
-    """The same for a function that gives two bounds."""
+def compiled_arrays(plain: OfArrays) -> OfArrays:
+    """The same for a function that gives arrays."""
     kernel = getattr(KERNELS, plain.__name__, None)
     if kernel is None:
         return plain
 
     @wraps(plain)
-    def by_kernel(*arguments: Any) -> tuple[Any, Any]:
-        found: tuple[Any, Any] | None = kernel(*arguments) if _Use.passes else None
+    def by_kernel(*arguments: Any) -> Any:
+        found = kernel(*arguments) if _Use.passes else None
         return plain(*arguments) if found is None else found
 
-    return cast(Bounds, by_kernel)
+    return cast(OfArrays, by_kernel)

@@ -5,11 +5,12 @@ Minimum, maximum and choice pass NaN on.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from shaderlab.bands.compiled import compiled_arrays
 from shaderlab.bands.rounding import Flags, Floats
 from shaderlab.bands.terms import combined
 from shaderlab.bands.truth import Truth
@@ -90,22 +91,25 @@ def select(condition: Truth, a: Band, b: Band) -> Band:
     """
     yes, no, undecided = condition.all_true, condition.all_false, condition.undecided
     decided = not undecided.any()
-
-    def taken(of_a: Floats, of_b: Floats, hull: Callable[[Floats, Floats], Floats]) -> Floats:
-        other = of_b if decided else np.where(no, of_b, hull(of_a, of_b))
-        return np.where(yes, of_a, other)
-
-    lo = taken(a.lo, b.lo, np.minimum)
+    side = (yes.view(np.int8) - no.view(np.int8)).astype(np.float64)
+    lo = taken(side, a.lo, b.lo, False)
     exact = decided and a.lo is a.hi and b.lo is b.hi
-    hi = lo if exact else taken(a.hi, b.hi, np.maximum)
+    hi = lo if exact else taken(side, a.hi, b.hi, True)
     nan, anything, either = (
         (of_a & ~no) | (of_b & ~yes) if of_a.ndim or of_b.ndim else of_a
         for of_a, of_b in zip(a.flags, b.flags, strict=True)
     )
     if not decided:
         either = either | undecided
-    terms = combined((a, b), lambda values: taken(values[0], values[1], np.maximum))
+    terms = combined((a, b), lambda values: taken(side, values[0], values[1], True))
     return type(a)(lo, hi, a.rules, (nan, anything, either), terms)
+
+
+@compiled_arrays
+def taken(side: Floats, of_a: Floats, of_b: Floats, greater: bool) -> Floats:
+    """`of_a` where the side is 1, `of_b` where it is -1, elsewhere the greater or the lesser."""
+    hull = np.maximum(of_a, of_b) if greater else np.minimum(of_a, of_b)
+    return np.where(side > 0.0, of_a, np.where(side < 0.0, of_b, hull))
 
 
 @np.errstate(all="ignore")
@@ -147,6 +151,16 @@ def concatenated(arrays: Sequence[Any], axis: int) -> Any:
     The result is contiguous: products of matrices depend on how these lie in memory, in float64's
     last bit.
     """
+    return joined_last(list(arrays)) if axis == -1 else _joined(arrays, axis)
+
+
+@compiled_arrays
+def joined_last(arrays: list[Any]) -> Any:
+    """`concatenated` along the last axis."""
+    return _joined(arrays, -1)
+
+
+def _joined(arrays: Sequence[Any], axis: int) -> Any:
     ndim = max(-axis, *(array.ndim for array in arrays))
     rows = [array.reshape((1,) * (ndim - array.ndim) + array.shape) for array in arrays]
     before, after = slice(ndim + axis), slice(ndim + axis + 1, None)

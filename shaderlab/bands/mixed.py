@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from shaderlab.bands.rounding import RELATIVE_STEP, SMALLEST_NORMAL, Floats
+from shaderlab.bands.compiled import compiled_arrays
+from shaderlab.bands.rounding import RELATIVE_STEP, SMALLEST_NORMAL, Floats, outward
 
 if TYPE_CHECKING:
     from shaderlab.bands.band import Band
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
 _STEPS = 8.0
 
 
-@np.errstate(all="ignore")
 def within_ends(found: Band, x: Band, y: Band, a: Band) -> Band:
     """The band `found` of mix(x, y, a) by its operations, cut to what it may be at most.
 
@@ -26,6 +26,14 @@ def within_ends(found: Band, x: Band, y: Band, a: Band) -> Band:
     """
     if found.lo is found.hi:
         return found
+    lo, hi = cut_to_ends(found, x, y, a, found.rules.flush)
+    return found.kept(lo, hi, terms=found.terms)
+
+
+@compiled_arrays
+@np.errstate(all="ignore")
+def cut_to_ends(found: Band, x: Band, y: Band, a: Band, flush: bool) -> tuple[Floats, Floats]:
+    """The bounds of `found`, no wider than the ends of x, y and a allow."""
     sides = [_ends(x.settled(), y.settled(), end) for end in a.settled()]
     size = (x.mag + y.mag) * (1.0 + a.mag)
     lost: Floats = _STEPS * np.maximum(RELATIVE_STEP * size, SMALLEST_NORMAL)
@@ -33,9 +41,9 @@ def within_ends(found: Band, x: Band, y: Band, a: Band) -> Band:
         lost = np.maximum(lost, _STEPS * found.terms.step())
     least = np.minimum(sides[0][0], sides[1][0]) - lost
     most = np.maximum(sides[0][1], sides[1][1]) + lost
-    cut = found.made(least, most)
+    lo, hi = outward(least, most, flush)
     # Where a bound is NaN, of infinity times 0, the operations' own stays.
-    return found.kept(np.fmax(found.lo, cut.lo), np.fmin(found.hi, cut.hi), terms=found.terms)
+    return np.fmax(found.lo, lo), np.fmin(found.hi, hi)
 
 
 def _ends(x: tuple[Floats, Floats], y: tuple[Floats, Floats], a: Floats) -> tuple[Floats, Floats]:

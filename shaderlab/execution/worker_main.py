@@ -95,7 +95,7 @@ def main(socket_number: int, steps: int) -> None:
     given = parent.makefile("rb")
     name, warm, seconds, memory = pickle.load(given)
     _limit_memory(memory)
-    _keep_freed_memory()
+    keep_freed_memory()
     channel = Channel(parent, seconds, steps)
     os.register_at_fork(after_in_child=channel.leave)
     work = prepared(name, warm)
@@ -167,7 +167,7 @@ def die_with_parent(parent: int) -> None:
         os._exit(1)
 
 
-def _keep_freed_memory() -> None:
+def keep_freed_memory() -> None:
     """Have glibc's malloc use again what large arrays have freed, up to 64 MB of it, where it would
     give it back to the system and get the same pages anew: a fifth of the time that bands take."""
     import ctypes

@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from shaderlab.bands.compiled import compiled_arrays
 from shaderlab.frame import Array
 from shaderlab.sampling.spans import Span, hull, require_narrow, widened
 
@@ -37,8 +38,17 @@ def nearest(texel: Texel, x: Span, y: Span) -> Span:
     """The texel that contains a position (in texels, 0 at the edge), or both candidates."""
     require_narrow(x, "texture()")
     require_narrow(y, "texture()")
-    floors = [(np.floor(a), np.floor(b)) for a in _ends(x) for b in _ends(y)]
-    return hull([texel(column, row, EVERYWHERE) for column, row in floors])
+    columns, rows = [np.floor(end) for end in _ends(x)], [np.floor(end) for end in _ends(y)]
+    found = texel(columns[0], rows[0], EVERYWHERE)
+    crossing = (columns[0] != columns[-1]) | (rows[0] != rows[-1])
+    if not crossing.any():
+        return found
+    # Few places lie next to an edge of their texel: only those have several candidates.
+    columns, rows = ([end[crossing] for end in ends] for ends in (columns, rows))
+    low, high = found[0].copy(), found[1].copy()
+    candidates = [texel(column, row, crossing) for column in columns for row in rows]
+    low[crossing], high[crossing] = hull(candidates)
+    return low, high
 
 
 def linear(texel: Texel, x: Span, y: Span, exact: bool, compared: bool = False) -> Span:
@@ -95,14 +105,23 @@ def _within_cell(texel: Texel, x: Span, y: Span, places: Any) -> Span:
     across = [(end - left)[..., None] for end in _ends(x)]
     up = [(end - low)[..., None] for end in _ends(y)]
     spans = [texel(left + i, low + j, places) for j in (0, 1) for i in (0, 1)]
-    lowest = _at_corners([span[0] for span in spans], across, up)
+    lows, highs = ([span[k] for span in spans] for k in (0, 1))
     if x[0] is x[1] and y[0] is y[1]:
-        return lowest[0], lowest[0]
-    same = all(span[0] is span[1] for span in spans)
-    highest = lowest if same else _at_corners([span[1] for span in spans], across, up)
-    bounds = [bound for span in spans for bound in (span[:1] if same else span)]
-    give = ROUNDING * np.maximum.reduce([np.abs(bound) for bound in bounds])
-    return np.minimum.reduce(lowest) - give, np.maximum.reduce(highest) + give
+        mean = _at_corners(lows, across, up)[0]
+        return mean, mean
+    return mixed_texels(*lows, *highs, across[0], across[-1], up[0], up[-1])
+
+
+@compiled_arrays
+def mixed_texels(*given: Array) -> Span:
+    """The bounds of a mean of four texels: of the lowest that each may be, the highest, and the
+    ends of both weights."""
+    lows, highs, across, up = (list(given[a:b]) for a, b in ((0, 4), (4, 8), (8, 10), (10, 12)))
+    give = ROUNDING * np.maximum.reduce([np.abs(bound) for bound in (*lows, *highs)])
+    return (
+        np.minimum.reduce(_at_corners(lows, across, up)) - give,
+        np.maximum.reduce(_at_corners(highs, across, up)) + give,
+    )
 
 
 def _at_corners(texels: list[Array], across: list[Array], up: list[Array]) -> list[Array]:

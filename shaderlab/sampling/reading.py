@@ -29,6 +29,7 @@ _CODES = np.arange(256.0) / 255.0
 _GIVE = np.where((_CODES == 0.0) | (_CODES == 1.0), 0.0, CODE_PRECISION * _CODES)
 _LOWEST, _HIGHEST = _CODES - _GIVE, _CODES + _GIVE
 
+BORDER = "clamp_to_border"
 _MIRRORED = {"greater": "less", "gequal": "lequal"}
 
 
@@ -54,19 +55,31 @@ def wrap_index(index: Integers, size: int, mode: str) -> Integers:
     [1, 0, 0, 3, 2]
     """
     if mode == "repeat":
-        return np.mod(index, size)
+        return _modulo(index, size)
     if mode == "mirrored_repeat":
-        folded = np.mod(index, 2 * size)
+        folded = _modulo(index, 2 * size)
         return np.where(folded < size, folded, 2 * size - 1 - folded)
     if mode == "clamp_to_edge":
-        return np.clip(index, 0, size - 1)
+        return np.minimum(np.maximum(index, 0), size - 1)
     return np.where((index < 0) | (index >= size), -1, index)
+
+
+def _modulo(index: Integers, size: int) -> Integers:
+    """The index in 0…size−1; of a power of two its last bits, which a division takes far longer
+    to find."""
+    return np.mod(index, size) if size & (size - 1) else index & (size - 1)
 
 
 def stored(sampler: Sampler, level: int, x: Integers, y: Integers, layer: Integers) -> Span:
     """Texels inside a level, by column, row and layer, as (count, 4): absent components are 0,
     absent alpha is 1."""
-    found = level_values(sampler, level)[layer, y, x]
+    values = level_values(sampler, level)
+    count, height, width, channels = values.shape
+    if values.flags.c_contiguous:
+        place = y * width + x if count == 1 else (layer * height + y) * width + x
+        found = values.reshape(-1, channels).take(place, axis=0)
+    else:
+        found = values[layer, y, x]
     return _completed(_decoded(sampler, found))
 
 
@@ -79,6 +92,8 @@ def wrapped(sampler: Sampler, level: int, x: Array, y: Array, layer: Integers) -
     row = wrap_index(y.astype(np.int64), height, texels.wrap[1])
     if texels.kind == "3D":
         layer = wrap_index(layer, depth, texels.wrap[2])
+    if BORDER not in texels.wrap:
+        return stored(sampler, level, column, row, layer)
     inside = (np.maximum(index, 0) for index in (column, row, layer))
     low, high = stored(sampler, level, *inside)
     outside = ((column < 0) | (row < 0) | (layer < 0))[..., None]
@@ -123,9 +138,9 @@ def _decoded(sampler: Sampler, values: Array) -> Span:
         )
     if values.dtype == np.uint8:
         if sampler.rules is None:
-            codes = _CODES[values]
+            codes = _CODES.take(values)
             return codes, codes
-        return _LOWEST[values], _HIGHEST[values]
+        return _LOWEST.take(values), _HIGHEST.take(values)
     numbers = values.astype(np.float64)
     if texels.format[:7] not in LARGEST or sampler.rules is None:
         return numbers, numbers
@@ -136,6 +151,8 @@ def _decoded(sampler: Sampler, values: Array) -> Span:
 def _completed(span: Span) -> Span:
     low, high = span
     channels = low.shape[-1]
+    if channels == 4:
+        return span
     filler = np.broadcast_to(
         np.array([0.0, 0.0, 0.0, 1.0])[channels:], (*low.shape[:-1], 4 - channels)
     )

@@ -13,7 +13,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
+from shaderlab import glslmath
 from shaderlab.bands import Band, Rules, arithmetic, compiled, exact, functions, rounding, sums
+from shaderlab.sampling import filters
 
 needs_kernels = pytest.mark.skipif(
     compiled.KERNELS is None, reason="no compiled passes here (see shaderlab doctor)"
@@ -140,6 +142,40 @@ def test_bounds_are_numpy_s(data: Any) -> None:
 
 
 @needs_kernels
+@settings(max_examples=60, deadline=None)
+@given(data=st.data())
+def test_choices_and_mixes_are_numpy_s(data: Any) -> None:
+    rules = data.draw(st.sampled_from(RULES))
+    shapes = data.draw(st.sampled_from(SHAPES))
+    a, b = (data.draw(bands(shape, rules, any_floats)) for shape in shapes)
+    rows = max(a.shape[:-1], b.shape[:-1])
+    share = data.draw(bands((*rows, 1), rules, plain_floats))
+    assert_numpy_s(lambda: exact.select(share < 0.5, a, b))
+    assert_numpy_s(lambda: exact.select(share == share, a, b))
+    assert_numpy_s(lambda: glslmath.mix(a, b, share))
+    if a.shape[:-1] == b.shape[:-1] or len(a.shape) == 1:
+        assert_numpy_s(lambda: exact.joined([a, b, share], -1))
+
+
+@needs_kernels
+@settings(max_examples=30, deadline=None)
+@given(data=st.data())
+def test_texels_are_mixed_as_numpy_does(data: Any) -> None:
+    texel = st.sampled_from([-2.5, 0.0, 1e-30, 0.1, 1.0, 3e38, np.inf, np.nan])
+    shape = data.draw(st.sampled_from([(5, 4), (100, 4), (3, 2, 4), (1,)]))
+    drawn = data.draw(st.lists(texel, min_size=8, max_size=31))
+    texels = np.resize(np.array(drawn), (8, *shape))
+    weights = np.resize(np.array(data.draw(st.lists(st.floats(0, 1), min_size=4))), (4, *shape))
+    given = *texels, *weights[..., :1]
+    with np.errstate(all="ignore"):
+        got = filters.mixed_texels(*given)
+        with compiled.numpy_alone():
+            expected = filters.mixed_texels(*given)
+    for ours, theirs in zip(got, expected, strict=True):
+        np.testing.assert_array_equal(ours, theirs, strict=True)
+
+
+@needs_kernels
 def test_common_values_are_not_left_to_numpy() -> None:
     x = Band.exact(np.linspace(0.5, 2.0, 12).reshape(4, 3))
     for operands in ((x, x.again()), (x * 3.0 + 1.0, x[..., 0:1] * x), (x, Band.exact([0.5]))):
@@ -147,6 +183,10 @@ def test_common_values_are_not_left_to_numpy() -> None:
             assert getattr(compiled.KERNELS, name)(*operands, True, True) is not None
         for name in ("square", "sum_last", "inversesqrt", "sqrt"):
             assert getattr(compiled.KERNELS, name)(x, True, True) is not None
+    assert compiled.KERNELS.cut_to_ends(x, x, x + 1.0, x * 0.5, True) is not None
+    assert compiled.KERNELS.joined_last([x.lo, np.ones(1), x.lo[:, 1:]]) is not None
+    assert compiled.KERNELS.taken(np.ones((4, 1)), x.lo, x.hi, True) is not None
+    assert compiled.KERNELS.mixed_texels(*[x.lo] * 8, *[x.lo[:, :1]] * 4) is not None
 
 
 @needs_kernels
@@ -157,6 +197,9 @@ def test_what_a_pass_can_t_take_is_left_to_numpy() -> None:
     assert compiled.KERNELS.divide(x, zero, True, True) is None
     assert compiled.KERNELS.inversesqrt(zero, True, True) is None
     assert compiled.KERNELS.multiply(x, tiny * tiny, True, True) is None
+    assert compiled.KERNELS.cut_to_ends(x, infinite, x, x, True) is None
+    assert compiled.KERNELS.joined_last([x.lo, np.ones(1, np.float32)]) is None
+    assert compiled.KERNELS.mixed_texels(*[x.lo] * 8, *[infinite.lo] * 4) is None
     with pytest.raises(ValueError, match="broadcast"):
         x + Band.exact([1.0, 2.0])
 

@@ -23,6 +23,8 @@
 #include "products.h"
 #include "quotients.h"
 #include "bounds.h"
+#include "choices.h"
+#include "mixes.h"
 
 #define METHOD(name, function) \
     {#name, (PyCFunction)(void (*)(void))function, METH_FASTCALL, NULL}
@@ -31,7 +33,9 @@ static PyMethodDef methods[] = {
     METHOD(add, add), METHOD(subtract, subtract), METHOD(sum_last, sum_last),
     METHOD(multiply, multiply), METHOD(square, square), METHOD(divide, divide),
     METHOD(inversesqrt, inversesqrt), METHOD(sqrt, square_root),
-    METHOD(outward, outward), METHOD(widened_by_ulps, widened_by_ulps), {0}};
+    METHOD(outward, outward), METHOD(widened_by_ulps, widened_by_ulps),
+    METHOD(taken, taken), METHOD(joined_last, joined_last), METHOD(cut_to_ends, cut_to_ends),
+    METHOD(mixed_texels, mixed_texels), {0}};
 
 static struct PyModuleDef module = {PyModuleDef_HEAD_INIT, "_kernels", NULL, -1, methods};
 

@@ -8,7 +8,7 @@
 
 /* The loops are built for wider registers too, and chosen on loading. */
 #if defined(__x86_64__) && defined(__linux__) && defined(__GLIBC__) && !defined(__clang__)
-#define LOOP __attribute__((noinline, target_clones("avx2", "default"))) static
+#define LOOP __attribute__((noinline, target_clones("arch=x86-64-v4", "avx2", "default"))) static
 #else
 #define LOOP __attribute__((noinline)) static
 #endif

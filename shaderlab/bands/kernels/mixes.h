@@ -1,0 +1,141 @@
+/* Mixes, each a function of its operands' ends: of values (mixed.py), and of texels
+ * (sampling/filters.py). */
+
+#ifndef SHADERLAB_MIXES_H
+#define SHADERLAB_MIXES_H
+
+/* Roundings of a mix, in either of its forms; of four texels, of the largest of them. */
+#define MIX_STEPS 8.0
+#define TEXEL_ROUNDING (8 * 0x1p-23)
+
+static inline double least_mix(double low, double high, double a, double from, double to)
+{
+    return smaller(low * (1.0 - a), high * (1.0 - a)) + smaller(from * a, to * a);
+}
+
+static inline double greatest_mix(double low, double high, double a, double from, double to)
+{
+    return larger(low * (1.0 - a), high * (1.0 - a)) + larger(from * a, to * a);
+}
+
+/* The bounds of x·(1 - a) + y·a by the ends of x, y and a, moved out by the roundings; `terms` are
+ * the sizes of those of the mix as it was computed, or NULL. */
+LOOP int64_t mix_ends(
+    npy_intp count, const Value *x, const Value *y, const Value *a, const double *terms,
+    double *restrict lo, double *restrict negated_hi)
+{
+    const double *x_lo = x->settled_low, *x_hi = x->settled_high, *x_size = x->size;
+    const double *y_lo = y->settled_low, *y_hi = y->settled_high, *y_size = y->size;
+    const double *a_lo = a->settled_low, *a_hi = a->settled_high, *a_size = a->size;
+    int64_t rare = 0;
+    for (npy_intp i = 0; i < count; i++) {
+        double size = (x_size[i] + y_size[i]) * (1.0 + a_size[i]);
+        double lost = MIX_STEPS * larger(RELATIVE_STEP * size, SMALLEST_NORMAL);
+        double mag = terms ? terms[i] : 0.0;
+        double step = mag > 0.0 ? larger(RELATIVE_STEP * mag, SMALLEST_NORMAL) : 0.0;
+        lost = larger(lost, MIX_STEPS * step);
+        double low = smaller(least_mix(x_lo[i], x_hi[i], a_lo[i], y_lo[i], y_hi[i]),
+                             least_mix(x_lo[i], x_hi[i], a_hi[i], y_lo[i], y_hi[i])) - lost;
+        double high = larger(greatest_mix(x_lo[i], x_hi[i], a_lo[i], y_lo[i], y_hi[i]),
+                             greatest_mix(x_lo[i], x_hi[i], a_hi[i], y_lo[i], y_hi[i])) + lost;
+        lo[i] = low;
+        negated_hi[i] = -high;
+        rare |= unbounded(x_lo[i], x_hi[i]) | unbounded(y_lo[i], y_hi[i]) ? -1 : 0;
+        rare |= unbounded(a_lo[i], a_hi[i]) | unbounded(low, high) ? -1 : 0;
+    }
+    return rare;
+}
+
+LOOP void cut(
+    npy_intp count, const double *low, const double *high, double *restrict lo, double *restrict hi)
+{
+    for (npy_intp i = 0; i < count; i++) {
+        lo[i] = larger(lo[i], low[i]);
+        hi[i] = smaller(hi[i], high[i]);
+    }
+}
+
+/* cut_to_ends(found, x, y, a, flush): (lo, hi) of the band `found` of a mix, cut to what its
+ * operands' ends allow. */
+static PyObject *cut_to_ends(PyObject *self, PyObject *const *args, Py_ssize_t given)
+{
+    Value values[4], *found = &values[0];
+    Shape shape = {0};
+    Result result = {0};
+    double lo[BLOCK], negated_hi[BLOCK];
+    if (given != 5) Py_RETURN_NONE;
+    for (int k = 0; k < 4; k++)
+        if (!read_value(&values[k], args[k]) || !broadcast_value(&shape, &values[k]))
+            Py_RETURN_NONE;
+    if (!shape.size) Py_RETURN_NONE;
+    for (int k = 0; k < 4; k++) prepare_value(&values[k], &shape);
+    if (make_room(&result, &shape, 0, 0)) return NULL;
+    result.flush = args[4] == Py_True;
+    for (npy_intp start = 0; start < shape.size && !result.rare; start += BLOCK) {
+        npy_intp count = shape.size - start < BLOCK ? shape.size - start : BLOCK;
+        for (int k = 0; k < 4; k++) load(&values[k], start, count);
+        result.rare = mix_ends(count, &values[1], &values[2], &values[3],
+                               found->plain ? NULL : found->size, lo, negated_hi);
+        narrow(count, result.flush, lo, negated_hi, result.low + start, result.high + start);
+        cut(count, found->low, found->high, result.low + start, result.high + start);
+    }
+    return two_arrays(&result);
+}
+
+/* Four texels mixed; equation 8.16 of OpenGL 4.5. */
+static inline double mixed(double one, double two, double three, double four, double a, double b)
+{
+    double first = one * (1.0 - a) * (1.0 - b), second = two * a * (1.0 - b);
+    double third = three * (1.0 - a) * b, fourth = four * a * b;
+    return first + second + third + fourth;
+}
+
+/* `at`: the lowest and the highest of four texels, then the ends of both weights. */
+LOOP int64_t mix_texels(
+    npy_intp count, const double *const *at, double *restrict lo, double *restrict hi)
+{
+    const double *l0 = at[0], *l1 = at[1], *l2 = at[2], *l3 = at[3];
+    const double *h0 = at[4], *h1 = at[5], *h2 = at[6], *h3 = at[7];
+    const double *left = at[8], *right = at[9], *below = at[10], *above = at[11];
+    int64_t rare = 0;
+    for (npy_intp i = 0; i < count; i++) {
+        double a = left[i], b = below[i], c = right[i], d = above[i];
+        double low = smaller(smaller(mixed(l0[i], l1[i], l2[i], l3[i], a, b),
+                                     mixed(l0[i], l1[i], l2[i], l3[i], a, d)),
+                             smaller(mixed(l0[i], l1[i], l2[i], l3[i], c, b),
+                                     mixed(l0[i], l1[i], l2[i], l3[i], c, d)));
+        double high = larger(larger(mixed(h0[i], h1[i], h2[i], h3[i], a, b),
+                                    mixed(h0[i], h1[i], h2[i], h3[i], a, d)),
+                             larger(mixed(h0[i], h1[i], h2[i], h3[i], c, b),
+                                    mixed(h0[i], h1[i], h2[i], h3[i], c, d)));
+        double lowest = larger(larger(fabs(l0[i]), fabs(l1[i])), larger(fabs(l2[i]), fabs(l3[i])));
+        double highest = larger(larger(fabs(h0[i]), fabs(h1[i])), larger(fabs(h2[i]), fabs(h3[i])));
+        double give = TEXEL_ROUNDING * larger(lowest, highest);
+        lo[i] = low - give;
+        hi[i] = high + give;
+        rare |= unbounded(l0[i], h0[i]) | unbounded(l1[i], h1[i]) ? -1 : 0;
+        rare |= unbounded(l2[i], h2[i]) | unbounded(l3[i], h3[i]) ? -1 : 0;
+        rare |= unbounded(lo[i], hi[i]) ? -1 : 0;
+    }
+    return rare;
+}
+
+/* mixed_texels(four lowest, four highest, two weights across, two up): (low, high); None where one
+ * is no finite number. */
+static PyObject *mixed_texels(PyObject *self, PyObject *const *args, Py_ssize_t given)
+{
+    Operand operands[12];
+    const double *at[12];
+    Shape shape;
+    Result result = {0};
+    if (given != 12 || !read_operands(operands, args, 12, &shape)) Py_RETURN_NONE;
+    if (make_room(&result, &shape, 0, 0)) return NULL;
+    for (npy_intp start = 0; start < shape.size && !result.rare; start += BLOCK) {
+        npy_intp count = shape.size - start < BLOCK ? shape.size - start : BLOCK;
+        for (int k = 0; k < 12; k++) at[k] = values_at(&operands[k], start, count);
+        result.rare = mix_texels(count, at, result.low + start, result.high + start);
+    }
+    return two_arrays(&result);
+}
+
+#endif
