@@ -15,7 +15,7 @@ variant all of them have moved.
 
 import numpy as np
 
-from shaderlab import Case, Variant, boundaries, exact, formula, fullscreen, gl_call, gl_calls
+from shaderlab import Case, Variant, boundaries, exact, formula, fullscreen, gl_calls
 from shaderlab.expectations.gl_call import Location, Program, call
 from shaderlab.glslmath import (
     abs,
@@ -38,6 +38,7 @@ from shaderlab.glslmath import (
     where,
 )
 
+from ..scenes.api import answers, errors
 from ..scenes.drawing import encoded
 from ..scenes.panels import enlarged, enlarged_check, panel, rectangle
 
@@ -63,7 +64,6 @@ SECOND = {
     "material.shininess": 4.0,
     "m": [[0.1, 0.7], [0.4, 0.5], [0.9, 0.3]],
 }
-
 
 BACK, MARK, WARM = vec3(0.04, 0.05, 0.065), vec3(0.75, 0.80, 0.85), vec3(1.0, 0.55, 0.12)
 BLUE, GREEN = vec3(0.2, 0.55, 0.9), vec3(0.25, 0.75, 0.45)
@@ -152,7 +152,10 @@ FORMS = {
     "m": ("Matrix2x3fv", 1),
 }  # fmt: skip
 SENT = Program("main")
-IN_USE = call("glUseProgram", SENT)
+F, V3 = Location("f", SENT), Location("v3", SENT)
+IN_USE = (call("glUseProgram", SENT),)
+SET_AND_LEFT = (call("glUniform1f", F, 0.375), call("glUseProgram", 0))
+REFUSED = "invalid_operation"
 
 
 def sent_as(sent):
@@ -193,66 +196,43 @@ def arrives(sent):
     ]
 
 
+WINDOW = {"place": rectangle((0.0, 0.0), (4.0, 2.0))}
+PICTURE = panel("ch02_basics/uniform_types_picture.frag", WINDOW, FIRST)
+
 case = Case(
     title="Uniforms of every type",
     section="2.3.4",
     math=r"\text{glUniform}\{1,2,3,4\}\{f, i, ui\}[v], \qquad "
     r"\text{glUniformMatrix}\{2,3,4\}[\times\{2,3,4\}]fv",
     passes=(
-        *enlarged(
-            [
-                panel(
-                    "ch02_basics/uniform_types_picture.frag",
-                    {"place": rectangle((0.0, 0.0), (4.0, 2.0))},
-                    FIRST,
-                )
-            ],
-            (112, 56),
-            9,
-        ),
+        *enlarged([PICTURE], (112, 56), 9),
         *fullscreen("ch02_basics/uniform_types.frag", domain={}, uniforms=FIRST),
     ),
     picture="picture.FragColor",
     expect=[
         enlarged_check(),
-        gl_call("glUniform1f", 0, 0.5, raises="invalid_operation", name="no program: 0x0502"),
-        gl_call(
-            "glUniform1i",
-            Location("f", SENT),
-            1,
-            before=[IN_USE],
-            raises="invalid_operation",
-            name="an int for a float: 0x0502",
+        *errors(
+            {
+                "no program: 0x0502": (call("glUniform1f", 0, 0.5), REFUSED),
+                "an int for a float: 0x0502": (call("glUniform1i", F, 1), REFUSED, IN_USE),
+                "two numbers for three: 0x0502": (
+                    call("glUniform2f", V3, 0.5, 0.5),
+                    REFUSED,
+                    IN_USE,
+                ),
+            }
         ),
-        gl_call(
-            "glUniform2f",
-            Location("v3", SENT),
-            0.5,
-            0.5,
-            before=[IN_USE],
-            raises="invalid_operation",
-            name="two numbers for three: 0x0502",
-        ),
-        gl_call(
-            "glGetUniformfv",
-            SENT,
-            Location("f", SENT),
-            before=[
-                IN_USE,
-                call("glUniform1f", Location("f", SENT), 0.375),
-                call("glUseProgram", 0),
-                IN_USE,
-            ],
-            returns=0.375,
-            name="what was sent stays with the program",
-        ),
-        gl_call(
-            "glGetUniformfv",
-            SENT,
-            Location("f", SENT),
-            before=[IN_USE],
-            returns=0.0,
-            name="before that it is 0",
+        *answers(
+            {
+                "what was sent stays with the program": (
+                    call("glGetUniformfv", SENT, F),
+                    0.375,
+                    IN_USE,
+                    SET_AND_LEFT,
+                    IN_USE,
+                ),
+                "before that it is 0": (call("glGetUniformfv", SENT, F), 0.0, IN_USE),
+            }
         ),
     ],
     variants=[

@@ -16,17 +16,7 @@ integral is 0.884792.
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Target,
-    across,
-    formula,
-    fullscreen,
-    measure,
-    reading,
-    up,
-    value,
-)
+from shaderlab import Case, across, formula, measure, reading, up
 from shaderlab.glslmath import (
     clamp,
     floor,
@@ -45,8 +35,10 @@ from shaderlab.reference import microfacets
 
 from ..scenes import furnace
 from ..scenes.drawing import change, encoded, pixel_size
-from ..scenes.figures import results
+from ..scenes.figures import figure, results
+from ..scenes.panels import WHOLE, panel_pass
 
+PICTURE = "ch05_lighting/pbr_furnace_picture.frag"
 LEVELS = 16
 RING = np.cos((np.arange(8) + 0.5) / 8.0 * np.pi)
 # Ten rows of pixels, whose middles are 0.1, 0.2, …, 1.
@@ -144,13 +136,9 @@ def loss_at(output, row, equals):
 
 def of_point(output, normal_view, roughness, equals):
     """The share at one angle and roughness."""
-    return value(
-        f"table.{output}",
-        at={"normalView": normal_view, "roughness": roughness},
-        equals=equals,
-        digits=6,
-        name=f"{SERIES[output]}: share at n·v = {normal_view:g}, roughness {roughness:g}",
-    )
+    name = f"{SERIES[output]}: share at n·v = {normal_view:g}, roughness {roughness:g}"
+    at = {"normalView": normal_view, "roughness": roughness}
+    return figure(f"table.{output}", name, at, equals)
 
 
 def by_directions(form, equals, excess):
@@ -173,30 +161,29 @@ def by_directions(form, equals, excess):
     )
 
 
+STRAIGHT_ON = "GGX's own G: share straight on, the cosine rounded up past 1"
+PAST_1 = 1.0 + 2.0**-23
+
 case = Case(
     title="The white furnace",
     section="5.13",
     math=r"\int_\Omega D(h)\,(n \cdot h)\,d\omega_h = 1, \qquad "
     r"E(v) = \int_\Omega \frac{D\,G}{4\,(n \cdot v)}\,d\omega_l \le 1",
     passes=(
-        *fullscreen(
+        panel_pass(
+            "facing",
             "ch05_lighting/pbr_facing.frag",
-            name="facing",
-            domain={"t": across(0.0, 1.0), "roughness": ROUGHNESS},
-            target=Target(size=(64, 10)),
+            {"t": across(0.0, 1.0), "roughness": ROUGHNESS},
+            size=(64, 10),
         ),
-        *fullscreen(
+        panel_pass(
+            "table",
             "ch05_lighting/pbr_furnace.frag",
-            name="table",
-            domain={"normalView": across(0.0, 1.0), "roughness": ROUGHNESS},
-            uniforms={"ring": RING},
-            target=Target(size=(32, 10)),
+            {"normalView": across(0.0, 1.0), "roughness": ROUGHNESS},
+            {"ring": RING},
+            size=(32, 10),
         ),
-        *fullscreen(
-            "ch05_lighting/pbr_furnace_picture.frag",
-            name="picture",
-            uniforms={"ring": RING, "light": 0.5},
-        ),
+        panel_pass("picture", PICTURE, WHOLE, {"ring": RING, "light": 0.5}),
     ),
     picture="picture.FragColor",
     expect=[
@@ -218,10 +205,8 @@ case = Case(
             readings=[
                 reading(SERIES[output], reads={"share": f"table.{output}"}) for output in FORMS
             ],
-            between=(
-                0.99,
-                1.0,
-            ),  # nothing is won, and a smooth surface seen from above loses nothing
+            # Nothing is won, and a smooth surface seen from above loses nothing.
+            between=(0.99, 1.0),
         ),
         measure(
             "share lost",
@@ -243,13 +228,7 @@ case = Case(
         of_point("direct", 0.7, 0.5, 0.710234),
         of_point("sky", 0.7, 0.5, 0.822288),
         of_point("smith", 0.7, 0.5, 0.893975),
-        value(
-            "table.smith",
-            at={"normalView": 1.0 + 2.0**-23, "roughness": 0.5},
-            equals=0.919925,
-            digits=6,
-            name="GGX's own G: share straight on, the cosine rounded up past 1",
-        ),
+        figure("table.smith", STRAIGHT_ON, {"normalView": PAST_1, "roughness": 0.5}, 0.919925),
         *by_directions("direct", 0.704693, 0.005542),
         *by_directions("sky", 0.814652, 0.007635),
         *by_directions("smith", 0.884792, 0.009183),

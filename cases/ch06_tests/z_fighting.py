@@ -16,10 +16,11 @@ from itertools import product
 
 import numpy as np
 
-from shaderlab import Case, Pass, Target, formula, measure, reading, value
+from shaderlab import Case, formula, measure, reading
 from shaderlab.glslmath import swizzle, vec4
 from shaderlab.reference.depth import same_code_share
 
+from ..scenes.figures import figure
 from ..scenes.panels import cell, picture
 from ..scenes.two_walls import FAR, MIDDLE, ORANGE, SLANT, TEAL, two_walls
 
@@ -61,11 +62,9 @@ def name_of(format, near):
 
 def trials(format, near, offset=None, prefix=""):
     """A pass with a row for each gap."""
-    return Pass(
-        name=prefix + name_of(format, near),
-        target=Target(size=SIZE, depth=format, colors={"winner": "r32f"}),
-        draws=tuple(two_walls(near, gaps(near, BITS[format]), (-1.0, CUT, 1.0), offset)),
-    )
+    draws = two_walls(near, gaps(near, BITS[format]), (-1.0, CUT, 1.0), offset)
+    name, colors = prefix + name_of(format, near), {"winner": "r32f"}
+    return picture(draws, SIZE, name, depth=format, colors=colors)
 
 
 def panels():
@@ -200,14 +199,14 @@ case = Case(
             for of, where in (("picture", "n = 0.01"), ("depth24_1", "n = 1"))
             for draw, color in enumerate(("orange", "teal"))
         ),
-        value(
+        figure(
             "picture.gl_Position",
-            at={"aPos": (1.0, 0.0), "aGap": 0.0, "near": 1.0, "slant": 2.0, "rise": 0.0},
-            equals=(12.0, 0.0, 10.2222, 12.0),
+            "a wall that slants twice as much",
+            {"aPos": (1.0, 0.0), "aGap": 0.0, "near": 1.0, "slant": 2.0, "rise": 0.0},
+            (12.0, 0.0, 10.2222, 12.0),
             digits=4,
             reference=clip,
             draw=0,
-            name="a wall that slants twice as much",
         ),
         measure(
             "pixels in another colour than their wall's",

@@ -14,22 +14,7 @@ from math import pi, radians
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Depth,
-    Draw,
-    Mesh,
-    Output,
-    Pass,
-    State,
-    Target,
-    Variant,
-    computed,
-    exact,
-    formula,
-    query,
-    value,
-)
+from shaderlab import Case, Mesh, Output, Variant, exact, formula, query, value
 from shaderlab.assets import meshes, solids
 from shaderlab.glslmath import (
     cross,
@@ -42,10 +27,13 @@ from shaderlab.glslmath import (
     swizzle,
     vec3,
     vec4,
-    where,
 )
 from shaderlab.reference.transforms import look_at, perspective, rotate, translate
 
+from ..scenes.draws import tested
+from ..scenes.figures import results
+from ..scenes.laws import entry
+from ..scenes.panels import picture
 from ..scenes.still_life import CORAL
 
 BALL = Mesh(**solids.painted(meshes.sphere(0.8, segments=16, rings=10), CORAL))
@@ -55,14 +43,14 @@ MODEL = translate((0.1, -0.05, 0.2)) @ rotate(radians(25.0), (1.0, 0.3, 0.0))
 VIEW = look_at((0.0, 0.8, 5.0), (0.0, 0.0, 0.0))
 PROJECTION = perspective(radians(42.0), 1.0, 0.1, 20.0)
 
-EXPLODING = Draw(
-    vertex="ch08_techniques/geometry_explode.vert",
-    geometry="ch08_techniques/geometry_explode.geom",
-    fragment="ch08_techniques/geometry_explode.frag",
-    mesh=BALL,
-    uniforms={"model": MODEL, "view": VIEW, "projection": PROJECTION, "time": 0.0},
-    state=State(depth=Depth()),
-)
+SHADERS = tuple(f"ch08_techniques/geometry_explode.{stage}" for stage in ("vert", "geom", "frag"))
+
+
+def exploding(name, mesh):
+    """A window with the ball's triangles in one order or the other."""
+    uniforms = {"model": MODEL, "view": VIEW, "projection": PROJECTION, "time": 0.0}
+    draw = tested(SHADERS, mesh, uniforms)
+    return picture([draw], None, name, depth="depth24", clear=(0.13, 0.14, 0.17, 1.0))
 
 
 def magnitude(time):
@@ -85,11 +73,6 @@ def dimmed(aColor, aNormal):
     return aColor * (0.6 + 0.4 * swizzle(aNormal, "y"))
 
 
-def of_corner(values, emitted):
-    """The corner's own value, by the order in which corners are emitted."""
-    return where(emitted < 0.5, values[0], where(emitted < 1.5, values[1], values[2]))
-
-
 def outwards(VS_OUT_world):
     """The triangle's unit normal."""
     a, b, c = VS_OUT_world
@@ -98,13 +81,13 @@ def outwards(VS_OUT_world):
 
 def position(VS_OUT_world, emitted, view, projection, time):
     """A corner moved along the normal, then seen."""
-    place = of_corner(VS_OUT_world, emitted) + magnitude(time) * outwards(VS_OUT_world)
+    place = entry(emitted, VS_OUT_world) + magnitude(time) * outwards(VS_OUT_world)
     return mul(projection, mul(view, vec4(place, 1.0)))
 
 
 def color(VS_OUT_color, emitted):
     """A corner's colour."""
-    return of_corner(VS_OUT_color, emitted)
+    return entry(emitted, VS_OUT_color)
 
 
 def shaded(fColor, fNormal):
@@ -115,8 +98,8 @@ def shaded(fColor, fNormal):
 
 def at(name, moved, time):
     """One moment."""
-    figure = computed(f"moved at {name}", lambda: float(magnitude(time)), equals=moved, digits=6)
-    return Variant(name, {"time": time}, expect=[figure])
+    figures = results({f"moved at {name}": (float(magnitude(time)), moved)})
+    return Variant(name, {"time": time}, expect=figures)
 
 
 case = Case(
@@ -124,18 +107,7 @@ case = Case(
     section="8.6",
     math=r"p' = p + \tfrac12 (\sin t + 1)\, "
     r"\frac{(p_1 - p_0) \times (p_2 - p_0)}{\lVert (p_1 - p_0) \times (p_2 - p_0) \rVert}",
-    passes=(
-        Pass(
-            name="ball",
-            target=Target(depth="depth24", clear=(0.13, 0.14, 0.17, 1.0)),
-            draws=(EXPLODING,),
-        ),
-        Pass(
-            name="backwards",
-            target=Target(depth="depth24", clear=(0.13, 0.14, 0.17, 1.0)),
-            draws=(replace(EXPLODING, mesh=BACKWARDS),),
-        ),
-    ),
+    passes=(exploding("ball", BALL), exploding("backwards", BACKWARDS)),
     picture="ball.FragColor",
     variants=[
         at("t = 0", 0.5, 0.0),

@@ -17,7 +17,7 @@ from shaderlab import Case, Draw, Mesh, Pass, Target, compile_fails, formula, qu
 from shaderlab.glslmath import vec2, vec3, vec4, where
 
 from ..scenes.figures import each_draw, ground
-from ..scenes.laws import opaque, unchanged
+from ..scenes.laws import entry, opaque, unchanged
 
 COLORS = np.array([(0.85, 0.25, 0.2), (0.3, 0.6, 0.3), (0.25, 0.4, 0.8), (0.9, 0.7, 0.2)])
 LIGHT = np.array((1.0, 0.95, 0.6))
@@ -52,21 +52,13 @@ def drawn(name, *draws, side=128):
     return Pass(name=name, target=target, draws=draws)
 
 
-def listed(index, entries):
-    """The entry that each index means, the indices being values like any other."""
-    found = entries[0]
-    for k, entry in enumerate(entries[1:], 1):
-        found = where(index > k - 0.5, entry, found)
-    return found
-
-
 def standing(offsets):
     """A corner's place in clip space: the point, and the scaled offset of the emitted corner."""
 
     def position(gl_in_gl_Position, emitted, scale):
         """Point plus scale · offset."""
         (point,) = gl_in_gl_Position
-        x, y = (listed(emitted, [offset[axis] for offset in offsets]) for axis in (0, 1))
+        x, y = (entry(emitted, [offset[axis] for offset in offsets]) for axis in (0, 1))
         return point + vec4(scale * vec2(x, y), 0.0, 0.0)
 
     return position

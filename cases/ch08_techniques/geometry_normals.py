@@ -12,27 +12,18 @@ and the ring, which has one. Lines go from yellow at the surface to red.
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Depth,
-    Draw,
-    Mesh,
-    Pass,
-    State,
-    Target,
-    any_order,
-    both_ways,
-    formula,
-    query,
-)
+from shaderlab import Case, any_order, both_ways, formula, query
 from shaderlab.assets import meshes, solids
-from shaderlab.glslmath import floor, mix, mul, normalize, vec3, vec4, where
+from shaderlab.glslmath import floor, mix, mul, normalize, vec3, vec4
 from shaderlab.reference.rasterisation import samples_passed
 from shaderlab.reference.transforms import normal_matrix, translate
 
 from ..scenes import stage
 from ..scenes.cameras import camera, turned
+from ..scenes.draws import tested
 from ..scenes.figures import figure
+from ..scenes.laws import entry
+from ..scenes.panels import picture
 from ..scenes.studio import studio_color
 
 CAMERA = camera((0.4, 2.3, 4.2), (0.04, 0.02, 0.0), 36.5)
@@ -64,19 +55,10 @@ def in_front():
 def normals(name):
     """A solid's normals as lines."""
     geometry, _, model = SOLIDS[name]
-    return Draw(
-        vertex="ch08_techniques/geometry_normals.vert",
-        geometry="ch08_techniques/geometry_normals.geom",
-        fragment="ch08_techniques/geometry_normals.frag",
-        mesh=Mesh(**geometry).only("aPos", "aNormal"),
-        uniforms={
-            "model": model,
-            **CAMERA,
-            "normalMatrix": normal_matrix(VIEW @ model),
-            "magnitude": 0.3,
-        },
-        state=State(depth=Depth()),
-    )
+    shaders = (f"ch08_techniques/geometry_normals.{stage}" for stage in ("vert", "geom", "frag"))
+    uniforms = {"normalMatrix": normal_matrix(VIEW @ model), "magnitude": 0.3}
+    only = ("aPos", "aNormal")
+    return tested(tuple(shaders), geometry, {"model": model, **CAMERA, **uniforms}, only=only)
 
 
 def in_view(aPos, model, view):
@@ -96,7 +78,7 @@ def at_tip(emitted):
 
 def of_corner(values, emitted):
     """The corner's own value: each corner emits two vertices."""
-    return where(emitted < 1.5, values[0], where(emitted < 3.5, values[1], values[2]))
+    return entry(floor(0.5 * emitted + 0.25), values)
 
 
 def grown(gl_in_gl_Position, VS_OUT_normal, emitted, projection, magnitude):
@@ -115,20 +97,14 @@ def counted(counter, draw, name, **bounds):
     return query(counter, pass_name="judged", draw=draw, name=name, **bounds)
 
 
+DRAWS = (*SURFACES, normals("box"), normals("ring"))
+
 case = Case(
     title="Normals as lines",
     section="8.6",
     math=r"p_{\text{tip}} = P\,(V M p + m\, \hat n), \qquad "
     r"\hat n = \frac{((V M)^{-1})^{\mathsf T} n}{\lVert ((V M)^{-1})^{\mathsf T} n \rVert}",
-    passes=(
-        *both_ways(
-            Pass(
-                name="judged",
-                target=Target(depth="depth24", clear=stage.SKY),
-                draws=(*SURFACES, normals("box"), normals("ring")),
-            )
-        ),
-    ),
+    passes=(*both_ways(picture(DRAWS, None, "judged", depth="depth24", clear=stage.SKY)),),
     picture="judged.FragColor",
     expect=[
         *stage.prop_checks(),

@@ -10,50 +10,33 @@ Look at: the four pictures of one draw: above the light and the bright parts alo
 colours (x in red, y in green, z in blue) and luminance.
 """
 
-from shaderlab import (
-    Case,
-    Depth,
-    Draw,
-    Mesh,
-    Output,
-    Pass,
-    Ramp,
-    State,
-    Target,
-    Texture,
-    assets,
-    exact,
-    formula,
-    fullscreen,
-    gl_call,
-)
+from shaderlab import Case, Output, Texture, assets, exact, formula
 from shaderlab.glslmath import dot, fract, max, normalize, sqrt, swizzle, vec3, vec4, where
 from shaderlab.reference import post_processing
 from shaderlab.reference.transforms import clip_position, normal_matrix, world_normal
 from shaderlab.sampling import texture
 
+from ..scenes.api import limits
 from ..scenes.cameras import turned
+from ..scenes.draws import tested
 from ..scenes.figures import figure
+from ..scenes.panels import WHOLE, panel_pass, picture, rectangle
 from ..scenes.still_life import CAMERA, still_life
 from ..scenes.studio import handed_on
 
 MODEL = turned(12.0)
-SCENE = Mesh(**still_life())
+SHADER = "ch08_techniques/multiple_render_targets_tiles.frag"
 OUTPUTS = {
     "FragColor": "rgba32f", "BrightColor": "rgba16f", "NormalColor": "rgba8", "Luminance": "r32f",
 }  # fmt: skip
 
 
-def drawn(name, **outputs):
+def into(name, **outputs):
     """The still life, into these attachments; nearest surfaces by depth."""
-    draw = Draw(
-        vertex="ch03_transforms/studio.vert",
-        fragment="ch08_techniques/multiple_render_targets.frag",
-        mesh=SCENE,
-        uniforms={"model": MODEL, "normalMatrix": normal_matrix(MODEL), **CAMERA},
-        state=State(depth=Depth()),
-    )
-    return Pass(name=name, target=Target(depth="depth24", colors=outputs), draws=(draw,))
+    uniforms = {"model": MODEL, "normalMatrix": normal_matrix(MODEL), **CAMERA}
+    shaders = ("ch03_transforms/studio.vert", "ch08_techniques/multiple_render_targets.frag")
+    draw = tested(shaders, still_life(), uniforms)
+    return picture([draw], None, name, depth="depth24", colors=outputs)
 
 
 def light(Normal, Color):
@@ -97,16 +80,9 @@ def tiles(TexCoords, lit, bright, normals, luminance):
 TILES = {"lit": (0.25, 0.25), "bright": (1, 0.5), "normals": (0.5, 1), "luminance": (0.75, 0)}
 # Around the middle of the window, a pixel every 1/4096: the tiles' edges, with four plain textures.
 MIDDLE = 0.5 - 32.5 / 4096.0
-EDGES = fullscreen(
-    "ch08_techniques/multiple_render_targets_tiles.frag",
-    name="edges",
-    domain={"TexCoords": Ramp((MIDDLE, MIDDLE), (1.0 / 64.0, 0.0), (0.0, 1.0 / 64.0))},
-    textures={
-        name: Texture(image=assets.solid((*red_green, 0.5, 1.0)))
-        for name, red_green in TILES.items()
-    },
-    target=Target(size=(64, 64)),
-)
+NEAR_IT = {"TexCoords": rectangle((MIDDLE, MIDDLE), (1.0 / 64.0, 1.0 / 64.0))}
+PLAIN = {name: Texture(image=assets.solid((*rg, 0.5, 1.0))) for name, rg in TILES.items()}
+PICTURES = {name: Output(f"all.{output}") for name, output in zip(TILES, OUTPUTS, strict=True)}
 CORAL = {"Normal": (0.0, 2.0, 0.0), "Color": (1.0, 0.5, 0.31)}
 
 case = Case(
@@ -115,16 +91,10 @@ case = Case(
     math=r"\text{out}_k \to \text{drawBuffers}[k], \qquad "
     r"\mathbf{b} = \begin{cases} \mathbf{c} & Y(\mathbf{c}) > 0.4 \\ 0 & \text{else} \end{cases}",
     passes=(
-        drawn("all", **OUTPUTS),
-        *(drawn(f"only {name}", **{name: word}) for name, word in OUTPUTS.items()),
-        *EDGES,
-        *fullscreen(
-            "ch08_techniques/multiple_render_targets_tiles.frag",
-            name="picture",
-            textures={
-                name: Output(f"all.{output}") for name, output in zip(TILES, OUTPUTS, strict=True)
-            },
-        ),
+        into("all", **OUTPUTS),
+        *(into(f"only {name}", **{name: word}) for name, word in OUTPUTS.items()),
+        panel_pass("edges", SHADER, NEAR_IT, size=(64, 64), textures=PLAIN),
+        panel_pass("picture", SHADER, WHOLE, textures=PICTURES),
     ),
     picture="picture.FragColor",
     expect=[
@@ -148,12 +118,11 @@ case = Case(
             (0.402, 0.402, 0.402, 1.0),
         ),
         figure("all.Luminance", "luminance of coral, lit", CORAL, 0.503695),
-        *(
-            gl_call("glGetIntegerv", f"GL_MAX_{limit}", at_least=8, name=name)
-            for limit, name in (
-                ("COLOR_ATTACHMENTS", "colour attachments of a framebuffer"),
-                ("DRAW_BUFFERS", "of them, drawn into at once"),
-            )
+        *limits(
+            {
+                "colour attachments of a framebuffer": ("GL_MAX_COLOR_ATTACHMENTS", 8),
+                "of them, drawn into at once": ("GL_MAX_DRAW_BUFFERS", 8),
+            }
         ),
     ],
 )

@@ -10,7 +10,7 @@ from shaderlab import Cell, Depth, Draw, Mesh, Pass, State, both_ways
 
 
 def drawn(
-    shaders: str | tuple[str, str],
+    shaders: str | tuple[str, ...],
     solid: Any,
     uniforms: Mapping[str, Any] | None = None,
     *,
@@ -22,7 +22,8 @@ def drawn(
     """A mesh, drawn over what is there unless `state` says otherwise.
 
     Args:
-        shaders: vertex and fragment shader; one name stands for both, `a` for `a.vert`, `a.frag`.
+        shaders: vertex and fragment shader, or with a geometry shader between them; one name
+            stands for both, `a` for `a.vert`, `a.frag`.
         solid: a mesh, or a geometry of `shaderlab.assets`.
         uniforms, textures: as `Draw` takes them.
         only: the attributes that the shaders read, if not all.
@@ -35,10 +36,12 @@ def drawn(
     ('ch10_buffers/rosette.frag', None)
     """
     mesh = solid if isinstance(solid, Mesh) else Mesh(**solid)
-    both = (f"{shaders}.vert", f"{shaders}.frag") if isinstance(shaders, str) else shaders
+    stages = (f"{shaders}.vert", f"{shaders}.frag") if isinstance(shaders, str) else shaders
+    vertex, *between, fragment = stages
     return Draw(
-        vertex=both[0],
-        fragment=both[1],
+        vertex=vertex,
+        geometry=between[0] if between else None,
+        fragment=fragment,
         mesh=mesh.only(*only) if only else mesh,
         uniforms=uniforms or {},
         textures=textures or {},
@@ -47,7 +50,7 @@ def drawn(
 
 
 def tested(
-    shaders: str | tuple[str, str], solid: Any, uniforms: Mapping[str, Any], **more: Any
+    shaders: str | tuple[str, ...], solid: Any, uniforms: Mapping[str, Any], **more: Any
 ) -> Draw:
     """A mesh, depth tested unless `more` says otherwise, which is what else `drawn` takes.
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import wraps
 from typing import Any
 
-from shaderlab.glslmath import either, mul, vec4
+from shaderlab.glslmath import either, mul, vec4, where
 from shaderlab.reference.transforms import in_view
 from shaderlab.sampling import texture
 
@@ -38,6 +38,18 @@ def sampled(sampler: str, at: str = "TexCoords") -> Law:
         return texture(inputs[sampler], inputs[at])
 
     return _with_inputs(texel, (sampler, at))
+
+
+def entry(index: Any, entries: Sequence[Any]) -> Any:
+    """The entry that an index means, both being values: of an array, or of a primitive's corners.
+
+    >>> float(entry(1.0, [0.25, 0.5, 0.75]))
+    0.5
+    """
+    found = entries[0]
+    for k, other in enumerate(entries[1:], 1):
+        found = where(index > k - 0.5, other, found)
+    return found
 
 
 def device_place(aPos: Any) -> Any:
