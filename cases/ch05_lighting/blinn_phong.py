@@ -14,21 +14,8 @@ from math import cos, radians, sin, tan
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Erratum,
-    Pass,
-    Target,
-    Variant,
-    across,
-    any_order,
-    assets,
-    formula,
-    fullscreen,
-    measure,
-    reading,
-    sweep,
-)
+from shaderlab import Case, Erratum, Variant, across, any_order, formula, measure, reading, sweep
+from shaderlab.assets import meshes
 from shaderlab.glslmath import dot, max, normalize, swizzle, vec3, vec4, where
 from shaderlab.reference import lighting as lobes
 from shaderlab.reference.transforms import rotate, translate
@@ -39,17 +26,17 @@ from ..scenes.drawing import encoded
 from ..scenes.draws import twins
 from ..scenes.figures import figure, results
 from ..scenes.laws import gated_or_not
-from ..scenes.panels import cell
+from ..scenes.panels import cell, panel_pass, picture
 
 EYE, LAMP = (0.0, 1.5, 4.6), (0.0, 1.1, 0.4)
 CAMERA = camera(EYE, (0.0, 0.0, 0.9), 42.0, 0.5, far=20.0)
 # The still life is built along x, and a quarter turn has it face the viewer.
 MODEL = rotate(radians(90.0), (0.0, 1.0, 0.0))
-FLOOR = assets.plane(size=12.0)
-STILL_LIFE = assets.joined(
+FLOOR = meshes.plane(size=12.0)
+STILL_LIFE = meshes.joined(
     FLOOR,
-    assets.moved(assets.torus(0.34, 0.15), translate((-1.5, 0.15, 0.0))),
-    assets.moved(assets.sphere(0.3), translate((1.2, 0.42, 0.0))),
+    meshes.moved(meshes.torus(0.34, 0.15), translate((-1.5, 0.15, 0.0))),
+    meshes.moved(meshes.sphere(0.3), translate((1.2, 0.42, 0.0))),
 )
 
 
@@ -60,23 +47,23 @@ def half(column, blinn):
     return lit.thing(shader, STILL_LIFE, MODEL, CAMERA, uniforms, cell=cell(column, 2))
 
 
+HALVES = (half(0, blinn=False), half(1, blinn=True))
+
+
 def turned_away(name, blinn):
     """The floor with the lamp below it, behind the middle."""
     uniforms = {"lightPos": (0.0, -0.3, -3.0), "viewPos": EYE, "shininess": 8.0, "blinn": blinn}
     draw = lit.thing("ch05_lighting/blinn_phong.frag", FLOOR, MODEL, CAMERA, uniforms)
-    target = Target(size=(32, 32), colors={"specular": "r32f"}, depth="depth24")
-    return Pass(name=f"{name}, lamp below", target=target, draws=(draw,))
+    of, colors = f"{name}, lamp below", {"specular": "r32f"}
+    return picture([draw], (32, 32), of, colors=colors, depth="depth24")
 
 
 def over_slopes(name, degrees):
     """Both lobes for viewers at slopes to both sides, the lamp so high above the surface."""
     angle = radians(degrees)
-    return fullscreen(
-        "ch05_lighting/blinn_phong_lobes.frag",
-        name=name,
-        domain={"slope": across(-4.0, 4.0)},
-        uniforms={"lightDir": (cos(angle), sin(angle), 0.0), "shininess": 8.0},
-    )
+    uniforms = {"lightDir": (cos(angle), sin(angle), 0.0), "shininess": 8.0}
+    slopes = {"slope": across(-4.0, 4.0)}
+    return panel_pass(name, "ch05_lighting/blinn_phong_lobes.frag", slopes, uniforms)
 
 
 def mirrored(FragPos, Normal, lightPos, viewPos, shininess, highlight=lobes.phong):
@@ -161,17 +148,11 @@ case = Case(
     math=r"H = \frac{L + V}{\lVert L + V \rVert}, \qquad "
     r"\text{Blinn} = (N \cdot H)^s, \quad \text{Phong} = (R \cdot V)^s",
     passes=(
-        *twins(
-            Pass(
-                name="picture",
-                target=Target(depth="depth24", clear=(0.16, 0.20, 0.26, 1.0)),
-                draws=(half(0, blinn=False), half(1, blinn=True)),
-            )
-        ),
+        *twins(picture(HALVES, None, depth="depth24", clear=(0.16, 0.20, 0.26, 1.0))),
         turned_away("Phong", blinn=False),
         turned_away("Blinn", blinn=True),
-        *over_slopes("below", -5.0),
-        *over_slopes("lobes", 30.0),
+        over_slopes("below", -5.0),
+        over_slopes("lobes", 30.0),
     ),
     picture="picture.FragColor",
     expect=[

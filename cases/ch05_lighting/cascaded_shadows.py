@@ -15,19 +15,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Output,
-    Pass,
-    Target,
-    TextureArray,
-    any_order,
-    both_ways,
-    computed,
-    formula,
-    measure,
-    reading,
-)
+from shaderlab import Case, Output, TextureArray, any_order, both_ways, formula, measure, reading
 from shaderlab.glslmath import dot, max, mix, mul, normalize, swizzle, vec3, vec4, where
 from shaderlab.reference.cascades import cascade_index, fitted, slice_corners, split_distances
 from shaderlab.reference.shadows import shadow, shadow_coordinates, slope_bias
@@ -39,8 +27,9 @@ from ..scenes.cameras import camera, turned
 from ..scenes.courtyard import avenue, avenue_boxes, before
 from ..scenes.courtyard_light import seen_place, unit_normal
 from ..scenes.draws import tested
-from ..scenes.figures import figure
-from ..scenes.panels import cell
+from ..scenes.figures import figure, results
+from ..scenes.laws import entry
+from ..scenes.panels import cell, picture
 from ..scenes.shadow_stage import PICTURED, SHADOW, reads
 from ..scenes.shadow_truth import blocked, dark_share
 
@@ -50,7 +39,12 @@ BLENDS = {"uniform": 0.0, "practical": 0.5, "logarithmic": 1.0}
 SPLITS = {name: split_distances(NEAR, FAR, CASCADES, blend) for name, blend in BLENDS.items()}
 # One map for everything, in the place of all three.
 SPLITS["one map"] = [FAR, FAR, FAR]
-MAP = 256
+TOLD = {
+    "uniform": (20.333333, 40.166667),
+    "logarithmic": (2.466212, 12.164404),
+    "practical": (11.399773, 26.165535),
+}
+MAP, CLAMPED = 256, ("clamp_to_edge",) * 2
 REACHES = {"nearer than 12": 12.0, "all": FAR}
 EYE, AIM = (3.0, 4.4, 5.2), (-0.9, 0.0, -11.0)
 # The scheme whose pass keeps all outputs: the others show the same surfaces.
@@ -114,11 +108,7 @@ def drawn(scheme, aspect=1.0, tint=0.0, cell=None):
             "lightPos": SUN,
             "tint": tint,
         },
-        textures={
-            "shadowMaps": TextureArray(
-                layers=layers, format="depth32f", wrap=("clamp_to_edge", "clamp_to_edge")
-            )
-        },
+        textures={"shadowMaps": TextureArray(layers=layers, format="depth32f", wrap=CLAMPED)},
         cell=cell,
     )
 
@@ -130,10 +120,7 @@ def index(FragPos, view, splits):
 
 def own_bias(FragPos, Normal, view, splits, biases, lightPos):
     """The bias of the fragment's cascade, at the slope of its surface."""
-    number = index(FragPos, view, splits)
-    least = biases[0]
-    for k in range(1, CASCADES):
-        least = where(number > k - 0.5, biases[k], least)
+    least = entry(index(FragPos, view, splits), biases)
     return slope_bias(Normal, lightPos, least, 6.0 * least)
 
 
@@ -216,16 +203,24 @@ def wrong_cascade(cascade, upright, place, view, splits):
     return np.mean(cascade[..., 0][drawn] != right[drawn])
 
 
-def split_figures(scheme, equals):
-    """The first two splits, as printed."""
-    return computed(f"{scheme} splits", lambda: SPLITS[scheme][:2], equals=equals, digits=6)
+def surfaces(scheme, others=()):
+    """What a scheme's pass says of the surfaces that all of them show."""
+    return reads(WHOLE, "place", "upright", shadow=f"{scheme}.shadow", **dict(others))
+
+
+def within_reaches(schemes, others=(), **bound):
+    """Readings of each scheme, of what is near and of everything."""
+    return [
+        reading(f"{scheme}, {far}", reads=surfaces(scheme, others), given={"within": to}, **bound)
+        for far, to in REACHES.items()
+        for scheme in schemes
+    ]
 
 
 def judged(scheme):
     """The avenue with one scheme, small."""
     colors = None if scheme == WHOLE else KEPT if scheme in BLENDS else SHADOW
-    target = Target(size=(96, 96), depth="depth24", colors=colors)
-    return Pass(name=scheme, target=target, draws=[drawn(scheme, tint=0.3)])
+    return picture([drawn(scheme, tint=0.3)], (96, 96), scheme, depth="depth24", colors=colors)
 
 
 # A white surface at right angles to the sun.
@@ -294,11 +289,7 @@ case = Case(
             "told otherwise than by maps of rays",
             told_otherwise,
             readings=[
-                reading(
-                    scheme,
-                    reads=reads(WHOLE, "place", "upright", shadow=f"{scheme}.shadow"),
-                    given={"scheme": k},
-                )
+                reading(scheme, reads=surfaces(scheme), given={"scheme": k})
                 for k, scheme in enumerate(SPLITS)
             ],
             at_most=0.001,  # as in shadow-acne: places next to an edge, or to equality
@@ -306,35 +297,15 @@ case = Case(
         measure(
             "shadows told wrongly",
             wrong,
-            readings=[
-                reading(
-                    f"{scheme}, {where}",
-                    reads=reads(WHOLE, "place", "upright", shadow=f"{scheme}.shadow"),
-                    given={"within": within},
-                    at_most=0.02,  # what they are follows from the maps of rays
-                )
-                for where, within in REACHES.items()
-                for scheme in SPLITS
-            ],
+            readings=within_reaches(SPLITS, at_most=0.02),  # what they are follows from the above
         ),
         measure(
             "… for each by a single map",
             wrong_of,
-            readings=[
-                reading(
-                    f"{scheme}, {where}",
-                    reads=reads(
-                        WHOLE, "place", "upright", shadow=f"{scheme}.shadow", other="one map.shadow"
-                    ),
-                    given={"within": within},
-                )
-                for where, within in REACHES.items()
-                for scheme in BLENDS
-            ],
+            readings=within_reaches(BLENDS, {"other": "one map.shadow"}),
             at_most=1.0,
         ),
-        split_figures("uniform", (20.333333, 40.166667)),
-        split_figures("logarithmic", (2.466212, 12.164404)),
-        split_figures("practical", (11.399773, 26.165535)),
+        # The first two of each.
+        *results({f"{scheme} splits": (SPLITS[scheme][:2], told) for scheme, told in TOLD.items()}),
     ],
 )

@@ -15,8 +15,6 @@ import numpy as np
 from shaderlab import (
     Case,
     Output,
-    Pass,
-    Target,
     Texture,
     across,
     any_order,
@@ -24,7 +22,6 @@ from shaderlab import (
     both_ways,
     exact,
     formula,
-    fullscreen,
     measure,
     reading,
     sweep,
@@ -39,7 +36,7 @@ from ..scenes.cameras import camera, turned
 from ..scenes.colour_science import delta_e_2000
 from ..scenes.corridor import corridor
 from ..scenes.figures import figures
-from ..scenes.panels import WHOLE, cell, panel
+from ..scenes.panels import WHOLE, cell, panel, panel_pass, picture
 from ..scenes.studio import mean_of_four
 
 # Past 1, at 1 and below it; exact in half floats.
@@ -50,7 +47,7 @@ LAMPS = {
 }
 
 
-def room(name, **target):
+def room(name, size=None, **target):
     """The corridor with a floodlight at its end and two small lamps nearby."""
     draw = lit.thing(
         "ch05_lighting/hdr_scene.frag",
@@ -61,7 +58,7 @@ def room(name, **target):
         vertex=lit.TEXTURED,
         textures={"diffuseTexture": Texture(image=lambda: assets.brick_wall(512))},
     )
-    return Pass(name=name, target=Target(depth="depth24", **target), draws=(draw,))
+    return picture([draw], size, name, depth="depth24", **target)
 
 
 def shown(quarter, curve, exposure):
@@ -82,13 +79,8 @@ QUARTERS += [shown(0, EXPOSURE, 0.25), shown(1, EXPOSURE, 4.0)]
 
 def bright(name, format):
     """A colour past 1 in one format."""
-    return fullscreen(
-        "ch05_lighting/lamp.frag",
-        name=name,
-        domain={},
-        uniforms={"glow": BRIGHT},
-        target=Target(size=(4, 4), colors={"FragColor": format}),
-    )
+    glow, colors = {"glow": BRIGHT}, {"FragColor": format}
+    return panel_pass(name, "ch05_lighting/lamp.frag", {}, glow, size=(4, 4), colors=colors)
 
 
 def lit_by_lamps(FragPos, Normal, TexCoords, diffuseTexture, lampPos, lampColor):
@@ -157,6 +149,7 @@ def curve_of(output, *rows):
     return figures(output, named)
 
 
+SHADER = "ch05_lighting/hdr_curves.frag"
 FACING = (0.344580, 0.286686, 0.246223, 1.0)
 HERE = {"FragPos": (0.0, 0.0, 4.0), "Normal": (0.0, 0.0, 1.0), "TexCoords": (0.5, 0.5)}
 
@@ -166,16 +159,11 @@ case = Case(
     math=r"\text{Reinhard: } \frac{x}{1 + x}, \qquad \text{exposure: } 1 - e^{-x\,e}",
     passes=(
         *both_ways(room("hdr", size=(512, 512), colors={"FragColor": "rgba16f"})),
-        Pass(name="picture", draws=QUARTERS),
+        picture(QUARTERS, None),
         *both_ways(room("judged")),
-        *bright("half-floats", "rgba16f"),
-        *bright("bytes", "rgba8"),
-        *fullscreen(
-            "ch05_lighting/hdr_curves.frag",
-            name="curves",
-            domain={"light": across(0.0, 8.0)},
-            uniforms={"exposure": 1.0},
-        ),
+        bright("half-floats", "rgba16f"),
+        bright("bytes", "rgba8"),
+        panel_pass("curves", SHADER, {"light": across(0.0, 8.0)}, {"exposure": 1.0}),
     ),
     picture="picture.FragColor",
     expect=[

@@ -14,18 +14,7 @@ from math import cos, radians
 
 import numpy as np
 
-from shaderlab import (
-    Blend,
-    Case,
-    Depth,
-    Erratum,
-    Pass,
-    Target,
-    any_order,
-    compile_fails,
-    formula,
-    measure,
-)
+from shaderlab import Blend, Case, Depth, Erratum, any_order, compile_fails, formula, measure
 from shaderlab.reference import light_sources
 from shaderlab.reference.lighting import mirrored_lobe
 from shaderlab.reference.transforms import clip_position
@@ -34,6 +23,7 @@ from ..scenes import lit, plaza
 from ..scenes.draws import twins
 from ..scenes.figures import figure
 from ..scenes.laws import gated_or_not, opaque, renamed, summed
+from ..scenes.panels import picture
 
 # Place and colour of the four bulbs.
 BULBS = [
@@ -105,7 +95,8 @@ GLOWING = [
     for place, color in BULBS
 ]
 ADD = Blend(source="one", destination="one", source_alpha="zero", destination_alpha="one")
-ONE_BY_ONE = [lit_by(only(k), depth=Depth(func="equal"), blend=ADD) for k in range(1, 6)]
+ONE_BY_ONE = [lit_by(only(0))]
+ONE_BY_ONE += [lit_by(only(k), depth=Depth(func="equal"), blend=ADD) for k in range(1, 6)]
 
 by_moon = renamed(light_sources.directional, light="dirLight")
 by_spot = renamed(light_sources.soft_spot, light="spotLight")
@@ -159,13 +150,9 @@ case = Case(
             lit.large_scene((*GLOWING, lit_by(ALL, small=False)), clear=(0.002, 0.003, 0.006, 1.0))
         ),
         *lit.picture(),
-        Pass(name="bulbs", target=Target(depth="depth24"), draws=GLOWING[:1]),
-        *twins(Pass(name="together", target=Target(depth="depth24"), draws=(lit_by(ALL),))),
-        Pass(
-            name="added",
-            target=Target(colors={"FragColor": "rgba32f"}, depth="depth24"),
-            draws=(lit_by(only(0)), *ONE_BY_ONE),
-        ),
+        picture(GLOWING[:1], None, "bulbs", depth="depth24"),
+        *twins(picture([lit_by(ALL)], None, "together", depth="depth24")),
+        picture(ONE_BY_ONE, None, "added", colors={"FragColor": "rgba32f"}, depth="depth24"),
     ),
     picture="picture.FragColor",
     expect=[

@@ -15,19 +15,7 @@ map's normals had to turn with it.
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Draw,
-    Mesh,
-    Pass,
-    State,
-    Target,
-    Texture,
-    assets,
-    computed,
-    formula,
-    fullscreen,
-)
+from shaderlab import Case, Mesh, Texture, assets, formula
 from shaderlab.glslmath import mul, normalize, swizzle, vec3, vec4, where
 from shaderlab.reference import tangent_space
 from shaderlab.reference.lighting import blinn, diffuse, halfway_lobe
@@ -42,9 +30,10 @@ from shaderlab.sampling import texture
 
 from ..scenes import lit
 from ..scenes.cameras import camera, turned
-from ..scenes.figures import figure
-from ..scenes.laws import gated_or_not, unchanged
-from ..scenes.panels import cell, picture
+from ..scenes.draws import drawn
+from ..scenes.figures import figure, results
+from ..scenes.laws import entry, gated_or_not, unchanged
+from ..scenes.panels import WHOLE, cell, panel_pass, picture
 
 EYE = (0.0, 0.0, 4.0)
 CAMERA = camera(EYE, (0.0, 0.0, 0.0), 33.0)
@@ -84,22 +73,10 @@ def brick_maps(size, **sampling):
 
 def lit_wall(lamp, model, mesh, maps, *, flat=False, cell=None):
     """The wall under one lamp."""
-    return Draw(
-        vertex="ch05_lighting/normal_map.vert",
-        geometry="ch05_lighting/normal_map.geom",
-        fragment="ch05_lighting/normal_map.frag",
-        mesh=mesh,
-        uniforms={
-            "model": model,
-            "normalMatrix": normal_matrix(model),
-            **CAMERA,
-            "flatWall": flat,
-            "lightPos": LAMPS[lamp],
-            "viewPos": EYE,
-        },
-        textures=maps,
-        state=State(cell=cell),
-    )
+    shaders = tuple(f"ch05_lighting/normal_map.{stage}" for stage in ("vert", "geom", "frag"))
+    placed = {"model": model, "normalMatrix": normal_matrix(model), **CAMERA}
+    seen = {"flatWall": flat, "lightPos": LAMPS[lamp], "viewPos": EYE}
+    return drawn(shaders, mesh, {**placed, **seen}, textures=maps, cell=cell)
 
 
 def quarter(k, lamp, flat=False):
@@ -111,18 +88,13 @@ def quarter(k, lamp, flat=False):
 def judged(name, lamp, repeat=1.0, flat=False):
     """A bulging wall in float textures, whose texels references can read."""
     mesh, maps = wall(repeat, bulge=0.5, skew=0.25), brick_maps(64)
-    return Pass(name=name, draws=[lit_wall(lamp, SQUEEZED, mesh, maps, flat=flat)])
-
-
-def picked(corners, emitted):
-    """The corner that is emitted."""
-    return where(emitted == 0, corners[0], where(emitted == 1, corners[1], corners[2]))
+    return picture([lit_wall(lamp, SQUEEZED, mesh, maps, flat=flat)], None, name)
 
 
 def frame(place, uv, upright, emitted):
     """T, B and N of a triangle at one of its corners."""
     edges, sides = ([corners[k] - corners[0] for k in (1, 2)] for corners in (place, uv))
-    normal = normalize(picked(upright, emitted))
+    normal = normalize(entry(emitted, upright))
     t = tangent_space.tangent(*edges, *sides, normal)
     return t, tangent_space.bitangent(normal, t, *sides), normal
 
@@ -138,12 +110,12 @@ def axis(which):
 
 def place_of(place, emitted):
     """A corner's place in the world."""
-    return picked(place, emitted)
+    return entry(emitted, place)
 
 
 def uv_of(uv, emitted):
     """A corner's place in the texture."""
-    return picked(uv, emitted)
+    return entry(emitted, uv)
 
 
 def world(aPos, model):
@@ -153,7 +125,7 @@ def world(aPos, model):
 
 def in_picture(gl_in_gl_Position, emitted, view, projection):
     """Clip coordinates of the corner."""
-    return mul(projection, mul(view, picked(gl_in_gl_Position, emitted)))
+    return mul(projection, mul(view, entry(emitted, gl_in_gl_Position)))
 
 
 def mapped_normal(TBN, TexCoords, normalMap, flatWall):
@@ -191,7 +163,20 @@ def checks(name, shaded=leaking_or_not):
     )
 
 
+BYTES_SHADER = "ch05_lighting/normal_map_bytes.frag"
 BYTES = Texture(image=np.array([[[128, 127, 255, 255]]]) / 255.0, format="rgba8")
+
+QUARTERS = (quarter(2, "left", flat=True), quarter(3, "left"), quarter(0, "above"))
+QUARTERS += (quarter(1, "right"),)
+# Level, before the viewer, the lamp below its horizon.
+AWAY = {
+    "TexCoords": (0.5, 0.5),
+    "FragPos": (0.0, 0.0, 0.0),
+    "TBN": np.eye(3),
+    "lightPos": lit.BELOW,
+    "viewPos": lit.GRAZING["viewPos"],
+}
+TILT = tangent_space.tilt_of_flat_bytes
 
 case = Case(
     title="Normal mapping",
@@ -201,24 +186,14 @@ case = Case(
     r"\begin{pmatrix} E_1 \\ E_2 \end{pmatrix}",
     passes=(
         picture(
-            (
-                quarter(2, "left", flat=True),
-                quarter(3, "left"),
-                quarter(0, "above"),
-                quarter(1, "right"),
-            ),
+            QUARTERS,
             (1024, 1024),
             "scene",
             colors={"FragColor": "rgba16f"},
             clear=(0.012, 0.014, 0.02, 1.0),
         ),
         *lit.picture(),
-        *fullscreen(
-            "ch05_lighting/normal_map_bytes.frag",
-            name="bytes",
-            textures={"normalMap": BYTES},
-            target=Target(size=(2, 2)),
-        ),
+        panel_pass("bytes", BYTES_SHADER, WHOLE, size=(2, 2), textures={"normalMap": BYTES}),
         judged("mapped", "left"),
         judged("mirrored", "behind", repeat=-1.0),
         judged("flat", "left", flat=True),
@@ -230,29 +205,13 @@ case = Case(
         *checks("mirrored"),
         *checks("flat", color),
         lit.picture_check(),
-        figure(
-            "flat.FragColor",
-            lit.TURNED_AWAY,
-            {
-                "TexCoords": (0.5, 0.5),
-                "FragPos": (0.0, 0.0, 0.0),
-                "TBN": np.eye(3),
-                "lightPos": lit.BELOW,
-                "viewPos": lit.GRAZING["viewPos"],
-            },
-            (0.027162, 0.024812, 0.022822, 1.0),
-        ),
+        figure("flat.FragColor", lit.TURNED_AWAY, AWAY, (0.027162, 0.024812, 0.022822, 1.0)),
         figure(
             "bytes.normal",
             "what bytes 128, 127 and 255 stand for",
             {"TexCoords": (0.5, 0.5)},
             (0.003922, -0.003922, 1.0),
         ),
-        computed(
-            "how far the flat colour leans, in degrees",
-            tangent_space.tilt_of_flat_bytes,
-            equals=0.317755,
-            digits=6,
-        ),
+        *results({"how far the flat colour leans, in degrees": (TILT, 0.317755)}),
     ],
 )

@@ -18,9 +18,7 @@ from shaderlab import (
     Case,
     CubeTexture,
     Output,
-    Pass,
     State,
-    Target,
     any_order,
     both_ways,
     formula,
@@ -44,6 +42,7 @@ from ..scenes.courtyard import courtyard
 from ..scenes.courtyard_light import light_position, seen_place, unit_normal
 from ..scenes.draws import tested
 from ..scenes.figures import figure
+from ..scenes.panels import picture
 from ..scenes.shadow_stage import BOXES, MODEL, SHADOW, reads
 from ..scenes.shadow_truth import against_rays, nearest_distances, wrongly_bright, wrongly_dark
 
@@ -79,11 +78,10 @@ def face(name, size):
         },
         only=("aPos",),
     )
-    target = Target(size=(size, size), depth="depth32f")
-    return Pass(name=f"{name}-{size}", target=target, draws=(draw,))
+    return picture([draw], (size, size), f"{name}-{size}", depth="depth32f")
 
 
-def by_lamp(name, side, bias, *more, **target):
+def by_lamp(name, side, bias, *more, size=None, **target):
     """The courtyard in the lamp's light, from the camera."""
     distances = [Output(f"{face}-{side}.depth") for face in FACES]
     draw = tested(
@@ -100,7 +98,7 @@ def by_lamp(name, side, bias, *more, **target):
         },
         textures={"shadowMap": CubeTexture(faces=distances, format="depth32f")},
     )
-    return Pass(name=name, target=Target(depth="depth24", **target), draws=(draw, *more))
+    return picture([draw, *more], size, name, depth="depth24", **target)
 
 
 def stored(FragPos, lightPos, farPlane):
@@ -145,25 +143,22 @@ def told_otherwise(shadow, place, upright, size, biases):
     return np.mean((dark != (shadow[..., 0] > 0.5))[cosine > 0.0])
 
 
+def surfaces(of):
+    """What a pass says of the surfaces that all of them show."""
+    return reads("judged", "place", "upright", shadow=f"{of}.shadow")
+
+
 def by_rays(name, of, size, bias):
     """The cube of a pass against one of rays."""
     given = {"size": size, "biases": tuple(bias.values())}
-    return reading(
-        name, reads=reads("judged", "place", "upright", shadow=f"{of}.shadow"), given=given
-    )
+    return reading(name, reads=surfaces(of), given=given)
 
 
 def table(label, statistic, **none):
     """A statistic of the places that face the lamp, by rays that end in it, for each map. Without a
     bias it is bounded by `none`; what the others must be follows from `by_rays`."""
-    readings = [
-        reading(
-            name,
-            reads=reads("judged", "place", "upright", shadow=f"{of}.shadow"),
-            **(none if of == "bare" else {}),
-        )
-        for name, of in SEEN.items()
-    ]
+    bounds = {"bare": none}
+    readings = [reading(n, reads=surfaces(of), **bounds.get(of, {})) for n, of in SEEN.items()]
     return measure(label, against_rays(statistic, LAMP, BOXES, lamp=True), readings=readings)
 
 
@@ -179,7 +174,7 @@ case = Case(
         *(face(name, 256) for name in FACES),
         *(one for name in FACES for one in both_ways(face(name, 512))),
         *shadow_stage.photographed(by_lamp("", 512, BIAS, BULB).draws, clear=NIGHT),
-        Pass(name="bulb", target=Target(), draws=(replace(BULB, state=State()),)),
+        picture([replace(BULB, state=State())], None, "bulb"),
         by_lamp("judged", 512, BIAS, size=(96, 96)),
         by_lamp("small", 256, BIAS, size=(96, 96), colors=SHADOW),
         by_lamp("bare", 256, NO_BIAS, size=(96, 96), colors=SHADOW),
