@@ -11,19 +11,8 @@ brighter. In the third the right one, `unused`, was turned instead, all the way,
 as in the first, to the bit.
 """
 
-from shaderlab import (
-    Case,
-    Output,
-    boundaries,
-    exact,
-    formula,
-    fullscreen,
-    gl_call,
-    gl_calls,
-    inactive_uniforms,
-    value,
-)
-from shaderlab.expectations.gl_call import Location, Program
+from shaderlab import Case, Output, boundaries, exact, formula, gl_call, gl_calls, inactive_uniforms
+from shaderlab.expectations.gl_call import Location, Program, call
 from shaderlab.glslmath import (
     abs,
     cos,
@@ -45,30 +34,25 @@ from shaderlab.glslmath import (
 )
 from shaderlab.sampling import texelFetch
 
+from ..scenes.api import answers
 from ..scenes.drawing import encoded
-from ..scenes.figures import each_draw
+from ..scenes.figures import each_draw, figure
 from ..scenes.laws import opaque
-from ..scenes.panels import cell, enlarged, enlarged_check, panel, square
+from ..scenes.panels import cell, enlarged, enlarged_check, panel, panel_pass, square
 
 # name: strength, unused
 SETTINGS = {"first": (0.35, 0.2), "strength-turned": (0.9, 0.2), "unused-turned": (0.35, 1.0)}
 
 LIT = Program("first")
+MISSPELT = call("glGetUniformLocation", LIT, "strenght")
+HALF = {"strength": 0.5, "tint": (1.0, 0.5, 0.25)}
 
 
 def lit(name, strength, unused):
     """The program under test, with its four uniforms set."""
-    return fullscreen(
-        "ch02_basics/inactive_uniform.frag",
-        name=name,
-        domain={},
-        uniforms={
-            "tint": (1.0, 0.8, 0.45),
-            "strength": strength,
-            "unused": unused,
-            "neverAsked": (unused, 1.0),
-        },
-    )
+    set_at = {"strength": strength, "unused": unused, "neverAsked": (unused, 1.0)}
+    uniforms = {"tint": (1.0, 0.8, 0.45), **set_at}
+    return panel_pass(name, "ch02_basics/inactive_uniform.frag", {}, uniforms)
 
 
 def shown(k, name, strength, unused):
@@ -119,7 +103,7 @@ case = Case(
     math=r"\frac{\partial\,\text{FragColor}}{\partial\,\text{unused}} = 0 "
     r"\;\Rightarrow\; \text{location} = -1",
     passes=(
-        *(p for name, values in SETTINGS.items() for p in lit(name, *values)),
+        *(lit(name, *values) for name, values in SETTINGS.items()),
         *enlarged((shown(k, n, *v) for k, (n, v) in enumerate(SETTINGS.items())), (138, 46), 7),
     ),
     picture="picture.FragColor",
@@ -150,13 +134,7 @@ case = Case(
             )
         ),
         gl_call("glUniform1f", Location("unused", LIT), 1.0, name="which raises no error"),
-        gl_call(
-            "glGetUniformLocation",
-            LIT,
-            "strenght",
-            returns=-1,
-            name="a misspelt name is nowhere, too",
-        ),
+        *answers({"a misspelt name is nowhere, too": (MISSPELT, -1)}),
         formula("first.FragColor", shines),
         formula("strength-turned.FragColor", shines, name="another strength"),
         exact(
@@ -164,12 +142,6 @@ case = Case(
             Output("first.FragColor"),
             name="setting an inactive uniform changes nothing",
         ),
-        value(
-            "first.FragColor",
-            at={"strength": 0.5, "tint": (1.0, 0.5, 0.25)},
-            equals=(0.5, 0.25, 0.125, 1.0),
-            digits=6,
-            name="half of the tint",
-        ),
+        figure("first.FragColor", "half of the tint", HALF, (0.5, 0.25, 0.125, 1.0)),
     ],
 )

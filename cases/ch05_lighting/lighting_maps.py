@@ -14,7 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from shaderlab import Case, Mesh, Pass, State, Target, Texture, assets, formula, gl_calls
+from shaderlab import Case, Mesh, State, Texture, assets, formula, gl_calls
 from shaderlab.glslmath import swizzle, vec4
 from shaderlab.reference.lighting import diffuse_factor, specular_factor
 from shaderlab.reference.transforms import clip_position, translate
@@ -24,9 +24,17 @@ from ..scenes import lit
 from ..scenes.cameras import camera, turned
 from ..scenes.chest import chest_diffuse, chest_specular
 from ..scenes.figures import each_draw, figures
+from ..scenes.panels import picture
 
 EYE = (0.1, 1.7, 5.8)
 LAMP = (0.1, 0.5, 1.55)
+LIGHT = {
+    "viewPos": EYE,
+    "light.position": LAMP,
+    "light.ambient": (0.06, 0.07, 0.09),
+    "light.diffuse": (0.75, 0.66, 0.5),
+    "light.specular": (1.2, 1.08, 0.85),
+}
 CAMERA = camera(EYE, (0.05, 0.55, 0.0), 31.0, far=60.0)
 CHEST = Mesh(**assets.cube(1.25))
 FLOOR = Mesh(**assets.plane(30.0, repeat=12.0))
@@ -47,22 +55,12 @@ FOUR = np.array(
 
 def thing(mesh, model, diffuse, specular, shininess):
     """One thing with its two maps, in the lantern's light."""
-    return lit.thing(
+    shader, uniforms = (
         "ch05_lighting/lighting_maps.frag",
-        mesh,
-        model,
-        CAMERA,
-        {
-            "viewPos": EYE,
-            "material.shininess": shininess,
-            "light.position": LAMP,
-            "light.ambient": (0.06, 0.07, 0.09),
-            "light.diffuse": (0.75, 0.66, 0.5),
-            "light.specular": (1.2, 1.08, 0.85),
-        },
-        vertex=lit.TEXTURED,
-        textures={"material.diffuse": diffuse, "material.specular": specular},
+        {**LIGHT, "material.shininess": shininess},
     )
+    maps = {"material.diffuse": diffuse, "material.specular": specular}
+    return lit.thing(shader, mesh, model, CAMERA, uniforms, vertex=lit.TEXTURED, textures=maps)
 
 
 # Only run on single points, so no depth test has a say.
@@ -131,7 +129,7 @@ case = Case(
             ),
             clear=(0.004, 0.005, 0.008, 1.0),
         ),
-        Pass(name="four", target=Target(size=(16, 16)), draws=(FOUR_TEXELS,)),
+        picture([FOUR_TEXELS], (16, 16), "four"),
     ),
     picture="picture.FragColor",
     expect=[

@@ -15,19 +15,7 @@ from math import acos, radians, tan
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Mesh,
-    Pass,
-    Target,
-    across,
-    any_order,
-    assets,
-    formula,
-    fullscreen,
-    sweep,
-    up,
-)
+from shaderlab import Case, Mesh, across, any_order, assets, formula, sweep, up
 from shaderlab.glslmath import vec3, vec4, where
 from shaderlab.reference.lighting import half_power_angle, phong, phong_color, specular_factor
 from shaderlab.reference.transforms import translate
@@ -36,7 +24,7 @@ from ..scenes import lit
 from ..scenes.cameras import camera, turned
 from ..scenes.draws import twins
 from ..scenes.figures import each_draw, figure, figures, results
-from ..scenes.panels import cell, panel
+from ..scenes.panels import cell, panel, panel_pass, picture
 
 SHININESS = (2, 4, 8, 16, 32, 64, 128, 256)
 HALF_POWER = (45.0, 32.765100, 23.508050, 16.743653, 11.882461, 8.417365, 5.957353, 4.214387)
@@ -45,6 +33,7 @@ CAMERA = camera(EYE, (0.0, 0.0, 0.0), 14.5, near=1.0)
 BALL = Mesh(**assets.sphere(0.98, segments=96, rings=48))
 SMALL_BALL = Mesh(**assets.sphere(0.98, segments=24, rings=12))
 MODEL = translate((0.02, 0.03, -0.1)) @ turned(30.0, (1.0, 1.0, 0.0))
+PROFILE, LEVELS = "ch05_lighting/shininess_profile.frag", {"level": up(-0.05, 1.2)}
 MOST, SLOPES = tan(radians(50.0)), np.tan(np.radians(np.linspace(-80.0, 80.0, 81)))
 
 
@@ -66,19 +55,15 @@ def ball(mesh, column, shininess):
 
 def profile(column, shininess):
     """The lobe over the angle, below its ball."""
-    return panel(
-        "ch05_lighting/shininess_profile.frag",
-        {"slope": across(-MOST, MOST), "level": up(-0.05, 1.2)},
-        {"shininess": float(shininess)},
-        cell=cell(column, 8, 2),
-    )
+    domain, place = {**LEVELS, "slope": across(-MOST, MOST)}, cell(column, 8, 2)
+    return panel(PROFILE, domain, {"shininess": float(shininess)}, cell=place)
 
 
 def strip(name, mesh, size, **target):
     """Eight balls, and their lobes below them."""
     draws = [draw for k, s in enumerate(SHININESS) for draw in (ball(mesh, k, s), profile(k, s))]
-    target = Target(size=size, depth="depth24", clear=(0.012, 0.014, 0.02, 1.0), **target)
-    return twins(Pass(name=name, target=target, draws=draws))
+    clear = (0.012, 0.014, 0.02, 1.0)
+    return twins(picture(draws, size, name, depth="depth24", clear=clear, **target))
 
 
 def lobe(slope, shininess):
@@ -123,13 +108,9 @@ case = Case(
     math=r"s(\alpha) = \cos^n \alpha, \qquad \alpha_{1/2} = \arccos\!\left(2^{-1/n}\right)",
     passes=(
         *strip("scene", BALL, (2048, 512), colors={"FragColor": "rgba16f"}),
-        *lit.picture(target=Target(size=(1024, 256))),
+        *lit.picture(size=(1024, 256)),
         *strip("balls", SMALL_BALL, (192, 48), colors={"FragColor": "rgba32f", "spec": "r32f"}),
-        *fullscreen(
-            "ch05_lighting/shininess_profile.frag",
-            domain={"slope": across(-1.2, 1.2), "level": up(-0.05, 1.2)},
-            uniforms={"shininess": 8.0},
-        ),
+        panel_pass("main", PROFILE, {**LEVELS, "slope": across(-1.2, 1.2)}, {"shininess": 8.0}),
     ),
     picture="picture.FragColor",
     expect=[

@@ -166,14 +166,14 @@ def picture(
     *,
     output: str = "FragColor",
     name: str = "picture",
-    target: Target | None = None,
+    size: tuple[int, int] | None = None,
 ) -> tuple[Pass, ...]:
     """A scene's light, each pixel the mean of four texels, encoded for a display."""
     return fullscreen(
         "ch05_lighting/finish.frag",
         name=name,
         textures={"scene": Output(f"{of}.{output}")},
-        target=target,
+        target=Target(size=size),
     )
 
 
