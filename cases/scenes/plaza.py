@@ -17,7 +17,7 @@ from .cameras import camera, turned
 from .remembered import remembered
 
 EYE = (4.4, 5.2, 8.6)
-CAMERA = camera(EYE, (0.0, 0.5, 0.0), 38.0, far=60.0)
+CAMERA = camera(EYE, (0.0, 0.5, 0.0), 40.5, far=60.0)
 # Not quite evenly scaled, so that the normals have something to get wrong.
 MODEL = turned(8.0) @ scale((1.0, 1.1, 1.0))
 STEP = 2.2
