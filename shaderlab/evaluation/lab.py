@@ -29,6 +29,7 @@ from shaderlab.expectations.reads import unread_outputs
 from shaderlab.model import Judgement, Scene
 from shaderlab.observations import Look, Observation
 from shaderlab.programs.prepare import Programs
+from shaderlab.programs.textures import forget_made
 from shaderlab.records import Explanation, Outcome, Record
 
 
@@ -76,6 +77,10 @@ class Lab(SceneDrawer):
             self.evaluation(scene, self.prepare(scene)) as evaluation,
         ):
             return observe(evaluation, looks)
+
+    def release_caches(self) -> None:
+        """Free what is kept for scenes that are run again: the textures that functions made."""
+        forget_made()
 
     def _run(self, scene: Scene, builder: RecordBuilder) -> None:
         with doing("compile", "compiling"):

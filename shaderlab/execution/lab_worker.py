@@ -6,6 +6,7 @@ request is not spent on imports.
 
 from __future__ import annotations
 
+import gc
 import os
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -20,13 +21,14 @@ from shaderlab.catalogue import load_case
 from shaderlab.errors import CaseError
 from shaderlab.evaluation import Lab
 from shaderlab.execution.jobs import CaseFacts, Job, Request, bare_record
-from shaderlab.execution.worker_main import Channel
+from shaderlab.execution.worker_main import Channel, release_freed_memory
 from shaderlab.model import Case, Ramp, Scene
 from shaderlab.options import RunOptions
 from shaderlab.records import Record
 
-LARGE = 256 << 20
-"""A worker that holds so many bytes of its own gives way to a fresh one before its next scene."""
+LARGE = 512 << 20
+"""A worker that holds so many bytes of its own gives back what it can spare before its next scene;
+one that then still holds half of it gives way to a fresh one."""
 
 
 class LabWorker:
@@ -99,9 +101,13 @@ class LabWorker:
     def run(self, job: Job, options: RunOptions) -> Record:
         """Run one job. Raises CaseError where the case file is wrong."""
         if self._channel is not None and self._lab is not None and _own_memory() > LARGE:
-            # Drivers and caches keep a little of every scene. The parent starts another process
-            # and asks that one.
-            os._exit(0)
+            self._lab.release_caches()
+            gc.collect()
+            release_freed_memory()
+            if _own_memory() > LARGE // 2:
+                # Drivers keep a little of every scene. The parent starts another process and asks
+                # that one.
+                os._exit(0)
         size = options.size if job.point is None else job.point.size or options.size
         lab = self.lab(_of_driver(job.driver, replace(options, size=size)))
         self.note("loading the case file")

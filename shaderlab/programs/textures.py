@@ -157,6 +157,11 @@ def _made(function: Callable[[], Any]) -> Array:
     return known
 
 
+def forget_made() -> None:
+    """Free what functions have made; the next scene that asks has them called again."""
+    _MADE.clear()
+
+
 def _check_levels(first: Array, smaller: Sequence[Array]) -> None:
     """Raise CaseError unless these are all the levels below `first`, in order."""
     sizes = level_sizes(first.shape[1], first.shape[0])[1:]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 from pathlib import Path
 
 import pytest
@@ -88,6 +89,17 @@ def test_recording_changes_nothing_that_is_drawn(tmp_path: Path) -> None:
     assert calls.count("glEnable(GL_DEPTH_TEST)") == 1
     assert "glUseProgram(program 1 (s.frag))" in calls
     assert not any(call.startswith(("glGet", "glBlend", "glStencil")) for call in calls)
+
+
+def test_a_recording_leaves_nothing_behind(tmp_path: Path) -> None:
+    asked = scene(tmp_path, RIGHT["once"])
+    with Lab() as lab:
+        counts = []
+        for _ in range(4):
+            assert lab.run(asked).status == "pass"
+            gc.collect()
+            counts.append(len(gc.get_objects()))
+    assert counts[3] - counts[1] < 2000, "each recording leaves its context's functions behind"
 
 
 def test_making_mipmaps_makes_no_object() -> None:

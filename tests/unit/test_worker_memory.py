@@ -1,4 +1,5 @@
-"""A worker that has grown ends before its next scene; the process that asks does not."""
+"""A worker that has grown gives memory back or ends before its next scene; the process that asks
+does not."""
 
 from __future__ import annotations
 
@@ -40,6 +41,16 @@ def test_a_large_worker_ends(
     monkeypatch: pytest.MonkeyPatch, large: int, error: type[Exception]
 ) -> None:
     monkeypatch.setattr(lab_worker, "LARGE", large)
+    with pytest.raises(error):
+        worker(SimpleNamespace(note=lambda step: None)).run(JOB, RunOptions())
+
+
+@pytest.mark.parametrize(("after", "error"), [(0.4, CaseError), (0.6, EndedError)])
+def test_a_large_worker_that_can_spare_half_goes_on(
+    monkeypatch: pytest.MonkeyPatch, after: float, error: type[Exception]
+) -> None:
+    sizes = iter([lab_worker.LARGE + 1, int(after * lab_worker.LARGE)])
+    monkeypatch.setattr(lab_worker, "_own_memory", lambda: next(sizes))
     with pytest.raises(error):
         worker(SimpleNamespace(note=lambda step: None)).run(JOB, RunOptions())
 

@@ -11,7 +11,7 @@ from functools import cache
 from typing import Any
 
 from shaderlab.backends.opengl import environment
-from shaderlab.backends.opengl.device import REQUIRED_VERSION, Device
+from shaderlab.backends.opengl.device import REQUIRED_VERSION, Device, libraries
 from shaderlab.backends.opengl.pyopengl import GL
 from shaderlab.errors import CaseError, DriverError, nearest
 
@@ -76,7 +76,7 @@ def fresh_context(device: Device) -> Iterator[Any]:
     it. The device's is untouched, and current again afterwards."""
     import glcontext
 
-    names = {"glversion": REQUIRED_VERSION, "mode": "standalone"}
+    names = {"glversion": REQUIRED_VERSION, "mode": "standalone", **libraries()}
     try:
         with environment(device.driver):
             fresh = glcontext.get_backend_by_name("egl")(**names)

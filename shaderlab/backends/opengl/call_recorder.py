@@ -8,9 +8,11 @@ written down is what the driver gets: an edit of one call (`edited_calls`) comes
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cache
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -58,8 +60,6 @@ class CallRecorder:
         self._context = context
         self._edit = edit
         self._editor = Editor(edit)
-        self._callbacks: list[Any] = []  # moderngl has their addresses only
-        self._on = False
 
     @contextmanager
     def recording(self) -> Iterator[None]:
@@ -70,19 +70,14 @@ class CallRecorder:
         """
         self.calls.clear()
         self._editor = Editor(self._edit)
-        own = {
-            (module, name): getattr(module, name)
-            for module in (GL, GL_1_0, GL_1_2, GL_1_3)  # as the lab imports them
-            for name in prototypes()
-            if hasattr(module, name) and not _is_silent(name)
-        }
+        own = {(module, name): getattr(module, name) for module, name in _imported()}
         for (module, name), function in own.items():
-            setattr(module, name, self._recording(name, function))
-        self._on = True
+            setattr(module, name, _recorded(name, function))
+        _RECORDING.append(self)
         try:
             yield
         finally:
-            self._on = False
+            _RECORDING.remove(self)
             for (module, name), function in own.items():
                 setattr(module, name, function)
         self._editor.require_made()
@@ -93,10 +88,7 @@ class CallRecorder:
         known = prototypes().get(name)
         if not address or known is None or _is_silent(name):
             return address
-        kind = ctypes.CFUNCTYPE(_plain(known.restype), *map(_plain, known.argtypes or ()))
-        callback = kind(self._recording(name, kind(address)))
-        self._callbacks.append(callback)
-        return int(ctypes.cast(callback, ctypes.c_void_p).value or 0)
+        return _callback(name, address)
 
     def __enter__(self) -> Any:
         return self._context.__enter__()
@@ -108,7 +100,9 @@ class CallRecorder:
         """Give the context back."""
         self._context.release()
 
-    def _recording(self, name: str, function: Callable[..., Any]) -> Callable[..., Any]:
+    def make(self, name: str, function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
+        """Make a call, or what the edit makes of it, and record it; returns what it returned."""
+
         def made(*arguments: Any) -> Any:
             returned = function(*arguments)
             kept, came = arguments, returned
@@ -120,14 +114,48 @@ class CallRecorder:
             self.calls.append(Recorded(self.place, name, kept, came))
             return returned
 
-        def recorded(*arguments: Any) -> Any:
-            if not self._on:
-                return function(*arguments)
-            if self.place is None:
-                return made(*arguments)
-            return self._editor.make(name, arguments, made, self.place[0])
+        if self.place is None:
+            return made(*arguments)
+        return self._editor.make(name, arguments, made, self.place[0])
 
-        return recorded
+
+@cache
+def _imported() -> Sequence[tuple[ModuleType, str]]:
+    """The functions to record, in the modules from which the lab imports them."""
+    return [
+        (module, name)
+        for module in (GL, GL_1_0, GL_1_2, GL_1_3)
+        for name in prototypes()
+        if hasattr(module, name) and not _is_silent(name)
+    ]
+
+
+_RECORDING: list[CallRecorder] = []
+"""The recorders that are recording; the last one gets the calls."""
+
+
+@cache
+def _callback(name: str, address: int) -> int:
+    """The address of a function that passes calls on to the one at `address`, and has them recorded
+    while a recorder is recording. It stays for good: contexts have its address only, and a driver
+    gives each context the same functions."""
+    known = prototypes()[name]
+    kind = ctypes.CFUNCTYPE(_plain(known.restype), *map(_plain, known.argtypes or ()))
+    callback = kind(_recorded(name, kind(address)))
+    _CALLBACKS.append(callback)
+    return int(ctypes.cast(callback, ctypes.c_void_p).value or 0)
+
+
+_CALLBACKS: list[Any] = []
+
+
+def _recorded(name: str, function: Callable[..., Any]) -> Callable[..., Any]:
+    def recorded(*arguments: Any) -> Any:
+        if not _RECORDING:
+            return function(*arguments)
+        return _RECORDING[-1].make(name, function, arguments)
+
+    return recorded
 
 
 def _is_silent(name: str) -> bool:

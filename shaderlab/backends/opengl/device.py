@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from functools import cached_property
+from ctypes.util import find_library
+from functools import cache, cached_property
 from typing import TYPE_CHECKING, Any
 
 import moderngl
@@ -24,6 +25,14 @@ INSTALL = (
 REQUIRED_VERSION = 330
 _TAKES_SPIRV = "GL_ARB_gl_spirv"
 _NOTHING = "#version 330 core\nvoid main() { gl_Position = vec4(0.0); }\n"
+
+
+@cache
+def libraries() -> Mapping[str, str]:
+    """The libraries of GL and EGL as glcontext takes them. It would look for both in each context
+    that it makes, which starts a program."""
+    found = {"libgl": find_library("GL"), "libegl": find_library("EGL")}
+    return {name: file for name, file in found.items() if file}
 
 
 class Device:
@@ -140,7 +149,8 @@ def open_device(driver: str) -> Device:
         DriverError: there is no EGL, no driver, or none that offers OpenGL 3.3, or SPIR-V where
             that is asked for.
     """
-    options: Any = {"standalone": True, "backend": "egl"}  # mistyped in moderngl's stubs
+    # Any: mistyped in moderngl's stubs.
+    options: Any = {"standalone": True, "backend": "egl", **libraries()}
     try:
         with environment(driver):
             context = moderngl.create_context(require=REQUIRED_VERSION, **options)
