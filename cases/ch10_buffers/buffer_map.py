@@ -4,7 +4,8 @@ Instead of copying an array into a buffer, the program may have the buffer's mem
 own, write to it, and unmap it before it is drawn from. glUnmapBuffer answers GL_TRUE when the
 contents are safe. What is mapped is what is bound: with no buffer bound there is nothing to map,
 and the call raises GL_INVALID_OPERATION (0x0502); so does mapping twice, and unmapping what is not
-mapped.
+mapped. While it is mapped, no other call may touch the buffer. A mapping is for reading, for
+writing or for both; one for writing may give up what was there, so that the driver need not wait.
 
 Pixels can be written so, too. While a buffer is bound as GL_PIXEL_UNPACK_BUFFER, glTexImage2D takes
 its image from there, and its last argument is an offset into the buffer. Films and whatever else
@@ -31,7 +32,7 @@ from shaderlab import (
 )
 from shaderlab.expectations.gl_call import Object, call
 
-from ..scenes.api import answers
+from ..scenes.api import answers, errors
 from ..scenes.laws import sampled
 from ..scenes.rosette import rosette_checks, window
 
@@ -41,10 +42,22 @@ BOUND = (
     call("glBufferData", "GL_ARRAY_BUFFER", 168, None, "GL_STATIC_DRAW"),
 )
 MAP = ("glMapBuffer", "GL_ARRAY_BUFFER", "GL_WRITE_ONLY")
+ACCESS = call("glGetBufferParameteriv", "GL_ARRAY_BUFFER", "GL_BUFFER_ACCESS")
+READ, WRITE, GIVE_UP = "GL_MAP_READ_BIT", "GL_MAP_WRITE_BIT", "GL_MAP_INVALIDATE_BUFFER_BIT"
 UNMAP = ("glUnmapBuffer", "GL_ARRAY_BUFFER")
 REFUSED = "invalid_operation"
 IMAGE = {"width": 480, "height": 320, "internalformat": "GL_RGBA8", "times": 1}
 BYTES = 4 * 480 * 320
+
+
+def mapped_for(access):
+    """The buffer mapped for reading, for writing or for both."""
+    return (*BOUND, call("glMapBuffer", "GL_ARRAY_BUFFER", access))
+
+
+def part(length, *bits):
+    """The first bytes of the buffer, mapped."""
+    return call("glMapBufferRange", "GL_ARRAY_BUFFER", 0, length, " | ".join(bits))
 
 
 def julia():
@@ -69,6 +82,7 @@ def shown(name, upload):
     )
 
 
+WRITTEN = call("glBufferSubData", "GL_ARRAY_BUFFER", 0, 4, bytes(4))
 SIZE = call("glGetBufferParameteriv", "GL_ARRAY_BUFFER", "GL_BUFFER_SIZE")
 
 case = Case(
@@ -98,6 +112,20 @@ case = Case(
         gl_call(*UNMAP, before=(*BOUND, call(*MAP)), returns="GL_TRUE", name="unmap"),
         gl_call(*UNMAP, before=BOUND, raises=REFUSED, name="unmap what is not mapped"),
         *answers({"size of the buffer": (SIZE, 168, BOUND)}),
+        *answers(
+            {
+                f"mapped, {word}": (ACCESS, f"GL_{word}", mapped_for(f"GL_{word}"))
+                for word in ("READ_ONLY", "WRITE_ONLY", "READ_WRITE")
+            }
+        ),
+        *errors(
+            {
+                "written to while it is mapped": (WRITTEN, REFUSED, mapped_for("GL_READ_WRITE")),
+                "given up and read": (part(168, READ, GIVE_UP), REFUSED, BOUND),
+                "given up and written": (part(168, WRITE, GIVE_UP), "no_error", BOUND),
+                "past the end of the buffer": (part(172, WRITE), "invalid_value", BOUND),
+            }
+        ),
         attribute_layout({"aPos": (0, 12), "aColor": (84, 12)}, name="positions, then colours"),
         *rosette_checks(),
     ],

@@ -11,7 +11,9 @@ STATIC and DYNAMIC. All were made empty and written to afterwards.
 """
 
 from shaderlab import Case, Erratum, Output, attribute_layout, coverage, exact, gl_calls
+from shaderlab.expectations.gl_call import Object, call
 
+from ..scenes.api import answers
 from ..scenes.draws import drawn
 from ..scenes.figures import each_draw
 from ..scenes.panels import cell, picture
@@ -33,6 +35,18 @@ def alone(usage):
     return picture([hinted(usage)], (128, 128), usage, clear=PAPER)
 
 
+def written(usage, times):
+    """A buffer of four bytes, made with a hint and written to so many times."""
+    target = "GL_ARRAY_BUFFER"
+    return (
+        call("glBindBuffer", target, Object("buffer")),
+        call("glBufferData", target, 4, None, f"GL_{usage.upper()}"),
+        *(call("glBufferSubData", target, 0, 4, bytes([k] * 4)) for k in range(1, times + 1)),
+    )
+
+
+TIMES = {"stream": 1, "static": 1, "dynamic": 3}
+WRITTEN = {"stream": "written once", "static": "written once", "dynamic": "written thrice"}
 ALL = [hinted(usage, cell(place, 3, 3)) for place, usage in enumerate(USAGES)]
 
 case = Case(
@@ -63,6 +77,17 @@ case = Case(
                 name=f"{usage.upper()} is what the driver is told",
             )
             for usage in USAGES
+        ),
+        *answers(
+            {
+                f"{usage.upper()}: {WRITTEN[often]}, the last write is what is there": (
+                    call("glGetBufferSubData", "GL_ARRAY_BUFFER", 0, 4),
+                    (TIMES[often],) * 4,
+                    written(usage, TIMES[often]),
+                )
+                for usage in USAGES
+                for often in [usage.partition("_")[0]]
+            }
         ),
         *(
             exact(f"{usage}.FragColor", Output("stream_draw.FragColor"), name=usage.upper())
