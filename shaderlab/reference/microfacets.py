@@ -116,13 +116,15 @@ def fresnel(cosine: Value, f0: Value) -> Value:
     >>> print(f"{fresnel(1.0, 0.04):.6f} {fresnel(0.5, 0.04):.6f} {fresnel(0.0, 0.04):.6f}")
     0.040000 0.070000 1.000000
     """
-    rest = 1.0 - cosine
-    squared = rest * rest
-    return f0 + (1.0 - f0) * (squared * squared * rest)
+    grazing = 1.0 - cosine
+    grazing2 = grazing * grazing
+    return f0 + (1.0 - f0) * (grazing2 * grazing2 * grazing)
 
 
 def base_reflectance(albedo: Value, metallic: Value) -> Value:
     """f0: 0.04 for dielectrics, the albedo for metals.
+
+    0.04 is ((n − 1) / (n + 1))² for an index of 1.5; glass of 1.52 has 0.0426.
 
     >>> float(base_reflectance(0.9, 0.0)), float(base_reflectance(0.9, 1.0))
     (0.04, 0.9)

@@ -82,6 +82,21 @@ def test_every_shader_is_used() -> None:
     assert there - used == set()
 
 
+@pytest.mark.parametrize(
+    ("law", "file"),
+    [
+        ("light.quadratic * (distance", "attenuation.glsl"),
+        ("theta - light.outerCutOff", "spotlight.glsl"),
+        ("reflect(-lightDir", "reflection.glsl"),
+        ("normalize(lightDir + viewDir)", "reflection.glsl"),
+    ],
+)
+def test_a_law_of_light_stands_in_one_shader(law: str, file: str) -> None:
+    files = [path for path in data_folder("shaders").rglob("*") if path.is_file()]
+    texts = {path: path.read_bytes().decode("utf-8", "replace") for path in files}
+    assert {path.name for path, text in texts.items() if law in text} == {file}
+
+
 def test_every_shader_says_its_version_and_has_one_main() -> None:
     root = data_folder("shaders")
     for path in root.rglob("*"):
