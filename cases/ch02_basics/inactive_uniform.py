@@ -11,7 +11,7 @@ brighter. In the third the right one, `unused`, was turned instead, all the way,
 as in the first, to the bit.
 """
 
-from shaderlab import Case, Output, boundaries, exact, formula, gl_call, gl_calls, inactive_uniforms
+from shaderlab import Case, Output, boundaries, exact, formula, gl_call, inactive_uniforms
 from shaderlab.expectations.gl_call import Location, Program, call
 from shaderlab.glslmath import (
     abs,
@@ -34,7 +34,7 @@ from shaderlab.glslmath import (
 )
 from shaderlab.sampling import texelFetch
 
-from ..scenes.api import answers
+from ..scenes.api import answers, sent
 from ..scenes.drawing import encoded
 from ..scenes.figures import each_draw, figure
 from ..scenes.laws import opaque
@@ -45,6 +45,7 @@ SETTINGS = {"first": (0.35, 0.2), "strength-turned": (0.9, 0.2), "unused-turned"
 
 LIT = Program("first")
 MISSPELT = call("glGetUniformLocation", LIT, "strenght")
+UNSET = {"location": -1}
 HALF = {"strength": 0.5, "tint": (1.0, 0.5, 0.25)}
 
 
@@ -119,19 +120,16 @@ case = Case(
             for k in range(3)
         ),
         inactive_uniforms("unused", "neverAsked", pass_name="first", name="location −1"),
-        *(
-            gl_calls(
-                function,
-                location=-1,
-                value=sent,
-                times=1,
-                pass_name="unused-turned",
-                name=f"{name} is set all the same",
-            )
-            for name, function, sent in (
-                ("unused", "glUniform1fv", "[1]"),
-                ("neverAsked", "glUniform2fv", "[1 1]"),
-            )
+        *sent(
+            "unused-turned",
+            {
+                "unused is set all the same": ("glUniform1fv", 1, {**UNSET, "value": "[1]"}),
+                "neverAsked is set all the same": (
+                    "glUniform2fv",
+                    1,
+                    {**UNSET, "value": "[1 1]"},
+                ),
+            },
         ),
         gl_call("glUniform1f", Location("unused", LIT), 1.0, name="which raises no error"),
         *answers({"a misspelt name is nowhere, too": (MISSPELT, -1)}),

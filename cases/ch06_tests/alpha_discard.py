@@ -56,8 +56,7 @@ def leaf(threshold, depth, box):
 
 
 def bunches(name, by):
-    """Five leaves twice, the nearest first, `by` times as large as judged: on the left their
-    corners hide others, on the right they are cut out."""
+    """Leaves whose corners hide others on the left, cut out on the right; `by` times as large."""
     draws = [
         leaf(threshold, 0.1 + 0.1 * k, (by * x, by * (2 + 8 * (k * 2 % 3)), by * 38, by * 60))
         for left, threshold in ((0, 0.0), (108, THRESHOLD))

@@ -13,34 +13,21 @@ the buffer itself: strips of it that run from 2 % before a distance to 2 % behin
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Depth,
-    Erratum,
-    Mesh,
-    Pass,
-    Target,
-    across,
-    assets,
-    formula,
-    measure,
-    reading,
-    up,
-)
+from shaderlab import Case, Depth, Erratum, across, assets, formula, measure, reading, up
 from shaderlab.glslmath import abs, floor, min, mix, mod, mul, pow, swizzle, vec3, vec4, where
 from shaderlab.reference.depth import depth_step, window_depth
 from shaderlab.reference.transforms import perspective
 
 from ..scenes.draws import tested
 from ..scenes.figures import each_draw, figure, figures, results
-from ..scenes.panels import cell, enlarged, enlarged_check, panel
+from ..scenes.panels import cell, enlarged, enlarged_check, panel, picture
 
 FAR = 100.0
 NEARS = {"n = 0.1": 0.1, "n = 1": 1.0}
 PLACES = (2.0, 5.0, 10.0, 20.0, 50.0, 90.0)
 AROUND = 0.02  # of the distance, to either side
 WIDTH = 512
-SQUARE = Mesh(**assets.quad(2.0)).only("aPos")
+SQUARE = assets.quad(2.0)
 # No pixel of the judged chart lies on these.
 LINES = {"the line at z = 1": 0.0, "the line at z = 10": 1.0, "just inside a line": 0.00398}
 
@@ -54,24 +41,17 @@ def chart(row, near):
 
 def strip(row, near):
     """A strip of the depth buffer around one distance."""
-    uniforms = {
-        "projection": perspective(1.0, 1.0, near, FAR),
-        "middle": PLACES[row],
-        "slope": AROUND * PLACES[row],
-        "near": near,
-        "far": FAR,
-    }
-    state = {"depth": Depth(func="always"), "cell": cell(row, 1, len(PLACES))}
-    return tested("ch06_tests/depth_strip", SQUARE, uniforms, **state)
+    planes = {"projection": perspective(1.0, 1.0, near, FAR), "near": near, "far": FAR}
+    uniforms = {**planes, "middle": PLACES[row], "slope": AROUND * PLACES[row]}
+    place = cell(row, 1, len(PLACES))
+    state = {"depth": Depth(func="always"), "only": ("aPos",)}
+    return tested("ch06_tests/depth_strip", SQUARE, uniforms, cell=place, **state)
 
 
 def strips(name, near):
     """The depth buffer around all places."""
-    return Pass(
-        name=name,
-        target=Target(size=(WIDTH, 2 * len(PLACES)), depth="depth24"),
-        draws=tuple(strip(row, near) for row in range(len(PLACES))),
-    )
+    draws = (strip(row, near) for row in range(len(PLACES)))
+    return picture(draws, (WIDTH, 2 * len(PLACES)), name, depth="depth24")
 
 
 def charted(decade, near, far):

@@ -114,56 +114,36 @@ def in_other_colors(color, winner):
     return np.count_nonzero((color != wanted).any(axis=-1))
 
 
+def equal_codes(gap, near, bits, middles, slant):
+    """The share of equal codes of walls at these distances, less and more what rounding may do."""
+    slack = ROUNDED[bits] * step(near, bits)
+    for error in (slack, -slack):
+        walls = [same_code_share(gap + error, z, slant, near, FAR, bits) for z in middles]
+        yield np.mean(walls)
+
+
 def allowed(near, bits, gap):
     """The share of equal codes, with what rounding may add or take away."""
     if gap < 0.001 * step(near, bits):
         return (1.0, 1.0)
-    slack = ROUNDED[bits] * step(near, bits)
     # What is counted begins where the wall in front is cut.
     middle, slant = MIDDLE + SLANT * (1.0 + CUT) / 2.0, SLANT * (1.0 - CUT) / 2.0
-    low, high = (
-        same_code_share(gap + error, middle, slant, near, FAR, bits) for error in (slack, -slack)
-    )
+    low, high = equal_codes(gap, near, bits, [middle], slant)
     return (max(low - CHANCE, 0.0), min(high + CHANCE, 1.0))
 
 
 def allowed_in_picture():
     """The same of the picture's first panel, whose walls also slant upward by RISE."""
-    slack = ROUNDED[16] * step(0.01, 16)
-    middle, slant = MIDDLE + SLANT * (0.9 - 0.8) / 2.0, SLANT * (0.9 + 0.8) / 2.0
-    return tuple(
-        np.mean(
-            [
-                same_code_share(GAP + error, middle + RISE * y, slant, 0.01, FAR, 16)
-                for y in np.linspace(-0.9, 0.9, 19)
-            ]
-        )
-        for error in (slack, -slack)
-    )
+    middles = MIDDLE + SLANT * (0.9 - 0.8) / 2.0 + RISE * np.linspace(-0.9, 0.9, 19)
+    return tuple(equal_codes(GAP, 0.01, 16, middles, SLANT * (0.9 + 0.8) / 2.0))
 
 
-def curve(format, near):
-    """Readings over the distance of the walls, for one depth format and near plane."""
-    bits = BITS[format]
-    for row, gap in enumerate(gaps(near, bits)):
-        yield reading(
-            gap,
-            reads={"winner": f"{name_of(format, near)}.winner"},
-            given={"row": float(row)},
-            between=allowed(near, bits, gap),
-            series=f"{format}, n = {near:g}",
-        )
-
-
-def mended(format):
-    """Readings with a polygon offset, where it is worst."""
-    for row, gap in enumerate(gaps(NEARS[0], BITS[format])):
-        yield reading(
-            gap,
-            reads={"winner": f"offset_{name_of(format, NEARS[0])}.winner"},
-            given={"row": float(row)},
-            series=format,
-        )
+def over_gaps(format, near, prefix="", **more):
+    """Readings over the distance of the walls; only those with no offset show the wall behind."""
+    for row, gap in enumerate(gaps(near, BITS[format])):
+        bound = {} if prefix else {"between": allowed(near, BITS[format], gap)}
+        winner = {"winner": f"{prefix}{name_of(format, near)}.winner"}
+        yield reading(gap, reads=winner, given={"row": float(row)}, **bound, **more)
 
 
 def clip(aPos, aGap, near, far, middle, slant, rise):
@@ -218,7 +198,7 @@ case = Case(
         measure(
             "share of wrong winners",
             wrong_winners,
-            readings=[r for format, near in ALL for r in curve(format, near)],
+            readings=[r for f, n in ALL for r in over_gaps(f, n, series=f"{f}, n = {n:g}")],
             x_label="distance of the walls",
             y_label="share of pixels that show the wall behind",
             log_x=True,
@@ -226,7 +206,8 @@ case = Case(
         measure(
             "with a polygon offset",
             wrong_winners,
-            readings=[r for format in BITS for r in mended(format)],
+            # Where it is worst.
+            readings=[r for f in BITS for r in over_gaps(f, NEARS[0], "offset_", series=f)],
             equals=0.0,
             digits=9,
             x_label="distance of the walls",

@@ -14,25 +14,13 @@ was culled the ground is seen.
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Cell,
-    Depth,
-    Draw,
-    Erratum,
-    Mesh,
-    Pass,
-    State,
-    Target,
-    assets,
-    computed,
-    exact,
-    formula,
-    mesh_pass,
-    query,
-)
+from shaderlab import Case, Depth, Erratum, Mesh, assets, exact, formula, query
 from shaderlab.glslmath import swizzle, vec4, where
 from shaderlab.reference.transforms import signed_area
+
+from ..scenes.draws import drawn
+from ..scenes.figures import results
+from ..scenes.panels import cell, picture
 
 SQUARE = Mesh(**assets.quad(1.75)).only("aPos")
 # The quad of section 2.2.7: both of its triangles run clockwise.
@@ -41,37 +29,29 @@ NOTES = Mesh(attributes={"aPos": CORNERS}, indices=np.array([0, 1, 3, 1, 2, 3]))
 CUBE = Mesh(**assets.cube()).only("aPos")
 WINDINGS, FRONTS = ("ccw", "cw"), ("ccw", "cw")
 CULLED = (None, "front", "back", "front_and_back")
-SHADERS = ("ch08_techniques/face_culling.vert", "ch08_techniques/face_culling.frag")
+SHADERS = "ch08_techniques/face_culling"
 PAPER = (0.13, 0.14, 0.17, 1.0)
 GROUND = (0.1875, 0.203125, 0.25, 1.0)
 AMBER, BLUE = (1.0, 0.625, 0.25, 1.0), (0.25, 0.5, 0.75, 1.0)
 
 
+def of(column, row):
+    """The cell of a field."""
+    return cell(4 * row + column, 4, 4)
+
+
 def field(column, row):
     """One field: a square, wound one way, with a front face and a side to be culled."""
     winding, front = divmod(row, 2)
-    return Draw(
-        vertex=SHADERS[0],
-        fragment=SHADERS[1],
-        mesh=SQUARE,
-        uniforms={"turned": bool(winding)},
-        state=State(
-            cull=CULLED[column],
-            front_face=FRONTS[front],
-            cell=Cell(column=column, row=row, columns=4, rows=4),
-        ),
-    )
+    state = {"cull": CULLED[column], "front_face": FRONTS[front]}
+    return drawn(SHADERS, SQUARE, {"turned": bool(winding)}, cell=of(column, row), **state)
 
 
 def ground(column, row):
     """What a field shows where its square was culled."""
-    return Draw(
-        vertex="ch08_techniques/framebuffer_renderbuffer.vert",
-        fragment="ch08_techniques/framebuffer_renderbuffer.frag",
-        mesh=SQUARE,
-        uniforms={"size": 1.0, "depth": 0.0, "color": GROUND},
-        state=State(cell=Cell(column=column, row=row, columns=4, rows=4)),
-    )
+    uniforms = {"size": 1.0, "depth": 0.0, "color": GROUND}
+    shaders = "ch08_techniques/framebuffer_renderbuffer"
+    return drawn(shaders, SQUARE, uniforms, cell=of(column, row))
 
 
 def seen(column, row):
@@ -95,20 +75,15 @@ MIDDLE = np.tile(np.asarray(PAPER), (4, 4, 1))
 MIDDLE[1:3, 1:3] = AMBER
 BEHIND = np.where(MIDDLE == AMBER, BLUE, MIDDLE)
 CUBES = ("cube, culled", "cube, tested", "cube, culled and tested")
+TABLE = [made(c, r) for made in (ground, field) for r in range(4) for c in range(4)]
 TRUTH = np.block([[[inner(c, r)] for c in range(4)] for r in range(4)])
 
 
 def whole(name, mesh, depth=None, **state):
     """One mesh over a window of its own."""
     side = 720 if mesh is NOTES else 64
-    return mesh_pass(
-        *SHADERS,
-        mesh,
-        uniforms={"turned": False},
-        target=Target(size=(side, side), clear=PAPER, depth="depth24"),
-        state=State(depth=depth, **state),
-        name=name,
-    )
+    draw = drawn(SHADERS, mesh, {"turned": False}, depth=depth, **state)
+    return picture([draw], (side, side), name, clear=PAPER, depth="depth24")
 
 
 def position(aPos, turned):
@@ -122,23 +97,21 @@ def side_color(gl_FrontFacing):
     return where(gl_FrontFacing > 0.5, vec4(*AMBER), vec4(*BLUE))
 
 
+AREA = signed_area(CORNERS[[0, 1, 3]])
+
 case = Case(
     title="Face culling",
     section="8.1",
     math=r"A = \tfrac12 \sum_i (x_i\,y_{i+1} - x_{i+1}\,y_i), \qquad "
     r"\text{counter-clockwise} \iff A > 0",
     passes=(
-        Pass(
-            name="table",
-            target=Target(size=(256, 256), clear=PAPER),
-            draws=tuple(of(c, r) for of in (ground, field) for r in range(4) for c in range(4)),
-        ),
-        *whole("back, ccw", NOTES, cull="back", front_face="ccw"),
-        *whole("back, cw", NOTES, cull="back", front_face="cw"),
-        *whole("cube", CUBE),
-        *whole("cube, culled", CUBE, cull="back"),
-        *whole("cube, culled and tested", CUBE, depth=Depth(), cull="back"),
-        *whole("cube, tested", CUBE, depth=Depth()),
+        picture(TABLE, (256, 256), "table", clear=PAPER),
+        whole("back, ccw", NOTES, cull="back", front_face="ccw"),
+        whole("back, cw", NOTES, cull="back", front_face="cw"),
+        whole("cube", CUBE),
+        whole("cube, culled", CUBE, cull="back"),
+        whole("cube, culled and tested", CUBE, depth=Depth(), cull="back"),
+        whole("cube, tested", CUBE, depth=Depth()),
     ),
     picture="table.FragColor",
     expect=[
@@ -166,13 +139,7 @@ case = Case(
             pass_name="cube, culled",
             name="fragments shaded, cube, culled",
         ),
-        computed(
-            "signed area of 0, 1, 3 of 2.2.7",
-            lambda: signed_area(CORNERS[[0, 1, 3]]),
-            equals=-0.5,
-            digits=6,
-            note="negative: clockwise",
-        ),
+        *results({"signed area of 0, 1, 3 of 2.2.7": (AREA, -0.5, "negative: clockwise")}),
     ],
     errata=[
         Erratum(

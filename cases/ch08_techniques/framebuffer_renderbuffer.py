@@ -13,87 +13,44 @@ without one: there the far square, drawn last, hides the near one.
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Cell,
-    Depth,
-    Draw,
-    Erratum,
-    Mesh,
-    Pass,
-    State,
-    Target,
-    assets,
-    exact,
-    formula,
-    gl_call,
-    gl_calls,
-)
+from shaderlab import Case, Depth, Erratum, assets, exact, formula
 from shaderlab.expectations.gl_call import Object, call
 from shaderlab.glslmath import swizzle, vec4
 
-SQUARE = Mesh(**assets.quad(2.0)).only("aPos")
+from ..scenes.api import answers, errors, limits, sent
+from ..scenes.draws import drawn
+from ..scenes.laws import unchanged
+from ..scenes.panels import cell, picture
+
+COLOR, DEPTH = "GL_COLOR_ATTACHMENT0", "GL_DEPTH_ATTACHMENT"
+ATTACHED = {"target": "GL_FRAMEBUFFER"}
 NEAR, FAR, PAPER = (1.0, 0.72, 0.30, 1.0), (0.16, 0.42, 0.55, 1.0), (0.93, 0.93, 0.92, 1.0)
-SHADERS = {
-    "vertex": "ch08_techniques/framebuffer_renderbuffer.vert",
-    "fragment": "ch08_techniques/framebuffer_renderbuffer.frag",
-}
 
 
 def squares(column, depth):
     """The near square, and then the far one, in one half of the window."""
-    cell = Cell(column=column, row=0, columns=2, rows=1)
-    return tuple(
-        Draw(
-            **SHADERS,
-            mesh=SQUARE,
-            uniforms={"size": size, "depth": z, "color": color},
-            state=State(depth=depth, cell=cell),
-        )
-        for size, z, color in ((0.5, -0.5, NEAR), (0.75, 0.5, FAR))
-    )
+    shader, square = "ch08_techniques/framebuffer_renderbuffer", assets.quad(2.0)
+    state = {"only": ("aPos",), "depth": depth, "cell": cell(column, 2)}
+    for size, z, color in ((0.5, -0.5, NEAR), (0.75, 0.5, FAR)):
+        yield drawn(shader, square, {"size": size, "depth": z, "color": color}, **state)
 
 
 def window(name, depth_format):
     """Both halves, over a renderbuffer of one depth format."""
-    target = Target(size=(512, 256), depth=depth_format, depth_storage="renderbuffer", clear=PAPER)
-    return Pass(name=name, target=target, draws=(*squares(0, Depth()), *squares(1, None)))
+    both, target = (*squares(0, Depth()), *squares(1, None)), {"depth_storage": "renderbuffer"}
+    return picture(both, (512, 256), name, depth=depth_format, clear=PAPER, **target)
 
 
 def depth_kept_in(name, word, point):
     """A pass draws with a renderbuffer of this format, made once, and with no depth texture."""
-    of_depth = {"target": "GL_FRAMEBUFFER", "attachment": point}
-    return (
-        gl_calls(
-            "glRenderbufferStorage",
-            internalformat=word,
-            width=512,
-            height=256,
-            times=1,
-            pass_name=name,
-            name=f"{name}: memory for one renderbuffer",
-        ),
-        gl_calls(
-            "glFramebufferRenderbuffer",
-            **of_depth,
-            times=1,
-            pass_name=name,
-            name=f"{name}: it is attached",
-        ),
-        gl_calls(
-            "glFramebufferTexture2D",
-            attachment="GL_COLOR_ATTACHMENT0",
-            times=1,
-            pass_name=name,
-            name=f"{name}: the colour is a texture",
-        ),
-        gl_calls(
-            "glFramebufferTexture2D",
-            times=1,
-            pass_name=name,
-            name=f"{name}: and nothing else is",
-        ),
-    )
+    storage = {"internalformat": word, "width": 512, "height": 256}
+    rows = {
+        "memory for one renderbuffer": ("glRenderbufferStorage", 1, storage),
+        "it is attached": ("glFramebufferRenderbuffer", 1, {**ATTACHED, "attachment": point}),
+        "the colour is a texture": ("glFramebufferTexture2D", 1, {"attachment": COLOR}),
+        "and nothing else is": ("glFramebufferTexture2D", 1),
+    }
+    return sent(name, {f"{name}: {what}": row for what, row in rows.items()})
 
 
 def half(tested):
@@ -110,15 +67,9 @@ def placed(aPos, size, depth):
     return vec4(swizzle(aPos, "xy") * size, depth, 1.0)
 
 
-def plain(color):
-    """One colour."""
-    return color
-
-
 FRAMEBUFFER = Object("framebuffer")
-BIND = call("glBindFramebuffer", "GL_FRAMEBUFFER", FRAMEBUFFER)
+BIND = (call("glBindFramebuffer", "GL_FRAMEBUFFER", FRAMEBUFFER),)
 NO_COLOR = (call("glDrawBuffer", "GL_NONE"), call("glReadBuffer", "GL_NONE"))
-COLOR, DEPTH = "GL_COLOR_ATTACHMENT0", "GL_DEPTH_ATTACHMENT"
 
 
 def renderbuffer(label, point, word, size=(64, 64), samples=0):
@@ -134,14 +85,17 @@ def renderbuffer(label, point, word, size=(64, 64), samples=0):
 
 def status(name, answer, *steps):
     """What glCheckFramebufferStatus says of a framebuffer with these attachments."""
-    return gl_call(
-        "glCheckFramebufferStatus",
-        "GL_FRAMEBUFFER",
-        before=(BIND, *(step for some in steps for step in some)),
-        returns=f"GL_FRAMEBUFFER_{answer}",
-        name=name,
-    )
+    asked, complete = call("glCheckFramebufferStatus", "GL_FRAMEBUFFER"), f"GL_FRAMEBUFFER_{answer}"
+    return answers({name: (asked, complete, BIND, *steps)})
 
+
+REFUSED = "invalid_operation"
+RENDERBUFFER = Object("renderbuffer")
+BOUND = (*BIND, call("glBindRenderbuffer", "GL_RENDERBUFFER", RENDERBUFFER))
+AS_TEXTURE = ("GL_FRAMEBUFFER", DEPTH, "GL_TEXTURE_2D", RENDERBUFFER, 0)
+STORAGE = call("glRenderbufferStorage", "GL_RENDERBUFFER", "GL_RGBA8", 64, 64)
+NOT_SAMPLED = "no unit takes a renderbuffer: it can't be sampled"
+HALVES = np.concatenate([half(True), half(False)], axis=1)
 
 case = Case(
     title="Renderbuffers and completeness",
@@ -151,82 +105,52 @@ case = Case(
     passes=(window("tested", "depth24_stencil8"), window("24 bits", "depth24")),
     picture="tested.FragColor",
     expect=[
-        exact(
-            "tested.FragColor",
-            np.concatenate([half(True), half(False)], axis=1),
-            name="with and without the depth test",
-        ),
-        exact(
-            "24 bits.FragColor",
-            np.concatenate([half(True), half(False)], axis=1),
-            name="depth alone does as well as depth and stencil",
-        ),
+        exact("tested.FragColor", HALVES, name="with and without the depth test"),
+        exact("24 bits.FragColor", HALVES, name="depth alone does as well as depth and stencil"),
         *depth_kept_in("tested", "GL_DEPTH24_STENCIL8", "GL_DEPTH_STENCIL_ATTACHMENT"),
         *depth_kept_in("24 bits", "GL_DEPTH_COMPONENT24", "GL_DEPTH_ATTACHMENT"),
-        gl_call(
-            "glBindTexture",
-            "GL_RENDERBUFFER",
-            1,
-            raises="invalid_enum",
-            name="no unit takes a renderbuffer: it can't be sampled",
+        *errors(
+            {
+                NOT_SAMPLED: (call("glBindTexture", "GL_RENDERBUFFER", 1), "invalid_enum"),
+                "nor does its name stand for a texture": (
+                    call("glFramebufferTexture2D", *AS_TEXTURE),
+                    REFUSED,
+                    BOUND,
+                ),
+            }
         ),
-        gl_call(
-            "glFramebufferTexture2D",
-            "GL_FRAMEBUFFER",
-            DEPTH,
-            "GL_TEXTURE_2D",
-            Object("renderbuffer"),
-            0,
-            before=(BIND, call("glBindRenderbuffer", "GL_RENDERBUFFER", Object("renderbuffer"))),
-            raises="invalid_operation",
-            name="nor does its name stand for a texture",
-        ),
-        gl_call(
-            "glGetIntegerv",
-            "GL_MAX_COLOR_ATTACHMENTS",
-            at_least=8,
-            name="a framebuffer takes eight colours or more",
-        ),
-        gl_call(
-            "glGetIntegerv",
-            "GL_MAX_DRAW_BUFFERS",
-            at_least=8,
-            name="and draws into eight at once or more",
+        *limits(
+            {
+                "a framebuffer takes eight colours or more": ("GL_MAX_COLOR_ATTACHMENTS", 8),
+                "and draws into eight at once or more": ("GL_MAX_DRAW_BUFFERS", 8),
+            }
         ),
         formula("tested.gl_Position", placed, draw=0, name="the near square"),
         formula("tested.gl_Position", placed, draw=1, name="the far square"),
-        formula("tested.FragColor", plain, draw=0, name="colour"),
-        status("nothing attached", "INCOMPLETE_MISSING_ATTACHMENT"),
-        status("colour alone", "COMPLETE", renderbuffer("a", COLOR, "GL_RGBA8")),
-        status(
+        formula("tested.FragColor", unchanged("color"), draw=0, name="colour"),
+        *status("nothing attached", "INCOMPLETE_MISSING_ATTACHMENT"),
+        *status("colour alone", "COMPLETE", renderbuffer("a", COLOR, "GL_RGBA8")),
+        *status(
             "depth alone", "COMPLETE", renderbuffer("a", DEPTH, "GL_DEPTH_COMPONENT24"), NO_COLOR
         ),
-        status(
+        *status(
             "colour, depth and stencil",
             "COMPLETE",
             renderbuffer("a", COLOR, "GL_RGBA8"),
             renderbuffer("b", "GL_DEPTH_STENCIL_ATTACHMENT", "GL_DEPTH24_STENCIL8"),
         ),
-        status(
+        *status(
             "sizes differ",
             "COMPLETE",
             renderbuffer("a", COLOR, "GL_RGBA8", size=(64, 64)),
             renderbuffer("b", DEPTH, "GL_DEPTH_COMPONENT24", size=(32, 48)),
         ),
-        status(
+        *status(
             "depth where colour belongs",
             "INCOMPLETE_ATTACHMENT",
             renderbuffer("a", COLOR, "GL_DEPTH_COMPONENT24"),
         ),
-        gl_call(
-            "glRenderbufferStorage",
-            "GL_RENDERBUFFER",
-            "GL_RGBA8",
-            64,
-            64,
-            raises="invalid_operation",
-            name="storage with renderbuffer 0 bound: 0x0502",
-        ),
+        *errors({"storage with renderbuffer 0 bound: 0x0502": (STORAGE, REFUSED)}),
     ],
     errata=[
         Erratum(

@@ -10,30 +10,20 @@ Look at: four cubes, four programs, one buffer for the matrices and one for the 
 has gaps: a float, a vec3, three floats, a vec3 and a mat2 take 56 bytes, and lie in 128.
 """
 
+from dataclasses import replace
 from math import radians
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Depth,
-    Draw,
-    Mesh,
-    Pass,
-    State,
-    Target,
-    UniformBuffer,
-    assets,
-    block_layout,
-    formula,
-    gl_calls,
-    measure,
-    query,
-    value,
-)
+from shaderlab import Case, UniformBuffer, assets, block_layout, formula, gl_calls, measure, query
 from shaderlab.glslmath import dot, max, mul, normalize, sqrt, swizzle, vec2, vec3, vec4
 from shaderlab.reference.rasterisation import samples_passed
 from shaderlab.reference.transforms import clip_position, look_at, perspective, rotate, translate
+
+from ..scenes.draws import tested
+from ..scenes.figures import figure, figures
+from ..scenes.laws import unchanged
+from ..scenes.panels import picture
 
 PAPER = (0.13, 0.14, 0.17, 1.0)
 PROJECTION = perspective(radians(38.0), 1.0, 0.1, 20.0)
@@ -55,7 +45,8 @@ COLORS = {
     "blue": (0.12, 0.30, 0.78),
 }
 PLACES = ((-0.75, 0.75), (0.75, 0.75), (-0.75, -0.75), (0.75, -0.75))
-CUBE = Mesh(**assets.cube()).only("aPos", "aNormal")
+CUBE = assets.cube()
+OFFSETS = {"projection": 0, "view": 64}
 SIDE = 64  # at which targets without a size are judged
 
 
@@ -66,19 +57,10 @@ def standing(place):
 
 def cube(color, place):
     """A cube of one colour, with the program for that colour."""
-    return Draw(
-        vertex="ch08_techniques/uniform_buffer.vert",
-        fragment=f"ch08_techniques/uniform_buffer_{color}.frag",
-        mesh=CUBE,
-        uniforms={"model": standing(place)},
-        blocks={"Matrices": MATRICES, "Lights": LIGHTS},
-        state=State(depth=Depth()),
-    )
-
-
-def handed_on(aNormal):
-    """A normal, as it is."""
-    return aNormal
+    stages = ("uniform_buffer.vert", f"uniform_buffer_{color}.frag")
+    shaders, uniforms = (f"ch08_techniques/{name}" for name in stages), {"model": standing(place)}
+    draw = tested(tuple(shaders), CUBE, uniforms, only=("aPos", "aNormal"))
+    return replace(draw, blocks={"Matrices": MATRICES, "Lights": LIGHTS})
 
 
 def lit(color):
@@ -99,8 +81,8 @@ def lit(color):
 
 def in_front():
     """How many samples of each cube pass the depth test, at least and at most."""
-    corners = np.column_stack([CUBE.attributes["aPos"], np.ones(len(CUBE.attributes["aPos"]))])
-    triangles = np.asarray(CUBE.indices).reshape(-1, 3)
+    places, triangles = CUBE["attributes"]["aPos"], CUBE["indices"].reshape(-1, 3)
+    corners = np.column_stack([places, np.ones(len(places))])
     clip = [corners @ (PROJECTION @ VIEW @ standing(place)).T for place in PLACES]
     return samples_passed([c[triangles] for c in clip], (SIDE, SIDE))
 
@@ -110,35 +92,24 @@ def seen_from_the_eye(color, draw):
 
     The eye is √34.44 from the origin, and looks at it.
     """
-    return tuple(
-        value(
-            "gl_Position",
-            at={"aPos": point, "model": np.eye(4)},
-            equals=equals,
-            digits=6,
-            reference=clip_position,
-            draw=draw,
-            name=f"{color}: {what}",
-        )
-        for what, point, equals in (
-            ("the origin lies straight ahead", (0.0, 0.0, 0.0), (0.0, 0.0, 5.726536, 5.868560)),
-            ("the eye itself has w = 0", (1.6, 2.2, 5.2), (0.0, 0.0, -0.201005, 0.0)),
-            ("one step to the right", (1.0, 0.0, 0.0), (2.775784, -0.320179, 5.451156, 5.595921)),
-        )
-    )
+    right = (2.775784, -0.320179, 5.451156, 5.595921)
+    rows = {
+        "the origin lies straight ahead": ((0.0, 0.0, 0.0), (0.0, 0.0, 5.726536, 5.868560)),
+        "the eye itself has w = 0": ((1.6, 2.2, 5.2), (0.0, 0.0, -0.201005, 0.0)),
+        "one step to the right": ((1.0, 0.0, 0.0), right),
+    }
+    named = {
+        f"{color}: {what}": ({"aPos": point, "model": np.eye(4)}, found)
+        for what, (point, found) in rows.items()
+    }
+    return figures("gl_Position", named, reference=clip_position, draw=draw)
 
 
 def from_below(color, draw, equals):
     """One colour with a normal that is long, slanting and looks down."""
-    return value(
-        "FragColor",
-        at={"Normal": (1.0, -1.0, 2.0)},
-        equals=(*equals, 1.0),
-        digits=6,
-        reference=lit(COLORS[color]),
-        draw=draw,
-        name=f"{color}, from below",
-    )
+    at, shaded = {"Normal": (1.0, -1.0, 2.0)}, lit(COLORS[color])
+    name = f"{color}, from below"
+    return figure("FragColor", name, at, (*equals, 1.0), reference=shaded, draw=draw)
 
 
 def off_paper(FragColor):
@@ -146,26 +117,19 @@ def off_paper(FragColor):
     return np.abs(FragColor[:: SIDE - 1, :: SIDE - 1] - PAPER).max()
 
 
+CUBES = [cube(color, place) for color, place in zip(COLORS, PLACES, strict=True)]
+GREEN, ABOVE = lit(COLORS["green"]), {"Normal": (1.0, 2.0, 2.0)}
+SEEN = (0.431432, 0.715705, 0.449793, 1.0)
+
 case = Case(
     title="Uniform buffers",
     section="8.4",
     math=r"o_{i+1} = \left\lceil \frac{o_i + s_i}{a_{i+1}} \right\rceil a_{i+1}, \qquad "
     r"a(\mathtt{float}) = 4,\; a(\mathtt{vec3}) = a(\mathtt{mat4}) = 16",
-    passes=(
-        Pass(
-            target=Target(depth="depth24", clear=PAPER),
-            draws=tuple(cube(c, p) for c, p in zip(COLORS, PLACES, strict=True)),
-        ),
-    ),
+    passes=(picture(CUBES, None, "main", depth="depth24", clear=PAPER),),
     expect=[
         *(
-            block_layout(
-                "Matrices",
-                {"projection": 0, "view": 64},
-                size=128,
-                draw=k,
-                name=f"Matrices, {color}",
-            )
+            block_layout("Matrices", OFFSETS, size=128, draw=k, name=f"Matrices, {color}")
             for k, color in enumerate(COLORS)
         ),
         *(
@@ -177,11 +141,7 @@ case = Case(
             )
         ),
         gl_calls("glBufferData", times=14, name="and nothing else"),
-        measure(
-            "the paper around the cubes",
-            off_paper,
-            at_most=2.0**-24,
-        ),
+        measure("the paper around the cubes", off_paper, at_most=2.0**-24),
         *(
             gl_calls(
                 "glBindBufferRange",
@@ -203,7 +163,7 @@ case = Case(
             for k, (color, rgb) in enumerate(COLORS.items())
             for expectation in (
                 formula("gl_Position", clip_position, draw=k, name=f"{color}: clip coordinates"),
-                formula("Normal", handed_on, draw=k, name=f"{color}: normals"),
+                formula("Normal", unchanged("aNormal"), draw=k, name=f"{color}: normals"),
                 formula("FragColor", lit(rgb), draw=k, name=f"{color}: colour"),
             )
         ),
@@ -219,15 +179,7 @@ case = Case(
         ),
         *(e for k, color in enumerate(COLORS) for e in seen_from_the_eye(color, k)),
         from_below("red", 0, (0.558082, 0.252540, 0.269777)),
-        value(
-            "FragColor",
-            at={"Normal": (1.0, 2.0, 2.0)},
-            equals=(0.431432, 0.715705, 0.449793, 1.0),
-            digits=6,
-            reference=lit(COLORS["green"]),
-            draw=1,
-            name="green, from above",
-        ),
+        figure("FragColor", "green, from above", ABOVE, SEEN, reference=GREEN, draw=1),
         from_below("blue", 3, (0.224028, 0.345804, 0.581675)),
     ],
 )

@@ -15,25 +15,14 @@ bounces at other times.
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Mesh,
-    Output,
-    Pixel,
-    Target,
-    computed,
-    exact,
-    fullscreen,
-    up,
-    value,
-)
+from shaderlab import Case, Mesh, Output, Pixel, exact, up
 from shaderlab.glslmath import length, swizzle, vec2, vec3, vec4, where
 from shaderlab.sampling import texelFetch
 
 from ..scenes.drawing import encoded
 from ..scenes.draws import tested
-from ..scenes.figures import each_draw
-from ..scenes.panels import cell, enlarged_check, panel, picture
+from ..scenes.figures import each_draw, figure, results
+from ..scenes.panels import cell, enlarged_check, panel, panel_pass, picture
 
 FRAMES = 64
 STEP = 1.0 / 64.0
@@ -76,13 +65,8 @@ def states(durations, fixed):
 def run(name):
     """One pixel for each frame of a run."""
     durations, fixed = RUNS[name]
-    return fullscreen(
-        "ch11_window/fixed_timestep.frag",
-        name=name,
-        domain={},
-        uniforms={"durations": durations, "fixedSteps": fixed, "dt": STEP},
-        target=Target(size=(FRAMES, 1)),
-    )
+    uniforms = {"durations": durations, "fixedSteps": fixed, "dt": STEP}
+    return panel_pass(name, "ch11_window/fixed_timestep.frag", {}, uniforms, size=(FRAMES, 1))
 
 
 def dots(name, hue, size, place, ticks=False):
@@ -165,7 +149,7 @@ case = Case(
     math=r"v_{k+1} = v_k - g\,\Delta t, \qquad y_{k+1} = y_k + v_{k+1}\,\Delta t, \qquad "
     r"k = \lfloor t / \Delta t \rfloor",
     passes=(
-        *(p for name in RUNS for p in run(name)),
+        *map(run, RUNS),
         strips("picture", (600, 360), 3.0),
         strips("small", (200, 120), 1.0),
     ),
@@ -196,30 +180,16 @@ case = Case(
             )
             for name in RUNS
         ),
-        *(
-            computed(
-                f"what the {name} run loses in float32",
-                lambda name=name: rounded(name),
-                equals=0.0,
-                digits=12,
-            )
-            for name in RUNS
+        *results(
+            {f"what the {name} run loses in float32": (rounded(name), 0.0) for name in RUNS},
+            digits=12,
         ),
-        computed(
-            "common times, and the largest difference there",
-            at_common_times,
-            equals=(8.0, 0.0),
-            digits=6,
-        ),
+        *results({"common times, and the largest difference there": (at_common_times, (8.0, 0.0))}),
         *(
-            value(
-                f"{name}.state",
-                at=Pixel(FRAMES - 1, 0),
-                equals=AFTER[name],
-                digits=6,
-                name=f"the {name} run after two seconds",
+            figure(
+                f"{name}.state", f"the {name} run after two seconds", Pixel(FRAMES - 1, 0), after
             )
-            for name in RUNS
+            for name, after in AFTER.items()
         ),
     ],
 )

@@ -17,27 +17,16 @@ from pathlib import Path
 
 import numpy as np
 
-from shaderlab import (
-    Blend,
-    Case,
-    Mesh,
-    Output,
-    State,
-    Target,
-    assets,
-    coverage,
-    exact,
-    formula,
-    measure,
-    mesh_pass,
-    sweep,
-)
+from shaderlab import Blend, Case, Mesh, Output, assets, coverage, exact, formula, measure, sweep
 from shaderlab.glslmath import dot, max, mix, mul, swizzle, vec3, vec4
 from shaderlab.reference.transforms import look_at, perspective
 
 from ..scenes.broken_files import broken_files
 from ..scenes.discs import add_discs
+from ..scenes.draws import drawn
 from ..scenes.figures import figure, results
+from ..scenes.laws import unchanged
+from ..scenes.panels import picture
 
 DROP, CHECK = "leave such points out with drop_invalid=True", "check the path and its spelling"
 FOLDER = Path(__file__).parent / "point_cloud"
@@ -64,25 +53,20 @@ def stars(encoding):
     return Mesh(attributes=attributes, primitive="points")
 
 
-def drawn(
+def points(
     name, mesh, size, scale, view=VIEW, projection=PROJECTION, fragment="point_cloud.frag", **state
 ):
     """One pass of points; `scale` is a point's diameter at distance 1."""
-    return mesh_pass(
-        "ch14_point_clouds/point_cloud.vert",
-        f"ch14_point_clouds/{fragment}",
-        mesh,
-        name=name,
-        uniforms={"view": view, "projection": projection, "pointScale": scale},
-        target=Target(size=size, depth="depth24", clear=NIGHT),
-        state=State(point_size="program", **state),
-    )
+    shaders = ("ch14_point_clouds/point_cloud.vert", f"ch14_point_clouds/{fragment}")
+    uniforms = {"view": view, "projection": projection, "pointScale": scale}
+    draw = drawn(shaders, mesh, uniforms, point_size="program", **state)
+    return picture([draw], size, name, depth="depth24", clear=NIGHT)
 
 
 def judged(name, encoding):
     """A small picture of one file, its stars in the order of the file."""
     later = Mesh.later(lambda: stars(encoding))
-    return drawn(name, later, (96, 64), 9.0)
+    return points(name, later, (96, 64), 9.0)
 
 
 # Three points on the corners of pixels, at distances 1, 2 and 4: 16, 8 and 4 pixels wide.
@@ -108,11 +92,6 @@ def clip(aPos, view, projection):
 def width(aPos, view, projection, pointScale):
     """A point's diameter: in inverse proportion to clip w."""
     return pointScale / swizzle(clip(aPos, view, projection), "w")
-
-
-def handed_on(aWarmth):
-    """How warm a star's light is, from 0 to 1."""
-    return aWarmth
 
 
 def star(warmth, gl_PointCoord):
@@ -156,16 +135,16 @@ case = Case(
     section="14",
     math=r"\text{gl\_PointSize} = \frac{s}{w_{\text{clip}}}",
     passes=(
-        *drawn(
+        points(
             "picture",
             Mesh.later(lambda: stars("binary")),
             (960, 640),
             LARGE,
             blend=Blend(source="one", destination="one"),
         ),
-        *judged("ascii", "ascii"),
-        *judged("compressed", "compressed"),
-        *drawn(
+        judged("ascii", "ascii"),
+        judged("compressed", "compressed"),
+        points(
             "ruler",
             RULER,
             (64, 64),
@@ -174,7 +153,7 @@ case = Case(
             projection=perspective(radians(90.0), 1.0, 0.1, 10.0),
             fragment="point_square.frag",
         ),
-        *judged("judged", "binary"),
+        judged("judged", "binary"),
     ),
     picture="picture.FragColor",
     expect=[
@@ -204,9 +183,9 @@ case = Case(
         formula("gl_Position", clip),
         formula("diameter", width),
         formula("gl_PointSize", width),
-        formula("warmth", handed_on),
+        formula("warmth", unchanged("aWarmth")),
         formula("FragColor", star),
-        formula("ruler.warmth", handed_on, name="the ruler's warmth"),
+        formula("ruler.warmth", unchanged("aWarmth"), name="the ruler's warmth"),
         formula("ruler.FragColor", square),
         formula("ruler.diameter", width, name="the ruler's diameters"),
         coverage(16**2 + 8**2 + 4**2, pass_name="ruler", name="pixels at distances 1, 2 and 4"),

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from itertools import chain
 from typing import Any
 
-from shaderlab import gl_call
+from shaderlab import gl_call, gl_calls
 from shaderlab.expectations.gl_call import Object, Program, call
 from shaderlab.model.calls import Call
 
@@ -73,6 +73,23 @@ def errors(rows: Mapping[str, tuple[Any, ...]]) -> list[Any]:
             asked.function, *asked.arguments, raises=raises, before=(*chain(*before),), name=name
         )
         for name, (asked, raises, *before) in rows.items()
+    ]
+
+
+def sent(pass_name: str | None, rows: Mapping[str, tuple[Any, ...]]) -> list[Any]:
+    """A `gl_calls` for each row: its name → (the function, how often the driver gets it, and if
+    only some calls count, the arguments that they have).
+
+    Args:
+        pass_name: the pass that is drawn; the last one if it is None.
+
+    >>> rows = {"in one piece": ("glBufferData", 1, {"size": 168})}
+    >>> [check.name for check in sent("main", rows)]
+    ['in one piece']
+    """
+    return [
+        gl_calls(function, times=times, pass_name=pass_name, name=name, **dict(*arguments))
+        for name, (function, times, *arguments) in rows.items()
     ]
 
 
