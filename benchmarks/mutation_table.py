@@ -102,7 +102,8 @@ def is_about(entry: Entry, case_id: str, survivor: Mapping[str, Any]) -> bool:
     if case_id not in entry.get("cases", (case_id,)):
         return False
     if survivor["operator"] == "state":
-        return not entry.keys() & {"lines", "files", "before"}
+        change = f"{survivor['before']} → {survivor['after']}"
+        return change.endswith(tuple(entry.get("state", ())))
     name, number = Path(survivor["file"]).name, int(survivor["line"])
     return (
         any(name == file and number == line_number(file, text) for file, text in _lines(entry))

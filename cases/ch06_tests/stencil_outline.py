@@ -88,7 +88,7 @@ case = Case(
     ),
     picture="picture.FragColor",
     expect=[
-        *stage.picture_checks("outline"),
+        *stage.picture_checks("outline", tested=False),
         *stage.prop_checks(),
         *each_draw("judged.FragColor", studio_color, {1: "box 1", 2: "box 2"}),
         *each_draw("judged.FragColor", COLOR, {3: "outline 1", 4: "outline 2"}),

@@ -68,18 +68,20 @@ def subject(
     return tested(shaders, solid, uniforms, cell=cell, **state)
 
 
-def picture_checks(*outputs: str, edges: float = 0.0005) -> tuple[Any, ...]:
+def picture_checks(*outputs: str, edges: float = 0.0005, tested: bool = True) -> tuple[Any, ...]:
     """What must hold of `photographed`: its smooth edges, what is seen in it, and the same surfaces
     in any order.
 
     Args:
         outputs: of the pass "judged" beside FragColor.
         edges: the share of small pixels that may be unlike the large ones about their places.
+        tested: as in `any_order`.
 
     >>> [check.name for check in picture_checks("box")][2:]
     ['judged.FragColor: any order of drawing', 'judged.box: any order of drawing']
     """
-    orders = (any_order(f"judged.{name}") for name in ("FragColor", *outputs))
+    names = ("FragColor", *outputs)
+    orders = (any_order(f"judged.{name}", tested=tested) for name in names)
     return (softened_check(), smaller_check(edges=edges), *orders)
 
 

@@ -28,7 +28,7 @@ from shaderlab.frame import (
     Timing,
     TracedCall,
 )
-from shaderlab.model import Call, Scene, TextureSource
+from shaderlab.model import Call, Pass, Scene, TextureSource
 from shaderlab.model.call_edits import CallEdit
 from shaderlab.programs.prepare import Programs
 from shaderlab.records import Verdict
@@ -133,6 +133,12 @@ class Session(ABC):
     ) -> Samples:
         """Run a draw's vertex stage once for each row of `inputs`, (count, components)."""
         raise UnsupportedError("running a vertex stage on given inputs: this backend can't")
+
+    def drawn_anew(self, changed: Pass, output: str, largest: int) -> Array:
+        """One attachment of a pass of the scene that is drawn once more, other than that in its
+        target's values or its draws' states; made smaller, to so many pixels along the longer side,
+        unless a state counts pixels."""
+        raise UnsupportedError("drawing a pass with other states: this backend can't")
 
     def count(self, key: PassDraw, counter: str) -> int:
         """What a draw makes the driver count; `counter` as in `shaderlab.query`."""

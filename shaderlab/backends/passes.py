@@ -123,6 +123,26 @@ class PassSession(Session, Generic[Kind]):
         and in its `plain_state`."""
         raise UnsupportedError("capturing fragments: this backend can't")
 
+    def drawn_anew(self, changed: Pass, output: str, largest: int) -> Array:
+        name, (width, height) = changed.name, self.extent(changed)
+        share = min(1.0, largest / max(width, height))
+        if not any(draw.state.in_pixels for draw in changed.draws):
+            width, height = round(width * share) or 1, round(height * share) or 1
+        colors, errors = dict(self.targets[name].colors), self._gl_errors
+        target = self.make_target(changed, colors, (width, height))
+        self._gl_errors = {}  # they were raised before, in the pass itself
+        try:
+            self.reading()
+            target.clear()
+            for index, draw in enumerate(self.programs[name]):
+                state = changed.draws[index].state
+                other = replace(draw, draw=replace(draw.draw, state=state))
+                self.issue((name, index), other, target)
+            return target.read(output).values
+        finally:
+            self._gl_errors = errors
+            target.release()
+
     @abstractmethod
     def bind(self, draw: PreparedDraw) -> Bindings:
         """The draw's uniforms and textures as the shader will get them."""

@@ -1,20 +1,30 @@
 """any_order: a depth test makes the order of drawing irrelevant, and so it can be checked.
 
 A scene is drawn twice, the second time in reverse: its last draw first or, with a single draw, its
-last triangle first. Unless depth alone decides which surface a pixel shows, the images differ.
+last triangle first. Unless depth alone decides which surface a pixel shows, the images differ. A
+mistake in both of them may not: so the pass is drawn small once more, by its own depth tests and by
+those that show the nearest surface; and, as nearest surfaces need no test to be seen, with the
+farthest in front.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from shaderlab.expectations.exact import Exact, exact
-from shaderlab.model import Draw, Output, Pass
+from shaderlab.activity import doing
+from shaderlab.expectations.base import Context
+from shaderlab.expectations.exact import Exact
+from shaderlab.frame import Array, Frame, every_component
+from shaderlab.model import Depth, Draw, Judgement, Need, Output, Pass, Programs, Scene
 from shaderlab.model.checked import checked_arguments
 
 _SUFFIX = "-backwards"
+_LARGEST = 256
+"""Pixels along the longer side of what is drawn once more."""
+_OPPOSITE = {"less": "greater", "lequal": "gequal", "greater": "less", "gequal": "lequal"}
 
 
 @checked_arguments
@@ -34,9 +44,96 @@ def both_ways(description: Pass) -> tuple[Pass, Pass]:
     return replace(description, name=description.name + _SUFFIX, draws=draws), description
 
 
+@dataclass(frozen=True)
+class AnyOrder(Exact):
+    """`output` is that of the pass drawn backwards, `equals`, bit for bit. If `tested`, it shows
+    the nearest surfaces, and the farthest ones with all depth tests turned round; but for pixels
+    where two surfaces are equally far."""
+
+    tested: bool = True
+
+    def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
+        yield from super().needs(scene, programs)
+        for needs in self._drawn_anew(scene).values():
+            yield from needs
+
+    def judge(self, scene: Scene, frame: Frame) -> Judgement:
+        found = super().judge(scene, frame)
+        for front, needs in self._drawn_anew(scene).items():
+            own, strict, loose = (frame.answers[need] for need in needs)
+            told = _same(strict, loose)
+            wrong = int((told & ~_same(own, strict)).sum())
+            outcome = replace(found.outcome, judged=found.outcome.judged + int(told.sum()))
+            if wrong and outcome.status == "pass":
+                message = (
+                    f"{wrong} of {told.size} pixels do not show the {front}: the depth test of a "
+                    "draw is off, another one, or does not write"
+                )
+                outcome = replace(outcome, status="fail", message=message, outside=wrong)
+            found = replace(found, outcome=outcome)
+        return found
+
+    def _drawn_anew(self, scene: Scene) -> Mapping[str, tuple[Need, ...]]:
+        """For what is to be in front the pass by its own tests, and by tests for that, which let
+        the first of equally far surfaces through, or the last; none without a depth buffer of the
+        pass's own."""
+        (name, _), output = self.key(scene), self.own_name(scene)
+        description = scene.find_pass(name)
+        if not self.tested or description.target.depth is None or description.onto:
+            return {}
+        near, far = ("less", "lequal"), ("greater", "gequal")
+        if description.target.clear_depth < 0.5:
+            near, far = far, near
+        fronts = {
+            "nearest surface": (near, False),
+            "farthest surface, tests turned round": (far, True),
+        }
+        return {
+            front: tuple(DrawnAnew(name, output, turned, test) for test in ("", *tests))
+            for front, (tests, turned) in fronts.items()
+        }
+
+
+@dataclass(frozen=True)
+class DrawnAnew(Need):
+    """An output of a pass that is drawn once more: from the other end of the depth buffer if
+    `turned`, and with depth test `test` in each draw, or else its own."""
+
+    pass_name: str
+    output: str
+    turned: bool
+    test: str
+
+    def answer(self, context: Context) -> Array:
+        description = context.session.scene.find_pass(self.pass_name)
+        depth = description.target.clear_depth
+        other = replace(
+            description,
+            target=replace(
+                description.target, clear_depth=1.0 - depth if self.turned else depth, samples=0
+            ),
+            draws=tuple(self._changed(draw) for draw in description.draws),
+        )
+        with doing("draw", f"drawing pass {self.pass_name!r} with other depth tests"):
+            return context.session.drawn_anew(other, self.output, _LARGEST)
+
+    def _changed(self, draw: Draw) -> Draw:
+        depth = draw.state.depth
+        if self.test:
+            depth = Depth(func=self.test)
+        elif depth is not None and self.turned:
+            depth = replace(depth, func=_OPPOSITE.get(depth.func, depth.func))
+        return replace(draw, state=replace(draw.state, depth=depth))
+
+
 @checked_arguments
-def any_order(output: str) -> Exact:
+def any_order(output: str, *, tested: bool = True) -> AnyOrder:
     """An output, named with its pass, does not depend on the order of drawing.
+
+    Args:
+        output: of a pass that `both_ways` gave.
+        tested: whether each draw is to have a depth test that shows the nearest surface; False if
+            one goes without on purpose, as an outline over all.
 
     >>> same = any_order("scene.FragColor")
     >>> same.output, same.equals.pass_name, same.equals.name
@@ -44,7 +141,13 @@ def any_order(output: str) -> Exact:
     """
     pass_name, _, name = output.partition(".")
     other = Output(f"{pass_name}{_SUFFIX}.{name}")
-    return exact(output, other, name=f"{output}: any order of drawing", pictured=False)
+    title = f"{output}: any order of drawing"
+    return AnyOrder(output, other, name=title, pictured=False, tested=tested)
+
+
+def _same(one: Array, other: Array) -> Array:
+    """Where two pictures are the same; NaN is like NaN."""
+    return every_component((one == other) | ((one != one) & (other != other)))
 
 
 def _backwards(draw: Draw) -> Draw:

@@ -9,6 +9,7 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
+from shaderlab.frame import PassDraw
 from shaderlab.model import Blend, Case, Scene, State, Stencil
 from shaderlab.mutation.mutants import Effect, Mutant
 from shaderlab.mutation.subjects import scenes_of
@@ -39,62 +40,72 @@ STATE = "state"
 
 @dataclass(frozen=True, kw_only=True)
 class StateMutant(Mutant):
-    """One field of one draw's state with another value, in every variant that has the draw.
+    """One field of one `State` with another value, in all draws and variants that have this state.
 
     `path` names the field, as "depth.func"; for a whole test that is switched off it is "depth".
-    `old` and `new` are its values.
+    `old` and `new` are its values, `draws` the passes and places of the draws.
     """
 
-    pass_name: str
-    draw: int
+    draws: tuple[PassDraw, ...]
     path: str
     old: Any
     new: Any
 
     def effect(self, scene: Scene) -> Effect | None:
-        passes = list(scene.passes)
-        for index, description in enumerate(passes):
-            if description.name == self.pass_name and self.draw < len(description.draws):
-                draw = description.draws[self.draw]
-                if _get(draw.state, self.path) != self.old:
-                    return None
-                draws = list(description.draws)
-                draws[self.draw] = replace(draw, state=_set(draw.state, self.path, self.new))
-                passes[index] = replace(description, draws=tuple(draws))
-                changed = replace(scene, passes=tuple(passes))
-                return Effect(changed, frozenset({self.pass_name}))
-        return None
+        passes, changed = [], set()
+        for description in scene.passes:
+            draws = list(description.draws)
+            for index, draw in enumerate(draws):
+                named = (description.name, index) in self.draws
+                if named and _get(draw.state, self.path) == self.old:
+                    draws[index] = replace(draw, state=_set(draw.state, self.path, self.new))
+                    changed.add(description.name)
+            passes.append(replace(description, draws=tuple(draws)))
+        if not changed:
+            return None
+        return Effect(replace(scene, passes=tuple(passes)), frozenset(changed))
 
 
 def state_mutants(case: Case, seed: int = 0, variants: Collection[str] = ()) -> list[StateMutant]:
-    """The case's state mutants, or those in some of its variants. Where many draws share a
-    change, as in a table of draws, a few of them stand for all."""
+    """The case's state mutants, or those in some of its variants. A `State` that several draws
+    have counts once, as when a pass is drawn large as well, or backwards. Where many draws of a
+    pass have a change alike, as in a table of draws, a few of them stand for all."""
     alike: dict[tuple[Any, ...], list[StateMutant]] = {}
-    for scene in scenes_of(case, variants):
-        for description in scene.passes:
-            for index, draw in enumerate(description.draws):
-                changes = [c for c in _fields(draw.state) if c[1] != c[2]]
-                for path, old, new in changes:
-                    mutant = StateMutant(
-                        file=case.file,
-                        line=0,
-                        operator=STATE,
-                        before=f"{description.name}[{index}] {path}={_spelt(old)}",
-                        after=_spelt(new),
-                        pass_name=description.name,
-                        draw=index,
-                        path=path,
-                        old=old,
-                        new=new,
-                    )
-                    same = alike.setdefault((description.name, path, old, new), [])
-                    if mutant not in same:
-                        same.append(mutant)
+    for state, draws in _states(case, variants):
+        name, index = draws[0]
+        where = f"{name}[{index}]" + (f" and {len(draws) - 1} more" if draws[1:] else "")
+        for path, old, new in _fields(state):
+            if old != new:
+                mutant = StateMutant(
+                    file=case.file,
+                    line=0,
+                    operator=STATE,
+                    before=f"{where} {path}={_spelt(old)}",
+                    after=_spelt(new),
+                    draws=draws,
+                    path=path,
+                    old=old,
+                    new=new,
+                )
+                same = alike.setdefault((name, path, old, new), [])
+                if mutant not in same:
+                    same.append(mutant)
     chosen: list[StateMutant] = []
     for key, same in alike.items():
         some = random.Random(f"{seed}{key}").sample(same, min(MOST_ALIKE, len(same)))
-        chosen += sorted(some, key=lambda m: m.draw)
+        chosen += sorted(some, key=lambda m: m.draws[0][1])
     return chosen
+
+
+def _states(case: Case, variants: Collection[str]) -> list[tuple[State, tuple[PassDraw, ...]]]:
+    """The states of a case, each with the draws that have this very one."""
+    found: dict[int, tuple[State, dict[PassDraw, None]]] = {}
+    for scene in scenes_of(case, variants):
+        for description in scene.passes:
+            for index, draw in enumerate(description.draws):
+                _, draws = found.setdefault(id(draw.state), (draw.state, {}))
+                draws[description.name, index] = None
+    return [(state, tuple(draws)) for state, draws in found.values()]
 
 
 def _fields(state: State) -> Iterator[tuple[str, Any, Any]]:

@@ -83,7 +83,9 @@ def test_a_survivor_finds_its_explanation_and_no_other() -> None:
 
     assert len(about("skybox", SURVIVOR)) == 1
     assert not about("skybox", SURVIVOR | {"line": 1})
-    assert len(about("shadow-map", SURVIVOR | {"operator": "state"})) == 1
+    state = {"operator": "state", "before": "scene[0] depth.func='less'", "after": "'lequal'"}
+    assert len(about("shadow-map", SURVIVOR | state)) == 1
+    assert not about("shadow-map", SURVIVOR | state | {"after": "'greater'"})
     assert not about("cubemap", SURVIVOR | {"operator": "state"})
 
 

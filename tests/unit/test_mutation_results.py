@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import pytest
 
@@ -78,7 +79,8 @@ def test_json_names_each_survivor_s_place() -> None:
 
 def case_of(state: State, draws: int = 1) -> Case:
     (one,) = mesh_pass("a.vert", "a.frag", Mesh(attributes={"aPos": [[0.0]]}), state=state)
-    passes = (type(one)(name="main", draws=one.draws * draws),)
+    many = (replace(one.draws[0], state=replace(state)) for _ in range(draws))
+    passes = (Pass(name="main", draws=tuple(many)),)
     return Case(title="t", passes=passes, expect=[exact("c", 1.0)])
 
 
@@ -134,22 +136,35 @@ def test_mistakes_in_what_covers_which_pixels() -> None:
 
 def test_a_state_mutant_changes_its_own_draw_alone() -> None:
     case = case_of(State(depth=Depth()), draws=3)
-    mutant = next(m for m in state_mutants(case) if m.path == "depth.func" and m.draw == 1)
+    mutant = next(m for m in state_mutants(case) if m.before == "main[1] depth.func='less'")
     (scene,) = case.scenes()
     effect = mutant.effect(scene)
     assert effect is not None and effect.passes == {"main"}
     changed = effect.scene
     functions = [draw.state.depth and draw.state.depth.func for draw in changed.passes[0].draws]
     assert functions == ["less", mutant.new, "less"]
-    assert (mutant.before, mutant.after) == ("main[1] depth.func='less'", repr(mutant.new))
+    assert mutant.after == repr(mutant.new)
+
+
+def test_a_state_that_draws_share_is_mutated_in_all_of_them() -> None:
+    (one,) = mesh_pass(
+        "a.vert", "a.frag", Mesh(attributes={"aPos": [[0.0]]}), state=State(depth=Depth())
+    )
+    passes = (one, replace(one, name="again"))
+    case = Case(title="t", passes=passes, expect=[exact("again.c", 1.0)])
+    mutants = state_mutants(case)
+    assert len({(m.path, str(m.new)) for m in mutants}) == len(mutants) == 4
+    effect = mutants[0].effect(next(case.scenes()))
+    assert effect is not None and effect.passes == {"main", "again"}
+    assert mutants[0].before == "main[0] and 1 more depth=on"
 
 
 def test_of_many_draws_alike_a_few_are_tried_and_the_seed_says_which() -> None:
     case = case_of(State(depth=Depth()), draws=40)
-    some = [m.draw for m in state_mutants(case, seed=1) if m.path == "depth.write"]
+    some = [m.draws[0][1] for m in state_mutants(case, seed=1) if m.path == "depth.write"]
     assert len(some) == 4 and some == sorted(some)
-    assert some == [m.draw for m in state_mutants(case, seed=1) if m.path == "depth.write"]
-    assert some != [m.draw for m in state_mutants(case, seed=2) if m.path == "depth.write"]
+    assert some == [m.draws[0][1] for m in state_mutants(case, seed=1) if m.path == "depth.write"]
+    assert some != [m.draws[0][1] for m in state_mutants(case, seed=2) if m.path == "depth.write"]
 
 
 @pytest.mark.parametrize("kind", ["faces", "layers"])
