@@ -23,7 +23,7 @@ from ..scenes.api import answers, pixel
 from ..scenes.draws import drawn
 from ..scenes.figures import figure
 from ..scenes.laws import device_place, unchanged
-from ..scenes.panels import picture
+from ..scenes.panels import centres, picture
 
 CORNERS = np.array([(-0.5, -0.5, 0.0), (0.5, -0.5, 0.0), (0.0, 0.5, 0.0)])
 VERTICES = {
@@ -52,9 +52,7 @@ def fields(ourColor, TexCoord):
 
 def off_by(share):
     """Largest distance of a pixel's three shares from its barycentric coordinates."""
-    y, x = np.mgrid[0:SIDE, 0:SIDE] + 0.5
-    pixels = (CORNERS[:, :2] + 1.0) * SIDE / 2.0
-    expected = barycentric(np.stack([x, y], axis=-1), pixels)
+    expected = barycentric(centres(SIDE), CORNERS[:, :2])
     inside = (expected > 1e-9).all(axis=-1)
     return np.abs(share - expected)[inside].max()
 

@@ -10,13 +10,11 @@ rectangle's corners cover the leaves behind it; on the right fragments below 0.1
 shows behind the other although it was drawn later.
 """
 
-import numpy as np
-
 from shaderlab import Case, Depth, Output, Pixel, across, coverage, exact, formula
 from shaderlab.glslmath import abs, clamp, max, mix, swizzle, vec3, vec4
 
 from ..scenes.figures import figure
-from ..scenes.panels import enlarged_check, panel, panel_pass, picture, square
+from ..scenes.panels import centres, enlarged_check, panel, panel_pass, picture, square
 
 THRESHOLD, RAMP = 0.1, "ch06_tests/alpha_discard.frag"
 CLEAR = (0.82, 0.87, 0.92, 1.0)
@@ -66,8 +64,7 @@ def bunches(name, by):
 
 
 # Pixels of a leaf that are at or above the threshold.
-AT = (np.arange(LEAVES) + 0.5) / LEAVES * 2.0 - 1.0
-OWN = int(np.count_nonzero(leaf_alpha(np.stack(np.meshgrid(AT, AT), axis=-1)) >= THRESHOLD))
+OWN = int((leaf_alpha(centres(LEAVES)) >= THRESHOLD).sum())
 # Two leaves on the same pixels, the nearer one first: the second shows where the first was cut.
 TWO = (leaf(THRESHOLD, 0.25, WHOLE), leaf(0.0, 0.5, WHOLE))
 KEPT, RIB = (0.2, 0.5, 0.2, 0.1), (0.636, 0.751, 0.398, 1.0)

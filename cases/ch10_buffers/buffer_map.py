@@ -18,22 +18,12 @@ that were copied.
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Output,
-    Target,
-    Texture,
-    attribute_layout,
-    exact,
-    formula,
-    fullscreen,
-    gl_call,
-    gl_calls,
-)
+from shaderlab import Case, Output, Texture, attribute_layout, exact, formula, gl_call, gl_calls
 from shaderlab.expectations.gl_call import Object, call
 
 from ..scenes.api import answers, errors
 from ..scenes.laws import sampled
+from ..scenes.panels import WHOLE, panel_pass
 from ..scenes.rosette import rosette_checks, window
 
 BUFFER = Object("buffer")
@@ -74,12 +64,8 @@ def julia():
 
 def shown(name, upload):
     """The Julia set, each texel on a pixel, after one way of filling its texture."""
-    return fullscreen(
-        "ch02_basics/textured.frag",
-        name=name,
-        textures={"image": Texture(image=julia, format="rgba8", upload=upload)},
-        target=Target(size=(480, 320)),
-    )
+    image = {"image": Texture(image=julia, format="rgba8", upload=upload)}
+    return panel_pass(name, "ch02_basics/textured.frag", WHOLE, size=(480, 320), textures=image)
 
 
 WRITTEN = call("glBufferSubData", "GL_ARRAY_BUFFER", 0, 4, bytes(4))
@@ -92,8 +78,8 @@ case = Case(
     r"\text{map} \to \text{write} \to \text{unmap} = \mathtt{GL\_TRUE}",
     passes=(
         window("copied", layout="batched", upload="data"),
-        *shown("picture, copied", "data"),
-        *shown("picture", "map"),
+        shown("picture, copied", "data"),
+        shown("picture", "map"),
         window("mapped", layout="batched", upload="map"),
     ),
     picture="picture.FragColor",

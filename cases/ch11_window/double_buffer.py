@@ -16,51 +16,33 @@ Below, with two, they show the last whole frame once more.
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Draw,
-    Output,
-    Pass,
-    Ramp,
-    Target,
-    coverage,
-    exact,
-    formula,
-    gl_calls,
-    value,
-)
+from shaderlab import Case, Output, Pass, Target, coverage, exact, formula, gl_calls
 from shaderlab.glslmath import abs, dot, max, mix, swizzle, vec3, vec4, where
 from shaderlab.sampling import texture
 
-from ..scenes.figures import each_draw
-from ..scenes.panels import cell, enlarged, enlarged_check, panel, square
+from ..scenes.figures import each_draw, figure, figures
+from ..scenes.panels import cell, centres, enlarged, enlarged_check, panel, square
 
 FRAMES = 4
 SMALL = Target(size=(96, 96))
-WINDOW = {"place": Ramp((-1.0, -1.0), (2.0, 0.0), (0.0, 2.0))}
+WINDOW = {"place": square()}
 
 
 def sky_draw():
     """The first draw of a frame, over all that was there."""
-    return Draw(fragment="ch11_window/double_buffer_sky.frag", domain=WINDOW)
+    return panel("ch11_window/double_buffer_sky.frag", WINDOW)
 
 
 def ball_draw(frame):
     """The second one: the ball where it is in this frame."""
-    return Draw(
-        fragment="ch11_window/double_buffer_ball.frag",
-        domain=WINDOW,
-        uniforms={"middle": (-0.6 + 0.4 * frame, -0.2)},
-    )
+    uniforms = {"middle": (-0.6 + 0.4 * frame, -0.2)}
+    return panel("ch11_window/double_buffer_ball.frag", WINDOW, uniforms)
 
 
 def shown(name, front):
     """One refresh of the screen: it copies the buffer that it is pointed at."""
-    screen = Draw(
-        fragment="ch11_window/double_buffer_screen.frag",
-        domain={},
-        textures={"front": Output(f"{front}.FragColor")},
-    )
+    textures = {"front": Output(f"{front}.FragColor")}
+    screen = panel("ch11_window/double_buffer_screen.frag", {}, textures=textures)
     return Pass(name=name, target=SMALL, draws=(screen,))
 
 
@@ -132,10 +114,8 @@ def beside(place, middle):
 
 def disc(frame):
     """How many pixels' centres lie in the ball."""
-    centres = (np.arange(96) + 0.5) / 48.0 - 1.0
-    across = (centres - (-0.6 + 0.4 * frame)) / 0.3
-    upward = (centres + 0.2) / 0.3
-    return int((across[None] ** 2 + upward[:, None] ** 2 <= 1.0).sum())
+    off = (centres(96) - (-0.6 + 0.4 * frame, -0.2)) / 0.3
+    return int((np.sum(off * off, axis=-1) <= 1.0).sum())
 
 
 REFRESHES = range(2 * FRAMES - 1)
@@ -179,26 +159,18 @@ case = Case(
         formula("frame 0.FragColor", sky, draw=0, name="the sky behind it"),
         formula("sky alone.FragColor", sky, name="the sky alone"),
         # No pixel centre lies where the ground begins.
-        value(
+        *figures(
             "sky alone.FragColor",
-            at={"place": (0.0, -0.5)},
-            equals=(0.655, 0.55, 0.5275, 1.0),
-            digits=6,
-            name="the horizon is sky",
+            {
+                "the horizon is sky": ({"place": (0.0, -0.5)}, (0.655, 0.55, 0.5275, 1.0)),
+                "just below it is ground": ({"place": (0.0, -0.503)}, (0.16, 0.24, 0.20, 1.0)),
+            },
         ),
-        value(
-            "sky alone.FragColor",
-            at={"place": (0.0, -0.503)},
-            equals=(0.16, 0.24, 0.20, 1.0),
-            digits=6,
-            name="just below it is ground",
-        ),
-        value(
+        figure(
             "frame 0.FragColor",
-            at={"place": (-0.75, -0.05), "middle": (-0.6, -0.2)},
-            equals=(0.75, 0.645, 0.24, 1.0),
-            digits=6,
-            name="the ball's lit side",
+            "the ball's lit side",
+            {"place": (-0.75, -0.05), "middle": (-0.6, -0.2)},
+            (0.75, 0.645, 0.24, 1.0),
         ),
         *(
             exact(

@@ -45,6 +45,16 @@ def rectangle(origin: Sequence[float], size: Sequence[float]) -> Ramp:
     return Ramp(tuple(origin), (size[0], 0.0), (0.0, size[1]))
 
 
+def centres(side: int) -> npt.NDArray[Any]:
+    """The pixels' centres of a square target, in device coordinates, row by row from below.
+
+    >>> centres(2)[0].tolist()
+    [[-0.5, -0.5], [0.5, -0.5]]
+    """
+    places = (np.arange(side) + 0.5) / side * 2.0 - 1.0
+    return np.stack(np.meshgrid(places, places), axis=-1)
+
+
 def panel(
     fragment: str,
     domain: Mapping[str, Ramp],
