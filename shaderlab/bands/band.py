@@ -104,11 +104,15 @@ class Band(Interval, Operators, Swizzled):
         A Python number that needs more than nine digits, such as 1.0 / 2.2, was computed; the
         shader computes it in float32, so it has 3 ULP on either side.
         """
-        given = np.atleast_1d(np.asarray(value, dtype=np.float64))
-        if given.size <= 16:
+        plain: Any = value
+        if type(plain) is float:
+            low, high, unknown = _number(plain, rules.flush)
+        else:
+            given = np.atleast_1d(np.asarray(value, dtype=np.float64))
+            if given.size > 16:
+                return cls._leaf(*_neighbours(given), rules)
             low, high, unknown = _literal(given.tobytes(), given.shape, rules.flush)
-            return cls(low, high, rules) if not unknown else cls._leaf(low, high, rules)
-        return cls._leaf(*_neighbours(given), rules)
+        return cls(low, high, rules) if not unknown else cls._leaf(low, high, rules)
 
     @classmethod
     def _leaf(cls, lo: Floats, hi: Floats, rules: Rules) -> Band:
@@ -284,6 +288,12 @@ def _neighbours(given: Floats) -> tuple[Floats, Floats]:
     """The float32 on either side, the same array twice where all are float32 themselves."""
     low, high = down(given), up(given)
     return (low, low) if (low == high).all() else (low, high)
+
+
+@lru_cache(maxsize=512)
+def _number(value: float, flush: bool) -> tuple[Floats, Floats, bool]:
+    """`_literal` of one number."""
+    return _literal(np.float64(value).tobytes(), (1,), flush)
 
 
 @lru_cache(maxsize=512)

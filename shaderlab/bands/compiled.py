@@ -71,8 +71,8 @@ def compiled(plain: Callable[..., Band]) -> Callable[..., Band]:
         found = kernel(*bands, rules.flush, rules.rearrange) if _Use.passes else None
         if found is None:
             return plain(*bands)
-        lo, hi, mag, slack, count = found
-        terms = None if mag is None else Terms(mag, slack, count)
+        lo, hi, mag, slack, count, *reach = found
+        terms = None if mag is None else Terms(mag, slack, count, *reach)
         carrier = first.flags_over_last() if over_last else first
         return carrier.kept(lo, hi, *bands[1:], terms=terms)
 

@@ -10,6 +10,7 @@ import inspect
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from types import FunctionType
 from typing import Any
 from weakref import WeakKeyDictionary
@@ -104,6 +105,7 @@ class Inputs:
         return {n: tuple(float(x) for x in v) for n, v in shown.items() if v.ndim == 1}
 
 
+@lru_cache(maxsize=4096)
 def parameter_name(glsl_name: str) -> str:
     """The Python parameter that stands for a GLSL name.
 

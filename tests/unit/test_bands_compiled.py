@@ -32,6 +32,7 @@ SHAPES = [
 ]  # fmt: skip
 
 plain_floats = st.floats(-100.0, 100.0, width=32)
+small_floats = st.sampled_from([0.0, 1.0, -3.0, 2.0**-40, -(2.0**-63), 1.1e-30, 1e25])
 any_floats = st.one_of(plain_floats, st.sampled_from(ODD), st.floats(width=32))
 
 
@@ -99,7 +100,9 @@ def assert_numpy_s(operation: Callable[..., Any], *operands: Any) -> None:
 
 
 @needs_kernels
-@pytest.mark.parametrize("values", [plain_floats, any_floats], ids=["plain", "any"])
+@pytest.mark.parametrize(
+    "values", [plain_floats, small_floats, any_floats], ids=["plain", "small", "any"]
+)
 @settings(max_examples=60, deadline=None)
 @given(data=st.data())
 def test_operations_are_numpy_s(values: Any, data: Any) -> None:
@@ -114,6 +117,18 @@ def test_operations_are_numpy_s(values: Any, data: Any) -> None:
     for root in (functions.inversesqrt, functions.sqrt):
         assert_numpy_s(root, a)
         assert_numpy_s(root, exact.absolute(a))
+    assert_numpy_s(functions.logarithm, a, np.log2)
+    assert_numpy_s(functions.power, exact.absolute(a), b)
+
+
+@needs_kernels
+@pytest.mark.parametrize("zero", [(0.0, 0.0), (-1.0, 0.0), (0.0, 1.0)])
+@pytest.mark.parametrize("ends", [(-np.inf, 0.0), (0.0, np.inf), (-np.inf, 1.0)])
+def test_infinity_times_zero_is_numpy_s(ends: tuple[float, float], zero: Any) -> None:
+    a, b = (Band(np.array([lo]), np.array([hi]), Rules()) for lo, hi in (ends, zero))
+    for operation in (arithmetic.multiply, arithmetic.divide, arithmetic.add):
+        assert_numpy_s(operation, a, b)
+    assert_numpy_s(arithmetic.multiply, b, a)
 
 
 @needs_kernels
@@ -178,7 +193,9 @@ def test_texels_are_mixed_as_numpy_does(data: Any) -> None:
 @needs_kernels
 def test_common_values_are_not_left_to_numpy() -> None:
     x = Band.exact(np.linspace(0.5, 2.0, 12).reshape(4, 3))
-    for operands in ((x, x.again()), (x * 3.0 + 1.0, x[..., 0:1] * x), (x, Band.exact([0.5]))):
+    tiny = Band.exact([2.0**-61]) * Band.exact([2.0**-61])
+    pairs = [(x, x.again()), (x * 3.0 + 1.0, x[..., 0:1] * x), (x, Band.exact([0.5])), (tiny, x)]
+    for operands in pairs:
         for name in ("add", "subtract", "multiply", "divide"):
             assert getattr(compiled.KERNELS, name)(*operands, True, True) is not None
         for name in ("square", "sum_last", "inversesqrt", "sqrt"):
@@ -192,11 +209,11 @@ def test_common_values_are_not_left_to_numpy() -> None:
 @needs_kernels
 def test_what_a_pass_can_t_take_is_left_to_numpy() -> None:
     x = Band.exact(np.linspace(0.5, 2.0, 12).reshape(4, 3))
-    infinite, zero, tiny = (Band.exact([value]) for value in (np.inf, 0.0, 2.0**-61))
+    infinite, zero = (Band.exact([value]) for value in (np.inf, 0.0))
     assert compiled.KERNELS.add(x, infinite, True, True) is None
     assert compiled.KERNELS.divide(x, zero, True, True) is None
     assert compiled.KERNELS.inversesqrt(zero, True, True) is None
-    assert compiled.KERNELS.multiply(x, tiny * tiny, True, True) is None
+    assert compiled.KERNELS.multiply(x, infinite * infinite, True, True) is None
     assert compiled.KERNELS.cut_to_ends(x, infinite, x, x, True) is None
     assert compiled.KERNELS.joined_last([x.lo, np.ones(1, np.float32)]) is None
     assert compiled.KERNELS.mixed_texels(*[x.lo] * 8, *[infinite.lo] * 4) is None

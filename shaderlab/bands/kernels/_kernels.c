@@ -34,7 +34,7 @@ static PyMethodDef methods[] = {
     METHOD(multiply, multiply), METHOD(square, square), METHOD(divide, divide),
     METHOD(inversesqrt, inversesqrt), METHOD(sqrt, square_root),
     METHOD(outward, outward), METHOD(widened_by_ulps, widened_by_ulps),
-    METHOD(taken, taken), METHOD(joined_last, joined_last), METHOD(cut_to_ends, cut_to_ends),
+    METHOD(logarithms_widened, logarithms_widened), METHOD(taken, taken), METHOD(joined_last, joined_last), METHOD(cut_to_ends, cut_to_ends),
     METHOD(mixed_texels, mixed_texels), {0}};
 
 static struct PyModuleDef module = {PyModuleDef_HEAD_INIT, "_kernels", NULL, -1, methods};

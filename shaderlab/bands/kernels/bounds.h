@@ -8,10 +8,11 @@ static int begin_bounds(Pass *pass, PyObject *const *args)
 {
     memset(&pass->shape, 0, sizeof pass->shape);
     memset(&pass->result, 0, sizeof pass->result);
+    pass->tiny = 0;
     Value *a = &pass->a;
     a->exact = args[0] == args[1];
     a->plain = 1;
-    a->slackened = 0;
+    a->slackened = a->reaching = 0;
     if (!is_operand(&a->lo, args[0]) || !is_operand(&a->hi, args[1])) return 0;
     if (!PyArray_SAMESHAPE(a->lo.array, a->hi.array)) return 0;
     if (!broadcast(&pass->shape, &a->lo) || !pass->shape.size) return 0;
@@ -43,6 +44,17 @@ static PyObject *outward(PyObject *self, PyObject *const *args, Py_ssize_t given
                                  result->high + start);
     }
     return two_arrays(result);
+}
+
+/* Arrays of one joint shape; false where a pass can't take them. */
+static int read_operands(Operand *operands, PyObject *const *args, int count, Shape *shape)
+{
+    memset(shape, 0, sizeof *shape);
+    for (int i = 0; i < count; i++)
+        if (!is_operand(&operands[i], args[i]) || !broadcast(shape, &operands[i])) return 0;
+    if (!shape->size) return 0;
+    for (int i = 0; i < count; i++) prepare(&operands[i], shape);
+    return 1;
 }
 
 LOOP int64_t widen_block(
@@ -96,6 +108,47 @@ static PyObject *widened_by_ulps(PyObject *self, PyObject *const *args, Py_ssize
             result->low + start, result->high + start);
     }
     return two_arrays(result);
+}
+
+#define LOG_ERROR_NEAR_ONE 0x1p-21
+#define LOG_ULPS 3.0
+
+static inline double log_error(double a, double logarithm)
+{
+    return (a >= 0.5) & (a <= 2.0) ? LOG_ERROR_NEAR_ONE : LOG_ULPS * ulp(logarithm);
+}
+
+LOOP void widen_logarithms(
+    npy_intp count, const double *a_lo, const double *a_hi, const double *from, const double *to,
+    double *restrict lo, double *restrict hi)
+{
+    for (npy_intp i = 0; i < count; i++) {
+        double low = a_lo[i], high = a_hi[i];
+        double error = larger(log_error(low, from[i]), log_error(high, to[i]));
+        /* Just inside 1/2 and 2 more is allowed than just outside. */
+        int crosses = ((low < 0.5) & (high >= 0.5)) | ((low <= 2.0) & (high > 2.0));
+        error = crosses ? larger(error, LOG_ERROR_NEAR_ONE) : error;
+        lo[i] = from[i] - (error + FLOAT64_ERROR * fabs(from[i]));
+        hi[i] = to[i] + (error + FLOAT64_ERROR * fabs(to[i]));
+    }
+}
+
+/* logarithms_widened(a_lo, a_hi, lo, hi): (lo, hi), the logarithms of both ends moved out. */
+static PyObject *logarithms_widened(PyObject *self, PyObject *const *args, Py_ssize_t given)
+{
+    Operand operands[4];
+    const double *at[4];
+    Shape shape;
+    Result result = {0};
+    if (given != 4 || !read_operands(operands, args, 4, &shape)) Py_RETURN_NONE;
+    if (make_room(&result, &shape, 0, 0)) return NULL;
+    for (npy_intp start = 0; start < shape.size; start += BLOCK) {
+        npy_intp count = shape.size - start < BLOCK ? shape.size - start : BLOCK;
+        for (int k = 0; k < 4; k++) at[k] = values_at(&operands[k], start, count);
+        widen_logarithms(
+            count, at[0], at[1], at[2], at[3], result.low + start, result.high + start);
+    }
+    return two_arrays(&result);
 }
 
 #endif

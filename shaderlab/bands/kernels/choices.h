@@ -3,17 +3,6 @@
 #ifndef SHADERLAB_CHOICES_H
 #define SHADERLAB_CHOICES_H
 
-/* Operands of one joint shape; false where a pass can't take them. */
-static int read_operands(Operand *operands, PyObject *const *args, int count, Shape *shape)
-{
-    memset(shape, 0, sizeof *shape);
-    for (int i = 0; i < count; i++)
-        if (!is_operand(&operands[i], args[i]) || !broadcast(shape, &operands[i])) return 0;
-    if (!shape->size) return 0;
-    for (int i = 0; i < count; i++) prepare(&operands[i], shape);
-    return 1;
-}
-
 LOOP void take_greater(
     npy_intp count, const double *side, const double *a, const double *b, double *restrict to)
 {

@@ -18,11 +18,11 @@ static inline double greatest_mix(double low, double high, double a, double from
     return larger(low * (1.0 - a), high * (1.0 - a)) + larger(from * a, to * a);
 }
 
-/* The bounds of x·(1 - a) + y·a by the ends of x, y and a, moved out by the roundings; `terms` are
- * the sizes of those of the mix as it was computed, or NULL. */
+/* The bounds of x·(1 - a) + y·a by the ends of x, y and a, moved out by the roundings, also those
+ * among the terms of the mix as it was computed: their sizes, and what flushed products may do. */
 LOOP int64_t mix_ends(
     npy_intp count, const Value *x, const Value *y, const Value *a, const double *terms,
-    double *restrict lo, double *restrict negated_hi)
+    const double *reach, double unit, double *restrict lo, double *restrict negated_hi)
 {
     const double *x_lo = x->settled_low, *x_hi = x->settled_high, *x_size = x->size;
     const double *y_lo = y->settled_low, *y_hi = y->settled_high, *y_size = y->size;
@@ -31,9 +31,7 @@ LOOP int64_t mix_ends(
     for (npy_intp i = 0; i < count; i++) {
         double size = (x_size[i] + y_size[i]) * (1.0 + a_size[i]);
         double lost = MIX_STEPS * larger(RELATIVE_STEP * size, SMALLEST_NORMAL);
-        double mag = terms ? terms[i] : 0.0;
-        double step = mag > 0.0 ? larger(RELATIVE_STEP * mag, SMALLEST_NORMAL) : 0.0;
-        lost = larger(lost, MIX_STEPS * step);
+        lost = larger(lost, MIX_STEPS * step_of(terms[i], unit * reach[i], 1));
         double low = smaller(least_mix(x_lo[i], x_hi[i], a_lo[i], y_lo[i], y_hi[i]),
                              least_mix(x_lo[i], x_hi[i], a_hi[i], y_lo[i], y_hi[i])) - lost;
         double high = larger(greatest_mix(x_lo[i], x_hi[i], a_lo[i], y_lo[i], y_hi[i]),
@@ -62,7 +60,7 @@ static PyObject *cut_to_ends(PyObject *self, PyObject *const *args, Py_ssize_t g
     Value values[4], *found = &values[0];
     Shape shape = {0};
     Result result = {0};
-    double lo[BLOCK], negated_hi[BLOCK];
+    double lo[BLOCK], negated_hi[BLOCK], zeros[BLOCK] = {0}, ones[BLOCK];
     if (given != 5) Py_RETURN_NONE;
     for (int k = 0; k < 4; k++)
         if (!read_value(&values[k], args[k]) || !broadcast_value(&shape, &values[k]))
@@ -71,11 +69,15 @@ static PyObject *cut_to_ends(PyObject *self, PyObject *const *args, Py_ssize_t g
     for (int k = 0; k < 4; k++) prepare_value(&values[k], &shape);
     if (make_room(&result, &shape, 0, 0)) return NULL;
     result.flush = args[4] == Py_True;
+    at_least_one(BLOCK, zeros, ones);
+    double unit = SMALLEST_NORMAL * (found->reaching ? found->count : 1.0);
     for (npy_intp start = 0; start < shape.size && !result.rare; start += BLOCK) {
         npy_intp count = shape.size - start < BLOCK ? shape.size - start : BLOCK;
         for (int k = 0; k < 4; k++) load(&values[k], start, count);
-        result.rare = mix_ends(count, &values[1], &values[2], &values[3],
-                               found->plain ? NULL : found->size, lo, negated_hi);
+        if (found->reaching) load_reach(found, start, count);
+        result.rare = mix_ends(
+            count, &values[1], &values[2], &values[3], found->plain ? zeros : found->size,
+            found->reaching ? found->reached : ones, unit, lo, negated_hi);
         narrow(count, result.flush, lo, negated_hi, result.low + start, result.high + start);
         cut(count, found->low, found->high, result.low + start, result.high + start);
     }

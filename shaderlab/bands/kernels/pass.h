@@ -7,8 +7,12 @@ typedef struct {
     Value a, b;
     Shape shape;
     Result result;
-    int rearrange;
+    int rearrange, tiny, minus;
     npy_intp count;
+    /* What the blocks of an operation take besides. */
+    double steps;
+    Value *scaled;
+    int64_t more;
     double lo[BLOCK], negated_hi[BLOCK];
 } Pass;
 
@@ -17,6 +21,7 @@ static int begin(Pass *pass, PyObject *const *args, Py_ssize_t given, int bands)
 {
     memset(&pass->shape, 0, sizeof pass->shape);
     memset(&pass->result, 0, sizeof pass->result);
+    pass->tiny = 0;
     if (given != bands + 2 || !read_value(&pass->a, args[0])) return 0;
     if (bands == 2 && !read_value(&pass->b, args[1])) return 0;
     pass->result.flush = args[bands] == Py_True;
@@ -38,6 +43,8 @@ static int at_block(Pass *pass, npy_intp start, int bands)
     pass->count = pass->shape.size - start < BLOCK ? pass->shape.size - start : BLOCK;
     load(&pass->a, start, pass->count);
     if (bands == 2) load(&pass->b, start, pass->count);
+    if (pass->tiny) load_reach(&pass->a, start, pass->count);
+    if (pass->tiny && bands == 2) load_reach(&pass->b, start, pass->count);
     return 1;
 }
 
@@ -46,6 +53,44 @@ static void end_block(Pass *pass, npy_intp start)
     Result *result = &pass->result;
     result->differ |= narrow(pass->count, result->flush, pass->lo, pass->negated_hi,
                              result->low + start, result->high + start);
+}
+
+/* Does a block of an operation; returns what is rare in it. */
+typedef int64_t (*Block)(Pass *pass, npy_intp start);
+
+/* Makes room for the reach of tiny terms; -1 with an exception where there is none. */
+static int reach_too(Pass *pass)
+{
+    Result *result = &pass->result;
+    pass->tiny = 1;
+    result->rare = result->differ = 0;
+    result->reach = new_array(&pass->shape, &result->reached);
+    if (!result->reach) drop(result);
+    return result->reach ? 0 : -1;
+}
+
+/* Does all blocks, and once more with the reach of terms where some are tiny; `tiny` where they are
+ * known to be. -1 with an exception where there is no room. */
+static int run(Pass *pass, int bands, Block block, int tiny)
+{
+    Result *result = &pass->result;
+    if (tiny && reach_too(pass)) return -1;
+    for (;;) {
+        for (npy_intp start = 0; at_block(pass, start, bands); start += BLOCK) {
+            result->rare = block(pass, start);
+            end_block(pass, start);
+        }
+        if (pass->tiny || result->rare != TINY_TERMS) return 0;
+        if (reach_too(pass)) return -1;
+    }
+}
+
+/* Where nothing is rearranged, terms are of no account. */
+static void drop_terms(Result *result)
+{
+    Py_CLEAR(result->mag);
+    Py_CLEAR(result->slack);
+    Py_CLEAR(result->reach);
 }
 
 #endif

@@ -4,30 +4,64 @@
 #define SHADERLAB_PRODUCTS_H
 
 /* `steps` times the rounding among the terms is added; 0 for plain values, which have none. */
-LOOP int64_t multiply_block(
-    npy_intp count, const Value *a, const Value *b, double steps, double *restrict lo,
-    double *restrict negated_hi,
-    double *restrict size)
+VERSION int64_t multiplied(
+    npy_intp count, const Value *a, const Value *b, double steps, int tiny, double *restrict lo,
+    double *restrict negated_hi, double *restrict size, double *restrict reach)
 {
     const double *a_lo = a->settled_low, *a_hi = a->settled_high, *a_size = a->size;
     const double *b_lo = b->settled_low, *b_hi = b->settled_high, *b_size = b->size;
-    double uncancelled = steps > 1.0 ? UNCANCELLED : 0.0, relative = RELATIVE_STEP;
+    const double *a_reach = a->reached, *b_reach = b->reached;
+    double uncancelled = steps > 1.0 ? UNCANCELLED : 0.0;
+    double unit = SMALLEST_NORMAL * (a->count * b->count);
     int64_t rare = 0;
     for (npy_intp i = 0; i < count; i++) {
         double first = a_lo[i] * b_lo[i], second = a_lo[i] * b_hi[i];
         double third = a_hi[i] * b_lo[i], fourth = a_hi[i] * b_hi[i];
         double low = smaller(smaller(first, second), smaller(third, fourth));
         double high = larger(larger(first, second), larger(third, fourth));
-        double mag = a_size[i] * b_size[i], step = steps * (relative * mag);
+        double mag = a_size[i] * b_size[i], flushed = 0.0;
+        if (tiny) {
+            reach[i] = larger(a_reach[i] * b_reach[i], 1.0);
+            flushed = unit * reach[i];
+        }
+        double step = steps * step_of(mag, flushed, tiny);
         double out_low = low - step, out_high = high + step, enough = mag * uncancelled;
-        int positive = (low >= 0.0) & (high >= enough);
-        int negative = (high <= 0.0) & (-low >= enough);
+        int safe = !tiny || (RELATIVE_STEP * mag >= flushed) | (mag == 0.0);
+        int positive = (low >= 0.0) & safe & (high >= enough);
+        int negative = (high <= 0.0) & safe & (-low >= enough);
         lo[i] = (out_low < 0.0) & positive ? 0.0 : out_low;
         negated_hi[i] = (out_high > 0.0) & negative ? 0.0 : -out_high;
         size[i] = mag;
-        rare |= unbounded(low, high) | ((mag > 0.0) & (mag < TINY)) | !(mag < INFINITY) ? -1 : 0;
+        /* Infinity times 0 is NaN, which minima and maxima may lose. */
+        int odd = unbounded(a_lo[i], a_hi[i]) | unbounded(b_lo[i], b_hi[i]);
+        odd |= unbounded(low, high) | !(mag < INFINITY);
+        rare |= rare_of(odd, tiny ? 0.0 : mag);
     }
     return rare;
+}
+
+LOOP int64_t multiply_block(
+    npy_intp count, const Value *a, const Value *b, double steps, double *restrict lo,
+    double *restrict negated_hi, double *restrict size)
+{
+    return multiplied(count, a, b, steps, 0, lo, negated_hi, size, NULL);
+}
+
+LOOP int64_t multiply_tiny(
+    npy_intp count, const Value *a, const Value *b, double steps, double *restrict lo,
+    double *restrict negated_hi, double *restrict size, double *restrict reach)
+{
+    return multiplied(count, a, b, steps, 1, lo, negated_hi, size, reach);
+}
+
+static int64_t product_block(Pass *pass, npy_intp start)
+{
+    Result *result = &pass->result;
+    double *lo = pass->lo, *negated_hi = pass->negated_hi, *size = result->size + start;
+    if (pass->tiny)
+        return multiply_tiny(pass->count, &pass->a, &pass->b, pass->steps, lo, negated_hi, size,
+                             result->reached + start);
+    return multiply_block(pass->count, &pass->a, &pass->b, pass->steps, lo, negated_hi, size);
 }
 
 /* Whether a band is a few factors ±2^k, which round nothing. */
@@ -56,7 +90,7 @@ LOOP int64_t scale_block(
         size[i] = a_size[i] * fabs(factor[i]);
         lo[i] = low;
         negated_hi[i] = -high;
-        rare |= unbounded(low, high) ? -1 : 0;
+        rare |= unbounded(a_lo[i], a_hi[i]) | unbounded(low, high) ? ODD : 0;
     }
     if (slack)
         for (npy_intp i = 0; i < count; i++) {
@@ -69,49 +103,97 @@ LOOP int64_t scale_block(
 LOOP int64_t any_tiny(npy_intp count, const double *size)
 {
     int64_t found = 0;
-    for (npy_intp i = 0; i < count; i++) found |= (size[i] > 0.0) & (size[i] < TINY) ? -1 : 0;
+    for (npy_intp i = 0; i < count; i++) found |= rare_of(0, size[i]);
     return found;
 }
 
+/* Small times large: the small one may meet another small one first. Nonzero if any reach is more
+ * than 1. */
+LOOP int64_t scale_reach(
+    npy_intp count, const double *from, const double *factor, double *restrict reach)
+{
+    int64_t more = 0;
+    for (npy_intp i = 0; i < count; i++) {
+        reach[i] = from[i] * larger(fabs(factor[i]), 1.0);
+        more |= reach[i] > 1.0 ? -1 : 0;
+    }
+    return more;
+}
+
+static int64_t scaled_block(Pass *pass, npy_intp start)
+{
+    Value *a = pass->scaled, *b = a == &pass->a ? &pass->b : &pass->a;
+    Result *result = &pass->result;
+    const double *slack = a->slackened ? values_at(&a->slack, start, pass->count) : NULL;
+    double *size = result->size + start, *step = slack ? result->step + start : NULL;
+    int64_t rare = scale_block(
+        pass->count, a, b->low, slack, pass->lo, pass->negated_hi, size, step);
+    if (pass->tiny)
+        pass->more |= scale_reach(pass->count, a->reached, b->low, result->reached + start);
+    else if (a->plain && pass->rearrange) rare |= any_tiny(pass->count, size);
+    return rare;
+}
+
 /* a · ±2^k: a pending slack stays pending. */
-static PyObject *scale(Pass *pass, Value *a, Value *b)
+static PyObject *scale(Pass *pass, Value *a)
 {
     Result *result = &pass->result;
-    if (make_room(result, &pass->shape, !a->plain, a->slackened)) return NULL;
+    if (make_room(result, &pass->shape, 1, a->slackened)) return NULL;
     result->exact = a->exact;
     result->count = a->count;
-    double size[BLOCK];
-    for (npy_intp start = 0; at_block(pass, start, 2); start += BLOCK) {
-        const double *slack = a->slackened ? values_at(&a->slack, start, pass->count) : NULL;
-        double *to = a->plain ? size : result->size + start;
-        double *step = slack ? result->step + start : NULL;
-        result->rare = scale_block(
-            pass->count, a, b->low, slack, pass->lo, pass->negated_hi, to, step);
-        if (a->plain && pass->rearrange) result->rare |= any_tiny(pass->count, size);
-        end_block(pass, start);
-    }
+    pass->scaled = a;
+    pass->more = 0;
+    if (run(pass, 2, scaled_block, a->reaching)) return NULL;
+    if (a->plain && !pass->more) drop_terms(result);
     return finished(result);
+}
+
+VERSION int64_t squared(
+    npy_intp count, const Value *a, double steps, int tiny, double *restrict lo,
+    double *restrict negated_hi, double *restrict size, double *restrict reach)
+{
+    const double *a_lo = a->low, *a_hi = a->high, *a_reach = a->reached;
+    int64_t rare = 0;
+    for (npy_intp i = 0; i < count; i++) {
+        double first = a_lo[i] * a_lo[i], second = a_hi[i] * a_hi[i];
+        double one_sided = (a_lo[i] < 0.0) & (a_hi[i] > 0.0) ? 0.0 : 1.0;
+        double low = one_sided * smaller(first, second), high = larger(first, second);
+        double mag = smaller(high, LARGEST), flushed = 0.0;
+        if (tiny) {
+            reach[i] = larger(a_reach[i] * a_reach[i], 1.0);
+            flushed = SMALLEST_NORMAL * reach[i];
+        }
+        double step = steps * step_of(mag, flushed, tiny);
+        lo[i] = larger(low - step, 0.0);
+        negated_hi[i] = -(high + step);
+        size[i] = mag;
+        rare |= rare_of(high == INFINITY, tiny ? 0.0 : mag);
+    }
+    return rare;
 }
 
 LOOP int64_t square_block(
     npy_intp count, const Value *a, double steps, double *restrict lo, double *restrict negated_hi,
     double *restrict size)
 {
-    const double *a_lo = a->low, *a_hi = a->high;
-    double relative = RELATIVE_STEP;
-    int64_t rare = 0;
-    for (npy_intp i = 0; i < count; i++) {
-        double first = a_lo[i] * a_lo[i], second = a_hi[i] * a_hi[i];
-        double one_sided = (a_lo[i] < 0.0) & (a_hi[i] > 0.0) ? 0.0 : 1.0;
-        double low = one_sided * smaller(first, second), high = larger(first, second);
-        double mag = smaller(high, LARGEST);
-        double step = steps * (relative * mag);
-        lo[i] = larger(low - step, 0.0);
-        negated_hi[i] = -(high + step);
-        size[i] = mag;
-        rare |= (high == INFINITY) | ((mag > 0.0) & (mag < TINY)) ? -1 : 0;
-    }
-    return rare;
+    return squared(count, a, steps, 0, lo, negated_hi, size, NULL);
+}
+
+LOOP int64_t square_tiny(
+    npy_intp count, const Value *a, double steps, double *restrict lo, double *restrict negated_hi,
+    double *restrict size, double *restrict reach)
+{
+    return squared(count, a, steps, 1, lo, negated_hi, size, reach);
+}
+
+static int64_t squares_block(Pass *pass, npy_intp start)
+{
+    Result *result = &pass->result;
+    double *lo = pass->lo, *negated_hi = pass->negated_hi, *size = result->size + start;
+    if (pass->tiny)
+        return square_tiny(pass->count, &pass->a, pass->steps, lo, negated_hi, size,
+                           result->reached + start);
+    return square_block(pass->count, &pass->a, pass->steps, lo, negated_hi, size);
 }
 
 static PyObject *square_of(Pass *pass)
@@ -120,13 +202,9 @@ static PyObject *square_of(Pass *pass)
     Result *result = &pass->result;
     if (make_room(result, &pass->shape, 1, 0)) return NULL;
     result->exact = a->exact;
-    double steps = pass->rearrange && !a->plain && !a->exact ? 1.0 : 0.0;
-    for (npy_intp start = 0; at_block(pass, start, 1); start += BLOCK) {
-        result->rare = square_block(
-            pass->count, a, steps, pass->lo, pass->negated_hi, result->size + start);
-        end_block(pass, start);
-    }
-    if (!pass->rearrange) Py_CLEAR(result->mag);
+    pass->steps = pass->rearrange && !a->plain && !a->exact ? 1.0 : 0.0;
+    if (run(pass, 1, squares_block, a->reaching)) return NULL;
+    if (!pass->rearrange) drop_terms(result);
     return finished(result);
 }
 
@@ -144,19 +222,15 @@ static PyObject *multiply(PyObject *self, PyObject *const *args, Py_ssize_t give
     if (!begin(&pass, args, given, 2)) Py_RETURN_NONE;
     Value *a = &pass.a, *b = &pass.b;
     Result *result = &pass.result;
-    if (is_scale(a)) return scale(&pass, b, a);
-    if (is_scale(b)) return scale(&pass, a, b);
+    if (is_scale(a)) return scale(&pass, b);
+    if (is_scale(b)) return scale(&pass, a);
     if (make_room(result, &pass.shape, 1, 0)) return NULL;
     int plain = a->plain && b->plain;
     result->exact = a->exact && b->exact && plain;
     result->count = a->count * b->count;
-    double steps = plain ? 0.0 : a->plain || b->plain ? 1.0 : larger(3.0, result->count - 1.0);
-    for (npy_intp start = 0; at_block(&pass, start, 2); start += BLOCK) {
-        result->rare = multiply_block(
-            pass.count, a, b, steps, pass.lo, pass.negated_hi, result->size + start);
-        end_block(&pass, start);
-    }
-    if (!pass.rearrange) Py_CLEAR(result->mag);
+    pass.steps = plain ? 0.0 : a->plain || b->plain ? 1.0 : larger(3.0, result->count - 1.0);
+    if (run(&pass, 2, product_block, a->reaching || b->reaching)) return NULL;
+    if (!pass.rearrange) drop_terms(result);
     return finished(result);
 }
 

@@ -7,14 +7,15 @@
 #define LARGEST_DIVISOR 0x1p126
 #define INVERSESQRT_ULPS 2.0
 
-LOOP int64_t divide_block(
-    npy_intp count, const Value *a, const Value *b, int terms, double *restrict lo,
-    double *restrict negated_hi,
-    double *restrict size)
+VERSION int64_t divided(
+    npy_intp count, const Value *a, const Value *b, int tiny, double *restrict lo,
+    double *restrict negated_hi, double *restrict size, double *restrict reach)
 {
     const double *a_lo = a->settled_low, *a_hi = a->settled_high, *a_size = a->size;
     const double *b_lo = b->low, *b_hi = b->high;
-    double steps = terms ? DIVISION_ULPS : 0.0, relative = RELATIVE_STEP;
+    const double *a_reach = a->reached;
+    double steps = a->plain ? 0.0 : DIVISION_ULPS, unit = SMALLEST_NORMAL * a->count;
+    double terms = a->plain ? 0.0 : 1.0;
     int64_t rare = 0;
     for (npy_intp i = 0; i < count; i++) {
         double below = b_lo[i], above = b_hi[i];
@@ -27,16 +28,47 @@ LOOP int64_t divide_block(
         double less = below > 0.0 ? first : second, more = below > 0.0 ? second : first;
         double under = less >= 0.0 ? above : below, over = more >= 0.0 ? below : above;
         double low = less / under, high = more / over;
-        rare |= unbounded(low, high) | outside ? -1 : 0;
+        int odd = unbounded(low, high) | outside;
         widen(&low, &high, DIVISION_ULPS, DIVISION_ULPS);
-        double mag = a_size[i] / nearer, step = steps * (relative * mag);
+        double mag = a_size[i] / nearer, flushed = 0.0;
+        if (tiny) {
+            reach[i] = a_reach[i] * larger(1.0 / nearer, 1.0);
+            flushed = unit * reach[i];
+        }
+        double step = steps * step_of(mag, flushed, tiny);
         double out_low = low - step, out_high = high + step;
-        lo[i] = (out_low < 0.0) & (low >= 0.0) ? 0.0 : out_low;
-        negated_hi[i] = (out_high > 0.0) & (high <= 0.0) ? 0.0 : -out_high;
+        int safe = !tiny || (RELATIVE_STEP * mag >= flushed) | (mag == 0.0);
+        lo[i] = (out_low < 0.0) & (low >= 0.0) & safe ? 0.0 : out_low;
+        negated_hi[i] = (out_high > 0.0) & (high <= 0.0) & safe ? 0.0 : -out_high;
         size[i] = mag;
-        rare |= terms & (((mag > 0.0) & (mag < TINY)) | !(mag < INFINITY)) ? -1 : 0;
+        odd |= (terms > 0.0) & !(mag < INFINITY);
+        rare |= rare_of(odd, tiny ? 0.0 : terms * mag);
     }
     return rare;
+}
+
+LOOP int64_t divide_block(
+    npy_intp count, const Value *a, const Value *b, double *restrict lo,
+    double *restrict negated_hi, double *restrict size)
+{
+    return divided(count, a, b, 0, lo, negated_hi, size, NULL);
+}
+
+LOOP int64_t divide_tiny(
+    npy_intp count, const Value *a, const Value *b, double *restrict lo,
+    double *restrict negated_hi, double *restrict size, double *restrict reach)
+{
+    return divided(count, a, b, 1, lo, negated_hi, size, reach);
+}
+
+static int64_t quotient_block(Pass *pass, npy_intp start)
+{
+    Result *result = &pass->result;
+    double *lo = pass->lo, *negated_hi = pass->negated_hi, *size = result->size + start;
+    if (pass->tiny)
+        return divide_tiny(pass->count, &pass->a, &pass->b, lo, negated_hi, size,
+                           result->reached + start);
+    return divide_block(pass->count, &pass->a, &pass->b, lo, negated_hi, size);
 }
 
 static PyObject *divide(PyObject *self, PyObject *const *args, Py_ssize_t given)
@@ -44,18 +76,12 @@ static PyObject *divide(PyObject *self, PyObject *const *args, Py_ssize_t given)
     Pass pass;
     if (!begin(&pass, args, given, 2)) Py_RETURN_NONE;
     Result *result = &pass.result;
-    int terms = !pass.a.plain;
     if (make_room(result, &pass.shape, 1, 0)) return NULL;
     result->count = pass.a.count;
-    for (npy_intp start = 0; at_block(&pass, start, 2); start += BLOCK) {
-        result->rare = divide_block(pass.count, &pass.a, &pass.b, terms, pass.lo, pass.negated_hi,
-                                    result->size + start);
-        end_block(&pass, start);
-    }
-    if (!terms) Py_CLEAR(result->mag);
+    if (run(&pass, 2, quotient_block, pass.a.reaching)) return NULL;
+    if (pass.a.plain) drop_terms(result);
     return finished(result);
 }
-
 
 LOOP void reciprocal_roots(npy_intp count, const double *x, double *restrict to)
 {

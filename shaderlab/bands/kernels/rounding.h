@@ -21,11 +21,32 @@
 #define TINY 0x1p-60
 #define FAR_AWAY 0x1p600
 
+/* What a loop finds rare: what the NumPy code must do, and terms of which products may be denormal,
+ * which another loop does. */
+#define ODD 1
+#define TINY_TERMS 2
+
 static inline double smaller(double a, double b) { return a < b ? a : b; }
 static inline double larger(double a, double b) { return a > b ? a : b; }
 
 /* Whether bounds are no finite numbers. */
 static inline int unbounded(double lo, double hi) { return !(lo > -INFINITY) | !(hi < INFINITY); }
+
+/* What one rounding among terms may change; `flushed` is what a flushed product among tiny ones
+ * may. */
+static inline double step_of(double mag, double flushed, int tiny)
+{
+    if (!tiny) return RELATIVE_STEP * mag;
+    return mag > 0.0 ? larger(RELATIVE_STEP * mag, flushed) : 0.0;
+}
+
+static inline int64_t rare_of(int odd, double mag)
+{
+    return (odd ? ODD : 0) | ((mag > 0.0) & (mag < TINY) ? TINY_TERMS : 0);
+}
+
+/* A loop in two versions: for terms of which none is tiny, and for any. */
+#define VERSION static inline __attribute__((always_inline))
 
 static inline int64_t bits_of(double x)
 {

@@ -26,35 +26,47 @@ static void negate(Value *value, npy_intp count, double to[4][BLOCK])
     value->settled_high = to[value->slackened ? 3 : 1];
 }
 
-LOOP int64_t add_plain(
-    npy_intp count, const double *a_size, const double *b_size, double *restrict lo,
-    const double *negated_hi,
-    double *restrict size, double *restrict slack)
+VERSION int64_t added_plain(
+    npy_intp count, const Value *a, const Value *b, int tiny, double *restrict lo,
+    const double *negated_hi, double *restrict size, double *restrict slack,
+    double *restrict reach)
 {
+    const double *a_size = a->size, *b_size = b->size, *a_reach = a->reached, *b_reach = b->reached;
+    double unit = SMALLEST_NORMAL * (a->count + b->count);
     int64_t rare = 0;
     for (npy_intp i = 0; i < count; i++) {
-        double mag = a_size[i] + b_size[i];
+        double mag = a_size[i] + b_size[i], flushed = 0.0;
+        if (tiny) {
+            reach[i] = a_reach[i] + b_reach[i];
+            flushed = unit * reach[i];
+        }
         size[i] = mag;
-        slack[i] = (a_size[i] > 0.0) & (b_size[i] > 0.0) ? RELATIVE_STEP * mag : 0.0;
+        slack[i] = (a_size[i] > 0.0) & (b_size[i] > 0.0) ? step_of(mag, flushed, tiny) : 0.0;
         lo[i] += 0.0;
-        rare |= unbounded(lo[i], -negated_hi[i]) | ((mag > 0.0) & (mag < TINY)) ? -1 : 0;
+        rare |= rare_of(unbounded(lo[i], -negated_hi[i]), tiny ? 0.0 : mag);
     }
     return rare;
 }
 
-LOOP int64_t add_terms(
-    npy_intp count, const Value *a, const Value *b, double *restrict lo,
-    double *restrict negated_hi, double *restrict size)
+VERSION int64_t added_terms(
+    npy_intp count, const Value *a, const Value *b, int tiny, double *restrict lo,
+    double *restrict negated_hi, double *restrict size, double *restrict reach)
 {
     const double *a_low = a->low, *a_high = a->high, *b_low = b->low, *b_high = b->high;
     const double *a_lo = a->settled_low, *a_hi = a->settled_high;
     const double *b_lo = b->settled_low, *b_hi = b->settled_high;
-    const double *a_size = a->size, *b_size = b->size;
+    const double *a_size = a->size, *b_size = b->size, *a_reach = a->reached, *b_reach = b->reached;
     double more_b = (a->count - 1.0) * RELATIVE_STEP, more_a = (b->count - 1.0) * RELATIVE_STEP;
+    double unit = SMALLEST_NORMAL * (a->count + b->count);
     int64_t rare = 0;
     for (npy_intp i = 0; i < count; i++) {
         double low = lo[i] + 0.0, high = -negated_hi[i], mag = a_size[i] + b_size[i];
-        double step = (a_size[i] > 0.0) & (b_size[i] > 0.0) ? RELATIVE_STEP * mag : 0.0;
+        double flushed = 0.0;
+        if (tiny) {
+            reach[i] = a_reach[i] + b_reach[i];
+            flushed = unit * reach[i];
+        }
+        double step = (a_size[i] > 0.0) & (b_size[i] > 0.0) ? step_of(mag, flushed, tiny) : 0.0;
         step = step + more_b * b_size[i] + more_a * a_size[i];
         double out_low = low - step, out_high = high + step, enough = mag * UNCANCELLED;
         int positive = (a_low[i] >= 0.0) & (b_low[i] >= 0.0)
@@ -64,9 +76,37 @@ LOOP int64_t add_terms(
         lo[i] = (out_low < 0.0) & positive ? 0.0 : out_low;
         negated_hi[i] = (out_high > 0.0) & negative ? 0.0 : -out_high;
         size[i] = mag;
-        rare |= unbounded(low, high) | ((mag > 0.0) & (mag < TINY)) ? -1 : 0;
+        rare |= rare_of(unbounded(low, high), tiny ? 0.0 : mag);
     }
     return rare;
+}
+
+LOOP int64_t add_plain(
+    npy_intp count, const Value *a, const Value *b, double *restrict lo, const double *negated_hi,
+    double *restrict size, double *restrict slack)
+{
+    return added_plain(count, a, b, 0, lo, negated_hi, size, slack, NULL);
+}
+
+LOOP int64_t add_plain_tiny(
+    npy_intp count, const Value *a, const Value *b, double *restrict lo, const double *negated_hi,
+    double *restrict size, double *restrict slack, double *restrict reach)
+{
+    return added_plain(count, a, b, 1, lo, negated_hi, size, slack, reach);
+}
+
+LOOP int64_t add_terms(
+    npy_intp count, const Value *a, const Value *b, double *restrict lo,
+    double *restrict negated_hi, double *restrict size)
+{
+    return added_terms(count, a, b, 0, lo, negated_hi, size, NULL);
+}
+
+LOOP int64_t add_terms_tiny(
+    npy_intp count, const Value *a, const Value *b, double *restrict lo,
+    double *restrict negated_hi, double *restrict size, double *restrict reach)
+{
+    return added_terms(count, a, b, 1, lo, negated_hi, size, reach);
 }
 
 LOOP int64_t check_bounds(npy_intp count, double *restrict lo, const double *negated_hi)
@@ -74,9 +114,29 @@ LOOP int64_t check_bounds(npy_intp count, double *restrict lo, const double *neg
     int64_t rare = 0;
     for (npy_intp i = 0; i < count; i++) {
         lo[i] += 0.0;
-        rare |= unbounded(lo[i], -negated_hi[i]) ? -1 : 0;
+        rare |= unbounded(lo[i], -negated_hi[i]) ? ODD : 0;
     }
     return rare;
+}
+
+static int64_t sum_block(Pass *pass, npy_intp start)
+{
+    npy_intp count = pass->count;
+    Value *a = &pass->a, *b = &pass->b;
+    Result *result = &pass->result;
+    double *lo = pass->lo, *negated_hi = pass->negated_hi, *size = result->size + start;
+    double opposite[4][BLOCK];
+    if (pass->minus) negate(b, count, opposite);
+    sum(count, a->settled_low, a->settled_high, b->settled_low, b->settled_high, lo, negated_hi);
+    if (!pass->rearrange) return check_bounds(count, lo, negated_hi);
+    double *reach = pass->tiny ? result->reached + start : NULL;
+    if (a->plain && b->plain) {
+        double *slack = result->step + start;
+        return reach ? add_plain_tiny(count, a, b, lo, negated_hi, size, slack, reach)
+                     : add_plain(count, a, b, lo, negated_hi, size, slack);
+    }
+    return reach ? add_terms_tiny(count, a, b, lo, negated_hi, size, reach)
+                 : add_terms(count, a, b, lo, negated_hi, size);
 }
 
 static PyObject *sum_of(PyObject *const *args, Py_ssize_t given, int minus)
@@ -89,22 +149,8 @@ static PyObject *sum_of(PyObject *const *args, Py_ssize_t given, int minus)
     if (make_room(result, &pass.shape, pass.rearrange, pass.rearrange && plain)) return NULL;
     result->exact = a->exact && b->exact && plain;
     result->count = a->count + b->count;
-    double opposite[4][BLOCK];
-    for (npy_intp start = 0; at_block(&pass, start, 2); start += BLOCK) {
-        npy_intp count = pass.count;
-        if (minus) negate(b, count, opposite);
-        sum(count, a->settled_low, a->settled_high, b->settled_low, b->settled_high, pass.lo,
-            pass.negated_hi);
-        if (!pass.rearrange)
-            result->rare = check_bounds(count, pass.lo, pass.negated_hi);
-        else if (plain)
-            result->rare = add_plain(count, a->size, b->size, pass.lo, pass.negated_hi,
-                                     result->size + start, result->step + start);
-        else
-            result->rare = add_terms(
-                count, a, b, pass.lo, pass.negated_hi, result->size + start);
-        end_block(&pass, start);
-    }
+    pass.minus = minus;
+    if (run(&pass, 2, sum_block, a->reaching || b->reaching)) return NULL;
     return finished(result);
 }
 
@@ -122,7 +168,7 @@ static PyObject *subtract(PyObject *self, PyObject *const *args, Py_ssize_t give
 /* What the terms of sums over the last axis come to. */
 typedef struct {
     double lo[BLOCK], negated_hi[BLOCK], size[BLOCK], terms[BLOCK], positive[BLOCK],
-    negative[BLOCK];
+    negative[BLOCK], reach[BLOCK];
 } Total;
 
 LOOP void first_term(npy_intp count, const Value *a, Total *restrict total)
@@ -160,14 +206,20 @@ LOOP void add_sizes(npy_intp count, const Value *a, Total *restrict total)
     }
 }
 
+LOOP void add_reach(npy_intp count, const double *reach, double *restrict total)
+{
+    for (npy_intp i = 0; i < count; i++) total[i] += reach[i];
+}
+
+/* `unit` is what a flushed product may change; 0 where no term is tiny. */
 LOOP int64_t end_sum(
-    npy_intp count, const Total *total, double *restrict lo, double *restrict negated_hi,
-    double *restrict size, double *restrict slack)
+    npy_intp count, const Total *total, double unit, double *restrict lo,
+    double *restrict negated_hi, double *restrict size, double *restrict slack)
 {
     int64_t rare = 0;
     for (npy_intp i = 0; i < count; i++) {
         double low = total->lo[i], high = -total->negated_hi[i], mag = total->size[i];
-        double terms = total->terms[i], step = RELATIVE_STEP * mag;
+        double terms = total->terms[i], step = step_of(mag, unit * total->reach[i], 1);
         /* All partial sums but the last may each lose a step. */
         double between = larger(terms - 2.0, 0.0) * step;
         double out_low = low - between, out_high = high + between;
@@ -175,7 +227,7 @@ LOOP int64_t end_sum(
         negated_hi[i] = (out_high > 0.0) & (total->negative[i] > 0.0) ? 0.0 : -out_high;
         size[i] = mag;
         slack[i] = terms >= 2.0 ? step : 0.0;
-        rare |= unbounded(low, high) | ((mag > 0.0) & (mag < TINY)) | !(mag < INFINITY) ? -1 : 0;
+        rare |= rare_of(unbounded(low, high) | !(mag < INFINITY), unit > 0.0 ? 0.0 : mag);
     }
     return rare;
 }
@@ -195,7 +247,42 @@ static int of_one_shape(const Value *value)
     PyArrayObject *lo = value->lo.array;
     return (value->exact || PyArray_SAMESHAPE(lo, value->hi.array))
         && (value->plain || PyArray_SAMESHAPE(lo, value->mag.array))
-        && (!value->slackened || PyArray_SAMESHAPE(lo, value->slack.array));
+        && (!value->slackened || PyArray_SAMESHAPE(lo, value->slack.array))
+        && (!value->reaching || PyArray_SAMESHAPE(lo, value->reach.array));
+}
+
+static void to_term(Value *a, npy_intp j)
+{
+    to_component(&a->lo, j);
+    if (!a->exact) to_component(&a->hi, j);
+    if (!a->plain) to_component(&a->mag, j);
+    if (a->slackened) to_component(&a->slack, j);
+    if (a->reaching) to_component(&a->reach, j);
+}
+
+/* The sums of a block; what is rare in it. */
+static int64_t sum_terms(Pass *pass, Total *total, npy_intp terms, npy_intp start)
+{
+    Value *a = &pass->a;
+    Result *result = &pass->result;
+    for (npy_intp j = 0; j < terms; j++) {
+        to_term(a, j);
+        at_block(pass, start, 1);
+        if (!j) {
+            first_term(pass->count, a, total);
+            memset(total->reach, 0, sizeof total->reach);
+        } else {
+            fesetround(FE_DOWNWARD);
+            add_bounds(pass->count, a, total);
+            fesetround(FE_TONEAREST);
+            add_sizes(pass->count, a, total);
+        }
+        if (pass->tiny) add_reach(pass->count, a->reached, total->reach);
+    }
+    if (pass->tiny)
+        memcpy(result->reached + start, total->reach, pass->count * sizeof *total->reach);
+    return end_sum(pass->count, total, pass->tiny ? SMALLEST_NORMAL * (double)terms : 0.0, pass->lo,
+                   pass->negated_hi, result->size + start, result->step + start);
 }
 
 static PyObject *sum_last(PyObject *self, PyObject *const *args, Py_ssize_t given)
@@ -213,30 +300,16 @@ static PyObject *sum_last(PyObject *self, PyObject *const *args, Py_ssize_t give
     prepare_value(a, &pass.shape);
     if (make_room(result, &pass.shape, 1, 1)) return NULL;
     result->count = (double)terms;
+    if (a->reaching && reach_too(&pass)) return NULL;
     for (npy_intp start = 0; start < pass.shape.size && !result->rare; start += BLOCK) {
-        for (npy_intp j = 0; j < terms; j++) {
-            to_component(&a->lo, j);
-            if (!a->exact) to_component(&a->hi, j);
-            if (!a->plain) to_component(&a->mag, j);
-            if (a->slackened) to_component(&a->slack, j);
-            at_block(&pass, start, 1);
-            if (!j) {
-                first_term(pass.count, a, &total);
-                continue;
-            }
-            fesetround(FE_DOWNWARD);
-            add_bounds(pass.count, a, &total);
-            fesetround(FE_TONEAREST);
-            add_sizes(pass.count, a, &total);
-        }
-        result->rare = end_sum(pass.count, &total, pass.lo, pass.negated_hi, result->size + start,
-                               result->step + start);
+        result->rare = sum_terms(&pass, &total, terms, start);
         end_block(&pass, start);
+        if (result->rare == TINY_TERMS && !pass.tiny) {
+            if (reach_too(&pass)) return NULL;
+            start = -BLOCK;
+        }
     }
-    if (!pass.rearrange) {
-        Py_CLEAR(result->mag);
-        Py_CLEAR(result->slack);
-    }
+    if (!pass.rearrange) drop_terms(result);
     return finished(result);
 }
 

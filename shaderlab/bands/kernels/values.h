@@ -4,17 +4,18 @@
 #define SHADERLAB_VALUES_H
 
 typedef struct {
-    Operand lo, hi, mag, slack;
-    int exact, plain, slackened;
+    Operand lo, hi, mag, slack, reach;
+    int exact, plain, slackened, reaching;
     double count;
-    /* Of the current block: bounds, bounds with the slack paid, and the size of the terms. */
-    const double *low, *high, *settled_low, *settled_high, *size;
-    double blocks[3][BLOCK];
+    /* Of the current block: bounds, bounds with the slack paid, the size of the terms, and by what
+     * a flushed product among them may be multiplied. */
+    const double *low, *high, *settled_low, *settled_high, *size, *reached;
+    double blocks[4][BLOCK];
 } Value;
 
 typedef struct {
-    PyArrayObject *lo, *hi, *mag, *slack;
-    double *low, *high, *size, *step;
+    PyArrayObject *lo, *hi, *mag, *slack, *reach;
+    double *low, *high, *size, *step, *reached;
     int flush, exact;
     double count;
     /* Bits set where the NumPy code must do it, and where two bounds differ. */
@@ -40,14 +41,17 @@ static int read_value(Value *value, PyObject *band)
     if (!terms || !is_operand(&value->lo, lo) || !is_operand(&value->hi, hi)) return 0;
     value->exact = lo == hi;
     value->plain = terms == Py_None;
-    value->slackened = 0;
+    value->slackened = value->reaching = 0;
     value->count = 1.0;
     if (value->plain) return 1;
     PyObject *slack = attribute(terms, name_slack), *count = attribute(terms, name_count);
-    if (attribute(terms, name_reach) != Py_None || !slack || !count) return 0;
+    PyObject *reach = attribute(terms, name_reach);
+    if (!reach || !slack || !count) return 0;
     value->count = PyLong_AsDouble(count);
     value->slackened = slack != Py_None;
+    value->reaching = reach != Py_None;
     if (value->slackened && !is_operand(&value->slack, slack)) return 0;
+    if (value->reaching && !is_operand(&value->reach, reach)) return 0;
     return is_operand(&value->mag, attribute(terms, name_mag));
 }
 
@@ -55,7 +59,8 @@ static int broadcast_value(Shape *shape, const Value *value)
 {
     return broadcast(shape, &value->lo) && (value->exact || broadcast(shape, &value->hi))
         && (value->plain || broadcast(shape, &value->mag))
-        && (!value->slackened || broadcast(shape, &value->slack));
+        && (!value->slackened || broadcast(shape, &value->slack))
+        && (!value->reaching || broadcast(shape, &value->reach));
 }
 
 static void prepare_value(Value *value, const Shape *shape)
@@ -64,6 +69,7 @@ static void prepare_value(Value *value, const Shape *shape)
     if (!value->exact) prepare(&value->hi, shape);
     if (!value->plain) prepare(&value->mag, shape);
     if (value->slackened) prepare(&value->slack, shape);
+    if (value->reaching) prepare(&value->reach, shape);
 }
 
 LOOP void sizes(npy_intp count, const double *lo, const double *hi, double *restrict size)
@@ -102,6 +108,19 @@ static void load(Value *value, npy_intp start, npy_intp count)
         value->size = values_at(&value->mag, start, count);
 }
 
+LOOP void at_least_one(npy_intp count, const double *size, double *restrict to)
+{
+    for (npy_intp i = 0; i < count; i++) to[i] = larger(size[i], 1.0);
+}
+
+/* Where terms may be tiny: terms of which none is have a reach of their own size. */
+static void load_reach(Value *value, npy_intp start, npy_intp count)
+{
+    value->reached = value->blocks[3];
+    if (value->reaching) value->reached = values_at(&value->reach, start, count);
+    else at_least_one(count, value->size, value->blocks[3]);
+}
+
 static PyArrayObject *new_array(const Shape *shape, double **data)
 {
     PyObject *made = PyArray_SimpleNew(shape->ndim, (npy_intp *)shape->dims, NPY_DOUBLE);
@@ -115,6 +134,7 @@ static void drop(Result *result)
     Py_CLEAR(result->hi);
     Py_CLEAR(result->mag);
     Py_CLEAR(result->slack);
+    Py_CLEAR(result->reach);
 }
 
 /* Makes room for a band of this shape; -1 with an exception where there is none. */
@@ -146,12 +166,13 @@ static int succeeded(Result *result)
     return 1;
 }
 
-/* (lo, hi, mag, slack, count); None where something was rare. */
+/* (lo, hi, mag, slack, count, reach); None where something was rare. */
 static PyObject *finished(Result *result)
 {
     if (!succeeded(result)) Py_RETURN_NONE;
     PyObject *mag = or_none(result->mag), *slack = or_none(result->slack);
-    return Py_BuildValue("NNNNl", result->lo, result->hi, mag, slack, (long)result->count);
+    return Py_BuildValue("NNNNlN", result->lo, result->hi, mag, slack, (long)result->count,
+                         or_none(result->reach));
 }
 
 #endif
