@@ -10,6 +10,7 @@ import sys
 import traceback
 from collections.abc import Iterable
 from dataclasses import replace
+from importlib import import_module
 from importlib.machinery import ModuleSpec
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
@@ -21,10 +22,14 @@ from shaderlab.model import Case
 from shaderlab.module_path import searched
 
 _PACKAGE = "shaderlab_cases_"
+_FOR_CASES = ("shaderlab", "shaderlab.glslmath", "shaderlab.sampling", "shaderlab.assets")
+"""The modules whose names case files import."""
 _MISSING = re.compile(r"missing \d+ required (?:positional |keyword-only )?arguments?: (.+)")
 _UNKNOWN_KEYWORD = re.compile(
     r"(\w+)(?:\.__init__)?\(\) got an unexpected keyword argument '(\w+)'"
 )
+
+_NAMELESS = re.compile(r"(\w+)(?:\.__init__)?\(\) takes 1 positional argument but \d+")
 
 
 def load_cases(files: Iterable[Path]) -> dict[str, Case]:
@@ -56,8 +61,8 @@ def load_case(path: Path) -> Case:
             names the file, the line and, for a misspelt word, the nearest correct one.
     """
     if not path.is_file():
-        what = "is a folder, not a case file" if path.is_dir() else "there is no such case file"
-        raise CaseError(what, file=path)
+        what = "is a folder, not a case file" if path.is_dir() else "is no regular file"
+        raise CaseError(what if path.exists() else "there is no such case file", file=path)
     module = _import(path)
     case = getattr(module, "case", None)
     if not isinstance(case, Case):
@@ -171,24 +176,46 @@ def _line_in(path: Path, error: BaseException) -> int | None:
     return frames[-1].lineno if frames else None
 
 
+def _has_default(field: dataclasses.Field[object]) -> bool:
+    missing = dataclasses.MISSING
+    return field.default is not missing or field.default_factory is not missing
+
+
+def _right_import(name: str, module: str) -> str:
+    """For a name that a module of the lab lacks: which other has it, or the nearest names."""
+    for other in _FOR_CASES:
+        if name in _public(import_module(other)):
+            return f"it is elsewhere: from {other} import {name}"
+    return nearest(name, _public(sys.modules[module]))
+
+
+def _public(module: ModuleType) -> list[str]:
+    names: list[str] = getattr(module, "__all__", None) or dir(module)
+    return [name for name in names if not name.startswith("_")]
+
+
 def _right_spelling(error: BaseException) -> str | None:
     """For a misspelt keyword or import, the nearest names."""
     if isinstance(error, ImportError) and (error.name or "").startswith("shaderlab"):
         word = re.search(r"cannot import name '(\w+)'", str(error))
-        return nearest(word.group(1), dir(sys.modules[error.name or ""])) if word else None
+        return _right_import(word.group(1), error.name or "") if word else None
     if missing := _MISSING.search(str(error)):
         return f"give it {missing.group(1)}"
-    found = _UNKNOWN_KEYWORD.search(str(error))
+    found = _UNKNOWN_KEYWORD.search(str(error)) or _NAMELESS.search(str(error))
     if not isinstance(error, TypeError) or found is None:
         return None
     *_, (frame, _) = traceback.walk_tb(error.__traceback__)  # the one that calls
-    known = {**frame.f_globals, **frame.f_locals}.values()
+    places = (frame.f_locals, frame.f_globals, vars(sys.modules["shaderlab"]))
+    known = (each for place in places for each in place.values())
     owner = next((each for each in known if getattr(each, "__name__", "") == found.group(1)), None)
     if owner is None:
         return None
     if dataclasses.is_dataclass(owner):
-        names = [f.name for f in dataclasses.fields(owner) if f.init]
+        given = [f for f in dataclasses.fields(owner) if f.init]
+        names = [f.name for f in sorted(given, key=_has_default)]  # stable
     else:
         code = owner.__code__
         names = list(code.co_varnames[: code.co_argcount + code.co_kwonlyargcount])
+    if found.re is _NAMELESS:
+        return f"write the names, as in {owner.__name__}({names[0]}=…)" if names else None
     return nearest(found.group(2), names)

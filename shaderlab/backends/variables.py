@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+_ROOM = 4 << 20
+"""More bytes than Mesa's index of its cache takes, 1.3 MB."""
 
 
 @contextmanager
@@ -20,3 +24,16 @@ def variables_set(wanted: Mapping[str, str]) -> Iterator[None]:
                 del os.environ[name]
             else:
                 os.environ[name] = value
+
+
+def mesa_variables() -> dict[str, str]:
+    """What keeps Mesa from using its cache of shaders on a disk that is full: it maps a file there,
+    and the kernel ends a process that writes to a page of it which finds no room (SIGBUS)."""
+    given = os.environ.get("MESA_SHADER_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME")
+    with suppress(OSError, RuntimeError):  # no home
+        folder = Path(given) if given else Path.home() / ".cache"
+        there = next(each for each in (folder, *folder.absolute().parents) if each.exists())
+        disk = os.statvfs(there)
+        if disk.f_bavail * disk.f_frsize < _ROOM:
+            return {"MESA_SHADER_CACHE_DISABLE": "true"}
+    return {}

@@ -26,8 +26,16 @@ class Swizzled:
         # Words that can't be a swizzle don't ask for the shape, which may be what is missing.
         found = None if components(names, 4) is None else components(names, self.shape[-1])
         if found is None:
-            raise AttributeError(f"{type(self).__name__} has no attribute {names!r}")
+            raise AttributeError(self._without(names))
         return self[..., found]
+
+    def _without(self: Any, names: str) -> str:
+        """What to say of a word that is no swizzle of this value."""
+        if components(names, 4) is None:
+            return f"{type(self).__name__} has no attribute {names!r}"
+        size = self.shape[-1] if self.shape else 1
+        kind = f"a vec{size} has" if size > 1 else "a float has"
+        return f"{kind} no .{names}"
 
 
 class Vector(Swizzled, np.ndarray):

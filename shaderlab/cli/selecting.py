@@ -34,7 +34,8 @@ def choose(targets: Sequence[str], every: bool, variants: Sequence[str], load: L
 
     Raises:
         UsageError: nothing is named, or something that does not exist.
-        CaseError: all case files are wrong. One that is wrong among others is a job that says so.
+        CaseError: the only case file is wrong. One that is wrong among others is a job that says
+            so.
     """
     if not targets and not every:
         raise UsageError("nothing to run", remedy="name cases or case files, or say --all")
@@ -48,7 +49,7 @@ def choose(targets: Sequence[str], every: bool, variants: Sequence[str], load: L
     for case, variant in chosen:
         jobs |= {job.key: job for job in jobs_in(case, variant) if job.key not in jobs}
     errors = [case.error for case in facts.values() if case.error is not None]
-    if errors and all(job.broken for job in jobs.values()):
+    if errors and len(jobs) == 1:
         raise errors[0]
     return _keep_variants(list(jobs.values()), variants)
 

@@ -22,7 +22,7 @@ from shaderlab.evaluation.drawing import SceneDrawer, require_compiled
 from shaderlab.evaluation.evaluation import Evaluation
 from shaderlab.evaluation.failures import failure_of, unless_unwritable
 from shaderlab.evaluation.picture_writer import PictureFiles, PictureWriter
-from shaderlab.evaluation.record_builder import RecordBuilder
+from shaderlab.evaluation.record_builder import RecordBuilder, told
 from shaderlab.expectations.formula import Formula
 from shaderlab.expectations.gl_calls import Traced
 from shaderlab.expectations.reads import unread_outputs
@@ -168,7 +168,7 @@ class Lab(SceneDrawer):
                         name=expectation.name,
                         kind=expectation.kind,
                         status="error",
-                        message=str(error),
+                        message=told(error),
                     )
                 )
             explanation = None

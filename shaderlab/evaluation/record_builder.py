@@ -12,6 +12,7 @@ import numpy as np
 from shaderlab.compiler.driver_verdict import mark_disagreement
 from shaderlab.compiler.interface import Interface
 from shaderlab.compiler.sources import Source
+from shaderlab.compiler.targets import ALL_TARGETS
 from shaderlab.discovery import chapter_title
 from shaderlab.errors import ShaderlabError
 from shaderlab.evaluation.buffer_layouts import buffer_records
@@ -69,9 +70,7 @@ class RecordBuilder:
     def set_failure(self, status: Status, error: ShaderlabError) -> None:
         """Give the reason why the scene could not be run to its end."""
         self._status = status
-        place = "" if error.file is None else f"{display_path(error.file, error.line or None)}: "
-        remedy = f"\n→ {error.remedy}" if error.remedy else ""
-        self._message = f"{place}{error.message}{remedy}"
+        self._message = told(error)
 
     def set_unanswered(self, error: ShaderlabError) -> None:
         """Give the reason why some expectations were not judged; one that fails weighs more."""
@@ -282,6 +281,13 @@ def _declared(interface: Interface | None) -> Iterator[Declared]:
         )
 
 
+def told(error: ShaderlabError) -> str:
+    """What a record says of an error: its place as people read it, the message, the remedy."""
+    place = "" if error.file is None else f"{display_path(error.file, error.line or None)}: "
+    remedy = f"\n→ {error.remedy}" if error.remedy else ""
+    return f"{place}{error.message}{remedy}"
+
+
 def _for_display(verdict: Verdict) -> Verdict:
     diagnostics = (replace(d, file=display_path(d.file)) for d in verdict.diagnostics)
     return replace(verdict, diagnostics=tuple(diagnostics))
@@ -298,7 +304,12 @@ def _by_target(programs: Iterable[ProgramRecord]) -> dict[str, str]:
 
 def _refused(verdicts: Mapping[str, str]) -> str:
     refused = [target for target, verdict in verdicts.items() if verdict == "fail"]
-    return f"a program does not compile for {', '.join(refused)}" if refused else ""
+    if not refused:
+        return ""
+    accepted = [target for target in ALL_TARGETS if verdicts.get(target) == "pass"]
+    remedy = f"\n→ if it is meant for {' and '.join(accepted)} alone: targets={accepted}"
+    message = f"a program does not compile for {', '.join(refused)}"
+    return message + (f"{remedy}, in the case or in [tool.shaderlab]" if accepted else "")
 
 
 def _inputs(scene: Scene) -> dict[str, str]:

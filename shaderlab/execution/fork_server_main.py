@@ -13,6 +13,7 @@ import sys
 import traceback
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from shaderlab.execution import worker_main
@@ -73,6 +74,7 @@ def main() -> None:
     """
     control = socket.socket(fileno=int(sys.argv.pop()))
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides what an interrupt means
+    worker_main.adopt_orphans()
     (work, warm), _ = received(control)
     if work:
         worker_main.prepared(work, warm)
@@ -102,6 +104,7 @@ class _Server:
                 for number in list(self._workers):
                     self._kill(number)
                     self._reap(number)
+                _end_children()
                 return None
             if isinstance(request, Start):
                 child = self._fork(request, descriptors)
@@ -169,6 +172,26 @@ class _Server:
             return self._lost.pop(number)
         _, status = os.waitpid(self._workers.pop(number), 0)
         return os.waitstatus_to_exitcode(status)
+
+
+def _end_children() -> None:
+    """End what cases have started in sessions of their own: it was left to this process."""
+    while children := _children():
+        for child in children:
+            with contextlib.suppress(ProcessLookupError, ChildProcessError):
+                os.kill(child, signal.SIGKILL)
+                os.waitpid(child, 0)
+
+
+def _children() -> list[int]:
+    """This process's children, by what Linux says of all processes."""
+    found = []
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        with contextlib.suppress(OSError):
+            _, _, rest = stat.read_text(errors="replace").rpartition(") ")  # names may have both
+            if int(rest.split()[1]) == os.getpid():
+                found.append(int(stat.parent.name))
+    return found
 
 
 def send(control: socket.socket, message: Any, descriptors: list[int] | None = None) -> None:

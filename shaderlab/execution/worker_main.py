@@ -20,6 +20,7 @@ from shaderlab.errors import CaseError
 STEP_BYTES = 256
 """The size of the file in which a worker notes its steps."""
 _PR_SET_PDEATHSIG = 1
+_PR_SET_CHILD_SUBREAPER = 36
 GRACE = 2.0
 """A worker outlives the time limit that its parent watches by this factor, then ends itself."""
 
@@ -165,6 +166,15 @@ def die_with_parent(parent: int) -> None:
     ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
     if os.getppid() != parent:  # it went away in between
         os._exit(1)
+
+
+def adopt_orphans() -> None:
+    """Ask the kernel to give this process what its children's children leave behind, in whatever
+    session that is."""
+    if sys.platform.startswith("linux"):
+        import ctypes
+
+        ctypes.CDLL(None).prctl(_PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
 
 
 def keep_freed_memory() -> None:

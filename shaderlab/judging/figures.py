@@ -13,9 +13,12 @@ from shaderlab.records import Row, significant
 def figure_row(
     label: str, equals: Any, digits: int, computed: Any, measured: Any, ok: bool, note: str
 ) -> Row:
-    """One line of a table of figures: as printed, and as measured with a few digits more."""
-    more = min(digits + 3, 9)
-    text = shown(computed, more) if measured is None else shown(measured, more)
+    """One line of a table of figures: as printed, and as measured with a few digits more, or none
+    of integers."""
+    found = computed if measured is None else measured
+    whole = isinstance(found, np.ndarray) and found.dtype.kind in "iu"
+    text = shown(found, 0 if whole else min(digits + 3, 9))
+    digits = 0 if whole else digits
     return Row(label=label, expected=shown(equals, digits), measured=text, ok=ok, note=note)
 
 

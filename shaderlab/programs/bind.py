@@ -113,7 +113,8 @@ def value_arrays(what: str, variable: Variable, value: Any) -> tuple[Array, Arra
     if np.isnan(decimal).any() or (np.isinf(exact) & np.isfinite(decimal)).any():
         raise CaseError(f"{what} {variable.name!r} holds {value!r}, which no {variable.type} does")
     if exact.dtype.kind in "iu" and (exact != decimal).any():
-        raise CaseError(f"{what} {variable.name!r} is {variable.type}, but {value!r} is no integer")
+        integers = "no integer" if (decimal % 1).any() else f"beyond what {variable.type} holds"
+        raise CaseError(f"{what} {variable.name!r} is {variable.type}, but {value!r} is {integers}")
     return exact, decimal
 
 

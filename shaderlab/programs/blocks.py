@@ -42,6 +42,11 @@ def variables(interface: Interface) -> dict[str, Variable]:
 def refuse_member(draw: Draw, interface: Interface, name: str) -> None:
     """Raise CaseError where a name that is given as a uniform is that of a block's member."""
     for block in uniform_blocks(interface).values():
+        if name in (block.name, block.instance):
+            raise CaseError(
+                f"{' + '.join(draw.shaders)}: {name!r} is a uniform block, given as a uniform",
+                remedy=f"blocks={{{block.name!r}: UniformBuffer(values={{…}})}}",
+            )
         for member in block.members:
             if name in (member, f"{block.name}.{member}", f"{block.instance}.{member}"):
                 raise CaseError(

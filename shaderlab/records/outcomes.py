@@ -32,6 +32,14 @@ class Worst:
     inputs: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
 
     @property
+    def whole(self) -> bool:
+        """Whether these are integers, of which `ulp` is the difference."""
+        pairs = zip(self.low, self.high, self.reference, self.measured, strict=True)
+        integers = all(low == high == r and m % 1 == r % 1 == 0 for low, high, r, m in pairs)
+        off = abs(self.measured[self.component] - self.reference[self.component])
+        return integers and self.ulp == off
+
+    @property
     def exact(self) -> bool:
         """Whether the value is its reference to the last bit. Then its place in the band says
         nothing of it: a clamp's band, for one, begins or ends at the reference."""

@@ -60,7 +60,8 @@ def failure(record: Record) -> list[str]:
     lines = [f"{MARKS[record.status]} {label(record.id, record.variant)} · {record.title}"]
     lines += [f"  {display_path(record.file)}"] if record.file else []
     if record.status not in ("fail", "pass"):
-        lines += indent(f"{record.status}: {record.message}", "  ").splitlines()
+        said = f"{record.status}: {record.message}" if record.message else record.status
+        lines += indent(said, "  ").splitlines()
     elif record.message and not _said_below(record):
         lines += indent(record.message, "  ").splitlines()
     lines += _refusals(record)
@@ -129,6 +130,8 @@ def _worst(worst: Worst) -> Iterator[str]:
 def _distance(worst: Worst) -> str:
     if math.isnan(worst.widths):
         return "not a number"
+    if worst.whole:
+        return f"{worst.ulp:.0f} from the reference"
     ulp = "" if math.isnan(worst.ulp) else f" and {worst.ulp:.3g} ulp"
     return f"{worst.widths:.3g} half band widths{ulp} from the reference"
 

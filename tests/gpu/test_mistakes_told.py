@@ -62,10 +62,10 @@ def told(lab: Lab, folder: Path, text: str, reference: Callable[..., Any], **giv
         (lambda TexCoords: b"x", "no number"),
         (lambda TexCoords: [[1, 2], [3]], "no number"),
         (lambda TexCoords: np.array(["x"]), "no number"),
-        (lambda TexCoords: TexCoords, "gives 2 components, the shader's output has 4\n  → v.x is"),
+        (lambda TexCoords: TexCoords, "gives 2 components, the shader's output has 4\n→ v.x is"),
         (lambda TexCoords: np.sin(TexCoords), "gives 2 components"),
         (lambda TexCoords: vec4("a", 0, 0, 1), "fails: ValueError"),
-        (lambda TexCoords: TexCoords.q, "has no attribute 'q'"),
+        (lambda TexCoords: TexCoords.q, "a vec2 has no .q"),
         (lambda TexCoords: 1.0 if TexCoords.x > 0.5 else 0.0, "truth value"),
     ],
 )
@@ -81,6 +81,31 @@ def test_a_blocks_member_that_is_given_as_a_uniform(lab: Lab, tmp_path: Path, na
     said = told(lab, tmp_path, BLOCK, right, uniforms={name: (1.0, 1.0, 1.0, 1.0)})
     assert f"{name!r} is a member of the uniform block Lights, given as a uniform" in said
     assert "blocks={'Lights': UniformBuffer(values={'tint': …})}" in said
+
+
+@pytest.mark.parametrize("name", ["Lights", "lights"])
+def test_a_block_that_is_given_as_a_uniform(lab: Lab, tmp_path: Path, name: str) -> None:
+    said = told(lab, tmp_path, BLOCK, right, uniforms={name: (1.0, 1.0, 1.0, 1.0)})
+    assert f"{name!r} is a uniform block, given as a uniform" in said
+    assert "blocks={'Lights': UniformBuffer(values={…})}" in said
+
+
+@pytest.mark.parametrize(("value", "why"), [(-4, "beyond what uint holds"), (0.5, "no integer")])
+def test_a_number_that_is_no_uint(lab: Lab, tmp_path: Path, value: float, why: str) -> None:
+    said = told(lab, tmp_path, HASH, lambda seed: seed, uniforms={"seed": value})
+    assert f"uniform 'seed' is uint, but {value} is {why}" in said
+
+
+def test_a_dialect_says_which_targets_to_keep(lab: Lab, tmp_path: Path) -> None:
+    es = PLAIN.replace("330 core\n", "300 es\nprecision highp float;\n")
+    said = told(lab, tmp_path, es, lambda TexCoords: vec4(TexCoords, 0.0, 0.0))
+    assert "does not compile for opengl, vulkan" in said
+    assert "→ if it is meant for glsl alone: targets=['glsl'], in the case" in said
+
+
+def test_no_target_is_left_of_a_shader_that_all_refuse(lab: Lab, tmp_path: Path) -> None:
+    said = told(lab, tmp_path, PLAIN.replace("vec4(", "vec9("), right)
+    assert "vec9" in said and "targets=" not in said
 
 
 def test_what_an_include_lacks_points_to_the_include(lab: Lab, tmp_path: Path) -> None:

@@ -20,7 +20,7 @@ from shaderlab.execution.worker_process import environment
 from shaderlab.options import Limits
 
 WORK = """
-import os, sys, time
+import os, subprocess, sys, time
 
 def work(items):
     for item in items:
@@ -30,6 +30,9 @@ def work(items):
             os.kill(os.getppid(), 9)
         if item in ("sleep", "orphan"):
             time.sleep(600)
+        if item == "detach":
+            yield subprocess.Popen(["sleep", "600"], start_new_session=True).pid, os.getpid()
+            continue
         if item == "burn":
             while time.process_time() < 0.3:
                 pass
@@ -115,14 +118,16 @@ def test_a_server_that_died_is_said_and_started_anew(work: str) -> None:
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere workers end when they answer")
-def test_workers_end_with_the_process_that_asked_for_them(work: str, tmp_path: Path) -> None:
-    command = [sys.executable, "-c", PARENT, "sleep"]
+def test_workers_and_what_they_started_end_with_the_process_that_asked_for_them(work: str) -> None:
+    command = [sys.executable, "-c", PARENT, "detach", "sleep"]
     path = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=path) as parent:
         assert parent.stdout is not None
         worker, server = map(int, parent.stdout.readline().split()[:2])
+        detached, _ = map(int, parent.stdout.readline().split())
+        assert running(detached)
         parent.kill()
-    gone(worker, server)
+    gone(worker, server, detached)
 
 
 def test_what_workers_take_counts_as_their_parents(work: str) -> None:

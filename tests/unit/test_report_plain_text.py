@@ -36,6 +36,27 @@ def test_only_what_failed_is_told(failing: Record, passing: Record) -> None:
     assert text == "\n".join(failure(failing))
 
 
+def test_integers_are_off_by_a_difference(failing: Record) -> None:
+    (found,) = failing.expectations
+    assert found.worst is not None
+    band = dict.fromkeys(("reference", "low", "high"), (3.0, 4.0))
+    off = dataclasses.replace(found.worst, measured=(3.0, 3e9), ulp=3e9 - 4, widths=6e9, **band)
+    for worst, said in (
+        (off, "2999999996 from the reference"),
+        (dataclasses.replace(off, ulp=7.0), "half band widths"),
+        (dataclasses.replace(off, low=(3.0, 3.5)), "half band widths"),
+    ):
+        outcome = dataclasses.replace(found, worst=worst)
+        lines = failure(dataclasses.replace(failing, expectations=(outcome,)))
+        assert sum(said in line for line in lines) == 1
+
+
+def test_what_an_outcome_says_is_not_announced(failing: Record) -> None:
+    record = dataclasses.replace(failing, status="error", message="")
+    assert "  error" in failure(record) and "  error: " not in failure(record)
+    assert "  error: so" in failure(dataclasses.replace(record, message="so"))
+
+
 def test_a_shaders_text_cannot_steer_the_terminal(passing: Record) -> None:
     evil = dataclasses.replace(passing, status="error", message="\x1b[2Jgone\x07")
     assert not any(c in line for line in failure(evil) for c in "\x1b\x07")

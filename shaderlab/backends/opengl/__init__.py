@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from shaderlab.backends.variables import variables_set
+from shaderlab.backends.variables import mesa_variables, variables_set
 
 if TYPE_CHECKING:
     from shaderlab.backends.opengl.backend import OpenGLBackend
@@ -68,4 +68,4 @@ def _variables(driver: str) -> dict[str, str]:
     mesas = driver.removesuffix(SPIRV)
     if mesas in SOFTWARE:
         wanted |= {"LIBGL_ALWAYS_SOFTWARE": "1", "GALLIUM_DRIVER": mesas}
-    return wanted
+    return wanted | mesa_variables()

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from shaderlab.backends.variables import variables_set
+from shaderlab.backends.variables import mesa_variables, variables_set
 from shaderlab.backends.vulkan.manifests import manifest_of
 from shaderlab.errors import DriverError
 
@@ -59,4 +59,5 @@ def environment(driver: str) -> Iterator[None]:
 
 def _variables(driver: str) -> dict[str, str]:
     manifest = manifest_of(driver)
-    return {} if manifest is None else dict.fromkeys(_VARIABLES, str(manifest))
+    found = {} if manifest is None else dict.fromkeys(_VARIABLES, str(manifest))
+    return found | mesa_variables()

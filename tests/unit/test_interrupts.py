@@ -1,0 +1,69 @@
+"""An interrupt ends the command line with a word, whatever it does at that time."""
+
+from __future__ import annotations
+
+import signal
+import sys
+import time
+from collections.abc import Iterator
+
+import pytest
+
+from shaderlab import __main__ as program, cli
+
+
+@pytest.fixture(autouse=True)
+def interruptible(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Interrupts are raised here, and what the program sets for its process is put back."""
+    monkeypatch.setattr(sys, "unraisablehook", sys.unraisablehook)
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+def test_an_interrupt_while_modules_are_imported_is_said(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def interrupted() -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(cli, "main", interrupted)
+    with pytest.raises(SystemExit) as ended:
+        program.main()
+    assert ended.value.code == cli.INTERRUPTED
+    assert capsys.readouterr().err == "\nshaderlab: interrupted\n"
+
+
+def test_what_ignores_interrupts_goes_on_doing_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cli, "main", lambda: None)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # as a shell has it for what runs behind
+    program.main()
+    assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+
+
+def test_an_interrupt_in_a_callback_is_not_lost(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cli, "main", lambda: None)
+    program.main()
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+
+    class Callback:
+        def __del__(self) -> None:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        Callback()
+        time.sleep(20)
+
+
+def test_other_errors_in_callbacks_are_printed(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(cli, "main", lambda: None)
+    program.main()
+
+    class Callback:
+        def __del__(self) -> None:
+            raise ValueError("so it is")
+
+    Callback()
+    assert "ValueError: so it is" in capsys.readouterr().err

@@ -1,0 +1,28 @@
+"""What drivers are opened with."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from shaderlab.backends.variables import mesa_variables
+
+
+@pytest.mark.parametrize("name", ["MESA_SHADER_CACHE_DIR", "XDG_CACHE_HOME", "HOME"])
+def test_mesa_keeps_no_shaders_on_a_full_disk(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    """Its cache is a mapped file: a page without room ends the process."""
+    for other in ("MESA_SHADER_CACHE_DIR", "XDG_CACHE_HOME"):
+        monkeypatch.delenv(other, raising=False)
+    monkeypatch.setenv(name, str(tmp_path / "not" / "there"))
+    room = {tmp_path: 0}
+    monkeypatch.setattr(
+        os, "statvfs", lambda path: SimpleNamespace(f_bavail=room.get(path, 1 << 20), f_frsize=4096)
+    )
+    assert mesa_variables() == {"MESA_SHADER_CACHE_DISABLE": "true"}
+    room[tmp_path] = 1 << 20
+    assert mesa_variables() == {}
