@@ -13,10 +13,10 @@ Look at: the rosette. Were the second piece written to byte 0, or the pointer le
 would serve as colours, and three corners with negative coordinates would be black.
 """
 
-from shaderlab import Case, Erratum, Output, attribute_layout, exact, gl_call, gl_calls, measure
+from shaderlab import Case, Erratum, Output, attribute_layout, exact, gl_call, measure
 from shaderlab.expectations.gl_call import Object, call
 
-from ..scenes.api import ONE_PIXEL, answers
+from ..scenes.api import ONE_PIXEL, answers, sent
 from ..scenes.rosette import rosette_checks, window
 
 PIXELS, TEXEL = Object("buffer"), bytes(range(10, 90, 10))
@@ -44,6 +44,8 @@ def white(FragColor):
     return FragColor[..., :3].min(axis=-1).max()
 
 
+STATIC = {"usage": "GL_STATIC_DRAW"}
+
 case = Case(
     title="Filling a buffer in pieces",
     section="10",
@@ -58,26 +60,16 @@ case = Case(
             {"aPos": (0, 12), "aColor": (84, 12)}, name="positions at 0, colours at 84"
         ),
         exact("FragColor", Output("at once.FragColor"), name="same as two buffers"),
-        gl_calls("glBufferSubData", size=84, times=2, pass_name="main", name="two pieces"),
-        gl_calls("glBufferSubData", offset=84, times=1, name="the second one at byte 84"),
-        gl_calls(
-            "glBufferData",
-            size=168,
-            data="NULL",
-            usage="GL_STATIC_DRAW",
-            times=1,
-            pass_name="main",
-            name="reserved only",
+        *sent(
+            "main",
+            {
+                "two pieces": ("glBufferSubData", 2, {"size": 84}),
+                "the second one at byte 84": ("glBufferSubData", 1, {"offset": 84}),
+                "reserved only": ("glBufferData", 1, {"size": 168, "data": "NULL", **STATIC}),
+                "indices, at once": ("glBufferData", 1, {"size": 72, **STATIC}),
+                "and nothing else": ("glBufferData", 2),
+            },
         ),
-        gl_calls(
-            "glBufferData",
-            size=72,
-            usage="GL_STATIC_DRAW",
-            times=1,
-            pass_name="main",
-            name="indices, at once",
-        ),
-        gl_calls("glBufferData", times=2, pass_name="main", name="and nothing else"),
         *rosette_checks(),
         *(
             gl_call("glBindBuffer", f"GL_{target}_BUFFER", Object("buffer"), name=name)
