@@ -72,6 +72,8 @@ MISTAKES = [
      "shadows told wrongly"),
     ("cascaded-shadows", SHADOW, "current - bias > closest", "current > closest",
      "told otherwise than by maps of rays"),
+    ("cascaded-shadows", CASCADED, "vec3(at.xy, cascade)", "vec3(at.xy, min(cascade, 1.0))",
+     "told otherwise than by maps of rays, in the large picture"),
     ("cascaded-shadows", CASCADED, "vec3(at.xy, cascade)", "vec3(at.xy, 2.0 - cascade)",
      "… for each by a single map"),
     ("point-shadow", "point_shadow_depth.frag", "length(FragPos - lightPos) / farPlane",
@@ -93,7 +95,6 @@ OF_STATE = {
     "places hidden from the eye, in the large picture",
     "share of the large picture that is drawn",
     "pixels of the large picture that the order of drawing changes",
-    "told otherwise than by maps of rays, in the large picture",
 }
 
 
