@@ -7,16 +7,26 @@ attribute changes each frame: it takes one glBufferSubData. Stride and offsets a
 OpenGL which it is: 24 bytes and 0, 12 for seven interleaved vertices, 12 bytes and 0, 84 for the
 same ones batched.
 
-Look at: the rosette, read from three buffers of the same numbers in three orders. The pictures do
-not differ in a single bit.
+Look at: the rosette, read from buffers of the same numbers in three orders: 111 and 222, 123123123,
+111222333. The pictures do not differ in a single bit.
 """
 
 from shaderlab import Case, Output, attribute_layout, exact, query
 
-from ..scenes.figures import results
-from ..scenes.rosette import rosette, rosette_checks, window
+from ..scenes.draws import drawn
+from ..scenes.figures import each_draw, results
+from ..scenes.laws import device_place
+from ..scenes.panels import cell, picture
+from ..scenes.rosette import encoded, rosette, rosette_checks, window
 
 LIGHT = (0.93, 0.93, 0.92, 1.0)
+
+
+UPLOADS = {"separate": "data", "interleaved": "data", "batched": "sub_data"}
+SIDE_BY_SIDE = [
+    drawn("ch10_buffers/rosette", rosette(layout=layout, upload=upload), cell=cell(k, 3))
+    for k, (layout, upload) in enumerate(UPLOADS.items())
+]
 
 
 def size_of(layout):
@@ -30,11 +40,16 @@ case = Case(
     math=r"\text{interleaved: } s_i = \textstyle\sum_k b_k,\ o_i = \sum_{k<i} b_k \qquad "
     r"\text{batched: } s_i = b_i,\ o_i = n \sum_{k<i} b_k",
     passes=(
-        window("separate", clear=LIGHT, layout="separate"),
-        window("interleaved", clear=LIGHT, layout="interleaved"),
-        window("batched", clear=LIGHT, layout="batched", upload="sub_data"),
+        picture(SIDE_BY_SIDE, (960, 320), clear=LIGHT),
+        *(
+            window(layout, clear=LIGHT, layout=layout, upload=upload)
+            for layout, upload in UPLOADS.items()
+        ),
     ),
+    picture="picture.FragColor",
     expect=[
+        *each_draw("picture.FragColor", encoded, dict(enumerate(UPLOADS)), "{}, in the picture"),
+        *each_draw("picture.gl_Position", device_place, dict(enumerate(UPLOADS)), "{}: places"),
         exact("batched.FragColor", Output("interleaved.FragColor"), name="111222 equals 123123"),
         exact("batched.FragColor", Output("separate.FragColor"), name="… and two buffers"),
         attribute_layout({"aPos": (0, 12), "aColor": (84, 12)}, name="batched: 111222"),
@@ -47,10 +62,7 @@ case = Case(
             {"aPos": (0, 12), "aColor": (0, 12)}, pass_name="separate", name="separate: 111, 222"
         ),
         *results(
-            {
-                f"bytes, {layout}": (size_of(layout), 168.0)
-                for layout in ("separate", "interleaved", "batched")
-            },
+            {f"bytes, {layout}": (size_of(layout), 168.0) for layout in UPLOADS},
             digits=0,
         ),
         query("vertices_submitted", equals=18, name="vertices submitted"),
