@@ -15,8 +15,8 @@
 #include <stdint.h>
 #include <string.h>
 
-#include "operands.h"
 #include "rounding.h"
+#include "operands.h"
 #include "values.h"
 #include "pass.h"
 #include "sums.h"

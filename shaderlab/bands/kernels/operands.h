@@ -56,6 +56,17 @@ static int broadcast(Shape *shape, const Operand *operand)
     return 1;
 }
 
+/* One in so many values; the compiler knows a few strides better than any. */
+LOOP void every(npy_intp count, const double *from, npy_intp stride, double *restrict to)
+{
+    switch (stride) {
+    case 2: for (npy_intp i = 0; i < count; i++) to[i] = from[2 * i]; break;
+    case 3: for (npy_intp i = 0; i < count; i++) to[i] = from[3 * i]; break;
+    case 4: for (npy_intp i = 0; i < count; i++) to[i] = from[4 * i]; break;
+    default: for (npy_intp i = 0; i < count; i++) to[i] = from[i * stride];
+    }
+}
+
 static void gather(const Operand *operand, npy_intp start, npy_intp count, double *to)
 {
     int last = operand->ndim - 1;
@@ -79,7 +90,7 @@ static void gather(const Operand *operand, npy_intp start, npy_intp count, doubl
     npy_intp j = at[last];
     while (count > 0) {
         npy_intp run = length - j < count ? length - j : count;
-        for (npy_intp i = 0; i < run; i++) to[i] = row[(j + i) * stride];
+        every(run, row + j * stride, stride, to);
         to += run;
         count -= run;
         j = 0;
