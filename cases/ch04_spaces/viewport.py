@@ -12,7 +12,7 @@ square.
 
 import numpy as np
 
-from shaderlab import Case, Cell, Draw, Mesh, Pixel, Ramp, State, coverage, formula
+from shaderlab import Case, Cell, Draw, Mesh, Pixel, Ramp, State, boundaries, coverage, formula
 from shaderlab.glslmath import abs, dot, fract, min, swizzle, vec3, vec4, where
 from shaderlab.reference.spaces import window
 
@@ -67,7 +67,7 @@ def closeup(name, corner, side):
     """A part of the square, far enlarged."""
     domain = {"Ndc": Ramp((*corner, 0.0), (side, 0.0, 0.0), (0.0, side, 0.0))}
     draw = panel("ch04_spaces/viewport.frag", domain)
-    return picture([draw], (96, 96), name, colors={"FragColor": "rgba32f"})
+    return picture([draw], (96, 96), name)
 
 
 def by_hand(aPos, viewport, depthRange):
@@ -125,6 +125,13 @@ case = Case(
         *each_draw("judged.FragColor", chart, VIEWPORTS, "viewport {} of 6"),
         formula("chart.FragColor", chart, name="axes and lines from near by"),
         formula("disc.FragColor", chart, name="the disc from near by"),
+        *(
+            boundaries("judged.FragColor", chart, draw=k, name=f"… at its edges, viewport {k + 1}")
+            for k in (0, 1)
+        ),
+        boundaries("disc.FragColor", chart, name="the disc's edge"),
+        boundaries("chart.FragColor", chart, name="the edges of axes and lines"),
+        *(formula(f"{name}.landed", where_it_is) for name in ("chart", "disc")),
         formula("judged.landed", where_it_is),
         *(
             formula(f"{name}.{output}", reference)

@@ -55,7 +55,7 @@ case = Case(
     passes=lit.photographed(ROWS, clear=(0.0, 0.0, 0.0, 1.0)),
     picture="picture.FragColor",
     expect=[
-        *lit.vertex_stage_checks(),
+        *lit.vertex_stage_checks(draw=1),
         *each_draw("FragColor", COLOR, {1: "ring at 0.1", 6: "box at 0.4", 8: "floor at 1"}),
         formula("FragColor", COLOR, name="ball at 1"),
         *lit.picture_checks(),

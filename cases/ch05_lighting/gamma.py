@@ -14,7 +14,19 @@ seem to match: the very mistake that this case is about.)
 
 import numpy as np
 
-from shaderlab import Case, Ramp, Texture, across, assets, exact, formula, fullscreen, sweep, up
+from shaderlab import (
+    Case,
+    Ramp,
+    Texture,
+    across,
+    assets,
+    boundaries,
+    exact,
+    formula,
+    fullscreen,
+    sweep,
+    up,
+)
 from shaderlab.glslmath import abs, floor, step, vec3, vec4, where
 from shaderlab.reference.gamma import gamma_encode, srgb_decode, srgb_encode
 
@@ -24,8 +36,10 @@ from ..scenes.figures import figure, results
 from ..scenes.panels import WHOLE, panel, picture
 
 CODES = np.arange(256) / 255.0
-ALL_CODES = np.stack([CODES, CODES, CODES, np.ones(256)], axis=-1)[None]
+# Each channel in an order of its own, so that no two of them can be taken for one another.
+ALL_CODES = np.stack([CODES, CODES[::-1], np.roll(CODES, 85), np.ones(256)], axis=-1)[None]
 CODE_BY_CODE = np.rint(ALL_CODES * 255.0).astype(np.uint8)
+GREY_BY_GREY = CODE_BY_CODE[..., [0, 0, 0, 3]]
 
 SRGB_TEXTURE = Texture(image=ALL_CODES, format="srgb8_alpha8")
 BLACK_AND_WHITE = Texture(
@@ -87,6 +101,7 @@ case = Case(
     picture="picture.FragColor",
     expect=[
         formula("picture.FragColor", stripes, name="the picture"),
+        boundaries("picture.FragColor", stripes, name="the stripes' edges"),
         formula("power", gamma_encode),
         formula("srgb", srgb_encode, also={"colour-science": srgb_by_colour_science}),
         formula("decoded", decode),
@@ -95,7 +110,14 @@ case = Case(
         sweep("power", gamma_encode, over="linear", values=np.linspace(0.005, 1.0, 64)),
         sweep("srgb", srgb_encode, over="linear", values=around(0.0031308), log_x=True),
         sweep("decoded", decode, over="linear", values=around(0.04045), log_x=True),
-        exact("framebuffer.FragColor", CODE_BY_CODE, name="an sRGB framebuffer encodes"),
+        *(
+            figure("framebuffer.FragColor", f"light of code {int(code)}", {"code": code}, light)
+            for code, light in (
+                (8.5, (0.002428, 0.002428, 0.002428, 1.0)),
+                (128.5, (0.215861, 0.215861, 0.215861, 1.0)),
+            )
+        ),
+        exact("framebuffer.FragColor", GREY_BY_GREY, name="an sRGB framebuffer encodes"),
         exact("texture.FragColor", CODE_BY_CODE, name="an sRGB texture decodes"),
         exact("there-and-back.FragColor", CODE_BY_CODE, name="both together change nothing"),
         formula("dither.FragColor", half_of_the_light, name="half of the pixels white"),

@@ -83,6 +83,7 @@ def row(degrees, notes, ratio, intensity):
 
 
 TURNED = {"tangent": -0.1, "light.direction": (0.5, 0.0, -1.0)}  # no unit vector either
+ON_AXIS = {"FragPos": (0.5, 0.0, -1.0), "light.direction": (0.5, 0.0, -1.0)}
 ASIDE = (0.5, -2.0, 1.5)
 # The notes' rows for the cone of 25° and 35°: angle, their figure, ratio, intensity.
 WIDE = [
@@ -91,6 +92,7 @@ WIDE = [
     *row(14, "1.67", 1.734179, 1.0),
     *row(34, "0.11", 0.113424, 0.113424),
     *row(50, "−2.0", -2.023555, 0.0),
+    figure("ratio", "on the axis of a lamp turned", ON_AXIS, 2.0750, digits=4),
     figure("edge.intensity", "the lamp turned", TURNED, 0.302182),
     figure("edge.intensity", "the lamp elsewhere", {**TURNED, "light.position": ASIDE}, 0.302182),
 ]

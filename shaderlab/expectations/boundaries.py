@@ -38,11 +38,12 @@ class Boundaries(OfReference):
     A threshold that is off by a little changes no pixel of most frames. Here straight ways are
     laid between the inputs of pixels that were drawn, and on each a place at which the reference
     changes most is searched for by bisection, to 3·10⁻⁵ of the way; the shader is run beside it.
-    For the arguments see `Formula`. The shader must not discard there.
+    For the arguments see `Formula`. The shader must not discard there, nor take derivatives; in
+    `gl_FragCoord`, and in `frag_coord`, it gets the pixel of this run.
 
     Raises:
-        CaseError: the shader reads no float that varies over the frame, a vertex stage writes the
-            output, or the reference asks for `frag_coord`.
+        CaseError: the shader reads no float that varies over the frame, or a vertex stage writes
+            the output.
     """
 
     kind = "boundaries"
@@ -61,21 +62,23 @@ class Boundaries(OfReference):
                 f"boundaries of {self.output!r}: it is a vertex stage's",
                 remedy="formula judges each vertex",
             )
-        if PLACE in inspect.signature(self.reference).parameters:
-            raise CaseError(
-                f"boundaries of {self.output!r}: the reference asks for {PLACE}, and the shader is "
-                "run between pixels",
-                remedy="formula judges it at each pixel; value near an edge",
-            )
         yield CapturedFragments(self.key(scene))
         yield BesideBoundaries(self)
 
     def judge(self, scene: Scene, frame: Frame) -> Judgement:
         key, samples = self.key(scene), frame.answers[BesideBoundaries(self)]
-        inputs = inputs_of(frame, key, each=dict(samples.inputs), given=self.given)
+        each = {**samples.inputs, **self.places(2)}
+        inputs = inputs_of(frame, key, each=each, given=self.given)
         measured = samples.outputs[self.own_name(scene)]
         banded = judge_band(measured, self.reference, inputs, rules=self.rules)
         return self.judgement(scene, banded, banded.verdict())
+
+    def places(self, rows: int) -> Mapping[str, Array]:
+        """`frag_coord` of points in so many rows of a probe, if the reference asks for it."""
+        if PLACE not in inspect.signature(self.reference).parameters:
+            return {}
+        x, y = np.meshgrid(np.arange(WAYS) + 0.5, np.arange(rows) + 0.5)
+        return {PLACE: np.stack([x, y, np.full_like(x, 0.5), np.ones_like(x)], -1).reshape(-1, 4)}
 
 
 class BesideBoundaries(Need):
@@ -99,9 +102,12 @@ class BesideBoundaries(Need):
             each = {name: v[captured.covered] for name, v in captured.inputs.items()}
 
             def values(some: Mapping[str, Array]) -> Array:
-                inputs = Inputs.of(bindings, each=some, given=expectation.given)
-                found = evaluate(expectation.reference, inputs, rules=None, decimal=False)
                 count = len(next(iter(some.values())))
+                place = {
+                    n: np.tile(v, (count // WAYS, 1)) for n, v in expectation.places(1).items()
+                }
+                inputs = Inputs.of(bindings, each={**some, **place}, given=expectation.given)
+                found = evaluate(expectation.reference, inputs, rules=None, decimal=False)
                 return np.broadcast_to(found, (count, np.shape(found)[-1] if np.ndim(found) else 1))
 
             if not any(_varies(v) for v in each.values()):

@@ -10,7 +10,7 @@ import pytest
 
 from shaderlab import Case, Ramp, boundaries, formula, fullscreen
 from shaderlab.evaluation import Lab
-from shaderlab.glslmath import abs, step, swizzle, vec4, where
+from shaderlab.glslmath import abs, fract, step, swizzle, vec4, where
 from shaderlab.records import Outcome, Record
 
 SHADER = """#version 330 core
@@ -96,7 +96,17 @@ def test_a_shader_without_inputs_has_no_boundaries(lab: Lab, tmp_path: Path) -> 
     assert record.status == "error" and "no float input varies" in record.message
 
 
-def test_a_reference_of_places_is_refused(lab: Lab, tmp_path: Path) -> None:
-    by_pixel = boundaries("FragColor", lambda place, frag_coord: vec4(place, 0.0, 1.0))
-    record = judged(lab, tmp_path, SHADER, [by_pixel])
-    assert record.status == "error" and "asks for frag_coord" in record.message
+def test_a_reference_may_ask_for_the_pixel(lab: Lab, tmp_path: Path) -> None:
+    """The points that are run have pixels of their own, which shader and reference get alike."""
+    text = SHADER.replace("0.5 * place.y", "mod(gl_FragCoord.x, 4.0) > 1.0 ? lit : 0.5")
+
+    def dotted(place: Any, edge: Any, frag_coord: Any) -> Any:
+        lit = swizzle(drawn(place, edge), "x")
+        kept = fract(0.25 * swizzle(frag_coord, "x")) > 0.25
+        return vec4(lit, lit, where(kept, lit, 0.5), 1.0)
+
+    edges = boundaries("FragColor", dotted)
+    for wrong, status in (("", "pass"), ("1.0005 * ", "fail")):
+        (folder := tmp_path / status).mkdir()
+        record = judged(lab, folder, text.replace("step(edge", f"step({wrong}edge"), [edges])
+        assert [e.status for e in record.expectations] == [status], record.message
