@@ -9,6 +9,7 @@ from dataclasses import replace
 
 from shaderlab.activity import Activity, doing
 from shaderlab.backends import Drawn
+from shaderlab.compiler.es_precision import below_highp
 from shaderlab.errors import (
     CaseError,
     DeviceLostError,
@@ -199,13 +200,18 @@ class Lab(SceneDrawer):
                 doing("judge", "explaining the failure"),
                 self.evaluation(scene, programs, like=evaluation) as again,
             ):
-                return located(again, expectation, outcome)
+                found = located(again, expectation, outcome)
         except Exception as error:
             if os.environ.get("SHADERLAB_DEBUG") and not isinstance(error, ShaderlabError):
                 raise
             pixel = (outcome.worst.pixel if outcome.worst else None) or (0, 0)
             said = error.message if isinstance(error, ShaderlabError) else repr(error)
-            return Explanation(pixel=pixel, steps=(), refused=said)
+            found = Explanation(pixel=pixel, steps=(), refused=said)
+        pass_name, draw = expectation.key(scene)
+        lower = list(filter(None, map(below_highp, programs[pass_name][draw].authored)))
+        if found is None or not lower:
+            return found
+        return replace(found, verdict="; ".join(filter(None, (found.verdict, lower[0]))))
 
     def _enlarged(self, scene: Scene, programs: Programs, drawn: Drawn) -> Drawn:
         """The scene in the size for people: drawn once more, but where it has one size only."""

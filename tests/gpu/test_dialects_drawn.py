@@ -58,7 +58,19 @@ def test_older_versions_are_drawn_and_judged(
     other = tmp_path / "wrong"
     other.mkdir()
     (scene,) = case(other, wrong, ("glsl",)).scenes()
-    assert [o.status for o in lab.run(scene).expectations] == ["fail", "fail"]
+    outcomes = lab.run(scene).expectations
+    assert [o.status for o in outcomes] == ["fail", "fail"]
+    assert all("bands are those of highp" not in str(o.explanation) for o in outcomes)
+
+
+def test_what_fails_below_highp_says_so(lab: Lab, tmp_path: Path) -> None:
+    lab.configure(RunOptions(pictures=False, size=16))
+    text = ES.replace("highp", "mediump") + BODY.replace("RESULT", WRONG)
+    (scene,) = case(tmp_path, text, ("glsl",)).scenes()
+    explanation = lab.run(scene).expectations[0].explanation
+    assert explanation is not None
+    assert "a.frag:2: mediump is declared" in explanation.verdict
+    assert "bands are those of highp" in explanation.verdict
 
 
 def test_the_run_goes_before_the_case_and_the_case_before_the_project(
