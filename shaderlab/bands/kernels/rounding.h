@@ -6,11 +6,14 @@
 #ifndef SHADERLAB_ROUNDING_H
 #define SHADERLAB_ROUNDING_H
 
-/* The loops are built for wider registers too, and chosen on loading. */
-#if defined(__x86_64__) && defined(__linux__) && defined(__GLIBC__) && !defined(__clang__)
-#define LOOP __attribute__((noinline, target_clones("arch=x86-64-v4", "avx2", "default"))) static
-#else
+/* The loops are built for wider registers too, and chosen on loading; older compilers know no name
+ * for the widest. */
+#if !defined(__x86_64__) || !defined(__linux__) || !defined(__GLIBC__) || defined(__clang__)
 #define LOOP __attribute__((noinline)) static
+#elif __GNUC__ < 12
+#define LOOP __attribute__((noinline, target_clones("avx2", "default"))) static
+#else
+#define LOOP __attribute__((noinline, target_clones("arch=x86-64-v4", "avx2", "default"))) static
 #endif
 
 #define SMALLEST_NORMAL 0x1p-126
