@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from click.testing import CliRunner
 from shaderlab import catalogue
 from shaderlab.cli import COMMANDS, cli, list_cases
 from shaderlab.cli.case_index import kept_facts
+from shaderlab.cli.selecting import choose
 from shaderlab.errors import CaseError, UsageError
 from shaderlab.execution.jobs import CaseFacts
 from tests.catalogue import shipped
@@ -142,6 +144,18 @@ def test_what_could_not_be_loaded_is_not_kept(
     broken = CaseFacts(file="a.py", id="a", error=CaseError("so it is"))
     assert kept_facts(tmp_path, lambda: [broken]) == [broken]
     assert kept_facts(tmp_path, list) == []
+
+
+def test_of_several_wrong_files_each_is_a_job_and_one_alone_an_error(tmp_path: Path) -> None:
+    def load(files: Sequence[Path]) -> list[CaseFacts]:
+        return [CaseFacts(file=str(f), id=f.stem, error=CaseError(f.stem)) for f in files]
+
+    for name in ("one.py", "two.py"):
+        (tmp_path / name).touch()
+    names = [str(tmp_path / "one.py"), str(tmp_path / "two.py")]
+    assert [job.trouble for job in choose(names, False, (), load)] == ["one", "two"]
+    with pytest.raises(CaseError, match="one"):
+        choose(names[:1], False, (), load)
 
 
 @pytest.mark.usefixtures("loaded")
