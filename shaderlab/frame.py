@@ -213,6 +213,7 @@ class Frame:
         bindings: uniforms and textures by (pass, draw).
         sample_positions: where the driver takes a pixel's samples, by pass, for passes that have
             several: (samples, 2), from the pixel's lower left corner, 0…1.
+        subpixel_step: the grid that corners are moved to before they are rasterised, in pixels.
         answers: what else expectations asked for, by their needs
             (`shaderlab.model.Need`): captured inputs, probes, counts, layouts, verdicts.
     """
@@ -221,4 +222,5 @@ class Frame:
     order: tuple[str, ...]
     bindings: Mapping[PassDraw, Bindings]
     sample_positions: Mapping[str, Array] = field(default_factory=dict)
+    subpixel_step: float = 2.0**-8
     answers: Mapping[Any, Any] = field(default_factory=dict)

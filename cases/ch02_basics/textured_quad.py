@@ -23,6 +23,8 @@ from ..scenes.panels import enlarged, enlarged_check, picture
 PLACES = np.array([(0.5, 0.5, 0.0), (0.5, -0.5, 0.0), (-0.5, -0.5, 0.0), (-0.5, 0.5, 0.0)])
 CORNERS = np.array([(1.0, 1.0), (1.0, 0.0), (0.0, 0.0), (0.0, 1.0)])
 TINTS = np.array([(1.0, 0.45, 0.4), (0.45, 1.0, 0.45), (0.45, 0.6, 1.0), (1.0, 1.0, 0.4)])
+# 48 of 56 pixels: corners are on every driver's grid, in the small picture and in the large one.
+SIZE = (6 / 7, 12 / 7, 1.0)
 NOISE = np.random.default_rng(246).random((8, 8, 4))
 
 
@@ -55,8 +57,8 @@ case = Case(
     passes=(
         *enlarged(
             (
-                textured(square(TINTS * 0.0 + 1.0, (0.86, 1.72, 1.0), (-0.5, 0, 0)), assets.crate),
-                textured(square(TINTS, (0.86, 1.72, 1.0), (0.5, 0, 0)), assets.crate),
+                textured(square(TINTS * 0.0 + 1.0, SIZE, (-0.5, 0, 0)), assets.crate),
+                textured(square(TINTS, SIZE, (0.5, 0, 0)), assets.crate),
             ),
             (112, 56),
             9,

@@ -22,7 +22,7 @@ from ..scenes.cameras import turned
 from ..scenes.draws import tested
 from ..scenes.figures import each_draw, figure, results
 from ..scenes.laws import unchanged
-from ..scenes.panels import cell, enlarged_check, rectangle, softened_check, softened_pass
+from ..scenes.panels import cell, rectangle, smaller_check, softened_check, softened_pass
 
 AXES = (1.0, 0.45, 0.7)
 SOLID = assets.ellipsoid(AXES, segments=64, rings=32)
@@ -147,7 +147,7 @@ case = Case(
     picture="picture.FragColor",
     expect=[
         softened_check(),
-        enlarged_check("both", "scene", edges=0.0),
+        smaller_check("both", "scene"),
         formula("mesh.gl_Position", clip),
         formula("mesh.Local", unchanged("aPos")),
         formula("mesh.gradient", gradient),

@@ -155,7 +155,8 @@ case = Case(
     ),
     picture="picture.FragColor",
     expect=[
-        enlarged_check(edges=0.0),
+        # Of 576 points, two pixels each change within 1/256 of a pixel, to either side.
+        enlarged_check(edges=576 * 2 * (2 / 256) / (200 * 120)),
         *each_draw("small.FragColor", ground, {4 * k: f"strip {k}" for k in range(3)}),
         *each_draw("small.FragColor", dot_color, PARTS, discards=outside),
         *each_draw(

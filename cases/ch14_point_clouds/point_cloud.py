@@ -102,13 +102,14 @@ def star(warmth, gl_PointCoord):
     return vec4(light * color, 1.0)
 
 
-def furthest_from_sum(FragColor):
-    """How far any channel of the picture is from the sum of all stars' light, by NumPy."""
+def furthest_from_sum(FragColor, subpixel_step):
+    """How far any channel of the picture is from the sum of all stars' light, by NumPy: as far as
+    it would be on a grid of 1/256 pixel, which each star's middle is moved to."""
     found, total = cloud("binary"), np.broadcast_to(NIGHT[:3], FragColor[..., :3].shape).copy()
     warmth = np.ravel(found.fields["warmth"])[:, None]
     hues = np.array([0.20, 0.36, 0.85]) * (1.0 - warmth) + np.array([1.0, 0.70, 0.35]) * warmth
     add_discs(total, found.positions, hues, PROJECTION @ VIEW, LARGE)
-    return np.abs(FragColor[..., :3] - total).max()
+    return np.abs(FragColor[..., :3] - total).max() / (256.0 * subpixel_step)
 
 
 def apart(encoding):

@@ -183,7 +183,7 @@ def enlarged_check(
         edges: given where meshes have edges. Corners are moved to a grid within the pixels
             (OpenGL 3.3, 3.6.1), which is finer in the large picture, so an edge may lie one small
             pixel further: a pixel of each must be like one of the other's neighbours then, but for
-            this share, as an edge that is shaded may have a colour of its own.
+            this share, `at_edges`, as an edge that is shaded may have a colour of its own.
 
     >>> enlarged_check().name
     'the picture is the judged one, enlarged'
@@ -211,7 +211,9 @@ def share_unlike(large: npt.NDArray[Any], small: npt.NDArray[Any]) -> float:
     return float(np.mean((apart >= 0.5 / 255.0) | holes(large, small)))
 
 
-def share_unlike_but_edges(large: npt.NDArray[Any], small: npt.NDArray[Any]) -> float:
+def share_unlike_but_edges(
+    large: npt.NDArray[Any], small: npt.NDArray[Any], subpixel_step: float = 2.0**-8
+) -> float:
     """As `share_unlike`, where a neighbour's colour will do: what one has and the other lacks
     counts, and what lies a pixel further does not.
 
@@ -223,7 +225,8 @@ def share_unlike_but_edges(large: npt.NDArray[Any], small: npt.NDArray[Any]) -> 
     """
     middle = middles(large, small)
     apart = np.maximum(to_neighbours(middle, small), to_neighbours(small, middle))
-    return float(np.mean((apart >= 0.5 / 255.0) | holes(large, small)))
+    unlike = (apart >= 0.5 / 255.0) | holes(large, small)
+    return at_edges(float(np.mean(unlike)), subpixel_step)
 
 
 def holes(large: npt.NDArray[Any], small: npt.NDArray[Any]) -> npt.NDArray[Any]:
@@ -249,7 +252,8 @@ def smaller_check(judged: str = "judged", large: str = "scene", *, edges: float 
     Args:
         judged: the small pass.
         large: the same draws in a target at least three times as large, any number of times.
-        edges: the share of pixels that may differ, where what is seen is thinner than they are.
+        edges: the share of pixels that may differ, where what is seen is thinner than they are,
+            `at_edges`.
 
     >>> smaller_check().name
     'the large scene shows what the judged one does'
@@ -263,9 +267,24 @@ def smaller_check(judged: str = "judged", large: str = "scene", *, edges: float 
     )
 
 
-def share_unseen(large: npt.NDArray[Any], small: npt.NDArray[Any]) -> float:
-    """The share of small pixels that are, by half a code of eight bits or more in any channel,
-    out of the range of what is large at their places and half a small pixel around.
+def at_edges(share: float, subpixel_step: float) -> float:
+    """A share of pixels at edges, as it would be on a grid of 1/256 pixel.
+
+    Corners are moved to a driver's grid (OpenGL 3.3, 3.6.1), and edges with them by up to a step:
+    faces that are thinner vanish, and what they hide is seen. As many pixels have their centre in
+    such a strip as it is wide.
+
+    >>> at_edges(0.008, 1 / 16)
+    0.0005
+    """
+    return share / (256.0 * subpixel_step)
+
+
+def share_unseen(
+    large: npt.NDArray[Any], small: npt.NDArray[Any], subpixel_step: float = 2.0**-8
+) -> float:
+    """The share of small pixels `at_edges` that are, by half a code of eight bits or more in any
+    channel, out of the range of what is large at their places and half a small pixel around.
 
     >>> small = np.zeros((1, 4, 1))
     >>> large = np.zeros((3, 12, 1))
@@ -275,7 +294,7 @@ def share_unseen(large: npt.NDArray[Any], small: npt.NDArray[Any]) -> float:
     """
     low, high = (_around(large, small.shape, extreme) for extreme in (np.min, np.max))
     apart = np.maximum(low - small, small - high).max(axis=-1)
-    return float(np.mean(apart >= 0.5 / 255.0))
+    return at_edges(float(np.mean(apart >= 0.5 / 255.0)), subpixel_step)
 
 
 def _around(large: npt.NDArray[Any], shape: tuple[int, ...], extreme: Any) -> npt.NDArray[Any]:

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from shaderlab.reference.transforms import Matrix
 
 from .boxes import slab_distance
+from .panels import at_edges
 
 _OFF = 1e-4
 
@@ -147,7 +148,7 @@ def told_otherwise(
     light_space: Matrix, sun: ArrayLike, models: Sequence[Matrix], radius: int = 0
 ) -> Callable[..., float]:
     """A statistic: the share of places that face the sun of which a shadow map tells something else
-    than one made by rays, of the same texels with the same bias.
+    than one made by rays, of the same texels with the same bias; `at_edges`.
 
     Args:
         light_space, models, radius: as in `dark_share`.
@@ -164,21 +165,26 @@ def told_otherwise(
     """
     towards = np.asarray(sun, np.float64) / np.linalg.norm(sun)
 
-    def share(shadow: Matrix, place: Matrix, upright: Matrix, size: Any, biases: Any) -> float:
+    def share(
+        shadow: Matrix,
+        place: Matrix,
+        upright: Matrix,
+        size: Any,
+        biases: Any,
+        subpixel_step: float = 2.0**-8,
+    ) -> float:
         cosine = upright @ towards
         bias = np.maximum(biases[1] * (1.0 - cosine), biases[0])
         dark = dark_share(place, light_space, int(size), models, bias, radius)
         differs = np.abs(dark - shadow[..., 0]) > 0.5 / (2 * radius + 1) ** 2
-        return float(np.mean(differs[cosine > 0.0]))
+        return at_edges(float(np.mean(differs[cosine > 0.0])), subpixel_step)
 
     return share
 
 
-def hidden_share(
-    eye: ArrayLike, models: Sequence[Matrix], step: int = 1
-) -> Callable[[Matrix, Matrix], float]:
+def hidden_share(eye: ArrayLike, models: Sequence[Matrix], step: int = 1) -> Callable[..., float]:
     """A statistic of a picture: the share of places in it that a box hides from the eye. A depth
-    test that works leaves none, but for pixels at the very edges.
+    test that works leaves none, but for pixels at the very edges; see `at_edges`.
 
     Args:
         eye: the camera's place, (3,).
@@ -194,10 +200,11 @@ def hidden_share(
     0.5
     """
 
-    def share(FragColor: Matrix, place: Matrix) -> float:
+    def share(FragColor: Matrix, place: Matrix, subpixel_step: float = 2.0**-8) -> float:
         drawn, places = FragColor[::step, ::step, 3] > 0.0, place[::step, ::step, :3]
         to_eye = np.asarray(eye, np.float64) - places
-        return float(blocked(places, to_eye, models, reach=1.0)[drawn].mean())
+        hidden = blocked(places, to_eye, models, reach=1.0)[drawn]
+        return at_edges(float(hidden.mean()), subpixel_step)
 
     return share
 

@@ -94,7 +94,11 @@ class Session(ABC):
     Attributes:
         scene: what is drawn.
         programs: each pass's draws, compiled.
+        subpixel_step: the grid that corners are moved to before they are rasterised, in pixels.
     """
+
+    # Of OpenGL's drivers: Mesa reports the least that is allowed, 4 bits, and has 8.
+    subpixel_step: float = 2.0**-8
 
     def __init__(self, scene: Scene, programs: Programs) -> None:
         self.scene = scene
@@ -159,6 +163,10 @@ class Session(ABC):
     def locations(self, key: PassDraw) -> Mapping[str, int]:
         """Where the driver put each declared uniform; −1 for one without any effect."""
         raise OtherApiError("locations of uniforms: this driver's API has none")
+
+    def attachment(self, pass_name: str, name: str) -> Image:
+        """What is in an attachment of a pass: a colour, "depth" or "stencil"."""
+        raise UnsupportedError("reading an attachment once more: this backend can't")
 
     def gl_errors(self, key: PassDraw) -> Sequence[int]:
         """The errors that a draw raised."""

@@ -91,6 +91,12 @@ class PassSession(Session, Generic[Kind]):
             sample_positions=self._sample_positions,
         )
 
+    def attachment(self, pass_name: str, name: str) -> Image:
+        if (pass_name, name) in self.images:
+            return self.images[pass_name, name]
+        self.reading()
+        return self.targets[pass_name].read(name)
+
     def extent(self, description: Pass) -> Size:
         """The size in pixels of a pass's target."""
         return description.target.size or self.size

@@ -53,6 +53,7 @@ class Evaluation:
             order=tuple(p.name for p in self.scene.passes),
             bindings=self.drawn.bindings,
             sample_positions=self.drawn.sample_positions,
+            subpixel_step=self.session.subpixel_step,
             answers=self.answers,
         )
 

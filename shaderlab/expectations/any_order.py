@@ -5,6 +5,11 @@ last triangle first. Unless depth alone decides which surface a pixel shows, the
 mistake in both of them may not: so the pass is drawn small once more, by its own depth tests and by
 those that show the nearest surface; and, as nearest surfaces need no test to be seen, with the
 farthest in front.
+
+Two faces that meet in an edge have one depth there. Where both lie on the same side of it, as at an
+outline, and a pixel's centre is on the edge itself, the one that is drawn first stays: both are
+right. Such pixels are one beside the other along an edge. Where surfaces lie in each other, they
+fill areas.
 """
 
 from __future__ import annotations
@@ -16,7 +21,7 @@ import numpy as np
 
 from shaderlab.activity import doing
 from shaderlab.expectations.base import Context
-from shaderlab.expectations.exact import Exact
+from shaderlab.expectations.exact import Exact, bits_of
 from shaderlab.frame import Array, Frame, every_component
 from shaderlab.model import Depth, Draw, Judgement, Need, Output, Pass, Programs, Scene
 from shaderlab.model.checked import checked_arguments
@@ -45,8 +50,31 @@ def both_ways(description: Pass) -> tuple[Pass, Pass]:
 
 
 @dataclass(frozen=True)
+class Backwards(Need):
+    """What an output shows that is drawn backwards; its own values where all are the same, and at
+    pixels that differ along lines and have one depth both ways."""
+
+    pass_name: str
+    output: str
+
+    def answer(self, context: Context) -> Array:
+        session, names = context.session, (self.pass_name, self.pass_name + _SUFFIX)
+        values, others = (session.attachment(name, self.output).values for name in names)
+        apart = ~every_component(bits_of(values) == bits_of(others))
+        if not apart.any():
+            return values
+        target = session.scene.find_pass(self.pass_name).target
+        if self.output == "depth" or target.depth is None or target.samples:
+            return others
+        depth, backwards = (session.attachment(name, "depth").values[..., 0] for name in names)
+        met = apart & (depth == backwards) & ~_areas(apart)
+        return np.where(met[..., None], values, others)
+
+
+@dataclass(frozen=True)
 class AnyOrder(Exact):
-    """`output` is that of the pass drawn backwards, `equals`, bit for bit. If `tested`, it shows
+    """`output` is that of the pass drawn backwards, `equals`, bit for bit, but where two faces of one
+    depth meet in an edge. If `tested`, it shows
     the nearest surfaces, and the farthest ones with all depth tests turned round; but for pixels
     where two surfaces are equally far."""
 
@@ -54,6 +82,7 @@ class AnyOrder(Exact):
 
     def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
         yield from super().needs(scene, programs)
+        yield self._backwards(scene)
         for needs in self._drawn_anew(scene).values():
             yield from needs
 
@@ -72,6 +101,13 @@ class AnyOrder(Exact):
                 outcome = replace(outcome, status="fail", message=message, outside=wrong)
             found = replace(found, outcome=outcome)
         return found
+
+    def expected(self, values: Array, scene: Scene, frame: Frame) -> Array:
+        found: Array = frame.answers[self._backwards(scene)]
+        return found
+
+    def _backwards(self, scene: Scene) -> Backwards:
+        return Backwards(self.key(scene)[0], self.own_name(scene))
 
     def _drawn_anew(self, scene: Scene) -> Mapping[str, tuple[Need, ...]]:
         """For what is to be in front the pass by its own tests, and by tests for that, which let
@@ -128,7 +164,8 @@ class DrawnAnew(Need):
 
 @checked_arguments
 def any_order(output: str, *, tested: bool = True) -> AnyOrder:
-    """An output, named with its pass, does not depend on the order of drawing.
+    """An output, named with its pass, does not depend on the order of drawing; a pixel whose centre
+    lies on the very edge of two faces may show either.
 
     Args:
         output: of a pass that `both_ways` gave.
@@ -148,6 +185,20 @@ def any_order(output: str, *, tested: bool = True) -> AnyOrder:
 def _same(one: Array, other: Array) -> Array:
     """Where two pictures are the same; NaN is like NaN."""
     return every_component((one == other) | ((one != one) & (other != other)))
+
+
+def _areas(apart: Array) -> Array:
+    """Those pixels that lie in a square of two by two of them.
+
+    >>> _areas(np.array([[1, 1, 0], [1, 1, 1]], bool)).astype(int).tolist()
+    [[1, 1, 0], [1, 1, 0]]
+    """
+    whole = apart[1:, 1:] & apart[:-1, 1:] & apart[1:, :-1] & apart[:-1, :-1]
+    found = np.zeros_like(apart)
+    for rows in (slice(1, None), slice(-1)):
+        for columns in (slice(1, None), slice(-1)):
+            found[rows, columns] |= whole
+    return found
 
 
 def _backwards(draw: Draw) -> Draw:

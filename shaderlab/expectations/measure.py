@@ -96,6 +96,7 @@ class Measure(OfDraw):
     def _known(self, scene: Scene, frame: Frame) -> dict[str, Array]:
         """Everything that parameters may mean, by their names; of two, the output is meant."""
         known = _of_draw(frame.bindings[self.key(scene)])
+        known["subpixel_step"] = np.float64(frame.subpixel_step)
         last = frame.order[-1]
         for (pass_name, name), image in frame.images.items():
             known[parameter_name(f"{pass_name}.{name}")] = image.values
@@ -222,7 +223,9 @@ def measure(
 
     The parameters of `statistic` are found by name: outputs of any pass as float64 arrays
     (height, width, components), `FragColor` of the last pass or `shadow_depth` for
-    "shadow.depth"; uniforms and textures of a draw; and what `reads` and `given` say.
+    "shadow.depth"; uniforms and textures of a draw; what `reads` and `given` say; and
+    `subpixel_step`, the grid that corners are moved to before they are rasterised, in pixels, for
+    figures that grow with it: 1/256 on llvmpipe, 1/16 where a driver has the least allowed.
 
     Args:
         label: how tables and outcomes call it.

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any, cast
+
 import numpy as np
 
-from shaderlab.expectations.any_order import any_order, both_ways
+from shaderlab.expectations.any_order import Backwards, any_order, both_ways
+from shaderlab.expectations.base import Context
 from shaderlab.expectations.exact import Exact
-from shaderlab.model import Draw, Mesh, Output, Pass, Target
+from shaderlab.frame import Image
+from shaderlab.model import Case, Draw, Mesh, Output, Pass, Target
 
 
 def draw(name: str, indices: list[int] | None = None, primitive: str = "triangles") -> Draw:
@@ -41,3 +45,38 @@ def test_what_is_compared() -> None:
     check = any_order("scene.FragColor")
     assert isinstance(check, Exact) and check.output == "scene.FragColor"
     assert check.equals == Output("scene-backwards.FragColor")
+
+
+class Shown:
+    """What a device shows of two passes."""
+
+    def __init__(self, samples: int = 0, **attachments: np.ndarray) -> None:
+        target = Target(depth="depth24", samples=samples)
+        passes = both_ways(Pass(name="scene", target=target, draws=(draw("a.vert"),)))
+        case = Case(title="two", passes=passes, expect=[any_order("scene.color")])
+        self.scene = case.scene("default")
+        self._attachments = attachments
+
+    def attachment(self, pass_name: str, name: str) -> Image:
+        which = name + ("_backwards" if "backwards" in pass_name else "")
+        return Image(self._attachments[which], "r32f")
+
+
+def apart(colors: np.ndarray, depths: float = 0.0, samples: int = 0) -> int:
+    """How many pixels any_order finds where black is drawn one way and `colors` the other."""
+    none = np.zeros_like(colors)
+    session: Any = Shown(
+        samples, color=none, color_backwards=colors, depth=none, depth_backwards=none + depths
+    )
+    context = Context(session, {}, cast("Any", None), cast("Any", None))
+    wanted = Backwards("scene", "color").answer(context)
+    return int((wanted != none).any(axis=-1).sum())
+
+
+def test_pixels_on_an_edge_may_show_either_face_and_areas_may_not() -> None:
+    colors = np.zeros((5, 5, 1), np.float32)
+    colors[:, 2], colors[0, 0] = 1.0, 1.0
+    assert apart(colors) == 0
+    assert apart(colors, depths=0.5) == 6 and apart(colors, samples=4) == 6
+    colors[3:, 3] = 1.0  # beside the column, two of them make a square
+    assert apart(colors) == 4

@@ -55,6 +55,7 @@ class Drawing(RedrawingSession[RenderTarget]):
         super().__init__(scene, programs, size, stack)
         self.device = device
         self.linker = linker
+        self.subpixel_step = 2.0**-device.limits.subPixelPrecisionBits
         self._resources = stack.enter_context(Resources(device))
         folder = Path(scene.case.file).parent
         self._textures = BoundTextures(self._resources, linker, folder, self.images, self.targets)

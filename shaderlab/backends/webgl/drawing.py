@@ -49,6 +49,7 @@ class Drawing(RedrawingSession[RenderTarget]):
         super().__init__(scene, programs, size, stack)
         self.device = device
         self.linker = linker
+        self.subpixel_step = 2.0 ** -device.gl.about["subpixel"]
         folder = Path(scene.case.file).parent
         own = stack.enter_context(Objects(device.gl))
         self._textures = BoundTextures(device, own, folder, self.images, self.targets)

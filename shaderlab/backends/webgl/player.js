@@ -23,6 +23,7 @@ window.player = (() => {
       version: gl.getParameter(gl.VERSION),
       glsl: gl.getParameter(gl.SHADING_LANGUAGE_VERSION),
       texture: gl.getParameter(gl.MAX_TEXTURE_SIZE),
+      subpixel: gl.getParameter(gl.SUBPIXEL_BITS),
       points: gl.getParameter(gl.ALIASED_POINT_SIZE_RANGE)[1],
     };
   };
