@@ -79,6 +79,8 @@ class PassSession(Session, Generic[Kind]):
         self._inactive: set[str] = set()
         self._sample_positions: dict[str, Array] = {}
         self._captures: dict[str, PassCapture] = {}
+        # They draw by this session: it and all its images would stay until cycles are collected.
+        stack.callback(self._captures.clear)
 
     def draw(self) -> Drawn:
         for description in self.scene.passes:

@@ -96,7 +96,7 @@ class Measure(OfDraw):
     def _known(self, scene: Scene, frame: Frame) -> dict[str, Array]:
         """Everything that parameters may mean, by their names; of two, the output is meant."""
         known = _of_draw(frame.bindings[self.key(scene)])
-        known["subpixel_step"] = np.float64(frame.subpixel_step)
+        known["subpixel_step"] = np.array(frame.subpixel_step)
         last = frame.order[-1]
         for (pass_name, name), image in frame.images.items():
             known[parameter_name(f"{pass_name}.{name}")] = image.values

@@ -9,8 +9,10 @@ behind for good shows in the other, whichever they are.
 
 from __future__ import annotations
 
+import gc
 import hashlib
 import random
+import weakref
 from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass, replace
 from pathlib import Path
@@ -169,6 +171,22 @@ def triangle(folder: Path, name: str, state: State) -> Scene:
         id=name, file=str(folder / f"{name}.py"),
     )  # fmt: skip
     return next(iter(case.scenes()))
+
+
+def test_a_scene_is_gone_when_its_session_ends(tmp_path: Path) -> None:
+    """Without waiting for cycles to be collected: its images may be large, and objects are few."""
+    scene = triangle(tmp_path, "gone", State())
+    gc.collect()
+    gc.disable()
+    try:
+        with Lab() as lab, lab.evaluation(scene, lab.prepare(scene)) as evaluation:
+            key = next(iter(evaluation.session.programs)), 0
+            assert evaluation.session.fragments(key).covered.any()
+            session = weakref.ref(evaluation.session)
+        del evaluation
+        assert session() is None
+    finally:
+        gc.enable()
 
 
 @pytest.mark.parametrize("leak", [None, *LEAKS])

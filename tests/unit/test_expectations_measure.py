@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -55,6 +56,18 @@ def judged(expectation: Measure, given: Frame | None = None) -> Judgement:
 
 def share_above(near_lit: Any, limit: Any = 0.5) -> Any:
     return (near_lit > limit).mean()
+
+
+def test_a_share_at_edges_may_go_by_the_grid_of_corners() -> None:
+    def per_step(near_lit: Any, subpixel_step: Any) -> Any:
+        return (near_lit > 0.5).mean() / (256.0 * subpixel_step)
+
+    share = float((LIT > 0.5).mean())
+    assert share > 0.0
+    check = measure("share", per_step, at_most=share / 16.0)
+    fine, coarse = frame(), replace(frame(), subpixel_step=1 / 16)
+    assert judged(check, fine).outcome.status == "fail"
+    assert judged(check, coarse).outcome.status == "pass"
 
 
 def test_outputs_are_found_by_pass_and_name() -> None:
