@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from shaderlab import Case, Draw, Mesh, Pass, Ramp, exact, formula, fullscreen
+from shaderlab import Case, Draw, Mesh, Pass, Ramp, Target, exact, formula, fullscreen
 from shaderlab.backends.vulkan.manifests import manifest_of
 from shaderlab.errors import DriverError
 from shaderlab.evaluation import Lab
@@ -253,3 +253,36 @@ def test_swiftshader_puts_corners_on_a_coarser_grid(lab: Lab, tmp_path: Path) ->
     with lab.evaluation(scene, lab.prepare_for_opengl(scene)) as evaluation:
         row = evaluation.drawn.images["main", "level"].values[4, :, 0]
     assert row.sum() == {"lavapipe": 7, "swiftshader": 8}[str(lab.options.driver)]
+
+
+def test_swiftshader_shifts_what_reaches_behind_the_eye(lab: Lab, tmp_path: Path) -> None:
+    """A floor seen from 1 above it, 256 pixels for 90 degrees: where each pixel's place is on the
+    screen, less the pixel's own centre. Corners on a grid of 1/16 pixel shift it by 1/32."""
+    (tmp_path / "floor.vert").write_text(
+        "#version 330 core\nin vec3 at;\nout vec3 place;\n"
+        "void main() { place = at; gl_Position = vec4(at.xy, 1.01 * at.z - 0.2, at.z); }\n"
+    )
+    (tmp_path / "floor.frag").write_text(
+        "#version 330 core\nin vec3 place;\nout vec4 seen;\n"
+        "void main() { seen = vec4(place, 1); }\n"
+    )
+
+    def shift(nearest: float) -> float:
+        corners = [(x, -1.0, z) for z in (nearest, 9.0) for x in (-8.0, 8.0)]
+        mesh = Mesh(attributes={"at": np.array(corners)}, primitive="triangle_strip")
+        draw = Draw(vertex="floor.vert", fragment="floor.frag", mesh=mesh)
+        case = Case(
+            title="a floor", file=str(tmp_path / "floor.py"), expect=[exact("seen", 0.0)],
+            passes=(Pass(draws=(draw,), target=Target(size=(256, 256))),),
+        )  # fmt: skip
+        scene = case.scene("default")
+        with lab.evaluation(scene, lab.prepare_for_opengl(scene)) as evaluation:
+            seen = evaluation.drawn.images["main", "seen"].values.astype(np.float64)
+        rows, columns = np.nonzero(seen[..., 3])
+        places = seen[rows, columns]
+        found = places[:, 1] / places[:, 2] * 128.0 - (rows + 0.5 - 128.0)
+        return float(np.abs(found).max())
+
+    own = str(lab.options.driver) == "swiftshader"
+    assert shift(1.2) < (1 / 32 if own else 0.001)
+    assert shift(-9.0) > 3 / 16 if own else shift(-9.0) < 0.001
