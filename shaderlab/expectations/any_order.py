@@ -73,10 +73,9 @@ class Backwards(Need):
 
 @dataclass(frozen=True)
 class AnyOrder(Exact):
-    """`output` is that of the pass drawn backwards, `equals`, bit for bit, but where two faces of one
-    depth meet in an edge. If `tested`, it shows
-    the nearest surfaces, and the farthest ones with all depth tests turned round; but for pixels
-    where two surfaces are equally far."""
+    """`output` is that of the pass drawn backwards, `equals`, bit for bit, but where two faces of
+    one depth meet in an edge. If `tested`, it shows the nearest surfaces, and the farthest ones
+    with all depth tests turned round; but for pixels where two surfaces are equally far."""
 
     tested: bool = True
 
