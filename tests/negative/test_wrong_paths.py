@@ -223,7 +223,9 @@ def _swapped(before: Any) -> Any:
 
 
 def _turned(before: Any) -> Any:
-    return lambda place, level, format, image: before(place, level, format, image[::-1].copy())
+    return lambda place, level, format, image, **how: before(
+        place, level, format, image[::-1].copy(), **how
+    )
 
 
 def _upside_down(before: Any) -> Any:
