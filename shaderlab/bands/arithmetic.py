@@ -167,7 +167,7 @@ def multiply(a: Band, b: Band) -> Band:
             and scale.lo.size <= 16
             and is_power_of_two(scale.lo)
         ):
-            return _scaled(other, scale)
+            return scaled(other, scale)
     a_lo, a_hi = a.settled()
     b_lo, b_hi = b.settled()
     lo, hi = product_bounds(a_lo, a_hi, b_lo, b_hi)
@@ -194,8 +194,9 @@ def multiply(a: Band, b: Band) -> Band:
     return a.made(*moved, b, nan=nan, terms=terms)
 
 
-def _scaled(a: Band, scale: Band) -> Band:
-    """a · ±2^k: nothing is rounded, so a pending slack stays pending."""
+@np.errstate(all="ignore")
+def scaled(a: Band, scale: Band) -> Band:
+    """a · 0 or a · ±2^k: nothing is rounded, so a pending slack stays pending."""
     lo, hi = product_bounds(a.lo, a.hi, scale.lo, scale.lo)
     nan = None
     if not finite(lo, hi):

@@ -11,7 +11,8 @@ import numpy as np
 
 from shaderlab import glslmath
 from shaderlab.bands import Band, Rules
-from shaderlab.bands.rounding import shortest
+from shaderlab.bands.arithmetic import scaled
+from shaderlab.bands.rounding import is_power_of_two, shortest
 from shaderlab.interpreter.arithmetic import Floats
 
 # A float32 that needs more digits was computed by the compiler: another one may round otherwise.
@@ -50,10 +51,31 @@ class Bands:
         return value
 
 
+def _add(a: Any, b: Any) -> Any:
+    """a + b. Nothing is added to the zero that a loop's sum begins with."""
+    if _is_zero(a) and b.shape[-1] == a.shape[-1]:
+        return b
+    return a + b
+
+
+def _is_zero(value: Any) -> bool:
+    return value.shape[0] == 1 and value.terms is None and not (value.lo.any() or value.hi.any())
+
+
+def _multiply(a: Any, b: Any) -> Any:
+    """a · b. Times 0 or a power of two, as `step` gives them, nothing is rounded."""
+    for scale, other in ((a, b), (b, a)):
+        exact = scale.lo is scale.hi and scale.terms is None and scale.lo.size
+        # The first value of most inputs shows already that they are no powers of two.
+        if exact and is_power_of_two(scale.lo.flat[0]) and is_power_of_two(scale.lo):
+            return scaled(other, scale)
+    return a * b
+
+
 _OPERATORS: Mapping[str, Callable[..., Any]] = {
-    "add": operator.add,
+    "add": _add,
     "subtract": operator.sub,
-    "multiply": operator.mul,
+    "multiply": _multiply,
     "divide": operator.truediv,
     "negate": operator.neg,
     "remainder": lambda a, b: a - b * glslmath.trunc(a / b),

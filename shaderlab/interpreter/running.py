@@ -100,6 +100,7 @@ class Run:
         self._watch = watch
         self._constants: dict[int, Value] = {}
         self._parts: dict[tuple[int, Any], tuple[Value, Value]] = {}
+        self.units: dict[int, tuple[Value, float]] = {}
 
     def value(self, id_: int) -> Value:
         """What an operand's id stands for."""
@@ -128,6 +129,12 @@ class Run:
                 self._parts.clear()
             self._parts[key] = (value, make())  # the value is kept, or its id might be another's
         return self._parts[key][1]
+
+    def note_unit(self, value: Value, unit: float) -> None:
+        """Remember a power of two that all of a value's numbers are multiples of, 0 if none is."""
+        if len(self.units) > _MOST_PARTS:
+            self.units.clear()
+        self.units[id(value)] = value, unit
 
     def stored(self, line: int, name: str, value: Value, world: World) -> None:
         """Tell the trace of a value that was stored; "param" is what glslang calls an argument."""

@@ -73,6 +73,7 @@ def _minified(sampler: Sampler, filtered: Filtered, within: str, between: str, l
     last = len(sampler.texels.smaller)
     if not between:
         return filtered(0, within)
+    lod = np.clip(lod[0], 0.0, last), np.clip(lod[1], 0.0, last)
     if between == "nearest":
         # Between two levels either: the specification's rounding, or the floor of one half more.
         ends = [np.ceil(lod[0] + 0.5) - 1.0, np.floor(lod[1] + 0.5)]

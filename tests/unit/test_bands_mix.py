@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from benchmarks.adversary_device import Device
 from shaderlab import glslmath as g
 from shaderlab.bands import Band, mixed
 
@@ -56,6 +57,65 @@ def test_mixing_again_and_again_does_not_widen(monkeypatch: pytest.MonkeyPatch) 
     assert nested(6) < nested(1) < 1e-4
     monkeypatch.setattr(mixed, "within_ends", lambda found, *_: found)
     assert nested(6) > 5e-4  # by the operations alone
+
+
+def added(device: Device, terms: list[np.ndarray]) -> np.ndarray:
+    """Terms added up in any order."""
+    order = device.rng.permutation(len(terms))
+    total = terms[order[0]]
+    for k in order[1:]:
+        total = device.add(total, terms[k])
+    return total
+
+
+@pytest.mark.parametrize(
+    ("least", "most"), [(0.0, 1.0), (0.0, 1e-6), (1.0 - 1e-6, 1.0), (-2.0, 3.0)]
+)
+def test_no_order_of_nested_mixes_leaves_the_band(least: float, most: float) -> None:
+    """Each mix by another form, some multiplied out, their sums taken apart and joined anew."""
+    found = []
+    for seed in range(12):
+        device = Device(seed, "either")
+        rng = device.rng
+        first, *colors = (
+            rng.uniform(-1.0, 1.0, (500, 1)).astype(F).astype(float) for _ in range(5)
+        )
+        terms, band = [first], Band.exact(first)
+        for color in colors[:-1]:
+            a = rng.uniform(least, most, (500, 1)).astype(F).astype(float)
+            band = g.mix(band, Band.exact(color), Band.exact(a))
+            x, form = added(device, terms), rng.integers(0, 4)
+            if form == 0:
+                terms = [device.mul(x, device.add(np.ones(1), -a)), device.mul(color, a)]
+            elif form == 1:
+                terms = [*terms, device.mul(device.add(color, -x), a)]
+            elif form == 2:
+                terms = [*terms, device.mul(-x, a), device.mul(color, a)]
+            else:
+                products = [device.mul(-term, a) for term in terms]
+                terms = [*terms, *products, device.mul(color, a)]
+        last = colors[-1]
+        found += [
+            (band, added(device, terms)),
+            (band + Band.exact(last), added(device, [*terms, last])),
+            (band * Band.exact(last), added(device, [device.mul(last, term) for term in terms])),
+        ]
+    assert all(band.contains(values.astype(F)).all() for band, values in found)
+    assert not any(band.contains(values.astype(F) + F(1e-4)).all() for band, values in found)
+
+
+def test_terms_of_nested_mixes_add_up_and_do_not_multiply() -> None:
+    color = Band.exact([[0.5]])
+    for _ in range(8):
+        color = g.mix(color, 0.75, 1.0 - Band.exact([[0.5]]))
+    assert color.mag[0, 0] < 20.0 and color.count < 20
+
+
+def test_a_share_of_0_gives_the_first_colour_as_it_is() -> None:
+    x = Band.exact([[0.3]]) + 0.1
+    band = g.mix(x, 0.7, Band.exact([[0.0], [0.5]]))
+    settled = x.settled()[1] - x.settled()[0]
+    assert (band.hi - band.lo)[0] < settled + 1e-7 < (band.hi - band.lo)[1]
 
 
 def test_what_has_no_end_stays_open() -> None:

@@ -17,7 +17,7 @@ uniform float far; // range: 100..1000
 out vec4 FragColor;
 void main()
 {
-    float sum = far + 0.25;
+    float sum = far + 0.1;
     float small = sum - far;
     FragColor = vec4(small);
 }

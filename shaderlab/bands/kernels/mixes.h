@@ -4,8 +4,8 @@
 #ifndef SHADERLAB_MIXES_H
 #define SHADERLAB_MIXES_H
 
-/* Roundings of a mix, in either of its forms; of four texels, of the largest of them. */
-#define MIX_STEPS 8.0
+/* What the operations of a mix may flush; roundings of four texels, of the largest of them. */
+#define MIX_FLUSHED 8.0
 #define TEXEL_ROUNDING (8 * 0x1p-23)
 
 static inline double least_mix(double low, double high, double a, double from, double to)
@@ -18,8 +18,8 @@ static inline double greatest_mix(double low, double high, double a, double from
     return larger(low * (1.0 - a), high * (1.0 - a)) + larger(from * a, to * a);
 }
 
-/* The bounds of x·(1 - a) + y·a by the ends of x, y and a, moved out by the roundings, also those
- * among the terms of the mix as it was computed: their sizes, and what flushed products may do. */
+/* The bounds of x·(1 - a) + y·a by the ends of x, y and a, moved out by the roundings; `terms` and
+ * `reach` are of the mix as it was computed where flushed products may reach far, else 0 and 1. */
 LOOP int64_t mix_ends(
     npy_intp count, const Value *x, const Value *y, const Value *a, const double *terms,
     const double *reach, double unit, double *restrict lo, double *restrict negated_hi)
@@ -27,11 +27,16 @@ LOOP int64_t mix_ends(
     const double *x_lo = x->settled_low, *x_hi = x->settled_high, *x_size = x->size;
     const double *y_lo = y->settled_low, *y_hi = y->settled_high, *y_size = y->size;
     const double *a_lo = a->settled_low, *a_hi = a->settled_high, *a_size = a->size;
+    double others = x->count + y->count - 2.0;
     int64_t rare = 0;
     for (npy_intp i = 0; i < count; i++) {
-        double size = (x_size[i] + y_size[i]) * (1.0 + a_size[i]);
-        double lost = MIX_STEPS * larger(RELATIVE_STEP * size, SMALLEST_NORMAL);
-        lost = larger(lost, MIX_STEPS * step_of(terms[i], unit * reach[i], 1));
+        double share = smaller(larger(fabs(a_lo[i]), fabs(a_hi[i])), LARGEST);
+        double both = (x_size[i] + y_size[i]) * share;
+        double sums = 3.0 * (x_size[i] + both) + others * both;
+        double weights = x_size[i] * (1.0 + a_size[i]) + y_size[i] * a_size[i];
+        double lost = larger(RELATIVE_STEP * (sums + weights), MIX_FLUSHED * SMALLEST_NORMAL);
+        lost = larger(lost, MIX_FLUSHED * step_of(terms[i], unit * reach[i], 1));
+        lost = a_size[i] > 0.0 ? lost : 0.0;
         double low = smaller(least_mix(x_lo[i], x_hi[i], a_lo[i], y_lo[i], y_hi[i]),
                              least_mix(x_lo[i], x_hi[i], a_hi[i], y_lo[i], y_hi[i])) - lost;
         double high = larger(greatest_mix(x_lo[i], x_hi[i], a_lo[i], y_lo[i], y_hi[i]),
@@ -76,7 +81,7 @@ static PyObject *cut_to_ends(PyObject *self, PyObject *const *args, Py_ssize_t g
         for (int k = 0; k < 4; k++) load(&values[k], start, count);
         if (found->reaching) load_reach(found, start, count);
         result.rare = mix_ends(
-            count, &values[1], &values[2], &values[3], found->plain ? zeros : found->size,
+            count, &values[1], &values[2], &values[3], found->reaching ? found->size : zeros,
             found->reaching ? found->reached : ones, unit, lo, negated_hi);
         narrow(count, result.flush, lo, negated_hi, result.low + start, result.high + start);
         cut(count, found->low, found->high, result.low + start, result.high + start);

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from shaderlab.bands import Integer
 from shaderlab.interpreter.instructions.handler import Handler
 from shaderlab.interpreter.instructions.integers import settled
+from shaderlab.interpreter.instructions.multiples import computed
 from shaderlab.interpreter.memory import World
 from shaderlab.interpreter.program import Instruction
 
@@ -47,7 +48,7 @@ def _extended(run: Run, at: Instruction, world: World) -> Any:
     number, operands = at.operands[1], at.operands[2:]
     name = _FLOATS.get(number) or _PACKING.get(number)
     if name is not None:
-        return _kept(run, run.arithmetic.call(name, *run.values(operands)), world)
+        return _kept(run, computed(run, name, run.values(operands)), world)
     if number in _INTEGERS:
         function, unsigned = _INTEGERS[number]
         values: list[Integer] = run.values(operands)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from shaderlab.bands import Integer
 from shaderlab.interpreter.instructions.handler import Handler, calling
+from shaderlab.interpreter.instructions.multiples import exactly
 from shaderlab.interpreter.memory import World
 from shaderlab.interpreter.program import Instruction
 
@@ -29,7 +30,9 @@ def _from_integer(run: Run, at: Instruction, world: World) -> Any:
     whole: Integer = run.value(at.operands[0])
     if run.arithmetic.rules is None:
         return run.arithmetic.rounded(whole.lo)
-    return whole.as_band(run.arithmetic.rules)
+    band = whole.as_band(run.arithmetic.rules)
+    run.note_unit(band, 1.0)
+    return band
 
 
 def _to_integer(unsigned: bool) -> Handler:
@@ -54,14 +57,14 @@ HANDLERS: Mapping[int, Handler] = {
     111: _from_integer,
     112: _from_integer,
     124: _bitcast,
-    127: calling("negate"),
-    129: calling("add"),
-    131: calling("subtract"),
-    133: calling("multiply"),
+    127: exactly("negate"),
+    129: exactly("add"),
+    131: exactly("subtract"),
+    133: exactly("multiply"),
     136: calling("divide"),
     140: calling("remainder"),
-    141: calling("mod"),
-    142: calling("multiply"),
+    141: exactly("mod"),
+    142: exactly("multiply"),
     143: _matrix_times_scalar,
     144: _vector_times_matrix,
     145: calling("mul"),

@@ -116,7 +116,9 @@ def _wide(lookup: Lookup) -> Flags:
         if texels.compare is not None:
             wide = wide | ~np.isfinite(low).all(axis=-1) | ~np.isfinite(high).all(axis=-1)
         if lookup.level is not None:
-            first, last = (np.clip(end, *texels.lod) for end in lookup.level)
+            # Levels beyond the first and the last one are those.
+            ends = (np.clip(end, *texels.lod) for end in lookup.level)
+            first, last = (np.clip(end, 0.0, len(texels.smaller)) for end in ends)
             wide = wide | ~(last - first < _NARROW)
     found: Flags = wide
     return found
