@@ -24,7 +24,8 @@ _OPERATORS = "+-*/%<>=&|^!~,"
 _TOKEN = re.compile(r"\w+|[(){}\[\];?\n]|[-+*/%<>=&|^!~,]")
 _BLOCK = re.compile(r"\b(?:uniform|buffer|in|out)\s+(\w+)\s*\Z")
 _LONGEST_NAME = 1024  # GLSL's own limit
-_BUILT_IN_MEMBER = re.compile(r"\b(gl_\w+)\s*[;,\[]")
+# After a type or another name; what an expression says of a built-in crashes nothing.
+_BUILT_IN_MEMBER = re.compile(r"(?:[\w\]]\s+|,\s*)(gl_\w+)\s*[;,\[]")
 _DEFINE = re.compile(r"#[ \t]*define\b[ \t]*(.*)")
 # A macro for one number or name, or for nothing, does not nest.
 _HARMLESS = re.compile(r"\w+(?:[ \t]+(?!(?:if|else|for|while|do|switch)\b)[\w.]+)?[ \t]*$")
@@ -70,7 +71,7 @@ def _crashing_block(code: str) -> tuple[str, str, int] | None:
         if member and not name.startswith("gl_"):
             word = member.group(1)
             message = f"'{word}' : identifiers starting with \"gl_\" are reserved"
-            return word, message, code.count("\n", 0, member.start()) + 1
+            return word, message, code.count("\n", 0, member.start(1)) + 1
     return None
 
 

@@ -220,7 +220,7 @@ def test_spirv_is_shown_when_unfolded_also_where_an_earlier_case_has_it(
         folded = article.locator("[data-assembly]")
         assert folded.count() == 1 and folded.locator("pre").count() == 0
         folded.locator("summary").click()
-        folded.locator("pre").wait_for()
+        folded.locator("pre", has_text="OpFunction").wait_for()  # it is unpacked after it is there
         text = folded.locator("pre").text_content()
         assert text == "; fragment\n%main = OpFunction <img src=x>\n"
         folded.locator("summary").click()

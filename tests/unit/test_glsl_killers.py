@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from shaderlab.compiler import WORK, compile_glsl
+from shaderlab.compiler import WORK, Shaders, compile_glsl, compile_program
 from shaderlab.execution import WorkerPool
 from shaderlab.options import Limits
 
@@ -94,3 +94,19 @@ def test_a_file_that_crashes_or_hangs_is_named_and_costs_no_other(
         assert said.file == result.path
         assert said.message.startswith(f"{status}: ") and words in said.message
     assert results[0].verdicts[3].target == "driver"
+
+
+@pytest.mark.parametrize(
+    ("member", "message"),
+    [
+        ("vec4 gl_Position;", "reserved"),
+        ("void main() { c = gl_FragCoord; c[0] = gl_Layer;", "syntax"),
+    ],
+)
+def test_a_built_in_is_refused_as_a_blocks_member_and_not_in_an_expression(
+    member: str, message: str
+) -> None:
+    wrong = HEAD + "out vec3 {\n" + member + "\n}\n"
+    source = Shaders([]).from_text(wrong, "fragment", "wrong.frag")
+    said = compile_program([source], ["glsl"]).verdicts[0].diagnostics
+    assert said and all(message in each.message for each in said)
