@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
 
+from shaderlab.discovery import place
 from shaderlab.execution.jobs import CaseFacts
 from shaderlab.files import cache_root, read_regular, write_bytes
 
@@ -24,10 +25,13 @@ def kept_facts(course: Path, load: Callable[[], list[CaseFacts]]) -> list[CaseFa
     Args:
         course: the folder that holds all of its Python files.
         load: imports the cases; what it gives is kept where all of them could be.
+
+    Returns:
+        the facts, by chapter, section and id.
     """
     root = cache_root()
     if root is None:
-        return load()
+        return _in_order(load())
     name = hashlib.blake2b(os.fsencode(course), digest_size=8).hexdigest()
     file, key = root / f"cases-{name}.json", _key(course)
     with suppress(OSError, ValueError, TypeError, KeyError):
@@ -43,7 +47,7 @@ def kept_facts(course: Path, load: Callable[[], list[CaseFacts]]) -> list[CaseFa
                 )
                 for each in kept["cases"]
             ]
-    found = load()
+    found = _in_order(load())
     if any(each.error is not None for each in found):
         return found
     cases = [
@@ -60,6 +64,10 @@ def kept_facts(course: Path, load: Callable[[], list[CaseFacts]]) -> list[CaseFa
         root.mkdir(parents=True, exist_ok=True)
         write_bytes(file, json.dumps({"key": key, "cases": cases}).encode())
     return found
+
+
+def _in_order(found: list[CaseFacts]) -> list[CaseFacts]:
+    return sorted(found, key=lambda case: place(case.section, case.id))
 
 
 def _key(course: Path) -> str:

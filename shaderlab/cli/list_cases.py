@@ -73,7 +73,7 @@ def _shipped() -> list[CaseFacts]:
 
 def _imported() -> list[CaseFacts]:
     from shaderlab.catalogue import load_cases
-    from shaderlab.discovery import place, shipped_cases
+    from shaderlab.discovery import shipped_cases
     from shaderlab.errors import CaseError
 
     found = []
@@ -91,7 +91,7 @@ def _imported() -> list[CaseFacts]:
                 variants=tuple(scene.variant for scene in case.scenes()),
             )
         found.append(facts)
-    return sorted(found, key=lambda case: place(case.section, case.id))
+    return found
 
 
 def _loaded(targets: Sequence[str]) -> list[CaseFacts]:

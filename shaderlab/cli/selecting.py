@@ -14,7 +14,8 @@ from pathlib import Path
 
 import click
 
-from shaderlab.discovery import case_files, is_case_file, place, shipped_cases
+from shaderlab.cli.case_index import kept_facts
+from shaderlab.discovery import case_files, data_folder, is_case_file, place, shipped_cases
 from shaderlab.errors import CaseError, UsageError, nearest
 from shaderlab.execution.jobs import CaseFacts, Job, jobs_of
 from shaderlab.function_tests.finding import function_tests, is_function_test
@@ -42,6 +43,8 @@ def choose(targets: Sequence[str], every: bool, variants: Sequence[str], load: L
     wanted = [(file, variant) for target in targets for file, variant in wanted_files(target)]
     shipped = list(shipped_cases()) if every else []
     files = list(dict.fromkeys([*shipped, *(file for file, _ in wanted)]))
+    if every:
+        load = _with_index(load)
     facts = dict(zip(files, distinct(load(files)), strict=True))
     in_order = sorted((facts[f] for f in shipped), key=lambda case: place(case.section, case.id))
     chosen = [(case, None) for case in in_order] + [(facts[file], v) for file, v in wanted]
@@ -52,6 +55,20 @@ def choose(targets: Sequence[str], every: bool, variants: Sequence[str], load: L
     if errors and len(jobs) == 1:
         raise errors[0]
     return _keep_variants(list(jobs.values()), variants)
+
+
+def _with_index(load: Load) -> Load:
+    """Tells of the shipped cases what is known from an earlier command, and loads the others."""
+
+    def found(files: Sequence[Path]) -> list[CaseFacts]:
+        shipped = list(shipped_cases())
+        kept = kept_facts(data_folder("cases"), lambda: load(shipped))
+        known = {Path(facts.file): facts for facts in kept}
+        others = [file for file in files if file not in known]
+        known |= dict(zip(others, load(others) if others else [], strict=True))
+        return [known[file] for file in files]
+
+    return found
 
 
 def one(target: str, load: Load) -> tuple[CaseFacts, str]:

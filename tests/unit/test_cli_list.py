@@ -126,6 +126,25 @@ def test_facts_are_kept_for_these_very_files(
     assert kept_facts(course, load) == first and len(loaded) == 8
 
 
+def test_all_shipped_cases_are_loaded_once_for_several_commands(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("SHADERLAB_CACHE_DIR", str(tmp_path / "cache"))
+    own = tmp_path / "own.py"
+    own.touch()
+    asked: list[int] = []
+
+    def load(files: Sequence[Path]) -> list[CaseFacts]:
+        asked.append(len(files))
+        return [CaseFacts(file=str(f), id=f.stem, section="2.1", variants=("a",)) for f in files]
+
+    first = choose([], True, (), load)
+    assert choose([], True, (), load) == first and len(first) == len(shipped())
+    assert [job.id for job in choose([str(own)], True, (), load)] == [*(j.id for j in first), "own"]
+    assert choose([first[0].file], False, (), load) == first[:1]
+    assert asked == [len(shipped()), 1, 1]
+
+
 def test_what_a_case_raises_is_not_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("SHADERLAB_CACHE_DIR", str(tmp_path / "cache"))
 
