@@ -24,7 +24,7 @@ WAYS = 256
 """Straight ways between the inputs of two pixels."""
 PARTS = 64
 """Parts of a way among which the steepest are looked for."""
-ROUNDS, HALVES = 3, 8
+ROUNDS, PIECES = 3, 8
 """How often such a part is divided again, and into how many."""
 STEEPEST = 4
 """Of each way's parts one of so many."""
@@ -141,6 +141,7 @@ def beside_boundaries(
     count = len(next(iter(each.values())))
     starts, ends = rng.integers(0, count, (2, WAYS))
     way = np.arange(WAYS)
+    varying = {name for name, found in each.items() if _varies(found)}
 
     def at(t: Array) -> dict[str, Array]:
         """Inputs at shares of the ways, (…, WAYS), one after the other."""
@@ -150,13 +151,13 @@ def beside_boundaries(
             start = np.tile(found[starts], (share.size // WAYS, 1))
             end = np.tile(found[ends], (share.size // WAYS, 1))
             some[name] = (
-                (start + share * (end - start)).astype(found.dtype) if _varies(found) else start
+                (start + share * (end - start)).astype(found.dtype) if name in varying else start
             )
         return some
 
     low, high = np.zeros(WAYS), np.ones(WAYS)
     for number in range(1 + ROUNDS):
-        parts = HALVES if number else PARTS
+        parts = PIECES if number else PARTS
         t = low + np.linspace(0.0, 1.0, parts + 1)[:, None] * (high - low)
         found = np.nan_to_num(values(at(t)).reshape(parts + 1, WAYS, -1).astype(np.float64))
         steepness = np.abs(np.diff(found, axis=0)).max(axis=-1)
