@@ -42,8 +42,15 @@ def lab() -> Iterator[Lab]:
 @pytest.mark.parametrize(
     "case_id",
     # uniforms of every kind, doubles too; a geometry stage that is captured; uniform blocks;
-    # samplers in structs; instanced attributes
-    ["glsl-types", "geometry-explode", "uniform-buffer", "lighting-maps", "batching"],
+    # samplers in structs; instanced attributes; calls of glUniform that are asked for
+    [
+        "glsl-types",
+        "geometry-explode",
+        "uniform-buffer",
+        "lighting-maps",
+        "batching",
+        "uniform-types",
+    ],
 )
 def test_a_case_passes_as_with_text(lab: Lab, case_id: str) -> None:
     files = {file.stem.replace("_", "-"): file for file in shipped_cases()}

@@ -142,17 +142,18 @@ class Uniform:
         return self.variable.array or 1
 
     def write(self, data: bytes) -> None:
-        """Upload elements, columns first."""
+        """Upload elements, columns first, by the calls that a program from text gets."""
         kind = self.variable.type
         letter = {"u": "ui", "i": "i", "b": "i", "d": "d"}.get(kind[0], "f")
         values = np.frombuffer(data, _NUMPY[letter])
         count = values.size // self.dimension
+        GL.glUseProgram(self.program)
         if "mat" in kind:
-            call = getattr(GL, f"glProgramUniformMatrix{kind.partition('mat')[2]}{letter}v")
-            call(self.program, self.location, count, False, values)
+            call = getattr(GL, f"glUniformMatrix{kind.partition('mat')[2]}{letter}v")
+            call(self.location, count, False, values)
         else:
-            call = getattr(GL, f"glProgramUniform{self.dimension}{letter}v")
-            call(self.program, self.location, count, values)
+            call = getattr(GL, f"glUniform{self.dimension}{letter}v")
+            call(self.location, count, values)
 
 
 class SpirvProgram:
