@@ -31,23 +31,17 @@ BOUND = (
     call("glBindBuffer", "GL_ARRAY_BUFFER", BUFFER),
     call("glBufferData", "GL_ARRAY_BUFFER", 168, None, "GL_STATIC_DRAW"),
 )
-MAP = ("glMapBuffer", "GL_ARRAY_BUFFER", "GL_WRITE_ONLY")
+MAP = ("glMapBuffer", "GL_ARRAY_BUFFER")
+TO_WRITE = (*MAP, "GL_WRITE_ONLY")
+RANGE = ("glMapBufferRange", "GL_ARRAY_BUFFER", 0)
 ACCESS = call("glGetBufferParameteriv", "GL_ARRAY_BUFFER", "GL_BUFFER_ACCESS")
+SIZE = call("glGetBufferParameteriv", "GL_ARRAY_BUFFER", "GL_BUFFER_SIZE")
+WRITTEN = call("glBufferSubData", "GL_ARRAY_BUFFER", 0, 4, bytes(4))
 READ, WRITE, GIVE_UP = "GL_MAP_READ_BIT", "GL_MAP_WRITE_BIT", "GL_MAP_INVALIDATE_BUFFER_BIT"
 UNMAP = ("glUnmapBuffer", "GL_ARRAY_BUFFER")
+MAPPED = (*BOUND, call(*TO_WRITE))
 REFUSED = "invalid_operation"
 IMAGE = {"width": 480, "height": 320, "internalformat": "GL_RGBA8", "times": 1}
-BYTES = 4 * 480 * 320
-
-
-def mapped_for(access):
-    """The buffer mapped for reading, for writing or for both."""
-    return (*BOUND, call("glMapBuffer", "GL_ARRAY_BUFFER", access))
-
-
-def part(length, *bits):
-    """The first bytes of the buffer, mapped."""
-    return call("glMapBufferRange", "GL_ARRAY_BUFFER", 0, length, " | ".join(bits))
 
 
 def julia():
@@ -68,9 +62,6 @@ def shown(name, upload):
     return panel_pass(name, "ch02_basics/textured.frag", WHOLE, size=(480, 320), textures=image)
 
 
-WRITTEN = call("glBufferSubData", "GL_ARRAY_BUFFER", 0, 4, bytes(4))
-SIZE = call("glGetBufferParameteriv", "GL_ARRAY_BUFFER", "GL_BUFFER_SIZE")
-
 case = Case(
     title="Writing through a mapping",
     section="10",
@@ -90,26 +81,26 @@ case = Case(
         gl_calls("glBufferSubData", times=0, pass_name="mapped", name="nothing else is written"),
         formula("picture.FragColor", sampled("image"), name="texels from a buffer"),
         exact("picture.FragColor", Output("picture, copied.FragColor"), name="same as from memory"),
-        gl_calls("glMapBufferRange", length=BYTES, times=1, pass_name="picture", name="written"),
+        gl_calls("glMapBufferRange", length=4 * 480 * 320, times=1, name="written"),
         gl_calls("glTexImage2D", **IMAGE, pixels="NULL", after="glUnmapBuffer", name="then read"),
-        gl_call(*MAP, raises=REFUSED, name="map with buffer 0 bound: 0x0502"),
-        gl_call(*MAP, before=BOUND, name="map with a buffer bound"),
-        gl_call(*MAP, before=(*BOUND, call(*MAP)), raises=REFUSED, name="map what is mapped"),
-        gl_call(*UNMAP, before=(*BOUND, call(*MAP)), returns="GL_TRUE", name="unmap"),
+        gl_call(*TO_WRITE, raises=REFUSED, name="map with buffer 0 bound: 0x0502"),
+        gl_call(*TO_WRITE, before=BOUND, name="map with a buffer bound"),
+        gl_call(*TO_WRITE, before=MAPPED, raises=REFUSED, name="map what is mapped"),
+        gl_call(*UNMAP, before=MAPPED, returns="GL_TRUE", name="unmap"),
         gl_call(*UNMAP, before=BOUND, raises=REFUSED, name="unmap what is not mapped"),
+        gl_call(*RANGE, 168, f"{WRITE} | {GIVE_UP}", before=BOUND, name="given up and written"),
         *answers({"size of the buffer": (SIZE, 168, BOUND)}),
         *answers(
             {
-                f"mapped, {word}": (ACCESS, f"GL_{word}", mapped_for(f"GL_{word}"))
+                f"mapped, {word}": (ACCESS, f"GL_{word}", (*BOUND, call(*MAP, f"GL_{word}")))
                 for word in ("READ_ONLY", "WRITE_ONLY", "READ_WRITE")
             }
         ),
         *errors(
             {
-                "written to while it is mapped": (WRITTEN, REFUSED, mapped_for("GL_READ_WRITE")),
-                "given up and read": (part(168, READ, GIVE_UP), REFUSED, BOUND),
-                "given up and written": (part(168, WRITE, GIVE_UP), "no_error", BOUND),
-                "past the end of the buffer": (part(172, WRITE), "invalid_value", BOUND),
+                "written to while it is mapped": (WRITTEN, REFUSED, MAPPED),
+                "given up and read": (call(*RANGE, 168, f"{READ} | {GIVE_UP}"), REFUSED, BOUND),
+                "past the end of the buffer": (call(*RANGE, 172, WRITE), "invalid_value", BOUND),
             }
         ),
         attribute_layout({"aPos": (0, 12), "aColor": (84, 12)}, name="positions, then colours"),

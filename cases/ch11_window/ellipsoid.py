@@ -164,6 +164,14 @@ case = Case(
             )
         ),
         gl_calls(
+            "glViewport",
+            width=1000,
+            height=800,
+            pass_name="scene",
+            times=2,
+            name="each in a viewport of its own",
+        ),
+        gl_calls(
             "glDrawElementsInstanced",
             mode="GL_TRIANGLES",
             count=2 * 64 * 31 * 3,
