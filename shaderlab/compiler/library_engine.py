@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ctypes as c
 import functools
+import re
 import sys
 from collections.abc import Mapping, Sequence
 
@@ -32,6 +33,8 @@ _NO_PROFILE = 1
 _MAGIC = (0x07230203).to_bytes(4, sys.byteorder)
 # glslang_stage_t has the order of STAGES.
 _STAGE = {stage: number for number, stage in enumerate(STAGES)}
+_STRING = re.compile(r'"((?:\\.|[^"\\\n])*)"')
+_ESCAPED = str.maketrans({"\\": "\\\\", '"': '\\"'})
 _CACHED = 8  # a program's stages are checked, and its modules validated, several times in a row
 
 
@@ -55,7 +58,7 @@ class Library:
 
     def preprocess(self, source: Source) -> str | None:
         front = self._glslang.front
-        handle, input_ = self._create(source, SETTINGS["glsl"])
+        handle, input_ = self._create(source, SETTINGS["glsl"], source.text)
         try:
             if not front.glslang_shader_preprocess(handle, c.byref(input_)):
                 return None
@@ -73,7 +76,7 @@ class Library:
         try:
             parsed = True
             for source in sources:
-                handle, input_ = self._create(source, settings)
+                handle, input_ = self._create(source, settings, _twice_escaped(source.text))
                 handles.append(handle)
                 inputs.append(input_)
                 ok = front.glslang_shader_preprocess(handle, c.byref(input_))
@@ -119,7 +122,7 @@ class Library:
         finally:
             front.ShDestruct(compiler)
 
-    def _create(self, source: Source, settings: TargetSettings) -> tuple[int, Input]:
+    def _create(self, source: Source, settings: TargetSettings, text: str) -> tuple[int, Input]:
         front, makes_spirv = self._glslang.front, bool(settings.environment)
         input_ = Input(
             language=_GLSL,
@@ -128,7 +131,7 @@ class Library:
             client_version=settings.client_version,
             target_language=_SPV if makes_spirv else 0,
             target_language_version=_SPV_1_0 if makes_spirv else 0,
-            code=source.text.encode(),
+            code=text.encode(),
             default_version=_DEFAULT_VERSION,
             default_profile=_NO_PROFILE,
             messages=settings.messages,
@@ -137,6 +140,14 @@ class Library:
         handle: int = front.glslang_shader_create(c.byref(input_))
         front.glslang_shader_set_options(handle, settings.options)
         return handle, input_
+
+
+def _twice_escaped(text: str) -> str:
+    """The text with what stands in strings escaped once more: the C interface parses what it has
+    preprocessed, in which strings stand without their escapes."""
+    if '"' not in text or "\\" not in text:
+        return text
+    return _STRING.sub(lambda m: f'"{m[1].translate(_ESCAPED)}"', text)
 
 
 def _linked(
