@@ -88,7 +88,7 @@ class CallRecorder:
         known = prototypes().get(name)
         if not address or known is None or _is_silent(name):
             return address
-        return _callback(name, address)
+        return int(ctypes.cast(_callback(name, address), ctypes.c_void_p).value or 0)
 
     def __enter__(self) -> Any:
         return self._context.__enter__()
@@ -135,18 +135,13 @@ _RECORDING: list[CallRecorder] = []
 
 
 @cache
-def _callback(name: str, address: int) -> int:
-    """The address of a function that passes calls on to the one at `address`, and has them recorded
-    while a recorder is recording. It stays for good: contexts have its address only, and a driver
-    gives each context the same functions."""
+def _callback(name: str, address: int) -> Any:
+    """A function that passes calls on to the one at `address`, and has them recorded while a
+    recorder is recording. It stays for good: contexts have its address only, and a driver gives
+    each context the same functions."""
     known = prototypes()[name]
     kind = ctypes.CFUNCTYPE(_plain(known.restype), *map(_plain, known.argtypes or ()))
-    callback = kind(_recorded(name, kind(address)))
-    _CALLBACKS.append(callback)
-    return int(ctypes.cast(callback, ctypes.c_void_p).value or 0)
-
-
-_CALLBACKS: list[Any] = []
+    return kind(_recorded(name, kind(address)))
 
 
 def _recorded(name: str, function: Callable[..., Any]) -> Callable[..., Any]:
