@@ -179,6 +179,15 @@ class Integer(IntegerOperators, Swizzled):
             remedy="choose with glslmath.where(condition, a, b)",
         )
 
+    def __index__(self) -> int:
+        """One number, to count a loop or to choose from a list."""
+        if self.known and self.lo.size == 1 and not np.any(self.anything):
+            return int(self.lo.reshape(-1)[0])
+        raise FormulaError(
+            "a loop or a list cannot take integers that differ from value to value",
+            remedy="loop as often as the largest needs, and choose with glslmath.where",
+        )
+
     def __pos__(self) -> Integer:
         return self
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import inspect
 import math
-from collections.abc import Callable, Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from shaderlab.errors import CallError
 from shaderlab.frame import Array
 from shaderlab.functions.binding import Call
 from shaderlab.functions.laws import Finding, Law
+from shaderlab.functions.parts import Part, Reference, parts
 from shaderlab.functions.types import Type
 from shaderlab.judging.banded import judge_band
 from shaderlab.judging.inputs import Inputs, parameter_name
@@ -22,11 +23,9 @@ from shaderlab.report.plain_text import numbers, outcome_details
 if TYPE_CHECKING:
     from shaderlab.functions.function import Function
 
-Reference = Callable[..., Any]
 
-
-def judged(function: Function, law: Law | Reference, call: Call) -> Outcome:
-    """The outcome of a check.
+def judged(function: Function, law: Law | Reference, call: Call) -> list[Outcome]:
+    """The outcomes of a check: one, or with a reference one for each part of the result.
 
     Args:
         function: what is checked.
@@ -37,25 +36,33 @@ def judged(function: Function, law: Law | Reference, call: Call) -> Outcome:
         CallError: the reference's parameters are not the function's.
         FormulaError: the reference fails.
     """
+    outputs = call.signature.outputs
+    if not outputs:
+        raise CallError(f"{function.__name__} gives nothing", remedy="check what it should write")
     got = function.evaluate(call)
-    if not isinstance(got, np.ndarray | np.generic):
-        raise CallError(
-            f"{function.__name__} gives {type(got).__name__}, not one array",
-            remedy="call it, and compare what it gives",
-        )
+    found = parts(outputs, got)
     kept: Array = np.ones(call.batch, np.bool_)
-    if isinstance(got, np.ma.MaskedArray):
-        mask = np.ma.getmaskarray(got)
+    if isinstance(found[0].values, np.ma.MaskedArray):
+        mask = np.ma.getmaskarray(found[0].values)
         kept = np.asarray(~mask.all(axis=tuple(range(len(call.batch), mask.ndim))))
-        got = got.data
-    if isinstance(law, Law):
-        return _of_law(function, law, call, got, kept)
-    return _of_reference(function, law, call, np.asarray(got), kept)
+    if not isinstance(law, Law):
+        return [_of_reference(function, law, call, part, kept) for part in found]
+    if not isinstance(got, np.ndarray | np.generic):
+        names = ", ".join(part.name for part in found)
+        raise CallError(
+            f"{law.name} is a law of one value; {function.__name__} gives {names}",
+            remedy="check a reference that gives them all, or call it, and compare what it gives",
+        )
+    return [_of_law(function, law, call, found[0], kept)]
 
 
-def text_of(function: Function, call: Call, outcome: Outcome) -> str:
+def text_of(call: Call, outcomes: Sequence[Outcome]) -> str:
     """Why a check failed, for people."""
-    return "\n".join([str(call.signature), *outcome_details(outcome)])
+    lines = [str(call.signature)]
+    for outcome in outcomes:
+        if outcome.status != "pass":
+            lines += [f"{outcome.name}:"] * (len(outcomes) > 1) + [*outcome_details(outcome)]
+    return "\n".join(lines)
 
 
 def source_of_glsl(function: Function, call: Call) -> SourceText:
@@ -65,20 +72,14 @@ def source_of_glsl(function: Function, call: Call) -> SourceText:
 
 
 def _of_reference(
-    function: Function, reference: Reference, call: Call, got: Array, kept: Array
+    function: Function, reference: Reference, call: Call, part: Part, kept: Array
 ) -> Outcome:
-    result = call.signature.outputs[0][1]
-    if len(result.shape) > 1:
-        raise CallError(f"{result} results have no bands", remedy="use a law, or compare them")
-    count = math.prod(call.batch)
-    measured = got.reshape(count, -1)[kept.reshape(-1)]
-    if measured.dtype == bool:
-        measured = measured.astype(np.float32)
+    measured = part.rows(kept)
     inputs = _named_for(reference, _inputs(call, kept.reshape(-1)), call)
-    banded = judge_band(measured, reference, inputs, rules=None)
+    banded = judge_band(measured, part.of(reference), inputs, rules=None)
     status, message = banded.verdict()
     return Outcome(
-        name=function.__name__,
+        name=part.named(function.__name__),
         kind="formula",
         status=status,  # type: ignore[arg-type]
         message=message,
@@ -92,7 +93,8 @@ def _of_reference(
     )
 
 
-def _of_law(function: Function, law: Law, call: Call, got: Any, kept: Array) -> Outcome:
+def _of_law(function: Function, law: Law, call: Call, part: Part, kept: Array) -> Outcome:
+    got = part.values.data if isinstance(part.values, np.ma.MaskedArray) else part.values
     finding = law.judge(function, call, got)
     wrong = np.flatnonzero(~finding.holds & kept)
     name = law.name

@@ -90,7 +90,8 @@ class Function:
             law: a reference, a formula written with `shaderlab.glslmath`, in whose band every value
                 has to lie; or a law, such as `glsl.monotone("d")`. A reference's parameters are
                 found by the names of the function's (`light.constant` is light_constant) or, if it
-                has other names, stand in their order.
+                has other names, stand in their order. For a structure, or with `out` parameters,
+                it returns a mapping, a named tuple or a tuple of all parts; for an array a list.
             arguments, named: as in a call.
 
         Raises:
@@ -100,14 +101,15 @@ class Function:
         __tracebackhide__ = True
         try:
             call = self.bind(*arguments, **named)
-            outcome = checking.judged(self, law, call)
+            outcomes = checking.judged(self, law, call)
         except ShaderlabError as error:
             raise error.with_traceback(_way_of(error)) from error.__cause__
         found = self._note(call)
         if found is not None:
-            found.outcomes.append(replace(outcome, line=sys._getframe(1).f_lineno))
-        if outcome.status != "pass":
-            raise AssertionError(checking.text_of(self, call, outcome))
+            line = sys._getframe(1).f_lineno
+            found.outcomes += [replace(outcome, line=line) for outcome in outcomes]
+        if any(outcome.status != "pass" for outcome in outcomes):
+            raise AssertionError(checking.text_of(call, outcomes))
 
     def _note(self, call: Call) -> Notes | None:
         """Note a call for the test that runs, or that no test makes it."""

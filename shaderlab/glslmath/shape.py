@@ -85,31 +85,57 @@ def swizzle(v: Value, names: str) -> Value:
     return v[..., found]
 
 
-def _matrix(size: int, parts: Sequence[Value]) -> Value:
+def _matrix(columns: int, rows: int, parts: Sequence[Value]) -> Value:
+    name = f"mat{columns}" if columns == rows else f"mat{columns}x{rows}"
     if len(parts) == 1:
         (m,) = parts
-        if m.ndim < 2 or m.shape[-1] < size or m.shape[-2] < size:
-            raise FormulaError(f"mat{size} of an array of shape {m.shape}")
-        return m[..., :size, :size]
-    if len(parts) != size:
+        shape = _shape(m)
+        if len(shape) >= 2 and shape[-1] >= columns and shape[-2] >= rows:
+            return m[..., :rows, :columns]
+        if shape[-1:] in ((), (1,)):
+            return _diagonal(columns, rows, m)
         raise FormulaError(
-            f"mat{size} of {len(parts)} arguments",
-            remedy=f"give it a larger matrix, or {size} column vectors",
+            f"{name} of an array of shape {shape}",
+            remedy=f"give it one number, a larger matrix, or {columns * rows} components",
         )
-    columns = [stacked([part], -1)[..., :, None] for part in parts]
-    return stacked(columns, -1)
+    together = stacked(parts, -1) if parts else np.empty(0)
+    got, size = together.shape[-1], columns * rows
+    last = (_shape(parts[-1])[-1:] or (1,))[0] if parts else 0
+    if got < size or got - last >= size:
+        raise FormulaError(
+            f"{name} of {got} components in {len(parts)} arguments",
+            remedy=f"give it a larger matrix, {columns} columns of {rows}, or {size} components, "
+            "column by column",
+        )
+    each = [together[..., n * rows : (n + 1) * rows, None] for n in range(columns)]
+    return stacked(each, -1)
+
+
+def _diagonal(columns: int, rows: int, value: Value) -> Value:
+    parts = [value if row == column else 0.0 for column in range(columns) for row in range(rows)]
+    return _matrix(columns, rows, parts)
+
+
+def _shape(value: Value) -> tuple[int, ...]:
+    return tuple(getattr(value, "shape", ()))
 
 
 def mat2(*parts: Value) -> Value:
-    """The upper left of a larger matrix, or a matrix of two columns."""
-    return _matrix(2, parts)
+    """Two columns, or their four components; one number on the diagonal; or the upper left of a
+    larger matrix."""
+    return _matrix(2, 2, parts)
 
 
 def mat3(*parts: Value) -> Value:
-    """The upper left of a larger matrix, or a matrix of three columns (tangent, bitangent, …)."""
-    return _matrix(3, parts)
+    """Three columns (tangent, bitangent, …), or their nine components; one number on the diagonal;
+    or the upper left of a larger matrix."""
+    return _matrix(3, 3, parts)
 
 
 def mat4(*parts: Value) -> Value:
-    """The upper left of a larger matrix, or a matrix of four columns."""
-    return _matrix(4, parts)
+    """Four columns, or their sixteen components; one number on the diagonal.
+
+    >>> mat4(1.0)[2]
+    array([0., 0., 1., 0.])
+    """
+    return _matrix(4, 4, parts)

@@ -126,7 +126,9 @@ class Banded(Placed):
         if self.vacuous_share > MAX_VACUOUS:
             return "fail", (
                 f"{self.vacuous_share:.1%} of the values may be anything under the precision "
-                f"rules (at most {MAX_VACUOUS:.0%} may): this check could hardly fail"
+                f"rules (at most {MAX_VACUOUS:.0%} may): this check could hardly fail\n→ give "
+                "inputs at which each step is specified: sin and cos within [-π, π], divisors, "
+                "roots and powers away from 0; or judge the steps one by one"
             )
         if self.informative_share < MIN_INFORMATIVE:
             return "fail", (

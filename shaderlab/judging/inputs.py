@@ -186,12 +186,15 @@ def evaluate(
         ) from error
     except Exception as error:
         remedy = "references use + − * / and the functions of shaderlab.glslmath only"
+        if "matmul" in str(error):
+            remedy = "a matrix times a vector is glslmath.mul(m, v), times a matrix matmul(a, b)"
         raise located(reference, error, remedy) from error
 
 
 def name_of(reference: Reference) -> str:
     """What a formula is called; an object that can be called has its type's name."""
-    target = getattr(reference, "func", reference)
+    target = inspect.unwrap(reference)
+    target = getattr(target, "func", target)
     return str(getattr(target, "__name__", type(target).__name__))
 
 

@@ -118,7 +118,8 @@ def _worst(worst: Worst) -> Iterator[str]:
     if worst.pixel is not None:
         where = f"worst pixel ({worst.pixel[0]}, {worst.pixel[1]})"
     if len(worst.measured) > 1:
-        where += f", component {'rgba'[worst.component] if worst.component < 4 else '?'}"
+        number = f"{worst.component + 1} of {len(worst.measured)}"
+        where += f", component {'rgba'[worst.component] if len(worst.measured) <= 4 else number}"
     yield f"{where}: {_distance(worst)}"
     yield f"  measured   {numbers(worst.measured)}"
     yield f"  reference  {numbers(worst.reference)}"
@@ -132,6 +133,9 @@ def _distance(worst: Worst) -> str:
         return "not a number"
     if worst.whole:
         return f"{worst.ulp:.0f} from the reference"
+    low, high = worst.low[worst.component], worst.high[worst.component]
+    if low == high:
+        return f"{abs(worst.measured[worst.component] - low):.3g} from the exact value"
     ulp = "" if math.isnan(worst.ulp) else f" and {worst.ulp:.3g} ulp"
     return f"{worst.widths:.3g} half band widths{ulp} from the reference"
 

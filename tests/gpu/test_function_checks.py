@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
+import functools
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
 
 from shaderlab import glsl
 from shaderlab.errors import CallError, FormulaError
+from shaderlab.glslmath import cos, dot, mat2, sin, sqrt, vec2, vec3
 from shaderlab.reference.attenuation import attenuation
 from shaderlab.reference.gamma import srgb_encode
 from shaderlab.reference.tone_mapping import reinhard
@@ -37,7 +39,23 @@ float kept(float x) { if (x < 0.0) discard; return 2.0 * x; }
 mat2 turned(float x) { return mat2(cos(x), sin(x), -sin(x), cos(x)); }
 bool lit(float x) { return x > 0.5; }
 int doubled(int n) { return n * 2; }
+struct Hit { float t; vec3 normal; bool met; };
+Hit sphere(vec3 eye, vec3 ray, float radius) {
+    float b = dot(eye, ray), d = b * b - dot(eye, eye) + radius * radius, t = -b - sqrt(d);
+    return Hit(t, (eye + t * ray) / radius, t > 0.0);
+}
+void halves(float x, out vec2 low, inout float high) { low = vec2(0.5 * x, x); high *= 0.25; }
+float[3] powers(float x) { return float[3](x, x * x, x * x * x); }
+vec2[2] corners(float x) { return vec2[2](vec2(x), vec2(x, 1.0)); }
+uint[2] odds(uint n) { return uint[2](n | 1u, n * 3u); }
+float sum(float x, int terms) {
+    float found = 0.0;
+    for (int i = 0; i < terms; ++i) found += x;
+    return found;
+}
 """
+EYES = np.random.default_rng(4).uniform((-0.5, -0.5, 4.0), (0.5, 0.5, 5.0), (64, 3))
+SPHERE = EYES, (0.0, 0.0, -1.0), 1.0
 LAMP = (1.0, 0.09, 0.032)
 D = np.linspace(0.0, 50.0, 1001)
 X = np.linspace(-2.0, 2.0, 41)
@@ -65,6 +83,28 @@ def twice_of_whole(n: Any) -> Any:
     return n * 2
 
 
+def hit(eye: Any, ray: Any, radius: Any) -> dict[str, Any]:
+    b = dot(eye, ray)
+    t = -b - sqrt(b * b - dot(eye, eye) + radius * radius)
+    return {"t": t, "normal": (eye + t * ray) / radius, "met": t > 0.0}
+
+
+class Hit(NamedTuple):
+    t: Any
+    normal: Any
+    met: Any
+
+
+def turning(x: Any) -> Any:
+    return mat2(cos(x), sin(x), -sin(x), cos(x))
+
+
+def added(x: Any, terms: Any) -> Any:
+    return functools.reduce(lambda so_far, _: so_far + x, range(terms), 0.0)
+
+
+BITS = np.array([0, 5, 2**24 + 1, 2**32 - 1], np.uint32)
+
 PASS: list[tuple[str, Any, tuple[Any, ...]]] = [
     ("fades", attenuation, (D, *LAMP)),
     ("attenuation", attenuation, ({"constant": 1.0, "linear": 0.09, "quadratic": 0.032}, D)),
@@ -72,6 +112,18 @@ PASS: list[tuple[str, Any, tuple[Any, ...]]] = [
     ("mapped", reinhard, (np.random.default_rng(1).random((64, 3)) * 4.0,)),
     ("kept", twice, (X,)),
     ("doubled", twice_of_whole, (np.arange(-9, 9),)),
+    ("sphere", hit, SPHERE),
+    ("sphere", lambda eye, ray, radius: tuple(hit(eye, ray, radius).values()), SPHERE),
+    ("sphere", lambda eye, ray, radius: Hit(**hit(eye, ray, radius)), SPHERE),
+    ("halves", lambda x, high: (vec2(0.5 * x, x), 0.25 * high), (X, X)),
+    ("turned", turning, (X,)),
+    ("turned", lambda x: mat2(1.0), (0.0,)),
+    ("powers", lambda x: [x, x * x, x * x * x], (X,)),
+    ("powers", lambda x: vec3(x, x * x, x * x * x), (X,)),
+    ("corners", lambda x: [x, vec2(x, 1.0)], (X,)),
+    ("odds", lambda n: [n | 1, n * 3], (BITS,)),
+    ("lit", lambda x: x > 0.5, (X,)),
+    ("sum", added, (X, 3)),
     ("fades", glsl.monotone("d", rising=False, strictly=True), (D, *LAMP)),
     ("fades", glsl.monotone("d", rising=False), (D[::-1], *LAMP)),
     ("fades", glsl.bounded(0.0, 1.0), (D, *LAMP)),
@@ -103,6 +155,17 @@ FAIL: list[tuple[str, Any, tuple[Any, ...], list[str]]] = [
          "text:7", "attenuation.py:"],
     ),
     ("green", reinhard, ([[1.0, 2.0, 3.0]],), ["component g", "light = (1, 2, 3)"]),
+    (
+        "sphere", lambda eye, ray, radius: {**hit(eye, ray, radius), "normal": -ray}, SPHERE,
+        ["sphere.normal:", "192 of 192 values", "eye = ("],
+    ),
+    ("sphere", lambda eye, ray, radius: {**hit(eye, ray, radius), "met": False}, SPHERE,
+     ["sphere.met:", "1 from the exact value"]),
+    ("halves", lambda x, high: (vec2(0.5 * x, x), 0.5 * high), (X, X), ["halves.high:"]),
+    ("turned", lambda x: mat2(cos(x), -sin(x), sin(x), cos(x)), (X,), ["80 of 164 values"]),
+    ("powers", lambda x: [x, x * x, x], (X,), ["component b"]),
+    ("odds", lambda n: [n | 1, n], (BITS,), ["odds[1]:", "3 of 4 values"]),
+    ("lit", lambda x: x > 1.0, (X,), ["5 of 41 values"]),
     ("steps", glsl.monotone("d", rising=False), (D, *LAMP), ["of 1 of 1001", "d = 49.9"]),
     ("still", glsl.monotone("x"), (X,), ["could hardly fail: it is the same at all values"]),
     ("squared", glsl.bounded(0.0, 3.0), (X,), ["got        4", "expected   0.0 … 3.0", "x = -2"]),
@@ -135,7 +198,7 @@ def test_a_wrong_one_fails_and_says_where(
     ("name", "law", "arguments", "says"),
     [
         ("fades", srgb_encode, (D, *LAMP), "srgb_encode takes linear; fades gets d, c, l, q"),
-        ("turned", reinhard, (X,), "mat2 results have no bands"),
+        ("sphere", glsl.bounded(0.0), SPHERE, "a law of one value; sphere gives t, normal, met"),
         ("fades", glsl.monotone("x"), (D, *LAMP), "gets no numbers named 'x'"),
         ("less", glsl.monotone("a"), (np.zeros((2, 2)), X[:2]), "give it values along an axis"),
         ("squared", glsl.table([1.0]), (X,), "has shape (1,), the function gives (41,)"),
@@ -146,6 +209,27 @@ def test_a_check_that_makes_no_sense_is_refused(
 ) -> None:
     with pytest.raises(CallError) as error:
         shader[name].check(law, *arguments)
+    assert says in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "reference", "arguments", "says"),
+    [
+        ("sphere", lambda eye, ray, radius: eye, SPHERE, "gives one value, not t, normal, met"),
+        ("sphere", lambda eye, ray, radius: {"t": 1.0}, SPHERE, "gives a dict of t, not t, nor"),
+        ("halves", lambda x, high: (x,), (X, X), 'return {"low": …, "high": …}, or a tuple'),
+        ("turned", lambda x: x, (X,), "gives shape (41, 1) for a mat2"),
+        ("powers", lambda x: [x, x], (X,), "gives 2 elements for float[3]"),
+        ("sum", added, (X, np.arange(41)), "differ from value to value"),
+        ("turned", lambda x: mat2(x, x, x), (X,), "mat2 of 3 components in 3 arguments"),
+        ("turned", lambda x: mat2(1.0) @ vec2(x, x), (X,), "glslmath.mul(m, v)"),
+    ],
+)
+def test_a_reference_of_other_parts_is_told_what_to_give(
+    shader: glsl.Library, name: str, reference: Any, arguments: tuple[Any, ...], says: str
+) -> None:
+    with pytest.raises((CallError, FormulaError)) as error:
+        shader[name].check(reference, *arguments)
     assert says in str(error.value)
 
 
