@@ -101,6 +101,8 @@ def is_about(entry: Entry, case_id: str, survivor: Mapping[str, Any]) -> bool:
     """Whether an explanation is about a survivor of a case."""
     if case_id not in entry.get("cases", (case_id,)):
         return False
+    if survivor["operator"] not in entry.get("operators", (survivor["operator"],)):
+        return False
     if survivor["operator"] == "state":
         change = f"{survivor['before']} → {survivor['after']}"
         return change.endswith(tuple(entry.get("state", ())))

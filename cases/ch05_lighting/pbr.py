@@ -53,7 +53,7 @@ def ball(mesh, column, row):
         **lamps(LAMPS, LIGHT),
     }
     model = place @ turned(20.0, (1.0, 1.0, 0.0)) @ scale(0.57)
-    return lit.thing("ch05_lighting/pbr.frag", mesh, model, CAMERA, surface, cull="back")
+    return lit.thing("ch05_lighting/pbr.frag", mesh, model, CAMERA, surface)
 
 
 def first(FragPos, Normal, camPos, lights_position):

@@ -19,7 +19,7 @@ from ..scenes.panels import centres, enlarged_check, panel, panel_pass, picture,
 THRESHOLD, RAMP = 0.1, "ch06_tests/alpha_discard.frag"
 CLEAR = (0.82, 0.87, 0.92, 1.0)
 LEAVES = 64  # side of the judged leaf in pixels
-WHOLE = (0, 0, LEAVES, LEAVES)
+WHOLE = (LEAVES, LEAVES)
 
 
 def leaf_alpha(place):
@@ -47,8 +47,8 @@ def ramp_color(alpha):
     return vec4(0.2, 0.5, 0.2, alpha)
 
 
-def leaf(threshold, depth, box):
-    """A leaf on a rectangle of the target, at one depth."""
+def leaf(threshold, depth, box=None):
+    """A leaf on a rectangle of the target, or on all of it, at one depth."""
     state = {"depth": Depth(), "viewport": box, "depth_range": (depth, depth)}
     return panel("ch06_tests/leaf.frag", {"place": square()}, {"threshold": threshold}, **state)
 
@@ -66,7 +66,7 @@ def bunches(name, by):
 # Pixels of a leaf that are at or above the threshold.
 OWN = int((leaf_alpha(centres(LEAVES)) >= THRESHOLD).sum())
 # Two leaves on the same pixels, the nearer one first: the second shows where the first was cut.
-TWO = (leaf(THRESHOLD, 0.25, WHOLE), leaf(0.0, 0.5, WHOLE))
+TWO = (leaf(THRESHOLD, 0.25), leaf(0.0, 0.5))
 KEPT, RIB = (0.2, 0.5, 0.2, 0.1), (0.636, 0.751, 0.398, 1.0)
 
 case = Case(
@@ -78,9 +78,9 @@ case = Case(
         bunches("small", 1),
         panel_pass("ramp", RAMP, {"alpha": across(0.0, 1.0)}, size=(200, 8)),
         panel_pass("edge", RAMP, {"alpha": across(0.0999, 0.1001)}, size=(200, 8)),
-        picture([leaf(THRESHOLD, 0.5, WHOLE)], WHOLE[2:], "leaf"),
-        picture([leaf(0.0, 0.5, WHOLE)], WHOLE[2:], "whole"),
-        picture(TWO, WHOLE[2:], "behind", depth="depth24", clear=CLEAR),
+        picture([leaf(THRESHOLD, 0.5)], WHOLE, "leaf"),
+        picture([leaf(0.0, 0.5)], WHOLE, "whole"),
+        picture(TWO, WHOLE, "behind", depth="depth24", clear=CLEAR),
     ),
     picture="picture.FragColor",
     expect=[

@@ -17,7 +17,7 @@ from shaderlab import Blend, Case, Depth, Pass, Target, exact
 from shaderlab.reference.depth_stencil import FUNCTIONS, depth_after, depth_passes
 
 from ..scenes.panels import cell, panel
-from ..scenes.tables import shown, shown_check
+from ..scenes.tables import all_figures, shown, shown_checks
 
 STORED = 0.5
 DEPTHS = (0.25, 0.5, 0.75)  # exact in a depth buffer of 32-bit floats
@@ -67,10 +67,12 @@ case = Case(
             draws=(*fields, wiped, *(found(depth) for depth in DEPTHS)),
         ),
         shown("numbers", "kept.total", (COLUMNS, ROWS), (60, 40), group=3.0, whole=100.0),
+        all_figures(),
     ),
     picture="picture.FragColor",
     expect=[
-        shown_check("numbers"),
+        *shown_checks("numbers"),
+        *shown_checks("numbers", "figures", "figures that the table has not"),
         exact(
             "drawn.total",
             np.array(

@@ -16,12 +16,13 @@ from shaderlab import Case, Cell, Erratum, Stencil, exact
 from shaderlab.reference.depth_stencil import FUNCTIONS, stencil_passes
 
 from ..scenes.panels import panel, picture
-from ..scenes.tables import shown, shown_check
+from ..scenes.tables import shown, shown_checks
 
 VALUES = range(4)  # references, stored values and masks: all there are in two bits
 FUNCS = tuple(FUNCTIONS)
 COLUMNS, ROWS = len(FUNCS) * len(VALUES), len(VALUES) * len(VALUES)
-FORMATS = {"colors": {"total": "r32f"}, "depth": "depth24_stencil8"}
+# The buffer is cleared to what no column stores.
+FORMATS = {"colors": {"total": "r32f"}, "depth": "depth24_stencil8", "clear_stencil": 0xFF}
 
 
 def strip(verdict, stencil, cell):
@@ -75,7 +76,7 @@ case = Case(
     picture="picture.FragColor",
     expect=[
         exact("table.total", truth, name="8 functions × 4 references × 4 stored × 4 masks"),
-        shown_check("verdicts"),
+        *shown_checks("verdicts"),
     ],
     errata=[
         Erratum(

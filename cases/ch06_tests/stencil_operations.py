@@ -18,7 +18,7 @@ from shaderlab import Blend, Case, Cell, Depth, Stencil, Variant, exact
 from shaderlab.reference.depth_stencil import OPERATIONS, stencil_after
 
 from ..scenes.panels import cell, panel, picture
-from ..scenes.tables import shown, shown_check
+from ..scenes.tables import shown, shown_checks
 
 NAMES = tuple(OPERATIONS)
 FARES = ("fail", "depth_fail", "depth_pass")
@@ -28,14 +28,14 @@ COLUMNS, ROWS = len(FARES) * len(STORED), len(NAMES)
 SIZE = (COLUMNS, ROWS)
 
 
-def draw(worth=0.0, **state):
+def draw(worth, **state):
     """A draw over the whole table, or over the state's cell."""
     return panel("ch06_tests/count.frag", {}, {"worth": worth}, **state)
 
 
 def unseen(**state):
-    """A draw that leaves the colours alone."""
-    return draw(color_mask=(False,) * 4, **state)
+    """A draw that leaves the colours alone; it would be seen if it did not."""
+    return draw(1000.0, color_mask=(False,) * 4, **state)
 
 
 def remember(column):
@@ -101,5 +101,5 @@ case = Case(
         Variant("write mask 0x3C", passes=table(0x3C), expect=holds(0x3C)),
     ],
     picture="picture.FragColor",
-    expect=[shown_check("numbers")],
+    expect=shown_checks("numbers"),
 )

@@ -14,14 +14,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from shaderlab import Case, Pass, State, Stencil, Target, formula, measure
+from shaderlab import Case, Pass, State, Stencil, Target, any_order, formula, measure
 from shaderlab.assets import solids
 from shaderlab.reference.transforms import clip_position, scale, translate, world_normal
 
 from ..scenes import stage
 from ..scenes.cameras import camera, turned
+from ..scenes.draws import twins
 from ..scenes.figures import each_draw
 from ..scenes.laws import opaque, unchanged
+from ..scenes.panels import picture
 from ..scenes.props import tile
 from ..scenes.studio import handed_on, studio_color
 
@@ -83,12 +85,14 @@ case = Case(
             depth="depth24_stencil8",
             reordered=[*MARKED[::-1], FLOOR, *OUTLINED[::-1]],
         ),
+        *twins(picture([FLOOR, *MARKED], JUDGED, "boxes", depth="depth24_stencil8")),
         silhouette("objects", MODELS),
         silhouette("larger", [model @ GROWN for model in MODELS]),
     ),
     picture="picture.FragColor",
     expect=[
         *stage.picture_checks("outline", tested=False),
+        any_order("boxes.FragColor"),
         *stage.prop_checks(),
         *each_draw("judged.FragColor", studio_color, {1: "box 1", 2: "box 2"}),
         *each_draw("judged.FragColor", COLOR, {3: "outline 1", 4: "outline 2"}),

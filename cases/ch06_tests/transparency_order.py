@@ -21,6 +21,7 @@ from shaderlab import (
     Pass,
     Pixel,
     Target,
+    boundaries,
     computed,
     formula,
     measure,
@@ -28,7 +29,9 @@ from shaderlab import (
 )
 from shaderlab.glslmath import dot, max, min, swizzle, vec3, vec4, where
 from shaderlab.reference.blending import over
+from shaderlab.sampling import texture
 
+from ..scenes.figures import figure
 from ..scenes.panels import cell, enlarged_check, panel, picture, square
 
 OVER = Blend(source="src_alpha", destination="one_minus_src_alpha")
@@ -37,7 +40,7 @@ DARK, DARK_DEPTH = (0.16, 0.18, 0.22, 1.0), 0.4
 # From far to near: centre, colour and α, depth.
 PANES = (
     ((-0.26, -0.20), (0.90, 0.15, 0.10, 0.6), 0.7),
-    ((0.26, -0.20), (0.15, 0.75, 0.25, 0.5), 0.5),
+    ((0.26, -0.20), (0.15, 0.75, 0.25, 0.45), 0.5),
     ((0.0, 0.26), (0.15, 0.30, 0.95, 0.4), 0.3),
 )
 RADIUS = 0.55
@@ -120,16 +123,21 @@ def layered(at, order, hides):
     return color
 
 
+def in_frame(at, color):
+    """A colour, or the frame's."""
+    x, y = swizzle(at, "x"), swizzle(at, "y")
+    frame = (min(x, y) < 0.01) | (max(x, y) > 0.99)
+    return vec4(where(frame, vec3(0.97), swizzle(color, "rgb")), 1.0)
+
+
 def framed(order, hides):
     """What `layered` gives, in a frame."""
+    return lambda at: in_frame(at, layered(at, order, hides))
 
-    def seen(at):
-        x, y = swizzle(at, "x"), swizzle(at, "y")
-        frame = (min(x, y) < 0.01) | (max(x, y) > 0.99)
-        color = swizzle(layered(at, order, hides), "rgb")
-        return vec4(where(frame, vec3(0.97), color), 1.0)
 
-    return seen
+def framed_texel(at, scene):
+    """What was drawn, in a frame."""
+    return in_frame(at, texture(scene, at))
 
 
 def outside(place, centre, radius):
@@ -182,22 +190,25 @@ case = Case(
             )
         ),
         enlarged_check(),
-        value("judged_sorted.FragColor", at=MIDDLE, equals=(0.375, 0.4776, 0.5714, 0.538),
+        figure("small.FragColor", "beside the frame", {"at": (0.985, 0.5)}, WALL, draw=0,
+               reference=framed_texel),
+        boundaries("small.FragColor", framed_texel, draw=0, name="the frame"),
+        value("judged_sorted.FragColor", at=MIDDLE, equals=(0.3975, 0.46836, 0.57554, 0.5323),
               digits=6, name="behind all three panes, far to near"),
-        value("judged_reversed.FragColor", at=MIDDLE, equals=(0.69, 0.3696, 0.2844, 0.612),
+        value("judged_reversed.FragColor", at=MIDDLE, equals=(0.699, 0.36756, 0.29684, 0.6082),
               digits=6, name="behind all three panes, near to far"),
         value("judged_sorted.FragColor", at={"place": (RADIUS, PANES[2][0][1])},
               equals=PANES[2][1], digits=6, reference=own_color, draw=4, discards=outside,
               name="a disc has its rim"),
         computed("all three, far to near", lambda: stack(PANES), digits=6,
-                 equals=(0.375, 0.4776, 0.5714, 0.538)),
+                 equals=(0.3975, 0.46836, 0.57554, 0.5323)),
         measure(
             "error of the order",
             order_error,
             reads={"right": "judged_sorted.FragColor", "other": "judged_reversed.FragColor"},
-            equals=0.315,
+            equals=0.3015,
             digits=6,
-            note="red, where all three overlap: 0.69 instead of 0.375",
+            note="red, where all three overlap: 0.699 instead of 0.3975",
         ),
     ],
 )  # fmt: skip

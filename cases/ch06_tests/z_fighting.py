@@ -16,7 +16,7 @@ from itertools import product
 
 import numpy as np
 
-from shaderlab import Case, formula, measure, reading
+from shaderlab import Case, any_order, both_ways, formula, measure, reading
 from shaderlab.glslmath import swizzle, vec4
 from shaderlab.reference.depth import same_code_share
 
@@ -169,7 +169,7 @@ case = Case(
     r"\Delta z \approx \frac{z^2}{2^b}\left(\frac 1n - \frac 1f\right)",
     passes=(
         *(trials(format, near) for format, near in ALL),
-        *(trials(format, NEARS[0], (-1.0, -1.0), "offset_") for format in BITS),
+        *(p for f in BITS for p in both_ways(trials(f, NEARS[0], (-1.0, -1.0), "offset_"))),
         picture(panels(), (PANEL * len(PANELS), PANEL), depth="depth16", clear=CLEAR),
     ),
     picture="picture.FragColor",
@@ -213,6 +213,7 @@ case = Case(
             x_label="distance of the walls",
             log_x=True,
         ),
+        *(any_order(f"offset_{name_of(format, NEARS[0])}.winner") for format in BITS),
         measure(
             "margin in which the wall behind is seen",
             seen_behind,

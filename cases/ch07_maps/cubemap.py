@@ -172,7 +172,7 @@ case = Case(
     ),
     picture="picture.FragColor",
     expect=[
-        *stage.picture_checks(tested=False),
+        *stage.picture_checks(),
         *each_draw("main.FragColor", texel, enumerate(NAMES), "texels around {}"),
         *each_draw("main.byHand", face_coordinates, enumerate(NAMES), "the table around {}"),
         *each_draw("main.onceMore", stretched, enumerate(NAMES), "three times as long around {}"),

@@ -21,7 +21,7 @@ from ..scenes.cameras import camera, camera_rays, turned
 from ..scenes.draws import twins
 from ..scenes.figures import each_draw, figure
 from ..scenes.laws import sampled
-from ..scenes.panels import panel, picture, softened_check, softened_pass
+from ..scenes.panels import filled_check, panel, picture, softened_check, softened_pass
 from ..scenes.pottery import vase
 from ..scenes.sky import skies
 
@@ -82,7 +82,7 @@ case = Case(
     r"\mathbf t = \eta\,\mathbf i - \left(\eta\,\mathbf n \cdot \mathbf i + \sqrt{1 - \eta^2"
     r"\left(1 - (\mathbf n \cdot \mathbf i)^2\right)}\right)\mathbf n",
     passes=(
-        under(MORNING, (1536, 768), "scene", colors={"FragColor": "rgba32f"}),
+        *twins(under(MORNING, (1536, 768), "scene", colors={"FragColor": "rgba32f"})),
         *softened_pass("scene", (768, 384), domain={}),
         *twins(under(NOISE, (112, 56), "judged")),
     ),
@@ -90,6 +90,8 @@ case = Case(
     expect=[
         softened_check(),
         formula("judged.FragColor", sampled("skybox"), draw=0, name="the sky behind"),
+        any_order("scene.FragColor"),
+        filled_check("scene"),
         any_order("judged.FragColor"),
         any_order("judged.depth"),
         *each_draw("judged.mirrored", mirrored, NAMES, "mirrored in {}"),

@@ -112,6 +112,13 @@ def from_below(color, draw, equals):
     return figure("FragColor", name, at, (*equals, 1.0), reference=shaded, draw=draw)
 
 
+def turned_away(color, draw, equals):
+    """One colour with a long normal that looks away from the sun."""
+    at, shaded = {"Normal": (-2.0, -4.0, -3.0)}, lit(COLORS[color])
+    name = f"{color}, turned away"
+    return figure("FragColor", name, at, (*equals, 1.0), reference=shaded, draw=draw)
+
+
 def off_paper(FragColor):
     """How far the corners of the picture are from the colour that it was cleared to."""
     return np.abs(FragColor[:: SIDE - 1, :: SIDE - 1] - PAPER).max()
@@ -120,6 +127,7 @@ def off_paper(FragColor):
 CUBES = [cube(color, place) for color, place in zip(COLORS, PLACES, strict=True)]
 GREEN, ABOVE = lit(COLORS["green"]), {"Normal": (1.0, 2.0, 2.0)}
 SEEN = (0.431432, 0.715705, 0.449793, 1.0)
+AWAY = (0, "red", (0.432929, 0.2, 0.278508)), (2, "yellow", (0.463064, 0.424264, 0.278508))
 
 case = Case(
     title="Uniform buffers",
@@ -181,5 +189,6 @@ case = Case(
         from_below("red", 0, (0.558082, 0.252540, 0.269777)),
         figure("FragColor", "green, from above", ABOVE, SEEN, reference=GREEN, draw=1),
         from_below("blue", 3, (0.224028, 0.345804, 0.581675)),
+        *(turned_away(color, k, rgb) for k, color, rgb in AWAY),
     ],
 )

@@ -13,16 +13,27 @@ the share of orange ones: five levels are possible, and the edge runs through al
 
 import numpy as np
 
-from shaderlab import Case, Mesh, Output, State, Target, formula, fullscreen, measure, mesh_pass
-from shaderlab.glslmath import swizzle, vec4
+from shaderlab import (
+    Case,
+    Mesh,
+    Output,
+    State,
+    Target,
+    boundaries,
+    formula,
+    fullscreen,
+    measure,
+    mesh_pass,
+)
+from shaderlab.glslmath import distance, floor, fract, min, mix, swizzle, vec3, vec4, where
 from shaderlab.reference.coverage import on_inner_side
+from shaderlab.sampling import texelFetch
 
 from ..scenes.laws import pixel_place
-from ..scenes.panels import rectangle
+from ..scenes.panels import enlarged_check, rectangle
 
 SIZE = (12, 8)
 SAMPLES = ("each", "placesX", "placesY")
-READ = {name: f"table.{name}" for name in ("coverage", *SAMPLES)}
 # The edge, from lower right to upper left: between whole pixels, and no sample lies on it.
 FOOT, HEAD = (9.0, 0.0), (2.0, 8.0)
 SHAPE, WHOLE = (
@@ -84,22 +95,19 @@ def places(axis):
     return lambda edge_sample_positions: vec4(*(swizzle(p, axis) for p in edge_sample_positions))
 
 
-def furthest_drawn(FragColor, coverage, each, placesX, placesY):
-    """How far any channel is from the drawing: greys, a grid, and the samples in their places."""
-
-    def enlarged(table):
-        return table.repeat(80, axis=0).repeat(80, axis=1)
-
-    dark, light = np.array([0.10, 0.13, 0.20]), np.array([0.93, 0.90, 0.80])
-    picture = dark + (light - dark) * enlarged(coverage)
-    inside = (np.arange(80) + 0.5) / 80.0
-    x, y = np.tile(inside, SIZE[0])[None], np.tile(inside, SIZE[1])[:, None]
-    picture[np.minimum(np.minimum(x, y), np.minimum(1.0 - x, 1.0 - y)) < 0.02] = 0.45
+def drawing(at, resolved, samples, places):
+    """Greys, a grid, and the samples in their places."""
+    pixel, within = floor(at), fract(at)
+    share = swizzle(texelFetch(resolved, pixel), "r")
+    color = mix(vec3(0.10, 0.13, 0.20), vec3(0.93, 0.90, 0.80), share)
+    x, y = swizzle(within, "x"), swizzle(within, "y")
+    color = where(min(min(x, y), min(1.0 - x, 1.0 - y)) < 0.02, vec3(0.45), color)
     for k in range(4):
-        lit, across, up = (enlarged(table[..., k]) for table in (each, placesX, placesY))
-        near = np.hypot(x - across, y - up) < 0.07
-        picture[near] = np.where(lit[near, None] > 0.5, (0.95, 0.55, 0.10), (0.30, 0.55, 0.75))
-    return np.abs(FragColor[..., :3] - picture).max()
+        lit = swizzle(texelFetch(samples, pixel, k), "r") > 0.5
+        near = distance(within, swizzle(texelFetch(places, pixel, k), "xy")) < 0.07
+        shown = where(lit, vec3(0.95, 0.55, 0.10), vec3(0.30, 0.55, 0.75))
+        color = where(near, shown, color)
+    return vec4(color, 1.0)
 
 
 def levels(coverage):
@@ -115,7 +123,8 @@ case = Case(
         *drawn("edge", "lit", SHAPE, {"lit": "r32f"}),
         *drawn("where", "sample_place", WHOLE, {"place": "rg32f"}, sample_shading=1.0),
         *shown("table", SIZE, coverage="r32f", **dict.fromkeys(SAMPLES, "rgba32f")),
-        *shown("picture", (960, 640), FragColor="rgba32f"),
+        *shown("picture", (924, 616), FragColor="rgba32f"),
+        *shown("small", (132, 88), FragColor="rgba32f"),
     ),
     picture="picture.FragColor",
     expect=[
@@ -125,17 +134,13 @@ case = Case(
         formula("table.placesY", places("y"), name="where samples are, upward"),
         formula("edge.gl_Position", pixel_place),
         formula("where.gl_Position", pixel_place),
-        measure(
-            "the picture",
-            furthest_drawn,
-            reads={**READ, "FragColor": "picture.FragColor"},
-            at_most=2.0**-22,
-            note="greys are mixed in three roundings of numbers below 1",
-        ),
+        formula("small.FragColor", drawing, name="the drawing"),
+        boundaries("small.FragColor", drawing, name="the drawing's edges"),
+        enlarged_check(),
         measure(
             "levels along the edge",
             levels,
-            reads={"coverage": READ["coverage"]},
+            reads={"coverage": "table.coverage"},
             equals=5,
             digits=0,
             note="0, ¼, ½, ¾ and 1",

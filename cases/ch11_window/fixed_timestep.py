@@ -15,7 +15,7 @@ bounces at other times.
 
 import numpy as np
 
-from shaderlab import Case, Mesh, Output, Pixel, exact, up
+from shaderlab import Case, Mesh, Output, Pixel, boundaries, exact, query, up
 from shaderlab.glslmath import length, swizzle, vec2, vec3, vec4, where
 from shaderlab.sampling import texelFetch
 
@@ -37,6 +37,10 @@ AFTER = {
     "variable": (2.0, 0.184189, -0.267090, 0.0),
 }
 HUES = {"even": (0.20, 0.62, 0.35), "uneven": (0.25, 0.50, 0.95), "variable": (0.95, 0.30, 0.16)}
+
+
+# The dots of a strip: the even run's, its own, and the ticks'; and how large a pixel is.
+SIZES, PIXELS = (2.4, 2.0, 1.0), {"picture": 3.0, "small": 1.0}
 
 
 def moved(height, speed, seconds):
@@ -93,9 +97,9 @@ def strips(name, size, pixel):
         floor = "ch11_window/fixed_timestep_floor.frag"
         draws += [
             panel(floor, {"height": up(-0.15, 1.1)}, cell=place),
-            dots("even", (0.16, 0.18, 0.21), 2.4 * pixel, place),
-            dots(run, HUES[run], 2.0 * pixel, place),
-            dots(run, (0.6, 0.6, 0.6), 1.0 * pixel, place, ticks=True),
+            dots("even", (0.16, 0.18, 0.21), SIZES[0] * pixel, place),
+            dots(run, HUES[run], SIZES[1] * pixel, place),
+            dots(run, (0.6, 0.6, 0.6), SIZES[2] * pixel, place, ticks=True),
         ]
     return picture(draws, size, name)
 
@@ -124,6 +128,12 @@ def frame_place(frame, run, ticks):
     return vec4(2.0 * x - 1.0, 2.0 * y - 1.0, 0.0, 1.0)
 
 
+def disc_areas(pixel):
+    """Each draw of dots, and the area of its discs, in pixels. As points lie anywhere on the grid
+    of pixels, about as many samples are in them."""
+    return [(k, FRAMES * np.pi / 4.0 * (SIZES[k % 4 - 1] * pixel) ** 2) for k in PARTS]
+
+
 def at_common_times():
     """The largest difference of two fixed runs wherever both have a frame and nothing left over."""
     one, other = (states(*RUNS[name]) for name in ("even", "uneven"))
@@ -150,20 +160,33 @@ case = Case(
     r"k = \lfloor t / \Delta t \rfloor",
     passes=(
         *map(run, RUNS),
-        strips("picture", (600, 360), 3.0),
-        strips("small", (200, 120), 1.0),
+        strips("picture", (600, 360), PIXELS["picture"]),
+        strips("small", (200, 120), PIXELS["small"]),
     ),
     picture="picture.FragColor",
     expect=[
         # Of 576 points, two pixels each change within 1/256 of a pixel, to either side.
         enlarged_check(edges=576 * 2 * (2 / 256) / (200 * 120)),
         *each_draw("small.FragColor", ground, {4 * k: f"strip {k}" for k in range(3)}),
+        boundaries("small.FragColor", ground, draw=0, name="the floor's edge"),
         *each_draw("small.FragColor", dot_color, PARTS, discards=outside),
         *each_draw(
             "picture.FragColor",
             dot_color,
             {k: f"{part}, enlarged" for k, part in PARTS.items()},
             discards=outside,
+        ),
+        *(
+            query(
+                "samples_passed",
+                at_least=int(0.8 * area),
+                at_most=int(1.28 * area),
+                pass_name=name,
+                draw=k,
+                name=f"{name}: as many samples as the discs are large, {PARTS[k]}",
+            )
+            for name, pixel in PIXELS.items()
+            for k, area in disc_areas(pixel)
         ),
         *each_draw(
             "picture.gl_Position",

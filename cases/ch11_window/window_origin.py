@@ -13,11 +13,25 @@ it is the lower left one, on the right, where the origin was asked to be above, 
 
 import numpy as np
 
-from shaderlab import Case, Output, Pixel, Target, exact, formula, fullscreen, measure
-from shaderlab.glslmath import swizzle
+from shaderlab import Case, Output, Pixel, Target, boundaries, exact, formula, fullscreen
+from shaderlab.glslmath import (
+    abs,
+    floor,
+    fract,
+    length,
+    max,
+    mix,
+    smoothstep,
+    swizzle,
+    vec3,
+    vec4,
+    where,
+)
+from shaderlab.sampling import texelFetch
 
-from ..scenes.figures import figure
-from ..scenes.panels import cell, panel, picture, rectangle
+from ..scenes.drawing import encoded
+from ..scenes.figures import each_draw, figure
+from ..scenes.panels import cell, enlarged, enlarged_check, panel, rectangle
 
 WIDTH, HEIGHT = 16, 12
 X, Y = np.meshgrid(np.arange(WIDTH) + 0.5, np.arange(HEIGHT) + 0.5)
@@ -31,7 +45,7 @@ def window(name, shader):
     return fullscreen(f"ch11_window/{shader}.frag", name=name, domain={}, target=size)
 
 
-def enlarged(k, name):
+def of_window(k, name):
     """One of the windows, each of its pixels as a square."""
     return panel(
         "ch11_window/window_origin_picture.frag",
@@ -41,25 +55,19 @@ def enlarged(k, name):
     )
 
 
-def shown(place):
-    """A window enlarged, each of its pixels as 32 × 32: colours by place, dots, and a grid."""
-    height, width, _ = place.shape
-    x, y = np.moveaxis(place / (width, height), 2, 0)
-    first = (place == 0.5).all(axis=-1, keepdims=True)
-    color = np.stack([0.04 + 0.55 * x, 0.06 + 0.45 * y, 0.16 + 0.16 * (1.0 - x)], axis=-1)
-    color = np.where(first, (1.0, 0.75, 0.12), color).repeat(32, axis=0).repeat(32, axis=1)
-    ink = np.where(first, 0.05, 0.75).repeat(32, axis=0).repeat(32, axis=1)
-    off = np.abs((np.arange(32) + 0.5) / 32.0 - 0.5)
-    across, up = np.tile(off, width)[None, :, None], np.tile(off, height)[:, None, None]
-    soft = np.clip((np.hypot(across, up) - 0.07) / 0.03, 0.0, 1.0)
-    color = ink + (color - ink) * soft * soft * (3.0 - 2.0 * soft)
-    return np.clip(color * (np.maximum(across, up) <= 0.475), 1e-6, 1.0) ** (1.0 / 2.2)
-
-
-def furthest_shown(FragColor, lower, upper):
-    """How far any channel of the picture is from both windows side by side."""
-    both = np.hstack([shown(lower), shown(upper)])
-    return np.abs(FragColor - np.dstack([both, np.ones_like(both[..., :1])])).max()
+def shown(field, window):
+    """A window enlarged: colours by place, dots, and a grid."""
+    place = swizzle(texelFetch(window, floor(field)), "xy")
+    x, y = swizzle(place, "x"), swizzle(place, "y")
+    east = x / WIDTH
+    color = vec3(0.04 + 0.55 * east, 0.06 + 0.45 * (y / HEIGHT), 0.16 + 0.16 * (1.0 - east))
+    first = (x == 0.5) & (y == 0.5)
+    color = where(first, vec3(1.0, 0.75, 0.12), color)
+    off = fract(field) - 0.5
+    ink = where(first, vec3(0.05), vec3(0.75))
+    color = mix(color, ink, 1.0 - smoothstep(0.07, 0.10, length(off)))
+    outer = max(abs(swizzle(off, "x")), abs(swizzle(off, "y")))
+    return vec4(encoded(color * where(outer <= 0.475, 1.0, 0.0)), 1.0)
 
 
 def centre(frag_coord):
@@ -74,23 +82,15 @@ case = Case(
     passes=(
         *window("lower", "window_origin"),
         *window("upper", "window_origin_upper"),
-        picture([enlarged(0, "lower"), enlarged(1, "upper")], (1024, 384)),
+        *enlarged([of_window(0, "lower"), of_window(1, "upper")], (160, 60), 7),
     ),
     picture="picture.FragColor",
     expect=[
         exact("lower.place", FROM_BELOW, name="every centre, from the lower left"),
         exact("upper.place", FROM_ABOVE, name="every centre, from the upper left"),
-        measure(
-            "the picture",
-            furthest_shown,
-            reads={
-                "FragColor": "picture.FragColor",
-                "lower": "lower.place",
-                "upper": "upper.place",
-            },
-            at_most=0.5 / 255.0,
-            note="half a code of eight bits, which no eye sees: edges of dots are steep",
-        ),
+        *each_draw("small.FragColor", shown, enumerate(("lower", "upper")), "on show: {}"),
+        boundaries("small.FragColor", shown, draw=0, name="the edges of dots and squares"),
+        enlarged_check(),
         formula("lower.place", centre, name="what the capture says of itself"),
         *(
             figure(f"{name}.place", f"{name}: {what}", Pixel(x, y), place)

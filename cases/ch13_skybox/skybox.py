@@ -36,7 +36,7 @@ from ..scenes.crates import crates, of_wood, turned_normal, wooden
 from ..scenes.draws import tested, twins
 from ..scenes.figures import figure
 from ..scenes.laws import sampled, unchanged
-from ..scenes.panels import cell, picture, softened_check, softened_pass
+from ..scenes.panels import cell, filled_check, picture, softened_check, softened_pass
 from ..scenes.sky import skies
 
 PROJECTION = perspective(radians(50.0), 1.0, 0.1, 100.0)
@@ -131,6 +131,7 @@ case = Case(
     expect=[
         softened_check(),
         any_order("scene.FragColor"),
+        filled_check("scene"),
         formula("here.gl_Position", sky_clip, name="turned, not moved, and z = w"),
         formula("there.gl_Position", sky_clip, name="the same from elsewhere"),
         formula("here.TexCoords", point),

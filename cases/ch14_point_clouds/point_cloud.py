@@ -186,6 +186,7 @@ case = Case(
         formula("gl_PointSize", width),
         formula("warmth", unchanged("aWarmth")),
         formula("FragColor", star),
+        formula("ruler.gl_Position", clip, name="the ruler's places"),
         formula("ruler.warmth", unchanged("aWarmth"), name="the ruler's warmth"),
         formula("ruler.FragColor", square),
         formula("ruler.diameter", width, name="the ruler's diameters"),

@@ -246,6 +246,31 @@ def holes(large: npt.NDArray[Any], small: npt.NDArray[Any]) -> npt.NDArray[Any]:
     return np.asarray(inside & ~np.asarray(blocks))
 
 
+def filled_check(of: str) -> Any:
+    """Something opaque is drawn on each pixel of a pass that is cleared to nothing: a sky, say.
+
+    >>> filled_check("scene").name
+    'scene: no pixel is left empty'
+    """
+    return measure(
+        f"{of}: no pixel is left empty",
+        share_empty,
+        reads={"shown": f"{of}.FragColor"},
+        equals=0.0,
+        digits=9,
+        note="the share of pixels whose alpha is 0",
+    )
+
+
+def share_empty(shown: npt.NDArray[Any]) -> float:
+    """The share of pixels whose alpha is 0.
+
+    >>> share_empty(np.array([[[1.0, 1.0, 1.0, 1.0], [0.0, 0.0, 0.0, 0.0]]]))
+    0.5
+    """
+    return float(np.mean(shown[..., 3] == 0.0))
+
+
 def smaller_check(judged: str = "judged", large: str = "scene", *, edges: float = 0.0) -> Any:
     """What a small pass shows of a scene of solids, the large one shows at the same place.
 

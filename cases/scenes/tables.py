@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from shaderlab import Output, Pass, formula
+import numpy as np
+
+from shaderlab import Output, Pass, Texture, boundaries, formula
 from shaderlab.glslmath import (
     Value,
     abs,
@@ -65,13 +67,29 @@ def shown(
     return picture([draw], size, colors={"FragColor": "rgba32f"})
 
 
-def shown_check(kind: str) -> Any:
-    """What must hold of `shown`.
+def shown_checks(kind: str, of: str = "picture", name: str = "the table on show") -> list[Any]:
+    """What must hold of `shown`, or of another pass of its shader: between the middles of pixels,
+    too.
 
-    >>> shown_check("numbers").name
-    'the table on show'
+    >>> [check.kind for check in shown_checks("numbers")]
+    ['formula', 'boundaries']
     """
-    return formula("picture.FragColor", LAWS[kind], name="the table on show")
+    law, output = LAWS[kind], f"{of}.FragColor"
+    return [formula(output, law, name=name), boundaries(output, law, name=f"{name}: edges")]
+
+
+def all_figures(name: str = "figures") -> Pass:
+    """Numbers of one, two and three figures, in which each of the ten is found, for the checks.
+
+    >>> all_figures().target.size
+    (210, 60)
+    """
+    numbers = np.array([[0, 7, 30, 49, 58, 61, 82], [9, 10, 99, 100, 137, 208, 254]], np.float32)
+    values = Texture(image=numbers[..., None], format="r32f")
+    uniforms = {"group": 3.0, "whole": 255.0}
+    domain = {"place": rectangle((0.0, 0.0), numbers.shape[::-1])}
+    draw = panel("ch06_tests/numbers.frag", domain, uniforms, textures={"values": values})
+    return picture([draw], (210, 60), name)
 
 
 def numbers(values: Sampler, place: Value, group: Value, whole: Value) -> Value:

@@ -4,7 +4,8 @@ A scene is drawn twice, the second time in reverse: its last draw first or, with
 last triangle first. Unless depth alone decides which surface a pixel shows, the images differ. A
 mistake in both of them may not: so the pass is drawn small once more, by its own depth tests and by
 those that show the nearest surface; and, as nearest surfaces need no test to be seen, with the
-farthest in front.
+farthest in front. Where draws cull, the nearest surfaces of either side are drawn, too: what is
+culled of closed solids lies behind what is not.
 
 Two faces that meet in an edge have one depth there. Where both lie on the same side of it, as at an
 outline, and a pixel's centre is on the edge itself, the one that is drawn first stays: both are
@@ -27,6 +28,7 @@ from shaderlab.model import Depth, Draw, Judgement, Need, Output, Pass, Programs
 from shaderlab.model.checked import checked_arguments
 
 _SUFFIX = "-backwards"
+EITHER_SIDE = "nearest surface of either side"
 _LARGEST = 256
 """Pixels along the longer side of what is drawn once more."""
 _OPPOSITE = {"less": "greater", "lequal": "gequal", "greater": "less", "gequal": "lequal"}
@@ -90,12 +92,15 @@ class AnyOrder(Exact):
         for front, needs in self._drawn_anew(scene).items():
             own, strict, loose = (frame.answers[need] for need in needs)
             told = _same(strict, loose)
-            wrong = int((told & ~_same(own, strict)).sum())
+            apart = told & ~_same(own, strict)
+            if front == EITHER_SIDE:
+                apart &= _areas(apart)  # along an outline both sides may be as near
+            wrong = int(apart.sum())
             outcome = replace(found.outcome, judged=found.outcome.judged + int(told.sum()))
             if wrong and outcome.status == "pass":
                 message = (
                     f"{wrong} of {told.size} pixels do not show the {front}: the depth test of a "
-                    "draw is off, another one, or does not write"
+                    "draw is off, another one, or does not write, or what is nearest is culled"
                 )
                 outcome = replace(outcome, status="fail", message=message, outside=wrong)
             found = replace(found, outcome=outcome)
@@ -123,21 +128,28 @@ class AnyOrder(Exact):
             "nearest surface": (near, False),
             "farthest surface, tests turned round": (far, True),
         }
-        return {
+        found = {
             front: tuple(DrawnAnew(name, output, turned, test) for test in ("", *tests))
             for front, (tests, turned) in fronts.items()
         }
+        if any(draw.state.cull for draw in description.draws):
+            own, *_ = found["nearest surface"]
+            either = (DrawnAnew(name, output, False, test, culled=False) for test in near)
+            found[EITHER_SIDE] = (own, *either)
+        return found
 
 
 @dataclass(frozen=True)
 class DrawnAnew(Need):
     """An output of a pass that is drawn once more: from the other end of the depth buffer if
-    `turned`, and with depth test `test` in each draw, or else its own."""
+    `turned`, and with depth test `test` in each draw, or else its own; nothing is culled unless
+    `culled`."""
 
     pass_name: str
     output: str
     turned: bool
     test: str
+    culled: bool = True
 
     def answer(self, context: Context) -> Array:
         description = context.session.scene.find_pass(self.pass_name)
@@ -158,7 +170,8 @@ class DrawnAnew(Need):
             depth = Depth(func=self.test)
         elif depth is not None and self.turned:
             depth = replace(depth, func=_OPPOSITE.get(depth.func, depth.func))
-        return replace(draw, state=replace(draw.state, depth=depth))
+        cull = draw.state.cull if self.culled else None
+        return replace(draw, state=replace(draw.state, depth=depth, cull=cull))
 
 
 @checked_arguments
@@ -168,8 +181,9 @@ def any_order(output: str, *, tested: bool = True) -> AnyOrder:
 
     Args:
         output: of a pass that `both_ways` gave.
-        tested: whether each draw is to have a depth test that shows the nearest surface; False if
-            one goes without on purpose, as an outline over all.
+        tested: whether each draw is to show the nearest surface, by a depth test, and whichever
+            side it culls; False if one does not on purpose, as an outline over all, or a wall that
+            is seen through from behind.
 
     >>> same = any_order("scene.FragColor")
     >>> same.output, same.equals.pass_name, same.equals.name

@@ -226,6 +226,6 @@ def _set(state: State, path: str, value: Any) -> State:
 
 
 def _spelt(value: Any) -> str:
-    if value is None or isinstance(value, bool | int | str | tuple):
+    if value is None or isinstance(value, bool | float | int | str | tuple):
         return repr(value)
     return "on"

@@ -93,7 +93,7 @@ class WiderInputs:
             part = part_of(task.effect.scene, names, [])
             scene, programs = given.applied(part, prepare(task, part))
             run = self._lab.evaluation(scene, programs, like=self._originals[scene.variant])
-            with sound_part(part), run as mutant:
+            with run as mutant:  # what goes wrong is the mutant's: the part ran unmutated
                 got = _outputs(mutant, given, task.effect.passes)
             for (output, kind), values in expected.items():
                 if (output, kind) not in got or differ(values, got[output, kind]):

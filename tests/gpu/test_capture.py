@@ -360,3 +360,21 @@ def test_instances_are_told_apart(lab: Lab, folder: Path) -> None:
     )  # fmt: skip
     assert [o.status for o in record.expectations] == ["pass"] * 6 + ["fail"], record
     assert record.expectations[0].judged == 4 * 4 * 4
+
+
+def test_an_output_that_is_never_written_keeps_no_other_from_being_judged(
+    lab: Lab, folder: Path
+) -> None:
+    write(folder, "idle.vert", "in vec3 aPos;\nout vec3 idle;\nout vec3 double_;\n"
+          "void main() { double_ = 2.0 * aPos; gl_Position = vec4(aPos, 1.0); }\n")  # fmt: skip
+    write(folder, "idle.frag", "out vec4 o;\nvoid main() { o = vec4(1.0); }\n")
+
+    def doubled(aPos: Any) -> Any:
+        return 2.0 * aPos
+
+    def nothing(aPos: Any) -> Any:
+        return 0.0 * aPos
+
+    passes = mesh_pass("idle.vert", "idle.frag", QUAD)
+    record = run(lab, folder, passes, formula("double_", doubled), formula("idle", nothing))
+    assert [o.status for o in record.expectations] == ["pass", "fail"], record

@@ -95,7 +95,8 @@ from shaderlab.expectations.any_order import any_order, both_ways
 def quad(z):
     corners = [[-0.5, -0.5, z], [0.5, -0.5, z], [-0.5, 0.5, z], [0.5, 0.5, z]]
     mesh = Mesh(attributes={"aPos": corners}, primitive="triangle_strip")
-    return Draw(vertex="deep.vert", fragment="deep.frag", mesh=mesh, state=State(depth=Depth()))
+    state = State(depth=Depth(), cull="back")
+    return Draw(vertex="deep.vert", fragment="deep.frag", mesh=mesh, state=state)
 
 
 target = Target(size=(8, 8), depth="depth24")
@@ -397,8 +398,41 @@ def test_what_is_compared_with_another_pass_is_drawn_with_it(folder: Path) -> No
     assert not [f for f in shaders + hidden if "CaseError" in f.by]
     killed = [f.by for f in hidden if f.status == "killed"]
     assert set(killed) == {"default · quads.FragColor: any order of drawing"}
-    # Where two surfaces are equally far, either may be seen.
-    assert {m.new for m, f in state.items() if f.status != "killed"} == {"lequal"}
+    # Where two surfaces are equally far, either may be seen; no back side is there to be culled.
+    # The far quad is hidden, whether it is culled or not.
+    kept = {(m.path, m.new) for m, f in state.items() if f.status != "killed"}
+    assert kept == {
+        ("depth.func", "lequal"),
+        ("cull", None),
+        ("cull", "front"),
+        ("front_face", "cw"),
+    }
+    near = {m.path for m, f in state.items() if ("quads", 1) in m.draws and f.status == "killed"}
+    assert near == {"depth", "depth.write", "depth.func", "cull", "front_face"}
+
+
+UNUSED = """\
+#version 330 core
+in vec2 aPos;
+out vec3 place;
+void main() { place = vec3(aPos, 0.5); gl_Position = vec4(aPos, 0.0, 1.0); }
+"""
+
+
+def test_an_output_that_a_mutant_never_writes_is_captured_nevertheless(folder: Path) -> None:
+    """Nothing asks for it: the mutant compiles, draws the same, and gives the next stage less."""
+    (folder / "quad.vert").write_text(UNUSED)
+    case = load_case(folder / "quad.py")
+    with Lab() as lab:
+        judge = Judge(lab, case)
+        found = {
+            m.after: judge.fate(m).by
+            for m in mutants_of_case(case, MutationPlan(state=False))
+            if isinstance(m, ShaderMutant) and m.operator == "statement removed"
+            and "place" in m.before
+        }  # fmt: skip
+    missed = "only on other inputs: main.place, which no expectation reads"
+    assert set(found.values()) == {missed}, found
 
 
 def test_a_part_that_does_not_run_unmutated_kills_nobody(

@@ -28,13 +28,14 @@ MISTAKES = [
     ("msaa-offscreen", f"{CH9}/mean_of_samples.frag", "at.x < half_ ?", "at.x > half_ ?",
      "one sample, and all of them"),
     ("multisample-coverage", f"{CH9}/multisample_coverage.frag", "one > 0.5", "one < 0.5",
-     PICTURE),
+     "the drawing"),
     ("double-buffer", f"{CH11}/double_buffer_picture.frag", "> 0.46", "> 0.43", "shown: one 0"),
     ("fixed-timestep", f"{CH11}/fixed_timestep_picture.vert", "vec2(2.08, 1.25)",
      "vec2(2.08, 1.20)", "places of dots of strip 0"),
     ("fixed-timestep", f"{CH11}/fixed_timestep_floor.frag", "height < 0.0", "height < 0.1",
      "strip 0"),
-    ("window-origin", f"{CH11}/window_origin_picture.frag", "vec2(0.5)", "vec2(1.5)", PICTURE),
+    ("window-origin", f"{CH11}/window_origin_picture.frag", "vec2(0.5)", "vec2(1.5)",
+     "on show: lower"),
     ("point-cloud", "ch14_point_clouds/point_cloud.frag", "4.0 * dot", "3.0 * dot", PICTURE),
 ]  # fmt: skip
 

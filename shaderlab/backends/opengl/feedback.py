@@ -13,7 +13,7 @@ from shaderlab.backends.opengl.drawing import Drawing, drain_errors, submit
 from shaderlab.backends.opengl.pyopengl import GL, named
 from shaderlab.backends.opengl.target import RenderTarget
 from shaderlab.backends.opengl.vertices import vertex_array
-from shaderlab.errors import DriverError
+from shaderlab.errors import DriverError, ShaderError
 from shaderlab.frame import Array, Bindings, PassDraw, Samples
 from shaderlab.model import Target
 from shaderlab.programs import tessellation, vertex_capture
@@ -23,6 +23,8 @@ from shaderlab.programs.varyings import Piece
 
 # What every OpenGL 3.3 driver can write of one vertex at once.
 MAX_COMPONENTS = 64
+UNDEFINED = np.uint32(0xFFFFFFFF)
+"""The bits of an output that nothing writes: NaN in floats, −1 and the largest number in others."""
 
 
 def vertices(drawing: Drawing, key: PassDraw) -> Samples:
@@ -57,7 +59,8 @@ def _captured(
     `count` is how many vertices come out; None asks the driver first.
     """
     found: dict[Piece, Array] = {}
-    for group in _groups(parts):
+    written = _written(drawing, texts, parts)
+    for group in _groups([piece for piece in parts if piece.name in written]):
         sizes = [components_of(piece.type) for piece in group]
         names = tuple(dict.fromkeys(piece.name for piece in group))
         program = drawing.linker.link(texts, feedback=names)
@@ -69,7 +72,33 @@ def _captured(
         columns = np.split(raw, np.cumsum(sizes)[:-1], axis=1)
         for piece, part in zip(group, columns, strict=True):
             found[piece] = np.ascontiguousarray(part).view(numpy_type(piece.type))
-    return found
+    undefined = {p: np.full((count or 0, components_of(p.type)), UNDEFINED) for p in parts}
+    return {p: found.get(p, u.view(numpy_type(p.type))) for p, u in undefined.items()}
+
+
+def _written(drawing: Drawing, texts: Mapping[str, str], parts: Sequence[Piece]) -> set[str]:
+    """The names of those outputs that the program has. A driver may drop one that is declared and
+    never written, and then refuses to capture it.
+
+    Raises:
+        ShaderError: it refuses the program as well if nothing is captured.
+    """
+    names = dict.fromkeys(piece.name for piece in parts)
+    try:
+        for group in _groups(parts):
+            drawing.linker.link(texts, feedback=tuple(dict.fromkeys(p.name for p in group)))
+        return set(names)
+    except ShaderError:
+        drawing.linker.link(texts)
+    return {name for name in names if _is_linked(drawing, texts, name)}
+
+
+def _is_linked(drawing: Drawing, texts: Mapping[str, str], name: str) -> bool:
+    try:
+        drawing.linker.link(texts, feedback=(name,))
+    except ShaderError:
+        return False
+    return True
 
 
 def _groups(parts: Sequence[Piece]) -> list[list[Piece]]:
