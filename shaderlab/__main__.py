@@ -3,17 +3,33 @@ may be."""
 
 from __future__ import annotations
 
+import itertools
 import os
 import sys
+from collections.abc import Sequence
+
+_RUNNING = ("run", "sweep", "mutate")
+"""Commands that take workers."""
+_WITHOUT_WORKERS = ("-j0", "--jobs=0", "-h", "--help")
 
 
 def main() -> None:
     """Run the command line on `sys.argv`; never returns. An interrupt ends it with a word, also
-    while modules are imported."""
+    while modules are imported.
+
+    What workers are forked from gets ready beside it from the beginning: later there are threads
+    and open files, which no copy of a process should have.
+    """
     import signal
 
     sys.unraisablehook = _interrupt_again
     try:
+        if _will_run(sys.argv[1:]):
+            from shaderlab.execution.worker_process import begin_server
+            from shaderlab.files import hold_standard_descriptors
+
+            hold_standard_descriptors()
+            begin_server()
         from shaderlab.cli import main as command_line
 
         command_line()
@@ -23,6 +39,22 @@ def main() -> None:
     finally:
         if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
             signal.signal(signal.SIGINT, signal.SIG_DFL)  # nothing is left that it could cut short
+
+
+def _will_run(words: Sequence[str]) -> bool:
+    """Whether a command takes workers, by its words alone: a wrong guess costs a process that is
+    ended at once, or one that starts a little later."""
+    in_this_process = "0" in (
+        os.environ.get("SHADERLAB_JOBS", ""),
+        *(after for word, after in itertools.pairwise(words) if word in ("-j", "--jobs")),
+    )
+    return (
+        bool(words)
+        and words[0] in _RUNNING
+        and not in_this_process
+        and not any(word.startswith("--scheduler") or word in _WITHOUT_WORKERS for word in words)
+        and sys.platform.startswith("linux")
+    )
 
 
 def _interrupt_again(dropped: sys.UnraisableHookArgs) -> None:

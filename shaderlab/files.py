@@ -108,6 +108,15 @@ def memory_file() -> BinaryIO:
     return cast(BinaryIO, tempfile.TemporaryFile())
 
 
+def hold_standard_descriptors() -> None:
+    """Keep the numbers of standard streams that are closed from being given to files."""
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # takes the lowest number that is free
+
+
 def write_bytes(path: str | Path, data: bytes) -> None:
     """Write a file whole or not at all.
 

@@ -7,11 +7,11 @@ import codecs
 import contextlib
 import errno
 import io
-import os
 import sys
 from typing import Any, TextIO
 
 from shaderlab.cli import FAILED
+from shaderlab.files import hold_standard_descriptors
 
 _PLAIN = {"✓": "+", "✗": "x", "–": "-", "→": "->", "…": "...", "·": "-", "×": "x", "≤": "<="}
 """What stands for a character in an encoding without it; "?" for all others."""
@@ -66,11 +66,7 @@ def problem(stream: TextIO) -> str:
 def open_streams() -> None:
     """Make this process's standard streams last, and keep their numbers from being given to
     files where they are closed."""
-    for number in range(3):
-        try:
-            os.fstat(number)
-        except OSError:
-            os.open(os.devnull, os.O_RDWR)  # takes the lowest number that is free
+    hold_standard_descriptors()
     for name in ("stdout", "stderr"):
         with contextlib.suppress(AttributeError, OSError):  # none, or none of the system's
             setattr(sys, name, lasting(getattr(sys, name)))

@@ -19,7 +19,7 @@ import sys
 import time
 import zlib
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -49,6 +49,27 @@ def cached_compiler() -> Compile:
     """`compile_program`, behind the compile cache where there is one."""
     folder = cache_folder()
     return compile_program if folder is None else _cache(folder).compile
+
+
+def compiled_with_lines(source: Source) -> Compiled:
+    """One stage compiled for OpenGL, or for Vulkan if only that takes it, behind the compile cache:
+    its module says which line of the text each instruction comes from.
+
+    Raises:
+        ShaderError: as `compile_program`.
+    """
+    folder = cache_folder()
+    return _with_lines(source) if folder is None else _cache(folder).compile_with_lines(source)
+
+
+def _with_lines(source: Source) -> Compiled:
+    engine = choose()
+    compiled = compile_program([source], ("opengl", "vulkan"), engine=engine)
+    for target in compiled.spirv:
+        linked = engine.link([source], target, lines=True)
+        if linked.ok:
+            return replace(compiled, spirv={target: linked.modules})
+    return replace(compiled, spirv={})
 
 
 @functools.cache
@@ -82,6 +103,18 @@ class CompileCache:
         ordered = tuple(in_order(stages, targets))
         key = program_key(ordered, targets, compilers)
         return self._load(key, ordered, targets) or self._compile(key, ordered, targets)
+
+    def compile_with_lines(self, source: Source) -> Compiled:
+        """See `compiled_with_lines`."""
+        compilers = None if os.environ.get(COMMAND_VARIABLE) else self._compilers()
+        if compilers is None:
+            return _with_lines(source)
+        key = program_key([source], ("lines",), compilers)
+        found = self._load(key, (source,), ())
+        if found is None:
+            found = _with_lines(source)
+            self._store.put(key, encode(Entry(found.verdicts, found.spirv, found.logs)))
+        return found
 
     def _load(
         self, key: str, ordered: tuple[Source, ...], targets: Sequence[str]

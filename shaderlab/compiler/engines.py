@@ -7,13 +7,11 @@ from __future__ import annotations
 
 import functools
 import os
-import threading
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
-from shaderlab.compiler.sources import Shaders, Source
+from shaderlab.compiler.sources import Source
 from shaderlab.errors import ShaderError, nearest
 
 ENGINES = ("library", "process")
@@ -109,28 +107,3 @@ def _chosen(name: str | None, command: str | None, seconds: float | None) -> Eng
             return Commands(locate(None), seconds)
         except ShaderError:
             raise error from None
-
-
-def warm_up() -> Callable[[], None]:
-    """Starts what glslang does once a process, in a thread; returns a function that waits for it.
-
-    Before its first text of a version, glslang builds tables of all built-in names for each
-    target and all stages. That takes a tenth of a second outside Python's lock, in which other
-    threads can import. If the libraries are missing nothing happens, since compiling reports it.
-    If SHADERLAB_GLSLANG names a command, no library is needed.
-    """
-    if os.environ.get(COMMAND_VARIABLE):
-        return lambda: None
-
-    def compile_smallest() -> None:
-        text = "#version 330 core\nvoid main() {}\n"
-        source = Shaders([]).from_text(text, "vertex", "smallest.vert")
-        with suppress(ShaderError):
-            engine = choose("library")
-            engine.check(source)
-            for target in ("opengl", "vulkan"):
-                engine.link([source], target)
-
-    thread = threading.Thread(target=compile_smallest, daemon=True)
-    thread.start()
-    return thread.join

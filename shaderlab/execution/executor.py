@@ -26,6 +26,7 @@ from shaderlab.execution.jobs import (
 )
 from shaderlab.execution.pool import ItemResult, WorkerPool
 from shaderlab.execution.sizing import loads, suitable
+from shaderlab.execution.worker_process import LAB_WORK
 from shaderlab.options import Limits, RunOptions
 
 # Workers are started before anything that they do not need is imported here.
@@ -128,12 +129,11 @@ class ProcessExecutor(LocalExecutor):
         self._driver = driver
         self.limits = limits or Limits()
         self._pool = WorkerPool(
-            "shaderlab.execution.lab_worker:LabWorker",
+            LAB_WORK,
             limits=self.limits,
             jobs=1 if workers is None else workers,
             batch=1,
             folder=folder,
-            warm="shaderlab.execution.warming:warm_up",
         )
         self._sized = workers is not None
         self._thread = ThreadPoolExecutor(1)

@@ -8,16 +8,17 @@ import contextlib
 import functools
 import itertools
 import os
+import select
 import socket
-import subprocess
 import sys
 import threading
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, Protocol
 
 from shaderlab.execution.fork_server_main import Ended, Kill, Reap, Start, received, send
+from shaderlab.execution.own_copy import OwnCopy
 from shaderlab.files import memory_file
 
 _PROGRAM = "from shaderlab.execution.fork_server_main import main; main()"
@@ -35,35 +36,49 @@ class ServerDiedError(Exception):
     """The server is gone, and with it all of its workers; the message is its last words."""
 
 
+class Process(Protocol):
+    """What a server asks of its process, as of `subprocess.Popen`."""
+
+    @property
+    def pid(self) -> int:
+        """Its number."""
+
+    def poll(self) -> int | None:
+        """Its exit status, or None while it runs."""
+
+    def wait(self) -> int:
+        """Its exit status, once it has ended."""
+
+    def kill(self) -> None:
+        """End it."""
+
+
 class ForkServer:
     """A fork server, seen from the process that started it. Any thread may call it.
 
     Args:
         environment: the environment variables that it starts in.
-        work, warm: what it imports, as `shaderlab.execution.worker_main.prepared`.
+        work: what it imports, as `shaderlab.execution.worker_main.prepared`; "" for nothing.
+        copied: whether it is forked off this process, which has no threads and has imported
+            little yet; else it is a Python of its own, which takes longer to start.
 
     Raises:
         OSError: it can't be started.
     """
 
-    def __init__(self, environment: Mapping[str, str], work: str, warm: str) -> None:
+    def __init__(self, environment: Mapping[str, str], work: str, *, copied: bool = False) -> None:
         self._lock = threading.Lock()  # a request and its answer are not parted
         self._owner = os.getpid()
         self._numbers = itertools.count()
         self._errors = memory_file()
         self._control, theirs = socket.socketpair()
         with theirs:
-            self._process = subprocess.Popen(
-                [sys.executable, "-P", "-c", _PROGRAM, str(theirs.fileno())],
-                stdin=subprocess.DEVNULL,
-                stdout=subprocess.DEVNULL,
-                stderr=self._errors,
-                cwd=os.sep,
-                env=dict(environment),
-                pass_fds=[theirs.fileno()],
-                process_group=0,
+            self._process: Process = (
+                OwnCopy(environment, theirs, self._errors, close=self._control)
+                if copied
+                else _started(environment, theirs, self._errors)
             )
-        self._send((work, warm))
+        self._send(work)
 
     @property
     def process(self) -> int:
@@ -116,10 +131,10 @@ class ForkServer:
         children took then."""
         if os.getpid() != self._owner:  # a copy of the process that started it
             return
-        with contextlib.suppress(OSError):
-            self._control.shutdown(socket.SHUT_RDWR)
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            self._process.wait(END_SECONDS)
+        if next(self._numbers):  # else it has no workers, and is still importing perhaps
+            with contextlib.suppress(OSError):
+                self._control.shutdown(socket.SHUT_WR)
+            select.select([self._control], [], [], END_SECONDS)  # its own is closed as it ends
         self._process.kill()
         self._process.wait()
 
@@ -147,24 +162,41 @@ class ForkServer:
             raise
 
 
-def fork_server(environment: Mapping[str, str], work: str, warm: str) -> ForkServer:
+def _started(environment: Mapping[str, str], control: socket.socket, errors: BinaryIO) -> Process:
+    """A Python of its own that runs a server. Raises OSError."""
+    import subprocess  # few commands need it
+
+    return subprocess.Popen(
+        [sys.executable, "-P", "-c", _PROGRAM, str(control.fileno())],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=errors,
+        cwd=os.sep,
+        env=dict(environment),
+        pass_fds=[control.fileno()],
+        process_group=0,
+    )
+
+
+def fork_server(environment: Mapping[str, str], work: str, *, copied: bool = False) -> ForkServer:
     """The server of this process for workers in this environment, started unless it runs already.
 
-    Modules of others are not imported in it: they may change between two workers.
+    Modules of others are not imported in it: they may change between two workers. `copied` is as of
+    `ForkServer`.
 
     Raises:
         OSError: it can't be started.
     """
     if not work.startswith("shaderlab."):
-        work = warm = ""
+        work = ""
     at_start = {name: text for name, text in environment.items() if name.startswith(_AT_START)}
     del at_start[_PATH]
-    key = (os.getpid(), work, warm, tuple(sorted(at_start.items())))
+    key = (os.getpid(), work, tuple(sorted(at_start.items())))
     with _lock():
         servers = _servers()
         found = servers.get(key)
         if found is None or not found.alive:
-            servers[key] = found = ForkServer(environment, work, warm)
+            servers[key] = found = ForkServer(environment, work, copied=copied)
             atexit.register(found.close)
     return found
 

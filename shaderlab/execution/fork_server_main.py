@@ -67,20 +67,25 @@ class Reap:
 
 
 def main() -> None:
-    """Serve the socket whose descriptor is the program's argument, until its other end is closed.
+    """Serve the socket whose descriptor is the program's argument, as `serve`."""
+    serve(socket.socket(fileno=int(sys.argv.pop())))
+
+
+def serve(control: socket.socket) -> None:
+    """Serve a socket until its other end is closed.
 
     The first message says what to import (see `worker_main.prepared`); `Start`, `Kill`, `Ended` and
     `Reap` follow. In a worker this function goes on as the worker's.
     """
-    control = socket.socket(fileno=int(sys.argv.pop()))
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides what an interrupt means
     worker_main.adopt_orphans()
-    (work, warm), _ = received(control)
+    work, _ = received(control)
     if work:
-        worker_main.prepared(work, warm)
+        worker_main.prepared(work)
     as_worker = _Server(control).run()
-    if as_worker is not None:
-        as_worker()
+    if as_worker is None:
+        os._exit(0)  # what was imported is not worth taking down
+    as_worker()
 
 
 class _Server:

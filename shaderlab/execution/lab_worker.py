@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab import evaluation
+from shaderlab import backends, evaluation
 from shaderlab.backends import known_driver, prepare_process
 from shaderlab.catalogue import load_case
 from shaderlab.errors import CaseError
@@ -45,6 +45,11 @@ class LabWorker:
         self._driver = ""
         self._scenes: dict[str, Mapping[str, Scene]] = {}
         self._kept: dict[str, tuple[Hashable, Any]] = {}
+
+    @staticmethod
+    def preload() -> None:
+        """Import what the driver needs, without opening it."""
+        backends.preload()
 
     def __call__(self, requests: Sequence[Request]) -> Iterator[Any]:
         """Perform requests in a worker process, in order."""

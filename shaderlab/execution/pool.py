@@ -80,13 +80,12 @@ class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
     Args:
         work: what workers call, as "module:name", since they import it by its name: a function
             that takes a sequence of items and yields one result for each, in order; or a class
-            that makes such a function from a `shaderlab.execution.worker_main.Channel`.
+            that makes such a function from a `shaderlab.execution.worker_main.Channel`, with a
+            `preload()` perhaps that imports what it will need.
         limits: of each item.
         jobs: how many workers, to begin with; `widen` adds others.
         batch: how many items a worker is sent at once.
         folder: the workers' working directory, by default this process's.
-        warm: a function, named like `work`, that each worker calls before it imports `work`: it
-            starts something in the background and returns a function that waits for it.
     """
 
     def __init__(
@@ -97,10 +96,9 @@ class WorkerPool(contextlib.AbstractContextManager["WorkerPool"]):
         jobs: int = 1,
         batch: int = BATCH,
         folder: Path | None = None,
-        warm: str = "",
     ) -> None:
         self._make = functools.partial(
-            WorkerProcess, work, limits or Limits(), folder or Path.cwd(), environment(), warm
+            WorkerProcess, work, limits or Limits(), folder or Path.cwd(), environment()
         )
         self._batch = max(batch, 1)
         self._lock = threading.Lock()  # for all below

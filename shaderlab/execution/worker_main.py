@@ -94,12 +94,12 @@ def main(socket_number: int, steps: int) -> None:
     """
     parent = socket.socket(fileno=socket_number)
     given = parent.makefile("rb")
-    name, warm, seconds, memory = pickle.load(given)
+    name, seconds, memory = pickle.load(given)
     _limit_memory(memory)
     keep_freed_memory()
     channel = Channel(parent, seconds, steps)
     os.register_at_fork(after_in_child=channel.leave)
-    work = prepared(name, warm)
+    work = prepared(name)
     if isinstance(work, type):
         work = work(channel)
     gc.freeze()
@@ -110,24 +110,18 @@ def main(socket_number: int, steps: int) -> None:
             _answer(work, pickle.load(given), channel)
 
 
-def prepared(name: str, warm: str) -> Any:
-    """Import the work that is called `name`, while what `warm` starts goes on; returns the work.
-
-    Both are "module:name"; `warm` may be "". See `shaderlab.execution.pool.WorkerPool`.
+def prepared(name: str) -> Any:
+    """Import the work that is called "module:name", and all that it says it will need; returns the
+    work. See `shaderlab.execution.pool.WorkerPool`.
     """
-    wait = _named(warm)() if warm else None
     gc.disable()  # nothing that is imported is garbage, and a tenth of the time goes into looking
-    work = _named(name)
-    gc.freeze()
-    if wait is not None:
-        wait()
-    return work
-
-
-def _named(name: str) -> Any:
-    """What "module:name" stands for."""
     module, _, attribute = name.partition(":")
-    return getattr(importlib.import_module(module), attribute)
+    work = getattr(importlib.import_module(module), attribute)
+    preload = getattr(work, "preload", None)
+    if preload is not None:
+        preload()
+    gc.freeze()
+    return work
 
 
 def _answer(work: Any, batch: Sequence[Any], channel: Channel) -> None:

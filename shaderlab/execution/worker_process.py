@@ -20,6 +20,8 @@ from shaderlab.files import memory_file
 from shaderlab.module_path import pythons_first
 from shaderlab.options import Limits
 
+LAB_WORK = "shaderlab.execution.lab_worker:LabWorker"
+"""What workers that judge scenes call, as of `shaderlab.execution.pool.WorkerPool`."""
 START_SECONDS = 120.0
 END_SECONDS = 5.0
 # glibc gives large arrays back to the system one by one, and pays for each page when it takes
@@ -37,6 +39,16 @@ def environment() -> dict[str, str]:
     """
     path = pythons_first(sys.path)
     return {**_KEEP_MEMORY, **_ONE_THREAD, **os.environ, "PYTHONPATH": os.pathsep.join(path)}
+
+
+def begin_server() -> None:
+    """Start what workers of labs are forked from before anything asks for one: it imports what they
+    need while this process, which has imported little and has one thread, does the same.
+
+    Nothing happens where it can't be started: the first worker says so.
+    """
+    with contextlib.suppress(OSError):
+        fork_server(environment(), LAB_WORK, copied=True)
 
 
 @dataclass(eq=False)
@@ -63,10 +75,9 @@ class WorkerProcess:
     """
 
     def __init__(
-        self, work: str, limits: Limits, folder: Path, environment: Mapping[str, str], warm: str
+        self, work: str, limits: Limits, folder: Path, environment: Mapping[str, str]
     ) -> None:
         self._work = work
-        self._warm = warm
         self._limits = limits
         self._folder = folder
         self._environment = environment
@@ -106,11 +117,11 @@ class WorkerProcess:
                 remedy="see what limits this system has: ulimit -a",
             ) from error
         memory = int(self._limits.gigabytes * (1 << 30))
-        self._send((self._work, self._warm, self._limits.seconds, memory))
+        self._send((self._work, self._limits.seconds, memory))
 
     def _begin(self) -> None:
         """Have the process started. Raises OSError."""
-        server = fork_server(self._environment, self._work, self._warm)
+        server = fork_server(self._environment, self._work)
         self._socket, theirs = socket.socketpair()
         self._answers = self._socket.makefile("rb")
         # Both live as long as the process, and need no room on a disk that may be full.

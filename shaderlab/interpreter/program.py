@@ -5,8 +5,7 @@ from __future__ import annotations
 import functools
 from dataclasses import dataclass, field
 
-from shaderlab.compiler.compile import compile_program
-from shaderlab.compiler.engines import choose
+from shaderlab.compiler.compile_cache import compiled_with_lines
 from shaderlab.compiler.module import Instruction as Raw, Module, Op, Storage, parse
 from shaderlab.compiler.sources import Source
 from shaderlab.errors import NotInterpretedError, ShaderError
@@ -114,12 +113,9 @@ def load(source: Source) -> Program:
     """
     if source.stage.startswith("tess_"):
         raise NotInterpretedError(f"not interpreted: {source.stage} stage", file=source.path)
-    compiled = compile_program([source], ("opengl", "vulkan"))
-    for target in ("opengl", "vulkan"):
-        if target in compiled.spirv:
-            linked = choose().link([source], target, lines=True)
-            if linked.ok:
-                return read(linked.modules[source.stage], source)
+    compiled = compiled_with_lines(source)
+    for modules in compiled.spirv.values():
+        return read(modules[source.stage], source)
     compiled.require()
     raise ShaderError("does not become SPIR-V", file=source.path)
 

@@ -121,6 +121,23 @@ def whole(result: Compiled) -> str:
     return repr((result, result.sources, result.interface))
 
 
+def test_a_module_with_lines_is_compiled_once(
+    tmp_path: Path, cache: CompileCache, compiled: list[Sequence[Source]]
+) -> None:
+    fragment = shaders(tmp_path).load("a.frag")
+    first = cache.compile_with_lines(fragment)
+    assert len(compiled) == 1
+    again = cache.compile_with_lines(fragment)
+    assert len(compiled) == 1 and whole(again) == whole(first)
+    assert first.spirv["opengl"] != cache.compile([fragment], ("opengl",)).spirv["opengl"]
+    assert not cache.compile_with_lines(text(WRONG)).spirv
+    modern = text(
+        "#version 450 core\nlayout (set = 1, binding = 0) uniform U { vec4 c; };\n"
+        "layout (location = 0) out vec4 o; void main() { o = c; }"
+    )
+    assert list(cache.compile_with_lines(modern).spirv) == ["vulkan"]
+
+
 KINDS = {
     "two stages": True,
     "all targets": False,

@@ -16,7 +16,7 @@ import pytest
 from shaderlab.execution import WorkerPool
 from shaderlab.execution.fork_server import fork_server
 from shaderlab.execution.pool import ItemResult
-from shaderlab.execution.worker_process import environment
+from shaderlab.execution.worker_process import LAB_WORK, environment
 from shaderlab.options import Limits
 
 WORK = """
@@ -41,7 +41,11 @@ def work(items):
 PARENT = """
 import sys
 from shaderlab.execution import WorkerPool
+from shaderlab.execution.fork_server import fork_server
+from shaderlab.execution.worker_process import environment
 
+if sys.argv.pop(1) == "copied":
+    fork_server(environment(), "mine:work", copied=True)
 with WorkerPool("mine:work") as pool:
     for result in pool.run(["a", *sys.argv[1:]]):
         print(*result.value, flush=True)
@@ -97,9 +101,7 @@ def test_modules_of_others_are_not_kept(work: str, tmp_path: Path) -> None:
 def test_the_server_of_labs_has_one_thread_and_no_device() -> None:
     """A thread would not be copied, and what it holds stays held; of a context two would draw."""
     made = environment()
-    server = fork_server(
-        made, "shaderlab.execution.lab_worker:LabWorker", "shaderlab.execution.warming:warm_up"
-    )
+    server = fork_server(made, LAB_WORK)
     server.ends(-1, 0.0)  # it answers when it has imported everything
     number = server.process
     assert len(os.listdir(f"/proc/{number}/task")) == 1
@@ -117,9 +119,12 @@ def test_a_server_that_died_is_said_and_started_anew(work: str) -> None:
         assert only(list(pool.run(["c"])))[1] != after.value[1]
 
 
+@pytest.mark.parametrize("how", ["started", "copied"])
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere workers end when they answer")
-def test_workers_and_what_they_started_end_with_the_process_that_asked_for_them(work: str) -> None:
-    command = [sys.executable, "-c", PARENT, "detach", "sleep"]
+def test_workers_and_what_they_started_end_with_the_process_that_asked_for_them(
+    work: str, how: str
+) -> None:
+    command = [sys.executable, "-c", PARENT, how, "detach", "sleep"]
     path = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=path) as parent:
         assert parent.stdout is not None
@@ -130,10 +135,31 @@ def test_workers_and_what_they_started_end_with_the_process_that_asked_for_them(
     gone(worker, server, detached)
 
 
-def test_what_workers_take_counts_as_their_parents(work: str) -> None:
+@pytest.mark.skipif(not os.path.isdir("/proc/self"), reason="descriptors are looked up in /proc")
+def test_a_copy_is_asked_for_once_and_has_nothing_of_the_process_it_was_made_of(
+    work: str, tmp_path: Path
+) -> None:
+    (tmp_path / "mine.py").write_text(
+        "import __main__, os, signal, sys\n"
+        "def work(items):\n"
+        "    here = os.getppid(), os.readlink('/proc/self/fd/0'), os.readlink('/proc/self/fd/1')\n"
+        "    secret = vars(__main__).get('secret')\n"
+        "    yield *here, sys.argv[1:], secret, signal.getsignal(2) == signal.SIG_IGN\n"
+    )
+    program = "secret = 1\n" + PARENT + "    print(pool._workers[0].process._server.process)\n"
+    command = [sys.executable, "-c", program, "copied"]
+    path = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    done = subprocess.run(command, check=True, env=path, capture_output=True, text=True)
+    first, server = done.stdout.splitlines()
+    null = os.devnull
+    assert first == f"{server} {null} {null} [] None True" and not done.stderr
+
+
+@pytest.mark.parametrize("how", ["started", "copied"])
+def test_what_workers_take_counts_as_their_parents(work: str, how: str) -> None:
     before = childrens_seconds()
     path = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
-    subprocess.run([sys.executable, "-c", PARENT, "burn"], check=True, env=path)
+    subprocess.run([sys.executable, "-c", PARENT, how, "burn"], check=True, env=path)
     assert childrens_seconds() - before > 0.3
 
 

@@ -82,18 +82,18 @@ class Work:
                 yield len(self.done) - 1
             yield os.getpid() if str(item).endswith("pid") else f"did {item}"
 """
-WARM = """
-import sys, threading
+PRELOADING = """
+class Preloading(Work):
+    @staticmethod
+    def preload():
+        Preloading.done = True
+    def __call__(self, items):
+        yield from (Preloading.done for _ in items)
 
-def begin():
-    assert "work_to_do" not in sys.modules
-    sys.warmed = []
-    thread = threading.Thread(target=sys.warmed.append, args=["meanwhile"])
-    def wait():
-        assert "work_to_do" in sys.modules
-        thread.start()
-        thread.join()
-    return wait
+class Broken(Work):
+    @staticmethod
+    def preload():
+        raise OSError("nothing there")
 """
 LIMITS = Limits(seconds=60.0, gigabytes=2.0)
 
@@ -309,18 +309,15 @@ def test_a_worker_that_cannot_start_is_an_error_and_not_a_crash_of_each_item() -
     assert "no_such_module" in raised.value.message
 
 
-def test_a_worker_warms_up_before_it_imports_and_is_ready_when_that_is_done(
-    work: str, tmp_path: Path
-) -> None:
-    (tmp_path / "warm_up.py").write_text(WARM)
+def test_what_a_work_preloads_is_there_when_it_is_ready(work: str, tmp_path: Path) -> None:
     with open(tmp_path / "work_to_do.py", "a") as file:
-        file.write("\ndef warmed(items):\n    yield from (sys.warmed for _ in items)\n")
-    with WorkerPool("work_to_do:warmed", warm="warm_up:begin") as pool:
+        file.write(PRELOADING)
+    with WorkerPool("work_to_do:Preloading") as pool:
         (result,) = pool.run(["a"])
-    assert result.value == ["meanwhile"]
+    assert result.value is True
     with (
-        WorkerPool(work, warm="warm_up:missing") as pool,
-        pytest.raises(ShaderlabError, match=r"can't start a worker process.*missing"),
+        WorkerPool("work_to_do:Broken") as pool,
+        pytest.raises(ShaderlabError, match=r"can't start a worker process.*nothing there"),
     ):
         list(pool.run(["a"]))
 
