@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from shaderlab.bands import formats
 from shaderlab.bands.allowed import Allowed, Interval
+from shaderlab.bands.compiled import use_bands
 from shaderlab.bands.operators import Operators
 from shaderlab.bands.rounding import LARGEST, Flags, Floats, down, outward, up
 from shaderlab.bands.rules import Rules
@@ -281,6 +282,9 @@ class Band(Interval, Operators, Swizzled):
         # Literals and integers know how.
         as_band: Callable[[Rules], Band] | None = getattr(other, "as_band", None)
         return Band.literal(other, self.rules) if as_band is None else as_band(self.rules)
+
+
+use_bands(Band, Terms, Rules, _NOWHERE)
 
 
 @np.errstate(all="ignore")

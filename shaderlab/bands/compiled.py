@@ -11,11 +11,8 @@ import importlib
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import wraps
-from typing import TYPE_CHECKING, Any, TypeVar, cast
-
-if TYPE_CHECKING:
-    from shaderlab.bands.band import Band
+from functools import update_wrapper
+from typing import Any, TypeVar, cast
 
 VARIABLE = "SHADERLAB_BANDS"
 
@@ -38,59 +35,48 @@ def _built() -> Any:
 KERNELS = _built()
 
 
-class _Use:
-    """Whether the passes are used where there are any."""
-
-    passes = True
-
-
 @contextmanager
 def numpy_alone() -> Iterator[None]:
     """All is done by NumPy meanwhile: for comparisons of both."""
-    _Use.passes = False
+    if KERNELS is None:
+        yield
+        return
+    KERNELS.use(False)
     try:
         yield
     finally:
-        _Use.passes = True
+        KERNELS.use(True)
 
 
-def compiled(plain: Callable[..., Band]) -> Callable[..., Band]:
-    """An operation on bands by its compiled pass, and `plain` where that finds something rare."""
-    # Terms stand on what `compiled_arrays` makes faster.
-    from shaderlab.bands.terms import Terms
+Function = TypeVar("Function", bound=Callable[..., Any])
 
-    kernel = getattr(KERNELS, plain.__name__, None)
-    if kernel is None:
+
+def compiled(plain: Function) -> Function:
+    """A function of bands, or of arrays, by its compiled pass, and `plain` where that finds
+    something rare."""
+    if not hasattr(KERNELS, plain.__name__):
         return plain
-    over_last = plain.__name__ == "sum_last"
-
-    @wraps(plain)
-    def by_kernel(*bands: Band) -> Band:
-        first = bands[0]
-        rules = first.rules
-        found = kernel(*bands, rules.flush, rules.rearrange) if _Use.passes else None
-        if found is None:
-            return plain(*bands)
-        lo, hi, mag, slack, count, *reach = found
-        terms = None if mag is None else Terms(mag, slack, count, *reach)
-        carrier = first.flags_over_last() if over_last else first
-        return carrier.kept(lo, hi, *bands[1:], terms=terms)
-
-    return by_kernel
+    return cast(Function, update_wrapper(KERNELS.operation(plain.__name__, plain), plain))
 
 
-OfArrays = TypeVar("OfArrays", bound=Callable[..., Any])
+def operators(operation: Callable[[Any, Any], Any]) -> tuple[Any, Any]:
+    """`operation` as a band's operator, and with the band on the right."""
+    both = (
+        lambda self, other: operation(self, self.lift(other)),
+        lambda self, other: operation(self.lift(other), self),
+    )
+    if KERNELS is None:
+        return both
+    return tuple(KERNELS.operator(operation, plain, plain is both[1]) for plain in both)
 
 
-def compiled_arrays(plain: OfArrays) -> OfArrays:
-    """The same for a function that gives arrays."""
-    kernel = getattr(KERNELS, plain.__name__, None)
-    if kernel is None:
-        return plain
+def use_bands(band: type, terms: type, rules: type, nowhere: tuple[Any, ...]) -> None:
+    """Tell the passes what bands are made of; `nowhere` are flags that are set nowhere."""
+    if KERNELS is not None:
+        KERNELS.use_bands(band, terms, rules, nowhere)
 
-    @wraps(plain)
-    def by_kernel(*arguments: Any) -> Any:
-        found = kernel(*arguments) if _Use.passes else None
-        return plain(*arguments) if found is None else found
 
-    return cast(OfArrays, by_kernel)
+def use_literals(literal: type) -> None:
+    """Tell the passes which numbers have a band of their own."""
+    if KERNELS is not None:
+        KERNELS.use_literals(literal)

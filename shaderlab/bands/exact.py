@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from shaderlab.bands.compiled import compiled_arrays
+from shaderlab.bands.compiled import compiled
 from shaderlab.bands.rounding import Flags, Floats
 from shaderlab.bands.terms import combined
 from shaderlab.bands.truth import Truth
@@ -105,7 +105,7 @@ def select(condition: Truth, a: Band, b: Band) -> Band:
     return type(a)(lo, hi, a.rules, (nan, anything, either), terms)
 
 
-@compiled_arrays
+@compiled
 def taken(side: Floats, of_a: Floats, of_b: Floats, greater: bool) -> Floats:
     """`of_a` where the side is 1, `of_b` where it is -1, elsewhere the greater or the lesser."""
     hull = np.maximum(of_a, of_b) if greater else np.minimum(of_a, of_b)
@@ -154,7 +154,7 @@ def concatenated(arrays: Sequence[Any], axis: int) -> Any:
     return joined_last(list(arrays)) if axis == -1 else _joined(arrays, axis)
 
 
-@compiled_arrays
+@compiled
 def joined_last(arrays: list[Any]) -> Any:
     """`concatenated` along the last axis."""
     return _joined(arrays, -1)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from shaderlab.bands import arithmetic, exact
-from shaderlab.bands.compiled import compiled, compiled_arrays
+from shaderlab.bands.compiled import compiled
 from shaderlab.bands.rounding import (
     FLOAT64_ERROR,
     LARGEST,
@@ -98,7 +98,7 @@ def _log_bounds(a_lo: Floats, a_hi: Floats, function: Any) -> tuple[Floats, Floa
     return logarithms_widened(a_lo, a_hi, lo, hi)
 
 
-@compiled_arrays
+@compiled
 def logarithms_widened(a_lo: Floats, a_hi: Floats, lo: Floats, hi: Floats) -> tuple[Floats, Floats]:
     """The logarithms of both ends, moved out by their error."""
     error_lo = np.where((a_lo >= 0.5) & (a_lo <= 2.0), LOG_ERROR_NEAR_ONE, LOG_ULPS * ulp(lo))

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 from shaderlab.bands.band import Band
+from shaderlab.bands.compiled import use_literals
 from shaderlab.bands.exact import union
 from shaderlab.bands.rules import Rules
 
@@ -81,3 +82,5 @@ for _name in ("add", "sub", "mul", "truediv"):
     _straight, _reflected = _both_ways(getattr(operator, _name))
     setattr(Literal, f"__{_name}__", _straight)
     setattr(Literal, f"__r{_name}__", _reflected)
+
+use_literals(Literal)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from shaderlab.bands.compiled import compiled_arrays
+from shaderlab.bands.compiled import compiled
 from shaderlab.bands.rounding import LARGEST, RELATIVE_STEP, SMALLEST_NORMAL, Floats, outward
 from shaderlab.bands.terms import Terms, reach_of
 
@@ -30,7 +30,7 @@ def within_ends(found: Band, x: Band, y: Band, a: Band) -> Band:
     return found.kept(lo, hi, terms=terms)
 
 
-@compiled_arrays
+@compiled
 @np.errstate(all="ignore")
 def cut_to_ends(found: Band, x: Band, y: Band, a: Band, flush: bool) -> tuple[Floats, Floats]:
     """The bounds of `found`, no wider than the ends of x, y and a allow."""

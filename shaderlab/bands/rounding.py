@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shaderlab.bands import directed
-from shaderlab.bands.compiled import compiled_arrays
+from shaderlab.bands.compiled import compiled
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -57,7 +57,7 @@ def ulp(x: Floats) -> Floats:
     return step
 
 
-@compiled_arrays
+@compiled
 def outward(lo: Floats, hi: Floats, flush: bool) -> tuple[Floats, Floats]:
     """The largest float32 not above `lo`, the smallest not below `hi`; the same array twice where
     all are float32 themselves and one array was given. With `flush`, bounds that touch denormals
@@ -103,7 +103,7 @@ def is_power_of_two(x: Floats) -> bool:
     return not (x.view(np.int64) & _FRACTION_BITS).any()
 
 
-@compiled_arrays
+@compiled
 def widened_by_ulps(
     lo: Floats, hi: Floats, ulps_lo: Floats | float, ulps_hi: Floats | float
 ) -> tuple[Floats, Floats]:

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.bands.compiled import compiled_arrays
+from shaderlab.bands.compiled import compiled
 from shaderlab.frame import Array
 from shaderlab.sampling.spans import Span, hull, require_narrow, widened
 
@@ -112,7 +112,7 @@ def _within_cell(texel: Texel, x: Span, y: Span, places: Any) -> Span:
     return mixed_texels(*lows, *highs, across[0], across[-1], up[0], up[-1])
 
 
-@compiled_arrays
+@compiled
 def mixed_texels(*given: Array) -> Span:
     """The bounds of a mean of four texels: of the lowest that each may be, the highest, and the
     ends of both weights."""

@@ -197,9 +197,9 @@ def test_common_values_are_not_left_to_numpy() -> None:
     pairs = [(x, x.again()), (x * 3.0 + 1.0, x[..., 0:1] * x), (x, Band.exact([0.5])), (tiny, x)]
     for operands in pairs:
         for name in ("add", "subtract", "multiply", "divide"):
-            assert getattr(compiled.KERNELS, name)(*operands, True, True) is not None
+            assert getattr(compiled.KERNELS, name)(*operands) is not None
         for name in ("square", "sum_last", "inversesqrt", "sqrt"):
-            assert getattr(compiled.KERNELS, name)(x, True, True) is not None
+            assert getattr(compiled.KERNELS, name)(x) is not None
     assert compiled.KERNELS.cut_to_ends(x, x, x + 1.0, x * 0.5, True) is not None
     assert compiled.KERNELS.joined_last([x.lo, np.ones(1), x.lo[:, 1:]]) is not None
     assert compiled.KERNELS.taken(np.ones((4, 1)), x.lo, x.hi, True) is not None
@@ -210,10 +210,10 @@ def test_common_values_are_not_left_to_numpy() -> None:
 def test_what_a_pass_can_t_take_is_left_to_numpy() -> None:
     x = Band.exact(np.linspace(0.5, 2.0, 12).reshape(4, 3))
     infinite, zero = (Band.exact([value]) for value in (np.inf, 0.0))
-    assert compiled.KERNELS.add(x, infinite, True, True) is None
-    assert compiled.KERNELS.divide(x, zero, True, True) is None
-    assert compiled.KERNELS.inversesqrt(zero, True, True) is None
-    assert compiled.KERNELS.multiply(x, infinite * infinite, True, True) is None
+    assert compiled.KERNELS.add(x, infinite) is None
+    assert compiled.KERNELS.divide(x, zero) is None
+    assert compiled.KERNELS.inversesqrt(zero) is None
+    assert compiled.KERNELS.multiply(x, infinite * infinite) is None
     assert compiled.KERNELS.cut_to_ends(x, infinite, x, x, True) is None
     assert compiled.KERNELS.joined_last([x.lo, np.ones(1, np.float32)]) is None
     assert compiled.KERNELS.mixed_texels(*[x.lo] * 8, *[infinite.lo] * 4) is None

@@ -1,25 +1,28 @@
 /* The arithmetic of bands in one pass over its arrays: the twin of arithmetic.py, which has the
  * reasons and does whatever a pass finds rare (infinities, denormal products, divisors near zero).
  *
- * Each function takes bands and two of their rules, `flush` and `rearrange`, and returns
- * (lo, hi, mag, slack, count), or None where the NumPy code must do it. Both give the same numbers;
- * the sign of a zero bound means nothing and may differ. */
+ * Each pass takes bands or arrays and returns a band or arrays, or None where the NumPy code must do
+ * it. Both give the same numbers; the sign of a zero bound means nothing and may differ. */
 
 #define PY_SSIZE_T_CLEAN
 #include <Python.h>
+#include <structmember.h>
 #define NPY_NO_DEPRECATED_API NPY_2_0_API_VERSION
 #include <numpy/arrayobject.h>
 
 #include <fenv.h>
 #include <math.h>
+#include <stddef.h>
 #include <stdint.h>
 #include <string.h>
 
 #include "rounding.h"
 #include "operands.h"
+#include "objects.h"
 #include "values.h"
 #include "pass.h"
 #include "sums.h"
+#include "totals.h"
 #include "products.h"
 #include "quotients.h"
 #include "bounds.h"
@@ -29,13 +32,20 @@
 #define METHOD(name, function) \
     {#name, (PyCFunction)(void (*)(void))function, METH_FASTCALL, NULL}
 
-static PyMethodDef methods[] = {
+static PyMethodDef kernels[] = {
     METHOD(add, add), METHOD(subtract, subtract), METHOD(sum_last, sum_last),
     METHOD(multiply, multiply), METHOD(square, square), METHOD(divide, divide),
     METHOD(inversesqrt, inversesqrt), METHOD(sqrt, square_root),
     METHOD(outward, outward), METHOD(widened_by_ulps, widened_by_ulps),
-    METHOD(logarithms_widened, logarithms_widened), METHOD(taken, taken), METHOD(joined_last, joined_last), METHOD(cut_to_ends, cut_to_ends),
+    METHOD(logarithms_widened, logarithms_widened), METHOD(taken, taken),
+    METHOD(joined_last, joined_last), METHOD(cut_to_ends, cut_to_ends),
     METHOD(mixed_texels, mixed_texels), {0}};
+
+#include "operations.h"
+
+static PyMethodDef methods[] = {
+    METHOD(operation, operation), METHOD(operator, operator), METHOD(use_bands, use_bands),
+    {"use_literals", use_literals, METH_O, NULL}, {"use", use, METH_O, NULL}, {0}};
 
 static struct PyModuleDef module = {PyModuleDef_HEAD_INIT, "_kernels", NULL, -1, methods};
 
@@ -59,12 +69,8 @@ PyMODINIT_FUNC PyInit__kernels(void)
         PyErr_SetString(PyExc_ImportError, "this compiler ignores the rounding direction");
         return NULL;
     }
-    name_lo = PyUnicode_InternFromString("lo");
-    name_hi = PyUnicode_InternFromString("hi");
-    name_terms = PyUnicode_InternFromString("terms");
-    name_mag = PyUnicode_InternFromString("mag");
-    name_slack = PyUnicode_InternFromString("slack");
-    name_count = PyUnicode_InternFromString("count");
-    name_reach = PyUnicode_InternFromString("reach");
-    return PyModule_Create(&module);
+    if (PyType_Ready(&operation_type)) return NULL;
+    PyObject *made = PyModule_Create(&module);
+    if (made && PyModule_AddFunctions(made, kernels)) Py_CLEAR(made);
+    return made;
 }

@@ -5,6 +5,7 @@
 
 typedef struct {
     Value a, b;
+    PyObject *bands[2];
     Shape shape;
     Result result;
     int rearrange, tiny, minus;
@@ -16,22 +17,25 @@ typedef struct {
     double lo[BLOCK], negated_hi[BLOCK];
 } Pass;
 
-/* Reads the arguments; false where the NumPy code must do it. */
-static int begin(Pass *pass, PyObject *const *args, Py_ssize_t given, int bands)
+/* Reads one or two bands; false where the NumPy code must do it. */
+static int begin(Pass *pass, PyObject *const *args, Py_ssize_t given, int count)
 {
     memset(&pass->shape, 0, sizeof pass->shape);
     memset(&pass->result, 0, sizeof pass->result);
     pass->tiny = 0;
-    if (given != bands + 2 || !read_value(&pass->a, args[0])) return 0;
-    if (bands == 2 && !read_value(&pass->b, args[1])) return 0;
-    pass->result.flush = args[bands] == Py_True;
-    pass->rearrange = args[bands + 1] == Py_True;
+    if (given != count || !read_value(&pass->a, args[0])) return 0;
+    if (count == 2 && !read_value(&pass->b, args[1])) return 0;
+    for (int k = 0; k < 2; k++) pass->bands[k] = k < count ? args[k] : NULL;
+    PyObject *rules = SLOT(args[0], bands.rules);
+    if (!Py_IS_TYPE(rules, rule_sets.type)) return 0;
+    pass->result.flush = is_rule(rules, rule_sets.flush);
+    pass->rearrange = is_rule(rules, rule_sets.rearrange);
     pass->result.count = 1.0;
     if (!broadcast_value(&pass->shape, &pass->a)) return 0;
-    if (bands == 2 && !broadcast_value(&pass->shape, &pass->b)) return 0;
+    if (count == 2 && !broadcast_value(&pass->shape, &pass->b)) return 0;
     if (!pass->shape.size) return 0;
     prepare_value(&pass->a, &pass->shape);
-    if (bands == 2) prepare_value(&pass->b, &pass->shape);
+    if (count == 2) prepare_value(&pass->b, &pass->shape);
     return 1;
 }
 
@@ -91,6 +95,33 @@ static void drop_terms(Result *result)
     Py_CLEAR(result->mag);
     Py_CLEAR(result->slack);
     Py_CLEAR(result->reach);
+}
+
+/* The band with these flags, which are taken over; None where something was rare. */
+static PyObject *flagged(Pass *pass, PyObject *flags)
+{
+    Result *result = &pass->result;
+    PyObject *terms = NULL;
+    if (!succeeded(result)) {
+        Py_XDECREF(flags);
+        Py_RETURN_NONE;
+    }
+    if (!flags) {
+        drop(result);
+        return NULL;
+    }
+    if (result->mag)
+        terms = new_terms(result->mag, result->slack, (long)result->count, result->reach);
+    return new_band(result->lo, result->hi, SLOT(pass->bands[0], bands.rules), flags, terms);
+}
+
+/* The band with the flags of those that it was made of; None where something was rare. */
+static PyObject *finished(Pass *pass)
+{
+    if (pass->result.rare) return flagged(pass, NULL);
+    PyObject **made_of = pass->bands;
+    if (made_of[1]) return flagged(pass, joint_flags(made_of[0], made_of[1]));
+    return flagged(pass, Py_NewRef(SLOT(made_of[0], bands.flags)));
 }
 
 #endif

@@ -145,7 +145,7 @@ static PyObject *scale(Pass *pass, Value *a)
     pass->more = 0;
     if (run(pass, 2, scaled_block, a->reaching)) return NULL;
     if (a->plain && !pass->more) drop_terms(result);
-    return finished(result);
+    return finished(pass);
 }
 
 VERSION int64_t squared(
@@ -205,7 +205,7 @@ static PyObject *square_of(Pass *pass)
     pass->steps = pass->rearrange && !a->plain && !a->exact ? 1.0 : 0.0;
     if (run(pass, 1, squares_block, a->reaching)) return NULL;
     if (!pass->rearrange) drop_terms(result);
-    return finished(result);
+    return finished(pass);
 }
 
 static PyObject *square(PyObject *self, PyObject *const *args, Py_ssize_t given)
@@ -218,7 +218,7 @@ static PyObject *square(PyObject *self, PyObject *const *args, Py_ssize_t given)
 static PyObject *multiply(PyObject *self, PyObject *const *args, Py_ssize_t given)
 {
     Pass pass;
-    if (given == 4 && args[0] == args[1]) return square(self, args + 1, 3);
+    if (given == 2 && args[0] == args[1]) return square(self, args, 1);
     if (!begin(&pass, args, given, 2)) Py_RETURN_NONE;
     Value *a = &pass.a, *b = &pass.b;
     Result *result = &pass.result;
@@ -231,7 +231,7 @@ static PyObject *multiply(PyObject *self, PyObject *const *args, Py_ssize_t give
     pass.steps = plain ? 0.0 : a->plain || b->plain ? 1.0 : larger(3.0, result->count - 1.0);
     if (run(&pass, 2, product_block, a->reaching || b->reaching)) return NULL;
     if (!pass.rearrange) drop_terms(result);
-    return finished(result);
+    return finished(&pass);
 }
 
 #endif

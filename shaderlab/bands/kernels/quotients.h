@@ -80,7 +80,7 @@ static PyObject *divide(PyObject *self, PyObject *const *args, Py_ssize_t given)
     result->count = pass.a.count;
     if (run(&pass, 2, quotient_block, pass.a.reaching)) return NULL;
     if (pass.a.plain) drop_terms(result);
-    return finished(result);
+    return finished(&pass);
 }
 
 LOOP void reciprocal_roots(npy_intp count, const double *x, double *restrict to)
@@ -123,7 +123,7 @@ static PyObject *inversesqrt(PyObject *self, PyObject *const *args, Py_ssize_t g
         result->rare = inverse_root_bounds(&pass, SMALLEST_DENORMAL);
         end_block(&pass, start);
     }
-    return finished(result);
+    return finished(&pass);
 }
 
 LOOP void roots(
@@ -153,7 +153,7 @@ static PyObject *square_root(PyObject *self, PyObject *const *args, Py_ssize_t g
         roots(pass.count, &pass.a, least, greatest, pass.lo, pass.negated_hi);
         end_block(&pass, start);
     }
-    return finished(result);
+    return finished(&pass);
 }
 
 #endif

@@ -22,37 +22,27 @@ typedef struct {
     int64_t rare, differ;
 } Result;
 
-static PyObject *name_lo, *name_hi, *name_terms, *name_mag, *name_slack, *name_count, *name_reach;
-
-/* An attribute, borrowed: its owner keeps it. */
-static PyObject *attribute(PyObject *owner, PyObject *name)
-{
-    /* Bands have a __getattr__ of their own, which is not needed for their slots. */
-    PyObject *found = PyObject_GenericGetAttr(owner, name);
-    Py_XDECREF(found);
-    return found;
-}
-
-/* Reads a band's attributes; false where the pass can't take it. */
+/* Reads a band's slots; false where the pass can't take it. */
 static int read_value(Value *value, PyObject *band)
 {
-    PyObject *lo = attribute(band, name_lo), *hi = attribute(band, name_hi);
-    PyObject *terms = attribute(band, name_terms);
-    if (!terms || !is_operand(&value->lo, lo) || !is_operand(&value->hi, hi)) return 0;
+    if (!is_band(band)) return 0;
+    PyObject *lo = SLOT(band, bands.lo), *hi = SLOT(band, bands.hi);
+    PyObject *terms = SLOT(band, bands.terms);
+    if (!terms || !is_operand(&value->lo, lo)) return 0;
     value->exact = lo == hi;
+    if (!value->exact && !is_operand(&value->hi, hi)) return 0;
     value->plain = terms == Py_None;
     value->slackened = value->reaching = 0;
     value->count = 1.0;
     if (value->plain) return 1;
-    PyObject *slack = attribute(terms, name_slack), *count = attribute(terms, name_count);
-    PyObject *reach = attribute(terms, name_reach);
-    if (!reach || !slack || !count) return 0;
-    value->count = PyLong_AsDouble(count);
+    if (!Py_IS_TYPE(terms, term_lists.type)) return 0;
+    PyObject *slack = SLOT(terms, term_lists.slack), *reach = SLOT(terms, term_lists.reach);
+    value->count = PyLong_AsDouble(SLOT(terms, term_lists.count));
     value->slackened = slack != Py_None;
     value->reaching = reach != Py_None;
     if (value->slackened && !is_operand(&value->slack, slack)) return 0;
     if (value->reaching && !is_operand(&value->reach, reach)) return 0;
-    return is_operand(&value->mag, attribute(terms, name_mag));
+    return is_operand(&value->mag, SLOT(terms, term_lists.mag));
 }
 
 static int broadcast_value(Shape *shape, const Value *value)
@@ -149,11 +139,6 @@ static int make_room(Result *result, const Shape *shape, int with_size, int with
     return -1;
 }
 
-static PyObject *or_none(PyArrayObject *array)
-{
-    return array ? (PyObject *)array : Py_NewRef(Py_None);
-}
-
 /* Whether there is a result; `lo` twice where all of it is exact. */
 static int succeeded(Result *result)
 {
@@ -164,15 +149,6 @@ static int succeeded(Result *result)
     if (result->exact && !result->differ)
         Py_SETREF(result->hi, (PyArrayObject *)Py_NewRef((PyObject *)result->lo));
     return 1;
-}
-
-/* (lo, hi, mag, slack, count, reach); None where something was rare. */
-static PyObject *finished(Result *result)
-{
-    if (!succeeded(result)) Py_RETURN_NONE;
-    PyObject *mag = or_none(result->mag), *slack = or_none(result->slack);
-    return Py_BuildValue("NNNNlN", result->lo, result->hi, mag, slack, (long)result->count,
-                         or_none(result->reach));
 }
 
 #endif
