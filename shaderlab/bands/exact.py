@@ -24,6 +24,7 @@ def negative(a: Band) -> Band:
     return a.kept(lo, lo if a.lo is a.hi else -a.lo, terms=a.terms)
 
 
+@compiled
 def absolute(a: Band) -> Band:
     low, high = np.abs(a.lo), np.abs(a.hi)
     if a.lo is a.hi:
@@ -43,11 +44,13 @@ def rounded(a: Band) -> Band:
     return a.kept(np.ceil(a.lo - 0.5), np.floor(a.hi + 0.5))
 
 
+@compiled
 def smaller(a: Band, b: Band) -> Band:
     """min(a, b); where one may be NaN either operand may come out."""
     return _chosen(np.minimum(a.lo, b.lo), np.minimum(a.hi, b.hi), a, b)
 
 
+@compiled
 def larger(a: Band, b: Band) -> Band:
     """max(a, b); where one may be NaN either operand may come out."""
     return _chosen(np.maximum(a.lo, b.lo), np.maximum(a.hi, b.hi), a, b)
@@ -59,6 +62,16 @@ def _chosen(lo: Floats, hi: Floats, a: Band, b: Band) -> Band:
             lo = np.where(maybe_nan.may_be_nan, np.minimum(lo, other.lo), lo)
             hi = np.where(maybe_nan.may_be_nan, np.maximum(hi, other.hi), hi)
     return a.kept(lo, hi, b)
+
+
+@compiled
+def clamped(x: Band, minimum: Band, maximum: Band) -> Band:
+    """min(max(x, minimum), maximum); anything where the minimum may exceed the maximum."""
+    result = smaller(larger(x, minimum), maximum)
+    crossed = minimum.hi > maximum.lo
+    if minimum is maximum or not crossed.any():
+        return result
+    return result.made(result.lo, result.hi, anything=crossed)
 
 
 def less(a: Band, b: Band) -> Truth:
@@ -112,6 +125,7 @@ def taken(side: Floats, of_a: Floats, of_b: Floats, greater: bool) -> Floats:
     return np.where(side > 0.0, of_a, np.where(side < 0.0, of_b, hull))
 
 
+@compiled
 @np.errstate(all="ignore")
 def union(a: Band, b: Band) -> Band:
     """What either of two legal ways to compute one value may give."""

@@ -75,6 +75,13 @@ def _over_last(values: Any, join: Callable[[Any, Any], Any]) -> Any:
     return total
 
 
+@compiled
+def dot(a: Band, b: Band) -> Band:
+    """The sum of the products over the last axis (kept, with size 1), in any order."""
+    return sum_last(multiply(a, b))
+
+
+@compiled
 def times_vector(m: Band, v: Band) -> Band:
     """m · v for matrices (…, r, c) and vectors (…, c): vectors (…, r)."""
     if m.ndim < 2 or v.shape[-1] != m.shape[-1]:

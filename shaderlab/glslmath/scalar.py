@@ -194,13 +194,7 @@ def clamp(x: Value, minimum: Value, maximum: Value) -> Value:
     if whole is not None:
         return integer.clamped(*whole)
 
-    def banded(x: Band, minimum: Band, maximum: Band) -> Band:
-        result = exact.smaller(exact.larger(x, minimum), maximum)
-        if minimum is maximum:
-            return result
-        return undefined(result, minimum.hi > maximum.lo)
-
-    return applied(lambda x, a, b: np.minimum(np.maximum(x, a), b), banded, x, minimum, maximum)
+    return applied(lambda x, a, b: np.minimum(np.maximum(x, a), b), exact.clamped, x, minimum, maximum)
 
 
 def mix(x: Value, y: Value, a: Value) -> Value:

@@ -7,6 +7,7 @@ from __future__ import annotations
 import numpy as np
 
 from shaderlab.bands import Band, arithmetic, exact, functions, sums
+from shaderlab.bands.compiled import compiled
 from shaderlab.bands.rounding import SMALLEST_NORMAL
 from shaderlab.errors import FormulaError
 from shaderlab.glslmath.choice import where
@@ -23,18 +24,11 @@ def dot(a: Value, b: Value) -> Value:
     >>> dot(np.array([1.0, 2.0, 3.0]), np.array([4.0, 5.0, 6.0]))
     array([32.])
     """
-    if a is b:
-        return applied(
-            lambda a: np.sum(np.atleast_1d(a * a), axis=-1, keepdims=True),
-            lambda a: sums.sum_last(arithmetic.square(a)),
-            a,
-        )
-    return applied(
-        lambda a, b: np.sum(np.atleast_1d(a * b), axis=-1, keepdims=True),
-        lambda a, b: sums.sum_last(arithmetic.multiply(a, b)),
-        a,
-        b,
-    )
+
+    def plain(a: Value, b: Value) -> Value:
+        return np.sum(np.atleast_1d(a * b), axis=-1, keepdims=True)
+
+    return applied(plain, sums.dot, a, b)
 
 
 def length(v: Value) -> Value:
@@ -63,13 +57,15 @@ def normalize(v: Value) -> Value:
 
     def banded(v: Band) -> Band:
         if v.direction is None:
-            v.direction = _direction(v.opaque())
+            v.direction = direction(v.opaque())
         return v.direction.again()
 
     return applied(plain, banded, v)
 
 
-def _direction(v: Band) -> Band:
+@compiled
+def direction(v: Band) -> Band:
+    """The unit vector of a band that is no sum."""
     squared = sums.sum_last(arithmetic.square(v))
     quotient = arithmetic.divide(v, functions.sqrt(squared))
     product = arithmetic.multiply(v, functions.inversesqrt(squared))

@@ -15,6 +15,7 @@ from hypothesis import given, settings, strategies as st
 
 from shaderlab import glslmath
 from shaderlab.bands import Band, Rules, arithmetic, compiled, exact, functions, rounding, sums
+from shaderlab.glslmath.vector import direction
 from shaderlab.sampling import filters
 
 needs_kernels = pytest.mark.skipif(
@@ -159,6 +160,40 @@ def test_bounds_are_numpy_s(data: Any) -> None:
 @needs_kernels
 @settings(max_examples=60, deadline=None)
 @given(data=st.data())
+def test_what_rounds_nothing_is_numpy_s(data: Any) -> None:
+    rules = data.draw(st.sampled_from(RULES))
+    shapes = data.draw(st.sampled_from(SHAPES))
+    a, b = (data.draw(bands(shape, rules, any_floats)) for shape in shapes)
+    for operation in (exact.smaller, exact.larger, exact.union):
+        assert_numpy_s(operation, a, b)
+    assert_numpy_s(exact.absolute, a)
+    assert_numpy_s(exact.clamped, a, b, b)
+    assert_numpy_s(exact.clamped, a, Band.exact([-1.0], rules), b)
+
+
+@needs_kernels
+@pytest.mark.parametrize(
+    "values", [plain_floats, small_floats, any_floats], ids=["plain", "small", "any"]
+)
+@settings(max_examples=60, deadline=None)
+@given(data=st.data())
+def test_sums_of_products_are_numpy_s(values: Any, data: Any) -> None:
+    rules = data.draw(st.sampled_from(RULES))
+    terms = data.draw(st.integers(2, 4))
+    rows = data.draw(st.sampled_from([(5,), (400,), (1,)]))
+    vector, other = (data.draw(st.sampled_from([(terms,), (*rows, terms)])) for _ in range(2))
+    matrix = data.draw(st.sampled_from([(3, terms), (*rows, 3, terms), (1, 3, terms)]))
+    a, b, m = (data.draw(bands(shape, rules, values)) for shape in (vector, other, matrix))
+    assert_numpy_s(sums.dot, a, b)
+    assert_numpy_s(sums.dot, a, a)
+    assert_numpy_s(sums.times_vector, m, a)
+    assert_numpy_s(sums.times_vector, exact.transposed(exact.transposed(m)), b)
+    assert_numpy_s(direction, a.opaque())
+
+
+@needs_kernels
+@settings(max_examples=60, deadline=None)
+@given(data=st.data())
 def test_choices_and_mixes_are_numpy_s(data: Any) -> None:
     rules = data.draw(st.sampled_from(RULES))
     shapes = data.draw(st.sampled_from(SHAPES))
@@ -193,13 +228,21 @@ def test_texels_are_mixed_as_numpy_does(data: Any) -> None:
 @needs_kernels
 def test_common_values_are_not_left_to_numpy() -> None:
     x = Band.exact(np.linspace(0.5, 2.0, 12).reshape(4, 3))
-    tiny = Band.exact([2.0**-61]) * Band.exact([2.0**-61])
+    zero, tiny = Band.exact([0.0]), Band.exact([2.0**-61]) * Band.exact([2.0**-61])
     pairs = [(x, x.again()), (x * 3.0 + 1.0, x[..., 0:1] * x), (x, Band.exact([0.5])), (tiny, x)]
     for operands in pairs:
         for name in ("add", "subtract", "multiply", "divide"):
             assert getattr(compiled.KERNELS, name)(*operands) is not None
         for name in ("square", "sum_last", "inversesqrt", "sqrt"):
             assert getattr(compiled.KERNELS, name)(x) is not None
+        for name in ("smaller", "larger", "union"):
+            assert getattr(compiled.KERNELS, name)(*operands) is not None
+    for vector in (x, x * x + 1.0, tiny * x):
+        assert compiled.KERNELS.dot(x, vector) is not None
+        assert compiled.KERNELS.times_vector(Band.exact(np.full((2, 3), 0.3)), vector) is not None
+    assert compiled.KERNELS.direction(x) is not None
+    assert compiled.KERNELS.absolute(x * x) is not None
+    assert compiled.KERNELS.clamped(x, zero, x + 1.0) is not None
     assert compiled.KERNELS.cut_to_ends(x, x, x + 1.0, x * 0.5, True) is not None
     assert compiled.KERNELS.joined_last([x.lo, np.ones(1), x.lo[:, 1:]]) is not None
     assert compiled.KERNELS.taken(np.ones((4, 1)), x.lo, x.hi, True) is not None
@@ -214,6 +257,10 @@ def test_what_a_pass_can_t_take_is_left_to_numpy() -> None:
     assert compiled.KERNELS.divide(x, zero) is None
     assert compiled.KERNELS.inversesqrt(zero) is None
     assert compiled.KERNELS.multiply(x, infinite * infinite) is None
+    assert compiled.KERNELS.dot(x, x * infinite) is None
+    assert compiled.KERNELS.direction(x * 0.0) is None
+    assert compiled.KERNELS.clamped(x, x, zero) is None
+    assert compiled.KERNELS.larger(x, infinite * 0.0) is None
     assert compiled.KERNELS.cut_to_ends(x, infinite, x, x, True) is None
     assert compiled.KERNELS.joined_last([x.lo, np.ones(1, np.float32)]) is None
     assert compiled.KERNELS.mixed_texels(*[x.lo] * 8, *[infinite.lo] * 4) is None

@@ -27,7 +27,10 @@
 #include "quotients.h"
 #include "bounds.h"
 #include "choices.h"
+#include "exacts.h"
 #include "mixes.h"
+#include "rows.h"
+#include "directions.h"
 
 #define METHOD(name, function) \
     {#name, (PyCFunction)(void (*)(void))function, METH_FASTCALL, NULL}
@@ -39,7 +42,10 @@ static PyMethodDef kernels[] = {
     METHOD(outward, outward), METHOD(widened_by_ulps, widened_by_ulps),
     METHOD(logarithms_widened, logarithms_widened), METHOD(taken, taken),
     METHOD(joined_last, joined_last), METHOD(cut_to_ends, cut_to_ends),
-    METHOD(mixed_texels, mixed_texels), {0}};
+    METHOD(mixed_texels, mixed_texels), METHOD(smaller, smaller_band),
+    METHOD(larger, larger_band), METHOD(clamped, clamped), METHOD(absolute, absolute),
+    METHOD(union, union_of), METHOD(dot, dot), METHOD(times_vector, times_vector),
+    METHOD(direction, direction), {0}};
 
 #include "operations.h"
 

@@ -105,11 +105,13 @@ LOOP int64_t inverse_roots(
 }
 
 /* Bounds of 1/√a; nonzero where a is less than `least`. */
-static int64_t inverse_root_bounds(Pass *pass, double least)
+static int64_t inverse_root_bounds(
+    npy_intp count, const Value *a, double least, double *lo, double *negated_hi)
 {
-    reciprocal_roots(pass->count, pass->a.high, pass->lo);
-    reciprocal_roots(pass->count, pass->a.low, pass->negated_hi);
-    return inverse_roots(pass->count, &pass->a, least, pass->lo, pass->negated_hi);
+    reciprocal_roots(count, a->high, lo);
+    if (a->low == a->high) memcpy(negated_hi, lo, count * sizeof *lo);
+    else reciprocal_roots(count, a->low, negated_hi);
+    return inverse_roots(count, a, least, lo, negated_hi);
 }
 
 /* 1/√a where a is positive. */
@@ -120,7 +122,8 @@ static PyObject *inversesqrt(PyObject *self, PyObject *const *args, Py_ssize_t g
     if (!begin(&pass, args, given, 1)) Py_RETURN_NONE;
     if (make_room(result, &pass.shape, 0, 0)) return NULL;
     for (npy_intp start = 0; at_block(&pass, start, 1); start += BLOCK) {
-        result->rare = inverse_root_bounds(&pass, SMALLEST_DENORMAL);
+        result->rare = inverse_root_bounds(
+            pass.count, &pass.a, SMALLEST_DENORMAL, pass.lo, pass.negated_hi);
         end_block(&pass, start);
     }
     return finished(&pass);
@@ -148,7 +151,8 @@ static PyObject *square_root(PyObject *self, PyObject *const *args, Py_ssize_t g
     if (!begin(&pass, args, given, 1)) Py_RETURN_NONE;
     if (make_room(result, &pass.shape, 0, 0)) return NULL;
     for (npy_intp start = 0; at_block(&pass, start, 1); start += BLOCK) {
-        result->rare = inverse_root_bounds(&pass, 0.0);
+        result->rare = inverse_root_bounds(
+            pass.count, &pass.a, 0.0, pass.lo, pass.negated_hi);
         narrow(pass.count, 0, pass.lo, pass.negated_hi, least, greatest);
         roots(pass.count, &pass.a, least, greatest, pass.lo, pass.negated_hi);
         end_block(&pass, start);

@@ -80,15 +80,6 @@ static void to_component(Operand *operand, npy_intp j)
     operand->data = (const double *)PyArray_DATA(operand->array) + j * stride;
 }
 
-static int of_one_shape(const Value *value)
-{
-    PyArrayObject *lo = value->lo.array;
-    return (value->exact || PyArray_SAMESHAPE(lo, value->hi.array))
-        && (value->plain || PyArray_SAMESHAPE(lo, value->mag.array))
-        && (!value->slackened || PyArray_SAMESHAPE(lo, value->slack.array))
-        && (!value->reaching || PyArray_SAMESHAPE(lo, value->reach.array));
-}
-
 static void to_term(Value *a, npy_intp j)
 {
     to_component(&a->lo, j);
@@ -96,6 +87,21 @@ static void to_term(Value *a, npy_intp j)
     if (!a->plain) to_component(&a->mag, j);
     if (a->slackened) to_component(&a->slack, j);
     if (a->reaching) to_component(&a->reach, j);
+}
+
+/* Adds a term to the total, or begins with it. */
+static void add_term(Total *total, const Value *term, npy_intp count, int first, int tiny)
+{
+    if (first) {
+        first_term(count, term, total);
+        memset(total->reach, 0, sizeof total->reach);
+    } else {
+        round_downward();
+        add_bounds(count, term, total);
+        round_to_nearest();
+        add_sizes(count, term, total);
+    }
+    if (tiny) add_reach(count, term->reached, total->reach);
 }
 
 /* The sums of a block; what is rare in it. */
@@ -106,16 +112,7 @@ static int64_t sum_terms(Pass *pass, Total *total, npy_intp terms, npy_intp star
     for (npy_intp j = 0; j < terms; j++) {
         to_term(a, j);
         at_block(pass, start, 1);
-        if (!j) {
-            first_term(pass->count, a, total);
-            memset(total->reach, 0, sizeof total->reach);
-        } else {
-            fesetround(FE_DOWNWARD);
-            add_bounds(pass->count, a, total);
-            fesetround(FE_TONEAREST);
-            add_sizes(pass->count, a, total);
-        }
-        if (pass->tiny) add_reach(pass->count, a->reached, total->reach);
+        add_term(total, a, pass->count, j == 0, pass->tiny);
     }
     if (pass->tiny)
         memcpy(result->reached + start, total->reach, pass->count * sizeof *total->reach);

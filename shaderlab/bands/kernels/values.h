@@ -45,6 +45,16 @@ static int read_value(Value *value, PyObject *band)
     return is_operand(&value->mag, SLOT(terms, term_lists.mag));
 }
 
+/* Whether all of a band's arrays have one shape. */
+static int of_one_shape(const Value *value)
+{
+    PyArrayObject *lo = value->lo.array;
+    return (value->exact || PyArray_SAMESHAPE(lo, value->hi.array))
+        && (value->plain || PyArray_SAMESHAPE(lo, value->mag.array))
+        && (!value->slackened || PyArray_SAMESHAPE(lo, value->slack.array))
+        && (!value->reaching || PyArray_SAMESHAPE(lo, value->reach.array));
+}
+
 static int broadcast_value(Shape *shape, const Value *value)
 {
     return broadcast(shape, &value->lo) && (value->exact || broadcast(shape, &value->hi))
@@ -78,11 +88,17 @@ LOOP void settle(
     }
 }
 
-/* Makes a block the current one. */
-static void load(Value *value, npy_intp start, npy_intp count)
+/* Makes a block of the bounds the current one. */
+static void load_bounds(Value *value, npy_intp start, npy_intp count)
 {
     value->low = values_at(&value->lo, start, count);
     value->high = value->exact ? value->low : values_at(&value->hi, start, count);
+}
+
+/* Makes a block the current one. */
+static void load(Value *value, npy_intp start, npy_intp count)
+{
+    load_bounds(value, start, count);
     value->settled_low = value->low;
     value->settled_high = value->high;
     if (value->slackened) {

@@ -1,0 +1,98 @@
+/* The direction of a vector: v / √(v·v) and v · 1/√(v·v) together. */
+
+#ifndef SHADERLAB_DIRECTIONS_H
+#define SHADERLAB_DIRECTIONS_H
+
+/* What rounding may add to a component of a unit vector, in both of its expansions. */
+#define BEYOND_UNIT (1.0 + 16 * 0x1p-23)
+
+/* The hull of both expansions of a component, cut. */
+LOOP void either_component(
+    npy_intp count, const double *const *at, npy_intp stride, double *restrict low,
+    double *restrict high)
+{
+    const double *q_lo = at[0], *q_hi = at[1], *p_lo = at[2], *p_hi = at[3];
+    for (npy_intp i = 0; i < count; i++) {
+        double least = smaller(q_lo[i], p_lo[i]), most = larger(q_hi[i], p_hi[i]);
+        low[i * stride] = smaller(larger(least, -BEYOND_UNIT), BEYOND_UNIT);
+        high[i * stride] = smaller(larger(most, -BEYOND_UNIT), BEYOND_UNIT);
+    }
+}
+
+LOOP int64_t any_less(npy_intp count, const double *x, double least)
+{
+    int64_t found = 0;
+    for (npy_intp i = 0; i < count; i++) found |= !(x[i] >= least) ? ODD : 0;
+    return found;
+}
+
+/* Lengths and their inverses, of squared lengths. */
+static int64_t lengths(Line *line, const Value *squared, npy_intp count, Value *root, Value *inverse)
+{
+    double *lo = line->lo, *negated_hi = line->negated_hi, least[BLOCK], greatest[BLOCK];
+    int64_t rare = any_less(count, squared->low, SMALLEST_NORMAL);
+    rare |= inverse_root_bounds(count, squared, SMALLEST_NORMAL, lo, negated_hi);
+    narrow(count, line->flush, lo, negated_hi, inverse->blocks[0], inverse->blocks[1]);
+    narrow(count, 0, lo, negated_hi, least, greatest);
+    roots(count, squared, least, greatest, lo, negated_hi);
+    narrow(count, line->flush, lo, negated_hi, root->blocks[0], root->blocks[1]);
+    for (Value *value = root;; value = inverse) {
+        value->settled_low = value->low = value->blocks[0];
+        value->settled_high = value->high = value->blocks[1];
+        value->size = value->blocks[2];
+        sizes(count, value->low, value->high, value->blocks[2]);
+        if (value == inverse) return rare;
+    }
+}
+
+/* The components of the directions of a block of rows; what is rare in it. */
+static int64_t directed(Line *line, Result *result, npy_intp start, npy_intp count)
+{
+    Value *squared = &line->a.value, root, inverse;
+    root.count = inverse.count = 1.0;
+    double quotient[2][BLOCK], product[2][BLOCK], *lo = line->lo, *negated_hi = line->negated_hi;
+    const double *const both[] = {quotient[0], quotient[1], product[0], product[1]};
+    load_vectors(line, start, count);
+    int64_t rare = add_up(line, 0, start, count, squared->blocks[0], squared->blocks[1]);
+    squared->low = squared->blocks[0];
+    squared->high = squared->blocks[1];
+    rare |= lengths(line, squared, count, &root, &inverse);
+    npy_intp terms = line->b.terms;
+    for (npy_intp j = 0; j < terms; j++) {
+        const Value *v = &line->elements[j];
+        rare |= divide_block(count, v, &root, lo, negated_hi, line->size) & ODD;
+        narrow(count, line->flush, lo, negated_hi, quotient[0], quotient[1]);
+        rare |= multiply_block(count, v, &inverse, 0.0, lo, negated_hi, line->size) & ODD;
+        narrow(count, line->flush, lo, negated_hi, product[0], product[1]);
+        npy_intp at = start * terms + j;
+        either_component(count, both, terms, result->low + at, result->high + at);
+    }
+    return rare;
+}
+
+/* direction(v), of a band without terms, where no length may be 0. */
+static PyObject *direction(PyObject *self, PyObject *const *args, Py_ssize_t given)
+{
+    Pass pass;
+    Line line;
+    Result *result = &pass.result;
+    if (given != 1) Py_RETURN_NONE;
+    PyObject *const twice[] = {args[0], args[0]};
+    if (!begin_rows(&line, &pass, twice, 2, 0) || !line.b.value.plain) Py_RETURN_NONE;
+    pass.bands[1] = NULL;
+    npy_intp rows = line.b.rows;
+    broadcast(&pass.shape, &line.b.value.lo);
+    line.steps = 0.0;
+    if (make_room(result, &pass.shape, 0, 0)) return NULL;
+    for (;;) {
+        result->rare = 0;
+        for (npy_intp start = 0; start < rows && !result->rare; start += BLOCK) {
+            npy_intp count = rows - start < BLOCK ? rows - start : BLOCK;
+            result->rare = directed(&line, result, start, count);
+        }
+        if (line.tiny || result->rare != TINY_TERMS) return finished(&pass);
+        line.tiny = 1;
+    }
+}
+
+#endif
