@@ -194,7 +194,9 @@ def clamp(x: Value, minimum: Value, maximum: Value) -> Value:
     if whole is not None:
         return integer.clamped(*whole)
 
-    return applied(lambda x, a, b: np.minimum(np.maximum(x, a), b), exact.clamped, x, minimum, maximum)
+    return applied(
+        lambda x, a, b: np.minimum(np.maximum(x, a), b), exact.clamped, x, minimum, maximum
+    )
 
 
 def mix(x: Value, y: Value, a: Value) -> Value:
