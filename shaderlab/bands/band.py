@@ -11,9 +11,9 @@ from numpy.typing import ArrayLike
 
 from shaderlab.bands import formats
 from shaderlab.bands.allowed import Allowed, Interval
-from shaderlab.bands.compiled import use_bands
+from shaderlab.bands.compiled import compiled, use_bands
 from shaderlab.bands.operators import Operators
-from shaderlab.bands.rounding import LARGEST, Flags, Floats, down, outward, up
+from shaderlab.bands.rounding import LARGEST, Flags, Floats, down, ordinary, outward, up
 from shaderlab.bands.rules import Rules
 from shaderlab.bands.swizzles import Swizzled
 from shaderlab.bands.terms import Terms
@@ -79,8 +79,12 @@ class Band(Interval, Operators, Swizzled):
         A denormal includes zero where the rules let it flush; for NaN anything is legal.
         """
         with np.errstate(all="ignore"):
-            got = np.atleast_1d(np.asarray(values, dtype=np.float32)).astype(np.float64)
-        return cls._leaf(got, got, rules)
+            got = np.atleast_1d(np.asarray(values, dtype=np.float32))
+            plain = ordinary(got)
+            if plain is not None:
+                return cls(plain, plain, rules)
+            wide = got.astype(np.float64)
+        return cls._leaf(wide, wide, rules)
 
     @classmethod
     def between(cls, lo: ArrayLike, hi: ArrayLike, rules: Rules = _DEFAULT) -> Band:
@@ -239,6 +243,7 @@ class Band(Interval, Operators, Swizzled):
         everything: Flags = self.flags[1] | ((self.lo == -np.inf) & (self.hi == np.inf))
         return np.broadcast_to(everything, self.shape)
 
+    @compiled
     def __getitem__(self, index: Any) -> Band:
         return self.mapped(lambda array: np.asarray(array[index]))
 

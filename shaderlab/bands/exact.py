@@ -139,6 +139,7 @@ def transposed(m: Band) -> Band:
     return m.mapped(lambda array: array.swapaxes(-1, -2))
 
 
+@compiled
 def joined(parts: Sequence[Band], axis: int) -> Band:
     """Bands of the same rules along a negative axis, the other axes broadcast."""
 

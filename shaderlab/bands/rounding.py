@@ -77,6 +77,14 @@ def outward(lo: Floats, hi: Floats, flush: bool) -> tuple[Floats, Floats]:
     return low, high
 
 
+@compiled
+def ordinary(values: NDArray[np.float32]) -> Floats | None:
+    """float32 values as float64; None where one of them is a denormal or NaN."""
+    wide = values.astype(np.float64)
+    size = np.abs(wide)
+    return wide if ((size >= SMALLEST_NORMAL) | (size == 0.0)).all() else None
+
+
 def _any_denormal(values: NDArray[np.float32], first: np.uint32) -> bool:
     """Whether there is one of the denormals whose bits begin with `first`."""
     bits: Any = values.view(np.uint32) - first

@@ -29,6 +29,7 @@ from shaderlab.sampling import Sampler
 
 Reference = Callable[..., Any]
 _SOURCES: WeakKeyDictionary[FunctionType, SourceText] = WeakKeyDictionary()
+_TAKEN: WeakKeyDictionary[FunctionType, tuple[inspect.Parameter, ...]] = WeakKeyDictionary()
 _INDEXED = re.compile(r"\[(\d+)\]")
 
 
@@ -91,18 +92,24 @@ class Inputs:
 
     def parameters(self) -> dict[str, list[str]]:
         """The GLSL names behind each parameter name; several for a list of struct members."""
-        found: dict[str, list[str]] = {}
-        for name in (*self.exact, *self.textures):
-            found.setdefault(parameter_name(name), []).append(name)
-            if _INDEXED.search(name):
-                found.setdefault(parameter_name(_INDEXED.sub("", name)), []).append(name)
-        return found
+        return _parameters((*self.exact, *self.textures))
 
     def at(self, index: int, names: Sequence[str]) -> dict[str, tuple[float, ...]]:
         """The values of some inputs for judged value `index`, for showing."""
         shown = {name: self.each[name][index] for name in names if name in self.each}
         shown |= {n: self.shared[n] for n in names if n in self.shared and n not in shown}
         return {n: tuple(float(x) for x in v) for n, v in shown.items() if v.ndim == 1}
+
+
+@lru_cache(maxsize=256)
+def _parameters(names: tuple[str, ...]) -> dict[str, list[str]]:
+    """`Inputs.parameters` of inputs of these names."""
+    found: dict[str, list[str]] = {}
+    for name in names:
+        found.setdefault(parameter_name(name), []).append(name)
+        if _INDEXED.search(name):
+            found.setdefault(parameter_name(_INDEXED.sub("", name)), []).append(name)
+    return found
 
 
 @lru_cache(maxsize=4096)
@@ -123,7 +130,7 @@ def wanted(reference: Reference, inputs: Inputs) -> dict[str, list[str]]:
     """
     known = inputs.parameters()
     asked = {}
-    for parameter in inspect.signature(reference).parameters.values():
+    for parameter in _taken(reference):
         if parameter.name in known:
             asked[parameter.name] = known[parameter.name]
         elif parameter.default is parameter.empty:
@@ -134,6 +141,15 @@ def wanted(reference: Reference, inputs: Inputs) -> dict[str, list[str]]:
                 remedy=nearest(parameter.name, known),
             )
     return asked
+
+
+def _taken(reference: Reference) -> tuple[inspect.Parameter, ...]:
+    """A formula's parameters; a function's are found once."""
+    if not isinstance(reference, FunctionType):
+        return tuple(inspect.signature(reference).parameters.values())
+    if reference not in _TAKEN:
+        _TAKEN[reference] = tuple(inspect.signature(reference).parameters.values())
+    return _TAKEN[reference]
 
 
 def evaluate(

@@ -167,6 +167,8 @@ def test_what_rounds_nothing_is_numpy_s(data: Any) -> None:
     for operation in (exact.smaller, exact.larger, exact.union):
         assert_numpy_s(operation, a, b)
     assert_numpy_s(exact.absolute, a)
+    for index in ((..., [a.shape[-1] - 1, 0]), (..., 0), (..., slice(0, 1)), slice(1, None)):
+        assert_numpy_s(lambda index=index: a[index])
     assert_numpy_s(exact.clamped, a, b, b)
     assert_numpy_s(exact.clamped, a, Band.exact([-1.0], rules), b)
 
@@ -241,6 +243,8 @@ def test_common_values_are_not_left_to_numpy() -> None:
         assert compiled.KERNELS.dot(x, vector) is not None
         assert compiled.KERNELS.times_vector(Band.exact(np.full((2, 3), 0.3)), vector) is not None
     assert compiled.KERNELS.direction(x) is not None
+    assert compiled.KERNELS.joined([x * x, x + 1.0, zero], -1) is not None
+    assert compiled.KERNELS.ordinary(x.lo.astype(np.float32)) is not None
     assert compiled.KERNELS.absolute(x * x) is not None
     assert compiled.KERNELS.clamped(x, zero, x + 1.0) is not None
     assert compiled.KERNELS.cut_to_ends(x, x, x + 1.0, x * 0.5, True) is not None
@@ -259,6 +263,7 @@ def test_what_a_pass_can_t_take_is_left_to_numpy() -> None:
     assert compiled.KERNELS.multiply(x, infinite * infinite) is None
     assert compiled.KERNELS.dot(x, x * infinite) is None
     assert compiled.KERNELS.direction(x * 0.0) is None
+    assert compiled.KERNELS.ordinary(np.float32([1e-40])) is None
     assert compiled.KERNELS.clamped(x, x, zero) is None
     assert compiled.KERNELS.larger(x, infinite * 0.0) is None
     assert compiled.KERNELS.cut_to_ends(x, infinite, x, x, True) is None

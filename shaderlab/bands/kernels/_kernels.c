@@ -31,6 +31,7 @@
 #include "mixes.h"
 #include "rows.h"
 #include "directions.h"
+#include "shapes.h"
 
 #define METHOD(name, function) \
     {#name, (PyCFunction)(void (*)(void))function, METH_FASTCALL, NULL}
@@ -45,7 +46,7 @@ static PyMethodDef kernels[] = {
     METHOD(mixed_texels, mixed_texels), METHOD(smaller, smaller_band),
     METHOD(larger, larger_band), METHOD(clamped, clamped), METHOD(absolute, absolute),
     METHOD(union, union_of), METHOD(dot, dot), METHOD(times_vector, times_vector),
-    METHOD(direction, direction), {0}};
+    METHOD(direction, direction), METHOD(__getitem__, indexed), METHOD(ordinary, ordinary), METHOD(joined, joined), {0}};
 
 #include "operations.h"
 
