@@ -15,6 +15,8 @@ from functools import update_wrapper
 from typing import Any, TypeVar, cast
 
 VARIABLE = "SHADERLAB_BANDS"
+# Stands in kernels/_kernels.c, too.
+INTERFACE = 2
 
 
 def left_aside() -> bool:
@@ -23,13 +25,14 @@ def left_aside() -> bool:
 
 
 def _built() -> Any:
-    """The extension module, or None."""
+    """The extension module, or None; one that was built of older sources is left aside."""
     if left_aside():
         return None
     try:
-        return importlib.import_module("shaderlab.bands._kernels")
+        found = importlib.import_module("shaderlab.bands._kernels")
     except ImportError:
         return None
+    return found if getattr(found, "INTERFACE", 1) == INTERFACE else None
 
 
 KERNELS = _built()

@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from shaderlab.bands import Rules
+from shaderlab.bands.compiled import compiled
 from shaderlab.errors import FormulaError
 from shaderlab.frame import Array, Texels
 from shaderlab.sampling.spans import Span
@@ -70,6 +71,43 @@ def _modulo(index: Integers, size: int) -> Integers:
     return np.mod(index, size) if size & (size - 1) else index & (size - 1)
 
 
+@compiled
+def looked_up(
+    values: Array,
+    x: Array,
+    y: Array,
+    layer: Integers,
+    across: str,
+    up: str,
+    lowest: Array | None,
+    highest: Array | None,
+) -> Span:
+    """Texels of a level, (layers, height, width, channels), at whole numbers of any size, by the
+    wrap modes across and up; (count, 4). Codes are looked up in tables of what they may be."""
+    _, height, width, channels = values.shape
+    column = wrap_index(x.astype(np.int64), width, across)
+    row = wrap_index(y.astype(np.int64), height, up)
+    place = (layer * height + row) * width + column
+    found = values.reshape(-1, channels).take(place, axis=0)
+    if lowest is None or highest is None:
+        numbers = found.astype(np.float64)
+        return _completed((numbers, numbers))
+    low = lowest.take(found)
+    return _completed((low, low if lowest is highest else highest.take(found)))
+
+
+def _tables(sampler: Sampler) -> tuple[Array | None, Array | None] | None:
+    """The least and the greatest that each code may be; None twice where texels are numbers; None
+    where they are something else."""
+    texels = sampler.texels
+    if texels.format.startswith("srgb"):
+        return None
+    if texels.values.dtype == np.uint8:
+        return (_CODES, _CODES) if sampler.rules is None else (_LOWEST, _HIGHEST)
+    depth = texels.format[:7] in LARGEST and sampler.rules is not None
+    return None if depth else (None, None)
+
+
 def stored(sampler: Sampler, level: int, x: Integers, y: Integers, layer: Integers) -> Span:
     """Texels inside a level, by column, row and layer, as (count, 4): absent components are 0,
     absent alpha is 1."""
@@ -88,6 +126,10 @@ def wrapped(sampler: Sampler, level: int, x: Array, y: Array, layer: Integers) -
     modes; (count, 4)."""
     texels = sampler.texels
     depth, height, width, channels = level_values(sampler, level).shape
+    tables = _tables(sampler)
+    if tables is not None and texels.kind != "3D" and BORDER not in texels.wrap:
+        across, up = texels.wrap[:2]
+        return looked_up(level_values(sampler, level), x, y, layer, across, up, *tables)
     column = wrap_index(x.astype(np.int64), width, texels.wrap[0])
     row = wrap_index(y.astype(np.int64), height, texels.wrap[1])
     if texels.kind == "3D":

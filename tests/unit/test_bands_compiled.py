@@ -7,6 +7,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,7 @@ from hypothesis import given, settings, strategies as st
 from shaderlab import glslmath
 from shaderlab.bands import Band, Rules, arithmetic, compiled, exact, functions, rounding, sums
 from shaderlab.glslmath.vector import direction
-from shaderlab.sampling import filters
+from shaderlab.sampling import filters, reading
 
 needs_kernels = pytest.mark.skipif(
     compiled.KERNELS is None, reason="no compiled passes here (see shaderlab doctor)"
@@ -271,6 +272,42 @@ def test_what_a_pass_can_t_take_is_left_to_numpy() -> None:
     assert compiled.KERNELS.mixed_texels(*[x.lo] * 8, *[infinite.lo] * 4) is None
     with pytest.raises(ValueError, match="broadcast"):
         x + Band.exact([1.0, 2.0])
+
+
+@needs_kernels
+@settings(max_examples=40, deadline=None)
+@given(data=st.data())
+def test_texels_are_looked_up_as_numpy_does(data: Any) -> None:
+    kind = data.draw(st.sampled_from([np.uint8, np.float32, np.float64]))
+    layers, height, width, channels = data.draw(st.tuples(*[st.integers(1, 4)] * 3, st.just(3)))
+    size = (layers, height, width, channels)
+    values = (np.arange(np.prod(size)) * 37 % 256).reshape(size).astype(kind)
+    count = data.draw(st.sampled_from([1, 7, 800]))
+    place = st.lists(st.integers(-9, 9), min_size=1, max_size=9)
+    x, y = (np.resize(np.array(data.draw(place), np.float64), count) for _ in range(2))
+    layer = np.arange(count) % layers
+    modes = data.draw(
+        st.tuples(*[st.sampled_from(["repeat", "mirrored_repeat", "clamp_to_edge"])] * 2)
+    )
+    tables = np.arange(256.0) - 0.5, np.arange(256.0) + 0.5
+    given = (
+        (None, None) if kind != np.uint8 else data.draw(st.sampled_from([tables, tables[:1] * 2]))
+    )
+    assert compiled.KERNELS.looked_up(values, x, y, layer, *modes, *given) is not None
+    got = reading.looked_up(values, x, y, layer, *modes, *given)
+    with compiled.numpy_alone():
+        expected = reading.looked_up(values, x, y, layer, *modes, *given)
+    for ours, theirs in zip(got, expected, strict=True):
+        np.testing.assert_array_equal(ours, theirs, strict=True)
+    assert (got[0] is got[1]) == (expected[0] is expected[1])
+
+
+def test_passes_of_older_sources_are_left_aside(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv(compiled.VARIABLE, raising=False)
+    for number, used in ((compiled.INTERFACE, True), (compiled.INTERFACE - 1, False)):
+        built = SimpleNamespace(INTERFACE=number)
+        monkeypatch.setattr(compiled.importlib, "import_module", lambda name, built=built: built)
+        assert (compiled._built() is built) == used
 
 
 def test_numpy_does_without(repository: Path) -> None:

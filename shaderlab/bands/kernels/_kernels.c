@@ -32,6 +32,10 @@
 #include "rows.h"
 #include "directions.h"
 #include "shapes.h"
+#include "texels.h"
+
+/* Changes with what Python expects of the passes; the same number stands in compiled.py. */
+#define INTERFACE 2
 
 #define METHOD(name, function) \
     {#name, (PyCFunction)(void (*)(void))function, METH_FASTCALL, NULL}
@@ -46,7 +50,7 @@ static PyMethodDef kernels[] = {
     METHOD(mixed_texels, mixed_texels), METHOD(smaller, smaller_band),
     METHOD(larger, larger_band), METHOD(clamped, clamped), METHOD(absolute, absolute),
     METHOD(union, union_of), METHOD(dot, dot), METHOD(times_vector, times_vector),
-    METHOD(direction, direction), METHOD(__getitem__, indexed), METHOD(ordinary, ordinary), METHOD(joined, joined), {0}};
+    METHOD(direction, direction), METHOD(__getitem__, indexed), METHOD(ordinary, ordinary), METHOD(joined, joined), METHOD(looked_up, looked_up), {0}};
 
 #include "operations.h"
 
@@ -79,5 +83,6 @@ PyMODINIT_FUNC PyInit__kernels(void)
     if (PyType_Ready(&operation_type)) return NULL;
     PyObject *made = PyModule_Create(&module);
     if (made && PyModule_AddFunctions(made, kernels)) Py_CLEAR(made);
+    if (made && PyModule_AddIntConstant(made, "INTERFACE", INTERFACE)) Py_CLEAR(made);
     return made;
 }
