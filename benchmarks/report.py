@@ -142,8 +142,6 @@ def _made_up(folder: Path, count: int) -> None:
         for file in files:  # each record has files of its own, as in a real run
             for part in folder.glob(file.replace(".png", "*.png")):
                 _copy(part, part.with_name(f"{number}-{part.name}"))
-            for part in folder.glob(file.replace(".png", "@*.webp")):
-                _copy(part, part.with_name(f"{number}-{part.name}"))
         own = {f: f.replace("images/", f"images/{number}-") for f in files}
         records.append(
             record(

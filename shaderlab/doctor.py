@@ -36,6 +36,7 @@ def examine() -> tuple[Finding, ...]:
         _python(),
         _sizes(),
         *_packages(),
+        _images(),
         *_compilers(),
         _bands(),
         _compile_cache(),
@@ -94,6 +95,21 @@ def _packages() -> Iterator[Finding]:
             ok=right,
             remedy=f"pip install '{name}{specifier}'",
         )
+
+
+def _images() -> Finding:
+    """What reads image files."""
+    try:
+        found = f"files are read by OpenImageIO {importlib.metadata.version('OpenImageIO')}"
+    except importlib.metadata.PackageNotFoundError:
+        found = "no OpenImageIO: textures are arrays, files can't be read; the page lacks nothing"
+    return Finding(
+        name="images",
+        found=found,
+        ok=not found.startswith("no"),
+        necessary=False,
+        remedy=f"pip install '{DISTRIBUTION}[images]'",
+    )
 
 
 def _compilers() -> Iterator[Finding]:

@@ -96,12 +96,13 @@ class UsageError(ShaderlabError):
 
 
 @contextmanager
-def extra(name: str, what: str) -> Iterator[None]:
+def extra(name: str, what: str, file: str | Path | None = None) -> Iterator[None]:
     """Around the import of a package that comes with an extra.
 
     Args:
         name: of the extra.
         what: needs the package.
+        file: that it is needed for, where there is one.
 
     Raises:
         UsageError: it is not installed; says how to install it.
@@ -110,7 +111,7 @@ def extra(name: str, what: str) -> Iterator[None]:
         yield
     except ImportError as error:
         remedy = f"pip install 'shaderlab[{name}]'"
-        raise UsageError(f"{what} needs {error.name or error}", remedy=remedy) from error
+        raise UsageError(f"{what} needs {error.name or error}", file=file, remedy=remedy) from error
 
 
 def nearest(word: str, choices: Iterable[str]) -> str:

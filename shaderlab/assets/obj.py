@@ -63,7 +63,7 @@ def load_obj(path: str | Path) -> tuple[Part, ...]:
     """
     source = Path(path)
     text, names = _checked(source)
-    with extra("models", "an OBJ file"):
+    with extra("models", "an OBJ file", source):
         import trimesh
 
     resolver = trimesh.resolvers.FilePathResolver(str(source.resolve()))

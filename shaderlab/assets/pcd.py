@@ -83,7 +83,7 @@ def load_pcd(path: str | Path, *, drop_invalid: bool = False) -> Cloud:
     with at(source):
         header = _header(data)
         _check_size(header, data)
-    with extra("models", "a PCD file"):
+    with extra("models", "a PCD file", source):
         from pypcd4.pypcd4 import PointCloud
 
     try:

@@ -6,28 +6,20 @@ Files have the top row first, OpenGL the lowest; the flip happens here and nowhe
 from __future__ import annotations
 
 import functools
-import resource
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from shaderlab.errors import AssetError
-from shaderlab.files import memory_file, write_bytes
+from shaderlab.errors import AssetError, extra
+from shaderlab.files import write_bytes
 from shaderlab.pictures.display import as_pixels, enlarge, to_display
+from shaderlab.pictures.png import encode
 
 Floats = NDArray[np.float32]
 
 LARGEST_SIDE = 16384
-_OVERHEAD = 1 << 16  # bytes that an encoded picture may have more than its pixels
-PNG = {
-    "oiio:UnassociatedAlpha": 1,
-    # A third of the default's time, for files a tenth larger.
-    "png:compressionLevel": 3,
-    "png:filter": 16,  # libpng's number for "each byte less the one to the left"
-}
 
 
 def save_png(
@@ -54,63 +46,24 @@ def save_png(
     if pixels.dtype != np.uint8 or pixels.shape[2] == 2:
         pixels = to_display(pixels).image
     pixels = enlarge(pixels, max(1, -(-min_side // min(pixels.shape[:2]))))
-    if palette is not None:
-        pixels = palette[pixels[:, :, 0]]
-    write(Path(path), encoded("png", pixels, PNG, path))
+    write_picture(path, pixels, palette)
 
 
-def encoded(
-    kind: str, pixels: NDArray[np.uint8], attributes: Mapping[str, int | str], path: str | Path
-) -> bytes:
-    """uint8 pixels (height, width, channels), row 0 at the bottom, as the bytes of an image file.
+def write_picture(
+    path: str | Path, pixels: NDArray[np.uint8], palette: NDArray[np.uint8] | None = None
+) -> None:
+    """Write uint8 pixels (height, width, 1, 3 or 4) as an image file, whole or not at all.
 
-    They are encoded in memory: on a full disk OpenImageIO reports no error for a PNG file, and
-    never returns from a WebP file.
-
-    Args:
-        kind, attributes: those of OpenImageIO.
-        pixels: the picture.
-        path: the file that they are for.
-
-    Raises:
-        AssetError: they can't be encoded; names the file.
+    Here, and nowhere else, it is decided how pictures are encoded. Raises AssetError.
     """
-    import OpenImageIO as oiio
-
-    height, width, channels = pixels.shape
-    spec = oiio.ImageSpec(width, height, channels, "uint8")
-    for name, value in attributes.items():
-        spec.attribute(name, value)
-    output = oiio.ImageOutput.create(kind)
-    if output is None:
-        raise _unwritten(path, oiio.geterror() or f"no {kind} writer")
-    limit = resource.getrlimit(resource.RLIMIT_FSIZE)[0]  # of files in memory as well
-    if limit != resource.RLIM_INFINITY and limit < pixels.nbytes + _OVERHEAD:
-        raise _unwritten(path, f"this process may write files of {limit} bytes only")
-    with memory_file() as file:
-        opened = output.open(f"/dev/fd/{file.fileno()}", spec)
-        done = opened and output.write_image(np.ascontiguousarray(pixels[::-1])) and output.close()
-        problem = output.geterror()
-        if problem or not done:
-            raise _unwritten(path, problem or "the file could not be finished")
-        file.seek(0)
-        return file.read()
-
-
-def write(path: Path, data: bytes) -> None:
-    """Write the bytes of an image file, whole or not at all. Raises AssetError."""
     try:
-        write_bytes(path, data)
+        write_bytes(path, encode(pixels, palette))
     except OSError as error:
-        raise _unwritten(path, error.strerror or str(error)) from error
-
-
-def _unwritten(target: str | Path, problem: str) -> AssetError:
-    return AssetError(
-        f"can't write the picture ({problem})",
-        file=target,
-        remedy="check that the folder exists, may be written to, and has room",
-    )
+        raise AssetError(
+            f"can't write the picture ({error.strerror or error})",
+            file=path,
+            remedy="check that the folder exists, may be written to, and has room",
+        ) from error
 
 
 def load(path: str | Path) -> Floats:
@@ -119,14 +72,16 @@ def load(path: str | Path) -> Floats:
     Integer formats become 0…1; no colour space is converted and alpha is not multiplied in.
 
     Raises:
-        AssetError: the file is missing, damaged, empty, or too large for a texture.
+        AssetError: the file is missing, damaged, empty, or too large for a texture, or the extra
+            "images" is not installed.
     """
-    import OpenImageIO as oiio
-
     source = Path(path)
     if not source.is_file():
         what = "is a folder, not an image" if source.is_dir() else "there is no such image file"
         raise AssetError(what, file=source, remedy="check the path and its spelling")
+    with extra("images", "reading an image file", source):
+        import OpenImageIO as oiio
+
     config = oiio.ImageSpec()
     config.attribute("oiio:UnassociatedAlpha", 1)
     opened = oiio.ImageInput.open(str(source), config)

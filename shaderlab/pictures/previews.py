@@ -1,7 +1,6 @@
 """Small copies of picture files, for the page: made once, when the picture is drawn.
 
-`picture.png` has `picture@320.webp` beside it, at most 320 pixels in each direction. WebP loses
-what eyes don't see; the PNG has every value.
+`picture.png` has `picture@320.png` beside it, at most 320 pixels in each direction.
 """
 
 from __future__ import annotations
@@ -11,14 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from shaderlab.pictures.files import encoded, reduced, write
-
-_WEBP: dict[str, int | str] = {
-    "compression": "webp:70",  # a photograph's usual quality
-    # How hard the encoder looks for a shorter file, 0 to 6: the default, 6, takes three times as
-    # long for files a twelfth smaller, and no nearer to the picture.
-    "webp:method": 2,
-}
+from shaderlab.pictures.files import reduced, write_picture
 
 
 def save_preview(path: str | Path, pixels: NDArray[np.uint8], side: int) -> None:
@@ -32,7 +24,7 @@ def save_preview(path: str | Path, pixels: NDArray[np.uint8], side: int) -> None
     Raises:
         AssetError: the copy can't be written.
     """
-    write(_copy_path(Path(path), side), encoded("webp", reduced(pixels, side), _WEBP, path))
+    write_picture(_copy_path(Path(path), side), reduced(pixels, side))
 
 
 def preview(path: str | Path, side: int) -> Path:
@@ -42,4 +34,4 @@ def preview(path: str | Path, side: int) -> Path:
 
 
 def _copy_path(path: Path, side: int) -> Path:
-    return path.with_name(f"{path.stem}@{side}.webp")
+    return path.with_name(f"{path.stem}@{side}.png")

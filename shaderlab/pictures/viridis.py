@@ -1,5 +1,5 @@
 """The false colours: the map "viridis" (Stéfan van der Walt and Nathaniel Smith, CC0), as
-OpenImageIO draws it. A page needs them in each run, and loading the library takes 0.05 s.
+OpenImageIO draws it.
 """
 
 # 256 colours from dark to bright, two hexadecimal digits each of red, green and blue.

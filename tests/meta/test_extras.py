@@ -35,12 +35,12 @@ OBJ = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\n"
 
 
 @pytest.fixture
-def engine(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+def engine(repository: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     """An environment in which every package of an extra is as good as not installed."""
     folder = tmp_path_factory.mktemp("missing")
     for name in (*OPTIONAL, *COURSE):
         (folder / f"{name}.py").write_text(f"raise ImportError('not there', name={name!r})\n")
-    return {**os.environ, "PYTHONPATH": str(folder)}
+    return {**os.environ, "PYTHONPATH": f"{folder}{os.pathsep}{repository}"}
 
 
 def run(env: dict[str, str], folder: Path, *words: str) -> subprocess.CompletedProcess[str]:

@@ -53,6 +53,7 @@ OWNERS: dict[str, set[str]] = {
 OPTIONAL = {
     "distributed": "cluster",
     "dask": "cluster",
+    "OpenImageIO": "images",
     "pypcd4": "models",
     "trimesh": "models",
     "pytest": "pytest",

@@ -70,6 +70,23 @@ def test_a_missing_package_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("driver")
+def test_what_is_different_without_an_extra_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert "✓ images " in doctor()[1]
+    real = importlib.metadata.version
+
+    def version(name: str) -> str:
+        if name == "OpenImageIO":
+            raise importlib.metadata.PackageNotFoundError(name)
+        return real(name)
+
+    monkeypatch.setattr(importlib.metadata, "version", version)
+    code, output = doctor()
+    assert code == 0, output
+    assert "– images " in output and "files can't be read" in output
+    assert "→ pip install 'shaderlab[images]'" in output
+
+
+@pytest.mark.usefixtures("driver")
 def test_a_vulkan_driver_that_is_not_there_is_named_with_its_cure(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

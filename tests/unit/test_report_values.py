@@ -161,6 +161,7 @@ def test_a_preview_is_small_and_stands_for_its_picture(tmp_path: Path) -> None:
     assert pictures.preview(path, 100) == path
     pictures.save_preview(path, pixels, 100)
     small = pictures.preview(path, 100)
-    assert small.read_bytes()[:4] == b"RIFF" and small.stat().st_size < path.stat().st_size / 10
-    assert pictures.load(small).shape == (75, 100, 3)
+    assert small.stat().st_size < path.stat().st_size / 10
+    means = pixels.reshape(75, 4, 100, 4, 3).mean(axis=(1, 3))
+    assert np.array_equal(np.rint(pictures.load(small) * 255), np.rint(means))
     assert pictures.preview(path, 0) == pictures.preview(path, 50) == path

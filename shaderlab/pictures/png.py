@@ -1,0 +1,41 @@
+"""PNG files (ISO/IEC 15948), written with zlib: the one format that pictures are written in."""
+
+from __future__ import annotations
+
+import struct
+import zlib
+
+import numpy as np
+from numpy.typing import NDArray
+
+Bytes = NDArray[np.uint8]
+
+_SIGNATURE = b"\x89PNG\r\n\x1a\n"
+_COLOUR_TYPES = {1: 0, 3: 2, 4: 6}  # by the number of channels: grey, RGB, RGBA
+_INDEXED = 3
+_UP = 2  # the filter "each byte less the one above it"
+_LEVEL = 3  # of zlib: two fifths of the default's time, for files a fifth larger
+
+
+def encode(pixels: Bytes, palette: Bytes | None = None) -> bytes:
+    """uint8 (height, width, 1, 3 or 4), row 0 at the bottom, as the bytes of a PNG file.
+
+    Args:
+        pixels: the picture.
+        palette: uint8 (1…256, 3), for one channel of indices into it.
+    """
+    height, width, channels = pixels.shape
+    rows = pixels[::-1].reshape(height, width * channels)
+    lines = np.empty((height, 1 + width * channels), np.uint8)
+    lines[:, 0] = _UP
+    lines[0, 1:] = rows[0]
+    np.subtract(rows[1:], rows[:-1], out=lines[1:, 1:])
+    colours = _COLOUR_TYPES[channels] if palette is None else _INDEXED
+    head = struct.pack(">IIBBBBB", width, height, 8, colours, 0, 0, 0)
+    table = b"" if palette is None else _chunk(b"PLTE", palette.tobytes())
+    data = _chunk(b"IDAT", zlib.compress(lines.data, _LEVEL))
+    return _SIGNATURE + _chunk(b"IHDR", head) + table + data + _chunk(b"IEND", b"")
+
+
+def _chunk(kind: bytes, data: bytes) -> bytes:
+    return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
