@@ -21,7 +21,7 @@ from shaderlab.reference.rasterisation import barycentric
 
 from ..scenes.api import answers, pixel
 from ..scenes.draws import drawn
-from ..scenes.figures import figure
+from ..scenes.figures import figures
 from ..scenes.laws import device_place, unchanged
 from ..scenes.panels import centres, picture
 
@@ -33,6 +33,7 @@ VERTICES = {
 }
 LAYOUT = {"aPos": (0, 32), "aColor": (12, 32), "aTexCoord": (24, 32)}
 DARK = {"ourColor": (0.5, 0.25, 1.0), "TexCoord": (0.2, 0.1)}
+LIGHT = (0.5, 0.25, 1.0, 1.0)
 SIDE = 720
 
 
@@ -102,6 +103,15 @@ case = Case(
         exact("FragColor", Output("separate.FragColor"), name="same as three buffers"),
         exact("share", Output("separate.share"), name="shares of corners, too", pictured=False),
         coverage(64800, name="pixels covered"),
-        figure("FragColor", "a dark field", DARK, (0.375, 0.1875, 0.75, 1.0)),
+        *figures(
+            "FragColor",
+            {
+                "a dark field": (DARK, (0.375, 0.1875, 0.75, 1.0)),
+                "where a field begins": ({"TexCoord": (0.5, 0.3)}, LIGHT),
+                "a hundred fields further": ({"TexCoord": (6.3, 6.3)}, LIGHT),
+            },
+            at=DARK,
+            reference=fields,
+        ),
     ],
 )

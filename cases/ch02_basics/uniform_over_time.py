@@ -45,9 +45,9 @@ def curve(place):
     return swizzle(place, "y") - pulse(swizzle(place, "x"))
 
 
-def painted(place, ourColor, time, frag_coord):
+def painted(place, ourColor, time, frag_coord, corner=START):
     """The curve over the colour of each moment, and the bead on it, which is the uniform."""
-    x, y, size = swizzle(place, "x"), swizzle(place, "y"), pixel_size(place, START, frag_coord)
+    x, y, size = swizzle(place, "x"), swizzle(place, "y"), pixel_size(place, corner, frag_coord)
     green = pulse(x)
     past = vec3(0.0, green, 0.0) * where(x < time, 0.75, 0.30)
     color = where((y < green) & (y > 0.0), past, vec3(0.07, 0.08, 0.10))
@@ -67,6 +67,17 @@ def painted(place, ourColor, time, frag_coord):
     return vec4(mix(color, vec3(1.0), drawn(bead, 2.5)), 1.0)
 
 
+def painted_near(place, ourColor, time, frag_coord):
+    """The same from near by."""
+    return painted(place, ourColor, time, frag_coord, NEAR)
+
+
+def picture(corner, extent, moment):
+    """The curve in a part of the plane."""
+    shader, domain = "ch02_basics/uniform_over_time_picture.frag", rectangle(corner, extent)
+    return fullscreen(shader, name="picture", domain={"place": domain}, uniforms=moment)
+
+
 def frame(name, time, green):
     """The picture at one moment, with the figure the notes' formula gives then."""
     color = our_color(time)
@@ -74,6 +85,7 @@ def frame(name, time, green):
         f"t = {name}",
         {"time": time, "ourColor": color},
         expect=[
+            formula("picture.FragColor", painted, rules=LATER, name="the curve and the bead"),
             exact("FragColor", np.float32(color), name="the uniform arrives exactly"),
             value("green", at={"time": time}, equals=green, digits=6, rules=LATER),
         ],
@@ -82,26 +94,30 @@ def frame(name, time, green):
 
 OTHER, ANOTHER = (0.25, 0.5, 0.75, 1.0), "another colour arrives as well"
 moment = {"time": 0.0, "ourColor": our_color(0.0)}
+bead = {"time": 2.5, "ourColor": our_color(2.5)}
+# The bead's radius is a third of this part's width, and of its height.
+EXTENT = (1.0, 0.2254)
+NEAR = (bead["time"] - 0.5 * EXTENT[0], bead["ourColor"][1] - 0.5 * EXTENT[1])
+MAIN = fullscreen("ch02_basics/uniform_over_time.frag", domain={}, uniforms=moment)
 
 case = Case(
     title="A uniform over time",
     section="2.3.4",
     math=r"g(t) = \tfrac12 \sin t + \tfrac12",
-    passes=(
-        *fullscreen(
-            "ch02_basics/uniform_over_time_picture.frag",
-            name="picture",
-            domain={"place": rectangle(START, (7.1, 1.6))},
-            uniforms=moment,
-        ),
-        *fullscreen("ch02_basics/uniform_over_time.frag", domain={}, uniforms=moment),
-    ),
+    passes=(*picture(START, (7.1, 1.6), moment), *MAIN),
     picture="picture.FragColor",
     expect=[
-        formula("picture.FragColor", painted, rules=LATER, name="the curve and the bead"),
         formula("green", pulse, rules=LATER),
         figure("FragColor", ANOTHER, {"ourColor": OTHER}, OTHER, reference=unchanged("ourColor")),
         sweep("green", pulse, over="time", values=np.linspace(0.0, 2 * pi, 65), rules=LATER),
     ],
-    variants=[frame(*row) for row in FRAMES],
+    variants=[
+        *(frame(*row) for row in FRAMES),
+        Variant(
+            "the bead at t = 2.5",
+            bead,
+            passes=(*picture(NEAR, EXTENT, bead), *MAIN),
+            expect=[formula("picture.FragColor", painted_near, rules=LATER, name="from near by")],
+        ),
+    ],
 )

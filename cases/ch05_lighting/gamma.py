@@ -72,8 +72,8 @@ def around(threshold):
 
 
 def stripes(linear, stripe, frag_coord):
-    """The picture: light in sixteen steps, raw outside, encoded in the middle, dithered between."""
-    light = (floor(linear * 16.0) + 0.5) / 16.0
+    """The picture: light in 24 steps, raw outside, encoded in the middle, dithered between."""
+    light = (floor(linear * 24.0) + 0.5) / 24.0
     band = abs(floor(stripe) - 2.0)
     dithered = step(bayer_threshold(frag_coord), light)
     shown = where(band < 0.5, srgb_encode(light), where(band < 1.5, dithered, light))

@@ -19,14 +19,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from shaderlab import Case, Output, formula, measure, reading
+from shaderlab import Case, Output, any_order, both_ways, formula, measure, reading
 from shaderlab.reference.transforms import orthographic
 from shaderlab.sampling import texture
 
 from ..scenes import shadow_stage as courtyard
 from ..scenes.cameras import camera
-from ..scenes.courtyard_light import compared_shadow, courtyard_references
+from ..scenes.courtyard_light import compared_shadow, courtyard_references, light_position
 from ..scenes.figures import figures
+from ..scenes.lit import vertex_stage_checks
 from ..scenes.panels import cell
 from ..scenes.shadow_stage import BOXES, LIGHT_SPACE, LIGHT_VIEW, MODEL, SHADOW, SUN, WHITE, reads
 from ..scenes.shadow_truth import against_rays, rms_error
@@ -114,9 +115,9 @@ case = Case(
         ),
         seen("one", 0, size=(96, 96), colors=SHADOW),
         seen("nine", 1, size=(96, 96)),
-        seen("twenty-five", 2, size=(40, 40), colors=SHADOW),
+        *both_ways(seen("twenty-five", 2, size=(40, 40), colors=SHADOW)),
         compared("compared-nearest", "nearest", STEADY),
-        courtyard.cast("map-near", NEAR_SPACE, MODEL, 512),
+        *both_ways(courtyard.cast("map-near", NEAR_SPACE, MODEL, 512)),
         compared("compared-linear", "linear", BIAS, "map-near", NEAR_SPACE),
     ),
     picture="picture.FragColor",
@@ -125,6 +126,10 @@ case = Case(
         *(formula(f"nine.{output}", law) for output, law in LAWS.items()),
         *(formula(f"{name}.shadow", LAWS["shadow"]) for name in ("one", "twenty-five")),
         *(formula(f"{name}.shadow", compared_shadow(texture)) for name in COMPARED),
+        *vertex_stage_checks("FragPos", "Normal", "Color", pass_name="compared-nearest"),
+        formula("compared-nearest.FragPosLightSpace", light_position),
+        any_order("twenty-five.shadow"),
+        any_order("map-near.depth"),
         *courtyard.single_points("nine"),
         *courtyard.surface_checks(EYE, BOXES, "nine", ("one", *COMPARED)),
         *courtyard.picture_checks(EYE, BOXES),

@@ -40,7 +40,7 @@ case = Case(
     math=r"\text{pass} \iff z_{\text{incoming}}\ \mathit{func}\ z_{\text{stored}}",
     passes=(
         picture((stored, *tests), SIZE, "table", colors={"total": "r32f"}, depth="depth32f"),
-        shown("verdicts", "table.total", SIZE, (72, 72), group=1.0),
+        shown("verdicts", "table.total", SIZE, (72, 72), group=SIZE),
     ),
     picture="picture.FragColor",
     expect=[

@@ -10,7 +10,7 @@ In the ball the hills stand on their heads, as in any lens; its rim is a mirror.
 41° no ray leaves the glass any more: `refract` then gives (0, 0, 0).
 """
 
-from shaderlab import Case, Depth, any_order, assets, formula
+from shaderlab import Case, Depth, any_order, assets, formula, measure
 from shaderlab.glslmath import mix
 from shaderlab.reference.cube_maps import bent, fresnel, mirrored
 from shaderlab.reference.transforms import translate, world_normal
@@ -59,6 +59,11 @@ def under(sky, size, name, **target):
     return picture(draws, size, name, depth="depth24", **target)
 
 
+def farthest(depth):
+    """The largest depth of a picture."""
+    return depth.max()
+
+
 def seen(FragPos, Normal, cameraPos, ratio, base, sky):
     """What is mirrored and what shines through, each by its share."""
     through = textureLod(sky, bent(FragPos, Normal, cameraPos, ratio), 0.0)
@@ -92,6 +97,7 @@ case = Case(
         formula("judged.FragColor", sampled("skybox"), draw=0, name="the sky behind"),
         any_order("scene.FragColor"),
         filled_check("scene"),
+        measure("depth of the sky", farthest, reads={"depth": "scene.depth"}, equals=1.0, digits=9),
         any_order("judged.FragColor"),
         any_order("judged.depth"),
         *each_draw("judged.mirrored", mirrored, NAMES, "mirrored in {}"),

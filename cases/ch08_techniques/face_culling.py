@@ -31,7 +31,7 @@ WINDINGS, FRONTS = ("ccw", "cw"), ("ccw", "cw")
 CULLED = (None, "front", "back", "front_and_back")
 SHADERS = "ch08_techniques/face_culling"
 PAPER = (0.13, 0.14, 0.17, 1.0)
-GROUND = (0.1875, 0.203125, 0.25, 1.0)
+GROUND = (0.28125, 0.296875, 0.34375, 1.0)
 AMBER, BLUE = (1.0, 0.625, 0.25, 1.0), (0.25, 0.5, 0.75, 1.0)
 
 
@@ -92,6 +92,11 @@ def position(aPos, turned):
     return vec4(x, swizzle(aPos, "y"), -swizzle(aPos, "z"), 1.0)
 
 
+def whole_field(aPos, size, depth):
+    """The ground reaches as far as `size`, at one depth."""
+    return vec4(swizzle(aPos, "xy") * size, depth, 1.0)
+
+
 def side_color(gl_FrontFacing):
     """Amber in front, blue behind."""
     return where(gl_FrontFacing > 0.5, vec4(*AMBER), vec4(*BLUE))
@@ -116,6 +121,7 @@ case = Case(
     picture="table.FragColor",
     expect=[
         exact("table.FragColor", TRUTH, name="winding × front face × culled face"),
+        formula("table.gl_Position", whole_field, draw=0, name="the ground of a field"),
         formula("table.gl_Position", position, draw=16),
         formula("table.gl_Position", position, draw=31, name="gl_Position, turned"),
         formula("table.FragColor", side_color, draw=16, name="colour, front"),

@@ -21,7 +21,7 @@ from shaderlab.reference.rasterisation import samples_passed
 from shaderlab.reference.transforms import clip_position, look_at, perspective, rotate, translate
 
 from ..scenes.draws import tested
-from ..scenes.figures import figure, figures
+from ..scenes.figures import figures
 from ..scenes.laws import unchanged
 from ..scenes.panels import picture
 
@@ -105,18 +105,13 @@ def seen_from_the_eye(color, draw):
     return figures("gl_Position", named, reference=clip_position, draw=draw)
 
 
-def from_below(color, draw, equals):
-    """One colour with a normal that is long, slanting and looks down."""
-    at, shaded = {"Normal": (1.0, -1.0, 2.0)}, lit(COLORS[color])
-    name = f"{color}, from below"
-    return figure("FragColor", name, at, (*equals, 1.0), reference=shaded, draw=draw)
-
-
-def turned_away(color, draw, equals):
-    """One colour with a long normal that looks away from the sun."""
-    at, shaded = {"Normal": (-2.0, -4.0, -3.0)}, lit(COLORS[color])
-    name = f"{color}, turned away"
-    return figure("FragColor", name, at, (*equals, 1.0), reference=shaded, draw=draw)
+def shaded_by_hand(draw, color):
+    """One colour with normals that are longer than 1."""
+    rows = {
+        f"{color}, {where}": ({"Normal": normal}, (*found[color], 1.0))
+        for where, (normal, found) in NORMALS.items()
+    }
+    return figures("FragColor", rows, reference=lit(COLORS[color]), draw=draw)
 
 
 def off_paper(FragColor):
@@ -125,9 +120,21 @@ def off_paper(FragColor):
 
 
 CUBES = [cube(color, place) for color, place in zip(COLORS, PLACES, strict=True)]
-GREEN, ABOVE = lit(COLORS["green"]), {"Normal": (1.0, 2.0, 2.0)}
-SEEN = (0.431432, 0.715705, 0.449793, 1.0)
-AWAY = (0, "red", (0.432929, 0.2, 0.278508)), (2, "yellow", (0.463064, 0.424264, 0.278508))
+# Where a normal looks, and the colour of each cube there.
+NORMALS = {
+    "from above": ((1.0, 2.0, 2.0), {
+        "red": (0.892935, 0.386022, 0.341194), "green": (0.431432, 0.715705, 0.449793),
+        "yellow": (0.954952, 0.818877, 0.341194), "blue": (0.384621, 0.528583, 0.826652),
+    }),
+    "from below": ((1.0, -1.0, 2.0), {
+        "red": (0.558082, 0.252540, 0.269777), "green": (0.256041, 0.468221, 0.336180),
+        "yellow": (0.597965, 0.535718, 0.269777), "blue": (0.224028, 0.345804, 0.581675),
+    }),
+    "turned away from the sun": ((-2.0, -4.0, -3.0), {
+        "red": (0.432929, 0.200000, 0.278508), "green": (0.208393, 0.370810, 0.324140),
+        "yellow": (0.463064, 0.424264, 0.278508), "blue": (0.185547, 0.273861, 0.508986),
+    }),
+}  # fmt: skip
 
 case = Case(
     title="Uniform buffers",
@@ -186,9 +193,6 @@ case = Case(
             for k, (color, (low, high)) in enumerate(zip(COLORS, in_front(), strict=True))
         ),
         *(e for k, color in enumerate(COLORS) for e in seen_from_the_eye(color, k)),
-        from_below("red", 0, (0.558082, 0.252540, 0.269777)),
-        figure("FragColor", "green, from above", ABOVE, SEEN, reference=GREEN, draw=1),
-        from_below("blue", 3, (0.224028, 0.345804, 0.581675)),
-        *(turned_away(color, k, rgb) for k, color, rgb in AWAY),
+        *(found for row in enumerate(COLORS) for found in shaded_by_hand(*row)),
     ],
 )

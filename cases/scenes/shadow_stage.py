@@ -122,14 +122,17 @@ def lit(
 
 def single_points(name: str) -> list[Expectation]:
     """What a pass of `lit` must give where none of its pixels lies: just before the light's far
-    plane, on a surface that looks away from sun and eye, and on one that looks away from the sun.
+    plane, on a surface that looks away from sun and eye, on one that looks away from the sun,
+    between a sun and an eye that are both hardly above it, and seen from behind.
 
     >>> [e.name for e in single_points("judged")]
     ['just before the far plane it is dark', 'what looks away has ambient light alone', \
-'no highlight on a face turned away']
+'no highlight on a face turned away', 'a highlight of a sun that just rises', \
+'seen from behind there is none']
     """
     point = {"FragPos": (0.0, 0.0, 0.0), "Color": (0.5, 0.5, 0.5)}
     before, past = ((0.0, 0.0, depth, 1.0) for depth in (0.99, 1.01))
+    upward = {**point, "Normal": (0.0, 2.0, 0.0), "FragPosLightSpace": past}
     return [
         value(
             f"{name}.shadow",
@@ -151,6 +154,20 @@ def single_points(name: str) -> list[Expectation]:
             equals=(0.075, 0.075, 0.075, 1.0),
             digits=6,
             name=TURNED_AWAY,
+        ),
+        value(
+            f"{name}.FragColor",
+            at={**upward, "lightPos": (-2.0, 0.01, 0.0), "viewPos": (2.0, 0.01, 0.0)},
+            equals=(0.1775, 0.1775, 0.1775, 1.0),
+            digits=6,
+            name="a highlight of a sun that just rises",
+        ),
+        value(
+            f"{name}.FragColor",
+            at={**upward, "lightPos": SUN, "viewPos": (0.0, -5.0, 0.0)},
+            equals=(0.511436, 0.511436, 0.511436, 1.0),
+            digits=6,
+            name="seen from behind there is none",
         ),
     ]
 

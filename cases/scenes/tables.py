@@ -47,7 +47,7 @@ def shown(
     values: str,
     fields: tuple[int, int],
     pixels: tuple[int, int],
-    **uniforms: float,
+    **uniforms: float | tuple[float, ...],
 ) -> Pass:
     """A table's picture.
 
@@ -84,7 +84,7 @@ def all_figures(name: str = "figures") -> Pass:
     >>> all_figures().target.size
     (210, 60)
     """
-    numbers = np.array([[0, 7, 30, 49, 58, 61, 82], [9, 10, 99, 100, 137, 208, 254]], np.float32)
+    numbers = np.array([[0, 7, 30, 49, 58, 61, 82], [9, 10, 99, 100, 198, 208, 254]], np.float32)
     values = Texture(image=numbers[..., None], format="r32f")
     uniforms = {"group": 3.0, "whole": 255.0}
     domain = {"place": rectangle((0.0, 0.0), numbers.shape[::-1])}
@@ -128,8 +128,8 @@ def verdicts(values: Sampler, place: Value, group: Value) -> Value:
     color = mix(vec3(0.97), ground, smoothstep(0.07, 0.13, where(passed, tick, cross)))
     outer = max(abs(swizzle(at, "x")), abs(swizzle(at, "y")))
     color = mix(color, vec3(0.08, 0.09, 0.11), smoothstep(0.90, 0.94, outer))
-    off = abs(fract(place / group + 0.5) - 0.5)
-    gap = min(swizzle(off, "x"), swizzle(off, "y")) <= 0.025
+    off = group * abs(fract(place / group + 0.5) - 0.5)
+    gap = min(swizzle(off, "x"), swizzle(off, "y")) <= 0.1
     return vec4(mix(color, vec3(0.08, 0.09, 0.11), where(gap, 1.0, 0.0)), 1.0)
 
 

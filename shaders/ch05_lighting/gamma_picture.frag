@@ -20,7 +20,7 @@ float threshold(ivec2 pixel)
 
 void main()
 {
-    float light = (floor(linear * 16.0) + 0.5) / 16.0;
+    float light = (floor(linear * 24.0) + 0.5) / 24.0;
     // Dots of 2 × 2 pixels, so that they survive a picture that is shown a little smaller.
     float dithered = step(threshold(ivec2(gl_FragCoord.xy) / 2), light);
 

@@ -54,7 +54,7 @@ MISTAKES = [
     ("blend-equation", "ch06_tests/blend_equation.frag", "color, alpha", "color, 1.0 - alpha"),
     ("depth-functions", "ch06_tests/verdicts.frag", "* 2.0 - 1.0", "* 1.9 - 1.0"),
     ("depth-functions", "ch06_tests/count.frag", "total = worth", "total = 1.0 - worth"),
-    ("stencil-functions", "ch06_tests/verdicts.frag", "0.025", "0.25"),
+    ("stencil-functions", "ch06_tests/verdicts.frag", "edge.y), 0.1", "edge.y), 0.9"),
     ("stencil-functions", "ch06_tests/count.frag", "total = worth", "total = 1.0"),
 ]  # fmt: skip
 # These two show their tables with the same shader.
