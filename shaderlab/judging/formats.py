@@ -58,9 +58,10 @@ def stored(band: Band | Integer, format: str, components: int) -> Band | Allowed
 def _stored_integers(whole: Band | Integer, format: str) -> Allowed:
     unsigned = format.endswith("ui")
     if not isinstance(whole, Integer) or whole.unsigned != unsigned:
-        wanted = "glslmath.uint" if unsigned else "glslmath.int"
+        number, vector = ("uint", "uvec2") if unsigned else ("int", "ivec2")
         raise FormulaError(
-            f"gives {whole!r}, the attachment holds {format}", remedy=f"use {wanted}(…)"
+            f"gives {whole!r}, the attachment holds {format}",
+            remedy=f"use glslmath.{number}(…), or {vector}(…) and its like",
         )
     nowhere = np.zeros(whole.shape, np.bool_)
     anything = np.broadcast_to(whole.anything, whole.shape)

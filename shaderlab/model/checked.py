@@ -15,7 +15,7 @@ import re
 import sys
 import typing
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import MISSING, dataclass, fields
 from typing import Any, TypeVar, cast
 
 import numpy as np
@@ -63,7 +63,8 @@ class Checked:
                 continue
             wrong = wanted.check(value)
             if wrong is not None:
-                raise _error(_called(kind), name, value, wanted, wrong)
+                others = {other: each for other, (_, each) in _fields(kind).items()}
+                raise _error(_called(kind), name, value, others, wrong)
 
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -91,7 +92,7 @@ def checked_arguments(function: Function) -> Function:
                 _require_keywords(function.__name__, value, known)
             elif name in hints():
                 for item in value if name in variadic else (value,):
-                    _require(function.__name__, name, item, hints()[name])
+                    _require(function.__name__, name, item, hints())
         return function(*arguments, **named)
 
     return cast(Function, checked)
@@ -103,20 +104,23 @@ def _require_keywords(owner: str, given: Mapping[str, Any], known: type) -> None
     for name, value in given.items():
         if name not in hints:
             raise CaseError(f"{owner}: takes no {name!r}", remedy=nearest(name, hints))
-        _require(owner, name, value, hints[name])
+        _require(owner, name, value, hints)
 
 
-def _require(owner: str, name: str, value: Any, wanted: _Wanted) -> None:
-    wrong = wanted.check(value)
+def _require(owner: str, name: str, value: Any, hints: Mapping[str, _Wanted]) -> None:
+    wrong = hints[name].check(value)
     if wrong is not None:
-        raise _error(owner, name, value, wanted, wrong)
+        raise _error(owner, name, value, hints, wrong)
 
 
-def _error(owner: str, name: str, value: Any, wanted: _Wanted, wrong: Misfit) -> CaseError:
+def _error(
+    owner: str, name: str, value: Any, hints: Mapping[str, _Wanted], wrong: Misfit
+) -> CaseError:
     place = wrong.place.format(name)
+    remedy = _wrapped(wrong.part, wrong.hint) or _elsewhere(value, wrong.part, hints)
     return CaseError(
         f"{owner}: {place} is {_shown(wrong.part)}, which is no {_words(wrong.hint)}",
-        remedy=_remedy(name, value, wanted.hint),
+        remedy=remedy or _remedy(name, value, hints[name].hint),
     )
 
 
@@ -183,9 +187,13 @@ def _words(hint: Any) -> str:
     return "expectation" if kind.__name__ == "Expectation" else str(kind.__name__)
 
 
+def _options(hint: Any) -> tuple[Any, ...]:
+    """A union's types, or the one type."""
+    return typing.get_args(hint) if typing.get_origin(hint) in UNIONS else (hint,)
+
+
 def _remedy(name: str, value: Any, hint: Any) -> str:
-    options = typing.get_args(hint) if typing.get_origin(hint) in UNIONS else (hint,)
-    for option in options:
+    for option in _options(hint):
         kind, inner = typing.get_origin(option), typing.get_args(option)
         if kind not in (tuple, collections.abc.Sequence) or type_check(inner[0])(value):
             continue
@@ -194,6 +202,28 @@ def _remedy(name: str, value: Any, hint: Any) -> str:
         if not isinstance(value, Sequence):
             return f"put it into a list: {name}=[…]"
     return f"{name} takes {_words(hint)}"
+
+
+def _elsewhere(value: Any, part: Any, hints: Mapping[str, _Wanted]) -> str:
+    """Which other argument takes what a mapping holds: a texture that is given as a uniform."""
+    items = value.items() if isinstance(value, Mapping) else ()
+    key = next((key for key, item in items if item is part), None)
+    for name, wanted in hints.items():
+        mapping = any(typing.get_origin(one) is Mapping for one in _options(wanted.hint))
+        if key is not None and mapping and wanted.check({key: part}) is None:
+            return f"give it as {name}={{{key!r}: …}}"
+    return ""
+
+
+def _wrapped(part: Any, hint: Any) -> str:
+    """Which of the classes that are asked for can be made of a value: of an array a texture."""
+    kind: Any
+    for kind in _options(hint):
+        if isinstance(kind, type) and issubclass(kind, Checked):
+            for name, (default, wanted) in _fields(kind).items():
+                if default is MISSING and wanted.hint is not Any and wanted.check(part) is None:
+                    return f"give {kind.__name__}({name}=…)"
+    return ""
 
 
 def _shown(value: Any) -> str:

@@ -13,8 +13,8 @@ from shaderlab.model.scene import (
     Pass,
     Ramp,
     Target,
+    Uniform,
     UniformBuffer,
-    UniformValue,
 )
 from shaderlab.model.state import State
 from shaderlab.model.textures import ImageValue, TextureSource
@@ -25,7 +25,7 @@ def fullscreen(
     fragment: str,
     *,
     domain: Mapping[str, Ramp] | None = None,
-    uniforms: Mapping[str, UniformValue] | None = None,
+    uniforms: Mapping[str, Uniform] | None = None,
     textures: Mapping[str, TextureSource] | None = None,
     blocks: Mapping[str, UniformBuffer] | None = None,
     target: Target | None = None,
@@ -57,7 +57,7 @@ def mesh_pass(
     geometry: str | None = None,
     tess_control: str | None = None,
     tess_evaluation: str | None = None,
-    uniforms: Mapping[str, UniformValue] | None = None,
+    uniforms: Mapping[str, Uniform] | None = None,
     textures: Mapping[str, TextureSource] | None = None,
     blocks: Mapping[str, UniformBuffer] | None = None,
     target: Target | None = None,
@@ -89,7 +89,7 @@ def compute(
     groups: tuple[int, int, int],
     buffers: Mapping[str, BufferValue] | None = None,
     images: Mapping[str, ImageValue] | None = None,
-    uniforms: Mapping[str, UniformValue] | None = None,
+    uniforms: Mapping[str, Uniform] | None = None,
     textures: Mapping[str, TextureSource] | None = None,
     blocks: Mapping[str, UniformBuffer] | None = None,
     name: str = "main",

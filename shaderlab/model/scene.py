@@ -11,6 +11,7 @@ import numpy as np
 from shaderlab.errors import CaseError
 from shaderlab.frame import Array
 from shaderlab.model.checked import Checked
+from shaderlab.model.members import by_member
 from shaderlab.model.mesh import Mesh
 from shaderlab.model.state import State, one_of
 from shaderlab.model.textures import (
@@ -24,6 +25,7 @@ from shaderlab.model.textures import (
 
 Number = float | int | bool
 UniformValue = Number | Sequence[Any] | Array
+Uniform = UniformValue | Mapping[str, Any]
 BufferValue = UniformValue | Output
 
 
@@ -80,7 +82,10 @@ class UniformBuffer(Checked):
     and their programs share it.
     """
 
-    values: Mapping[str, UniformValue]
+    values: Mapping[str, Uniform]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "values", by_member(self.values))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,7 +96,8 @@ class Draw(Checked):
     mesh of patches), or `domain` (the fragment shader's inputs laid over the
     whole target; the vertex stage is then made by the lab), or for a dispatch `compute`, `groups`,
     `buffers` and `images`, as in `compute`, and no other shader. Uniforms are keyed as GLSL spells
-    them: "model", "light.constant", "weights", "lights[0].position". Matrices are given as
+    them: "model", "light.constant", "weights", "lights[0].position"; structures may be given as
+    mappings of their members, arrays of them as lists of such mappings. Matrices are given as
     mathematics writes them, rows first; the lab transposes for GLSL. `blocks` are uniform blocks
     by the name that GLSL gives the block itself.
     """
@@ -103,7 +109,7 @@ class Draw(Checked):
     tess_evaluation: str | None = None
     mesh: Mesh | None = None
     domain: Mapping[str, Ramp] | None = None
-    uniforms: Mapping[str, UniformValue] = field(default_factory=dict)
+    uniforms: Mapping[str, Uniform] = field(default_factory=dict)
     textures: Mapping[str, TextureSource] = field(default_factory=dict)
     blocks: Mapping[str, UniformBuffer] = field(default_factory=dict)
     state: State = field(default_factory=State)
@@ -115,6 +121,7 @@ class Draw(Checked):
     images: Mapping[str, ImageValue] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "uniforms", by_member(self.uniforms))
         if self.compute:
             self._check_dispatch()
             return

@@ -63,6 +63,7 @@ from shaderlab import (
 )
 from shaderlab.catalogue import load_case
 from shaderlab.errors import CaseError, ShaderlabError
+from shaderlab.model.members import by_member
 
 
 def law(x: Any) -> Any:
@@ -70,6 +71,8 @@ def law(x: Any) -> Any:
 
 
 PICTURE = np.zeros((2, 2, 4))
+TEXTURE = Texture(image=PICTURE)
+BLOCK = UniformBuffer(values={"x": 1.0})
 MESH = Mesh(attributes={"p": np.zeros((3, 2))})
 PASSES = fullscreen("a.frag")
 # Arguments that each constructor takes.
@@ -183,6 +186,13 @@ def test_wrong_arguments_in_their_order_are_sentences(make: Callable[..., Any]) 
         (lambda: sweep("c", law, over="x", values=[]), "there are no values of 'x'\n  → values="),
         (lambda: across("a", 1.0), "across: 'a' and 1.0 are not numbers"),
         (lambda: fullscreen("a.frag", uniforms=[1]), "uniforms is [1], which is no mapping"),
+        (lambda: fullscreen("a.frag", uniforms={"t": TEXTURE}), "→ give it as textures={'t': …}"),
+        (lambda: fullscreen("a.frag", uniforms={"B": BLOCK}), "→ give it as blocks={'B': …}"),
+        (lambda: fullscreen("a.frag", uniforms={"uv": Ramp(0.0)}), "→ give it as domain={'uv': …}"),
+        (lambda: fullscreen("a.frag", textures={"t": PICTURE}), "→ give Texture(image=…)"),
+        (lambda: fullscreen("a.frag", blocks={"B": {"x": 1.0}}), "→ give UniformBuffer(values=…)"),
+        (lambda: fullscreen("a.frag", domain={"uv": (0.0, 1.0)}), "→ give Ramp(origin=…)"),
+        (lambda: mesh_pass("a.vert", "a.frag", {"p": [(0, 0)]}), "→ give Mesh(attributes=…)"),
         (
             lambda: formula("c", reference="red"),
             "formula: reference is 'red', which is no function",
@@ -193,6 +203,22 @@ def test_listed_mistakes(make: Callable[[], Any], message: str) -> None:
     with pytest.raises(CaseError) as caught:
         make()
     assert message in str(caught.value)
+
+
+def test_structures_are_mappings_of_their_members() -> None:
+    lamps = [{"on": True, "at": {"x": 1.0}}, {"on": False, "at": {"x": 2.0}}]
+    spelt = {
+        "lamps[0].on": True,
+        "lamps[0].at.x": 1.0,
+        "lamps[1].on": False,
+        "lamps[1].at.x": 2.0,
+        "weights": [0.5, 0.25],
+    }
+    values = {"lamps": lamps, "weights": [0.5, 0.25]}
+    (one,) = fullscreen("a.frag", uniforms=values)
+    assert one.draws[0].uniforms == spelt
+    assert UniformBuffer(values=values).values == spelt
+    assert by_member(spelt) is spelt
 
 
 def test_a_forgotten_argument_is_named(tmp_path: Path) -> None:
