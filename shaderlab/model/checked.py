@@ -217,10 +217,9 @@ def _elsewhere(value: Any, part: Any, hints: Mapping[str, _Wanted]) -> str:
 
 def _wrapped(part: Any, hint: Any) -> str:
     """Which of the classes that are asked for can be made of a value: of an array a texture."""
-    kind: Any
     for kind in _options(hint):
         if isinstance(kind, type) and issubclass(kind, Checked):
-            for name, (default, wanted) in _fields(kind).items():
+            for name, (default, wanted) in _fields(cast(Any, kind)).items():
                 if default is MISSING and wanted.hint is not Any and wanted.check(part) is None:
                     return f"give {kind.__name__}({name}=…)"
     return ""
