@@ -56,6 +56,7 @@ def main() -> None:
     parser.add_argument("--case")
     parser.add_argument("--captured", action="store_true", help="vary nothing")
     options = parser.parse_args()
+    limit = 0.3 if options.captured else 1.5
     plan = Plan(rounds=0 if options.captured else 2, accuracy=False)
     kinds = ("right", "wrong") if options.only is None else (options.only,)
     listed = {kind: [r for r in rewrites(kind) if options.case in (None, r.case)] for kind in kinds}
@@ -63,13 +64,13 @@ def main() -> None:
     found = dict.fromkeys(kinds, 0)
     unsaid = dict.fromkeys(kinds, 0)
     conditional = 0
-    seconds = []
+    seconds: dict[Rewrite, float] = {}
     with Lab(RunOptions()) as lab:
         for id_, case in load_cases(shipped_cases()).items():
             of_case = [rewrite for rewrite in wanted if rewrite.case == id_]
             for rewrite, answers, spent in compared(lab, case, of_case, plan) if of_case else ():
                 kind = wanted[rewrite]
-                seconds.append(spent)
+                seconds[rewrite] = spent
                 unsaid[kind] += not answers
                 differs = any(answer.same is False for answer in answers)
                 if kind == "wrong" and answers and not differs:
@@ -89,8 +90,13 @@ def main() -> None:
             f"{conditional} of the wrong ones called the same are so under a condition that is said"
         )
     if seconds:
-        median, worst = np.median(seconds), max(seconds)
-        print(f"seconds a pair: median {median:.2f}, mean {np.mean(seconds):.2f}, most {worst:.2f}")
+        each = list(seconds.values())
+        print(
+            f"seconds a pair: median {np.median(each):.2f}, mean {np.mean(each):.2f}, "
+            f"most {max(each):.2f}; {sum(s > limit for s in each)} above {limit}"
+        )
+        for rewrite in sorted(seconds, key=lambda r: -seconds[r])[:5]:
+            print(f"  {seconds[rewrite]:.2f} {rewrite}")
 
 
 if __name__ == "__main__":

@@ -1,7 +1,9 @@
-"""An arithmetic for the interpreter that errs in every instruction as much as the rules allow.
+"""An arithmetic for the interpreter that errs in every instruction as much as the rules allow, and
+rearranges the module as an optimiser would.
 
 Floats are float64 arrays on the float32 grid; what each operation may lose is `adversary_device`'s.
-Textures are sampled in float64 and rounded.
+Textures are sampled in float64 and rounded. Every second sum or product of what sums and products
+gave is computed in another order, distributed, factored, or fused.
 """
 
 from __future__ import annotations
@@ -18,14 +20,21 @@ from shaderlab.interpreter import FLOAT64, Bands
 from shaderlab.interpreter.numbers import Numbers
 
 Floats = np.ndarray
+_MADE = 1024  # results whose operands are remembered
 
 
 @dataclass(frozen=True)
 class Erring(Numbers):
-    """Every operation errs, either way, as `device` decides."""
+    """Every operation errs, either way, and is rearranged or not, as `device` decides.
+
+    Attributes:
+        made: how sums and products were made, by id of the result: "add" or "multiply", both
+            operands, and the result, which keeps its id from being another's.
+    """
 
     dtype: Any = np.float64
     device: Device = field(default_factory=lambda: Device(0, "either"))
+    made: dict[int, tuple[str, Floats, Floats, Floats]] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
@@ -55,12 +64,55 @@ class Erring(Numbers):
         return (low + share * (high - low)).astype(np.float32).astype(np.float64)
 
     def _add(self, a: Floats, b: Floats) -> Floats:
-        return self.device.add(a, b)
+        return self._noted("add", a, b, self._sum(a, b))
 
     def _subtract(self, a: Floats, b: Floats) -> Floats:
-        return self.device.add(a, -b)
+        return self._add(a, self._negative(b))
 
     def _multiply(self, a: Floats, b: Floats) -> Floats:
+        return self._noted("multiply", a, b, self._product(a, b))
+
+    def _noted(self, how: str, a: Floats, b: Floats, result: Floats) -> Floats:
+        if len(self.made) > _MADE:
+            self.made.clear()
+        self.made[id(result)] = how, a, b, result
+        return result
+
+    def _parts(self, value: Floats, how: str) -> tuple[Floats, Floats] | None:
+        """The operands of a sum or product, where it is to be rearranged now."""
+        known = self.made.get(id(value))
+        if known is None or known[0] != how or self.device.rng.random() < 0.5:
+            return None
+        return known[1], known[2]
+
+    def _negative(self, value: Floats) -> Floats:
+        """-value, which was made as value was."""
+        how, a, b, _ = self.made.get(id(value), ("", value, value, value))
+        if not how:
+            return -value
+        return self._noted(how, -a, -b if how == "add" else b, -value)
+
+    def _sum(self, a: Floats, b: Floats) -> Floats:
+        """a + b: (x + y) + b as x + (y + b), x y + x z as x (y + z), x y + b fused."""
+        if self.device.rng.random() < 0.5:
+            a, b = b, a
+        if (of_sum := self._parts(a, "add")) is not None:
+            return self._add(of_sum[0], self._add(of_sum[1], b))
+        if (factors := self._parts(a, "multiply")) is not None:
+            others = self._parts(b, "multiply")
+            if others is not None and others[0] is factors[0]:
+                return self._multiply(factors[0], self._add(factors[1], others[1]))
+            return self.device.multiply_add(*factors, b)
+        return self.device.add(a, b)
+
+    def _product(self, a: Floats, b: Floats) -> Floats:
+        """a b: (x y) b as x (y b), (x + y) b as x b + y b."""
+        if self.device.rng.random() < 0.5:
+            a, b = b, a
+        if (factors := self._parts(a, "multiply")) is not None:
+            return self._multiply(factors[0], self._multiply(factors[1], b))
+        if (of_sum := self._parts(a, "add")) is not None:
+            return self._add(self._multiply(of_sum[0], b), self._multiply(of_sum[1], b))
         return self.device.mul(a, b)
 
     def _divide(self, a: Floats, b: Floats) -> Floats:

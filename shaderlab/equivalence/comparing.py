@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,9 +16,10 @@ from shaderlab.frame import Array
 from shaderlab.interpreter import Program, interpret
 from shaderlab.interpreter.memory import Flags
 
-SEEDS = 3
+COPIES = 3
 """Runs with noise, besides the one without."""
-_FEW, _SURE = 200, 12  # so few invocations are asked again, with so many seeds
+_FEW, _SURE = 200, 12  # so few invocations are asked again, with so many runs
+_FAR = 2.0**20  # pixels between two runs
 TIMES = 16.0
 """How many times the spread two outputs may lie apart."""
 _TINY = float(np.finfo(np.float32).tiny)  # smaller ones are zero on many devices
@@ -52,30 +53,39 @@ class Compared:
     why: str
 
 
-def run(program: Program, given: Given, seeds: Iterable[int] = range(SEEDS + 1)) -> Ran:
-    """A program on some inputs, with noise by several seeds; the first, 0, is without.
+def run(program: Program, given: Given, copies: int = COPIES) -> Ran:
+    """A program on some inputs, without noise and so many times with it.
 
     Raises:
         NotInterpretedError: it does what the interpreter does not know, or does not end.
         FormulaError: it reads what is not given.
     """
-    runs: list[dict[str, Array]] = []
-    discarded = []
-    for seed in seeds:
-        with warnings.catch_warnings(), np.errstate(all="ignore"):
-            warnings.simplefilter("ignore")
-            one = interpret(
-                program, given.each, given.bindings, Noisy(seed=seed),
-                count=given.count, unwritten=True,
-            )  # fmt: skip
-            runs.append(dict(flattened(one.outputs)))
-        discarded.append(np.broadcast_to(one.discarded.all_true, (given.count,)))
-    shapes = {name: values.shape for outputs in runs for name, values in outputs.items()}
-    outputs = {  # a run in which all were discarded has none
-        name: np.stack([one.get(name, np.full(shape, np.nan)) for one in runs])
-        for name, shape in shapes.items()
+    times, count = 1 + copies, given.count
+    each = {
+        name: values if len(values) == 1 else np.concatenate([values] * times)
+        for name, values in given.each.items()
     }
-    return Ran(outputs, np.stack(discarded))
+    with warnings.catch_warnings(), np.errstate(all="ignore"):
+        warnings.simplefilter("ignore")
+        found = interpret(
+            program, each, given.bindings, Noisy(count=count, copies=copies),
+            count=count * times, places=_apart(each.get("gl_FragCoord"), count), unwritten=True,
+        )  # fmt: skip
+    gone = np.broadcast_to(found.discarded.all_true, (count * times,))
+    outputs = {
+        name: values.reshape(times, count, values.shape[-1])
+        for name, values in flattened(found.outputs)
+    }
+    return Ran(outputs, gone.reshape(times, count))
+
+
+def _apart(places: Array | None, count: int) -> Array | None:
+    """The pixels of each run elsewhere, so that no run's are the neighbours of another's."""
+    if places is None:
+        return None
+    found = places[:, :2].astype(np.float64)
+    found[:, 1] += np.arange(len(found)) // count * _FAR
+    return found
 
 
 def confirmed(
@@ -88,7 +98,7 @@ def confirmed(
         return compared
     taken = np.union1d(*(given.rows_with(rows, program) for program in programs))
     some = given.part(taken)
-    old, new = (run(program, some, range(_SURE + 1)) for program in programs)
+    old, new = (run(program, some, _SURE) for program in programs)
     again = compare(old, new, *names)
     different, judged, apart = (
         compared.different.copy(),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -11,7 +12,7 @@ import numpy as np
 from shaderlab.equivalence.answer import Answer, Numerics, OutputAnswer
 from shaderlab.equivalence.comparing import Compared, Ran, compare, confirmed, run
 from shaderlab.equivalence.drawing import drawn
-from shaderlab.equivalence.given import Given, merged
+from shaderlab.equivalence.given import Given, asks_for_neighbours, joined, merged
 from shaderlab.equivalence.interface import Input, declared_ranges, inputs_of
 from shaderlab.equivalence.jumps import jumps
 from shaderlab.equivalence.locating import discards, first, steps
@@ -23,6 +24,7 @@ from shaderlab.errors import UsageError, nearest
 from shaderlab.files import display_path
 from shaderlab.interpreter import Program
 
+_SMALL = 1024  # invocations; sets of no more than so many are run together
 _ENDS = 1e-6  # what stored values may differ by where a step is called the same
 
 
@@ -44,13 +46,13 @@ class Plan:
 
 
 @dataclass(frozen=True, eq=False)
-class _Found:
-    """A comparison of one output on one set of inputs."""
+class _Set:
+    """What both programs gave on a set of inputs, and how their outputs compare, by name."""
 
     given: Given
-    compared: Compared
     old: Ran
     new: Ran
+    compared: dict[tuple[str, str], Compared] = field(default_factory=dict)
 
 
 def compare_programs(
@@ -133,66 +135,103 @@ class _Comparison:
         self.rounds = plan.rounds
         self.accuracy = plan.accuracy
         self._in_bands: tuple[Mapping[str, Any] | None, ...] = ()
+        self._freed: dict[tuple[str, ...], _Set] = {}
 
     def outputs(self, captured: Sequence[Given]) -> Iterator[OutputAnswer]:
         """An answer for each output, on captured inputs and on rounds of others."""
-        sets = [self._run(given) for given in captured]
-        sets += [self._run(self.make(self.roles, seed)) for seed in range(self.rounds)]
-        around = jumps(self.programs, sets[-1][0], self.roles) if self.rounds else None
-        if around is not None:
-            sets.append(self._run(around))
-        for name, other in self._names(sets):
+        sets: list[_Set] = []
+        pairs: list[tuple[str, str]] = []
+        for given in self._inputs(captured):
+            sets.append(self._run(given))
+            pairs = self._names(sets)
+            if all(self._is_settled(sets, *pair) for pair in pairs):
+                break
+        for name, other in pairs:
             if not name or not other:
                 yield OutputAnswer(name=name or other, why="missing")
                 continue
-            found = [_Found(g, self._compared(g, a, b, name, other), a, b) for g, a, b in sets]
-            answer = self._answer(found, name, other)
+            answer = self._answer(sets, name, other)
             if answer.same and self.accuracy:
                 answer = replace(answer, numerics=self._numerics(sets[0], name, other))
             if answer.same and self.rounds:
                 answer = replace(answer, conditions=tuple(self._conditions(name, other)))
             yield answer
 
-    def _run(self, given: Given) -> tuple[Given, Ran, Ran]:
-        return given, run(self.programs[0], given), run(self.programs[1], given)
+    def _inputs(self, captured: Sequence[Given]) -> Iterator[Given]:
+        """Captured inputs, rounds of others, and both sides of jumps between those."""
+        given = None
+        for given in itertools.chain(captured, self._made()):
+            yield given
+        if given is not None and self.rounds:
+            around = jumps(self.programs, given, self.roles)
+            if around is not None:
+                yield around
 
-    def _compared(self, given: Given, old: Ran, new: Ran, name: str, other: str) -> Compared:
-        first = compare(old, new, name, other)
-        return confirmed(self.programs, given, first, (name, other))
+    def _made(self) -> Iterator[Given]:
+        """The rounds of inputs: one after the other, or small ones together where they can be."""
+        rounds = (self.make(self.roles, seed) for seed in range(self.rounds))
+        small: list[Given] = []
+        for given in rounds:
+            alone = bool(given.bindings.textures) or given.count > _SMALL
+            if alone or any(asks_for_neighbours(p, given.bindings) for p in self.programs):
+                yield given
+            else:
+                small.append(given)
+        if small:
+            yield joined(small)
 
-    def _names(self, sets: Sequence[tuple[Given, Ran, Ran]]) -> list[tuple[str, str]]:
+    def _run(self, given: Given) -> _Set:
+        return _Set(given, run(self.programs[0], given), run(self.programs[1], given))
+
+    def _is_settled(self, sets: Sequence[_Set], name: str, other: str) -> bool:
+        """Whether an output is known to be another one: more inputs add nothing."""
+        if not name or not other:
+            return True
+        return any(self._compared(one, name, other).different.any() for one in sets)
+
+    def _compared(self, one: _Set, name: str, other: str) -> Compared:
+        """How an output compares on a set of inputs; asked once."""
+        if (name, other) not in one.compared:
+            first = compare(one.old, one.new, name, other)
+            names = (name, other)
+            one.compared[names] = confirmed(self.programs, one.given, first, names)
+        return one.compared[name, other]
+
+    def _names(self, sets: Sequence[_Set]) -> list[tuple[str, str]]:
         """The outputs' names in pairs: of the same name, or the only ones that are left over."""
-        mine = list(dict.fromkeys(n for _, ran, _ in sets for n in ran.outputs))
-        theirs = list(dict.fromkeys(n for _, _, ran in sets for n in ran.outputs))
+        mine = list(dict.fromkeys(n for one in sets for n in one.old.outputs))
+        theirs = list(dict.fromkeys(n for one in sets for n in one.new.outputs))
         pairs = [(n, n) for n in mine if n in theirs]
         only, others = [n for n in mine if n not in theirs], [n for n in theirs if n not in mine]
         if len(only) == len(others) == 1:
             return [*pairs, (only[0], others[0])]
         return [*pairs, *((n, "") for n in only), *(("", n) for n in others)]
 
-    def _answer(self, found: Sequence[_Found], name: str, other: str) -> OutputAnswer:
+    def _answer(self, sets: Sequence[_Set], name: str, other: str) -> OutputAnswer:
         called = name if name == other else f"{name} → {other}"
-        judged = sum(int(one.compared.judged.sum()) for one in found)
-        different = sum(int(one.compared.different.sum()) for one in found)
+        found = [self._compared(one, name, other) for one in sets]
+        judged = sum(int(compared.judged.sum()) for compared in found)
+        different = sum(int(compared.different.sum()) for compared in found)
         if not different:
             return OutputAnswer(name=called, judged=judged)
-        one = next(one for one in found if one.compared.different.any())
-        row = _worst(one)
-        far = [f.compared.apart[f.compared.different] for f in found if f.compared.different.any()]
-        apart = np.concatenate(far)
+        one, compared = next(
+            pair for pair in zip(sets, found, strict=True) if pair[1].different.any()
+        )
+        row = _worst(compared)
+        apart = np.concatenate([compared.apart[compared.different] for compared in found])
         finite = apart[np.isfinite(apart)]
         return OutputAnswer(
             name=called,
             judged=judged,
             different=different,
             apart=float(finite.max()) if finite.size else float("inf"),
-            why="value" if finite.size else one.compared.why,
+            why="value" if finite.size else compared.why,
             example=example(one.given, row, self.inputs),
             gives=(_value(one.old, name, row), _value(one.new, other, row)),
             place=self._place(one, row),
         )
 
-    def _place(self, one: _Found, row: int) -> str:
+    def _place(self, one: _Set, row: int) -> str:
         """The first line that stores another value at an invocation; where only one program
         discards, the line where it does."""
         old, new = (steps(program, one.given, row, Noisy()) for program in self.programs)
@@ -206,13 +245,13 @@ class _Comparison:
                 return _written(program, next((n for n in lines if n >= last), lines[-1]))
         return ""
 
-    def _numerics(self, one: tuple[Given, Ran, Ran], name: str, other: str) -> Numerics | None:
+    def _numerics(self, one: _Set, name: str, other: str) -> Numerics | None:
         """How the accuracy changes, on some of the first inputs."""
-        some, ran = one[0].part(np.arange(min(one[0].count, MOST))), one[1]
+        some = one.given.part(np.arange(min(one.given.count, MOST)))
         old, new = self._bands(some)
         if old is None or new is None or name not in old or other not in new:
             return None
-        values = ran.outputs[name][0, : some.count]
+        values = one.old.outputs[name][0, : some.count]
         found = accuracy(self.programs, some, (old[name], new[other]), values)
         if found is None:
             return None
@@ -230,17 +269,19 @@ class _Comparison:
 
     def _conditions(self, name: str, other: str) -> Iterator[str]:
         """What an output is the same under: assumptions about inputs without which it is not."""
-        freed = {n: free for n, role in self.roles.items() if (free := role.freed) is not None}
-        seed = self.rounds
-        if not freed or not self._differs({**self.roles, **freed}, seed, name, other):
+        freed = tuple(n for n, role in self.roles.items() if role.freed is not None)
+        if not freed or not self._differs_without(freed, name, other):
             return
-        for input_, role in freed.items():
-            if self._differs({**self.roles, input_: role}, seed, name, other):
+        for input_ in freed:
+            if self._differs_without((input_,), name, other):
                 yield self.roles[input_].condition(input_)
 
-    def _differs(self, roles: Mapping[str, Role], seed: int, name: str, other: str) -> bool:
-        given, old, new = self._run(self.make(roles, seed))
-        return bool(self._compared(given, old, new, name, other).different.any())
+    def _differs_without(self, freed: tuple[str, ...], name: str, other: str) -> bool:
+        """Whether an output differs without what is assumed of some inputs."""
+        if freed not in self._freed:
+            roles = {n: (n in freed and role.freed) or role for n, role in self.roles.items()}
+            self._freed[freed] = self._run(self.make(roles, self.rounds))
+        return bool(self._compared(self._freed[freed], name, other).different.any())
 
 
 def _written(program: Program, line: int) -> str:
@@ -248,9 +289,9 @@ def _written(program: Program, line: int) -> str:
     return f"{display_path(file)}:{number}" if file else f"line {number}"
 
 
-def _worst(found: _Found) -> int:
+def _worst(compared: Compared) -> int:
     """The invocation to show: of those that differ, the one where both are farthest apart."""
-    apart = np.where(found.compared.different, found.compared.apart, -1.0)
+    apart = np.where(compared.different, compared.apart, -1.0)
     finite = np.where(np.isfinite(apart), apart, -1.0)
     return int(finite.argmax() if finite.max() >= 0.0 else apart.argmax())
 

@@ -72,7 +72,7 @@ def merged(givens: Sequence[Given], program: Program, most: int) -> list[Given]:
             g.part(np.unique(np.linspace(0, g.count - 1, min(share, g.count)).astype(int)))
             for g in group
         ]
-        found.append(parts[0] if len(parts) == 1 else _joined(parts))
+        found.append(parts[0] if len(parts) == 1 else joined(parts))
     return found
 
 
@@ -85,7 +85,8 @@ def _looks(bindings: Bindings) -> int:
     return hash(tuple(parts))
 
 
-def _joined(parts: Sequence[Given]) -> Given:
+def joined(parts: Sequence[Given]) -> Given:
+    """Sets with the same textures as one, in which uniforms differ between invocations."""
     count = sum(part.count for part in parts)
     each = {}
     names = [{**part.each, **part.bindings.uniforms} for part in parts]

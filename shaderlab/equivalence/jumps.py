@@ -19,6 +19,8 @@ from shaderlab.interpreter import Program
 
 PAIRS = 192
 _PARTS, _ROUNDS = 8, 6  # each round looks for the steepest of so many parts
+_SMOOTH = 2  # after so many rounds a change that goes on shrinking is no jump
+_SHRINKS = 0.5  # what is left of a smooth change from one round to the next, at most
 _JUMP = 1e9  # how far apart something and nothing are
 
 
@@ -61,15 +63,28 @@ def jumps(
         return None
     ends = []
     for program in programs:
-        low, high = np.zeros(PAIRS), np.ones(PAIRS)
-        for _ in range(_ROUNDS):
-            t = low + np.linspace(0.0, 1.0, _PARTS + 1)[:, None] * (high - low)
-            values = _values(program, ways.repeated(_PARTS + 1).at(t.ravel()))
-            steepest = _changes(values, _PARTS + 1).argmax(axis=0)
-            low, high = (t[steepest + k, np.arange(PAIRS)] for k in (0, 1))
-        ends += [ways.at(low), ways.at(high)]
+        ends += [ways.at(t) for t in _steepest(program, ways)]
+    if not ends:
+        return None
     each = {n: np.concatenate([end.each[n] for end in ends]) for n in ends[0].each}
     return Given(each, given.bindings, len(ends) * PAIRS)
+
+
+def _steepest(program: Program, ways: _Ways) -> tuple[Array, ...]:
+    """Both ends of the steepest little part of each way, (count,); nothing where a program changes
+    smoothly along all of them."""
+    all_ = np.arange(PAIRS)
+    low, high, before = np.zeros(PAIRS), np.ones(PAIRS), np.full(PAIRS, np.inf)
+    for number in range(_ROUNDS):
+        t = low + np.linspace(0.0, 1.0, _PARTS + 1)[:, None] * (high - low)
+        changes = _changes(_values(program, ways.repeated(_PARTS + 1).at(t.ravel())), _PARTS + 1)
+        steepest = changes.argmax(axis=0)
+        low, high = (t[steepest + k, all_] for k in (0, 1))
+        change = changes[steepest, all_]
+        if number >= _SMOOTH and (change <= _SHRINKS * before).all():
+            return ()
+        before = change
+    return low, high
 
 
 def _ways(given: Given, roles: Mapping[str, Role], rng: np.random.Generator) -> _Ways | None:
@@ -94,7 +109,7 @@ def _ways(given: Given, roles: Mapping[str, Role], rng: np.random.Generator) -> 
 
 def _values(program: Program, given: Given) -> dict[str, Array]:
     """Outputs without noise, with a jump's height where nothing is drawn or defined."""
-    ran = run(program, given, (0,))
+    ran = run(program, given, 0)
     gone = ran.discarded[0][:, None]
     return {
         name: np.where(gone, _JUMP, np.where(np.isfinite(v[0]), v[0], -_JUMP))

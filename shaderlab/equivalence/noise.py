@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import zlib
 from dataclasses import dataclass
 from functools import cache
@@ -15,7 +16,7 @@ from shaderlab.interpreter import Numbers
 
 _OPERATION = 2.0**-52
 _INPUT = 2.0**-24  # a float32 is within half of an ULP of what it stands for, at most
-_POOL = 1 << 16
+_POOL = 1 << 17
 
 # Functions that round nothing.
 _EXACT = frozenset(
@@ -26,32 +27,31 @@ _EXACT = frozenset(
 
 @dataclass(frozen=True)
 class Noisy(Numbers):
-    """float64 in which every rounding errs by its full size, this way or that, by `seed`.
+    """float64 in which every rounding errs by its full size, this way or that.
+
+    All runs are one: the invocations come 1 + `copies` times, one block of `count` after the other.
+    The first block is float64 without noise, and each of the others errs in its own way.
 
     Operations err by 2^-52; numbers that the shader got or whose author wrote more digits than a
     float32 has, by half of a float32 ULP. What needs no rounding has no error: results that fit
-    into a float32, inputs all of whose numbers have few bits. Seed 0 is float64 without noise.
+    into a float32, inputs all of whose numbers have few bits.
 
-    GLSL's undefined results are NaN in all of them: pow of a negative base, what is read before
-    it is written.
+    GLSL's undefined results are NaN in all blocks: pow of a negative base, what is read before it
+    is written.
     """
 
     dtype: Any = np.float64
-    seed: int = 0
+    count: int = 1
+    copies: int = 0
 
     def exact(self, values: Any) -> Array:
         found: Array = np.asarray(values, np.float32).astype(np.float64)
-        if self.seed:
-            with np.errstate(all="ignore"):
-                rounded = (found.astype(np.float16) != found).any(axis=-1, keepdims=True)
-            found = np.where(rounded, found * (1.0 + _INPUT * self._signs(found, "input")), found)
-        return found
+        rounded = (found.astype(np.float16) != found).any(axis=-1, keepdims=True)
+        return self._shaken(found, np.broadcast_to(rounded, found.shape), _INPUT, "input")
 
     def literal(self, value: float) -> Array:
         found: Array = super().literal(value)
-        if self.seed and found[0, 0] != np.float32(value):
-            found = found * (1.0 + _INPUT * self._signs(found, f"literal {value!r}"))
-        return found
+        return self._shaken(found, found != np.float32(value), _INPUT, f"literal {value!r}")
 
     def undefined(self) -> Array:
         return np.full((1, 1), np.nan)
@@ -61,32 +61,42 @@ class Noisy(Numbers):
         if function == "pow":
             x, y = values
             found = np.where((x < 0.0) | ((x == 0.0) & (y <= 0.0)), np.nan, found)
-        return found if function in _EXACT else self._shaken(found, function)
+        return found if function in _EXACT else self._computed(found, function)
 
     def rounded(self, value: Any) -> Any:
-        return self._shaken(super().rounded(value), "rounded")
+        return self._computed(super().rounded(value), "rounded")
 
-    def _shaken(self, value: Any, salt: str) -> Any:
-        if not self.seed or isinstance(value, Integer | tuple):
+    def _computed(self, value: Any, salt: str) -> Any:
+        if not self.copies or isinstance(value, Integer | tuple):
             return value
-        with np.errstate(all="ignore"):
-            short = value.astype(np.float32) == value
-            return np.where(short, value, value * (1.0 + _OPERATION * self._signs(value, salt)))
+        return self._shaken(value, value.astype(np.float32) != value, _OPERATION, salt)
 
-    def _signs(self, like: Array, salt: str) -> Array:
-        """An error for each number, from -1 to -.5 or from .5 to 1: none is lucky enough to be
-        right. They follow from the seed and the numbers, so that the same expression of two
-        shaders errs alike."""
-        start = zlib.crc32(f"{salt} {self.seed} {float(like.flat[0])!r}".encode()) % _POOL
-        pool = _pool()[start:]
-        return (pool[: like.size] if like.size <= _POOL else np.resize(pool, like.size)).reshape(
-            like.shape
-        )
+    def _shaken(self, value: Array, rounded: Array, size: float, salt: str) -> Array:
+        """The value with an error in each block but the first where it was rounded, from -1 to -.5
+        or from .5 to 1 times `size`: none is lucky enough to be right. Errors follow from the
+        numbers, so that the same expression of two shaders errs alike. A value with one row gets
+        one for each invocation."""
+        if not self.copies or not rounded.any():
+            return value
+        block = self.count
+        if len(value) == 1:
+            block = 1
+            value, rounded = (np.repeat(x, 1 + self.copies, axis=0) for x in (value, rounded))
+        factors = _factors(value[block:].shape, size, f"{salt} {float(value.flat[0])!r}")
+        found = value.copy()
+        np.multiply(value[block:], factors, out=found[block:], where=rounded[block:])
+        return found if block == self.count else np.repeat(found, self.count, axis=0)
+
+
+def _factors(shape: tuple[int, ...], size: float, salt: str) -> Array:
+    start, count = zlib.crc32(salt.encode()) % _POOL, math.prod(shape)
+    pool = _pool(size)[start:]
+    return (pool[:count] if count <= _POOL else np.resize(pool, count)).reshape(shape)
 
 
 @cache
-def _pool() -> Array:
+def _pool(size: float) -> Array:
     generator = np.random.default_rng(20)
-    size = generator.uniform(0.5, 1.0, 2 * _POOL)
-    found: Array = np.where(generator.random(2 * _POOL) < 0.5, -size, size)
+    errors = generator.uniform(0.5, 1.0, 2 * _POOL)
+    found: Array = 1.0 + size * np.where(generator.random(2 * _POOL) < 0.5, -errors, errors)
     return found

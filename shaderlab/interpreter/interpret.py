@@ -45,6 +45,7 @@ def interpret(
     arithmetic: Arithmetic | None = None,
     *,
     count: int | None = None,
+    places: Array | None = None,
     turns: int = TURNS,
     blocks: int = BLOCKS,
     trace: Trace | None = None,
@@ -62,6 +63,7 @@ def interpret(
         bindings: uniforms, members of blocks and textures, as a scene's frame has them.
         arithmetic: `FLOAT32` by default.
         count: the number of invocations; by default that of the rows of `each`, or 1.
+        places: where each invocation's pixel is, (count, 2 or more); by default its gl_FragCoord.
         turns: how often a loop may turn each time that it is entered.
         blocks: how many blocks may be run in all.
         trace: is called with each value that a variable, or a part of one, is given.
@@ -81,18 +83,19 @@ def interpret(
     for name, values in each.items():
         if len(values) not in (1, count):
             raise FormulaError(f"{name!r} has {len(values)} rows, others {count}")
-    places = each.get("gl_FragCoord")
+    places = each.get("gl_FragCoord") if places is None else places
     run = Run(
         program, arithmetic, count,
         places=places, turns=turns, blocks=blocks, trace=trace, watch=watch,
     )  # fmt: skip
-    memory = memory_of(program, each, bindings, arithmetic)
-    if unwritten:
-        memory |= undefined_outputs(program, arithmetic)
-    for id_, constant in program.module.initialisers.items():
-        if isinstance(memory.get(id_), Missing | None):
-            memory[id_] = run.value(constant)
-    end = run.call(program.main, World(np.ones(count, np.bool_), memory))
+    with np.errstate(all="ignore"):  # what is no number is a result like any other
+        memory = memory_of(program, each, bindings, arithmetic)
+        if unwritten:
+            memory |= undefined_outputs(program, arithmetic)
+        for id_, constant in program.module.initialisers.items():
+            if isinstance(memory.get(id_), Missing | None):
+                memory[id_] = run.value(constant)
+        end = run.call(program.main, World(np.ones(count, np.bool_), memory))
     survivors = np.zeros(count, np.bool_) if end is None else end.mask
     return Interpreted(
         outputs={} if end is None else outputs_of(program, end.memory, count),

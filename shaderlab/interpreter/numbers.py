@@ -42,12 +42,11 @@ class Numbers:
         return np.zeros((1, 1), self.dtype)
 
     def call(self, function: str, *values: Any) -> Any:
-        with np.errstate(all="ignore"):
-            own = _FUNCTIONS.get(function)
-            if own is not None and not any(isinstance(value, Integer) for value in values):
-                return np.asarray(own(*values)).astype(self.dtype, copy=False)
-            wide = (v.astype(np.float64) if isinstance(v, np.ndarray) else v for v in values)
-            return self.rounded(getattr(glslmath, function)(*wide))
+        own = _FUNCTIONS.get(function)
+        if own is not None and not any(isinstance(value, Integer) for value in values):
+            return np.asarray(own(*values)).astype(self.dtype, copy=False)
+        wide = (v.astype(np.float64) if isinstance(v, np.ndarray) else v for v in values)
+        return self.rounded(getattr(glslmath, function)(*wide))
 
     def rounded(self, value: Any) -> Any:
         if isinstance(value, tuple):

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from shaderlab.compiler.module import Op
 from shaderlab.errors import FormulaError, NotInterpretedError
 from shaderlab.frame import Array
 from shaderlab.interpreter import constants
@@ -221,6 +222,6 @@ class Run:
                 result = self._watch(self, instruction, world, result)
             if instruction.id:
                 self.results[instruction.id] = result
-            if not world.mask.any():  # a call in which all were discarded
-                return []
+            if instruction.op == Op.FUNCTION_CALL and not world.mask.any():
+                return []  # all were discarded in it
         raise NotInterpretedError("not interpreted: a block without an end")

@@ -262,13 +262,18 @@ def test_a_loop_that_does_not_end_is_not_interpreted() -> None:
 
 
 def test_noise_errs_by_what_rounding_may() -> None:
-    rough, plain = Noisy(seed=1), Noisy()
-    x = np.float32([[0.1], [0.5], [3.0]])
-    given = rough.exact(x) / plain.exact(x) - 1.0
-    assert 2.0**-26 < abs(given[0, 0]) <= 2.0**-24 and (given[1:] == 0.0).all()
-    assert rough.literal(0.5) == 0.5 and rough.literal(0.1) != 0.1
-    third = rough.call("divide", np.ones((1, 1)), np.full((1, 1), 3.0)) * 3.0 - 1.0
-    assert 0.0 < abs(third[0, 0]) <= 2.0**-51
+    rough, plain = Noisy(count=3, copies=2), Noisy()
+    x = np.float32([[0.1], [0.5], [3.0]] * 3)
+    given = (rough.exact(x) / plain.exact(x) - 1.0).reshape(3, 3)
+    assert (given[0] == 0.0).all() and (given[:, 1:] == 0.0).all()
+    assert ((abs(given[1:, 0]) > 2.0**-26) & (abs(given[1:, 0]) <= 2.0**-24)).all()
+    assert given[1, 0] != given[2, 0]
+    assert rough.literal(0.5) == 0.5
+    tenth = rough.literal(0.1)
+    assert (tenth[:3] == 0.1).all() and (tenth[3:] != 0.1).all() and len(tenth) == 9
+    third = rough.call("divide", np.ones((1, 1)), np.full((1, 1), 3.0))
+    assert (third[:3] == 1.0 / 3.0).all() and (third[3:] != 1.0 / 3.0).all()
+    assert (abs(third * 3.0 - 1.0) <= 2.0**-51).all()
     assert rough.call("add", np.ones((1, 1)), np.ones((1, 1))) == 2.0
     assert np.isnan(plain.call("pow", np.full((1, 1), -2.0), np.full((1, 1), 2.0)))
 

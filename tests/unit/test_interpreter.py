@@ -252,6 +252,13 @@ def test_no_conforming_device_leaves_the_band(seed: int, worse: bool) -> None:
     assert (found > 0) is worse
 
 
+def test_the_adversary_rearranges_what_precise_forbids() -> None:
+    text = DECLARED + "void main() { vec4 c = a - b; color = (c + b) * (c + a) + (b + c * a); }"
+    theirs = run(text, Erring(device=Device(3, "either"))).outputs["color"]
+    assert outside(run(text, Bands()).outputs["color"], theirs) == 0
+    assert outside(run(text, Bands(Rules(rearrange=False))).outputs["color"], theirs) > 0
+
+
 def kept_rows(kept: Any, gone: Any) -> Any:
     whole = np.zeros((COUNT, 4))
     whole[~gone] = kept
