@@ -62,15 +62,16 @@ def compiled(plain: Function) -> Function:
     return cast(Function, update_wrapper(KERNELS.operation(plain.__name__, plain), plain))
 
 
-def operators(operation: Callable[[Any, Any], Any]) -> tuple[Any, Any]:
-    """`operation` as a band's operator, and with the band on the right."""
-    both = (
-        lambda self, other: operation(self, self.lift(other)),
-        lambda self, other: operation(self.lift(other), self),
-    )
+Operator = Callable[[Any, Any], Any]
+
+
+def operators(operation: Operator, straight: Operator, reflected: Operator) -> tuple[Any, Any]:
+    """An operator and its reflected twin: `operation` by its pass where one operand is a band and
+    the other a band or literal of its rules, elsewhere the functions given."""
     if KERNELS is None:
-        return both
-    return tuple(KERNELS.operator(operation, plain, plain is both[1]) for plain in both)
+        return straight, reflected
+    both = enumerate((straight, reflected))
+    return tuple(KERNELS.operator(operation, plain, bool(k)) for k, plain in both)
 
 
 def use_bands(band: type, terms: type, rules: type, nowhere: tuple[Any, ...]) -> None:

@@ -6,8 +6,9 @@ import operator
 from collections.abc import Callable
 from typing import Any
 
+from shaderlab.bands import arithmetic
 from shaderlab.bands.band import Band
-from shaderlab.bands.compiled import use_literals
+from shaderlab.bands.compiled import operators, use_literals
 from shaderlab.bands.exact import union
 from shaderlab.bands.rules import Rules
 
@@ -60,26 +61,34 @@ class Literal(float):
         return Literal.folded(abs(float(self)), abs(self.band))
 
 
-def _both_ways(operation: Callable[[Any, Any], Any]) -> tuple[Any, Any]:
-    """`operation` as a literal's operator, and with the literal on the right."""
+def _both_ways(
+    value_of: Callable[[Any, Any], Any], operation: Callable[[Any, Any], Any]
+) -> tuple[Any, Any]:
+    """An operation on floats, and on bands, as a literal's operator, and with the literal on the
+    right."""
 
     def straight(self: Literal, other: Any) -> Any:
         if type(other) not in (float, int, Literal):
             return NotImplemented
-        value = operation(float(self), float(other))
+        value = value_of(float(self), float(other))
         return Literal.folded(value, operation(self.band, self.band.lift(other)))
 
     def reflected(self: Literal, other: Any) -> Any:
         if type(other) not in (float, int):
             return NotImplemented
-        value = operation(float(other), float(self))
+        value = value_of(float(other), float(self))
         return Literal.folded(value, operation(self.band.lift(other), self.band))
 
-    return straight, reflected
+    return operators(operation, straight, reflected)
 
 
-for _name in ("add", "sub", "mul", "truediv"):
-    _straight, _reflected = _both_ways(getattr(operator, _name))
+for _name, _value_of, _operation in (
+    ("add", operator.add, arithmetic.add),
+    ("sub", operator.sub, arithmetic.subtract),
+    ("mul", operator.mul, arithmetic.multiply),
+    ("truediv", operator.truediv, arithmetic.divide),
+):
+    _straight, _reflected = _both_ways(_value_of, _operation)
     setattr(Literal, f"__{_name}__", _straight)
     setattr(Literal, f"__r{_name}__", _reflected)
 

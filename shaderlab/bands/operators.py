@@ -58,19 +58,28 @@ def _refusal(what: str, remedy: str) -> Callable[..., NoReturn]:
     return lambda *values, **options: _refuse(what, remedy)
 
 
+def _both_ways(operation: Callable[[Any, Any], Any]) -> tuple[Any, Any]:
+    """`operation` as a band's operator, and with the band on the right."""
+    return operators(
+        operation,
+        lambda self, other: operation(self, self.lift(other)),
+        lambda self, other: operation(self.lift(other), self),
+    )
+
+
 class Operators:
     """The arithmetic of bands, and guards for everything that would lose their intervals."""
 
     __slots__ = ()
     __hash__ = None  # type: ignore[assignment]
 
-    __add__, __radd__ = operators(arithmetic.add)
-    __sub__, __rsub__ = operators(arithmetic.subtract)
-    __mul__, __rmul__ = operators(arithmetic.multiply)
-    __truediv__, __rtruediv__ = operators(arithmetic.divide)
-    __matmul__, __rmatmul__ = operators(sums.matmul)
-    __lt__, __gt__ = operators(exact.less)
-    __ge__, __le__ = operators(lambda a, b: ~exact.less(a, b))
+    __add__, __radd__ = _both_ways(arithmetic.add)
+    __sub__, __rsub__ = _both_ways(arithmetic.subtract)
+    __mul__, __rmul__ = _both_ways(arithmetic.multiply)
+    __truediv__, __rtruediv__ = _both_ways(arithmetic.divide)
+    __matmul__, __rmatmul__ = _both_ways(sums.matmul)
+    __lt__, __gt__ = _both_ways(exact.less)
+    __ge__, __le__ = _both_ways(lambda a, b: ~exact.less(a, b))
 
     def __eq__(self: Any, other: Any) -> Truth:  # type: ignore[override]
         return exact.equal(self, self.lift(other))

@@ -56,7 +56,7 @@ def applied(plain: Callable[..., Any], banded: Callable[..., Band | Truth], *val
     """
     for value in values:
         if isinstance(value, Band):
-            return banded(*(value.lift(other) for other in values))
+            return banded(*[value.lift(other) for other in values])
     lifted = bands(*values)
     band = None if lifted is None else banded(*lifted)
     if band is not None and not all(isinstance(value, int | float) for value in values):

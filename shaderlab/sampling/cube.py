@@ -15,7 +15,15 @@ import numpy as np
 import numpy.typing as npt
 
 from shaderlab.frame import Array
-from shaderlab.sampling.reading import Integers, Sampler, level_values, stored, wrapped
+from shaderlab.sampling.reading import (
+    EDGE,
+    Integers,
+    Sampler,
+    level_values,
+    looked_up,
+    stored,
+    wrapped,
+)
 from shaderlab.sampling.spans import Span, component, hull
 
 Flags = npt.NDArray[np.bool_]
@@ -91,7 +99,7 @@ def across_edges(sampler: Sampler, level: int, x: Array, y: Array, face: Integer
     column, row = x.astype(np.int64), y.astype(np.int64)
     out_x, out_y = (column < 0) | (column >= size), (row < 0) | (row >= size)
     inside_x, inside_y = np.clip(column, 0, size - 1), np.clip(row, 0, size - 1)
-    here = stored(sampler, level, inside_x, inside_y, face)
+    here = looked_up(sampler, level, x, y, face, EDGE, EDGE)
     if not (out_x | out_y).any():
         return here
     low = here[0].copy()

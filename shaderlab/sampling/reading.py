@@ -31,6 +31,7 @@ _GIVE = np.where((_CODES == 0.0) | (_CODES == 1.0), 0.0, CODE_PRECISION * _CODES
 _LOWEST, _HIGHEST = _CODES - _GIVE, _CODES + _GIVE
 
 BORDER = "clamp_to_border"
+EDGE = "clamp_to_edge"
 _MIRRORED = {"greater": "less", "gequal": "lequal"}
 
 
@@ -71,8 +72,46 @@ def _modulo(index: Integers, size: int) -> Integers:
     return np.mod(index, size) if size & (size - 1) else index & (size - 1)
 
 
-@compiled
+@dataclass(frozen=True, eq=False)
+class Decoding:
+    """How stored values are read: codes by tables of the least and the greatest that each may be,
+    numbers as they are, but for a relative error of those that are neither 0 nor 1."""
+
+    lowest: Array | None = None
+    highest: Array | None = None
+    error: float = 0.0
+
+
+_NUMBERS = Decoding()
+_DEPTHS = Decoding(error=CODE_PRECISION)
+_EXACT_CODES = Decoding(_CODES, _CODES)
+_READ_CODES = Decoding(_LOWEST, _HIGHEST)
+
+
+def decoding(sampler: Sampler) -> Decoding:
+    """How a sampler's stored values are read. Raises FormulaError for sRGB."""
+    texels = sampler.texels
+    if texels.format.startswith("srgb"):
+        raise FormulaError(
+            "texture(): how precisely an sRGB texel is decoded differs from driver to driver",
+            remedy='use a float format, such as Texture(format="rgba32f")',
+        )
+    if texels.values.dtype == np.uint8:
+        return _EXACT_CODES if sampler.rules is None else _READ_CODES
+    return _DEPTHS if texels.format[:7] in LARGEST and sampler.rules is not None else _NUMBERS
+
+
 def looked_up(
+    sampler: Sampler, level: int, x: Array, y: Array, layer: Integers, across: str, up: str
+) -> Span:
+    """Texels at whole numbers of any size, by wrap modes across and up that know no border."""
+    how = decoding(sampler)
+    values = level_values(sampler, level)
+    return texels_at(values, x, y, layer, across, up, how.lowest, how.highest, how.error)
+
+
+@compiled
+def texels_at(
     values: Array,
     x: Array,
     y: Array,
@@ -81,31 +120,15 @@ def looked_up(
     up: str,
     lowest: Array | None,
     highest: Array | None,
+    error: float,
 ) -> Span:
-    """Texels of a level, (layers, height, width, channels), at whole numbers of any size, by the
-    wrap modes across and up; (count, 4). Codes are looked up in tables of what they may be."""
+    """`looked_up` in (layers, height, width, channels), decoded; (count, 4)."""
     _, height, width, channels = values.shape
     column = wrap_index(x.astype(np.int64), width, across)
     row = wrap_index(y.astype(np.int64), height, up)
     place = (layer * height + row) * width + column
     found = values.reshape(-1, channels).take(place, axis=0)
-    if lowest is None or highest is None:
-        numbers = found.astype(np.float64)
-        return _completed((numbers, numbers))
-    low = lowest.take(found)
-    return _completed((low, low if lowest is highest else highest.take(found)))
-
-
-def _tables(sampler: Sampler) -> tuple[Array | None, Array | None] | None:
-    """The least and the greatest that each code may be; None twice where texels are numbers; None
-    where they are something else."""
-    texels = sampler.texels
-    if texels.format.startswith("srgb"):
-        return None
-    if texels.values.dtype == np.uint8:
-        return (_CODES, _CODES) if sampler.rules is None else (_LOWEST, _HIGHEST)
-    depth = texels.format[:7] in LARGEST and sampler.rules is not None
-    return None if depth else (None, None)
+    return _completed(_decoded(found, Decoding(lowest, highest, error)))
 
 
 def stored(sampler: Sampler, level: int, x: Integers, y: Integers, layer: Integers) -> Span:
@@ -118,7 +141,7 @@ def stored(sampler: Sampler, level: int, x: Integers, y: Integers, layer: Intege
         found = values.reshape(-1, channels).take(place, axis=0)
     else:
         found = values[layer, y, x]
-    return _completed(_decoded(sampler, found))
+    return _completed(_decoded(found, decoding(sampler)))
 
 
 def wrapped(sampler: Sampler, level: int, x: Array, y: Array, layer: Integers) -> Span:
@@ -126,18 +149,20 @@ def wrapped(sampler: Sampler, level: int, x: Array, y: Array, layer: Integers) -
     modes; (count, 4)."""
     texels = sampler.texels
     depth, height, width, channels = level_values(sampler, level).shape
-    tables = _tables(sampler)
-    if tables is not None and texels.kind != "3D" and BORDER not in texels.wrap:
-        across, up = texels.wrap[:2]
-        return looked_up(level_values(sampler, level), x, y, layer, across, up, *tables)
+    if texels.kind != "3D" and BORDER not in texels.wrap:
+        return looked_up(sampler, level, x, y, layer, texels.wrap[0], texels.wrap[1])
     column = wrap_index(x.astype(np.int64), width, texels.wrap[0])
     row = wrap_index(y.astype(np.int64), height, texels.wrap[1])
     if texels.kind == "3D":
         layer = wrap_index(layer, depth, texels.wrap[2])
     if BORDER not in texels.wrap:
         return stored(sampler, level, column, row, layer)
-    inside = (np.maximum(index, 0) for index in (column, row, layer))
-    low, high = stored(sampler, level, *inside)
+    if texels.kind == "3D":
+        inside = (np.maximum(index, 0) for index in (column, row, layer))
+        low, high = stored(sampler, level, *inside)
+    else:
+        modes = (EDGE if mode == BORDER else mode for mode in texels.wrap[:2])
+        low, high = looked_up(sampler, level, x, y, layer, *modes)
     outside = ((column < 0) | (row < 0) | (layer < 0))[..., None]
     if outside.any():
         border = np.asarray(texels.border[:channels], np.float32).astype(np.float64)
@@ -170,23 +195,15 @@ def compared(function: str, reference: Span, texel: Span) -> Span:
     return sure.astype(np.float64), may.astype(np.float64)
 
 
-def _decoded(sampler: Sampler, values: Array) -> Span:
+def _decoded(values: Array, how: Decoding) -> Span:
     """Stored values as the shader reads them."""
-    texels = sampler.texels
-    if texels.format.startswith("srgb"):
-        raise FormulaError(
-            "texture(): how precisely an sRGB texel is decoded differs from driver to driver",
-            remedy='use a float format, such as Texture(format="rgba32f")',
-        )
-    if values.dtype == np.uint8:
-        if sampler.rules is None:
-            codes = _CODES.take(values)
-            return codes, codes
-        return _LOWEST.take(values), _HIGHEST.take(values)
+    if how.lowest is not None and how.highest is not None:
+        low = how.lowest.take(values)
+        return low, low if how.lowest is how.highest else how.highest.take(values)
     numbers = values.astype(np.float64)
-    if texels.format[:7] not in LARGEST or sampler.rules is None:
+    if not how.error:
         return numbers, numbers
-    give = np.where((numbers == 0.0) | (numbers == 1.0), 0.0, CODE_PRECISION * numbers)
+    give = np.where((numbers == 0.0) | (numbers == 1.0), 0.0, how.error * numbers)
     return numbers - give, numbers + give
 
 

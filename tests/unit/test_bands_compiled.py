@@ -293,10 +293,11 @@ def test_texels_are_looked_up_as_numpy_does(data: Any) -> None:
     given = (
         (None, None) if kind != np.uint8 else data.draw(st.sampled_from([tables, tables[:1] * 2]))
     )
-    assert compiled.KERNELS.looked_up(values, x, y, layer, *modes, *given) is not None
-    got = reading.looked_up(values, x, y, layer, *modes, *given)
+    error = 0.0 if kind == np.uint8 else data.draw(st.sampled_from([0.0, 0.25]))
+    assert compiled.KERNELS.texels_at(values, x, y, layer, *modes, *given, error) is not None
+    got = reading.texels_at(values, x, y, layer, *modes, *given, error)
     with compiled.numpy_alone():
-        expected = reading.looked_up(values, x, y, layer, *modes, *given)
+        expected = reading.texels_at(values, x, y, layer, *modes, *given, error)
     for ours, theirs in zip(got, expected, strict=True):
         np.testing.assert_array_equal(ours, theirs, strict=True)
     assert (got[0] is got[1]) == (expected[0] is expected[1])

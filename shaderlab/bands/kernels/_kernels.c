@@ -50,7 +50,7 @@ static PyMethodDef kernels[] = {
     METHOD(mixed_texels, mixed_texels), METHOD(smaller, smaller_band),
     METHOD(larger, larger_band), METHOD(clamped, clamped), METHOD(absolute, absolute),
     METHOD(union, union_of), METHOD(dot, dot), METHOD(times_vector, times_vector),
-    METHOD(direction, direction), METHOD(__getitem__, indexed), METHOD(ordinary, ordinary), METHOD(joined, joined), METHOD(looked_up, looked_up), {0}};
+    METHOD(direction, direction), METHOD(__getitem__, indexed), METHOD(ordinary, ordinary), METHOD(joined, joined), METHOD(texels_at, texels_at), {0}};
 
 #include "operations.h"
 

@@ -108,13 +108,21 @@ static int same_rules(PyObject *one, PyObject *other)
         && SLOT(one, rule_sets.flush) == SLOT(other, rule_sets.flush);
 }
 
-/* `other` as a band of the first one's rules, borrowed; NULL where Python must do it. */
-static PyObject *lifted(PyObject *band, PyObject *other)
+/* A band, or that of a literal, borrowed; NULL where there is none. */
+static inline PyObject *band_in(PyObject *object)
 {
-    if (!is_band(band)) return NULL;
-    if (literals.type && Py_IS_TYPE(other, literals.type)) other = SLOT(other, literals.band);
-    if (!other || !is_band(other)) return NULL;
-    return same_rules(SLOT(band, bands.rules), SLOT(other, bands.rules)) ? other : NULL;
+    if (is_band(object)) return object;
+    return literals.type && Py_IS_TYPE(object, literals.type) ? SLOT(object, literals.band) : NULL;
+}
+
+/* Whether two operands, of which one is a band, are bands of the same rules or literals. */
+static int lifted(PyObject *const *given, PyObject **pair)
+{
+    if (!is_band(given[0]) && !is_band(given[1])) return 0;
+    pair[0] = band_in(given[0]);
+    pair[1] = band_in(given[1]);
+    return pair[0] && pair[1]
+        && same_rules(SLOT(pair[0], bands.rules), SLOT(pair[1], bands.rules));
 }
 
 /* Whether flags are set nowhere at all. */

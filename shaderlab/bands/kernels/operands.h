@@ -67,17 +67,32 @@ LOOP void every(npy_intp count, const double *from, npy_intp stride, double *res
     }
 }
 
+/* Rows of few values each, `apart` from each other, one after the other. */
+LOOP void line_up(
+    npy_intp rows, npy_intp length, const double *from, npy_intp apart, npy_intp stride,
+    double *restrict to)
+{
+    if (!stride && length == 3)
+        for (npy_intp i = 0; i < rows; i++)
+            to[3 * i] = to[3 * i + 1] = to[3 * i + 2] = from[i * apart];
+    else if (!stride && length == 4)
+        for (npy_intp i = 0; i < rows; i++)
+            to[4 * i] = to[4 * i + 1] = to[4 * i + 2] = to[4 * i + 3] = from[i * apart];
+    else if (stride == 1 && length == 3)
+        for (npy_intp i = 0; i < rows; i++)
+            for (npy_intp j = 0; j < 3; j++) to[3 * i + j] = from[i * apart + j];
+    else
+        for (npy_intp j = 0; j < length; j++)
+            for (npy_intp i = 0; i < rows; i++) to[i * length + j] = from[i * apart + j * stride];
+}
+
 static void gather(const Operand *operand, npy_intp start, npy_intp count, double *to)
 {
     int last = operand->ndim - 1;
     npy_intp length = operand->dims[last], stride = operand->strides[last];
     if (last == 1 && start % length == 0 && count % length == 0 && length <= 16) {
-        /* Vectors: their components one after the other, each from all rows. */
         npy_intp rows = count / length, apart = operand->strides[0];
-        for (npy_intp j = 0; j < length; j++) {
-            const double *from = operand->data + start / length * apart + j * stride;
-            for (npy_intp i = 0; i < rows; i++) to[i * length + j] = from[i * apart];
-        }
+        line_up(rows, length, operand->data + start / length * apart, apart, stride, to);
         return;
     }
     npy_intp at[MAX_DIMS], rest = start;

@@ -10,8 +10,7 @@ typedef struct {
     vectorcallfunc call;
     Kernel kernel;
     PyObject *plain, *names;
-    /* Of a band's operators: the second operand may be anything that can be a band, and stands on
-     * the left. */
+    /* Of operators: one of the two operands is a band, and the second may stand on the left. */
     int lifts, reflected;
 } Operation;
 
@@ -26,12 +25,12 @@ static PyObject *call_operation(
     PyObject *found = NULL;
     if (in_use && !keywords) {
         if (!operation->lifts) found = operation->kernel(NULL, args, count);
-        else if (count == 2) {
-            PyObject *other = lifted(args[0], args[1]);
-            PyObject *pair[2] = {operation->reflected ? other : args[0],
-                                 operation->reflected ? args[0] : other};
-            found = other ? operation->kernel(NULL, pair, 2) : Py_NewRef(Py_None);
-        } else found = Py_NewRef(Py_None);
+        else if (count != 2) found = Py_NewRef(Py_None);
+        else {
+            PyObject *given[] = {args[operation->reflected], args[!operation->reflected]}, *pair[2];
+            int ready = lifted(given, pair);
+            found = ready ? operation->kernel(NULL, pair, 2) : Py_NewRef(Py_None);
+        }
         if (found != Py_None) return found;
         Py_DECREF(found);
     }
@@ -112,7 +111,7 @@ static PyObject *operation(PyObject *self, PyObject *const *args, Py_ssize_t giv
     return Py_NewRef(args[1]);
 }
 
-/* operator(operation, plain, reflected): a band's operator, and `plain` for what it leaves. */
+/* operator(operation, plain, reflected): an operator of bands or literals, and `plain` for what it leaves. */
 static PyObject *operator(PyObject *self, PyObject *const *args, Py_ssize_t given)
 {
     if (given != 3) {

@@ -67,6 +67,17 @@ static void copy_texels(
     else COPY_TEXELS(double, texel[k])
 }
 
+/* Numbers neither 0 nor 1 moved by a relative error. */
+LOOP void err(npy_intp count, double error, double *restrict low, double *restrict high)
+{
+    for (npy_intp i = 0; i < count; i++) {
+        double number = low[i];
+        double give = (number == 0.0) | (number == 1.0) ? 0.0 : error * number;
+        low[i] = number - give;
+        high[i] = number + give;
+    }
+}
+
 /* An array of one axis of this length, or none. */
 static const void *row_of(PyObject *object, int type, npy_intp *length)
 {
@@ -78,12 +89,13 @@ static const void *row_of(PyObject *object, int type, npy_intp *length)
     return PyArray_DIM(array, 0) == *length ? PyArray_DATA(array) : NULL;
 }
 
-/* looked_up(values, x, y, layer, wrap of x, wrap of y, lowest, highest): (low, high). */
-static PyObject *looked_up(PyObject *self, PyObject *const *args, Py_ssize_t given)
+/* texels_at(values, x, y, layer, wrap of x, wrap of y, lowest, highest, error):
+ * (low, high). */
+static PyObject *texels_at(PyObject *self, PyObject *const *args, Py_ssize_t given)
 {
     Result result = {0};
     npy_intp count = -1, codes = 256;
-    if (given != 8 || !PyArray_Check(args[0])) Py_RETURN_NONE;
+    if (given != 9 || !PyArray_Check(args[0])) Py_RETURN_NONE;
     PyArrayObject *values = (PyArrayObject *)args[0];
     int type = PyArray_TYPE(values), coded = type == NPY_UBYTE;
     if (PyArray_NDIM(values) != 4 || !PyArray_ISCARRAY_RO(values)) Py_RETURN_NONE;
@@ -99,7 +111,8 @@ static PyObject *looked_up(PyObject *self, PyObject *const *args, Py_ssize_t giv
     npy_intp layers = dims[0], height = dims[1], width = dims[2], channels = dims[3];
     if (!count || channels > 4 || !width || !height) Py_RETURN_NONE;
     Shape shape = {.ndim = 2, .dims = {count, 4}, .size = 4 * count};
-    result.exact = tables[0] == tables[1];
+    double error = PyFloat_Check(args[8]) ? PyFloat_AS_DOUBLE(args[8]) : 0.0;
+    result.exact = tables[0] == tables[1] && error == 0.0;
     if (make_room(&result, &shape, 0, 0)) return NULL;
     for (npy_intp start = 0; start < count && !result.rare; start += BLOCK) {
         int64_t column[BLOCK], row[BLOCK];
@@ -114,7 +127,8 @@ static PyObject *looked_up(PyObject *self, PyObject *const *args, Py_ssize_t giv
         if (result.rare) break;
         const void *data = PyArray_DATA(values);
         copy_texels(some, data, type, channels, tables[0], column, result.low + 4 * start);
-        if (result.exact) continue;
+        if (error != 0.0) err(4 * some, error, result.low + 4 * start, result.high + 4 * start);
+        if (!coded || result.exact) continue;
         copy_texels(some, data, type, channels, tables[1], column, result.high + 4 * start);
     }
     return two_arrays(&result);
