@@ -115,7 +115,8 @@ static PyObject *widened_by_ulps(PyObject *self, PyObject *const *args, Py_ssize
 
 static inline double log_error(double a, double logarithm)
 {
-    return (a >= 0.5) & (a <= 2.0) ? LOG_ERROR_NEAR_ONE : LOG_ULPS * ulp(logarithm);
+    double error = LOG_ULPS * ulp(logarithm);
+    return (a >= 0.5) & (a <= 2.0) ? LOG_ERROR_NEAR_ONE : error;
 }
 
 LOOP void widen_logarithms(

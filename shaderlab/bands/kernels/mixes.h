@@ -97,34 +97,53 @@ static inline double mixed(double one, double two, double three, double four, do
     return first + second + third + fourth;
 }
 
-/* `at`: the lowest and the highest of four texels, then the ends of both weights. */
-LOOP int64_t mix_texels(
-    npy_intp count, const double *const *at, double *restrict lo, double *restrict hi)
+/* The least (`sign` 1) or the greatest (-1, negated) that four texels mix to at the ends of both
+ * weights, and the size of the largest; what is no finite number. */
+LOOP int64_t mix_ends_of_texels(
+    npy_intp count, const double *one, const double *two, const double *three, const double *four,
+    const double *left, const double *right, const double *below, const double *above, double sign,
+    double *restrict least, double *restrict largest)
 {
-    const double *l0 = at[0], *l1 = at[1], *l2 = at[2], *l3 = at[3];
-    const double *h0 = at[4], *h1 = at[5], *h2 = at[6], *h3 = at[7];
-    const double *left = at[8], *right = at[9], *below = at[10], *above = at[11];
     int64_t rare = 0;
     for (npy_intp i = 0; i < count; i++) {
-        double a = left[i], b = below[i], c = right[i], d = above[i];
-        double low = smaller(smaller(mixed(l0[i], l1[i], l2[i], l3[i], a, b),
-                                     mixed(l0[i], l1[i], l2[i], l3[i], a, d)),
-                             smaller(mixed(l0[i], l1[i], l2[i], l3[i], c, b),
-                                     mixed(l0[i], l1[i], l2[i], l3[i], c, d)));
-        double high = larger(larger(mixed(h0[i], h1[i], h2[i], h3[i], a, b),
-                                    mixed(h0[i], h1[i], h2[i], h3[i], a, d)),
-                             larger(mixed(h0[i], h1[i], h2[i], h3[i], c, b),
-                                    mixed(h0[i], h1[i], h2[i], h3[i], c, d)));
-        double lowest = larger(larger(fabs(l0[i]), fabs(l1[i])), larger(fabs(l2[i]), fabs(l3[i])));
-        double highest = larger(larger(fabs(h0[i]), fabs(h1[i])), larger(fabs(h2[i]), fabs(h3[i])));
-        double give = TEXEL_ROUNDING * larger(lowest, highest);
-        lo[i] = low - give;
-        hi[i] = high + give;
-        rare |= unbounded(l0[i], h0[i]) | unbounded(l1[i], h1[i]) ? -1 : 0;
-        rare |= unbounded(l2[i], h2[i]) | unbounded(l3[i], h3[i]) ? -1 : 0;
-        rare |= unbounded(lo[i], hi[i]) ? -1 : 0;
+        double p = sign * one[i], q = sign * two[i], r = sign * three[i], s = sign * four[i];
+        double low = smaller(mixed(p, q, r, s, left[i], below[i]),
+                             mixed(p, q, r, s, left[i], above[i]));
+        double high = smaller(mixed(p, q, r, s, right[i], below[i]),
+                              mixed(p, q, r, s, right[i], above[i]));
+        double size = larger(larger(fabs(p), fabs(q)), larger(fabs(r), fabs(s)));
+        least[i] = smaller(low, high);
+        largest[i] = size;
+        rare |= unbounded(p, q) | unbounded(r, s) | !(size < INFINITY) ? -1 : 0;
     }
     return rare;
+}
+
+LOOP int64_t move_out(
+    npy_intp count, const double *size, const double *other, double *restrict low,
+    double *restrict negated_high)
+{
+    int64_t rare = 0;
+    for (npy_intp i = 0; i < count; i++) {
+        double give = TEXEL_ROUNDING * larger(size[i], other[i]);
+        double least = low[i] - give, most = -negated_high[i] + give;
+        low[i] = least;
+        negated_high[i] = most;
+        rare |= unbounded(least, most) ? -1 : 0;
+    }
+    return rare;
+}
+
+/* `at`: the lowest and the highest of four texels, then the ends of both weights. */
+static int64_t mix_texels(
+    npy_intp count, const double *const *at, double *restrict lo, double *restrict hi)
+{
+    double size[BLOCK], other[BLOCK];
+    int64_t rare = mix_ends_of_texels(
+        count, at[0], at[1], at[2], at[3], at[8], at[9], at[10], at[11], 1.0, lo, size);
+    rare |= mix_ends_of_texels(
+        count, at[4], at[5], at[6], at[7], at[8], at[9], at[10], at[11], -1.0, hi, other);
+    return rare | move_out(count, size, other, lo, hi);
 }
 
 /* mixed_texels(four lowest, four highest, two weights across, two up): (low, high); None where one

@@ -83,9 +83,27 @@ static PyObject *divide(PyObject *self, PyObject *const *args, Py_ssize_t given)
     return finished(&pass);
 }
 
-LOOP void reciprocal_roots(npy_intp count, const double *x, double *restrict to)
+/* Of what is not negative: the rest is left to NumPy. Compilers that mind the rounding direction
+ * take one root at a time. */
+static void square_roots(npy_intp count, const double *x, double *restrict to)
 {
-    for (npy_intp i = 0; i < count; i++) to[i] = 1.0 / sqrt(larger(x[i], 0.0));
+    npy_intp i = 0;
+#ifdef __SSE2__
+    for (; i + 1 < count; i += 2)
+        _mm_storeu_pd(to + i, _mm_sqrt_pd(_mm_andnot_pd(_mm_set1_pd(-0.0), _mm_loadu_pd(x + i))));
+#endif
+    for (; i < count; i++) to[i] = sqrt(fabs(x[i]));
+}
+
+LOOP void reciprocals(npy_intp count, double *x)
+{
+    for (npy_intp i = 0; i < count; i++) x[i] = 1.0 / x[i];
+}
+
+static void reciprocal_roots(npy_intp count, const double *x, double *restrict to)
+{
+    square_roots(count, x, to);
+    reciprocals(count, to);
 }
 
 /* Expects 1/√hi and 1/√lo where the bounds are to go. */
