@@ -15,7 +15,7 @@ fill areas.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -129,7 +129,10 @@ class AnyOrder(Exact):
             "farthest surface, tests turned round": (far, True),
         }
         found = {
-            front: tuple(DrawnAnew(name, output, turned, test) for test in ("", *tests))
+            front: tuple(
+                DrawnAnew(name, output, turned, test)
+                for test in (_own_test(description, tests, turned=turned), *tests)
+            )
             for front, (tests, turned) in fronts.items()
         }
         if any(draw.state.cull for draw in description.draws):
@@ -165,13 +168,9 @@ class DrawnAnew(Need):
             return context.session.drawn_anew(other, self.output, _LARGEST)
 
     def _changed(self, draw: Draw) -> Draw:
-        depth = draw.state.depth
-        if self.test:
-            depth = Depth(func=self.test)
-        elif depth is not None and self.turned:
-            depth = replace(depth, func=_OPPOSITE.get(depth.func, depth.func))
+        test = Depth(func=self.test) if self.test else _depth(draw, turned=self.turned)
         cull = draw.state.cull if self.culled else None
-        return replace(draw, state=replace(draw.state, depth=depth, cull=cull))
+        return replace(draw, state=replace(draw.state, depth=test, cull=cull))
 
 
 @checked_arguments
@@ -212,6 +211,20 @@ def _areas(apart: Array) -> Array:
         for columns in (slice(1, None), slice(-1)):
             found[rows, columns] |= whole
     return found
+
+
+def _depth(draw: Draw, *, turned: bool) -> Depth | None:
+    """A draw's own depth test, from the other end of the depth buffer if `turned`."""
+    test = draw.state.depth
+    if test is None or not turned:
+        return test
+    return replace(test, func=_OPPOSITE.get(test.func, test.func))
+
+
+def _own_test(description: Pass, tests: Sequence[str], *, turned: bool) -> str:
+    """That of some tests which is each draw's own, so that both are drawn once; else ""."""
+    own = [_depth(draw, turned=turned) for draw in description.draws]
+    return next((test for test in tests if all(one == Depth(func=test) for one in own)), "")
 
 
 def _backwards(draw: Draw) -> Draw:

@@ -98,6 +98,7 @@ def _passing(
     """The triangles in drawing order: of which draw, and which samples of which part of the target
     pass, for each nudge."""
     depth = np.ones((len(_NUDGES), *size[::-1]))
+    right, up = (_NUDGES[:, axis, None] + np.arange(size[axis]) + 0.5 for axis in (0, 1))
     for number, triangles in enumerate(draws):
         corners = np.asarray(triangles, float).reshape(-1, 3, 4)
         device = corners[..., :3] / corners[..., 3:]
@@ -107,13 +108,19 @@ def _passing(
         lows = np.clip(np.ceil(windows.min(axis=1) - reach), 0, size).astype(int)
         highs = np.clip(np.floor(windows.max(axis=1) + reach), 0, size).astype(int)
         for index in np.flatnonzero((areas != 0.0) & (lows < highs).all(axis=1)):
-            low, high = lows[index], highs[index]
-            here = (slice(None), slice(low[1], high[1]), slice(low[0], high[0]))
-            y, x = np.mgrid[low[1] : high[1], low[0] : high[0]] + 0.5
-            points = np.stack([x, y], axis=-1) + _NUDGES[:, None, None, :]
-            shares = barycentric(points, windows[index])
-            z = shares @ depths[index]
-            passes = (shares >= 0.0).all(axis=-1) & (z < depth[here])
+            (left, low), (end, high) = lows[index].tolist(), highs[index].tolist()
+            here = (slice(None), slice(low, high), slice(left, end))
+            x, y = right[:, None, left:end], up[:, low:high, None]
+            a, b, c = windows[index].tolist()
+            # As `barycentric`, of points that share rows and columns.
+            shares = [
+                ((v[0] - u[0]) * (y - u[1]) - (v[1] - u[1]) * (x - u[0])) / areas[index]
+                for u, v in ((b, c), (c, a), (a, b))
+            ]
+            first, second, third = shares
+            of_a, of_b, of_c = depths[index].tolist()
+            z = first * of_a + second * of_b + third * of_c
+            passes = (first >= 0.0) & (second >= 0.0) & (third >= 0.0) & (z < depth[here])
             depth[here][passes] = z[passes]
             yield number, here, passes
 

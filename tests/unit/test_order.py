@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any, cast
 
 import numpy as np
 
-from shaderlab.expectations.any_order import Backwards, any_order, both_ways
+from shaderlab.expectations.any_order import Backwards, DrawnAnew, any_order, both_ways
 from shaderlab.expectations.base import Context
 from shaderlab.expectations.exact import Exact
 from shaderlab.frame import Image
-from shaderlab.model import Case, Draw, Mesh, Output, Pass, Target
+from shaderlab.model import Case, Depth, Draw, Mesh, Output, Pass, State, Target
 
 
 def draw(name: str, indices: list[int] | None = None, primitive: str = "triangles") -> Draw:
@@ -45,6 +46,25 @@ def test_what_is_compared() -> None:
     check = any_order("scene.FragColor")
     assert isinstance(check, Exact) and check.output == "scene.FragColor"
     assert check.equals == Output("scene-backwards.FragColor")
+
+
+def test_a_pass_whose_own_depth_tests_are_those_it_is_drawn_with_is_drawn_once_with_each() -> None:
+    def drawn(*tests: str) -> int:
+        draws = [
+            replace(draw(f"{i}.vert"), state=State(depth=Depth(func=t)))
+            for i, t in enumerate(tests)
+        ]
+        target = Target(depth="depth24")
+        case = Case(
+            title="two",
+            passes=both_ways(Pass(name="scene", target=target, draws=draws)),
+            expect=[any_order("scene.color")],
+        )
+        needs = case.scene("default").expect[0].needs(case.scene("default"), {})
+        return len({need for need in needs if isinstance(need, DrawnAnew)})
+
+    assert drawn("less", "less") == drawn("lequal", "lequal") == 4
+    assert drawn("less", "lequal") == drawn("less", "always") == drawn("greater", "greater") == 6
 
 
 class Shown:
