@@ -28,7 +28,7 @@ from shaderlab.records import Record
 
 LARGE = 512 << 20
 """A worker that holds so many bytes of its own gives back what it can spare before its next scene;
-one that then still holds half of it gives way to a fresh one."""
+one that then still holds three quarters of it gives way to a fresh one."""
 
 
 class LabWorker:
@@ -109,7 +109,7 @@ class LabWorker:
             self._lab.release_caches()
             gc.collect()
             release_freed_memory()
-            if _own_memory() > LARGE // 2:
+            if _own_memory() > LARGE // 4 * 3:
                 # Drivers keep a little of every scene. The parent starts another process and asks
                 # that one.
                 os._exit(0)

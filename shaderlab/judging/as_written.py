@@ -14,7 +14,7 @@ import functools
 import inspect
 import linecache
 import sysconfig
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from types import CellType, CodeType, FunctionType, MethodType, ModuleType
 from typing import Any
 from weakref import WeakKeyDictionary
@@ -22,6 +22,7 @@ from weakref import WeakKeyDictionary
 from shaderlab.bands import Literal, Rules
 
 _COPIES: WeakKeyDictionary[FunctionType, dict[Rules, FunctionType]] = WeakKeyDictionary()
+_STORING = {dis.opmap["STORE_GLOBAL"], dis.opmap["STORE_DEREF"]}
 _FOREIGN = tuple({sysconfig.get_path(key) for key in ("stdlib", "purelib", "platlib")})
 # What a constant of a module may be computed of, to be computed again of literals.
 _ARITHMETIC = (ast.BinOp, ast.UnaryOp, ast.Name, ast.Constant, ast.operator, ast.unaryop, ast.Load)
@@ -188,6 +189,8 @@ def _assigned(file: str, name: str) -> CodeType | None:
 def _unfolded(code: CodeType) -> CodeType | None:
     """A function's code with global names for float constants; None where its source is not
     found, or where it changes variables that a copy would not share."""
+    if not _has_floats(code.co_consts):  # as most: their source need not be read
+        return None if _assigns_outside(code) else code
     body = _parsed(code.co_filename).body
     for number, statement in enumerate(body):
         first = min([statement.lineno, *(d.lineno for d in _decorators(statement))])
@@ -222,8 +225,21 @@ def _compiled(statements: list[ast.stmt], file: str) -> CodeType:
     return compile(ast.Module(statements, []), file, "exec", dont_inherit=True)
 
 
+def _has_floats(constants: Iterable[Any]) -> bool:
+    """Whether a float is among constants, or inside of one: Python folds none away altogether."""
+    for constant in constants:
+        if isinstance(constant, float | complex):
+            return True
+        inside = constant.co_consts if inspect.iscode(constant) else constant
+        if isinstance(inside, tuple | frozenset) and _has_floats(inside):
+            return True
+    return False
+
+
 def _assigns_outside(code: CodeType) -> bool:
     """Whether a function changes variables that a copy of it would not share."""
+    if not (_STORING & set(code.co_code[::2])):
+        return False
     return any(
         step.opname == "STORE_GLOBAL"
         or (step.opname == "STORE_DEREF" and step.argval in code.co_freevars)
@@ -233,7 +249,7 @@ def _assigns_outside(code: CodeType) -> bool:
 
 def _place(code: CodeType) -> tuple[Any, ...]:
     """What tells the functions of a file from each other, and from those of an older text."""
-    return code.co_name, code.co_names, code.co_code, tuple(code.co_positions())
+    return code.co_name, code.co_names, code.co_code, code.co_firstlineno, code.co_linetable
 
 
 def _parts(code: CodeType) -> Iterator[CodeType]:

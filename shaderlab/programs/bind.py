@@ -110,7 +110,8 @@ def value_arrays(what: str, variable: Variable, value: Any) -> tuple[Array, Arra
     kind = numpy_type(variable.type)
     with np.errstate(over="ignore", invalid="ignore"):
         exact = decimal.astype(kind)
-    if np.isnan(decimal).any() or (np.isinf(exact) & np.isfinite(decimal)).any():
+    finite = np.isfinite(exact if exact.dtype.kind == "f" else decimal)
+    if not finite.all() and (np.isnan(decimal).any() or (~finite & np.isfinite(decimal)).any()):
         raise CaseError(f"{what} {variable.name!r} holds {value!r}, which no {variable.type} does")
     if exact.dtype.kind in "iu" and (exact != decimal).any():
         integers = "no integer" if (decimal % 1).any() else f"beyond what {variable.type} holds"

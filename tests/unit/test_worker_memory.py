@@ -45,8 +45,8 @@ def test_a_large_worker_ends(
         worker(SimpleNamespace(note=lambda step: None)).run(JOB, RunOptions())
 
 
-@pytest.mark.parametrize(("after", "error"), [(0.4, CaseError), (0.6, EndedError)])
-def test_a_large_worker_that_can_spare_half_goes_on(
+@pytest.mark.parametrize(("after", "error"), [(0.7, CaseError), (0.8, EndedError)])
+def test_a_large_worker_that_can_spare_a_quarter_goes_on(
     monkeypatch: pytest.MonkeyPatch, after: float, error: type[Exception]
 ) -> None:
     sizes = iter([lab_worker.LARGE + 1, int(after * lab_worker.LARGE)])
