@@ -3,6 +3,8 @@ may be."""
 
 from __future__ import annotations
 
+import atexit
+import gc
 import itertools
 import os
 import sys
@@ -11,6 +13,7 @@ from collections.abc import Sequence
 _RUNNING = ("run", "sweep", "mutate")
 """Commands that take workers."""
 _WITHOUT_WORKERS = ("-j0", "--jobs=0", "-h", "--help")
+_OBJECTS_PER_LOOK = 50_000
 
 
 def main() -> None:
@@ -30,6 +33,9 @@ def main() -> None:
 
             hold_standard_descriptors()
             begin_server()
+        # A command makes few cycles, and each look for some goes over all that was imported.
+        gc.set_threshold(_OBJECTS_PER_LOOK)
+        atexit.register(_end_without_a_look)
         from shaderlab.cli import main as command_line
 
         command_line()
@@ -39,6 +45,13 @@ def main() -> None:
     finally:
         if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
             signal.signal(signal.SIGINT, signal.SIG_DFL)  # nothing is left that it could cut short
+
+
+def _end_without_a_look() -> None:
+    """Have Python end without looking for cycles in all that was imported, which takes as long as
+    half of the imports. OpenImageIO reports what it finds at the end as leaked."""
+    if "OpenImageIO" not in sys.modules:
+        gc.freeze()
 
 
 def _will_run(words: Sequence[str]) -> bool:

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
-import shutil
 import stat
-import tempfile
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from itertools import islice
@@ -65,6 +63,8 @@ def replacing(path: str | Path) -> Iterator[Path]:
         os.replace(draft, target)
     finally:
         if draft.is_dir() and not draft.is_symlink():
+            import shutil  # few drafts are folders
+
             shutil.rmtree(draft, ignore_errors=True)
         else:
             draft.unlink(missing_ok=True)
@@ -105,6 +105,8 @@ def memory_file() -> BinaryIO:
     folder for temporary files."""
     if hasattr(os, "memfd_create"):
         return open(os.memfd_create("shaderlab"), "w+b")
+    import tempfile  # Linux needs none
+
     return cast(BinaryIO, tempfile.TemporaryFile())
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -70,9 +71,13 @@ class Evaluation:
             ShaderlabError: it names what is not there, or there is no answer.
         """
         with doing("draw"):
-            kept_out = self._kept_out.needed(expectation)
-            for need in (*expectation.needs(self.scene, self.programs), *kept_out):
+            for need in self.needs(expectation):
                 self.answer(need)
+
+    def needs(self, expectation: Expectation) -> Iterator[Need]:
+        """All that an expectation asks for, some of it twice perhaps."""
+        yield from expectation.needs(self.scene, self.programs)
+        yield from self._kept_out.needed(expectation)
 
     def answer(self, need: Need) -> Any:
         """What a need asks for, asked for once. Raises ShaderlabError if there is no answer."""
@@ -91,6 +96,11 @@ class Evaluation:
                     failed = replace(judgement.outcome, status="fail", message=fault)
                     judgement = replace(judgement, outcome=failed)
             return judgement
+
+    def forget(self, needs: Iterable[Need]) -> None:
+        """Give back what was captured and probed for these needs."""
+        for need in needs:
+            self.answers.pop(need, None)
 
     def require_no_other_errors(self) -> None:
         """Raise DriverError for a GL error that no expectation is about."""

@@ -123,6 +123,7 @@ class Lab(SceneDrawer):
         builder.add_inactive_uniforms(drawn.inactive)
         evaluation.require_no_other_errors()
         self.judge_all(evaluation, builder, writer, unanswered)
+        evaluation.forget(tuple(evaluation.answers))  # pictures take as much memory as they do
         if unanswered:
             names = {index: scene.expect[index].name for index in unanswered}
             lacking = {i: e for i, e in unanswered.items() if not isinstance(e, OtherApiError)}
@@ -149,7 +150,15 @@ class Lab(SceneDrawer):
         """Judge all expectations of a scene that was drawn, but for those with these numbers, and
         write the pictures of each."""
         explained = False
+        wanted = {
+            need: index
+            for index, expectation in enumerate(evaluation.scene.expect)
+            if index not in unanswered
+            for need in evaluation.needs(expectation)
+        }
         for index, expectation in enumerate(evaluation.scene.expect):
+            # What no later expectation asks for is let go: captures are as large as pictures.
+            evaluation.forget(need for need, last in wanted.items() if last < index)
             if index in unanswered:
                 continue
             files = PictureFiles()

@@ -26,9 +26,10 @@ from shaderlab.errors import ShaderlabError
 from shaderlab.evaluation import Evaluation, Lab
 from shaderlab.evaluation.picture_writer import PictureWriter
 from shaderlab.evaluation.record_builder import RecordBuilder
+from shaderlab.expectations.coverage import coverage
 from shaderlab.expectations.exact import exact
 from shaderlab.frame import Timing
-from shaderlab.model import Case, Mesh, Scene, State, Target, mesh_pass
+from shaderlab.model import Case, Expectation, Judgement, Mesh, Scene, State, Target, mesh_pass
 from shaderlab.options import RunOptions
 from shaderlab.records import Record
 from tests.catalogue import shipped
@@ -187,6 +188,24 @@ def test_a_scene_is_gone_when_its_session_ends(tmp_path: Path) -> None:
         assert session() is None
     finally:
         gc.enable()
+
+
+def test_what_no_later_expectation_asks_for_is_let_go(tmp_path: Path) -> None:
+    checks = coverage(1, name="once"), coverage(2, name="again"), exact("FragColor", 0)
+    scene = replace(triangle(tmp_path, "kept", State()), expect=checks)
+    left = {}
+
+    class Looking(Evaluation):
+        def judge(self, expectation: Expectation) -> Judgement:
+            left[expectation.name] = len(self.answers)
+            return super().judge(expectation)
+
+    with Lab() as lab, lab.evaluation(scene, lab.prepare(scene)) as evaluation:
+        evaluation.__class__ = Looking
+        for expectation in checks:
+            evaluation.gather(expectation)
+        lab.judge_all(evaluation, RecordBuilder(scene), PictureWriter(None, "kept", ""))
+    assert list(left.values()) == [1, 1, 0]
 
 
 @pytest.mark.parametrize("leak", [None, *LEAKS])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import signal
 import sys
 import time
@@ -16,9 +17,10 @@ from shaderlab import __main__ as program, cli
 def interruptible(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """Interrupts are raised here, and what the program sets for its process is put back."""
     monkeypatch.setattr(sys, "unraisablehook", sys.unraisablehook)
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    before, objects = signal.signal(signal.SIGINT, signal.default_int_handler), gc.get_threshold()
     yield
     signal.signal(signal.SIGINT, before)
+    gc.set_threshold(*objects)
 
 
 def test_an_interrupt_while_modules_are_imported_is_said(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -30,9 +31,18 @@ _NOTHING = "#version 330 core\nvoid main() { gl_Position = vec4(0.0); }\n"
 @cache
 def libraries() -> Mapping[str, str]:
     """The libraries of GL and EGL as glcontext takes them. It would look for both in each context
-    that it makes, which starts a program."""
-    found = {"libgl": find_library("GL"), "libegl": find_library("EGL")}
+    that it makes, which starts a program; so does Python where neither has its usual name."""
+    found = {"libgl": _library("GL"), "libegl": _library("EGL")}
     return {name: file for name, file in found.items() if file}
+
+
+def _library(name: str) -> str | None:
+    usual = f"lib{name}.so.1"
+    try:
+        ctypes.CDLL(usual)
+    except OSError:
+        return find_library(name)
+    return usual
 
 
 class Device:
