@@ -16,7 +16,17 @@ from math import cos, sin
 
 import numpy as np
 
-from shaderlab import Case, Output, Pass, Target, formula, fullscreen, measure, reading
+from shaderlab import (
+    Case,
+    Output,
+    Pass,
+    Target,
+    boundaries,
+    formula,
+    fullscreen,
+    measure,
+    reading,
+)
 from shaderlab.glslmath import dot, fract, length, max, normalize, swizzle, vec2, vec4, where
 from shaderlab.reference.attenuation import attenuation
 from shaderlab.reference.lighting import gated, lobe
@@ -186,7 +196,9 @@ case = Case(
         formula("buffer.gNormal", normal_of),
         formula("buffer.gAlbedoSpec", surface_of),
         formula("lit.FragColor", gated_or_not(deferred, gate=ungated), name="deferred"),
+        *vertex_stage_checks("Normal", pass_name="forward"),
         formula("picture.FragColor", shown, name="the picture"),
+        boundaries("picture.FragColor", shown, name="the picture's quarters"),
         formula("forward.FragColor", gated_or_not(forward, gate=ungated), name="forward"),
         measure(
             "largest difference from forward shading",

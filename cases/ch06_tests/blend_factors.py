@@ -20,7 +20,7 @@ from shaderlab import Blend, Case, Ramp, Variant, exact, measure
 from shaderlab.reference.blending import EQUATIONS, FACTORS, blended
 
 from ..scenes.panels import cell, panel, picture
-from ..scenes.tables import shown, shown_checks
+from ..scenes.tables import edges_check, shown, shown_check
 
 # Sums of a few powers of two: products and sums of them are exact in 32-bit floats.
 FLOATS = ((0.75, 0.3125, 0.9375, 0.625), (0.25, 0.5, 0.125, 0.8125), (0.5625, 0.875, 0.1875, 0.375))
@@ -95,5 +95,5 @@ case = Case(
     passes=passes("add"),
     variants=[variant(equation) for equation in EQUATIONS],
     picture="picture.FragColor",
-    expect=shown_checks("fields"),
+    expect=[shown_check("fields"), edges_check("fields")],
 )

@@ -16,7 +16,7 @@ from shaderlab import Case, Depth, exact
 from shaderlab.reference.depth_stencil import FUNCTIONS, depth_passes
 
 from ..scenes.panels import cell, panel, picture
-from ..scenes.tables import shown, shown_checks
+from ..scenes.tables import edges_check, shown, shown_check
 
 STORED = 0.5
 DEPTHS = (0.25, 0.5, 0.75)  # nearer, equal, farther
@@ -45,6 +45,7 @@ case = Case(
     picture="picture.FragColor",
     expect=[
         exact("table.total", truth, name="8 functions × nearer, equal, farther"),
-        *shown_checks("verdicts"),
+        shown_check("verdicts"),
+        edges_check("verdicts"),
     ],
 )

@@ -17,7 +17,7 @@ from shaderlab import Blend, Case, Depth, Pass, Target, exact
 from shaderlab.reference.depth_stencil import FUNCTIONS, depth_after, depth_passes
 
 from ..scenes.panels import cell, panel
-from ..scenes.tables import all_figures, shown, shown_checks
+from ..scenes.tables import all_figures, edges_check, shown, shown_check
 
 STORED = 0.5
 DEPTHS = (0.25, 0.5, 0.75)  # exact in a depth buffer of 32-bit floats
@@ -71,8 +71,9 @@ case = Case(
     ),
     picture="picture.FragColor",
     expect=[
-        *shown_checks("numbers"),
-        *shown_checks("numbers", "figures", "figures that the table has not"),
+        shown_check("numbers"),
+        shown_check("numbers", "figures", "figures that the table has not"),
+        edges_check("numbers", "figures"),
         exact(
             "drawn.total",
             np.array(

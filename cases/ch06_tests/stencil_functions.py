@@ -16,7 +16,7 @@ from shaderlab import Case, Cell, Erratum, Stencil, exact
 from shaderlab.reference.depth_stencil import FUNCTIONS, stencil_passes
 
 from ..scenes.panels import panel, picture
-from ..scenes.tables import shown, shown_checks
+from ..scenes.tables import edges_check, shown, shown_check
 
 VALUES = range(4)  # references, stored values and masks: all there are in two bits
 FUNCS = tuple(FUNCTIONS)
@@ -76,7 +76,8 @@ case = Case(
     picture="picture.FragColor",
     expect=[
         exact("table.total", truth, name="8 functions × 4 references × 4 stored × 4 masks"),
-        *shown_checks("verdicts"),
+        shown_check("verdicts"),
+        edges_check("verdicts"),
     ],
     errata=[
         Erratum(

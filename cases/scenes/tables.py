@@ -67,15 +67,22 @@ def shown(
     return picture([draw], size, colors={"FragColor": "rgba32f"})
 
 
-def shown_checks(kind: str, of: str = "picture", name: str = "the table on show") -> list[Any]:
-    """What must hold of `shown`, or of another pass of its shader: between the middles of pixels,
-    too.
+def shown_check(kind: str, of: str = "picture", name: str = "the table on show") -> Any:
+    """What must hold of `shown`, or of another pass of its shader.
 
-    >>> [check.kind for check in shown_checks("numbers")]
-    ['formula', 'boundaries']
+    >>> shown_check("numbers").output
+    'picture.FragColor'
     """
-    law, output = LAWS[kind], f"{of}.FragColor"
-    return [formula(output, law, name=name), boundaries(output, law, name=f"{name}: edges")]
+    return formula(f"{of}.FragColor", LAWS[kind], name=name)
+
+
+def edges_check(kind: str, of: str = "picture") -> Any:
+    """The same between the middles of pixels, where fields, figures and lines begin.
+
+    >>> edges_check("numbers").kind
+    'boundaries'
+    """
+    return boundaries(f"{of}.FragColor", LAWS[kind], name="edges in the table")
 
 
 def all_figures(name: str = "figures") -> Pass:
