@@ -15,7 +15,7 @@ from typing import Any
 
 from shaderlab.files import write_text
 from shaderlab.records import Run
-from shaderlab.report import mutants, parts
+from shaderlab.report import mutants, parts, store
 from shaderlab.report.build import build
 from shaderlab.report.compare import compare
 from shaderlab.report.drivers import driver_table
@@ -115,7 +115,7 @@ def load_libraries() -> None:
     from shaderlab.report.environment import environment
 
     def load() -> None:
-        importlib.import_module("cattrs")
+        store.prepare()
         for name in environment().list_templates():
             environment().get_template(name)
         coloured_lines = importlib.import_module("shaderlab.report.colouring").coloured_lines

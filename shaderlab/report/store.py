@@ -55,6 +55,11 @@ def load(folder: str | Path) -> Run:
     return parse(data, Run, path)
 
 
+def prepare() -> None:
+    """Have what writes a run generated, as the first call of `plain` would."""
+    _converter().get_unstructure_hook(Run)
+
+
 def plain(value: Any) -> Any:
     """A record, or another dataclass of plain data, as what strict JSON can hold."""
     return _converter().unstructure(value)
