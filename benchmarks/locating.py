@@ -30,7 +30,7 @@ from shaderlab.mutation import glsl_mutants
 from shaderlab.mutation.locating import Traces, first_traced, traces_of
 from shaderlab.mutation.mutants import ShaderMutant
 from shaderlab.options import RunOptions
-from shaderlab.programs.instrument import statements
+from shaderlab.programs.watch_points import watch_points
 
 # Mistakes where nothing is stored.
 LEFT_OUT = ("removed", "return", "discarded", "halved", "never written", "else")
@@ -40,6 +40,7 @@ def main(words: list[str] | None = None) -> int:
     options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     options.add_argument("cases", nargs="*", help="ids of cases; all by default")
     options.add_argument("--each", type=int, default=25, help="mistakes in a case, at most")
+    options.add_argument("--seed", type=int, default=0, help="which mistakes are drawn")
     options.add_argument("--list", action="store_true", help="list those that are not named")
     given = options.parse_args(words)
     warnings.simplefilter("ignore")
@@ -48,7 +49,7 @@ def main(words: list[str] | None = None) -> int:
     seconds, cases = 0.0, set()
     with Lab(RunOptions(size=64)) as lab:
         for case in [catalogue[name] for name in given.cases] or catalogue.values():
-            for mutant, verdict, took in located(lab, case, given.each):
+            for mutant, verdict, took in located(lab, case, given.each, given.seed):
                 counts[verdict] += 1
                 seconds += took
                 cases.add(case.id)
@@ -61,7 +62,7 @@ def main(words: list[str] | None = None) -> int:
     return 0
 
 
-def located(lab: Lab, case: Case, most: int) -> Iterator[tuple[Any, str, float]]:
+def located(lab: Lab, case: Case, most: int, seed: int) -> Iterator[tuple[Any, str, float]]:
     """Some mistakes of a case that change what its first scene draws, and what was named."""
     scene = next(iter(case.scenes()))
     try:
@@ -76,7 +77,7 @@ def located(lab: Lab, case: Case, most: int) -> Iterator[tuple[Any, str, float]]
         for mutant in glsl_mutants(case)
         if mutant.stage == "fragment" and not any(word in mutant.operator for word in LEFT_OUT)
     ]
-    random.Random(0).shuffle(mutants)
+    random.Random(seed).shuffle(mutants)
     for mutant in mutants:
         if most <= 0:
             return
@@ -111,10 +112,10 @@ def named(
     if first is None:
         return "nothing found"
     text = given.program.source.text if given.program.source is not None else ""
-    spans = [s for s in statements(text) if s.first <= first.line <= s.last]
-    last = max((s.last for s in spans), default=first.line)
-    lines = [given.program.place(n) for n in range(first.line, last + 1)]
-    lines += [given.program.place(s.first) for s in spans]
+    lines = {given.program.place(first.line)}
+    for point in watch_points(text):
+        if point.kind != "entry" and point.first <= first.line <= point.last:
+            lines |= {given.program.place(n) for n in range(point.first, point.last + 1)}
     if any(same(place, mutant) for place in lines):
         return "statement"
     calls = [given.program.place(call) for call in first.calls]
@@ -123,7 +124,7 @@ def named(
     # The mistake's own call stack: of a function that is called often, only what it stored
     # last is the driver's, and its result shows in the statement that called it.
     own = [e for e in trace.stored if same(given.program.place(e.line), mutant)]
-    if {given.program.place(call) for e in own for call in e.calls} & set(lines):
+    if {given.program.place(call) for e in own for call in e.calls} & lines:
         return "call stack"
     return "another line"
 

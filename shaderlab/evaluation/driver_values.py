@@ -1,114 +1,173 @@
-"""What a driver computes inside of a fragment shader: the value of each statement, by drawing the
-shader again with outputs added."""
+"""What a driver computes inside of a fragment shader, step by step, by drawing the shader again
+with outputs added."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from shaderlab.bands import Band
 from shaderlab.errors import ShaderlabError, UnsupportedError
 from shaderlab.evaluation.evaluation import Evaluation
 from shaderlab.evaluation.interpreting import Invocations
+from shaderlab.evaluation.watches import Watched, Watches
 from shaderlab.frame import Array, PassDraw
 from shaderlab.interpreter import Stored
+from shaderlab.interpreter.memory import Flags
 from shaderlab.programs.formats import for_output
-from shaderlab.programs.instrument import Statement, instrumented, room, statements
+from shaderlab.programs.instrument import Watch, instrumented, room
 
-_Wanted = tuple["Slot", Statement, str, int]
-Slot = tuple[int, str]
-"""A line of the program's text and the name that it stores to, as `Stored` has them."""
+_FIRST_TURNS = 4  # of a statement that is passed more often, and the last one
+_Values = tuple[Array, Flags]
 
 
-@dataclass(frozen=True, kw_only=True)
-class DriverValues:
-    """What was stored last at each statement: (count, components), and where it was reached.
+@dataclass(frozen=True, eq=False)
+class DriverValue:
+    """What a driver has where an interpretation of the same invocations stored a vector.
 
-    `refused` says why there is nothing: the driver computes something else where it has to write
-    more, or the text can't be changed.
+    Attributes:
+        watched: what was stored.
+        values: the driver's, (count, components).
+        reached: the invocations that they are of: those that were there in both.
     """
 
-    values: Mapping[Slot, tuple[Array, Array]]
-    refused: str = ""
+    watched: Watched
+    values: Array
+    reached: Flags
 
 
 def driver_values(
-    evaluation: Evaluation, key: PassDraw, given: Invocations, stored: Sequence[Stored]
-) -> DriverValues:
-    """What the driver stores where an interpretation of the same invocations stored floats."""
-    assert given.pixels is not None
-    text = evaluation.programs[key[0]][key[1]].text("fragment") or ""
-    at = given.pixels[:, 1], given.pixels[:, 0]
-    try:
-        wanted = list(_wanted(text, stored))
-        return DriverValues(values=_drawn(evaluation, key, text, wanted, at))
-    except (ShaderlabError, KeyError, AssertionError) as error:
-        return DriverValues(values={}, refused=str(error).splitlines()[0])
-
-
-def _wanted(text: str, stored: Sequence[Stored]) -> Iterator[_Wanted]:
-    """The statements behind stored values, each once: what is stored to, and its components."""
-    known = statements(text)
-    seen: set[Slot] = set()
-    for event in stored:
-        slot = event.line, event.name
-        if slot in seen or not isinstance(event.value, Band) or event.value.ndim != 2:
-            continue
-        seen.add(slot)
-        root = event.name.partition(".")[0].partition("[")[0]
-        for statement in known:
-            if statement.name == root and statement.first <= event.line <= statement.last:
-                place = statement.place if "?" in event.name or not statement.place else event.name
-                yield slot, statement, place, event.value.shape[-1]
-                break
-
-
-def _drawn(
     evaluation: Evaluation,
     key: PassDraw,
-    text: str,
-    wanted: Sequence[_Wanted],
-    at: tuple[Array, Array],
-) -> dict[Slot, tuple[Array, Array]]:
-    """The values, a few statements a drawing; one alone where together they change an output.
+    given: Invocations,
+    stored: Sequence[Stored],
+    undecided: Flags,
+    refused: set[tuple[Stored, str]] | None = None,
+) -> Iterator[DriverValue]:
+    """What the driver has for what was stored, in that order; drawn as it is asked for. Of what an
+    invocation passes again and again the first turns and the last one.
+
+    Args:
+        evaluation: the scene, which is on the device.
+        key: the draw.
+        given: its invocations.
+        stored: what an interpretation of them stored.
+        undecided: those of them that took both sides of a branch: what they passed more than once
+            is left out, for the driver may have passed it less often.
+        refused: values that can't be watched without others being changed. They are left out, and
+            those that are found are added: for other texts of almost the same shader.
 
     Raises:
-        UnsupportedError: whatever is watched, the outputs are others.
+        UnsupportedError: the shader has no room for another output, or whatever is watched, the
+            driver computes others.
+        ShaderlabError: the shader can't be drawn again.
     """
-    outputs = evaluation.programs[key[0]][key[1]].interface.outputs
-    colors = {name: for_output(variable.type) for name, variable in outputs.items()}
-    written = evaluation.session.written
-    plain = written(key, text, colors)
-
-    def seen(group: Sequence[_Wanted]) -> dict[Slot, tuple[Array, Array]] | None:
-        """What the driver stores at some statements; None where its outputs are others then."""
-        changed, added = instrumented(text, [(s, place, size) for _, s, place, size in group])
-        images = written(key, changed, {**colors, **dict.fromkeys(added, "rgba32f")})
-        if any(not np.array_equal(_bits(images[name]), _bits(plain[name])) for name in colors):
-            return None
-        found = {}
-        for name, number in added.items():
-            slot, _, _, size = group[number]
-            values = images[name][at]
-            reached = values[:, 3] == 1.0 if size < 4 else np.ones(len(values), np.bool_)
-            found[slot] = values[:, :size], reached
-        return found
-
-    step = room(len(colors))
-    if step < 1:
+    draw = evaluation.programs[key[0]][key[1]]
+    text = draw.text("fragment") or ""
+    skipped = set() if refused is None else refused
+    wanted = [
+        each
+        for each in _wanted(Watches(text, given.program), stored, undecided)
+        if (each[0].event, each[0].name) not in skipped
+    ]
+    drawing = _Drawing(evaluation, key, given, text)
+    size = room(len(drawing.colors))
+    if size < 4:
         raise UnsupportedError("the shader has no room for another output")
-    found: dict[Slot, tuple[Array, Array]] = {}
-    for start in range(0, len(wanted), step):
-        group = wanted[start : start + step]
-        together = seen(group)
-        parts = [together] if together is not None else [seen([one]) for one in group]
-        for part in parts:
-            found.update(part or {})
-    if wanted and not found:
+    known: dict[Watch, _Values | None] = {}
+    for i, (watched, watch, rows) in enumerate(wanted):
+        if watch not in known:
+            known.update(drawing.values(_batch([w for _, w, _ in wanted[i:]], size, known)))
+        values = known[watch]
+        if values is None:
+            skipped.add((watched.event, watched.name))
+        else:
+            yield DriverValue(watched, values[0], rows & values[1])
+    if wanted and not any(known.values()):
         raise UnsupportedError("the driver computes other outputs where the shader writes more")
-    return found
+
+
+def _wanted(
+    watches: Watches, stored: Sequence[Stored], undecided: Flags
+) -> Iterator[tuple[Watched, Watch, Flags]]:
+    """What to ask for: a vector, what to write for it, and the invocations that are meant. A struct
+    that is handed on whole is told from others by its first member."""
+    turns: dict[object, Array] = {}
+    before = []
+    for event in stored:
+        slot = watches.slot(event)
+        turn = turns.setdefault(slot, np.zeros(len(undecided), np.int64))
+        before.append((slot, turn.copy()))
+        turn += event.mask
+    known: set[int] = set()
+    for event, (slot, turn) in zip(stored, before, strict=True):
+        parts = watches.of(event)
+        if all(id(part.value) in known for part in parts):
+            parts = parts[:1]
+        known.update(id(part.value) for part in parts)
+        asked = (turn < _FIRST_TURNS) | (turn == turns[slot] - 1)
+        asked &= ~undecided | (turns[slot] == 1)
+        for number in np.unique(turn[event.mask & asked]):
+            rows = event.mask & asked & (turn == number)
+            for watched in parts:
+                yield watched, replace(watched.watch, turn=int(number)), rows
+
+
+def _batch(watches: Sequence[Watch], size: int, known: dict[Watch, _Values | None]) -> list[Watch]:
+    """As many of the first ones that are not known as one drawing has room for."""
+    found: dict[Watch, None] = {}
+    for watch in watches:
+        if watch not in known and watch not in found:
+            size -= watch.size
+            if size < 0:
+                break
+            found[watch] = None
+    return list(found)
+
+
+class _Drawing:
+    """A draw that is made again and again, with values watched."""
+
+    def __init__(
+        self, evaluation: Evaluation, key: PassDraw, given: Invocations, text: str
+    ) -> None:
+        assert given.pixels is not None
+        outputs = evaluation.programs[key[0]][key[1]].interface.outputs
+        self.colors = {name: for_output(variable.type) for name, variable in outputs.items()}
+        self._written = evaluation.session.written
+        self._key, self._text = key, text
+        self._at = given.pixels[:, 1], given.pixels[:, 0]
+        self._plain = self._written(key, text, self.colors)
+
+    def values(self, watches: Sequence[Watch]) -> dict[Watch, _Values | None]:
+        """What the driver has at each; None where its outputs are others if that is written. Those
+        are told from others by halves."""
+        together = self._together(watches)
+        if together is not None:
+            return dict(zip(watches, together, strict=True))
+        if len(watches) == 1:
+            return {watches[0]: None}
+        half = len(watches) // 2
+        return self.values(watches[:half]) | self.values(watches[half:])
+
+    def _together(self, watches: Sequence[Watch]) -> list[_Values] | None:
+        try:
+            changed, places = instrumented(self._text, watches)
+            added = dict.fromkeys((name for one in places for name, _ in one.components), "rgba32f")
+            images = self._written(self._key, changed, {**self.colors, **added})
+        except (ShaderlabError, KeyError, AssertionError):  # or the text can't be changed
+            return None
+        for name in self.colors:
+            if not np.array_equal(_bits(images[name]), _bits(self._plain[name])):
+                return None
+        found = []
+        for one in places:
+            pixels = [(images[name][self._at], k) for name, k in one.components]
+            values = np.stack([image[:, k] for image, k in pixels], axis=-1)
+            image, k = pixels[0]
+            found.append((values, (image[:, 3].astype(np.int64) >> k & 1).astype(np.bool_)))
+        return found
 
 
 def _bits(values: Array) -> Array:

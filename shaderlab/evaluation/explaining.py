@@ -3,23 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
+from shaderlab.bands import Band, Integer, Truth
 from shaderlab.bands.rounding import ulp
 from shaderlab.equivalence.comparison import example
 from shaderlab.equivalence.drawing import drawn
 from shaderlab.equivalence.given import Given
 from shaderlab.equivalence.interface import declared_ranges, inputs_of
 from shaderlab.equivalence.roles import roles_of, unknown_names
-from shaderlab.errors import UsageError, nearest
-from shaderlab.evaluation.driver_values import DriverValues, driver_values
+from shaderlab.errors import ShaderlabError, UsageError, nearest
+from shaderlab.evaluation.driver_values import driver_values
 from shaderlab.evaluation.evaluation import Evaluation
 from shaderlab.evaluation.interpreting import Invocations, fragments
 from shaderlab.evaluation.modules import outside, shows_what_is_written
-from shaderlab.frame import PassDraw
+from shaderlab.frame import Array, PassDraw
 from shaderlab.interpreter import (
     FLOAT32,
     FLOAT64,
@@ -38,15 +39,18 @@ _Key = tuple[int, tuple[int, ...], str, int]
 
 @dataclass(frozen=True, eq=False)
 class Trace:
-    """What the invocations of a draw stored in one arithmetic, in the order of execution; what they
-    wrote; and which of them took both sides of a branch."""
+    """What the invocations of a draw stored in one arithmetic, with the arguments and conditions in
+    between, in the order of execution; what they wrote; which took both sides of a branch; and
+    what a driver can't be asked for, see `driver_values`."""
 
     stored: list[Stored]
     outputs: Mapping[str, Any]
     undecided: Any
+    refused: set[tuple[Stored, str]] = field(default_factory=set)
 
     def at(self, row: int) -> dict[_Key, Stored]:
-        """What one of them stored, by line, calls, name, and how often it was there before."""
+        """What one of them stored, passed and went by, by line, calls, name, and how often it was
+        there before."""
         found: dict[_Key, Stored] = {}
         for event in self.stored:
             if event.mask[row]:
@@ -68,6 +72,7 @@ def traced(given: Invocations, arithmetic: Arithmetic) -> Trace:
         count=given.count,
         blocks=_MOST_BLOCKS,
         trace=events.append,
+        flow=events.append,
     )
     undecided = np.zeros(given.count, np.bool_)
     for flags in result.undecided.values():
@@ -95,12 +100,17 @@ def explain(
         raise UsageError(f"draw {key[1]} of pass {key[0]!r} is not seen at pixel {pixel}")
     bands = traced(given, Bands())
     row = int(here[0])
-    driver = DriverValues(values={})
+    driver: dict[Stored, Array] = {}
+    refused = ""
     if not if_outside or _leaves(evaluation, key, given, bands, row):
-        driver = driver_values(evaluation, key, given, bands.stored)
-    return Explanation(
-        pixel=pixel, steps=steps_at(given, bands, driver, row), refused=driver.refused
-    )
+        try:
+            for found in driver_values(evaluation, key, given, bands.stored, bands.undecided):
+                event = found.watched.event
+                if found.watched.name == event.name and found.reached[row]:
+                    driver[event] = found.values[row]
+        except ShaderlabError as error:
+            refused = str(error).splitlines()[0]
+    return Explanation(pixel=pixel, steps=steps_at(given, bands, driver, row), refused=refused)
 
 
 def _leaves(
@@ -114,28 +124,43 @@ def _leaves(
     return any(flags is not None and flags[row] for flags in found)
 
 
-def steps_at(given: Invocations, bands: Trace, driver: DriverValues, row: int) -> tuple[Step, ...]:
-    """What one invocation stores, step by step; the driver's value at a statement's last turn."""
-    banded = bands.at(row)
+def steps_at(
+    given: Invocations, bands: Trace, driver: Mapping[Stored, Array], row: int
+) -> tuple[Step, ...]:
+    """What one invocation stores, step by step, with the driver's values where they are known. An
+    integer, an argument or a condition has a step where the driver has another one."""
     single, exact = (traced(given, arithmetic).at(row) for arithmetic in (FLOAT32, FLOAT64))
-    last = {(line, name): key for key in banded for line, _, name, _ in [key]}
     steps = []
-    for key, event in banded.items():
-        if not is_vector(event.value) or key not in single or key not in exact:
+    for key, event in bands.at(row).items():
+        if not _is_plain(event.value) or key not in single or key not in exact:
             continue
-        value, measured = row_of(single[key].value, row), False
-        slot = (event.line, event.name)
-        if slot in driver.values and last[slot] == key and driver.values[slot][1][row]:
-            value, measured = driver.values[slot][0][row].astype(np.float64), True
-        steps.append(_step(given, event, value, measured, row_of(exact[key].value, row), row))
+        value, known = _bounds(single[key].value, row)[0], event in driver
+        if known:
+            value = driver[event].astype(np.float64)
+        step = _step(given, event, value, known, _bounds(exact[key].value, row)[0], row)
+        if (is_vector(event.value) and not event.is_flow) or (known and not step.inside):
+            steps.append(step)
     return tuple(steps)
+
+
+def _is_plain(value: Any) -> bool:
+    return is_vector(value) or (isinstance(value, Integer | Truth) and value.ndim == 2)
+
+
+def _bounds(value: Any, row: int) -> tuple[Any, Any]:
+    """The least and the greatest value of one invocation, (components,) each."""
+    if isinstance(value, Truth):
+        return row_of(value.all_true, row), row_of(~value.all_false, row)
+    if isinstance(value, Integer | Band):
+        return row_of(value.lo, row), row_of(value.hi, row)
+    return row_of(value, row), row_of(value, row)
 
 
 def _step(
     given: Invocations, event: Stored, value: Any, measured: bool, exact: Any, row: int
 ) -> Step:
     file, line = given.program.place(event.line)
-    low, high = row_of(event.value.lo, row), row_of(event.value.hi, row)
+    low, high = _bounds(event.value, row)
     with np.errstate(all="ignore"):
         off = np.nanmax(np.abs(value - exact) / ulp(exact), initial=0.0)
     return Step(
@@ -149,8 +174,8 @@ def _step(
         low=tuple(map(float, low)),
         high=tuple(map(float, high)),
         off=float(off),
-        width=width(event.value, row),
-        lost=lost(event, row),
+        width=width(event.value, row) if is_vector(event.value) else 0.0,
+        lost=lost(event, row) if is_vector(event.value) else 0.0,
     )
 
 
@@ -187,9 +212,7 @@ def explain_file(
     row = _widest(_as_invocations(program, made_up))
     rows = made_up.rows_with(np.array([row]), program)
     some = _as_invocations(program, made_up.part(rows))
-    steps = steps_at(
-        some, traced(some, Bands()), DriverValues(values={}), int(np.flatnonzero(rows == row)[0])
-    )
+    steps = steps_at(some, traced(some, Bands()), {}, int(np.flatnonzero(rows == row)[0]))
     return Explanation(pixel=(0, 0), steps=steps), example(made_up, row, inputs)
 
 

@@ -62,10 +62,12 @@ def _blaming(
     explained: Explanation, step: Step, words: str, other: str, shown: str = ""
 ) -> Explanation:
     file = display_path(step.file, step.line)
-    if not shown:
+    value = _shown(np.array(step.value))
+    if step.name == "condition":
+        value, shown = ("true", "false") if step.value[0] else ("false", "true")
+    elif not shown:
         pairs = zip(step.low, step.high, strict=True)
         shown = ", ".join(f"{low:.9g} … {high:.9g}" for low, high in pairs)
-    value = _shown(np.array(step.value))
     return replace(
         explained,
         verdict=f"{words}; first at {file}: {step.name} is {value}, {other} {shown}",

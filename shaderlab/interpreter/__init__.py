@@ -19,4 +19,4 @@ from shaderlab.interpreter.numbers import (
     Numbers as Numbers,
 )
 from shaderlab.interpreter.program import Program as Program, load as load, read as read
-from shaderlab.interpreter.running import Stored as Stored
+from shaderlab.interpreter.stored import Stored as Stored

@@ -29,6 +29,7 @@ def _conditional(
 ) -> Leaving:
     condition, then, otherwise = at.operands[:3]
     truth = as_truth(run.value(condition))
+    run.branched(at, truth, world)
     yes, no = (
         world.mask & ~np.broadcast_to(side[:, 0], world.mask.shape)
         for side in (truth.all_false, truth.all_true)
@@ -43,6 +44,7 @@ def _conditional(
 
 def _switch(run: Run, function: Function, label: int, at: Instruction, world: World) -> Leaving:
     selector, default = run.value(at.operands[0]), at.operands[1]
+    run.branched(at, selector, world)
     bits = np.dtype(np.uint32 if selector.unsigned else np.int32)
     going: dict[int, Any] = {}
     elsewhere = world.mask
@@ -89,7 +91,7 @@ def _return_value(
 ) -> Leaving:
     value = run.value(at.operands[0])
     name = run.program.name(function.id).partition("(")[0]
-    run.stored(at.line, f"{name}()", value, world)
+    run.stored(at, f"{name}()", run.program.types[function.result], value, world)
     world.memory[function.id] = value
     return [(None, world)]
 

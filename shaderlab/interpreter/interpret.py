@@ -15,7 +15,8 @@ from shaderlab.interpreter.arithmetic import Arithmetic
 from shaderlab.interpreter.binding import memory_of, outputs_of, undefined_outputs
 from shaderlab.interpreter.memory import Flags, World
 from shaderlab.interpreter.program import Program
-from shaderlab.interpreter.running import BLOCKS, TURNS, Run, Trace, Watch
+from shaderlab.interpreter.running import BLOCKS, TURNS, Run, Watch
+from shaderlab.interpreter.stored import Trace
 from shaderlab.interpreter.values import Missing
 
 _NOTHING = Bindings()
@@ -49,6 +50,7 @@ def interpret(
     turns: int = TURNS,
     blocks: int = BLOCKS,
     trace: Trace | None = None,
+    flow: Trace | None = None,
     watch: Watch | None = None,
     unwritten: bool = False,
 ) -> Interpreted:
@@ -67,6 +69,7 @@ def interpret(
         turns: how often a loop may turn each time that it is entered.
         blocks: how many blocks may be run in all.
         trace: is called with each value that a variable, or a part of one, is given.
+        flow: is called with each argument of a function, and with what each branch is taken by.
         watch: is called after each instruction, and may change its result.
         unwritten: whether outputs hold an undefined value where an invocation writes none.
 
@@ -86,7 +89,7 @@ def interpret(
     places = each.get("gl_FragCoord") if places is None else places
     run = Run(
         program, arithmetic, count,
-        places=places, turns=turns, blocks=blocks, trace=trace, watch=watch,
+        places=places, turns=turns, blocks=blocks, trace=trace, flow=flow, watch=watch,
     )  # fmt: skip
     with np.errstate(all="ignore"):  # what is no number is a result like any other
         memory = memory_of(program, each, bindings, arithmetic)

@@ -8,7 +8,7 @@ import numpy as np
 
 from shaderlab.bands import Band
 from shaderlab.bands.rounding import ulp
-from shaderlab.interpreter.running import Stored
+from shaderlab.interpreter.stored import Stored
 
 
 def is_vector(value: Any) -> bool:

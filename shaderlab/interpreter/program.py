@@ -35,10 +35,12 @@ class Instruction:
 
 @dataclass(eq=False)
 class Function:
-    """A function's parameters, its blocks by label in the module's order, and its variables."""
+    """A function's result's type, those of its parameters by id, its blocks by label in the
+    module's order, and its variables."""
 
     id: int
-    parameters: list[int] = field(default_factory=list)
+    result: int = 0
+    parameters: dict[int, int] = field(default_factory=dict)
     blocks: dict[int, list[Instruction]] = field(default_factory=dict)
     variables: list[int] = field(default_factory=list)
 
@@ -137,9 +139,9 @@ def read(data: bytes, source: Source | None = None) -> Program:
         if op == Op.LINE:
             line = words[1]
         elif op == Op.FUNCTION:
-            function = program.functions[words[1]] = Function(words[1])
+            function = program.functions[words[1]] = Function(words[1], words[0])
         elif op == _PARAMETER:
-            function.parameters.append(words[1])
+            function.parameters[words[1]] = words[0]
         elif op == _LABEL:
             block = function.blocks[words[0]] = []
         elif op not in (_FUNCTION_END, _NO_LINE):

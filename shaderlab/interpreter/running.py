@@ -9,11 +9,11 @@ still compute the same.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from shaderlab.bands import Truth
 from shaderlab.compiler.module import Op
 from shaderlab.errors import FormulaError, NotInterpretedError
 from shaderlab.frame import Array
@@ -21,8 +21,10 @@ from shaderlab.interpreter import constants
 from shaderlab.interpreter.arithmetic import Arithmetic
 from shaderlab.interpreter.branches import BRANCHES
 from shaderlab.interpreter.instructions import HANDLERS, NAMES
-from shaderlab.interpreter.memory import Flags, World, join
+from shaderlab.interpreter.memory import Flags, Pointer, World, fetch, join, part_type
 from shaderlab.interpreter.program import Function, Instruction, Program
+from shaderlab.interpreter.stored import Stored, Trace
+from shaderlab.interpreter.types import Kind, Type
 from shaderlab.interpreter.values import Missing, NotGivenError, UnchoosableError, Value, component
 
 TURNS = 4096
@@ -33,29 +35,6 @@ _MOST_WORLDS = 8  # that wait at one block before they are joined
 _MOST_PARTS = 256  # parts of values that are remembered
 
 
-@dataclass(frozen=True, eq=False)
-class Stored:
-    """One value stored by one path through a program.
-
-    Attributes:
-        line: of the program's text, counted from 1; see `Program.place`.
-        name: the variable, or the part of it, as GLSL writes it; "f()" is the result of f.
-        value: floats of the arithmetic, an `Integer`, a `Truth`, or a tuple of such, with one row
-            or as many as there are invocations.
-        mask: the invocations that were here; the value means nothing to others.
-        calls: the lines of the calls that led here, the outermost first.
-        reads: what was loaded, and what functions gave, since the value that was stored before.
-    """
-
-    line: int
-    name: str
-    value: Any
-    mask: Flags
-    calls: tuple[int, ...]
-    reads: tuple[Any, ...]
-
-
-Trace = Callable[[Stored], object]
 Watch = Callable[["Run", Instruction, World, Value], Value]
 """Is told of each instruction that was run, the last of a block left out, and of its result; gives
 the result that counts."""
@@ -83,6 +62,7 @@ class Run:
         turns: int = TURNS,
         blocks: int = BLOCKS,
         trace: Trace | None = None,
+        flow: Trace | None = None,
         watch: Watch | None = None,
     ) -> None:
         self.program = program
@@ -98,6 +78,7 @@ class Run:
         self._blocks = 0
         self._reads: list[Value] = []
         self._trace = trace
+        self._flow = flow
         self._watch = watch
         self._constants: dict[int, Value] = {}
         self._parts: dict[tuple[int, Any], tuple[Value, Value]] = {}
@@ -137,12 +118,37 @@ class Run:
             self.units.clear()
         self.units[id(value)] = value, unit
 
-    def stored(self, line: int, name: str, value: Value, world: World) -> None:
+    def stored(self, at: Instruction, name: str, type_: Type, value: Value, world: World) -> None:
         """Tell the trace of a value that was stored; "param" is what glslang calls an argument."""
         if self._trace is not None and name not in ("", "param"):
-            calls, reads = tuple(self.calls), tuple(self._reads)
-            self._trace(Stored(line, name, value, world.mask, calls, reads))
+            self._trace(self._event(at, name, type_, value, world))
             self._reads.clear()
+
+    def branched(self, at: Instruction, value: Value, world: World) -> None:
+        """Tell who asked of what a branch is taken by."""
+        if self._flow is not None:
+            kind: Kind = "bool" if isinstance(value, Truth) else "int"
+            name = "condition" if kind == "bool" else "selector"
+            self._flow(self._event(at, name, Type(kind), value, world))
+
+    def passed(self, at: Instruction, function: Function, world: World) -> None:
+        """Tell who asked of what a function is passed; it was not given anything for `out`."""
+        if self._flow is None:
+            return
+        called = self.program.name(function.id).partition("(")[0]
+        for id_, of in function.parameters.items():
+            value: Any = self.results[id_]
+            type_ = self.program.types[of]
+            if isinstance(value, Pointer):
+                type_ = part_type(self.program.variables[value.variable][0], value.path)
+                value = fetch(world.memory.get(value.variable), value.path, world.mask)
+            if type_.kind != "image" and not isinstance(value, Missing | None):
+                name = f"{called}({self.program.name(id_)})"
+                self._flow(self._event(at, name, type_, value, world))
+
+    def _event(self, at: Instruction, name: str, type_: Type, value: Value, world: World) -> Stored:
+        calls, reads = tuple(self.calls), tuple(self._reads)
+        return Stored(at, name, type_, value, world.mask, calls, reads)
 
     def loaded(self, value: Value) -> None:
         """Note for the trace what the next value may be computed of."""

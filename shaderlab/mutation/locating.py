@@ -4,9 +4,6 @@ the band of the shader as it was."""
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
-
-import numpy as np
 
 from shaderlab.errors import ShaderlabError
 from shaderlab.evaluation import Evaluation
@@ -89,20 +86,10 @@ def _leaves(wrong: Evaluation, key: PassDraw, given: Invocations, trace: Trace) 
 def _first_outside(
     wrong: Evaluation, key: PassDraw, given: Invocations, trace: Trace
 ) -> Stored | None:
-    """The first statement that the driver leaves the band at, by the last value that it stores."""
-    driver = driver_values(wrong, key, given, trace.stored)
-    last: dict[tuple[int, str], list[Stored]] = {}
-    for event in trace.stored:
-        slot = event.line, event.name
-        if slot in driver.values:
-            last.setdefault(slot, []).append(event)
-    order: Any = {id(event): i for i, event in enumerate(trace.stored)}
-    for slot, events in sorted(last.items(), key=lambda item: order[id(item[1][-1])]):
-        values, reached = driver.values[slot]
-        later = np.zeros(given.count, np.bool_)
-        for event in reversed(events):
-            sure = event.mask & ~later & reached & ~trace.undecided
-            if (sure & ~event.value.contains(values).all(axis=-1)).any():
-                return event
-            later |= event.mask
+    """The first value of the driver's that is not in the band of what was stored there."""
+    seen = driver_values(wrong, key, given, trace.stored, trace.undecided, trace.refused)
+    for found in seen:
+        sure = found.reached & ~trace.undecided
+        if (sure & ~found.watched.allows(found.values)).any():
+            return found.watched.event
     return None

@@ -58,8 +58,10 @@ class PassCapture:
         images = self._redraw(
             self._among_blank({index: ending}), {**outputs, stages.COORD: "rgba32f"}
         )
-        seen = images[stages.COORD][..., 3:] > 0.0
-        return {name: np.where(seen, images[name], 0) for name in outputs}
+        unseen = images[stages.COORD][..., 3:] <= 0.0
+        for name in outputs:
+            np.copyto(images[name], 0, where=unseen)
+        return {name: images[name] for name in outputs}
 
     def _capture(self, index: int) -> _Captured:
         """Capture a draw, and the others with it that can be, whose captures share their memory."""

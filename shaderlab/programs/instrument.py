@@ -1,117 +1,122 @@
-"""Fragment shaders that also write what their statements store: one more output a statement."""
+"""Fragment shaders that also write what they compute on the way, to outputs of their own."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
-from tree_sitter import Node
-
-from shaderlab.compiler.syntax import Syntax, field, name_of, walk
+from shaderlab.compiler.syntax import Syntax, field
 from shaderlab.programs.stages import MOST_OUTPUTS, PREFIX
+from shaderlab.programs.watch_points import WatchPoint
 
 SEEN = PREFIX + "seen"
+VALUE = PREFIX + "value"
+"""What a `return` gives, and what a condition is, where a `Watch` is written."""
+_TURN = PREFIX + "turn"
+_CONDITION = PREFIX + "condition"
 _DIRECTIVE = re.compile(r"^[ \t]*#[ \t]*(?:version|extension)[^\n]*\n?", re.MULTILINE)
-_WIDE = {1: "vec4({0}, 0.0, 0.0, 1.0)", 2: "vec4({0}, 0.0, 1.0)", 3: "vec4({0}, 1.0)", 4: "{0}"}
+_VALUES = 3  # in an output, whose last component says which of them were written
 
 
 @dataclass(frozen=True)
-class Statement:
-    """A declaration, assignment or `return` in a function of a shader's text.
+class Watch:
+    """A value that is written once it was there `turn` times before.
 
     Attributes:
-        first, last: its lines, counted from 1.
-        name: the variable that is stored to, "f()" for a `return` of f.
-        place: what is stored to, as it is written: "light.position.y".
-        start, end: its bytes in the text.
-        value: of a `return`, its expression; and `type` that of its function.
-        braced: whether it stands in braces of its own.
+        at: the points of the text at which it is known, each with the expression that has it there:
+            `VALUE`, or a part of it, for what is returned and for conditions.
+        size: its number of components.
+        turn: how often any of the points was passed before.
+        scalar: what a condition's value is.
     """
 
-    first: int
-    last: int
-    name: str
-    place: str
-    start: int
-    end: int
-    value: str = ""
-    type: str = ""
-    braced: bool = True
+    at: tuple[tuple[WatchPoint, str], ...]
+    size: int
+    turn: int
+    scalar: Literal["bool", "int", "uint"] = "bool"
 
 
-def statements(text: str) -> list[Statement]:
-    """The statements of a text that store a value, in its order."""
-    file = Syntax(text)
-    return [
-        found
-        for name, functions in file.functions.items()
-        for function in functions
-        for node in walk(field(function, "body"))
-        for found in _stored(file, node, name, file.of(field(function, "type")))
-    ]
+@dataclass(frozen=True)
+class Written:
+    """Where a value is found: for each component an output, and the component of it."""
 
-
-def _stored(file: Syntax, node: Node, function: str, returned: str) -> Iterator[Statement]:
-    parent = node.parent
-    if parent is None or (parent.type == "for_statement" and node != field(parent, "body")):
-        return
-    lines = (node.start_point[0] + 1, node.end_point[0] + 1)
-    place = (node.start_byte, node.end_byte)
-    braced = parent.type in ("compound_statement", "case_statement")
-    if node.type == "return_statement" and node.named_children:
-        value = file.of(node.named_children[0])
-        yield Statement(*lines, f"{function}()", "", *place, value, returned, braced)
-    elif node.type == "declaration":
-        for declared in node.children_by_field_name("declarator"):
-            if declared.type == "init_declarator":
-                name = file.of(name_of(declared))
-                yield Statement(*lines, name, name, *place, braced=braced)
-    elif node.type == "expression_statement" and node.named_children:
-        assigned = node.named_children[0]
-        if assigned.type == "assignment_expression":
-            left = field(assigned, "left")
-            root = re.match(r"\w+", file.of(left))
-            if root is not None:
-                yield Statement(*lines, root.group(), file.of(left), *place, braced=braced)
+    components: tuple[tuple[str, int], ...]
 
 
 def room(outputs: int) -> int:
-    """How many statements one drawing can watch beside a shader's own outputs."""
-    return MOST_OUTPUTS - 1 - outputs
+    """How many components one drawing can watch beside a shader's own outputs."""
+    return _VALUES * (MOST_OUTPUTS - 1 - outputs)
 
 
-def instrumented(
-    text: str, watched: Sequence[tuple[Statement, str, int]]
-) -> tuple[str, Mapping[str, int]]:
-    """The text with statements watched, each with the place whose value is written after it ("" for
-    a `return`), and that value's number of components.
+def instrumented(text: str, watched: Sequence[Watch]) -> tuple[str, list[Written]]:
+    """The text with values watched, and where each of them is written.
 
-    Returns:
-        The text, and each added output's number in `watched`; an output is 0 where its statement
-        was not reached, and its last component 1 where it was and has fewer than four.
+    The outputs are `vec4`s. The last component of each counts which of the first three were
+    written: the sum of 1 for the first, 2 for the second and 4 for the third.
     """
-    data = text.encode()
-    written: dict[Statement, str] = {}
-    for number, (at, place, size) in enumerate(watched):
-        value = _WIDE[size].format(place or f"{PREFIX}value")
-        written[at] = f"{written.get(at, '')} {SEEN}{number} = {value};"
-    edits: list[tuple[int, int, str]] = []
-    for at, stored in written.items():
-        if at.value:
-            kept = f"{PREFIX}value"
-            new = f"{{ {at.type} {kept} = {at.value};{stored} return {kept}; }}"
+    cells = iter((f"{SEEN}{n // _VALUES}", n % _VALUES) for n in range(10_000))
+    found = [Written(tuple(next(cells) for _ in range(watch.size))) for watch in watched]
+    noted: dict[WatchPoint, str] = {}
+    scalars: dict[WatchPoint, str] = {}
+    for number, (watch, written) in enumerate(zip(watched, found, strict=True)):
+        for point, place in watch.at:
+            noted[point] = noted.get(point, "") + _note(number, watch, written, place)
+            scalars[point] = watch.scalar
+    edits: list[_Edit] = []
+    functions = ""
+    for number, (point, notes) in enumerate(noted.items()):
+        if point.kind == "condition":
+            name, scalar = f"{_CONDITION}{number}", scalars[point]
+            functions += f"{scalar} {name}({scalar} {VALUE}) {{{notes} return {VALUE}; }}\n"
+            edits += _around(point, f"({name}(", "))")
+        elif point.kind == "return":
+            begin, end = point.start, point.start + len("return")
+            edits.append(_Edit(begin, end, f"{{ {point.type} {VALUE} = (", -point.end))
+            tail = f");{notes} return {VALUE}; }}"
+            edits.append(_Edit(point.value, point.end, tail, -point.start))
         else:
-            new = data[at.start : at.end].decode() + stored
-            new = new if at.braced else f"{{ {new} }}"
-        edits.append((at.start, at.end, new))
-    body = field(Syntax(text).functions["main"][0], "body")
-    outputs = {f"{SEEN}{number}": number for number in range(len(watched))}
+            edits += _around(point, *(("", notes) if point.braced else ("{ ", f"{notes} }}")))
+    outputs = list(dict.fromkeys(name for each in found for name, _ in each.components))
+    body = field(Syntax(text).functions["main"][0], "body").start_byte + 1
     zeros = "".join(f" {name} = vec4(0.0);" for name in outputs)
-    edits.append((body.start_byte + 1, body.start_byte + 1, zeros))
-    for start, end, new in sorted(edits, reverse=True):
-        data = data[:start] + new.encode() + data[end:]
-    made = data.decode()
+    edits.append(_Edit(body, body, zeros, -len(text)))
+    made = _edited(text, edits)
     top = max((found.end() for found in _DIRECTIVE.finditer(made)), default=0)
-    declared = "".join(f"out vec4 {name};\n" for name in outputs)
-    return made[:top] + declared + made[top:], outputs
+    declared = "".join(f"out highp vec4 {name};\n" for name in outputs)
+    declared += "".join(f"int {_TURN}{number} = 0;\n" for number in range(len(watched)))
+    return made[:top] + declared + functions + made[top:], found
+
+
+def _note(number: int, watch: Watch, written: Written, place: str) -> str:
+    """A statement that writes a value at a point."""
+    parts = []
+    for i, (name, k) in enumerate(written.components):
+        part = place if watch.size == 1 else f"{place}[{i}]"
+        parts.append(f"{name}.{'xyz'[k]} = float({part}); {name}.w += {1 << k}.0;")
+    return f" if ({_TURN}{number}++ == {watch.turn}) {{ {' '.join(parts)} }}"
+
+
+@dataclass(frozen=True)
+class _Edit:
+    """A part of a text that is replaced; where several begin at one place, in which order."""
+
+    start: int
+    end: int
+    text: str
+    order: int
+
+
+def _around(point: WatchPoint, before: str, after: str) -> list[_Edit]:
+    """What goes before a point, outer ones first, and what after it, inner ones first."""
+    edits = [_Edit(point.start, point.start, before, -point.end)] if before else []
+    return [*edits, _Edit(point.end, point.end, after, -(10**9) - point.start)]
+
+
+def _edited(text: str, edits: Sequence[_Edit]) -> str:
+    data, parts, at = text.encode(), [], 0
+    for edit in sorted(edits, key=lambda edit: (edit.start, edit.order)):
+        parts += [data[at : edit.start], edit.text.encode()]
+        at = max(edit.end, at)
+    return b"".join([*parts, data[at:]]).decode()

@@ -23,7 +23,7 @@ from shaderlab.glslmath import dot, max, normalize, vec3, vec4, where
 from shaderlab.interpreter import load
 from shaderlab.judging.inputs import Inputs
 from shaderlab.options import RunOptions
-from shaderlab.programs.instrument import statements
+from shaderlab.programs.watch_points import statements
 from shaderlab.records import Outcome
 
 SHADER = """#version 330 core
@@ -94,10 +94,9 @@ def test_each_line_has_the_driver_s_value_and_its_band(lab: Lab, tmp_path: Path)
         *[(17, f"color.{part}", ()) for part in "xyz"],
         (18, "color.w", ()),
     ]
-    # Of a loop the last turn is the driver's. One whose outputs change as soon as a statement's
-    # value is written (llvmpipe's do by toLight) is not believed.
-    by_driver = [s.by_driver for s in explained.steps]
-    assert sum(by_driver) >= 6 and not any(by_driver[3:5])
+    # Each turn of a loop is the driver's. One whose outputs change as soon as a statement's value
+    # is written (llvmpipe's do by toLight) is not believed.
+    assert all(s.by_driver for s in explained.steps[1:])
     assert explained.refused == "" and all(step.inside for step in explained.steps)
     assert all(
         abs(v - e) <= 1e-6 for s in explained.steps for v, e in zip(s.value, s.exact, strict=True)
@@ -125,16 +124,25 @@ def test_an_author_s_mistake_is_found_by_the_reference_s_names(
     assert (Path(explained.file).name, explained.line) == ("lit.frag", line)
 
 
+@pytest.mark.parametrize(
+    ("words", "wrong", "line", "said"),
+    [
+        ("max(dot", "0.999 * max(dot", 13, "cosine is "),
+        ("cosine > 0.9", "cosine < 0.9", 6, "condition is true, allowed false"),
+        ("share(cosine)", "share(at.x)", 17, "share(cosine) is "),
+    ],
+)
 def test_a_driver_s_mistake_is_found_by_the_shader_s_own_band(
-    lab: Lab, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    lab: Lab, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+    words: str, wrong: str, line: int, said: str,
+) -> None:  # fmt: skip
     """The driver draws another text than the one that is interpreted."""
-    wrong = SHADER.replace("max(dot", "0.999 * max(dot")
     meant = load(Shaders([]).from_text(SHADER, "fragment", "lit.frag"))
     monkeypatch.setattr(interpreting, "program_of", lambda source: meant)
-    explained = outcome_of(lab, case_of(tmp_path, wrong)).explanation
-    assert explained is not None and explained.line == 13
+    explained = outcome_of(lab, case_of(tmp_path, SHADER.replace(words, wrong))).explanation
+    assert explained is not None and explained.line == line
     assert explained.verdict.startswith("the driver leaves what the shader allows; first at ")
+    assert f":{line}: {said}" in explained.verdict
 
 
 def test_what_cannot_be_interpreted_changes_no_verdict(lab: Lab, tmp_path: Path) -> None:

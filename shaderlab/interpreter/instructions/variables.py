@@ -8,7 +8,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from shaderlab.interpreter.instructions.handler import Handler
-from shaderlab.interpreter.memory import Pointer, World, changed, fetch, known_index, spelt
+from shaderlab.interpreter.memory import (
+    Pointer,
+    World,
+    changed,
+    fetch,
+    known_index,
+    part_type,
+    spelt,
+)
 from shaderlab.interpreter.program import Instruction
 from shaderlab.interpreter.values import Missing, NotGivenError, undefined
 
@@ -59,7 +67,8 @@ def _store(run: Run, at: Instruction, world: World) -> None:
     world.memory[pointer.variable] = stored
     name = run.program.name(pointer.variable)
     if name:
-        run.stored(at.line, spelt(name, type_, pointer.path), value, world)
+        part = part_type(type_, pointer.path)
+        run.stored(at, spelt(name, type_, pointer.path), part, value, world)
 
 
 def _copy(run: Run, at: Instruction, world: World) -> Any:
@@ -70,6 +79,7 @@ def _call(run: Run, at: Instruction, world: World) -> Any:
     function = run.program.functions[at.operands[0]]
     for parameter, argument in zip(function.parameters, at.operands[1:], strict=True):
         run.results[parameter] = run.value(argument)
+    run.passed(at, function, world)
     run.calls.append(at.line)
     end = run.call(function, world)
     run.calls.pop()
