@@ -75,9 +75,9 @@ def command(
     the line loses.
 
     The shader's SPIR-V is interpreted; the driver draws it once more with each statement's value as
-    an output. Where it can't (a loop's turns between the fourth and the last; a shader whose other outputs would change),
-    the value is that of float32 arithmetic, and marked so. A shader file without a case gets inputs
-    that are made up, of which the one is shown whose band is widest.
+    an output. Where it can't (a loop's turns between the fourth and the last; a shader whose other
+    outputs would change), the value is that of float32 arithmetic, and marked so. A shader file
+    without a case gets inputs that are made up, of which the one is shown whose band is widest.
 
     \b
     Examples:
