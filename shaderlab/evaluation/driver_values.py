@@ -19,6 +19,7 @@ from shaderlab.programs.formats import for_output
 from shaderlab.programs.instrument import Watch, instrumented, room
 
 _FIRST_TURNS = 4  # of a statement that is passed more often, and the last one
+_MOST_REFUSED = 24  # values, where none is believed
 _Values = tuple[Array, Flags]
 
 
@@ -43,7 +44,7 @@ def driver_values(
     given: Invocations,
     stored: Sequence[Stored],
     undecided: Flags,
-    refused: set[tuple[Stored, str]] | None = None,
+    suspects: set[tuple[Stored, str]] | None = None,
 ) -> Iterator[DriverValue]:
     """What the driver has for what was stored, in that order; drawn as it is asked for. Of what an
     invocation passes again and again the first turns and the last one.
@@ -55,8 +56,8 @@ def driver_values(
         stored: what an interpretation of them stored.
         undecided: those of them that took both sides of a branch: what they passed more than once
             is left out, for the driver may have passed it less often.
-        refused: values that can't be watched without others being changed. They are left out, and
-            those that are found are added: for other texts of almost the same shader.
+        suspects: values that could not be watched without others being changed in almost the same
+            shader: each is drawn alone. Those that are found are added.
 
     Raises:
         UnsupportedError: the shader has no room for another output, or whatever is watched, the
@@ -65,25 +66,26 @@ def driver_values(
     """
     draw = evaluation.programs[key[0]][key[1]]
     text = draw.text("fragment") or ""
-    skipped = set() if refused is None else refused
-    wanted = [
-        each
-        for each in _wanted(Watches(text, given.program), stored, undecided)
-        if (each[0].event, each[0].name) not in skipped
-    ]
+    suspects = set() if suspects is None else suspects
+    wanted = list(_wanted(Watches(text, given.program), stored, undecided))
     drawing = _Drawing(evaluation, key, given, text)
     size = room(len(drawing.colors))
     if size < 4:
         raise UnsupportedError("the shader has no room for another output")
     known: dict[Watch, _Values | None] = {}
+    alone = {watch for each, watch, _ in wanted if (each.event, each.name) in suspects}
     for i, (watched, watch, rows) in enumerate(wanted):
         if watch not in known:
-            known.update(drawing.values(_batch([w for _, w, _ in wanted[i:]], size, known)))
+            left = [w for _, w, _ in wanted[i:] if w not in known and w not in alone]
+            batch = [watch] if watch in alone else _batch(left, size)
+            known.update(drawing.values(batch))
         values = known[watch]
-        if values is None:
-            skipped.add((watched.event, watched.name))
-        else:
+        if values is not None:
             yield DriverValue(watched, values[0], rows & values[1])
+        elif any(known.values()):
+            suspects.add((watched.event, watched.name))
+        elif len(known) >= _MOST_REFUSED:
+            break
     if wanted and not any(known.values()):
         raise UnsupportedError("the driver computes other outputs where the shader writes more")
 
@@ -114,11 +116,11 @@ def _wanted(
                 yield watched, replace(watched.watch, turn=int(number)), rows
 
 
-def _batch(watches: Sequence[Watch], size: int, known: dict[Watch, _Values | None]) -> list[Watch]:
-    """As many of the first ones that are not known as one drawing has room for."""
+def _batch(watches: Sequence[Watch], size: int) -> list[Watch]:
+    """As many of the first ones as one drawing has room for."""
     found: dict[Watch, None] = {}
     for watch in watches:
-        if watch not in known and watch not in found:
+        if watch not in found:
             size -= watch.size
             if size < 0:
                 break
@@ -159,7 +161,7 @@ class _Drawing:
         except (ShaderlabError, KeyError, AssertionError):  # or the text can't be changed
             return None
         for name in self.colors:
-            if not np.array_equal(_bits(images[name]), _bits(self._plain[name])):
+            if not _same(images[name], self._plain[name]):
                 return None
         found = []
         for one in places:
@@ -170,5 +172,7 @@ class _Drawing:
         return found
 
 
-def _bits(values: Array) -> Array:
-    return np.ascontiguousarray(values).view(np.uint32)
+def _same(a: Array, b: Array) -> bool:
+    """Whether two images are equal to the bit, whatever kinds of NaN are in them."""
+    equal = np.ascontiguousarray(a).view(np.uint32) == np.ascontiguousarray(b).view(np.uint32)
+    return bool(equal.all()) or bool((equal | (np.isnan(a) & np.isnan(b))).all())

@@ -41,12 +41,12 @@ _Key = tuple[int, tuple[int, ...], str, int]
 class Trace:
     """What the invocations of a draw stored in one arithmetic, with the arguments and conditions in
     between, in the order of execution; what they wrote; which took both sides of a branch; and
-    what a driver can't be asked for, see `driver_values`."""
+    the `suspects` of `driver_values`."""
 
     stored: list[Stored]
     outputs: Mapping[str, Any]
     undecided: Any
-    refused: set[tuple[Stored, str]] = field(default_factory=set)
+    suspects: set[tuple[Stored, str]] = field(default_factory=set)
 
     def at(self, row: int) -> dict[_Key, Stored]:
         """What one of them stored, passed and went by, by line, calls, name, and how often it was

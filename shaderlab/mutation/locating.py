@@ -87,7 +87,7 @@ def _first_outside(
     wrong: Evaluation, key: PassDraw, given: Invocations, trace: Trace
 ) -> Stored | None:
     """The first value of the driver's that is not in the band of what was stored there."""
-    seen = driver_values(wrong, key, given, trace.stored, trace.undecided, trace.refused)
+    seen = driver_values(wrong, key, given, trace.stored, trace.undecided, trace.suspects)
     for found in seen:
         sure = found.reached & ~trace.undecided
         if (sure & ~found.watched.allows(found.values)).any():
