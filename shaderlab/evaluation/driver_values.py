@@ -19,6 +19,7 @@ from shaderlab.programs.formats import for_output
 from shaderlab.programs.instrument import Watch, instrumented, room
 
 _FIRST_TURNS = 4  # of a statement that is passed more often, and the last one
+_LOOP_TURNS = 32  # of a loop's condition, likewise
 _MOST_REFUSED = 24  # values, where none is believed
 _Values = tuple[Array, Flags]
 
@@ -108,7 +109,8 @@ def _wanted(
         if all(id(part.value) in known for part in parts):
             parts = parts[:1]
         known.update(id(part.value) for part in parts)
-        asked = (turn < _FIRST_TURNS) | (turn == turns[slot] - 1)
+        first = _LOOP_TURNS if any(part.is_loop for part in parts) else _FIRST_TURNS
+        asked = (turn < first) | (turn == turns[slot] - 1)
         asked &= ~undecided | (turns[slot] == 1)
         for number in np.unique(turn[event.mask & asked]):
             rows = event.mask & asked & (turn == number)

@@ -42,6 +42,11 @@ class Watched:
     value: Any
     watch: Watch
 
+    @property
+    def is_loop(self) -> bool:
+        """Whether it is what a loop goes on by."""
+        return self.watch.at[0][0].name == "loop" and self.event.is_flow
+
     def allows(self, values: Array) -> Flags:
         """Which of some float32 values (count, components) it may be, by invocation."""
         value = self.value

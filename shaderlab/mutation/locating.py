@@ -89,7 +89,6 @@ def _first_outside(
     """The first value of the driver's that is not in the band of what was stored there."""
     seen = driver_values(wrong, key, given, trace.stored, trace.undecided, trace.suspects)
     for found in seen:
-        sure = found.reached & ~trace.undecided
-        if (sure & ~found.watched.allows(found.values)).any():
+        if (found.reached & ~found.watched.allows(found.values)).any():
             return found.watched.event
     return None

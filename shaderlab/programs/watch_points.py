@@ -12,8 +12,8 @@ from tree_sitter import Node
 from shaderlab.compiler.syntax import Syntax, field, name_of, walk
 
 Kind = Literal["store", "return", "condition", "entry"]
-_CONDITIONAL = ("if_statement", "while_statement", "do_statement", "for_statement",
-                "switch_statement", "conditional_expression")  # fmt: skip
+_LOOPS = ("while_statement", "do_statement", "for_statement")
+_CONDITIONAL = ("if_statement", "switch_statement", "conditional_expression", *_LOOPS)
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,8 @@ class WatchPoint:
         kind: "store" is a declaration or an assignment, "return" one with a value, "condition" the
             expression that an `if`, a loop, a `switch` or `?:` goes by, "entry" a function's start.
         first, last: its lines, counted from 1; of an entry those of the function.
-        name: the variable that is stored to, "f()" for a `return` of f, the function of an entry.
+        name: the variable that is stored to, "f()" for a `return` of f, the function of an entry,
+            "loop" where a condition is that of one.
         place: what is stored to, as it is written: "light.position.y"; of an entry the parameters.
         start, end: its bytes in the text.
         value: of a `return`, where the bytes of its expression end; and `type` that of its
@@ -75,7 +76,8 @@ def _points(file: Syntax, node: Node, function: str, returned: str) -> Iterator[
         if condition is not None:
             lines = (condition.start_point[0] + 1, condition.end_point[0] + 1)
             bytes_ = (condition.start_byte, condition.end_byte)
-            yield WatchPoint("condition", *lines, "condition", file.of(condition), *bytes_)
+            name = "loop" if node.type in _LOOPS else "condition"
+            yield WatchPoint("condition", *lines, name, file.of(condition), *bytes_)
         return
     if parent is None or (parent.type == "for_statement" and node != field(parent, "body")):
         return

@@ -51,6 +51,7 @@ void main()
     for (int i = 0; i < 3; ++i)
         if (i < steps) value += float(i) * 0.5; else value += 0.0625;
     while (value > 4.0) value -= 0.5;
+    for (int i = 0; i < 12; ++i) value += 0.03125;
     switch (steps) {
     case 1: value += 1.0; break;
     default: value += 2.0;
@@ -80,6 +81,7 @@ MISTAKES = [
     ("at.y > 0.75", "at.y > 0.25", "at.y > 0.75", "condition"),
     ("at.x + at.y;", "at.x - at.y;", "value += at.y > 0.75", "value"),
     ("i < 3", "i < 4", "i < 3", "condition"),
+    ("i < 12", "i < 8", "i < 12", "condition"),
     ("i < steps", "i > steps", "i < steps", "condition"),
     ("float(i) * 0.5", "float(i * i) * 0.5", "float(i) * 0.5", "value"),
     ("value > 4.0", "value > 5.0", "value > 4.0", "condition"),
