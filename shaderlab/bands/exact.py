@@ -97,6 +97,7 @@ def _known(true: Flags, false: Flags, a: Band, b: Band) -> Truth:
     return Truth(true, false, a.rules)
 
 
+@compiled
 def select(condition: Truth, a: Band, b: Band) -> Band:
     """a where the condition holds, b where it does not, the hull of both where undecided.
 

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 _FLUSHED = 8.0  # operations of which each may flush a denormal
 
 
+@compiled
 def within_ends(found: Band, x: Band, y: Band, a: Band) -> Band:
     """The band `found` of mix(x, y, a) by its operations, cut to what it may be at most.
 
@@ -26,13 +27,12 @@ def within_ends(found: Band, x: Band, y: Band, a: Band) -> Band:
     terms = _terms(found, x, y, a)
     if found.lo is found.hi:
         return found.kept(found.lo, found.lo, terms=terms)
-    lo, hi = cut_to_ends(found, x, y, a, found.rules.flush)
+    lo, hi = _cut_to_ends(found, x, y, a, found.rules.flush)
     return found.kept(lo, hi, terms=terms)
 
 
-@compiled
 @np.errstate(all="ignore")
-def cut_to_ends(found: Band, x: Band, y: Band, a: Band, flush: bool) -> tuple[Floats, Floats]:
+def _cut_to_ends(found: Band, x: Band, y: Band, a: Band, flush: bool) -> tuple[Floats, Floats]:
     """The bounds of `found`, no wider than the ends of x, y and a allow."""
     sides = [_ends(x.settled(), y.settled(), end) for end in a.settled()]
     lost = _lost(found, x, y, a)

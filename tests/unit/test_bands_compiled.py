@@ -248,7 +248,7 @@ def test_common_values_are_not_left_to_numpy() -> None:
     assert compiled.KERNELS.ordinary(x.lo.astype(np.float32)) is not None
     assert compiled.KERNELS.absolute(x * x) is not None
     assert compiled.KERNELS.clamped(x, zero, x + 1.0) is not None
-    assert compiled.KERNELS.cut_to_ends(x, x, x + 1.0, x * 0.5, True) is not None
+    assert compiled.KERNELS.within_ends(x + 0.5, x, x + 1.0, x * 0.3) is not None
     assert compiled.KERNELS.joined_last([x.lo, np.ones(1), x.lo[:, 1:]]) is not None
     assert compiled.KERNELS.taken(np.ones((4, 1)), x.lo, x.hi, True) is not None
     assert compiled.KERNELS.mixed_texels(*[x.lo] * 8, *[x.lo[:, :1]] * 4) is not None
@@ -267,7 +267,7 @@ def test_what_a_pass_can_t_take_is_left_to_numpy() -> None:
     assert compiled.KERNELS.ordinary(np.float32([1e-40])) is None
     assert compiled.KERNELS.clamped(x, x, zero) is None
     assert compiled.KERNELS.larger(x, infinite * 0.0) is None
-    assert compiled.KERNELS.cut_to_ends(x, infinite, x, x, True) is None
+    assert compiled.KERNELS.within_ends(x + 0.3, infinite, x, x) is None
     assert compiled.KERNELS.joined_last([x.lo, np.ones(1, np.float32)]) is None
     assert compiled.KERNELS.mixed_texels(*[x.lo] * 8, *[infinite.lo] * 4) is None
     with pytest.raises(ValueError, match="broadcast"):

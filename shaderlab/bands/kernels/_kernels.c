@@ -28,6 +28,7 @@
 #include "bounds.h"
 #include "choices.h"
 #include "exacts.h"
+#include "selects.h"
 #include "mixes.h"
 #include "rows.h"
 #include "directions.h"
@@ -46,10 +47,10 @@ static PyMethodDef kernels[] = {
     METHOD(inversesqrt, inversesqrt), METHOD(sqrt, square_root),
     METHOD(outward, outward), METHOD(widened_by_ulps, widened_by_ulps),
     METHOD(logarithms_widened, logarithms_widened), METHOD(taken, taken),
-    METHOD(joined_last, joined_last), METHOD(cut_to_ends, cut_to_ends),
+    METHOD(joined_last, joined_last), METHOD(within_ends, within_ends),
     METHOD(mixed_texels, mixed_texels), METHOD(smaller, smaller_band),
     METHOD(larger, larger_band), METHOD(clamped, clamped), METHOD(absolute, absolute),
-    METHOD(union, union_of), METHOD(dot, dot), METHOD(times_vector, times_vector),
+    METHOD(union, union_of), METHOD(select, select_band), METHOD(dot, dot), METHOD(times_vector, times_vector),
     METHOD(direction, direction), METHOD(__getitem__, indexed), METHOD(ordinary, ordinary), METHOD(joined, joined), METHOD(texels_at, texels_at), {0}};
 
 #include "operations.h"

@@ -58,35 +58,60 @@ LOOP void cut(
     }
 }
 
-/* cut_to_ends(found, x, y, a, flush): (lo, hi) of the band `found` of a mix, cut to what its
- * operands' ends allow. */
-static PyObject *cut_to_ends(PyObject *self, PyObject *const *args, Py_ssize_t given)
+/* The sizes of a mix's terms: those of x, and products with the share. */
+LOOP int64_t mix_sizes(
+    npy_intp count, const Value *found, const Value *x, const Value *y, const Value *a,
+    double *restrict size)
 {
-    Value values[4], *found = &values[0];
-    Shape shape = {0};
-    Result result = {0};
-    double lo[BLOCK], negated_hi[BLOCK], zeros[BLOCK] = {0}, ones[BLOCK];
-    if (given != 5) Py_RETURN_NONE;
-    for (int k = 0; k < 4; k++)
-        if (!read_value(&values[k], args[k]) || !broadcast_value(&shape, &values[k]))
-            Py_RETURN_NONE;
-    if (!shape.size) Py_RETURN_NONE;
-    for (int k = 0; k < 4; k++) prepare_value(&values[k], &shape);
-    if (make_room(&result, &shape, 0, 0)) return NULL;
-    result.flush = args[4] == Py_True;
+    const double *lo = found->low, *hi = found->high, *x_size = x->size, *a_size = a->size;
+    const double *x_lo = x->settled_low, *x_hi = x->settled_high;
+    const double *y_lo = y->settled_low, *y_hi = y->settled_high;
+    int64_t rare = 0;
+    for (npy_intp i = 0; i < count; i++) {
+        double near = smaller(larger(fabs(x_lo[i]), fabs(x_hi[i])), LARGEST);
+        double far = smaller(larger(fabs(y_lo[i]), fabs(y_hi[i])), LARGEST);
+        double terms = x_size[i] + (near + far) * a_size[i];
+        double own = smaller(larger(fabs(lo[i]), fabs(hi[i])), LARGEST);
+        double mag = smaller(larger(terms, own), LARGEST);
+        size[i] = mag;
+        rare |= rare_of(!(terms < INFINITY), mag);
+    }
+    return rare;
+}
+
+/* within_ends(found, x, y, a): the band `found` of a mix, cut to what its operands' ends allow. */
+static PyObject *within_ends(PyObject *self, PyObject *const *args, Py_ssize_t given)
+{
+    Pass pass;
+    Value x, y, a, *found = &pass.a, *all[] = {found, &x, &y, &a};
+    Result *result = &pass.result;
+    double zeros[BLOCK] = {0}, ones[BLOCK];
+    if (given != 4 || !begin(&pass, args, 1, 1) || found->exact) Py_RETURN_NONE;
+    for (int k = 1; k < 4; k++)
+        if (!read_value(all[k], args[k]) || !broadcast_value(&pass.shape, all[k])) Py_RETURN_NONE;
+    for (int k = 0; k < 4; k++) prepare_value(all[k], &pass.shape);
+    if (make_room(result, &pass.shape, !found->plain, 0)) return NULL;
+    if (found->reaching)
+        result->reach = (PyArrayObject *)Py_NewRef((PyObject *)found->reach.array);
+    result->count = x.count + 2.0;
     at_least_one(BLOCK, zeros, ones);
     double unit = SMALLEST_NORMAL * (found->reaching ? found->count : 1.0);
-    for (npy_intp start = 0; start < shape.size && !result.rare; start += BLOCK) {
-        npy_intp count = shape.size - start < BLOCK ? shape.size - start : BLOCK;
-        for (int k = 0; k < 4; k++) load(&values[k], start, count);
+    for (npy_intp start = 0; start < pass.shape.size && !result->rare; start += BLOCK) {
+        npy_intp count = pass.shape.size - start < BLOCK ? pass.shape.size - start : BLOCK;
+        for (int k = 0; k < 4; k++) load(all[k], start, count);
         if (found->reaching) load_reach(found, start, count);
-        result.rare = mix_ends(
-            count, &values[1], &values[2], &values[3], found->reaching ? found->size : zeros,
-            found->reaching ? found->reached : ones, unit, lo, negated_hi);
-        narrow(count, result.flush, lo, negated_hi, result.low + start, result.high + start);
-        cut(count, found->low, found->high, result.low + start, result.high + start);
+        result->rare = mix_ends(
+            count, &x, &y, &a, found->reaching ? found->size : zeros,
+            found->reaching ? found->reached : ones, unit, pass.lo, pass.negated_hi);
+        if (!found->plain) {
+            int64_t rare = mix_sizes(count, found, &x, &y, &a, result->size + start);
+            result->rare |= found->reaching ? rare & ODD : rare;
+        }
+        double *low = result->low + start, *high = result->high + start;
+        narrow(count, result->flush, pass.lo, pass.negated_hi, low, high);
+        cut(count, found->low, found->high, low, high);
     }
-    return two_arrays(&result);
+    return finished(&pass);
 }
 
 /* Four texels mixed; equation 8.16 of OpenGL 4.5. */
