@@ -9,6 +9,9 @@
 - comparing 1024 × 1024 float32 values with a band that is there already, against `np.allclose`
   of the same tolerance, and whether the verdicts are equal on right and wrong frames;
 - the memory that judging the largest formula takes at 512 × 512.
+
+`--operations` prints what single operations take instead, by the compiled passes and by NumPy
+alone.
 """
 
 from __future__ import annotations
@@ -23,7 +26,8 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.bands import Rules, compiled
+from shaderlab import glslmath
+from shaderlab.bands import Band, Rules, compiled
 from shaderlab.bands.allowed import contains
 from shaderlab.catalogue import load_cases
 from shaderlab.discovery import shipped_cases
@@ -57,8 +61,12 @@ def main(words: list[str] | None = None) -> int:
     options.add_argument("cases", nargs="*", help="ids of cases; all by default")
     options.add_argument("--repeats", type=int, default=5)
     options.add_argument("--variants", action="store_true", help="list every variant")
+    options.add_argument("--operations", action="store_true", help="single operations alone")
     given = options.parse_args(words)
     keep_freed_memory()  # as workers do
+    if given.operations:
+        operations()
+        return 0
     slowest = evaluation(given.repeats, given.variants, given.cases)
     comparison(given.repeats)
     memory(slowest)
@@ -153,6 +161,33 @@ def memory(slowest: Job) -> None:
         print(f"  {peak / 2**20:8.0f} MiB at most, {took:.1f} s (while memory is traced)")
 
 
+def operations() -> None:
+    """Print the µs of single operations on so many values, or vectors of three."""
+    rng = np.random.default_rng(1)
+    matrix = Band.exact(rng.normal(size=(3, 3)))
+    for count in (1, 4096, 49152):
+        x, y, z, w = (Band.exact(rng.uniform(0.1, 1.0, (count, 1))) for _ in range(4))
+        u, v = (Band.exact(rng.normal(size=(count, 3))) for _ in range(2))
+        a, b, share = x + y, z + w, x * y
+        repeats = 200 if count == 1 else 20
+        runs: dict[str, Callable[[], Any]] = {
+            "sum of two sums": lambda a=a, b=b: a + b,
+            "product of two sums": lambda a=a, b=b: a * b,
+            "quotient of two sums": lambda a=a, b=b: a / b,
+            "root of a sum": lambda a=a: glslmath.sqrt(a),
+            "mix of two sums": lambda a=a, b=b, share=share: glslmath.mix(a, b, share),
+            "choice between two sums": lambda a=a, b=b: glslmath.where(a < 1.0, a, b),
+            "dot of two vectors": lambda u=u, v=v: glslmath.dot(u, v),
+            "difference's direction": lambda u=u, v=v: glslmath.normalize(u - v),
+            "matrix and vector": lambda u=u, matrix=matrix: glslmath.mul(matrix, u),
+        }
+        for name, run in runs.items():
+            took = [best(repeats, run)]
+            with compiled.numpy_alone():
+                took.append(best(repeats, run))
+            print(f"{count:6} values  {name:24}" + "".join(f"{t * 1e6:9.1f}" for t in took))
+
+
 def jobs(side: int, only: Collection[str] = ()) -> Iterator[Job]:
     """Every formula of the shipped cases, with what the driver gives its shader at this size."""
     with Lab(RunOptions(size=side)) as lab:
@@ -179,9 +214,9 @@ def best(repeats: int, run: Callable[[], Any]) -> float:
     """The shortest of some runs, in seconds of processor time: others may be using the machine."""
     times = []
     for _ in range(repeats):
-        started = time.process_time()
+        started = time.process_time_ns()
         run()
-        times.append(time.process_time() - started)
+        times.append((time.process_time_ns() - started) / 1e9)
     return min(times)
 
 

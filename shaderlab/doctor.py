@@ -139,7 +139,7 @@ def _bands() -> Finding:
     built = compiled.KERNELS is not None
     return Finding(
         name="bands",
-        found="by compiled passes" if built else "by NumPy, which takes about twice as long",
+        found="by compiled passes" if built else "by NumPy, which takes several times as long",
         ok=built or compiled.left_aside(),
         necessary=False,
         remedy="install a C compiler, then run pip install -e . in the checkout (or make setup)",

@@ -178,7 +178,7 @@ def test_what_rounds_nothing_is_numpy_s(data: Any) -> None:
 @pytest.mark.parametrize(
     "values", [plain_floats, small_floats, any_floats], ids=["plain", "small", "any"]
 )
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(data=st.data())
 def test_sums_of_products_are_numpy_s(values: Any, data: Any) -> None:
     rules = data.draw(st.sampled_from(RULES))
