@@ -3,11 +3,14 @@ may be."""
 
 from __future__ import annotations
 
+import _imp
+import _thread
 import atexit
 import gc
 import itertools
 import os
 import sys
+import time
 from collections.abc import Sequence
 
 _RUNNING = ("run", "sweep", "mutate")
@@ -26,6 +29,8 @@ def main() -> None:
     import signal
 
     sys.unraisablehook = _interrupt_again
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, _interrupt)
     try:
         if _will_run(sys.argv[1:]):
             from shaderlab.execution.worker_process import begin_server
@@ -43,7 +48,7 @@ def main() -> None:
         print("\nshaderlab: interrupted", file=sys.stderr)
         sys.exit(130)
     finally:
-        if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        if signal.getsignal(signal.SIGINT) in (_interrupt, signal.default_int_handler):
             signal.signal(signal.SIGINT, signal.SIG_DFL)  # nothing is left that it could cut short
 
 
@@ -70,18 +75,33 @@ def _will_run(words: Sequence[str]) -> bool:
     )
 
 
+def _interrupt(number: int, frame: object) -> None:
+    """Raise KeyboardInterrupt, but while Python's lock of imports is held a little later: it would
+    never be released, and other threads wait for it forever."""
+    if _imp.lock_held():
+        _send_again()
+    else:
+        raise KeyboardInterrupt
+
+
 def _interrupt_again(dropped: sys.UnraisableHookArgs) -> None:
     """Send an interrupt again that came in a callback, such as that of an import's lock: Python
     drops what is raised there."""
-    if dropped.exc_type is not KeyboardInterrupt:
+    if dropped.exc_type is KeyboardInterrupt:
+        _send_again()
+    else:
         sys.__unraisablehook__(dropped)
-        return
-    import signal
-    from threading import Timer
 
-    again = Timer(0.005, os.kill, (os.getpid(), signal.SIGINT))
-    again.daemon = True
-    again.start()
+
+def _send_again() -> None:
+    """Send an interrupt in 5 ms. By what needs no import, which may be what was interrupted."""
+    import signal
+
+    def send() -> None:
+        time.sleep(0.005)
+        os.kill(os.getpid(), signal.SIGINT)
+
+    _thread.start_new_thread(send, ())
 
 
 def _leave_out_the_working_folder() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import _imp
 import gc
 import signal
 import sys
@@ -55,6 +56,25 @@ def test_an_interrupt_in_a_callback_is_not_lost(monkeypatch: pytest.MonkeyPatch)
     with pytest.raises(KeyboardInterrupt):
         Callback()
         time.sleep(20)
+
+
+def test_an_interrupt_leaves_no_lock_of_imports_held(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A thread that imports something would wait for it forever."""
+
+    def importing() -> None:
+        _imp.acquire_lock()
+        try:
+            signal.raise_signal(signal.SIGINT)  # as between taking the lock and Python's `try`
+        except KeyboardInterrupt:
+            pytest.fail("raised while the lock is held")
+        _imp.release_lock()
+        time.sleep(20)
+
+    monkeypatch.setattr(cli, "main", importing)
+    began = time.monotonic()
+    with pytest.raises(SystemExit) as ended:
+        program.main()
+    assert ended.value.code == cli.INTERRUPTED and time.monotonic() - began < 10
 
 
 def test_other_errors_in_callbacks_are_printed(
