@@ -10,10 +10,12 @@ made up). Seconds are of the processor, without the drawing.
 from __future__ import annotations
 
 import argparse
+import re
 import time
 import tomllib
 from collections import Counter
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 from shaderlab.audit import Audit, audit_program
@@ -64,47 +66,117 @@ _END = "\n}\nvoid main()\n{\n    FragColor = color();\n}\n"
 _RATIO = DECLARATIONS[: DECLARATIONS.index("over / under")].count("\n") + 1
 
 
-def planted() -> Iterator[tuple[str, str]]:
-    """The kind and the body of each hazard."""
-    for kind, bodies in tomllib.loads(PLANTED.read_text(encoding="utf-8")).items():
-        for body in bodies:
-            yield kind, body
+_OF_STAGE = {
+    "geometry": """#version 430 core
+layout (triangles) in;
+layout (triangle_strip, max_vertices = 5) out;
+in vec4 uv[];
+uniform float x; // range: 0..1
+uniform int n; // range: 0..6
+out float shade;
+void main()
+{
+""",
+    "compute": """#version 430 core
+layout (local_size_x = 32) in;
+layout (std430) buffer Results { float result; };
+uniform float x; // range: -1..1
+uniform int n; // range: 0..6
+shared float sums[32];
+shared float total;
+float held;
+void main()
+{
+    uint i = gl_LocalInvocationIndex;
+""",
+}
+_ENDS = {
+    "fragment": _END,
+    "vertex": "\n}\nvoid main()\n{\n    gl_Position = color();\n}\n",
+    "geometry": "\n}\nvoid main()\n{\n    gl_Position = color();\n    EmitVertex();\n}\n",
+    "compute": "\n}\nvoid main()\n{\n    result = color();\n}\n",
+}
+_LAYOUTS = {
+    "geometry": "layout (points) in; layout (points, max_vertices = 1) out; uniform vec2 uv; ",
+    "compute": "layout (local_size_x = 8) in; buffer Results { vec4 result; }; uniform vec2 uv; ",
+}
+STAGES = tuple(_ENDS)
+SUFFIXES = ("frag", "vert", "geom", "comp")
+_SLOPES = re.compile(r"\b(dFd[xy]|fwidth)\(")  # fragment shaders alone have them
 
 
-def audit_of(body: str) -> Audit:
+@dataclass(frozen=True)
+class Planted:
+    """A hazard in a shader: its kind, what `color()` or a stage's own `main` does, the stage."""
+
+    kind: str
+    body: str
+    stage: str
+    own: bool = False
+
+    @property
+    def text(self) -> str:
+        """The shader."""
+        if self.own:
+            return f"{_OF_STAGE[self.stage]}{self.body}\n}}\n"
+        start = DECLARATIONS
+        if self.stage in _LAYOUTS:
+            start = start.replace("in vec2 uv;", _LAYOUTS[self.stage])
+        if self.stage != "fragment":
+            start = start.replace("out vec4 FragColor;", "")
+        return f"{start}{self.body}{_ENDS[self.stage]}"
+
+    @property
+    def line(self) -> int:
+        """Where it goes wrong: at the line that is marked, or in the function that the body calls;
+        where an output is not written, at its declaration."""
+        start = _OF_STAGE[self.stage] if self.own else DECLARATIONS
+        marked = [i for i, line in enumerate(self.body.splitlines()) if line.endswith("// !")]
+        if marked:
+            return start.count("\n") + 1 + marked[0]
+        return start[: start.index("shade")].count("\n") + 1 if self.own else _RATIO
+
+
+def planted(stage: str = "fragment") -> Iterator[Planted]:
+    """Each hazard that a stage can have."""
+    data = tomllib.loads(PLANTED.read_text(encoding="utf-8"))
+    for kind, bodies in data.items():
+        if isinstance(bodies, list):
+            here = bodies if stage == "fragment" else [b for b in bodies if not _SLOPES.search(b)]
+            yield from (Planted(kind, body, stage) for body in here)
+    for kind, bodies in data.get(stage, {}).items():
+        yield from (Planted(kind, body, stage, own=True) for body in bodies)
+
+
+def audit_of(one: Planted) -> Audit:
     """The audit of a shader with a planted hazard."""
-    text = f"{DECLARATIONS}{body}{_END}"
-    shaders = Shaders([Path()], overrides={"planted.frag": text})
-    return audit_program(load(shaders.load("planted.frag", "fragment")))
+    shaders = Shaders([Path()], overrides={"planted.glsl": one.text})
+    return audit_program(load(shaders.load("planted.glsl", one.stage)))
 
 
-def line_of(body: str) -> int:
-    """The line at which a body goes wrong; in the function that it calls if it marks none."""
-    marked = [i for i, line in enumerate(body.splitlines()) if line.endswith("// !")]
-    return DECLARATIONS.count("\n") + 1 + marked[0] if marked else _RATIO
-
-
-def is_found(body: str, audit: Audit) -> bool:
+def is_found(one: Planted, audit: Audit) -> bool:
     """Whether a hazard is shown at its line."""
-    return any(hazard.evident and hazard.line == line_of(body) for hazard in audit.hazards)
+    return any(hazard.evident and hazard.line == one.line for hazard in audit.hazards)
 
 
-def _planted() -> None:
+def _planted(stage: str) -> None:
     found, total, elsewhere = Counter[str](), Counter[str](), 0
     started = time.process_time()
-    for kind, body in planted():
-        total[kind] += 1
-        audit = audit_of(body)
-        found[kind] += is_found(body, audit)
-        others = [h for h in audit.hazards if h.evident and h.line != line_of(body)]
+    for one in planted(stage):
+        total[one.kind] += 1
+        audit = audit_of(one)
+        found[one.kind] += is_found(one, audit)
+        others = [h for h in audit.hazards if h.evident and h.line != one.line]
         elsewhere += bool(others)
-        if not is_found(body, audit) or others:
-            print(f"  {kind}: {body!r}: {[(h.line, h.kind) for h in audit.hazards]}")
+        if not is_found(one, audit) or others:
+            print(f"  {one.kind}: {one.body!r}: {[(h.line, h.kind) for h in audit.hazards]}")
     seconds = (time.process_time() - started) / total.total()
     for kind, count in total.items():
-        print(f"{kind}: {found[kind]} of {count}")
-    print(f"planted: {found.total()} of {total.total()} at their lines, {seconds:.2f} s each")
-    print(f"hazards at other lines: in {elsewhere}")
+        print(f"{stage}, {kind}: {found[kind]} of {count}")
+    print(
+        f"{stage}: {found.total()} of {total.total()} at their lines, {seconds:.2f} s each; "
+        f"hazards at other lines in {elsewhere}"
+    )
 
 
 def _catalogue(made_up: bool) -> None:
@@ -113,6 +185,8 @@ def _catalogue(made_up: bool) -> None:
         for case in load_cases(shipped_cases()).values():
             try:
                 for source, given in stages(lab, case):
+                    if not given:
+                        continue  # a stage whose inputs can't be captured
                     started = time.process_time()
                     audit = audit_program(program_of(source), captured=given)
                     seconds += time.process_time() - started
@@ -129,7 +203,7 @@ def _catalogue(made_up: bool) -> None:
 
 def _files() -> None:
     root, files, alarms = data_folder("shaders"), 0, 0
-    for path in sorted([*root.rglob("*.frag"), *root.rglob("*.vert")]):
+    for path in sorted(p for suffix in SUFFIXES for p in root.rglob(f"*.{suffix}")):
         try:
             source = Shaders([root]).load(path.relative_to(root).as_posix())
             audit = audit_program(program_of(source))
@@ -149,8 +223,8 @@ def main() -> None:
     parser.add_argument("--only", choices=("planted", "catalogue"))
     parser.add_argument("--all", action="store_true", help="made-up inputs for the catalogue, too")
     options = parser.parse_args()
-    if options.only != "catalogue":
-        _planted()
+    for stage in () if options.only == "catalogue" else STAGES:
+        _planted(stage)
     if options.only != "planted":
         _catalogue(options.all)
 

@@ -71,6 +71,7 @@ def main() -> None:
             for rewrite, answers, spent in compared(lab, case, of_case, plan) if of_case else ():
                 kind = wanted[rewrite]
                 seconds[rewrite] = spent
+                answers = [answer for answer in answers if answer.outputs]  # it got some inputs
                 unsaid[kind] += not answers
                 differs = any(answer.same is False for answer in answers)
                 if kind == "wrong" and answers and not differs:

@@ -11,6 +11,7 @@ from shaderlab.audit.checks import INDEX, OVERFLOW
 from shaderlab.audit.consequences import depending, reached_by_0
 from shaderlab.audit.divergence import divergent
 from shaderlab.audit.hazard import Audit, Hazard
+from shaderlab.audit.invocations import between_invocations
 from shaderlab.audit.mediump import mediump
 from shaderlab.audit.population import DRAWN, EQUAL
 from shaderlab.audit.portability import Spread, portability, sample
@@ -22,6 +23,7 @@ from shaderlab.equivalence.interface import Input, declared_ranges, inputs_of
 from shaderlab.equivalence.roles import Role, roles_of, unknown_names
 from shaderlab.errors import UsageError, nearest
 from shaderlab.interpreter import Program
+from shaderlab.interpreter.workgroups import NUMBERS
 
 _MOST = 16_384  # invocations that a case's draws give, of those with the same textures
 
@@ -70,6 +72,8 @@ def audit_program(
         tried, roles = sum(given.count for given in captured), {}
         sets = list(captured)
     else:
+        if program.lanes > 1:
+            inputs = _of_workgroups(inputs)
         roles = roles_of(inputs.values(), declared_ranges(program), plan.ranges)
         hunt = Hunt(program, inputs, roles, plan.count)
         hunt.run()
@@ -79,6 +83,7 @@ def audit_program(
     for given in sets:
         hazards += undefined_values(program, given, inputs)
         hazards += divergent(program, given, inputs, made_up=not captured)
+        hazards += between_invocations(program, given, inputs)
     spreads = (
         [s for given in sets for s in spread(program, given, inputs)] if plan.precision else []
     )
@@ -91,6 +96,16 @@ def audit_program(
     )
 
 
+def _of_workgroups(inputs: Mapping[str, Input]) -> dict[str, Input]:
+    """The inputs of whole workgroups: the group's own number in place of its invocations'."""
+    found = {name: one for name, one in inputs.items() if name not in NUMBERS}
+    numbers = [inputs[name] for name in NUMBERS if name in inputs]
+    if numbers:
+        name = NUMBERS[0]
+        found[name] = Input(name, "uvec3", uniform=False, workgroup=numbers[0].workgroup)
+    return found
+
+
 def spread(
     program: Program,
     given: Given,
@@ -98,6 +113,8 @@ def spread(
     precisions: Sequence[str] = ("highp", "mediump"),
 ) -> list[Spread]:
     """How far devices may differ at each float output, on some of the invocations."""
+    if program.stage not in ("vertex", "fragment"):
+        return []
     some = sample(given)
     found = portability(program, some, inputs) if "highp" in precisions else []
     if "mediump" in precisions and program.stage == "fragment":
@@ -153,7 +170,9 @@ def _hazards(program: Program, witness: Witness, inputs: Mapping[str, Input]) ->
             message=f"{place.kind}: {words}" if not words.startswith(place.kind) else words,
             evident=witness.origin == DRAWN and not one.check.possible,
             inputs=example(witness.given, witness.row, inputs),
-            outputs={name: tuple(map(float, value)) for name, value in outputs.items()},
+            outputs={}
+            if program.lanes > 1
+            else {name: tuple(map(float, value)) for name, value in outputs.items()},
             calls=tuple(program.place(call)[1] for call in place.calls),
         ),
     )

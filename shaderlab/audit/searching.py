@@ -18,7 +18,8 @@ from shaderlab.interpreter import Program
 _GENERATIONS = 18
 _PARENTS = 6
 _CHILDREN = 4, 16  # of each parent, at least and at most
-_MOST = 4096  # children in a generation
+_MOST = 4096  # children in a generation, each invocation of a workgroup counted
+_LEAST = 128  # workgroups, whose invocations run together
 _STEPS = 8  # on the way between both signs of a margin
 _TINY = 1e-6  # of the usual margin: so near to a change of sign it passes through 0
 
@@ -46,7 +47,7 @@ class Witness:
 
 def watched(program: Program, given: Given) -> dict[Place, Watched]:
     """How far each instruction is from going wrong on some invocations."""
-    watcher = Watcher(given.count)
+    watcher = Watcher(given.count, program.lanes)
     run_watched(program, given, watcher)
     return watcher.found
 
@@ -82,6 +83,8 @@ class Hunt:
     ) -> None:
         self._program = program
         self._search = Search(inputs, roles)
+        lanes = program.lanes
+        self._most, count = max(_MOST // lanes, _LEAST), max(count // lanes, _LEAST)
         self._inputs, self._roles = inputs, roles
         first = first_ones(inputs, roles, count)
         self.drawn = first.part(np.arange(count))
@@ -152,8 +155,8 @@ class Hunt:
             for place, (parents, _) in self._best.items()
             if place not in self.witnesses or self.witnesses[place].origin != DRAWN
         ]
-        each = int(np.clip(_MOST // (_PARENTS * max(len(open_ones), 1)), *_CHILDREN))
-        for parents in open_ones[: _MOST // (_PARENTS * each)]:
+        each = int(np.clip(self._most // (_PARENTS * max(len(open_ones), 1)), *_CHILDREN))
+        for parents in open_ones[: self._most // (_PARENTS * each)]:
             rows = np.repeat(np.arange(parents.count), each)
             yield self._search.moved(parents.part(rows), generation)
 

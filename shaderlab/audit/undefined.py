@@ -16,12 +16,14 @@ from shaderlab.audit.consequences import alone
 from shaderlab.audit.hazard import Hazard
 from shaderlab.audit.watching import run_watched
 from shaderlab.bands import Integer, Truth
+from shaderlab.compiler.module import Storage
 from shaderlab.equivalence.comparing import flattened
 from shaderlab.equivalence.comparison import example
 from shaderlab.equivalence.given import Given
 from shaderlab.equivalence.interface import Input
 from shaderlab.frame import Array
 from shaderlab.interpreter import Interpreted, Numbers, Program
+from shaderlab.interpreter.instructions import HANDLERS
 from shaderlab.interpreter.memory import Pointer, World, spelt
 from shaderlab.interpreter.program import Instruction
 from shaderlab.interpreter.running import Run
@@ -31,7 +33,8 @@ READ, UNWRITTEN = "uninitialised read", "output not written"
 _UNDEFINED, _VARIABLE, _LOAD = 1, 59, 61
 _VALUES = (0.21, 3.4)
 _ARGUMENT = "param"  # what glslang calls the copy of an argument
-_INTERFACE = ("gl_",)  # built-in outputs need no value, but for gl_FragDepth
+_INTERFACE = "gl_"  # built-in outputs need no value
+_NEEDED = ("gl_FragDepth", "gl_Position")  # but for these, where a shader writes to them at all
 
 
 @dataclass(frozen=True)
@@ -47,37 +50,53 @@ class _Filled(Numbers):
 
 @dataclass
 class _Filling:
-    """A `Watch` that stores a number to variables, or to one of them alone; it keeps what is loaded
-    of one row."""
+    """A `Watch` that stores a number to variables, those outside of functions too, or to one of
+    them alone; it keeps what is loaded at some rows."""
 
     value: float
     only: int | None = None
-    row: int | None = None
+    rows: slice | None = None
     loads: list[tuple[int, str, Array]] = field(default_factory=list)
     filled: dict[int, None] = field(default_factory=dict)
+    began: bool = False
 
     def __call__(self, run: Run, at: Instruction, world: World, result: Any) -> Any:
+        if not self.began:
+            self.began = True
+            if self._fill_globals(run, world) and at.op == _LOAD:  # it may be of one of them
+                result = HANDLERS[_LOAD](run, at, world)
         if at.op == _VARIABLE and len(at.operands) == 1:
             self.filled[at.id] = None
             type_, _ = run.program.variables[at.id]
-            world.memory[at.id] = _stand_in(null(type_, run.arithmetic), self._value(at))
+            world.memory[at.id] = _stand_in(null(type_, run.arithmetic), self._value(at.id))
         elif at.op == _UNDEFINED:
             self.filled[at.id] = None
-            result = _stand_in(result, self._value(at))
-        elif at.op == _LOAD and self.row is not None and world.mask[self.row]:
-            self._keep(run, at, result)
+            result = _stand_in(result, self._value(at.id))
+        elif at.op == _LOAD and self.rows is not None and world.mask[self.rows].any():
+            self._keep(run, at, world, result)
         return result
 
-    def _value(self, at: Instruction) -> float:
-        return self.value if self.only in (None, at.id) else _VALUES[0]
+    def _fill_globals(self, run: Run, world: World) -> bool:
+        memories = {Storage.PRIVATE: world.memory, Storage.WORKGROUP: run.shared}
+        before = len(self.filled)
+        for id_, (type_, storage) in run.program.variables.items():
+            if storage in memories and memories[storage].get(id_) is None:
+                self.filled[id_] = None
+                value = _stand_in(null(type_, run.arithmetic), self._value(id_))
+                memories[storage][id_] = value
+        return len(self.filled) > before
 
-    def _keep(self, run: Run, at: Instruction, result: Any) -> None:
+    def _value(self, id_: int) -> float:
+        return self.value if self.only in (None, id_) else _VALUES[0]
+
+    def _keep(self, run: Run, at: Instruction, world: World, result: Any) -> None:
         pointer = run.value(at.operands[0])
-        assert isinstance(pointer, Pointer) and self.row is not None
+        assert isinstance(pointer, Pointer) and self.rows is not None
         type_, _ = run.program.variables[pointer.variable]
         name = spelt(run.program.name(pointer.variable), type_, pointer.path)
         parts = [v for _, v in flattened({"": result})] if _has_numbers(result) else []
-        values = [v[self.row if len(v) > 1 else 0] for v in parts]
+        here = world.mask[self.rows]
+        values = [(v[self.rows][here] if len(v) > 1 else v).ravel() for v in parts]
         self.loads.append((at.line, name, np.concatenate(values) if values else np.zeros(0)))
 
 
@@ -110,11 +129,11 @@ def undefined_values(
             for output, row in list(_differing(plain, other, given.count).items())[:1]:
                 yield _read(program, given, row, id_, output, inputs)
     other = _run(program, given, _Filling(_VALUES[0]), _VALUES[1])
-    for output, row in _differing(plain, other, given.count).items():
+    for output, row in _differing(plain, other, given.count, unwritten=True).items():
         file, line = _declaration(program, output)
         yield Hazard(
             file=file, line=line, kind=UNWRITTEN,
-            message=f"{UNWRITTEN}: {output} has no value here, or a part of it has none",
+            message=f"{UNWRITTEN}: {_in_words(program, output)}, or a part of it has none",
             inputs=example(given, row, inputs),
         )  # fmt: skip
 
@@ -125,8 +144,11 @@ def _run(
     return run_watched(program, given, watch, _Filled(value=outputs))
 
 
-def _differing(one: Interpreted, other: Interpreted, count: int) -> dict[str, int]:
-    """The first row at which each output differs, of those that do."""
+def _differing(
+    one: Interpreted, other: Interpreted, count: int, *, unwritten: bool = False
+) -> dict[str, int]:
+    """The first row at which each output differs, of those that do; with `unwritten`, of those that
+    need a value."""
     gone, gone_too = (np.broadcast_to(r.discarded.all_true, (count,)) for r in (one, other))
     if (gone != gone_too).any():
         return {"discard": int((gone != gone_too).argmax())}
@@ -134,10 +156,11 @@ def _differing(one: Interpreted, other: Interpreted, count: int) -> dict[str, in
     others = dict(flattened(other.outputs))
     for name, a in flattened(one.outputs):
         b = others.get(name)
-        if b is None or (name.startswith(_INTERFACE) and name != "gl_FragDepth"):
+        built_in = unwritten and name.startswith(_INTERFACE)
+        if b is None or (built_in and not name.startswith(_NEEDED)):
             continue
         differs = (~((a == b) | (np.isnan(a) & np.isnan(b)))).any(axis=-1) & ~gone
-        if differs.any():
+        if differs.any() and not (built_in and differs.all()):
             found[name] = int(differs.argmax())
     return found
 
@@ -147,10 +170,15 @@ def _read(
 ) -> Hazard:
     """The hazard of a variable's value that nobody stored: at the first line that loads it."""
     some, own = alone(program, given, row)
-    watches = [_Filling(value, id_, own) for value in _VALUES]
+    lanes = program.lanes
+    rows = slice(own * lanes, (own + 1) * lanes)
+    watches = [_Filling(value, id_, rows) for value in _VALUES]
     for watch in watches:
         _run(program, some, watch)
-    file, line = program.place(program.definitions[id_].line)
+    inside = program.definitions.get(id_)
+    file, line = (
+        _declaration(program, program.name(id_)) if inside is None else program.place(inside.line)
+    )
     for (at, name, a), (_, _, b) in zip(*(watch.loads for watch in watches), strict=False):
         if name != _ARGUMENT and not np.array_equal(a, b, equal_nan=True):
             file, line = program.place(at)
@@ -161,6 +189,13 @@ def _read(
         message=f"{READ}: {name} has no value here, and {output} depends on it",
         inputs=example(given, row, inputs),
     )  # fmt: skip
+
+
+def _in_words(program: Program, output: str) -> str:
+    name, bracket, number = output.rpartition("[")
+    if program.stage != "geometry" or not bracket:
+        return f"{output} has no value here"
+    return f"{name} has no value in vertex {number.rstrip(']')}"
 
 
 def _declaration(program: Program, output: str) -> tuple[str, int]:

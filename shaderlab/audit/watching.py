@@ -4,19 +4,21 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from shaderlab.audit.checks import CHECKS, FLOATS, INDEX, OVERFLOW, Check, arguments_of, number_of
-from shaderlab.bands import Integer
+from shaderlab.bands import Integer, Truth
+from shaderlab.equivalence.comparing import flattened
 from shaderlab.equivalence.given import Given
 from shaderlab.frame import Array
 from shaderlab.interpreter import FLOAT32, Arithmetic, Interpreted, Program, interpret
 from shaderlab.interpreter.memory import Flags, Pointer, World
 from shaderlab.interpreter.program import Instruction
 from shaderlab.interpreter.running import Run, Watch
+from shaderlab.interpreter.workgroups import numbered, places_in
 
 _ACCESS = (65, 66)  # OpAccessChain, OpInBoundsAccessChain
 _DYNAMIC = {77: 1, 78: 2}  # OpVectorExtractDynamic, OpVectorInsertDynamic: where the index is
@@ -59,8 +61,9 @@ class Watcher:
         found: what may go wrong, by place.
     """
 
-    def __init__(self, count: int) -> None:
+    def __init__(self, count: int, lanes: int = 1) -> None:
         self.count = count
+        self.lanes = lanes
         self.found: dict[Place, Watched] = {}
 
     def __call__(self, run: Run, at: Instruction, world: World, result: Any) -> Any:
@@ -131,20 +134,26 @@ class Watcher:
         least = (
             np.take_along_axis(own, nearest, -1) if check.crosses else own.min(-1, keepdims=True)
         )
-        least = np.where(here, least, np.inf)[:, 0]
+        least = np.where(here, least, np.inf)[:, 0].reshape(-1, self.lanes)
+        closest = np.abs(least).argmin(axis=1) if check.crosses else least.argmin(axis=1)
+        least = least[np.arange(self.count), closest]
         flags: Flags = np.asarray((here & bad).any(axis=-1))
+        groups = flags.reshape(-1, self.lanes)
+        fails = groups.any(axis=1)
+        lane = np.where(fails, groups.argmax(axis=1), closest)
         known = self.found.get(place)
         if known is None:
             known = Watched(at, check, np.full(self.count, np.inf), np.zeros(self.count, np.bool_))
             self.found[place] = known
         closer = np.abs(least) < np.abs(known.margin) if check.crosses else least < known.margin
         known.margin = np.where(closer, least, known.margin)
-        for row in np.flatnonzero(flags & ~known.bad)[:_KEPT]:
-            known.operands[int(row)] = _component(values, margin, bad, int(row))
-        if check.crosses and not flags.any():
-            row = int(np.abs(least).argmin())
-            known.operands.setdefault(row, _component(values, margin, bad, row))
-        known.bad = known.bad | flags
+        rows = [int(row) for row in np.flatnonzero(fails & ~known.bad)[:_KEPT]]
+        if check.crosses and not fails.any():
+            rows = [row for row in (int(np.abs(least).argmin()),) if row not in known.operands]
+        for row in rows:
+            one = row * self.lanes + int(lane[row])
+            known.operands[row] = _component(values, margin, bad, one)
+        known.bad = known.bad | fails
         return flags
 
 
@@ -154,13 +163,29 @@ _KEPT = 4  # rows whose operands are kept
 def run_watched(
     program: Program, given: Given, watch: Watch | None = None, arithmetic: Arithmetic = FLOAT32
 ) -> Interpreted:
-    """Run a program on some invocations. Raises as `interpret` does."""
+    """Run a program on some invocations; on whole workgroups where those share variables or wait:
+    an output then holds what all of one gave, and is as wide. Raises as `interpret` does."""
+    lanes, count = program.lanes, given.count
+    each = given.each if lanes == 1 else _with_lanes(program, given, lanes)
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore")
-        return interpret(
-            program, given.each, given.bindings, arithmetic,
-            count=given.count, watch=watch, unwritten=True,
+        found = interpret(
+            program, each, given.bindings, arithmetic,
+            count=count * lanes, lanes=lanes, watch=watch, unwritten=True,
         )  # fmt: skip
+    if lanes == 1:
+        return found
+    outputs = {name: v.reshape(count, -1) for name, v in flattened(found.outputs)}
+    return replace(found, outputs=outputs, discarded=Truth.known(np.zeros(count, np.bool_)))
+
+
+def _with_lanes(program: Program, given: Given, lanes: int) -> dict[str, Array]:
+    """What each invocation of workgroups gets."""
+    each = {n: v if len(v) == 1 else np.repeat(v, lanes, axis=0) for n, v in given.each.items()}
+    groups = given.each.get("gl_WorkGroupID", np.zeros((given.count, 3), np.int64))
+    size = program.workgroup
+    local = np.tile(places_in(size), (given.count, 1))
+    return each | numbered(size, np.repeat(groups, lanes, axis=0), local)
 
 
 def _component(values: list[Any], margin: Array, bad: Flags, row: int) -> tuple[float, ...]:

@@ -47,6 +47,7 @@ class Storage:
     """The storage classes of global variables."""
 
     UNIFORM_CONSTANT, INPUT, UNIFORM, OUTPUT = 0, 1, 2, 3
+    WORKGROUP, PRIVATE = 4, 6
     PUSH_CONSTANT, ATOMIC_COUNTER, STORAGE_BUFFER = 9, 10, 12
 
 

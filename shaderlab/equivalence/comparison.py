@@ -198,10 +198,11 @@ class _Comparison:
         return one.compared[name, other]
 
     def _names(self, sets: Sequence[_Set]) -> list[tuple[str, str]]:
-        """The outputs' names in pairs: of the same name, or the only ones that are left over."""
+        """The outputs' names in pairs: of the same name, or the only ones that are left over.
+        Built-in outputs to which neither program writes are none."""
         mine = list(dict.fromkeys(n for one in sets for n in one.old.outputs))
         theirs = list(dict.fromkeys(n for one in sets for n in one.new.outputs))
-        pairs = [(n, n) for n in mine if n in theirs]
+        pairs = [(n, n) for n in mine if n in theirs and not _is_unwritten(sets, n)]
         only, others = [n for n in mine if n not in theirs], [n for n in theirs if n not in mine]
         if len(only) == len(others) == 1:
             return [*pairs, (only[0], others[0])]
@@ -282,6 +283,13 @@ class _Comparison:
             roles = {n: (n in freed and role.freed) or role for n, role in self.roles.items()}
             self._freed[freed] = self._run(self.make(roles, self.rounds))
         return bool(self._compared(self._freed[freed], name, other).different.any())
+
+
+def _is_unwritten(sets: Sequence[_Set], name: str) -> bool:
+    return name.startswith("gl_") and all(
+        np.isnan(ran.outputs[name]).all() for one in sets for ran in (one.old, one.new)
+        if name in ran.outputs
+    )  # fmt: skip
 
 
 def _written(program: Program, line: int) -> str:

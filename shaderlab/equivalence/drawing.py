@@ -8,9 +8,10 @@ import numpy as np
 
 from shaderlab.equivalence.given import Given
 from shaderlab.equivalence.interface import Input
-from shaderlab.equivalence.roles import Role, keep_in_order, words_of
+from shaderlab.equivalence.roles import WORKGROUPS, Role, keep_in_order, words_of
 from shaderlab.errors import NotInterpretedError
 from shaderlab.frame import Array, Bindings, Texels
+from shaderlab.interpreter.workgroups import numbered
 
 _SIDE = 8  # of a texture
 _CORNERS = 0.08  # the share of numbers that are an end of their range, 0 or 1
@@ -26,9 +27,12 @@ def drawn(inputs: Mapping[str, Input], roles: Mapping[str, Role], count: int, se
     rng = np.random.default_rng([19, seed])
     each: dict[str, Array] = {}
     textures: dict[str, Texels] = {}
+    size = None
     for name, one in inputs.items():
         role = roles[name]
-        if role.kind == "texture":
+        if one.workgroup:
+            size = one.workgroup
+        elif role.kind == "texture":
             textures[name] = _texture(one, rng)
         elif name in ("gl_VertexID", "gl_VertexIndex"):
             each[name] = np.arange(count, dtype=np.int64)[:, None]
@@ -38,6 +42,9 @@ def drawn(inputs: Mapping[str, Input], roles: Mapping[str, Role], count: int, se
             each[name] = _matrices(one.type, role, count, rng)
         else:
             each[name] = _numbers(one.type, role, count, rng)
+    if size is not None:
+        groups = rng.integers(0, WORKGROUPS, (count, 3))
+        each |= numbered(size, groups, rng.integers(0, size, (count, 3)))
     keep_in_order(each, roles)
     if "gl_FragCoord" not in each:
         each["gl_FragCoord"] = _places(count, rng)  # of derivatives' neighbours

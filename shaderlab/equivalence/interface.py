@@ -12,6 +12,7 @@ from shaderlab.compiler.variables import is_used, leaves, used_paths
 from shaderlab.interpreter import Program
 from shaderlab.interpreter.binding import called
 from shaderlab.interpreter.program import INPUTS
+from shaderlab.interpreter.workgroups import NUMBERS
 
 _RANGE = re.compile(r"//.*?\brange:\s*(\S+)\s*\.\.\s*(\S+)")
 _UNIT = re.compile(r"//.*?\brange:\s*unit\b")
@@ -27,11 +28,13 @@ class Input:
         name: as the interpreter takes it: "lights[0].color".
         type: GLSL's name of it: "vec3", "sampler2D".
         uniform: whether all invocations of a draw have the same.
+        workgroup: of what numbers a compute stage's invocations, the size of their workgroup.
     """
 
     name: str
     type: str
     uniform: bool
+    workgroup: tuple[int, int, int] | None = None
 
 
 def inputs_of(program: Program) -> dict[str, Input]:
@@ -48,7 +51,8 @@ def inputs_of(program: Program) -> dict[str, Input]:
                 continue
             type_, uniform = type_name(module, leaf.type), storage != Storage.INPUT
             for each in _elements(unwrap(module, leaf.type)[0], leaf.name):
-                found[each] = Input(each, type_, uniform)
+                size = program.workgroup if each in NUMBERS else None
+                found[each] = Input(each, type_, uniform, size)
     return found
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -100,7 +101,10 @@ _ORDERS = (
     ("cutoff", "outercutoff"), ("far", "near"), ("max", "min"), ("high", "low"), ("end", "start"),
     ("edge1", "edge0"), ("most", "least"),
 )  # fmt: skip
+WORKGROUPS = 4
+"""Workgroups of a compute stage in each direction."""
 _BUILT_IN = {
+    "gl_NumWorkGroups": (WORKGROUPS, WORKGROUPS),
     "gl_FrontFacing": (0.0, 1.0), "gl_PointCoord": (0.0, 1.0), "gl_PrimitiveID": (0.0, 64.0),
     "gl_InstanceID": (0.0, 8.0), "gl_InstanceIndex": (0.0, 8.0), "gl_SampleID": (0.0, 3.0),
 }  # fmt: skip
@@ -154,6 +158,10 @@ def _assumed(one: Input) -> Role:
     words = words_of(one.name)
     if "sampler" in one.type:
         return Role("texture")
+    if one.workgroup is not None:
+        local = max(one.workgroup) if one.type == "uvec3" else math.prod(one.workgroup)
+        groups = 1 if "Local" in one.name else WORKGROUPS
+        return Role("number", 0.0, groups * (1 if "Group" in one.name else local) - 1.0)
     if one.name in _BUILT_IN:
         return Role("number", *_BUILT_IN[one.name])
     if "mat" in one.type:

@@ -29,7 +29,8 @@ class Rewritten:
 
 
 def stages(lab: Lab, case: Case) -> list[tuple[Source, list[Given]]]:
-    """Each fragment and vertex stage of a case's draws, once, and the inputs that those give it.
+    """Each stage of a case's draws, once, and the inputs that those give it: those of fragment and
+    vertex stages that ran; nothing for other stages, whose inputs can't be captured.
 
     Raises:
         ShaderlabError: the case can't be drawn, or what a draw gives can't be captured.
@@ -45,7 +46,11 @@ def stages(lab: Lab, case: Case) -> list[tuple[Source, list[Given]]]:
                             one = found.setdefault(source.text, (source, []))
                             given = _given(evaluation, (name, i), source.stage)
                             one[1].extend(g for g in given if g.count)
-    return [(source, given) for source, given in found.values() if given]
+    return [
+        (source, given)
+        for source, given in found.values()
+        if given or source.stage not in ("vertex", "fragment")
+    ]
 
 
 def rewritten(

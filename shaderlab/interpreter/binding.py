@@ -61,6 +61,33 @@ def outputs_of(program: Program, memory: Mapping[int, Value], count: int) -> dic
     return found
 
 
+def buffers_of(program: Program, memory: Mapping[int, Value], count: int) -> dict[str, Any]:
+    """What each storage buffer that a program may write to holds, by name, with a row for every
+    invocation: that of its own stores."""
+    found: dict[str, Any] = {}
+    for id_, (pointee, storage) in program.module.variables.items():
+        if is_buffer(program, id_) and storage in INPUTS:
+            value, type_ = memory[id_], program.types[pointee]
+            name = called(program, id_)
+            for (member, _), part in zip(type_.members, value, strict=True):
+                if not _is_missing(part):
+                    found[f"{name}.{member}" if name else member] = broadcast(part, count)
+    return found
+
+
+def is_buffer(program: Program, id_: int) -> bool:
+    """Whether a variable is a storage buffer."""
+    pointee, storage = program.module.variables[id_]
+    kind = program.module.decorated(pointee, Decoration.BUFFER_BLOCK)
+    return storage == Storage.STORAGE_BUFFER or kind is not None
+
+
+def _is_missing(value: Value) -> bool:
+    if isinstance(value, tuple):
+        return not value or any(map(_is_missing, value))
+    return isinstance(value, Missing)
+
+
 def called(program: Program, id_: int) -> str:
     """What a variable's parts are called by: a block's own name, which counts only where it has
     an instance name; else the variable's."""

@@ -12,12 +12,12 @@ from shaderlab.bands import Truth
 from shaderlab.errors import FormulaError
 from shaderlab.frame import Array, Bindings
 from shaderlab.interpreter.arithmetic import Arithmetic
-from shaderlab.interpreter.binding import memory_of, outputs_of, undefined_outputs
+from shaderlab.interpreter.binding import buffers_of, memory_of, outputs_of, undefined_outputs
 from shaderlab.interpreter.memory import Flags, World
-from shaderlab.interpreter.program import Program
+from shaderlab.interpreter.program import BARRIER, Program
 from shaderlab.interpreter.running import BLOCKS, TURNS, Run, Watch
 from shaderlab.interpreter.stored import Trace
-from shaderlab.interpreter.values import Missing
+from shaderlab.interpreter.values import Missing, Value
 
 _NOTHING = Bindings()
 
@@ -29,7 +29,9 @@ class Interpreted:
     Attributes:
         outputs: by name, those that were written; a row for every invocation: floats of the
             arithmetic (count, components), `Integer`s, `Truth`s, tuples of them for arrays. What
-            was discarded has rows, too, which mean nothing.
+            was discarded has rows, too, which mean nothing. Of a geometry stage tuples with what
+            each vertex was emitted with, and "EmitVertex()", how many those are; of a compute stage
+            what its buffers hold.
         discarded: which invocations were discarded, (count,); undecided where a band is open.
         undecided: by line of the program's text, the invocations that took both sides of a branch.
     """
@@ -47,6 +49,7 @@ def interpret(
     *,
     count: int | None = None,
     places: Array | None = None,
+    lanes: int = 1,
     turns: int = TURNS,
     blocks: int = BLOCKS,
     trace: Trace | None = None,
@@ -66,6 +69,7 @@ def interpret(
         arithmetic: `FLOAT32` by default.
         count: the number of invocations; by default that of the rows of `each`, or 1.
         places: where each invocation's pixel is, (count, 2 or more); by default its gl_FragCoord.
+        lanes: how many invocations after each other are one workgroup, which share variables.
         turns: how often a loop may turn each time that it is entered.
         blocks: how many blocks may be run in all.
         trace: is called with each value that a variable, or a part of one, is given.
@@ -86,10 +90,13 @@ def interpret(
     for name, values in each.items():
         if len(values) not in (1, count):
             raise FormulaError(f"{name!r} has {len(values)} rows, others {count}")
+    if lanes != program.lanes:
+        raise program.not_interpreted("what a workgroup shares", program.line_of(BARRIER))
     places = each.get("gl_FragCoord") if places is None else places
     run = Run(
         program, arithmetic, count,
-        places=places, turns=turns, blocks=blocks, trace=trace, flow=flow, watch=watch,
+        places=places, lanes=lanes, turns=turns, blocks=blocks,
+        trace=trace, flow=flow, watch=watch,
     )  # fmt: skip
     with np.errstate(all="ignore"):  # what is no number is a result like any other
         memory = memory_of(program, each, bindings, arithmetic)
@@ -101,7 +108,19 @@ def interpret(
         end = run.call(program.main, World(np.ones(count, np.bool_), memory))
     survivors = np.zeros(count, np.bool_) if end is None else end.mask
     return Interpreted(
-        outputs={} if end is None else outputs_of(program, end.memory, count),
+        outputs={} if end is None else _outputs(run, end.memory),
         discarded=Truth(run.killed & ~survivors, ~run.killed),
         undecided=run.undecided,
     )
+
+
+def _outputs(run: Run, memory: Mapping[int, Value]) -> Mapping[str, Any]:
+    program, count = run.program, run.count
+    if program.stage == "compute":
+        return buffers_of(program, memory, count)
+    if program.stage != "geometry":
+        return outputs_of(program, memory, count)
+    vertices = [outputs_of(program, held, count) for held in run.emission.memories(run)]
+    names = dict.fromkeys(name for vertex in vertices for name in vertex)
+    found = {name: tuple(vertex[name] for vertex in vertices) for name in names}
+    return found | run.emission.counts(run.arithmetic.rules)

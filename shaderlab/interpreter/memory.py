@@ -84,6 +84,13 @@ def fetch(value: Value, path: Sequence[int | Integer], mask: Flags) -> Value:
     return value
 
 
+def _clamped(index: int | Integer, size: int) -> int | Integer:
+    if isinstance(index, int):
+        return min(max(index, 0), size - 1)
+    low, high = (np.clip(end, 0, size - 1) for end in (index.lo, index.hi))
+    return Integer(low, None if index.known else high, unsigned=index.unsigned, rules=index.rules)
+
+
 def _size(value: Value) -> int:
     return len(value) if isinstance(value, tuple) else int(value.shape[-1])
 
@@ -103,11 +110,14 @@ def _is(index: Integer, number: int) -> Truth:
 def changed(
     old: Value, type_: Type, path: Sequence[int | Integer], new: Value, mask: Flags
 ) -> Value:
-    """The value with the part at the end of a path replaced."""
+    """The value with the part at the end of a path replaced. An index beyond the ends means no
+    part; of an array whose length is known at run time only it means the last one, or the first."""
     if not path:
         return new
     index, rest = path[0], path[1:]
     parts: list[Value] = [component(old, k) for k in range(_size(old))]
+    if type_.kind == "array" and not type_.count:
+        index = _clamped(index, len(parts))
     if isinstance(index, Integer):
         for k in indices(index, len(parts), mask):
             inner = changed(parts[k], type_.part(k), rest, new, mask)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 from dataclasses import dataclass, field
 
 from shaderlab.compiler.compile_cache import compiled_with_lines
@@ -12,6 +13,8 @@ from shaderlab.errors import NotInterpretedError, ShaderError
 from shaderlab.interpreter.types import Type, Types
 
 _PARAMETER, _FUNCTION_END, _LABEL, _NO_LINE = 55, 56, 248, 317
+_LOCAL_SIZE = 17
+BARRIER = 224
 INPUTS = (
     Storage.INPUT,
     Storage.UNIFORM_CONSTANT,
@@ -88,6 +91,24 @@ class Program:
             for instruction in block
             if instruction.id
         }
+
+    @functools.cached_property
+    def workgroup(self) -> tuple[int, int, int]:
+        """A compute stage's workgroup in x, y and z; one invocation of other stages."""
+        x, y, z = (*self.module.modes.get(_LOCAL_SIZE, ()), 1, 1, 1)[:3]
+        return x, y, z
+
+    @functools.cached_property
+    def lanes(self) -> int:
+        """How many invocations are to be run together: a workgroup where it shares variables or
+        waits, else one."""
+        shares = any(storage == Storage.WORKGROUP for _, storage in self.variables.values())
+        return math.prod(self.workgroup) if shares or self.line_of(BARRIER) else 1
+
+    def line_of(self, op: int) -> int:
+        """The first line that has an instruction of this opcode, 0 if none does."""
+        blocks = (block for f in self.functions.values() for block in f.blocks.values())
+        return next((one.line for block in blocks for one in block if one.op == op), 0)
 
     def name(self, id_: int) -> str:
         """GLSL's name of a variable or function, "" for what the compiler made."""

@@ -20,6 +20,7 @@ from shaderlab.frame import Array
 from shaderlab.interpreter import constants
 from shaderlab.interpreter.arithmetic import Arithmetic
 from shaderlab.interpreter.branches import BRANCHES
+from shaderlab.interpreter.emission import Emission
 from shaderlab.interpreter.instructions import HANDLERS, NAMES
 from shaderlab.interpreter.memory import Flags, Pointer, World, fetch, join, part_type
 from shaderlab.interpreter.program import Function, Instruction, Program
@@ -46,6 +47,9 @@ class Run:
     Attributes:
         program, arithmetic, count: what is run, in what, for how many invocations.
         places: gl_FragCoord of each invocation, if it is given.
+        lanes: how many invocations share variables, those of a workgroup one after the other.
+        shared: what variables of workgroups hold by id, on whatever path an invocation is.
+        emission: the vertices that a geometry stage emitted.
         results: each instruction's result by id, as of its last execution.
         calls: the lines of the calls under way.
         killed: the invocations that a `discard` may have ended.
@@ -59,6 +63,7 @@ class Run:
         count: int,
         *,
         places: Array | None = None,
+        lanes: int = 1,
         turns: int = TURNS,
         blocks: int = BLOCKS,
         trace: Trace | None = None,
@@ -69,6 +74,9 @@ class Run:
         self.arithmetic = arithmetic
         self.count = count
         self.places = places
+        self.lanes = lanes
+        self.shared: dict[int, Value] = {}
+        self.emission = Emission(count)
         self.results: dict[int, Value] = {}
         self.calls: list[int] = []
         self.killed: Flags = np.zeros(count, np.bool_)

@@ -15,6 +15,7 @@ from shaderlab.interpreter.instructions import (
     floats,
     integers,
     logic,
+    stages,
     textures,
     variables,
 )
@@ -29,17 +30,17 @@ HANDLERS: Mapping[int, Handler] = {
     **derivatives.HANDLERS,
     **textures.HANDLERS,
     **extended.HANDLERS,
+    **stages.HANDLERS,
 }
 
 NAMES: Mapping[int, str] = {
+    60: "an atomic operation on an image",
     63: "CopyMemory",
     115: "a double",
     98: "imageLoad",
     99: "imageStore",
     **dict.fromkeys(range(227, 243), "an atomic operation"),
-    218: "EmitVertex",
-    219: "EndPrimitive",
-    224: "barrier",
-    225: "memoryBarrier",
+    220: "EmitStreamVertex",
+    221: "EndStreamPrimitive",
 }
 """What GLSL calls those that have no handler."""

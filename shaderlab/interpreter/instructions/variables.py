@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from shaderlab.compiler.module import Op, Storage
 from shaderlab.interpreter.instructions.handler import Handler
 from shaderlab.interpreter.memory import (
     Pointer,
@@ -19,6 +20,7 @@ from shaderlab.interpreter.memory import (
 )
 from shaderlab.interpreter.program import Instruction
 from shaderlab.interpreter.values import Missing, NotGivenError, undefined
+from shaderlab.interpreter.workgroups import shared
 
 if TYPE_CHECKING:
     from shaderlab.interpreter.running import Run
@@ -40,6 +42,8 @@ def _access_chain(run: Run, at: Instruction, world: World) -> Pointer:
 def _load(run: Run, at: Instruction, world: World) -> Any:
     pointer: Pointer = run.value(at.operands[0])
     value = world.memory.get(pointer.variable)
+    if value is None:
+        value = run.shared.get(pointer.variable)
     if value is not None and pointer.path:
         whole, path = value, pointer.path
         if all(isinstance(index, int) for index in path):
@@ -47,6 +51,8 @@ def _load(run: Run, at: Instruction, world: World) -> Any:
         else:
             value = fetch(whole, path, world.mask)
     if isinstance(value, Missing):
+        if run.program.module.types[at.type].op == Op.TYPE_IMAGE:
+            raise run.program.not_interpreted(f"image {value.name}", at.line)
         raise NotGivenError.of(value)
     if value is None:
         value = undefined(run.program.types[at.type], run.arithmetic)
@@ -57,14 +63,19 @@ def _load(run: Run, at: Instruction, world: World) -> Any:
 def _store(run: Run, at: Instruction, world: World) -> None:
     pointer: Pointer = run.value(at.operands[0])
     value = run.value(at.operands[1])
-    type_, _ = run.program.variables[pointer.variable]
+    type_, storage = run.program.variables[pointer.variable]
+    is_shared = storage == Storage.WORKGROUP
+    memory = run.shared if is_shared else world.memory
     stored = value
-    if pointer.path:
-        old = world.memory.get(pointer.variable)
+    if pointer.path or is_shared:
+        old = memory.get(pointer.variable)
         if old is None:
             old = undefined(type_, run.arithmetic)
-        stored = changed(old, type_, pointer.path, value, world.mask)
-    world.memory[pointer.variable] = stored
+        if is_shared:
+            stored = shared(old, type_, pointer.path, value, world.mask, run.lanes)
+        else:
+            stored = changed(old, type_, pointer.path, value, world.mask)
+    memory[pointer.variable] = stored
     name = run.program.name(pointer.variable)
     if name:
         part = part_type(type_, pointer.path)
