@@ -58,7 +58,7 @@ def test_a_case_passes_as_with_text(lab: Lab, case_id: str) -> None:
     record = lab.run(scene)
     assert record.status == "pass", failure(record)
     assert record.driver.partition(";")[0].endswith("SPIR-V")
-    linked = lab.backend._linker._linked.values()  # type: ignore[attr-defined]
+    linked = lab.backend._linker._made.values()  # type: ignore[attr-defined]
     assert linked and all(isinstance(program, SpirvProgram) for program in linked)
 
 

@@ -9,14 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from shaderlab import Case, Draw, Mesh, Pass, Ramp, Target, exact, formula, fullscreen
+from shaderlab import Mesh, Target, exact, formula
 from shaderlab.backends.vulkan.manifests import manifest_of
 from shaderlab.errors import DriverError
 from shaderlab.evaluation import Lab
-from shaderlab.model import Expectation
 from shaderlab.options import RunOptions
-from shaderlab.records import Record
 from tests.catalogue import judged_only
+from tests.gpu.scenes import ONE, RIGHT, image, meshes, points_off_screen_are_dropped, wave
 
 LAYER = "VK_LAYER_KHRONOS_validation"
 # Textures, meshes, depth and stencil, blending, several passes, samples, lines and points.
@@ -24,13 +23,6 @@ SHIPPED = (
     "texture-wrap", "mvp", "stencil-outline", "transparency-order", "hdr",
     "multisample-coverage", "cubemap", "window-origin", "point-cloud",
 )  # fmt: skip
-WAVE = """#version 330 core
-in vec2 place;
-out float level;
-uniform float height;
-void main() { level = height * place.x * place.y; }
-"""
-RIGHT = formula("level", lambda height, place: height * place.x * place.y)
 
 
 def installed() -> bool:
@@ -58,18 +50,6 @@ def unasked(capfd: pytest.CaptureFixture[str]) -> Iterator[list[str]]:
     yield said
     said += [line for line in capfd.readouterr().out.splitlines() if "Validation" in line]
     assert said == []
-
-
-def wave(lab: Lab, folder: Path, *expect: Expectation) -> Record:
-    (folder / "wave.frag").write_text(WAVE)
-    case = Case(
-        title="wave", file=str(folder / "wave.py"), expect=expect,
-        passes=fullscreen(
-            "wave.frag", uniforms={"height": 0.3},
-            domain={"place": Ramp((1.0, 2.0), (3.0, 0.0), (0.0, 5.0))},
-        ),
-    )  # fmt: skip
-    return lab.run(case.scene("default"))
 
 
 @pytest.mark.usefixtures("unasked")
@@ -184,33 +164,15 @@ def test_the_page_on_vulkan_says_what_the_devices_have(lab: Lab, repository: Pat
 
 def test_points_off_screen_are_dropped_by_the_lab(lab: Lab, tmp_path: Path) -> None:
     """Neither driver does what it reports: without the lab's ending the point is seen."""
-    (tmp_path / "point.vert").write_text(
-        "#version 330 core\nin vec2 at;\n"
-        "void main() { gl_Position = vec4(at, 0.0, 1.0); gl_PointSize = 12.0; }\n"
-    )
-    (tmp_path / "point.frag").write_text(
-        "#version 330 core\nout float level;\nvoid main() { level = 1.0; }\n"
-    )
-    mesh = Mesh(attributes={"at": np.array([(1.2, 0.0)])}, primitive="points")
-    draw = Draw(vertex="point.vert", fragment="point.frag", mesh=mesh)
-    case = Case(
-        title="a point off screen", file=str(tmp_path / "point.py"), passes=(Pass(draws=(draw,)),),
-        expect=[exact("level", 0.0)],
-    )  # fmt: skip
-    assert lab.run(case.scene("default")).status == "pass"
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("shaderlab.programs.stages._OFF_SCREEN", ())
-        assert lab.run(case.scene("default")).status == "fail"
+    points_off_screen_are_dropped(lab, tmp_path)
 
 
 def test_attributes_lie_where_each_layout_has_them(lab: Lab, tmp_path: Path) -> None:
     """Of one buffer two attributes have strides of their own."""
-    (tmp_path / "tri.vert").write_text(
+    texts = (
         "#version 330 core\nin vec3 place;\nin vec2 tint;\nout vec2 mixed;\n"
-        "void main() { mixed = tint; gl_Position = vec4(place, 1.0); }\n"
-    )
-    (tmp_path / "tri.frag").write_text(
-        "#version 330 core\nin vec2 mixed;\nout vec2 color;\nvoid main() { color = mixed; }\n"
+        "void main() { mixed = tint; gl_Position = vec4(place, 1.0); }\n",
+        "#version 330 core\nin vec2 mixed;\nout vec2 color;\nvoid main() { color = mixed; }\n",
     )
     drawn = []
     for layout in ("separate", "interleaved", "batched"):
@@ -221,63 +183,39 @@ def test_attributes_lie_where_each_layout_has_them(lab: Lab, tmp_path: Path) -> 
             },
             layout=layout,
         )
-        draw = Draw(vertex="tri.vert", fragment="tri.frag", mesh=mesh)
-        case = Case(
-            title="layouts", file=str(tmp_path / "tri.py"), passes=(Pass(draws=(draw,)),),
-            expect=[formula("color", lambda mixed: mixed)],
-        )  # fmt: skip
-        scene = case.scene("default")
-        with lab.evaluation(scene, lab.prepare_for_opengl(scene)) as evaluation:
-            drawn.append(evaluation.drawn.images["main", "color"].values)
+        scene = meshes(tmp_path, texts, mesh, formula("color", lambda mixed: mixed))
+        drawn.append(image(lab, scene, "color"))
     assert drawn[0].max() > 0.9
     assert np.array_equal(drawn[0], drawn[1]) and np.array_equal(drawn[0], drawn[2])
 
 
 def test_swiftshader_puts_corners_on_a_coarser_grid(lab: Lab, tmp_path: Path) -> None:
     """An edge 1/40 of a pixel right of a centre: on a grid of 1/16 it goes through the centre."""
-    (tmp_path / "edge.vert").write_text(
-        "#version 330 core\nin vec2 at;\nvoid main() { gl_Position = vec4(at, 0.0, 1.0); }\n"
-    )
-    (tmp_path / "edge.frag").write_text(
-        "#version 330 core\nout float level;\nvoid main() { level = 1.0; }\n"
-    )
+    vertex = "#version 330 core\nin vec2 at;\nvoid main() { gl_Position = vec4(at, 0.0, 1.0); }\n"
     x = (8.5 + 1 / 40) / 8 - 1
     corners = np.array([(x, -1.0), (1.0, -1.0), (x, 1.0), (1.0, 1.0)])
     mesh = Mesh(attributes={"at": corners}, primitive="triangle_strip")
-    draw = Draw(vertex="edge.vert", fragment="edge.frag", mesh=mesh)
-    case = Case(
-        title="an edge", file=str(tmp_path / "edge.py"), passes=(Pass(draws=(draw,)),),
-        expect=[exact("level", 1.0)],
-    )  # fmt: skip
-    scene = case.scene("default")
-    with lab.evaluation(scene, lab.prepare_for_opengl(scene)) as evaluation:
-        row = evaluation.drawn.images["main", "level"].values[4, :, 0]
+    scene = meshes(tmp_path, (vertex, ONE), mesh, exact("level", 1.0))
+    row = image(lab, scene, "level")[4, :, 0]
     assert row.sum() == {"lavapipe": 7, "swiftshader": 8}[str(lab.options.driver)]
 
 
 def test_swiftshader_shifts_what_reaches_behind_the_eye(lab: Lab, tmp_path: Path) -> None:
     """A floor seen from 1 above it, 256 pixels for 90 degrees: where each pixel's place is on the
     screen, less the pixel's own centre. Corners on a grid of 1/16 pixel shift it by 1/32."""
-    (tmp_path / "floor.vert").write_text(
+    texts = (
         "#version 330 core\nin vec3 at;\nout vec3 place;\n"
-        "void main() { place = at; gl_Position = vec4(at.xy, 1.01 * at.z - 0.2, at.z); }\n"
-    )
-    (tmp_path / "floor.frag").write_text(
+        "void main() { place = at; gl_Position = vec4(at.xy, 1.01 * at.z - 0.2, at.z); }\n",
         "#version 330 core\nin vec3 place;\nout vec4 seen;\n"
-        "void main() { seen = vec4(place, 1); }\n"
+        "void main() { seen = vec4(place, 1); }\n",
     )
 
     def shift(nearest: float) -> float:
         corners = [(x, -1.0, z) for z in (nearest, 9.0) for x in (-8.0, 8.0)]
         mesh = Mesh(attributes={"at": np.array(corners)}, primitive="triangle_strip")
-        draw = Draw(vertex="floor.vert", fragment="floor.frag", mesh=mesh)
-        case = Case(
-            title="a floor", file=str(tmp_path / "floor.py"), expect=[exact("seen", 0.0)],
-            passes=(Pass(draws=(draw,), target=Target(size=(256, 256))),),
-        )  # fmt: skip
-        scene = case.scene("default")
-        with lab.evaluation(scene, lab.prepare_for_opengl(scene)) as evaluation:
-            seen = evaluation.drawn.images["main", "seen"].values.astype(np.float64)
+        target = Target(size=(256, 256))
+        scene = meshes(tmp_path, texts, mesh, exact("seen", 0.0), target)
+        seen = image(lab, scene, "seen").astype(np.float64)
         rows, columns = np.nonzero(seen[..., 3])
         places = seen[rows, columns]
         found = places[:, 1] / places[:, 2] * 128.0 - (rows + 0.5 - 128.0)

@@ -12,9 +12,6 @@ import pytest
 from shaderlab import (
     Blend,
     Case,
-    Draw,
-    Mesh,
-    Pass,
     Ramp,
     State,
     Stencil,
@@ -26,20 +23,12 @@ from shaderlab import (
 from shaderlab.compiler.sources import Shaders
 from shaderlab.errors import DeviceLostError, DriverError, UnsupportedError
 from shaderlab.evaluation import Lab
-from shaderlab.model import Expectation
 from shaderlab.options import RunOptions
-from shaderlab.records import Record
 from tests.catalogue import judged_only
+from tests.gpu.scenes import RIGHT, WAVE, points_off_screen_are_dropped, wave
 
 # Textures, meshes and their vertices, discarding, blending, depth and stencil, several passes.
 SHIPPED = ("stencil-outline", "transparency-order")
-WAVE = """#version 330 core
-in vec2 place;
-out float level;
-uniform float height;
-void main() { level = height * place.x * place.y; }
-"""
-RIGHT = formula("level", lambda height, place: height * place.x * place.y)
 
 
 @pytest.fixture(scope="module")
@@ -50,18 +39,6 @@ def lab() -> Iterator[Lab]:
         except DriverError as error:
             pytest.skip(str(error))
         yield lab
-
-
-def wave(lab: Lab, folder: Path, *expect: Expectation, text: str = WAVE) -> Record:
-    (folder / "wave.frag").write_text(text)
-    case = Case(
-        title="wave", file=str(folder / "wave.py"), expect=expect,
-        passes=fullscreen(
-            "wave.frag", uniforms={"height": 0.3},
-            domain={"place": Ramp((1.0, 2.0), (3.0, 0.0), (0.0, 5.0))},
-        ),
-    )  # fmt: skip
-    return lab.run(case.scene("default"))
 
 
 def test_a_formula_is_judged_at_each_pixel(lab: Lab, tmp_path: Path) -> None:
@@ -211,23 +188,7 @@ def test_a_lost_context_is_told() -> None:
 
 def test_points_off_screen_are_dropped(lab: Lab, tmp_path: Path) -> None:
     """OpenGL ES draws them."""
-    (tmp_path / "point.vert").write_text(
-        "#version 330 core\nin vec2 at;\n"
-        "void main() { gl_Position = vec4(at, 0.0, 1.0); gl_PointSize = 12.0; }\n"
-    )
-    (tmp_path / "point.frag").write_text(
-        "#version 330 core\nout float level;\nvoid main() { level = 1.0; }\n"
-    )
-    mesh = Mesh(attributes={"at": np.array([(1.2, 0.0)])}, primitive="points")
-    draw = Draw(vertex="point.vert", fragment="point.frag", mesh=mesh)
-    case = Case(
-        title="a point off screen", file=str(tmp_path / "point.py"), passes=(Pass(draws=(draw,)),),
-        expect=[exact("level", 0.0)],
-    )  # fmt: skip
-    assert lab.run(case.scene("default")).status == "pass"
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("shaderlab.programs.stages._OFF_SCREEN", ())
-        assert lab.run(case.scene("default")).status == "fail"
+    points_off_screen_are_dropped(lab, tmp_path)
 
 
 @pytest.mark.parametrize(

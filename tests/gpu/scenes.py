@@ -1,0 +1,76 @@
+"""Small scenes for the tests of drivers: a wave over the whole target, and meshes drawn plainly."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import shaderlab
+from shaderlab import Draw, Mesh, Pass, Ramp, Target, exact, formula, fullscreen
+from shaderlab.evaluation import Lab
+from shaderlab.frame import Array
+from shaderlab.model import Expectation, Scene
+from shaderlab.records import Record
+
+WAVE = """#version 330 core
+in vec2 place;
+out float level;
+uniform float height;
+void main() { level = height * place.x * place.y; }
+"""
+RIGHT = formula("level", lambda height, place: height * place.x * place.y)
+ONE = "#version 330 core\nout float level;\nvoid main() { level = 1.0; }\n"
+"""A fragment shader that writes 1."""
+
+
+def wave(lab: Lab, folder: Path, *expect: Expectation, text: str = WAVE) -> Record:
+    """The record of a wave over the whole target."""
+    (folder / "wave.frag").write_text(text)
+    case = shaderlab.Case(
+        title="wave", file=str(folder / "wave.py"), expect=expect,
+        passes=fullscreen(
+            "wave.frag", uniforms={"height": 0.3},
+            domain={"place": Ramp((1.0, 2.0), (3.0, 0.0), (0.0, 5.0))},
+        ),
+    )  # fmt: skip
+    return lab.run(case.scene("default"))
+
+
+def meshes(
+    folder: Path,
+    texts: tuple[str, str],
+    mesh: Mesh,
+    expect: Expectation,
+    target: Target | None = None,
+) -> Scene:
+    """A mesh, drawn once with a vertex and a fragment shader of these texts."""
+    for suffix, text in zip(("vert", "frag"), texts, strict=True):
+        (folder / f"drawn.{suffix}").write_text(text)
+    draw = Draw(vertex="drawn.vert", fragment="drawn.frag", mesh=mesh)
+    drawn = Pass(draws=(draw,), target=target or Target())
+    case = shaderlab.Case(
+        title="drawn", file=str(folder / "drawn.py"), passes=(drawn,), expect=[expect]
+    )
+    return case.scene("default")
+
+
+def image(lab: Lab, scene: Scene, output: str) -> Array:
+    """What a scene's only pass draws."""
+    with lab.evaluation(scene, lab.prepare_for_opengl(scene)) as evaluation:
+        return evaluation.drawn.images["main", output].values
+
+
+def points_off_screen_are_dropped(lab: Lab, folder: Path) -> None:
+    """A point whose middle lies off screen is not seen; without the lab's ending it is."""
+    vertex = (
+        "#version 330 core\nin vec2 at;\n"
+        "void main() { gl_Position = vec4(at, 0.0, 1.0); gl_PointSize = 12.0; }\n"
+    )
+    mesh = Mesh(attributes={"at": np.array([(1.2, 0.0)])}, primitive="points")
+    scene = meshes(folder, (vertex, ONE), mesh, exact("level", 0.0))
+    assert lab.run(scene).status == "pass"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("shaderlab.programs.stages._OFF_SCREEN", ())
+        assert lab.run(scene).status == "fail"
