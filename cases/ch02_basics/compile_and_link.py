@@ -20,7 +20,8 @@ from shaderlab.glslmath import abs, dot, max, min, swizzle, vec2, vec3, where
 
 from ..scenes.figures import each_draw
 from ..scenes.laws import device_place, opaque, unchanged
-from ..scenes.panels import cell, enlarged, enlarged_check, panel, square
+from ..scenes.panel_checks import enlarged_check
+from ..scenes.panels import cell, enlarged, panel, square
 
 VERTEX = "ch02_basics/compile_and_link.vert"
 GOOD, BAD, NEVER = (0.30, 0.75, 0.40), (0.85, 0.25, 0.20), (0.20, 0.24, 0.30)

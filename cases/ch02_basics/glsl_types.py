@@ -29,7 +29,8 @@ from shaderlab import (
 from shaderlab.glslmath import floor, fract, max, min, mix, swizzle, vec3, vec4, where
 from shaderlab.sampling import texelFetch
 
-from ..scenes.panels import enlarged, enlarged_check, panel, rectangle
+from ..scenes.panel_checks import enlarged_check
+from ..scenes.panels import enlarged, panel, rectangle
 
 TRUTHS = (True, False, False, True)
 REALS = (1.0, 2.0, -0.5, 0.1)

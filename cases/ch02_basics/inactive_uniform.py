@@ -38,7 +38,8 @@ from ..scenes.api import answers, sent
 from ..scenes.drawing import encoded
 from ..scenes.figures import each_draw, figure
 from ..scenes.laws import opaque
-from ..scenes.panels import cell, enlarged, enlarged_check, panel, panel_pass, square
+from ..scenes.panel_checks import enlarged_check
+from ..scenes.panels import cell, enlarged, panel, panel_pass, square
 
 # name: strength, unused
 SETTINGS = {"first": (0.35, 0.2), "strength-turned": (0.9, 0.2), "unused-turned": (0.35, 1.0)}

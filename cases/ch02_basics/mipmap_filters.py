@@ -19,7 +19,8 @@ from shaderlab.expectations.gl_call import Object, call
 from shaderlab.sampling import textureLod
 
 from ..scenes.figures import each_draw, figure
-from ..scenes.panels import cell, enlarged, enlarged_check, panel, picture, rectangle
+from ..scenes.panel_checks import enlarged_check
+from ..scenes.panels import cell, enlarged, panel, picture, rectangle
 
 SIDE = 32
 FIELD = 8  # pixels a side, of fields whose level comes from derivatives

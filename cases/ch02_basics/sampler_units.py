@@ -29,7 +29,8 @@ from shaderlab.expectations.gl_call import Location, Program, call
 from shaderlab.glslmath import fract, max, min, mix, swizzle, vec4, where
 from shaderlab.sampling import texture
 
-from ..scenes.panels import enlarged, enlarged_check, panel, rectangle
+from ..scenes.panel_checks import enlarged_check
+from ..scenes.panels import enlarged, panel, rectangle
 
 MAPS = {
     "BaseMap": Texture(image=assets.crate),

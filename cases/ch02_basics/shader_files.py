@@ -20,7 +20,8 @@ from shaderlab import Case, Output, Texture, boundaries, exact, formula, fullscr
 from shaderlab.glslmath import floor, fract, max, min, mix, swizzle, vec3, vec4, where
 from shaderlab.sampling import texelFetch
 
-from ..scenes.panels import enlarged, enlarged_check, panel, rectangle
+from ..scenes.panel_checks import enlarged_check
+from ..scenes.panels import enlarged, panel, rectangle
 
 FILES = "ch02_basics/errata/files"
 FOLDER = Path(__file__).parents[2] / "shaders" / FILES

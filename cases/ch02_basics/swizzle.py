@@ -27,7 +27,8 @@ from shaderlab.glslmath import (
 
 from ..scenes.drawing import encoded
 from ..scenes.laws import opaque
-from ..scenes.panels import cell, enlarged, enlarged_check, panel, square
+from ..scenes.panel_checks import enlarged_check
+from ..scenes.panels import cell, enlarged, panel, square
 
 ORDERS = ("rgb", "gbr", "brg", "rbg", "grb", "bgr")
 

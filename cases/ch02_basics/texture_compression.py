@@ -23,7 +23,8 @@ from shaderlab.sampling import texture as texel
 
 from ..scenes.block_codecs import compressed, decoded_blocks
 from ..scenes.figures import each_draw
-from ..scenes.panels import cell, enlarged, enlarged_check, panel, square
+from ..scenes.panel_checks import enlarged_check
+from ..scenes.panels import cell, enlarged, panel, square
 
 # A format's name: what made its blocks, what they are read as.
 FORMATS = {

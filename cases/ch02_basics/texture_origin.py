@@ -16,7 +16,8 @@ from shaderlab import Case, Erratum, Pixel, Target, Texture, assets, exact, form
 
 from ..scenes.figures import each_draw, figure
 from ..scenes.laws import sampled
-from ..scenes.panels import cell, enlarged, enlarged_check, panel, square
+from ..scenes.panel_checks import enlarged_check
+from ..scenes.panels import cell, enlarged, panel, square
 
 # Twelve texels that say their column and row; the first row in memory is row 0.
 COLUMN, ROW = np.meshgrid(np.arange(4.0), np.arange(3.0))

@@ -32,7 +32,8 @@ from shaderlab.reference.filtering import linear_sample
 
 from ..scenes.figures import each_draw, figure
 from ..scenes.laws import sampled
-from ..scenes.panels import cell, enlarged, enlarged_check, panel, picture, square
+from ..scenes.panel_checks import enlarged_check
+from ..scenes.panels import cell, enlarged, panel, picture, square
 
 WRAPS = ("repeat", "mirrored_repeat", "clamp_to_edge", "clamp_to_border")
 FIELDS = [(word, wrap) for word in ("nearest", "linear") for wrap in WRAPS]

@@ -18,7 +18,8 @@ from shaderlab.sampling import texture
 from ..scenes.draws import drawn
 from ..scenes.figures import each_draw, figure, figures
 from ..scenes.laws import device_place, unchanged
-from ..scenes.panels import enlarged, enlarged_check, picture
+from ..scenes.panel_checks import enlarged_check
+from ..scenes.panels import enlarged, picture
 
 PLACES = np.array([(0.5, 0.5, 0.0), (0.5, -0.5, 0.0), (-0.5, -0.5, 0.0), (-0.5, 0.5, 0.0)])
 CORNERS = np.array([(1.0, 1.0), (1.0, 0.0), (0.0, 0.0), (0.0, 1.0)])

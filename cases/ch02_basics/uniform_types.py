@@ -40,7 +40,8 @@ from shaderlab.glslmath import (
 
 from ..scenes.api import answers, errors
 from ..scenes.drawing import encoded
-from ..scenes.panels import enlarged, enlarged_check, panel, rectangle
+from ..scenes.panel_checks import enlarged_check
+from ..scenes.panels import enlarged, panel, rectangle
 
 FIRST = {
     "f": 0.7,

@@ -14,7 +14,8 @@ from shaderlab import Case, Depth, Output, Pixel, across, coverage, exact, formu
 from shaderlab.glslmath import abs, clamp, max, mix, swizzle, vec3, vec4
 
 from ..scenes.figures import figure
-from ..scenes.panels import centres, enlarged_check, panel, panel_pass, picture, square
+from ..scenes.panel_checks import enlarged_check
+from ..scenes.panels import centres, panel, panel_pass, picture, square
 
 THRESHOLD, RAMP = 0.1, "ch06_tests/alpha_discard.frag"
 CLEAR = (0.82, 0.87, 0.92, 1.0)

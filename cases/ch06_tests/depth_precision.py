@@ -20,7 +20,8 @@ from shaderlab.reference.transforms import perspective
 
 from ..scenes.draws import tested
 from ..scenes.figures import each_draw, figure, figures, results
-from ..scenes.panels import cell, enlarged, enlarged_check, panel, picture
+from ..scenes.panel_checks import enlarged_check
+from ..scenes.panels import cell, enlarged, panel, picture
 
 FAR = 100.0
 NEARS = {"n = 0.1": 0.1, "n = 1": 1.0}

@@ -32,7 +32,8 @@ from shaderlab.reference.blending import over
 from shaderlab.sampling import texture
 
 from ..scenes.figures import figure
-from ..scenes.panels import cell, enlarged_check, panel, picture, square
+from ..scenes.panel_checks import enlarged_check
+from ..scenes.panels import cell, panel, picture, square
 
 OVER = Blend(source="src_alpha", destination="one_minus_src_alpha")
 WALL = (0.90, 0.88, 0.82, 1.0)

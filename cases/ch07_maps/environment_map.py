@@ -21,7 +21,8 @@ from ..scenes.cameras import camera, camera_rays, turned
 from ..scenes.draws import twins
 from ..scenes.figures import each_draw, figure
 from ..scenes.laws import sampled
-from ..scenes.panels import filled_check, panel, picture, softened_check, softened_pass
+from ..scenes.panel_checks import filled_check, softened_check
+from ..scenes.panels import panel, picture, softened_pass
 from ..scenes.pottery import vase
 from ..scenes.sky import skies
 

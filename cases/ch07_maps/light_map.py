@@ -18,7 +18,8 @@ from shaderlab.reference.light_maps import baked
 from shaderlab.sampling import texture
 
 from ..scenes.figures import each_draw, figures, results
-from ..scenes.panels import cell, enlarged, enlarged_check, panel, picture, rectangle, square
+from ..scenes.panel_checks import enlarged_check
+from ..scenes.panels import cell, enlarged, panel, picture, rectangle, square
 
 # On a wall of 1 × 1: where each lamp is, how far in front of it, and its colour.
 LAMPS = [

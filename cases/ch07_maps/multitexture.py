@@ -15,7 +15,8 @@ from shaderlab import Case, Texture, assets, formula, value
 from shaderlab.glslmath import mix, swizzle
 from shaderlab.sampling import texture
 
-from ..scenes.panels import enlarged, enlarged_check, panel, picture, rectangle
+from ..scenes.panel_checks import enlarged_check
+from ..scenes.panels import enlarged, panel, picture, rectangle
 
 SMOOTH = ("linear", "linear")
 RANDOM = np.random.default_rng(71)

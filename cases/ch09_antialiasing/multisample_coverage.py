@@ -30,7 +30,8 @@ from shaderlab.reference.coverage import on_inner_side
 from shaderlab.sampling import texelFetch
 
 from ..scenes.laws import pixel_place
-from ..scenes.panels import enlarged_check, rectangle
+from ..scenes.panel_checks import enlarged_check
+from ..scenes.panels import rectangle
 
 SIZE = (12, 8)
 SAMPLES = ("each", "placesX", "placesY")

@@ -21,7 +21,8 @@ from shaderlab.glslmath import abs, dot, max, mix, swizzle, vec3, vec4, where
 from shaderlab.sampling import texture
 
 from ..scenes.figures import each_draw, figure, figures
-from ..scenes.panels import cell, centres, enlarged, enlarged_check, panel, square
+from ..scenes.panel_checks import enlarged_check
+from ..scenes.panels import cell, centres, enlarged, panel, square
 
 FRAMES = 4
 SMALL = Target(size=(96, 96))

@@ -22,7 +22,8 @@ from ..scenes.cameras import turned
 from ..scenes.draws import tested
 from ..scenes.figures import each_draw, figure, results
 from ..scenes.laws import unchanged
-from ..scenes.panels import cell, rectangle, smaller_check, softened_check, softened_pass
+from ..scenes.panel_checks import smaller_check, softened_check
+from ..scenes.panels import cell, rectangle, softened_pass
 
 AXES = (1.0, 0.45, 0.7)
 SOLID = assets.ellipsoid(AXES, segments=64, rings=32)

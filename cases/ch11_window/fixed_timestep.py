@@ -22,7 +22,8 @@ from shaderlab.sampling import texelFetch
 from ..scenes.drawing import encoded
 from ..scenes.draws import tested
 from ..scenes.figures import each_draw, figure, results
-from ..scenes.panels import cell, enlarged_check, panel, panel_pass, picture
+from ..scenes.panel_checks import enlarged_check
+from ..scenes.panels import cell, panel, panel_pass, picture
 
 FRAMES = 64
 STEP = 1.0 / 64.0

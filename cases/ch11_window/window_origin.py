@@ -31,7 +31,8 @@ from shaderlab.sampling import texelFetch
 
 from ..scenes.drawing import encoded
 from ..scenes.figures import each_draw, figure
-from ..scenes.panels import cell, enlarged, enlarged_check, panel, rectangle
+from ..scenes.panel_checks import enlarged_check
+from ..scenes.panels import cell, enlarged, panel, rectangle
 
 WIDTH, HEIGHT = 16, 12
 X, Y = np.meshgrid(np.arange(WIDTH) + 0.5, np.arange(HEIGHT) + 0.5)

@@ -36,7 +36,8 @@ from ..scenes.crates import crates, of_wood, turned_normal, wooden
 from ..scenes.draws import tested, twins
 from ..scenes.figures import figure
 from ..scenes.laws import sampled, unchanged
-from ..scenes.panels import cell, filled_check, picture, softened_check, softened_pass
+from ..scenes.panel_checks import filled_check, softened_check
+from ..scenes.panels import cell, picture, softened_pass
 from ..scenes.sky import skies
 
 PROJECTION = perspective(radians(50.0), 1.0, 0.1, 100.0)

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from shaderlab.reference.transforms import Matrix
 
 from .boxes import slab_distance
-from .panels import at_edges
+from .panel_checks import at_edges
 
 _OFF = 1e-4
 

@@ -19,7 +19,8 @@ from shaderlab.reference.transforms import clip_position, normal_matrix, world_n
 
 from .draws import tested
 from .figures import each_draw, figure, figures
-from .panels import cell, smaller_check, softened_check, softened_pass
+from .panel_checks import smaller_check, softened_check
+from .panels import cell, softened_pass
 from .studio import handed_on, studio_color
 
 Matrix = npt.NDArray[Any]

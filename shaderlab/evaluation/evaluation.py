@@ -9,7 +9,7 @@ from typing import Any
 
 from shaderlab.activity import doing
 from shaderlab.backends import Backend, Session
-from shaderlab.errors import DriverError
+from shaderlab.errors import DriverError, UnsupportedError
 from shaderlab.expectations.base import Context
 from shaderlab.expectations.discards import KeptOut
 from shaderlab.frame import Frame
@@ -78,6 +78,17 @@ class Evaluation:
         """All that an expectation asks for, some of it twice perhaps."""
         yield from expectation.needs(self.scene, self.programs)
         yield from self._kept_out.needed(expectation)
+
+    def gather_all(self) -> dict[int, UnsupportedError]:
+        """Ask for all that the scene's expectations need. Returns the numbers of those that the
+        driver has no answer for, and why; the others are judged all the same."""
+        unanswered = {}
+        for index, expectation in enumerate(self.scene.expect):
+            try:
+                self.gather(expectation)
+            except UnsupportedError as error:
+                unanswered[index] = error
+        return unanswered
 
     def answer(self, need: Need) -> Any:
         """What a need asks for, asked for once. Raises ShaderlabError if there is no answer."""

@@ -15,7 +15,6 @@ from shaderlab.errors import (
     DeviceLostError,
     OtherApiError,
     ShaderlabError,
-    UnsupportedError,
     nearest,
 )
 from shaderlab.evaluation import modules, stored_images
@@ -27,6 +26,7 @@ from shaderlab.evaluation.record_builder import RecordBuilder, told
 from shaderlab.expectations.formula import Formula
 from shaderlab.expectations.gl_calls import Traced
 from shaderlab.expectations.reads import unread_outputs
+from shaderlab.frame import Image
 from shaderlab.model import Judgement, Scene
 from shaderlab.observations import Look, Observation
 from shaderlab.programs.prepare import Programs
@@ -106,7 +106,7 @@ class Lab(SceneDrawer):
         picture_size = 0 if folder is None else self.options.picture_size
         builder.set_device(self.driver, self.options.size, picture_size)
         with self.evaluation(scene, programs) as evaluation:
-            unanswered = _gathered(evaluation)
+            unanswered = evaluation.gather_all()
             if self.options.gl_calls:
                 builder.set_gl_calls(evaluation.answer(Traced()))
             of_modules = None
@@ -137,8 +137,12 @@ class Lab(SceneDrawer):
             builder.add_outcome(of_modules.outcome, of_modules)
         if folder is not None:
             with doing("picture", "drawing the picture"):
-                enlarged = self._enlarged(scene, programs, drawn)
-                self._write_pictures(scene, enlarged, builder, writer)
+                images = self._enlarged(scene, programs, drawn).images
+                picture = images[_picture_of(scene, images)]
+                with unless_unwritable(builder):
+                    builder.set_pictures(
+                        writer.write_picture(picture), writer.write_passes(scene, images)
+                    )
 
     def judge_all(
         self,
@@ -230,30 +234,8 @@ class Lab(SceneDrawer):
         with self.backend.session(scene, programs, (side, side)) as session:
             return session.draw()
 
-    def _write_pictures(
-        self, scene: Scene, drawn: Drawn, builder: RecordBuilder, writer: PictureWriter
-    ) -> None:
-        wanted = _picture_of(scene, drawn)
-        with unless_unwritable(builder):
-            builder.set_pictures(
-                writer.write_picture(drawn.images[wanted]),
-                writer.write_passes(scene, drawn.images),
-            )
 
-
-def _gathered(evaluation: Evaluation) -> dict[int, UnsupportedError]:
-    """Ask for all that a scene's expectations need. Returns the numbers of those that the driver
-    has no answer for, and why; the others are judged all the same."""
-    unanswered = {}
-    for index, expectation in enumerate(evaluation.scene.expect):
-        try:
-            evaluation.gather(expectation)
-        except UnsupportedError as error:
-            unanswered[index] = error
-    return unanswered
-
-
-def _picture_of(scene: Scene, drawn: Drawn) -> tuple[str, str]:
+def _picture_of(scene: Scene, images: Mapping[tuple[str, str], Image]) -> tuple[str, str]:
     """The (pass, output) that is the case's picture: the one it names, or the last pass's first.
 
     Raises:
@@ -262,9 +244,9 @@ def _picture_of(scene: Scene, drawn: Drawn) -> tuple[str, str]:
     named = scene.picture
     if named is None:
         last = scene.passes[-1].name
-        return next(key for key in drawn.images if key[0] == last)
-    if (named.pass_name, named.name) not in drawn.images:
-        known = [".".join(key) for key in drawn.images]
+        return next(key for key in images if key[0] == last)
+    if (named.pass_name, named.name) not in images:
+        known = [".".join(key) for key in images]
         raise CaseError(
             f"there is no output {scene.case.picture!r} to be the picture",
             remedy=nearest(scene.case.picture, known),
