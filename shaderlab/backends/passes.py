@@ -6,45 +6,26 @@ from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
-from typing import Generic, Protocol, TypeVar
+from pathlib import Path
+from typing import Any, Generic, TypeVar
 
 from shaderlab.activity import doing
 from shaderlab.backends import Drawn, Session, Size
+from shaderlab.backends.attachments import Attachments
+from shaderlab.backends.program_cache import ProgramCache
+from shaderlab.backends.scene_textures import SceneTextures
 from shaderlab.errors import UnsupportedError
-from shaderlab.frame import Array, Bindings, Fragments, Image, PassDraw
+from shaderlab.frame import Array, Bindings, Fragments, Image, PassDraw, Samples
 from shaderlab.model import Pass, Scene, State, Target
-from shaderlab.programs import captures
+from shaderlab.programs import bind, captures, vertex_capture
 from shaderlab.programs.formats import components_of
 from shaderlab.programs.fragment_capture import PassCapture
 from shaderlab.programs.passes import check_continues, check_reads
 from shaderlab.programs.prepare import PreparedDraw, Programs, output_types, pass_colors, step
-
-
-class Attachments(Protocol):
-    """What a pass draws into, on a device.
-
-    Attributes:
-        colors: format by output name.
-        attached: all that can be read, depth and stencil too.
-    """
-
-    colors: dict[str, str]
-
-    @property
-    def attached(self) -> tuple[str, ...]: ...
-
-    def clear(self) -> None: ...
-
-    def resolve(self) -> None: ...
-
-    def read(self, name: str) -> Image: ...
-
-    def release(self) -> None: ...
-
-    def sample_positions(self) -> Array: ...
-
+from shaderlab.programs.varyings import Piece
 
 Kind = TypeVar("Kind", bound=Attachments)
+Made = TypeVar("Made", bound=ProgramCache[Any])
 
 
 def plain_state(draw: PreparedDraw) -> State:
@@ -52,10 +33,11 @@ def plain_state(draw: PreparedDraw) -> State:
     return replace(draw.draw.state, blend=None, srgb=False, color_mask=(True,) * 4)
 
 
-class PassSession(Session, Generic[Kind]):
+class PassSession(Session, Generic[Kind, Made]):
     """A session that draws its scene pass by pass; a backend says how each is done.
 
     Args:
+        linker: makes the programs.
         scene: what to draw.
         programs: each pass's draws, compiled.
         size: (width, height) for targets that do not say.
@@ -66,11 +48,17 @@ class PassSession(Session, Generic[Kind]):
     """
 
     cache: captures.CaptureCache
+    _textures: SceneTextures[Any]  # what the scene's samplers read; a backend makes it
 
-    def __init__(self, scene: Scene, programs: Programs, size: Size, stack: ExitStack) -> None:
+    def __init__(
+        self, linker: Made, scene: Scene, programs: Programs, size: Size, stack: ExitStack
+    ) -> None:
         super().__init__(scene, programs)
+        self.linker = linker
+        self.device = linker.device
         self.size = size
         self.stack = stack
+        self.folder = Path(scene.case.file).parent
         self.bindings: dict[PassDraw, Bindings] = {}
         self.images: dict[tuple[str, str], Image] = {}
         self.targets: dict[str, Kind] = {}
@@ -131,6 +119,27 @@ class PassSession(Session, Generic[Kind]):
         and in its `plain_state`."""
         raise UnsupportedError("capturing fragments: this backend can't")
 
+    def vertices(self, key: PassDraw) -> Samples:
+        draw = self.programs[key[0]][key[1]]
+        return vertex_capture.vertices(draw, self.bindings[key], self.vertex_outputs)
+
+    def probe_vertices(
+        self, key: PassDraw, bindings: Bindings, inputs: Mapping[str, Array]
+    ) -> Samples:
+        draw = self.programs[key[0]][key[1]]
+        return vertex_capture.probe(draw, bindings, inputs, self.vertex_outputs)
+
+    def vertex_outputs(
+        self,
+        draw: PreparedDraw,
+        texts: Mapping[str, str],
+        parts: Sequence[Piece],
+        bindings: Bindings,
+        count: int | None,
+    ) -> Mapping[Piece, Array]:
+        """As `shaderlab.programs.vertex_capture.Capture`."""
+        raise UnsupportedError("capturing vertices: this backend can't")
+
     def drawn_anew(self, changed: Pass, output: str, largest: int) -> Array:
         name, (width, height) = changed.name, self.extent(changed)
         share = min(1.0, largest / max(width, height))
@@ -151,9 +160,9 @@ class PassSession(Session, Generic[Kind]):
             self._gl_errors = errors
             target.release()
 
-    @abstractmethod
     def bind(self, draw: PreparedDraw) -> Bindings:
         """The draw's uniforms and textures as the shader will get them."""
+        return bind.bind(draw.draw, draw.interface, self._textures.texels)
 
     @abstractmethod
     def make_target(self, description: Pass, colors: dict[str, str], extent: Size) -> Kind:

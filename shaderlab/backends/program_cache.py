@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable
-from typing import Generic, Protocol, Self, TypeVar
+from typing import Any, Generic, Protocol, Self, TypeVar
 
 CAPACITY = 64
 
@@ -24,9 +24,10 @@ class ProgramCache(Generic[Made]):
     megabyte. A program is used before the next one is asked for.
     """
 
-    def __init__(self, first: Self | None = None) -> None:
+    def __init__(self, device: Any, first: Self | None = None) -> None:
         """`first` is another cache, whose programs are used where it has them, and which is left
         as it is."""
+        self.device = device
         self._first = first
         self._made: dict[Hashable, Made] = {}
 
@@ -39,10 +40,14 @@ class ProgramCache(Generic[Made]):
             program = make()
         self._made[key] = program
         if len(self._made) > CAPACITY:
-            self._made.pop(next(iter(self._made))).release()
+            self.drop(self._made.pop(next(iter(self._made))))
         return program
 
     def release(self) -> None:
         """Release all programs."""
         while self._made:
-            self._made.popitem()[1].release()
+            self.drop(self._made.popitem()[1])
+
+    def drop(self, program: Made) -> None:
+        """Release a program that is kept no longer."""
+        program.release()

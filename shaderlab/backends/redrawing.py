@@ -5,10 +5,10 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
-from typing import Generic, Protocol, Self, TypeVar
+from typing import Generic
 
 from shaderlab.backends import Size
-from shaderlab.backends.passes import Attachments, PassSession, plain_state
+from shaderlab.backends.passes import Kind, Made, PassSession, plain_state
 from shaderlab.errors import ShaderError
 from shaderlab.frame import Array, Bindings, PassDraw, Samples
 from shaderlab.model import Pass, State, Target
@@ -17,18 +17,7 @@ from shaderlab.programs.fragment_probe import fragment_probe, refused
 from shaderlab.programs.prepare import PreparedDraw
 
 
-class Temporary(Attachments, Protocol):
-    """A target that can be cleared at the beginning of a `with` and released at its end."""
-
-    def __enter__(self) -> Self: ...
-
-    def __exit__(self, *_: object) -> None: ...
-
-
-Kind = TypeVar("Kind", bound=Temporary)
-
-
-class RedrawingSession(PassSession[Kind], Generic[Kind]):
+class RedrawingSession(PassSession[Kind, Made], Generic[Kind, Made]):
     """A session that captures what fragment shaders got."""
 
     @abstractmethod

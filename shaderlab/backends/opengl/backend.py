@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 
-from shaderlab.backends import Backend, Evaluation, Size
+from shaderlab.backends import Evaluation, Size
+from shaderlab.backends.device_backend import DeviceBackend
 from shaderlab.backends.opengl import (
     calls,
     capture,
@@ -31,67 +32,12 @@ from shaderlab.programs.storage import captured
 from shaderlab.records import Verdict
 
 
-class OpenGLBackend(Backend):
-    """Draws scenes on one device; caches linked programs and captured fragments across scenes."""
-
-    def __init__(self, device: Device) -> None:
-        self.info = device.info
-        self.device = device
-        self.captures = captures.CaptureCache()
-        self._linker = Linker(device)
-        self._evaluator = Evaluator(device, self._linker)
-
-    @contextmanager
-    def session(
-        self, scene: Scene, programs: Programs, size: Size, *, temporary_programs: bool = False
-    ) -> Iterator[OpenGLSession]:
-        linker = Linker(self.device, self._linker) if temporary_programs else self._linker
-        with self.device.in_use(), ExitStack() as stack:
-            session = OpenGLSession(self.device, linker, scene, programs, size, stack)
-            session.cache = self.captures
-            yield session
-
-    @contextmanager
-    def edited_session(
-        self, scene: Scene, programs: Programs, size: Size, edit: CallEdit | None
-    ) -> Iterator[OpenGLSession]:
-        with (
-            self.device.in_use(),
-            tracing.recording_device(self.device, edit) as device,
-            ExitStack() as stack,
-        ):
-            session = OpenGLSession(device, Linker(device), scene, programs, size, stack)
-            session.cache = captures.CaptureCache()
-            yield session
-
-    def driver_verdict(self, sources: Sequence[Source]) -> Verdict:
-        with self.device.in_use():
-            return verdict.driver_verdict(self.device, sources)
-
-    def require_compute(self) -> None:
-        if not dispatch.has_compute(self.device):
-            raise UnsupportedError("compute passes: this driver has no compute shaders")
-
-    def storage(self, count: int) -> AbstractContextManager[Callable[[], Array]]:
-        return storage.bound(self.device, count)
-
-    def evaluate(self, evaluation: Evaluation, inputs: Array, outputs: Array) -> None:
-        with self.device.in_use():
-            self._evaluator.evaluate(evaluation, inputs, outputs)
-
-    def close(self) -> None:
-        # What outlives the context would be deleted by its number, in the context of another lab.
-        self.device.context.gc_mode = None
-        self.device.context.release()
-
-
 class OpenGLSession(Drawing):
     """One scene on an OpenGL device."""
 
     redrawn = capture.redrawn
-    vertices = feedback.vertices
+    vertex_outputs = feedback.vertex_outputs
     probe_fragments = capture.probe_fragments
-    probe_vertices = feedback.probe_vertices
     count = queries.counted
     time = queries.timed
     attributes = queries.attributes
@@ -114,3 +60,52 @@ class OpenGLSession(Drawing):
 
     def gl_errors(self, key: PassDraw) -> Sequence[int]:
         return self._gl_errors.get(key, ())
+
+
+class OpenGLBackend(DeviceBackend):
+    """Draws scenes on one device; caches linked programs and captured fragments across scenes."""
+
+    linker_class = Linker
+    session_class = OpenGLSession
+    device: Device
+    _linker: Linker
+
+    def __init__(self, device: Device) -> None:
+        super().__init__(device)
+        self._evaluator = Evaluator(device, self._linker)
+
+    def in_use(self) -> AbstractContextManager[object]:
+        return self.device.in_use()
+
+    @contextmanager
+    def edited_session(
+        self, scene: Scene, programs: Programs, size: Size, edit: CallEdit | None
+    ) -> Iterator[OpenGLSession]:
+        with (
+            self.device.in_use(),
+            tracing.recording_device(self.device, edit) as device,
+            ExitStack() as stack,
+        ):
+            session = OpenGLSession(Linker(device), scene, programs, size, stack)
+            session.cache = captures.CaptureCache()
+            yield session
+
+    def driver_verdict(self, sources: Sequence[Source]) -> Verdict:
+        with self.device.in_use():
+            return verdict.driver_verdict(self.device, sources)
+
+    def require_compute(self) -> None:
+        if not dispatch.has_compute(self.device):
+            raise UnsupportedError("compute passes: this driver has no compute shaders")
+
+    def storage(self, count: int) -> AbstractContextManager[Callable[[], Array]]:
+        return storage.bound(self.device, count)
+
+    def evaluate(self, evaluation: Evaluation, inputs: Array, outputs: Array) -> None:
+        with self.device.in_use():
+            self._evaluator.evaluate(evaluation, inputs, outputs)
+
+    def close(self) -> None:
+        # What outlives the context would be deleted by its number, in the context of another lab.
+        self.device.context.gc_mode = None
+        self.device.context.release()

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from shaderlab.backends.attachments import of_several_samples
 from shaderlab.backends.opengl.pyopengl import GL, GL_1_0
 from shaderlab.backends.opengl.textures import DeviceTexture, address, depth_storage, tightly_packed
 from shaderlab.errors import UnsupportedError
@@ -14,7 +15,6 @@ from shaderlab.frame import Image
 from shaderlab.model import Target
 from shaderlab.programs.formats import DEPTH
 
-UNREADABLE = "Target(samples=0): the depth of several samples a pixel has no one value"
 NO_TEXTURE = 'Target(depth_storage="texture"): no sampler reads a renderbuffer'
 _COMPLETE = 0x8CD5
 
@@ -80,7 +80,7 @@ def read_depth(framebuffer: Any, target: Target, name: str, size: tuple[int, int
         UnsupportedError: the target has several samples a pixel.
     """
     if target.samples:
-        raise UnsupportedError(f"reading the {name} of a multisampled target", remedy=UNREADABLE)
+        raise of_several_samples(name)
     assert target.depth is not None
     width, height = size
     of_depth = name == "depth"

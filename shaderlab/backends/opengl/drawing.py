@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from contextlib import ExitStack, nullcontext
-from pathlib import Path
 from typing import Any
 
 from shaderlab.activity import doing
@@ -29,33 +28,18 @@ from shaderlab.programs.prepare import PreparedDraw, Programs, step
 NO_TEXTS: Mapping[str, str] = {}
 
 
-class Drawing(PassSession[RenderTarget]):
-    """One scene on the device: its targets and textures, kept until the session ends.
+class Drawing(PassSession[RenderTarget, Linker]):
+    """One scene on the device: its targets and textures, kept until the session ends."""
 
-    Args:
-        device: where to draw.
-        linker: links its programs.
-        scene: what to draw.
-        programs: each pass's draws, compiled.
-        size: (width, height) for targets that do not say.
-        stack: releases device memory in the end.
-    """
+    device: Device
+    _textures: BoundTextures
 
     def __init__(
-        self,
-        device: Device,
-        linker: Linker,
-        scene: Scene,
-        programs: Programs,
-        size: Size,
-        stack: ExitStack,
+        self, linker: Linker, scene: Scene, programs: Programs, size: Size, stack: ExitStack
     ) -> None:
-        super().__init__(scene, programs, size, stack)
-        self.device = device
-        self.linker = linker
-        folder = Path(scene.case.file).parent
-        self._textures = BoundTextures(device, folder, stack, self.images, self.targets)
-        self._blocks = UniformBuffers(device, stack)
+        super().__init__(linker, scene, programs, size, stack)
+        self._textures = BoundTextures(self.device, self.folder, stack, self.images, self.targets)
+        self._blocks = UniformBuffers(self.device, stack)
         self._arrays: dict[tuple[int, int], tuple[Any, Mesh | None, VertexArray]] = {}
 
     def draw(self) -> Drawn:
@@ -78,8 +62,8 @@ class Drawing(PassSession[RenderTarget]):
     def compute(self, key: PassDraw, draw: PreparedDraw) -> None:
         storage.require_supported(draw.draw, draw.interface)
         with doing("draw", step(key, draw)):
-            folder = self._textures.folder
-            found = storage.bound(draw.draw, draw.interface, self.bind(draw), folder, self.images)
+            given = self.bind(draw)
+            found = storage.bound(draw.draw, draw.interface, given, self.folder, self.images)
             self.bindings[key] = found
             program = self._linked(draw)
             self.use(program, draw, found)
@@ -89,9 +73,6 @@ class Drawing(PassSession[RenderTarget]):
         self.images |= {(key[0], name): image for name, image in left.items()}
         if errors:
             self._gl_errors[key] = errors
-
-    def bind(self, draw: PreparedDraw) -> Bindings:
-        return bind.bind(draw.draw, draw.interface, self._textures.texels)
 
     def use(
         self,

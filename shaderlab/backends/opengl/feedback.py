@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,9 +13,9 @@ from shaderlab.backends.opengl.pyopengl import GL, named
 from shaderlab.backends.opengl.target import RenderTarget
 from shaderlab.backends.opengl.vertices import vertex_array
 from shaderlab.errors import DriverError, ShaderError
-from shaderlab.frame import Array, Bindings, PassDraw, Samples
+from shaderlab.frame import Array, Bindings
 from shaderlab.model import Target
-from shaderlab.programs import tessellation, vertex_capture
+from shaderlab.programs import tessellation
 from shaderlab.programs.formats import components_of, numpy_type
 from shaderlab.programs.prepare import PreparedDraw
 from shaderlab.programs.varyings import Piece
@@ -27,26 +26,7 @@ UNDEFINED = np.uint32(0xFFFFFFFF)
 """The bits of an output that nothing writes: NaN in floats, −1 and the largest number in others."""
 
 
-def vertices(drawing: Drawing, key: PassDraw) -> Samples:
-    """Every vertex that a draw hands to rasterisation; see `shaderlab.programs.vertex_capture`.
-
-    Raises:
-        UnsupportedError: an output is of double precision.
-        DriverError: the driver writes down fewer vertices than it says there are.
-    """
-    draw = drawing.programs[key[0]][key[1]]
-    return vertex_capture.vertices(draw, drawing.bindings[key], partial(_captured, drawing))
-
-
-def probe_vertices(
-    drawing: Drawing, key: PassDraw, bindings: Bindings, inputs: Mapping[str, Array]
-) -> Samples:
-    """Run the vertex stage on given inputs, each an array (count, components)."""
-    draw = drawing.programs[key[0]][key[1]]
-    return vertex_capture.probe(draw, bindings, inputs, partial(_captured, drawing))
-
-
-def _captured(
+def vertex_outputs(
     drawing: Drawing,
     draw: PreparedDraw,
     texts: Mapping[str, str],
@@ -54,9 +34,11 @@ def _captured(
     bindings: Bindings,
     count: int | None,
 ) -> dict[Piece, Array]:
-    """The pieces of each vertex that comes out, (vertices, components).
+    """As `PassSession.vertex_outputs`, by transform feedback; without a `count` the
+    driver is asked first.
 
-    `count` is how many vertices come out; None asks the driver first.
+    Raises:
+        DriverError: the driver writes down fewer vertices than it says there are.
     """
     found: dict[Piece, Array] = {}
     written = _written(drawing, texts, parts)

@@ -11,26 +11,18 @@ import numpy as np
 from shaderlab.activity import doing
 from shaderlab.backends.opengl.device import Device
 from shaderlab.backends.opengl.pyopengl import GL
+from shaderlab.backends.program_cache import ProgramCache
 from shaderlab.errors import ShaderError
 from shaderlab.frame import Array
 
-CAPACITY = 64
 
+class Linker(ProgramCache[Any]):
+    """Linked programs by their stages' text; a driver that `takes_spirv` gets the modules of it."""
 
-class Linker:
-    """Linked programs by their stages' text, so that equal ones are linked once. A driver that
-    `takes_spirv` gets the text's modules.
+    device: Device
 
-    The `CAPACITY` most recently used ones are kept: a software driver's machine code takes a
-    megabyte.
-    """
-
-    def __init__(self, device: Device, first: Linker | None = None) -> None:
-        """`first` is another linker, whose programs are used where it has them, and which is left
-        as it is."""
-        self._device = device
-        self._first = first
-        self._linked: dict[tuple[Any, ...], Any] = {}
+    def drop(self, program: Any) -> None:
+        """moderngl releases it when nothing refers to it any more."""
 
     def link(self, stages: Mapping[str, str], *, feedback: Sequence[str] = ()) -> Any:
         """A `moderngl.Program` of these stages (text by "vertex", "tess_control", …), a
@@ -42,30 +34,25 @@ class Linker:
         Raises:
             ShaderError: the driver refuses the program.
         """
-        key = (tuple(sorted(stages.items())), tuple(feedback))
-        program = self._linked.pop(key, None)
-        if program is None and self._first is not None:
-            program = self._first._linked.get(key)
-        if program is None:
+
+        def linked() -> Any:
             try:
                 with doing("link"):
-                    program = self._new(stages, feedback)
+                    return self._new(stages, feedback)
             except moderngl.Error as error:
                 message = f"the driver refuses the program: {str(error).strip()}"
                 raise ShaderError(message) from error
-        self._linked[key] = program
-        if len(self._linked) > CAPACITY:
-            del self._linked[next(iter(self._linked))]
-        return program
+
+        return self.get((tuple(sorted(stages.items())), tuple(feedback)), linked)
 
     def _new(self, stages: Mapping[str, str], feedback: Sequence[str]) -> Any:
-        if self._device.takes_spirv:
+        if self.device.takes_spirv:
             from shaderlab.backends.opengl.spirv_program import link_modules
 
-            return link_modules(self._device, stages, feedback)
+            return link_modules(self.device, stages, feedback)
         if "compute" in stages:
-            return self._device.context.compute_shader(stages["compute"])
-        return self._device.context.program(
+            return self.device.context.compute_shader(stages["compute"])
+        return self.device.context.program(
             vertex_shader=stages["vertex"],
             fragment_shader=stages.get("fragment"),
             tess_control_shader=stages.get("tess_control"),

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Self
+from typing import Any
 
 import moderngl
 import numpy as np
 
+from shaderlab.backends.attachments import UNREADABLE, Attachments
 from shaderlab.backends.opengl import state
 from shaderlab.backends.opengl.depth import (
     NO_TEXTURE,
-    UNREADABLE,
     Attached,
     attach_depth,
     read_depth,
@@ -23,22 +23,11 @@ from shaderlab.backends.opengl.textures import DeviceTexture
 from shaderlab.errors import UnsupportedError
 from shaderlab.frame import Array, Image
 from shaderlab.model import State, Target
-from shaderlab.programs.formats import COLOR, DEPTH
+from shaderlab.programs.formats import COLOR
 
 
-class RenderTarget:
-    """The attachments of one pass at one size, on the device. As a context manager it is cleared
-    first and released in the end.
-
-    Args:
-        device: where to make them.
-        target: sizes, clear values, depth format, samples.
-        colors: format by output name, in the order of the outputs' locations.
-        size: (width, height) in pixels.
-
-    Raises:
-        UnsupportedError: the driver can't make such a target; the message says which.
-    """
+class RenderTarget(Attachments):
+    """As `Attachments`, on a device."""
 
     def __init__(
         self, device: Device, target: Target, colors: Mapping[str, str], size: tuple[int, int]
@@ -52,10 +41,8 @@ class RenderTarget:
             raise UnsupportedError(
                 f"{target.samples} samples: this driver offers {device.context.max_samples}"
             )
-        self.size = size
-        self.colors = dict(colors)
+        super().__init__(target, colors, size)
         self._device = device
-        self._target = target
         self.textures = {name: self._texture(word) for name, word in colors.items()}
         self._sampled = [
             self._texture(w, target.samples) for w in colors.values() if target.samples
@@ -66,15 +53,7 @@ class RenderTarget:
         if target.depth is not None:
             self._depth = attach_depth(self._drawn, target, size)
 
-    def __enter__(self) -> Self:
-        self.clear()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.release()
-
     def release(self) -> None:
-        """Release all of its memory on the device; the target is of no use afterwards."""
         for framebuffer in {self._drawn, self._resolved}:
             framebuffer.release()
         for texture in (*self.textures.values(), *self._sampled):
@@ -86,14 +65,6 @@ class RenderTarget:
     def samples(self) -> int:
         """How many samples a pixel has; 0 for one."""
         return self._target.samples
-
-    @property
-    def attached(self) -> tuple[str, ...]:
-        """The attachments that can be read: colours by name, "depth" and "stencil"."""
-        if self._target.depth is None:
-            return tuple(self.colors)
-        stencil = DEPTH[self._target.depth].stencil
-        return (*self.colors, "depth", *(("stencil",) if stencil else ()))
 
     def texture(self, name: str, *, sampled: bool = False) -> DeviceTexture:
         """A colour attachment, or "depth", as a texture; `sampled`: that of all samples.
@@ -112,7 +83,6 @@ class RenderTarget:
         raise UnsupportedError(f"sampling the {name} of this target", remedy=remedy)
 
     def clear(self) -> None:
-        """Bind the target and set every attachment to its clear value, unmasked."""
         self.bind({name: index for index, name in enumerate(self.colors)})
         state.apply(State(), self.size, self._device.version)
         for index, word in enumerate(self.colors.values()):
@@ -140,7 +110,6 @@ class RenderTarget:
         GL.glDrawBuffers(count, np.array(buffers, np.uint32))
 
     def resolve(self) -> None:
-        """Average the samples into the textures, if there are several a pixel."""
         if self._drawn is self._resolved:
             return
         width, height = self.size
@@ -154,7 +123,6 @@ class RenderTarget:
             GL.glBlitFramebuffer(*box, *box, GL.GL_COLOR_BUFFER_BIT, GL.GL_NEAREST)
 
     def sample_positions(self) -> Array:
-        """Where the driver takes a pixel's samples: (samples, 2), from its lower left corner."""
         self._drawn.use()
         found = np.empty((int(GL.glGetIntegerv(GL.GL_SAMPLES)), 2), np.float32)
         for index, position in enumerate(found):
@@ -162,13 +130,6 @@ class RenderTarget:
         return found
 
     def read(self, name: str) -> Image:
-        """One attachment in its own components and type, row 0 at the bottom.
-
-        "depth" is read as floats, whatever its format, "stencil" as unsigned bytes.
-
-        Raises:
-            UnsupportedError: depth or stencil of a multisampled target.
-        """
         if name not in self.colors:
             assert self._target.depth is not None
             return read_depth(self._drawn, self._target, name, self.size)

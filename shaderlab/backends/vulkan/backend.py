@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from collections.abc import Sequence
 
-from shaderlab.backends import Backend, Evaluation, Size
+from shaderlab.backends import Evaluation
+from shaderlab.backends.device_backend import DeviceBackend
 from shaderlab.backends.vulkan import queries, vertex_storage
 from shaderlab.backends.vulkan.device import Device
 from shaderlab.backends.vulkan.drawing import Drawing
@@ -14,33 +14,26 @@ from shaderlab.backends.vulkan.linking import Linker
 from shaderlab.backends.vulkan.verdict import driver_verdict
 from shaderlab.compiler.sources import Source
 from shaderlab.frame import Array
-from shaderlab.model import Scene
-from shaderlab.programs import captures
-from shaderlab.programs.prepare import Programs
 from shaderlab.records import Verdict
 
 
-class VulkanBackend(Backend):
+class VulkanSession(Drawing):
+    """One scene on a Vulkan device."""
+
+    vertex_outputs = vertex_storage.vertex_outputs
+    count = queries.counted
+    time = queries.timed
+    attributes = queries.attributes
+    blocks = queries.block_readings
+
+
+class VulkanBackend(DeviceBackend):
     """Draws scenes on one device; caches programs and captured fragments across scenes."""
 
-    def __init__(self, device: Device) -> None:
-        self.info = device.info
-        self.device = device
-        self.captures = captures.CaptureCache()
-        self._linker = Linker(device)
-
-    @contextmanager
-    def session(
-        self, scene: Scene, programs: Programs, size: Size, *, temporary_programs: bool = False
-    ) -> Iterator[VulkanSession]:
-        with ExitStack() as stack:
-            linker = self._linker
-            if temporary_programs:
-                linker = Linker(self.device, self._linker)
-                stack.callback(linker.release)
-            session = VulkanSession(self.device, linker, scene, programs, size, stack)
-            session.cache = self.captures
-            yield session
+    linker_class = Linker
+    session_class = VulkanSession
+    device: Device
+    _linker: Linker
 
     def driver_verdict(self, sources: Sequence[Source]) -> Verdict:
         return driver_verdict(self.device, sources)
@@ -51,14 +44,3 @@ class VulkanBackend(Backend):
     def close(self) -> None:
         self._linker.release()
         self.device.close()
-
-
-class VulkanSession(Drawing):
-    """One scene on a Vulkan device."""
-
-    vertices = vertex_storage.vertices
-    probe_vertices = vertex_storage.probe_vertices
-    count = queries.counted
-    time = queries.timed
-    attributes = queries.attributes
-    blocks = queries.block_readings

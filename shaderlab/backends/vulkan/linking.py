@@ -16,9 +16,7 @@ from shaderlab.programs.module_texts import sources_of
 class Linker(ProgramCache[Program]):
     """Programs by their stages' text."""
 
-    def __init__(self, device: Device, first: Linker | None = None) -> None:
-        super().__init__(first)
-        self.device = device
+    device: Device
 
     def link(self, texts: Mapping[str, str], known: Sequence[Source] = ()) -> Program:
         """The program of these stages.

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 
+from shaderlab.backends.attachments import Attachments, of_several_samples
 from shaderlab.backends.vulkan.api import lib
 from shaderlab.backends.vulkan.commands import GENERAL, Commands, recording
 from shaderlab.backends.vulkan.device import Device, samples_offered
@@ -16,7 +17,7 @@ from shaderlab.backends.vulkan.memory import Resources
 from shaderlab.errors import UnsupportedError
 from shaderlab.frame import Array, Image
 from shaderlab.model import Target
-from shaderlab.programs.formats import COLOR, DEPTH
+from shaderlab.programs.formats import COLOR
 
 _KEEP, _CLEAR = 0, 1
 _USES = ("sampled", "transfer_src", "transfer_dst")
@@ -29,30 +30,16 @@ _PLACES = {
 }
 
 
-class RenderTarget:
-    """The attachments of one pass at one size, on the device. As a context manager it is cleared
-    first and released in the end.
-
-    Args:
-        device: where to make them.
-        target: sizes, clear values, depth format, samples.
-        colors: format by output name, in the order of the outputs' locations.
-        size: (width, height) in pixels.
-
-    Raises:
-        UnsupportedError: the device can't make such a target; the message says which.
-    """
+class RenderTarget(Attachments):
+    """As `Attachments`, on a device."""
 
     def __init__(
         self, device: Device, target: Target, colors: Mapping[str, str], size: tuple[int, int]
     ) -> None:
-        self.size = size
-        self.colors = dict(colors)
+        super().__init__(target, colors, size)
         self.samples = _samples(device, target.samples)
         self._device = device
-        self._target = target
         self._resources = Resources(device)
-        self.depth = ""
         try:
             self._make()
         except BaseException:
@@ -86,23 +73,8 @@ class RenderTarget:
             )  # fmt: skip
             self._depth_view = new_view(own, self.depth_image)
 
-    def __enter__(self) -> Self:
-        self.clear()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.release()
-
     def release(self) -> None:
-        """Release all of its memory on the device; the target is of no use afterwards."""
         self._resources.release()
-
-    @property
-    def attached(self) -> tuple[str, ...]:
-        """The attachments that can be read: colours by name, "depth" and "stencil"."""
-        if not self.depth:
-            return tuple(self.colors)
-        return (*self.colors, "depth", *(("stencil",) if DEPTH[self.depth].stencil else ()))
 
     def formats(self, locations: Mapping[int, str], *, srgb: bool = False) -> dict[int, str]:
         """The attachments' formats by the locations of the outputs that are drawn to them."""
@@ -110,7 +82,6 @@ class RenderTarget:
         return {at: plain.get(self.colors[n], self.colors[n]) for at, n in locations.items()}
 
     def clear(self) -> None:
-        """Set every attachment to its clear value."""
         with recording(self._device) as commands:
             locations = dict(enumerate(self.colors))
             self.begin(commands, locations, clear=True)
@@ -163,7 +134,6 @@ class RenderTarget:
         commands.barrier()
 
     def resolve(self) -> None:
-        """Average the samples into the images that are read, if there are several a pixel."""
         if self.samples == 1:
             return
         part = (1, 0, 0, 1)
@@ -179,11 +149,6 @@ class RenderTarget:
             commands.barrier()
 
     def sample_positions(self) -> Array:
-        """Where the device takes a pixel's samples: (samples, 2), from its lower left corner.
-
-        Raises:
-            UnsupportedError: it does not say.
-        """
         if not self._device.limits.standardSampleLocations or self.samples not in _PLACES:
             raise UnsupportedError("sample positions: this device does not say where they are")
         return np.array(_PLACES[self.samples], np.float32) / 16
@@ -193,21 +158,11 @@ class RenderTarget:
         return self._drawn[name]
 
     def read(self, name: str) -> Image:
-        """One attachment in its own components and type, row 0 at the bottom.
-
-        "depth" is read as floats, whatever its format, "stencil" as unsigned bytes.
-
-        Raises:
-            UnsupportedError: depth or stencil of a multisampled target.
-        """
         if name in self.colors:
             return Image(read(self._device, self.images[name])[0], self.colors[name])
         assert self.depth_image is not None
         if self.samples > 1:
-            raise UnsupportedError(
-                f"reading the {name} of a multisampled target",
-                remedy="Target(samples=0): the depth of several samples a pixel has no one value",
-            )
+            raise of_several_samples(name)
         stencil = name == "stencil"
         values = read(self._device, self.depth_image, stencil=stencil)[0]
         return Image(values, "stencil8" if stencil else self.depth)

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
@@ -16,9 +15,9 @@ from shaderlab.backends.vulkan.modules import modules_of
 from shaderlab.backends.vulkan.target import RenderTarget
 from shaderlab.compiler.module import parse
 from shaderlab.errors import UnsupportedError
-from shaderlab.frame import Array, Bindings, PassDraw, Samples
+from shaderlab.frame import Array, Bindings
 from shaderlab.model import Target
-from shaderlab.programs import storing, vertex_capture
+from shaderlab.programs import storing
 from shaderlab.programs.module_texts import sources_of
 from shaderlab.programs.prepare import PreparedDraw
 from shaderlab.programs.varyings import Piece
@@ -28,37 +27,19 @@ _OUTPUT_VERTICES = 26  # SPIR-V's execution mode for max_vertices
 _FEATURE = "vertexPipelineStoresAndAtomics"
 
 
-def vertices(drawing: Drawing, key: PassDraw) -> Samples:
-    """Every vertex that a draw hands to rasterisation; see `shaderlab.programs.vertex_capture`.
-
-    Raises:
-        UnsupportedError: an output is of double precision, or the device's vertex stages can't
-            write to buffers.
-    """
-    draw = drawing.programs[key[0]][key[1]]
-    return vertex_capture.vertices(draw, drawing.bindings[key], partial(_captured, drawing))
-
-
-def probe_vertices(
-    drawing: Drawing, key: PassDraw, bindings: Bindings, inputs: Mapping[str, Array]
-) -> Samples:
-    """Run the vertex stage on given inputs, each an array (count, components).
-
-    Raises:
-        UnsupportedError: as `vertices`.
-    """
-    draw = drawing.programs[key[0]][key[1]]
-    return vertex_capture.probe(draw, bindings, inputs, partial(_captured, drawing))
-
-
-def _captured(
+def vertex_outputs(
     drawing: Drawing,
     draw: PreparedDraw,
     texts: Mapping[str, str],
     parts: Sequence[Piece],
     bindings: Bindings,
-    _: int | None,
+    count: int | None,
 ) -> Mapping[Piece, Array]:
+    """As `PassSession.vertex_outputs`, by a storage buffer.
+
+    Raises:
+        UnsupportedError: the device's vertex stages can't write to buffers.
+    """
     if _FEATURE not in drawing.device.features:
         raise UnsupportedError(f"capturing vertices: this device has no {_FEATURE}")
     mesh = draw.draw.mesh

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
-from pathlib import Path
 
 import numpy as np
 
@@ -25,41 +24,23 @@ from shaderlab.programs.module_texts import HEIGHT, as_drawn
 from shaderlab.programs.prepare import PreparedDraw, Programs
 
 
-class Drawing(RedrawingSession[RenderTarget]):
-    """One scene on the device: its targets and textures, kept until the session ends.
+class Drawing(RedrawingSession[RenderTarget, Linker]):
+    """One scene on the device: its targets and textures, kept until the session ends."""
 
-    Args:
-        device: where to draw.
-        linker: makes its programs.
-        scene: what to draw.
-        programs: each pass's draws, compiled.
-        size: (width, height) for targets that do not say.
-        stack: releases device memory in the end.
-    """
+    device: Device
+    _textures: BoundTextures
 
     def __init__(
-        self,
-        device: Device,
-        linker: Linker,
-        scene: Scene,
-        programs: Programs,
-        size: Size,
-        stack: ExitStack,
+        self, linker: Linker, scene: Scene, programs: Programs, size: Size, stack: ExitStack
     ) -> None:
-        super().__init__(scene, programs, size, stack)
-        self.device = device
-        self.linker = linker
-        self.subpixel_step = 2.0 ** -device.gl.about["subpixel"]
-        folder = Path(scene.case.file).parent
-        own = stack.enter_context(Objects(device.gl))
-        self._textures = BoundTextures(device, own, folder, self.images, self.targets)
+        super().__init__(linker, scene, programs, size, stack)
+        self.subpixel_step = 2.0 ** -self.device.gl.about["subpixel"]
+        own = stack.enter_context(Objects(self.device.gl))
+        self._textures = BoundTextures(self.device, own, self.folder, self.images, self.targets)
         self._shared = blocks.SharedLayouts()
 
     def new_target(self, target: Target, colors: Mapping[str, str], size: Size) -> RenderTarget:
         return RenderTarget(self.device, target, colors, size)
-
-    def bind(self, draw: PreparedDraw) -> Bindings:
-        return bind.bind(draw.draw, draw.interface, self._textures.texels)
 
     def issue(self, key: PassDraw, draw: PreparedDraw, target: RenderTarget) -> None:
         super().issue(key, draw, target)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import partial
 
 import numpy as np
 
@@ -12,8 +11,8 @@ from shaderlab.backends.webgl.drawing import Drawing
 from shaderlab.backends.webgl.linking import Program
 from shaderlab.backends.webgl.vertices import VertexArray
 from shaderlab.errors import DriverError
-from shaderlab.frame import Array, Bindings, PassDraw, Samples
-from shaderlab.programs import stages, vertex_capture
+from shaderlab.frame import Array, Bindings
+from shaderlab.programs import stages
 from shaderlab.programs.formats import components_of, numpy_type
 from shaderlab.programs.prepare import PreparedDraw
 from shaderlab.programs.varyings import Piece
@@ -23,25 +22,7 @@ _CHANNELS = 4
 _FRAGMENT = "#version 330 core\nvoid main() {}\n"
 
 
-def vertices(drawing: Drawing, key: PassDraw) -> Samples:
-    """Every vertex that a draw hands to rasterisation; see `shaderlab.programs.vertex_capture`.
-
-    Raises:
-        UnsupportedError: an output is of double precision, or there is a geometry stage.
-    """
-    draw = drawing.programs[key[0]][key[1]]
-    return vertex_capture.vertices(draw, drawing.bindings[key], partial(_captured, drawing))
-
-
-def probe_vertices(
-    drawing: Drawing, key: PassDraw, bindings: Bindings, inputs: Mapping[str, Array]
-) -> Samples:
-    """Run the vertex stage on given inputs, each an array (count, components)."""
-    draw = drawing.programs[key[0]][key[1]]
-    return vertex_capture.probe(draw, bindings, inputs, partial(_captured, drawing))
-
-
-def _captured(
+def vertex_outputs(
     drawing: Drawing,
     draw: PreparedDraw,
     texts: Mapping[str, str],
@@ -49,6 +30,7 @@ def _captured(
     bindings: Bindings,
     count: int | None,
 ) -> Mapping[Piece, Array]:
+    """As `PassSession.vertex_outputs`, by transform feedback."""
     assert count is not None, "without a geometry stage it is known"
     found: dict[Piece, Array] = {}
     for start in range(0, len(parts), _AT_ONCE):

@@ -83,9 +83,7 @@ class Program:
 class Linker(ProgramCache[Program]):
     """Programs by their stages' text in GLSL."""
 
-    def __init__(self, device: Device, first: Linker | None = None) -> None:
-        super().__init__(first)
-        self.device = device
+    device: Device
 
     def link(
         self,

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Self
 
 import numpy as np
 
+from shaderlab.backends.attachments import Attachments, of_several_samples
 from shaderlab.backends.webgl.calls import Object, Objects
 from shaderlab.backends.webgl.device import Device
 from shaderlab.backends.webgl.formats import stored
@@ -18,27 +18,14 @@ from shaderlab.model import Target
 from shaderlab.programs.formats import COLOR, DEPTH
 
 
-class RenderTarget:
-    """The attachments of one pass at one size, on the device. As a context manager it is cleared
-    first and released in the end.
-
-    Args:
-        device: where to make them.
-        target: sizes, clear values, depth format, samples.
-        colors: format by output name, in the order of the outputs' locations.
-        size: (width, height) in pixels.
-
-    Raises:
-        UnsupportedError: the device can't make such a target; the message says which.
-    """
+class RenderTarget(Attachments):
+    """As `Attachments`, on a device."""
 
     def __init__(
         self, device: Device, target: Target, colors: Mapping[str, str], size: tuple[int, int]
     ) -> None:
-        self.size = size
-        self.colors = dict(colors)
-        self.depth = target.depth or ""
-        self._device, self._target = device, target
+        super().__init__(target, colors, size)
+        self._device = device
         self._objects = Objects(device.gl)
         limit = int(device.info["max_texture_size"])
         if max(size) > limit:
@@ -54,23 +41,8 @@ class RenderTarget:
         self._frame = self._objects.new("Framebuffer")
         self._attached: dict[int, str] | None = None
 
-    def __enter__(self) -> Self:
-        self.clear()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.release()
-
     def release(self) -> None:
-        """Release all of its memory on the device; the target is of no use afterwards."""
         self._objects.release()
-
-    @property
-    def attached(self) -> tuple[str, ...]:
-        """The attachments that can be read: colours by name, "depth" and "stencil"."""
-        if not self.depth:
-            return tuple(self.colors)
-        return (*self.colors, "depth", *(("stencil",) if DEPTH[self.depth].stencil else ()))
 
     def bind(self, locations: Mapping[int, str]) -> None:
         """Draw into this target from now on, with a program that writes its outputs at these
@@ -103,7 +75,6 @@ class RenderTarget:
             )
 
     def clear(self) -> None:
-        """Set every attachment to its clear value."""
         gl, target = self._device.gl, self._target
         gl.disable(gl.SCISSOR_TEST)
         gl.disable(gl.RASTERIZER_DISCARD)
@@ -128,7 +99,6 @@ class RenderTarget:
                 gl.clearBufferiv(gl.STENCIL, 0, [target.clear_stencil])
 
     def resolve(self) -> None:
-        """Average the samples into the textures that are read, if there are several a pixel."""
         if self.samples == 1:
             return
         gl = self._device.gl
@@ -148,29 +118,14 @@ class RenderTarget:
                 gl.blitFramebuffer(*box, *box, gl.COLOR_BUFFER_BIT, gl.NEAREST)
 
     def sample_positions(self) -> Array:
-        """Where the device takes a pixel's samples: (samples, 2), from its lower left corner.
-
-        Raises:
-            UnsupportedError: it does not say.
-        """
         return sample_positions(self._device, self.samples)
 
     def read(self, name: str) -> Image:
-        """One attachment in its own components and type, row 0 at the bottom.
-
-        "depth" is read as floats, whatever its format, "stencil" as unsigned bytes.
-
-        Raises:
-            UnsupportedError: depth or stencil of a multisampled target.
-        """
         if name in self.colors:
             word = self.colors[name]
             return Image(attached(self._device, self.textures[name], word, self.size), word)
         if self.depth_texture is None:
-            raise UnsupportedError(
-                f"reading the {name} of a multisampled target",
-                remedy="Target(samples=0): the depth of several samples a pixel has no one value",
-            )
+            raise of_several_samples(name)
         if name == "stencil":
             own = {self._depth_point: self.depth_texture}
             return Image(stencil(self._device, own, self.size), "stencil8")
