@@ -11,9 +11,12 @@ from shaderlab.compiler.compile import compile_program
 from shaderlab.compiler.interface import Interface
 from shaderlab.compiler.sources import Shaders
 from shaderlab.compiler.text import read_shader, without_comments
-from shaderlab.errors import ShaderError, UsageError
+from shaderlab.errors import ShaderError, UsageError, nearest
 
 _KINDS = ("attributes", "varyings", "uniforms", "outputs")
+_DECLARED = re.compile(
+    r"\b(?:in|out|uniform|varying|attribute)\b[^;{}()]*?(\w+)\s*(?:\[\w*\]\s*)?;"
+)
 
 
 def renames(words: Sequence[str], files: Sequence[Path]) -> dict[str, str]:
@@ -32,7 +35,11 @@ def renames(words: Sequence[str], files: Sequence[Path]) -> dict[str, str]:
             )
         having = [file for file, code in codes.items() if re.search(rf"\b{old}\b", code)]
         if not having:
-            raise UsageError(f"--rename {word}: no file given by --shader has a name {old!r}")
+            declared = [name for code in codes.values() for name in _DECLARED.findall(code)]
+            raise UsageError(
+                f"--rename {word}: no file given by --shader has a name {old!r}",
+                remedy=nearest(old, declared) if codes else "give the file: --shader NAME=FILE",
+            )
         for file in having:
             if re.search(rf"\b{new}\b", codes[file]):
                 raise UsageError(f"--rename {word}: there is a {new!r} already", file=file)

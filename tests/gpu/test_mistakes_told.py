@@ -160,8 +160,10 @@ def test_a_shader_with_other_names_is_one_message_and_can_be_renamed(
     assert run("--shader", "a.frag=mine.frag", *renames.split())[0] == 1
     for wrong, message in {
         "vTexCoords": "write it as NAME=OTHER",
-        "nothing=x": "has a name 'nothing'",
+        "nothing=x": "has a name 'nothing'\n  → there is: ",
+        "uGian=x": "→ did you mean uGain?",
         "uGain=color": "there is a 'color' already",
     }.items():
         status, output = run("--shader", "a.frag=mine.frag", "--rename", wrong)
         assert status == 2 and message in output
+    assert "→ give the file: --shader NAME=FILE" in run("--rename", "uGain=gain")[1]
