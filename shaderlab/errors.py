@@ -96,6 +96,18 @@ class UsageError(ShaderlabError):
 
 
 @contextmanager
+def in_file(file: str) -> Iterator[None]:
+    """Around work on a file: an error that names no file names this one."""
+    try:
+        yield
+    except ShaderlabError as error:
+        if error.file is not None:
+            raise
+        made = type(error)(error.message, file=file, line=error.line, remedy=error.remedy)
+        raise made from error
+
+
+@contextmanager
 def extra(name: str, what: str, file: str | Path | None = None) -> Iterator[None]:
     """Around the import of a package that comes with an extra.
 

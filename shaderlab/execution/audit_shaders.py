@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from shaderlab.audit import Audit, Plan, audit_program
-from shaderlab.errors import FormulaError, NotInterpretedError
+from shaderlab.errors import FormulaError, NotInterpretedError, in_file
 from shaderlab.execution.compare_shaders import ShaderOfFile
 from shaderlab.files import display_path
 from shaderlab.interpreter import load
@@ -36,9 +36,10 @@ class AuditFile:
     def perform(self, worker: LabWorker) -> list[Audit]:
         """See `shaderlab.execution.jobs.Request`."""
         worker.note("compiling")
-        program = load(self.shader.source(self.stage))
-        worker.note("interpreting")
-        return [audit_program(program, self.plan)]
+        with in_file(self.shader.file.path):
+            program = load(self.shader.source(self.stage))
+            worker.note("interpreting")
+            return [audit_program(program, self.plan)]
 
 
 @dataclass(frozen=True)
@@ -73,8 +74,8 @@ class AuditCase:
                         "captured; audit the file",
                         file=source.path,
                     )
-                audits.append(audit_program(load(source), self.plan, given))
+                with in_file(display_path(source.path)):
+                    audits.append(audit_program(load(source), self.plan, given))
             except (NotInterpretedError, FormulaError) as error:
-                why = str(error) if error.file else f"{display_path(source.path)}: {error}"
-                audits.append(Audit(file=source.path, hazards=(), tried=0, refused=why))
+                audits.append(Audit(file=source.path, hazards=(), tried=0, refused=str(error)))
         return audits

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 from shaderlab.compiler.shader_files import ShaderFile
 from shaderlab.compiler.sources import Shaders, Source
 from shaderlab.equivalence import Answer, Plan, compare_programs
-from shaderlab.interpreter import load
+from shaderlab.errors import in_file
+from shaderlab.interpreter import Program, load
 from shaderlab.options import RunOptions
 
 if TYPE_CHECKING:
@@ -45,9 +46,10 @@ class CompareFiles:
     def perform(self, worker: LabWorker) -> list[Answer]:
         """See `shaderlab.execution.jobs.Request`."""
         worker.note("compiling")
-        old, new = (load(shader.source(self.stage)) for shader in (self.old, self.new))
+        old, new = (_program(shader.source(self.stage)) for shader in (self.old, self.new))
         worker.note("interpreting")
-        return [compare_programs(old, new, self.plan)]
+        with in_file(self.old.file.path):
+            return [compare_programs(old, new, self.plan)]
 
 
 @dataclass(frozen=True)
@@ -75,6 +77,12 @@ class CompareInCase:
         for one in found:
             worker.note("interpreting")
             pair = (one.new, one.old) if self.reverse else (one.old, one.new)
-            old, new = (load(source) for source in pair)
-            answers.append(compare_programs(old, new, self.plan, one.given))
+            old, new = map(_program, pair)
+            with in_file(pair[0].path):
+                answers.append(compare_programs(old, new, self.plan, one.given))
         return answers
+
+
+def _program(source: Source) -> Program:
+    with in_file(source.path):
+        return load(source)

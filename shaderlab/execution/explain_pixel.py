@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from shaderlab.errors import in_file
 from shaderlab.options import RunOptions
 from shaderlab.records import Explanation
 
@@ -53,6 +54,7 @@ class ExplainFile:
         from shaderlab.interpreter import load
 
         worker.note("compiling")
-        program = load(self.shader.source(None))
-        worker.note("interpreting")
-        return explain_file(program, self.ranges)
+        with in_file(self.shader.file.path):
+            program = load(self.shader.source(None))
+            worker.note("interpreting")
+            return explain_file(program, self.ranges)

@@ -10,6 +10,7 @@ import pytest
 from click.testing import CliRunner
 
 from shaderlab.audit import Audit, Hazard, Plan, audit_program
+from shaderlab.cli import cli
 from shaderlab.cli.audit import command
 from shaderlab.compiler import Shaders
 from shaderlab.errors import NotInterpretedError, UsageError
@@ -268,3 +269,17 @@ def test_a_file_of_no_stage_is_told_what_to_do(tmp_path: Path) -> None:
     result = CliRunner().invoke(command, [str(file), "-j", "0"], standalone_mode=False)
     assert result.return_value == 2
     assert "can't tell the shader's stage" in result.output
+
+
+@pytest.mark.parametrize("words", [("audit",), ("explain",), ("diff", "a.frag")])
+def test_what_is_not_interpreted_names_its_file(
+    words: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "a.frag").write_text(
+        "#version 330 core\nuniform sampler3D solid;\nout vec4 color;\n"
+        "void main() { color = texture(solid, vec3(0.5)); }\n"
+    )
+    result = CliRunner().invoke(cli, [*words, "a.frag", "-j", "0"])
+    assert result.exit_code in (1, 2)
+    assert "a.frag: not interpreted: sampler3D solid" in result.output
