@@ -102,6 +102,7 @@ def filled_check(of: str) -> Any:
         reads={"shown": f"{of}.FragColor"},
         equals=0.0,
         digits=9,
+        own_types=True,
         note="the share of pixels whose alpha is 0",
     )
 
@@ -132,6 +133,7 @@ def smaller_check(judged: str = "judged", large: str = "scene", *, edges: float 
         share_unseen,
         reads={"large": f"{large}.FragColor", "small": f"{judged}.FragColor"},
         at_most=edges,
+        own_types=True,
         note="the share of pixels whose colour lies out of the range about the same place",
     )
 
@@ -174,7 +176,7 @@ def _around(large: npt.NDArray[Any], shape: tuple[int, ...], extreme: Any) -> np
         stops = np.ceil(np.minimum(places + 1.5, count) * by).astype(int)
         parts = [extreme(large[a:b], axis=0) for a, b in zip(starts, stops, strict=True)]
         large = np.stack(parts, axis=1)
-    return large
+    return large.astype(np.float64)
 
 
 def middles(large: npt.NDArray[Any], small: npt.NDArray[Any]) -> npt.NDArray[Any]:
@@ -209,6 +211,7 @@ def softened_check(of: str = "scene", name: str = "picture") -> Any:
         furthest_from_mean,
         reads={"scene": f"{of}.FragColor", "picture": f"{name}.FragColor"},
         at_most=2.0**-16,
+        own_types=True,
         note="the farthest that a channel is from the mean light of its four texels, encoded",
     )
 
@@ -224,12 +227,13 @@ def furthest_from_mean(scene: npt.NDArray[Any], picture: npt.NDArray[Any]) -> fl
     >>> round(furthest_from_mean(scene, np.array([[[0.75]]])), 5)
     0.02026
     """
-    furthest = np.abs(picture[..., 3:] - 1.0).max(initial=0.0)
+    furthest = 0.0
     # What lies side by side and stays in the processor's cache takes half the time, or less.
     for row in range(0, len(picture), ROWS_AT_ONCE):
-        part = picture[row : row + ROWS_AT_ONCE, :, :3]
-        light = np.ascontiguousarray(scene[2 * row : 2 * (row + len(part)), :, :3]) ** 2.2
+        part = picture[row : row + ROWS_AT_ONCE].astype(np.float64)
+        light = scene[2 * row : 2 * (row + len(part)), :, :3].astype(np.float64, order="C") ** 2.2
         rows = light[0::2] + light[1::2]
         mean = 0.25 * (rows[:, 0::2] + rows[:, 1::2])
-        furthest = np.maximum(furthest, np.abs(mean ** (1.0 / 2.2) - part).max())
+        furthest = np.maximum(furthest, np.abs(mean ** (1.0 / 2.2) - part[..., :3]).max())
+        furthest = np.maximum(furthest, np.abs(part[..., 3:] - 1.0).max(initial=0.0))
     return float(furthest)

@@ -248,6 +248,7 @@ def picture_checks(
             _changed_share,
             reads=reads("scene", "FragColor", backwards="scene-backwards.FragColor"),
             at_most=1e-5,  # ten pixels of a million
+            own_types=True,
             note="where two faces meet, they are equally near",
         ),
         measure(
@@ -255,6 +256,7 @@ def picture_checks(
             _drawn_share,
             reads=reads("scene", "FragColor"),
             at_least=drawn,
+            own_types=True,
         ),
         measure(
             "places hidden from the eye, in the large picture",

@@ -45,6 +45,7 @@ class Measure(OfDraw):
     y_label: str = ""
     log_x: bool = False
     log_y: bool = False
+    own_types: bool = False
 
     def reads(self, scene: Scene) -> Iterable[Read]:
         """The outputs that its parameters may mean.
@@ -155,13 +156,13 @@ class Measure(OfDraw):
                 value = row.given[name]
                 arguments[name] = value if np.isscalar(value) else np.asarray(value, np.float64)
             elif name in row.reads:
-                arguments[name] = find_image(row.reads[name], scene, frame).values.astype(
-                    np.float64
-                )
+                arguments[name] = self._drawn(find_image(row.reads[name], scene, frame).values)
+                drawn = True
+            elif name in known and id(known[name]) in images:
+                arguments[name] = self._drawn(known[name])
                 drawn = True
             elif name in known:
                 arguments[name] = np.asarray(known[name], np.float64)
-                drawn = drawn or id(known[name]) in images
             elif parameter.default is parameter.empty:
                 choices = [*known, *row.given]
                 raise CaseError(
@@ -175,6 +176,14 @@ class Measure(OfDraw):
                 remedy="computed(…) is for figures of formulas alone",
             )
         return arguments
+
+    def _drawn(self, values: Array) -> Array:
+        """An output as the statistic gets it: a copy, or what all expectations see."""
+        if not self.own_types:
+            return values.astype(np.float64)
+        seen = values.view()
+        seen.flags.writeable = False
+        return seen
 
     def _plot(self, figures: list[float], rows: tuple[Row, ...]) -> Plot | None:
         """The curve of the readings that have an x; None unless there are two."""
@@ -216,6 +225,7 @@ def measure(
     y_label: str = "",
     log_x: bool = False,
     log_y: bool = False,
+    own_types: bool = False,
     note: str = "",
     **bound: Unpack[Bounds],
 ) -> Measure:
@@ -236,6 +246,8 @@ def measure(
         pass_name, draw: whose uniforms and textures are meant; the last draw of the last pass.
         x_label, y_label: what the axes of the curve say, where labels of rows are numbers.
         log_x, log_y: logarithmic axes.
+        own_types: outputs come in the types that they were read back in, read-only, where a copy of
+            a large picture in float64 would take too much memory.
         note: a remark in the table, where there is one row.
         bound: that of the rows that have none, as in `reading`.
 
@@ -263,6 +275,7 @@ def measure(
         y_label=y_label or label,
         log_x=log_x,
         log_y=log_y,
+        own_types=own_types,
     )
 
 

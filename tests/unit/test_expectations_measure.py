@@ -70,6 +70,36 @@ def test_a_share_at_edges_may_go_by_the_grid_of_corners() -> None:
     assert judged(check, coarse).outcome.status == "pass"
 
 
+@pytest.mark.parametrize("own_types", [False, True])
+@pytest.mark.parametrize("reads", [{}, {"far_lit": "far.lit"}])
+def test_outputs_come_as_copies_or_as_they_were_read_back(
+    own_types: bool, reads: dict[str, str]
+) -> None:
+    given, seen = frame(), []
+
+    def least(far_lit: Any, offsets: Any) -> Any:
+        seen.extend((far_lit, offsets))
+        return far_lit.min()
+
+    judged(measure("least", least, reads=reads, own_types=own_types, at_most=0.0), given)
+    output, uniform = seen
+    drawn = given.images["far", "lit"].values
+    assert uniform.dtype == np.float64
+    assert output.dtype == (np.float32 if own_types else np.float64)
+    assert np.shares_memory(output, drawn) == own_types == (not output.flags.writeable)
+    assert drawn.flags.writeable
+
+
+def test_what_all_expectations_see_can_not_be_written_to() -> None:
+    def spoils(near_lit: Any) -> Any:
+        near_lit[:] = 1.0
+        return near_lit.mean()
+
+    with pytest.raises(FormulaError, match="read-only"):
+        judged(measure("spoiled", spoils, own_types=True, at_least=1.0))
+    assert judged(measure("copied", spoils, at_least=1.0)).outcome.status == "pass"
+
+
 def test_outputs_are_found_by_pass_and_name() -> None:
     found = judged(measure("bright", share_above, equals=0.5, digits=3))
     assert found.outcome.status == "pass" and found.outcome.kind == "measure"
