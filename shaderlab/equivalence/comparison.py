@@ -15,7 +15,7 @@ from shaderlab.equivalence.drawing import drawn
 from shaderlab.equivalence.given import Given, asks_for_neighbours, joined, merged
 from shaderlab.equivalence.interface import Input, declared_ranges, inputs_of
 from shaderlab.equivalence.jumps import jumps
-from shaderlab.equivalence.locating import discards, first, steps
+from shaderlab.equivalence.locating import discards, first
 from shaderlab.equivalence.noise import Noisy
 from shaderlab.equivalence.numerics import MOST, accuracy, bands_of
 from shaderlab.equivalence.roles import Role, roles_of, unknown_names
@@ -235,8 +235,7 @@ class _Comparison:
     def _place(self, one: _Set, row: int) -> str:
         """The first line that stores another value at an invocation; where only one program
         discards, the line where it does."""
-        old, new = (steps(program, one.given, row, Noisy()) for program in self.programs)
-        found = first(old, new, _apart)
+        found, old, new = first(self.programs, one.given, row, Noisy(), _apart)
         if found is not None:
             return _written(self.programs[1], found.line)
         for program, ran, taken in zip(self.programs, (one.old, one.new), (old, new), strict=True):

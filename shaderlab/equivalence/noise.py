@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import struct
 import zlib
 from dataclasses import dataclass
 from functools import cache
@@ -13,10 +14,12 @@ import numpy as np
 from shaderlab.bands import Integer
 from shaderlab.frame import Array
 from shaderlab.interpreter import Numbers
+from shaderlab.interpreter.memory import Flags
 
 _OPERATION = 2.0**-52
 _INPUT = 2.0**-24  # a float32 is within half of an ULP of what it stands for, at most
 _POOL = 1 << 17
+_DOUBLE = struct.Struct("<d")
 
 # Functions that round nothing.
 _EXACT = frozenset(
@@ -76,22 +79,37 @@ class Noisy(Numbers):
         or from .5 to 1 times `size`: none is lucky enough to be right. Errors follow from the
         numbers, so that the same expression of two shaders errs alike. A value with one row gets
         one for each invocation."""
-        if not self.copies or not rounded.any():
+        if not self.copies or not _any(rounded):
             return value
         block = self.count
         if len(value) == 1:
             block = 1
             value, rounded = (np.repeat(x, 1 + self.copies, axis=0) for x in (value, rounded))
-        factors = _factors(value[block:].shape, size, f"{salt} {float(value.flat[0])!r}")
+        factors = _factors(value[block:].shape, size, _place(salt, value.item(0)))
         found = value.copy()
         np.multiply(value[block:], factors, out=found[block:], where=rounded[block:])
         return found if block == self.count else np.repeat(found, self.count, axis=0)
 
 
-def _factors(shape: tuple[int, ...], size: float, salt: str) -> Array:
-    start, count = zlib.crc32(salt.encode()) % _POOL, math.prod(shape)
-    pool = _pool(size)[start:]
-    return (pool[:count] if count <= _POOL else np.resize(pool, count)).reshape(shape)
+def _any(flags: Flags) -> bool:
+    return bool(np.logical_or.reduce(flags, axis=None))
+
+
+def _place(salt: str, number: float) -> int:
+    """Where in the pool an operation's errors begin."""
+    return zlib.crc32(_DOUBLE.pack(number), _seed(salt)) % _POOL
+
+
+@cache
+def _seed(salt: str) -> int:
+    return zlib.crc32(salt.encode())
+
+
+def _factors(shape: tuple[int, ...], size: float, start: int) -> Array:
+    pool, count = _pool(size), math.prod(shape)
+    if count > _POOL:
+        return np.resize(pool[start:], count).reshape(shape)
+    return pool[start : start + count].reshape(shape)
 
 
 @cache

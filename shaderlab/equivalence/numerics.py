@@ -11,7 +11,7 @@ import numpy as np
 
 from shaderlab.bands import Band
 from shaderlab.equivalence.given import Given
-from shaderlab.equivalence.locating import Step, first, steps
+from shaderlab.equivalence.locating import Step, first
 from shaderlab.errors import FormulaError, NotInterpretedError
 from shaderlab.frame import Array
 from shaderlab.interpreter import Bands, Program, interpret
@@ -81,8 +81,8 @@ def accuracy(
     row = int((wider if worse >= better else narrower).argmax())
     step = None
     if worse or better:
-        found = [steps(program, given, row, Bands()) for program in programs]
-        step = first(found[0], found[1], _wider if worse >= better else _narrower)
+        differ = _wider if worse >= better else _narrower
+        step, _, _ = first(programs, given, row, Bands(), differ)
     return Accuracy(worse, better, row, step)
 
 

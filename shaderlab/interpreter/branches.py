@@ -30,6 +30,10 @@ def _conditional(
     condition, then, otherwise = at.operands[:3]
     truth = as_truth(run.value(condition))
     run.branched(at, truth, world)
+    if truth.all_true.size == 1 and world.mask.any():  # all go the same way, as loops mostly do
+        for target, is_sure in ((then, truth.all_true), (otherwise, truth.all_false)):
+            if is_sure.item():
+                return [_to(run, function, label, target, world)]
     yes, no = (
         world.mask & ~np.broadcast_to(side[:, 0], world.mask.shape)
         for side in (truth.all_false, truth.all_true)
@@ -90,8 +94,9 @@ def _return_value(
     run: Run, function: Function, label: int, at: Instruction, world: World
 ) -> Leaving:
     value = run.value(at.operands[0])
-    name = run.program.name(function.id).partition("(")[0]
-    run.stored(at, f"{name}()", run.program.types[function.result], value, world)
+    if run.is_traced:
+        name = run.program.name(function.id).partition("(")[0]
+        run.stored(at, f"{name}()", run.program.types[function.result], value, world)
     world.memory[function.id] = value
     return [(None, world)]
 
@@ -107,7 +112,10 @@ def _unreachable(
     return []
 
 
-BRANCHES: Mapping[int, Callable[[Run, Function, int, Instruction, World], Leaving]] = {
+Branch = Callable[["Run", Function, int, Instruction, World], Leaving]
+"""Ends a block, in a run, of a function, with its label."""
+
+BRANCHES: Mapping[int, Branch] = {
     249: _branch,
     250: _conditional,
     251: _switch,

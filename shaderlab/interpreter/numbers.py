@@ -43,8 +43,11 @@ class Numbers:
 
     def call(self, function: str, *values: Any) -> Any:
         own = _FUNCTIONS.get(function)
-        if own is not None and not any(isinstance(value, Integer) for value in values):
-            return np.asarray(own(*values)).astype(self.dtype, copy=False)
+        if own is not None and Integer not in map(type, values):
+            found = own(*values)
+            if type(found) is np.ndarray and found.dtype.type is self.dtype:
+                return found
+            return np.asarray(found).astype(self.dtype, copy=False)
         wide = (v.astype(np.float64) if isinstance(v, np.ndarray) else v for v in values)
         return self.rounded(getattr(glslmath, function)(*wide))
 

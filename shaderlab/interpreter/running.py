@@ -14,14 +14,13 @@ from typing import Any
 import numpy as np
 
 from shaderlab.bands import Truth
-from shaderlab.compiler.module import Op
-from shaderlab.errors import FormulaError, NotInterpretedError
+from shaderlab.errors import FormulaError
 from shaderlab.frame import Array
 from shaderlab.interpreter import constants
 from shaderlab.interpreter.arithmetic import Arithmetic
-from shaderlab.interpreter.branches import BRANCHES
+from shaderlab.interpreter.blocks import Steps, steps_of
+from shaderlab.interpreter.branches import Leaving
 from shaderlab.interpreter.emission import Emission
-from shaderlab.interpreter.instructions import HANDLERS, NAMES
 from shaderlab.interpreter.memory import Flags, Pointer, World, fetch, join, part_type
 from shaderlab.interpreter.program import Function, Instruction, Program
 from shaderlab.interpreter.stored import Stored, Trace
@@ -50,7 +49,7 @@ class Run:
         lanes: how many invocations share variables, those of a workgroup one after the other.
         shared: what variables of workgroups hold by id, on whatever path an invocation is.
         emission: the vertices that a geometry stage emitted.
-        results: each instruction's result by id, as of its last execution.
+        results: each instruction's result by id, as of its last execution, and each constant.
         calls: the lines of the calls under way.
         killed: the invocations that a `discard` may have ended.
         undecided: by line, the invocations that took both sides of a branch there.
@@ -88,21 +87,23 @@ class Run:
         self._trace = trace
         self._flow = flow
         self._watch = watch
-        self._constants: dict[int, Value] = {}
+        self._steps: dict[int, Steps] = {}
         self._parts: dict[tuple[int, Any], tuple[Value, Value]] = {}
         self.units: dict[int, tuple[Value, float]] = {}
 
     def value(self, id_: int) -> Value:
         """What an operand's id stands for."""
-        if id_ in self.results:
-            return self.results[id_]
-        if id_ not in self._constants:
-            self._constants[id_] = constants.value(self, id_)
-        return self._constants[id_]
+        if id_ not in self.results:
+            self.results[id_] = constants.value(self, id_)
+        return self.results[id_]
 
     def values(self, ids: tuple[int, ...]) -> list[Value]:
         """What several operands stand for."""
-        return [self.value(id_) for id_ in ids]
+        results = self.results
+        try:
+            return [results[id_] for id_ in ids]
+        except KeyError:  # a constant that is asked for the first time
+            return [self.value(id_) for id_ in ids]
 
     def part(self, value: Value, index: int) -> Value:
         """A component. Twice the same one is the same object: bands know then that v.x * v.x is a
@@ -114,17 +115,23 @@ class Run:
     def remembered(self, value: Value, how: Any, make: Callable[[], Value]) -> Value:
         """What `make` gives, or gave for this very value before."""
         key = (id(value), how)
-        if key not in self._parts:
+        known = self._parts.get(key)
+        if known is None:
             if len(self._parts) > _MOST_PARTS:
                 self._parts.clear()
-            self._parts[key] = (value, make())  # the value is kept, or its id might be another's
-        return self._parts[key][1]
+            known = self._parts[key] = (value, make())  # kept, or its id might be another's
+        return known[1]
 
     def note_unit(self, value: Value, unit: float) -> None:
         """Remember a power of two that all of a value's numbers are multiples of, 0 if none is."""
         if len(self.units) > _MOST_PARTS:
             self.units.clear()
         self.units[id(value)] = value, unit
+
+    @property
+    def is_traced(self) -> bool:
+        """Whether anyone is told of what is stored."""
+        return self._trace is not None
 
     def stored(self, at: Instruction, name: str, type_: Type, value: Value, world: World) -> None:
         """Tell the trace of a value that was stored; "param" is what glslang calls an argument."""
@@ -175,9 +182,8 @@ class Run:
         while waiting:
             label = min(waiting, key=function.order.__getitem__)
             arrived = join(waiting.pop(label))
-            block = function.blocks[label]
-            self._count(visits, label, block[0].line)
-            for target, next_world in self._block(function, label, block, arrived):
+            self._count(visits, label, function.blocks[label][0].line)
+            for target, next_world in self._block(function, label, arrived):
                 if target is None:
                     returned.append(next_world)
                     continue
@@ -207,35 +213,28 @@ class Run:
             return
         raise self.program.not_interpreted(what, line)
 
-    def _block(
-        self, function: Function, label: int, block: list[Instruction], world: World
-    ) -> list[tuple[int | None, World]]:
+    def _block(self, function: Function, label: int, world: World) -> Leaving:
         """Run a block; the worlds that leave it, each with the block that it goes to, None for
         one that returns."""
-        for instruction in block:
-            branch = BRANCHES.get(instruction.op)
-            if branch is not None:
-                return branch(self, function, label, instruction, world)
-            handler = HANDLERS.get(instruction.op)
-            if handler is None:
-                name = NAMES.get(instruction.op, f"SPIR-V's opcode {instruction.op}")
-                raise self.program.not_interpreted(name, instruction.line)
+        if label not in self._steps:
+            self._steps[label] = steps_of(function.blocks[label])
+        steps, branch, last = self._steps[label]
+        results, watch = self.results, self._watch
+        for handler, at, is_call in steps:
             try:
-                result = handler(self, instruction, world)
+                result = handler(self, at, world)
             except UnchoosableError:
-                raise self.program.not_interpreted(
-                    "a choice between samplers", instruction.line
-                ) from None
+                raise self.program.not_interpreted("a choice between samplers", at.line) from None
             except NotGivenError:
                 raise
             except FormulaError as error:
-                raise self.program.not_interpreted(error.message, instruction.line) from error
-            if isinstance(result, Missing):
+                raise self.program.not_interpreted(error.message, at.line) from error
+            if type(result) is Missing:
                 raise NotGivenError.of(result)
-            if self._watch is not None:
-                result = self._watch(self, instruction, world, result)
-            if instruction.id:
-                self.results[instruction.id] = result
-            if instruction.op == Op.FUNCTION_CALL and not world.mask.any():
+            if watch is not None:
+                result = watch(self, at, world, result)
+            if at.id:
+                results[at.id] = result
+            if is_call and not world.mask.any():
                 return []  # all were discarded in it
-        raise NotInterpretedError("not interpreted: a block without an end")
+        return branch(self, function, label, last, world)

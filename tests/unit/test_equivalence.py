@@ -13,8 +13,9 @@ from click.testing import CliRunner
 
 from shaderlab.cli.diff import command
 from shaderlab.compiler import Shaders
-from shaderlab.equivalence import Answer, Plan, compare_programs
+from shaderlab.equivalence import Answer, Plan, compare_programs, locating
 from shaderlab.equivalence.given import Given, merged
+from shaderlab.equivalence.locating import Step
 from shaderlab.equivalence.noise import Noisy
 from shaderlab.equivalence.varying import learned, varied
 from shaderlab.errors import NotInterpretedError, ShaderlabError, UsageError
@@ -123,6 +124,40 @@ def test_wrong_rewrites_are_not_and_their_line_is_found(piece: str, other: str) 
     assert 0 < found.different <= found.judged and found.apart > 0.0
     assert found.place == f"new.frag:{line}", str(found)
     assert len(found.example["Normal"]) == 3 and len(found.gives[0]) in (0, 4)
+
+
+LOOP = """in float x;
+out float o;
+void main() {
+    o = x;
+    for (int i = 0; i < 200; ++i) {
+        if (i == 0)
+            o += 1.0;
+        if (i == 180)
+            o += 2.0;
+    }
+}
+"""
+
+
+@pytest.mark.parametrize(("piece", "line"), [("1.0", 8), ("2.0", 10)])
+def test_the_line_of_a_loop_is_found_early_or_late(
+    piece: str, line: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    new = program(LOOP.replace(piece, "3.0"))
+    seen: list[int] = []
+    walked = locating.steps
+
+    def noted(*given: Any) -> list[Step]:
+        found = walked(*given)
+        seen.append(len(found))
+        return found
+
+    monkeypatch.setattr(locating, "steps", noted)
+    (found,) = compare_programs(program(LOOP), new, SMALL).outputs
+    assert found.place == f"new.frag:{line}"
+    few = max(seen) < 150  # of 400 stored values
+    assert few is (piece == "1.0")
 
 
 def test_an_assumption_that_matters_is_said() -> None:

@@ -50,7 +50,7 @@ def _load(run: Run, at: Instruction, world: World) -> Any:
             value = run.remembered(whole, path, lambda: fetch(whole, path, world.mask))
         else:
             value = fetch(whole, path, world.mask)
-    if isinstance(value, Missing):
+    if type(value) is Missing:
         if run.program.module.types[at.type].op == Op.TYPE_IMAGE:
             raise run.program.not_interpreted(f"image {value.name}", at.line)
         raise NotGivenError.of(value)
@@ -76,7 +76,7 @@ def _store(run: Run, at: Instruction, world: World) -> None:
         else:
             stored = changed(old, type_, pointer.path, value, world.mask)
     memory[pointer.variable] = stored
-    name = run.program.name(pointer.variable)
+    name = run.program.name(pointer.variable) if run.is_traced else ""
     if name:
         part = part_type(type_, pointer.path)
         run.stored(at, spelt(name, type_, pointer.path), part, value, world)
