@@ -11,14 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.bands import Integer
 from shaderlab.frame import Array
 from shaderlab.interpreter import Numbers
-from shaderlab.interpreter.memory import Flags
 
 _OPERATION = 2.0**-52
 _INPUT = 2.0**-24  # a float32 is within half of an ULP of what it stands for, at most
 _POOL = 1 << 17
+_BEYOND = (1 << 29) - 1  # the bits of a float64 that a float32 has not
 _DOUBLE = struct.Struct("<d")
 
 # Functions that round nothing.
@@ -36,8 +35,8 @@ class Noisy(Numbers):
     The first block is float64 without noise, and each of the others errs in its own way.
 
     Operations err by 2^-52; numbers that the shader got or whose author wrote more digits than a
-    float32 has, by half of a float32 ULP. What needs no rounding has no error: results that fit
-    into a float32, inputs all of whose numbers have few bits.
+    float32 has, by half of a float32 ULP. What needs no rounding has no error: results of as
+    many bits as a float32 has, inputs all of whose numbers have few bits.
 
     GLSL's undefined results are NaN in all blocks: pow of a negative base, what is read before it
     is written.
@@ -70,29 +69,26 @@ class Noisy(Numbers):
         return self._computed(super().rounded(value), "rounded")
 
     def _computed(self, value: Any, salt: str) -> Any:
-        if not self.copies or isinstance(value, Integer | tuple):
+        if not self.copies or type(value) is not np.ndarray:
             return value
-        return self._shaken(value, value.astype(np.float32) != value, _OPERATION, salt)
+        return self._shaken(value, (value.view(np.int64) & _BEYOND) != 0, _OPERATION, salt)
 
     def _shaken(self, value: Array, rounded: Array, size: float, salt: str) -> Array:
         """The value with an error in each block but the first where it was rounded, from -1 to -.5
         or from .5 to 1 times `size`: none is lucky enough to be right. Errors follow from the
         numbers, so that the same expression of two shaders errs alike. A value with one row gets
         one for each invocation."""
-        if not self.copies or not _any(rounded):
+        if not self.copies or not np.logical_or.reduce(rounded, axis=None):
             return value
         block = self.count
         if len(value) == 1:
             block = 1
             value, rounded = (np.repeat(x, 1 + self.copies, axis=0) for x in (value, rounded))
-        factors = _factors(value[block:].shape, size, _place(salt, value.item(0)))
+        exact = value[block:]
+        factors = _factors(exact.shape, size, _place(salt, value.item(0)))
         found = value.copy()
-        np.multiply(value[block:], factors, out=found[block:], where=rounded[block:])
+        np.multiply(exact, factors, out=found[block:], where=rounded[block:])
         return found if block == self.count else np.repeat(found, self.count, axis=0)
-
-
-def _any(flags: Flags) -> bool:
-    return bool(np.logical_or.reduce(flags, axis=None))
 
 
 def _place(salt: str, number: float) -> int:

@@ -1,4 +1,4 @@
-"""What a block does: its instructions with their handlers, looked up once for all turns of a loop."""
+"""What a block does: its instructions with their handlers, looked up once for all of its runs."""
 
 from __future__ import annotations
 

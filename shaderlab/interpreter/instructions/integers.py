@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from shaderlab import glslmath
-from shaderlab.bands import Integer
+from shaderlab.bands import Integer, Truth
 from shaderlab.bands.truth import as_truth
 from shaderlab.interpreter.instructions.handler import Handler
 from shaderlab.interpreter.memory import World
@@ -59,11 +59,17 @@ def settled(run: Run, value: Integer, world: World) -> Integer:
     )
 
 
+_YES, _NO = (Truth.known([[holds]]) for holds in (True, False))
+
+
 def _comparing(function: Callable[[Any, Any], Any], unsigned: bool | None = None) -> Handler:
     def handler(run: Run, at: Instruction, world: World) -> Any:
         a, b = run.values(at.operands)
         kind = a.unsigned if unsigned is None else unsigned
-        return as_truth(function(a.converted(kind), b.converted(kind)))
+        a, b = a.converted(kind), b.converted(kind)
+        if a.lo.size == b.lo.size == 1 and run.arithmetic.rules is None:  # as a loop's counter is
+            return _YES if function(a.lo.item(), b.lo.item()) else _NO
+        return as_truth(function(a, b))
 
     return handler
 
