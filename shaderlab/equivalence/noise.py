@@ -13,6 +13,7 @@ import numpy as np
 
 from shaderlab.frame import Array
 from shaderlab.interpreter import Numbers
+from shaderlab.interpreter.memory import Flags
 
 _OPERATION = 2.0**-52
 _INPUT = 2.0**-24  # a float32 is within half of an ULP of what it stands for, at most
@@ -59,7 +60,7 @@ class Noisy(Numbers):
         return np.full((1, 1), np.nan)
 
     def call(self, function: str, *values: Any) -> Any:
-        found = super().call(function, *values)
+        found = Numbers.call(self, function, *values)
         if function == "pow":
             x, y = values
             found = np.where((x < 0.0) | ((x == 0.0) & (y <= 0.0)), np.nan, found)
@@ -71,7 +72,12 @@ class Noisy(Numbers):
     def _computed(self, value: Any, salt: str) -> Any:
         if not self.copies or type(value) is not np.ndarray:
             return value
-        return self._shaken(value, (value.view(np.int64) & _BEYOND) != 0, _OPERATION, salt)
+        if len(value) == 1:
+            return self._shaken(value, _needs_rounding(value), _OPERATION, salt)
+        found, noisy = value.copy(), value[self.count :]
+        factors = _factors(noisy.shape, _OPERATION, _place(salt, value.item(0)))
+        np.multiply(noisy, factors, out=found[self.count :], where=_needs_rounding(noisy))
+        return found
 
     def _shaken(self, value: Array, rounded: Array, size: float, salt: str) -> Array:
         """The value with an error in each block but the first where it was rounded, from -1 to -.5
@@ -89,6 +95,12 @@ class Noisy(Numbers):
         found = value.copy()
         np.multiply(exact, factors, out=found[block:], where=rounded[block:])
         return found if block == self.count else np.repeat(found, self.count, axis=0)
+
+
+def _needs_rounding(values: Array) -> Flags:
+    """Where numbers have more bits than a float32."""
+    found: Flags = (values.view(np.int64) & _BEYOND) != 0
+    return found
 
 
 def _place(salt: str, number: float) -> int:

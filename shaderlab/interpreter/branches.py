@@ -30,7 +30,7 @@ def _conditional(
     condition, then, otherwise = at.operands[:3]
     truth = as_truth(run.value(condition))
     run.branched(at, truth, world)
-    if truth.all_true.size == 1 and world.mask.any():  # all go the same way, as loops mostly do
+    if truth.all_true.size == 1 and run.count:  # all go the same way, as loops mostly do
         for target, is_sure in ((then, truth.all_true), (otherwise, truth.all_false)):
             if is_sure.item():
                 return [_to(run, function, label, target, world)]

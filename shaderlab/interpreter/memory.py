@@ -50,6 +50,8 @@ class World:
 def join(worlds: Sequence[World]) -> World:
     """One world of several: for each invocation the values of the world that it is in, the hull
     of both for one that is in two."""
+    if len(worlds) == 1:
+        return worlds[0]
     mask, memory = worlds[0].mask, worlds[0].memory
     for other in worlds[1:]:
         both = mask & other.mask

@@ -43,7 +43,7 @@ class Numbers:
 
     def call(self, function: str, *values: Any) -> Any:
         own = _FUNCTIONS.get(function)
-        if own is not None and Integer not in map(type, values):
+        if own is not None and type(values[0]) is not Integer:  # nor are then the others
             found = own(*values)
             if type(found) is np.ndarray and found.dtype.type is self.dtype:
                 return found

@@ -176,20 +176,21 @@ class Run:
 
     def call(self, function: Function, world: World) -> World | None:
         """Run a function; the world in which it returns, None if it returns nowhere."""
+        order = function.order
         waiting = {next(iter(function.blocks)): [world]}
         returned: list[World] = []
         visits: dict[int, int] = {}
         while waiting:
-            label = min(waiting, key=function.order.__getitem__)
+            label = min(waiting, key=order.__getitem__) if len(waiting) > 1 else next(iter(waiting))
             arrived = join(waiting.pop(label))
             self._count(visits, label, function.blocks[label][0].line)
             for target, next_world in self._block(function, label, arrived):
                 if target is None:
                     returned.append(next_world)
                     continue
-                place = function.order[target]
-                if place <= function.order[label]:  # a loop turns, those inside of it begin anew
-                    visits = {of: n for of, n in visits.items() if function.order[of] <= place}
+                place = order[target]
+                if place <= order[label]:  # a loop turns, those inside of it begin anew
+                    visits = {of: n for of, n in visits.items() if order[of] <= place}
                 worlds = waiting.setdefault(target, [])
                 worlds.append(next_world)
                 if len(worlds) > _MOST_WORLDS:

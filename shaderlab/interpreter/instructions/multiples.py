@@ -57,6 +57,8 @@ def exactly(function: str) -> Handler:
     """A handler of an operation: exact where it can't be rounded, else as the arithmetic has it."""
 
     def handler(run: Run, at: Instruction, world: World) -> Any:
+        if run.arithmetic.rules is None:
+            return run.arithmetic.call(function, *run.values(at.operands))
         return computed(run, function, run.values(at.operands))
 
     return handler

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 def _variable(run: Run, at: Instruction, world: World) -> Pointer:
     initial = at.operands[1:]
     world.memory[at.id] = run.value(initial[0]) if initial else None
-    return Pointer(at.id)
+    return run.results.get(at.id) or Pointer(at.id)
 
 
 def _access_chain(run: Run, at: Instruction, world: World) -> Pointer:
