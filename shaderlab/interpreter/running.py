@@ -89,6 +89,7 @@ class Run:
         self._watch = watch
         self._steps: dict[int, Steps] = {}
         self._parts: dict[tuple[int, Any], tuple[Value, Value]] = {}
+        self._repeated: dict[int, tuple[list[int], list[Value], Value]] = {}
         self.units: dict[int, tuple[Value, float]] = {}
 
     def value(self, id_: int) -> Value:
@@ -121,6 +122,18 @@ class Run:
                 self._parts.clear()
             known = self._parts[key] = (value, make())  # kept, or its id might be another's
         return known[1]
+
+    def repeated(self, at: Instruction, function: str) -> Value:
+        """A function of an instruction's operands; what it gave, if it is run again for the very
+        same values, as what does not change in a loop is. For numbers alone: of a band, the same
+        object would mean that a device rounds alike each time."""
+        values = self.values(at.operands)
+        key = [*map(id, values)]
+        known = self._repeated.get(at.id)
+        if known is None or known[0] != key:
+            found = self.arithmetic.call(function, *values)
+            known = self._repeated[at.id] = key, values, found  # kept, or an id might be another's
+        return known[2]
 
     def note_unit(self, value: Value, unit: float) -> None:
         """Remember a power of two that all of a value's numbers are multiples of, 0 if none is."""

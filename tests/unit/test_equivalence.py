@@ -20,7 +20,7 @@ from shaderlab.equivalence.noise import Noisy
 from shaderlab.equivalence.varying import learned, varied
 from shaderlab.errors import NotInterpretedError, ShaderlabError, UsageError
 from shaderlab.frame import Bindings
-from shaderlab.interpreter import Program, load
+from shaderlab.interpreter import FLOAT64, Numbers, Program, interpret, load
 
 LAMP = """#version 330 core
 struct Light { vec3 position; vec3 color; float cutOff; float outerCutOff; };
@@ -158,6 +158,26 @@ def test_the_line_of_a_loop_is_found_early_or_late(
     assert found.place == f"new.frag:{line}"
     few = max(seen) < 150  # of 400 stored values
     assert few is (piece == "1.0")
+
+
+def test_what_does_not_change_in_a_loop_is_computed_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    text = """in float x; in float y; out float o; void main() {
+        o = 0.0; for (int i = 0; i < 50; ++i) { o += (x * y) * o + y; } }"""
+    names: list[str] = []
+    called = Numbers.call
+
+    def noted(self: Numbers, function: str, *values: Any) -> Any:
+        names.append(function)
+        return called(self, function, *values)
+
+    monkeypatch.setattr(Numbers, "call", noted)
+    x, y = np.float32([[0.25], [0.5]]), np.float32([[0.75], [1.0]])
+    outputs = interpret(program(text), {"x": x, "y": y}, arithmetic=FLOAT64).outputs
+    assert names.count("multiply") == 50 + 1
+    expected = np.zeros((2, 1))
+    for _ in range(50):
+        expected += x * y * expected + y
+    assert np.allclose(outputs["o"], expected, rtol=1e-12)
 
 
 def test_an_assumption_that_matters_is_said() -> None:

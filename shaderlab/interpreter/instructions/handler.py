@@ -18,6 +18,8 @@ def calling(function: str) -> Handler:
     """A handler that calls a function of the arithmetic on the operands' values."""
 
     def handler(run: Run, at: Instruction, world: World) -> Any:
+        if run.arithmetic.rules is None:
+            return run.repeated(at, function)
         return run.arithmetic.call(function, *run.values(at.operands))
 
     return handler

@@ -58,7 +58,7 @@ def exactly(function: str) -> Handler:
 
     def handler(run: Run, at: Instruction, world: World) -> Any:
         if run.arithmetic.rules is None:
-            return run.arithmetic.call(function, *run.values(at.operands))
+            return run.repeated(at, function)
         return computed(run, function, run.values(at.operands))
 
     return handler
