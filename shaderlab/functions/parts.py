@@ -84,19 +84,16 @@ def parts(outputs: Sequence[tuple[str, Type]], got: Any) -> list[Part]:
 
 
 def _parts(kind: Type, got: Any, steps: tuple[_Step, ...]) -> Iterator[Part]:
-    if kind.members and kind.dims:
+    if kind.dims and (kind.members or kind.kind in ("int", "uint")):
         names = tuple(f"[{n}]" for n in range(kind.dims[0]))
         for n, name in enumerate(names):
-            yield from _parts(kind.element, got[n], (*steps, _Step(name, n, names)))
+            # Integers are judged one by one: side by side they would become floats.
+            each = got[n] if kind.members else np.ma.take(got, n, axis=-len(kind.shape))
+            yield from _parts(kind.element, each, (*steps, _Step(name, n, names)))
     elif kind.members:
         names = tuple(name for name, _ in kind.members)
         for n, (name, member) in enumerate(kind.members):
             yield from _parts(member, got[name], (*steps, _Step(name, n, names)))
-    elif kind.dims and kind.kind in ("int", "uint"):  # side by side they would become floats
-        names = tuple(f"[{n}]" for n in range(kind.dims[0]))
-        for n, name in enumerate(names):
-            each = np.ma.take(got, n, axis=-len(kind.shape))
-            yield from _parts(kind.element, each, (*steps, _Step(name, n, names)))
     else:
         yield Part(kind, got, steps)
 
