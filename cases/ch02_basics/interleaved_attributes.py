@@ -33,7 +33,11 @@ VERTICES = {
 }
 LAYOUT = {"aPos": (0, 32), "aColor": (12, 32), "aTexCoord": (24, 32)}
 DARK = {"ourColor": (0.5, 0.25, 1.0), "TexCoord": (0.2, 0.1)}
-LIGHT = (0.5, 0.25, 1.0, 1.0)
+FIELDS = {
+    "a dark field": (DARK, (0.375, 0.1875, 0.75, 1.0)),
+    "where a field begins": ({"TexCoord": (0.5, 0.3)}, (0.5, 0.25, 1.0, 1.0)),
+    "a hundred fields further": ({"TexCoord": (6.3, 6.3)}, (0.5, 0.25, 1.0, 1.0)),
+}
 SIDE = 720
 
 
@@ -58,10 +62,6 @@ def off_by(share):
     return np.abs(share - expected)[inside].max()
 
 
-NOT_ENABLED = "an attribute that is not enabled is the same for all vertices"
-ONE_COLOR = (call("glVertexAttrib3f", 1, 0.2, 0.4, 0.6),)
-
-
 def bytes_as(normalized):
     """The colour from three bytes, the position as it is at first."""
     return (
@@ -72,22 +72,24 @@ def bytes_as(normalized):
     )
 
 
+ONE_COLOR = (call("glVertexAttrib3f", 1, 0.2, 0.4, 0.6),)
+ANSWERS = {
+    "bytes that are normalised: 0…255 is 0…1": pixel((64, 255, 0), bytes_as("GL_TRUE")),
+    "bytes that are not: 64 is 64": pixel((255, 255, 0), bytes_as("GL_FALSE")),
+    "an attribute that is not enabled is the same for all vertices": pixel(
+        (51, 102, 153), ONE_COLOR
+    ),
+    "and (0, 0, 0) at first": pixel((0, 0, 0)),
+}
+
 case = Case(
     title="Attributes in one buffer",
     section="2.2.2",
-    math=r"\text{address}(n) = \text{offset} + n \cdot \text{stride}, \qquad "
-    r"\text{stride} = (3 + 3 + 2) \cdot 4 = 32",
+    math=r"\text{address}(n) = \text{offset} + n \cdot \text{stride} = \text{offset} + 32\,n",
     passes=(triangle("separate", "separate"), triangle("interleaved", "main")),
     expect=[
         attribute_layout(LAYOUT, name="stride 32, offsets 0, 12, 24"),
-        *answers(
-            {
-                "bytes that are normalised: 0…255 is 0…1": pixel((64, 255, 0), bytes_as("GL_TRUE")),
-                "bytes that are not: 64 is 64": pixel((255, 255, 0), bytes_as("GL_FALSE")),
-                NOT_ENABLED: pixel((51, 102, 153), ONE_COLOR),
-                "and (0, 0, 0) at first": pixel((0, 0, 0)),
-            }
-        ),
+        *answers(ANSWERS),
         formula("gl_Position", device_place),
         formula("ourColor", unchanged("aColor")),
         formula("TexCoord", unchanged("aTexCoord")),
@@ -103,15 +105,6 @@ case = Case(
         exact("FragColor", Output("separate.FragColor"), name="same as three buffers"),
         exact("share", Output("separate.share"), name="shares of corners, too", pictured=False),
         coverage(64800, name="pixels covered"),
-        *figures(
-            "FragColor",
-            {
-                "a dark field": (DARK, (0.375, 0.1875, 0.75, 1.0)),
-                "where a field begins": ({"TexCoord": (0.5, 0.3)}, LIGHT),
-                "a hundred fields further": ({"TexCoord": (6.3, 6.3)}, LIGHT),
-            },
-            at=DARK,
-            reference=fields,
-        ),
+        *figures("FragColor", FIELDS, at=DARK, reference=fields),
     ],
 )

@@ -14,26 +14,14 @@ seem to match: the very mistake that this case is about.)
 
 import numpy as np
 
-from shaderlab import (
-    Case,
-    Ramp,
-    Texture,
-    across,
-    assets,
-    boundaries,
-    exact,
-    formula,
-    fullscreen,
-    sweep,
-    up,
-)
+from shaderlab import Case, Ramp, Texture, across, assets, boundaries, exact, formula, sweep, up
 from shaderlab.glslmath import abs, floor, step, vec3, vec4, where
 from shaderlab.reference.gamma import gamma_encode, srgb_decode, srgb_encode
 
 from ..scenes.colour_science import srgb_by_colour_science
 from ..scenes.drawing import bayer_threshold
 from ..scenes.figures import figure, results
-from ..scenes.panels import WHOLE, panel, picture
+from ..scenes.panels import WHOLE, panel, panel_pass, picture
 
 CODES = np.arange(256) / 255.0
 # Each channel in an order of its own, so that no two of them can be taken for one another.
@@ -80,23 +68,18 @@ def stripes(linear, stripe, frag_coord):
     return vec4(vec3(1.0) * shown, 1.0)
 
 
-def half_of_the_light():
-    """A chessboard of black and white, from far away."""
-    return vec4(0.5, 0.5, 0.5, 1.0)
-
-
 case = Case(
     title="Gamma correction",
     section="5.8",
     math=r"v = c^{1/2.2}, \qquad v_{\mathrm{sRGB}} = \begin{cases} 12.92\,c & c \le 0.0031308 \\"
     r" 1.055\,c^{1/2.4} - 0.055 & \text{otherwise} \end{cases}",
     passes=(
-        *fullscreen("ch05_lighting/gamma_picture.frag", name="picture", domain=STRIPES),
+        panel_pass("picture", "ch05_lighting/gamma_picture.frag", STRIPES),
         converted("gamma_framebuffer", "framebuffer", domain={"code": across(0.0, 256.0)}),
         converted("gamma_encoded", "texture", "rgba8", textures={"image": SRGB_TEXTURE}),
         converted("gamma_texture", "there-and-back", textures={"image": SRGB_TEXTURE}),
         converted("gamma_texture", "dither", domain=MIDDLE, textures={"image": BLACK_AND_WHITE}),
-        *fullscreen("ch05_lighting/gamma.frag", domain=RAMP, uniforms={"gamma": 2.2}),
+        panel_pass("main", "ch05_lighting/gamma.frag", RAMP, {"gamma": 2.2}),
     ),
     picture="picture.FragColor",
     expect=[
@@ -120,7 +103,7 @@ case = Case(
         exact("framebuffer.FragColor", GREY_BY_GREY, name="an sRGB framebuffer encodes"),
         exact("texture.FragColor", CODE_BY_CODE, name="an sRGB texture decodes"),
         exact("there-and-back.FragColor", CODE_BY_CODE, name="both together change nothing"),
-        formula("dither.FragColor", half_of_the_light, name="half of the pixels white"),
+        formula("dither.FragColor", lambda: vec4(vec3(0.5), 1.0), name="half of the pixels white"),
         *results({"… is a grey of": (255.0 * srgb_encode(0.5), 188.0)}, digits=0),
     ],
 )

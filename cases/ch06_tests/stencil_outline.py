@@ -62,11 +62,6 @@ def silhouette(name, models):
     return Pass(name=name, target=Target(size=JUDGED, colors={"outline": "r32f"}), draws=draws)
 
 
-def reached():
-    """What an outline's draw writes wherever it reaches."""
-    return 1.0
-
-
 def wrong(outline, objects, larger):
     """Pixels where the outline is not the larger boxes minus the boxes."""
     return np.count_nonzero((outline == 1.0) != ((larger == 1.0) & (objects == 0.0)))
@@ -98,7 +93,7 @@ case = Case(
         *each_draw("judged.FragColor", COLOR, {3: "outline 1", 4: "outline 2"}),
         *each_draw("judged.Normal", world_normal, {3: "normals 1", 4: "normals 2"}),
         *each_draw("judged.Color", handed_on, {3: "colours 1", 4: "colours 2"}),
-        formula("judged.outline", reached, name="where an outline is"),
+        formula("judged.outline", lambda: 1.0, name="where an outline is"),
         formula("judged.gl_Position", clip_position, name="the larger box in clip space"),
         measure("pixels where outline ≠ larger − objects", wrong, reads=SETS, equals=0, digits=0),
         measure(
