@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from shaderlab.bands.compiled import compiled
 from shaderlab.bands.rounding import Flags, Floats, ulp
 
 # Float64 values that fit into a second-level cache with their bounds.
@@ -63,6 +64,7 @@ class Allowed(Interval):
     unit: float = 0.0
 
 
+@compiled
 @np.errstate(invalid="ignore")  # a signalling NaN, read back, is converted like any other
 def contains(lo: Any, hi: Any, nan: Any, measured: ArrayLike) -> Flags:
     """Where lo ≤ measured ≤ hi, or measured is NaN and may be.

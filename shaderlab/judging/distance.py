@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from shaderlab.bands.allowed import widths
+from shaderlab.bands.compiled import compiled
 from shaderlab.frame import Array
 
 Floats = npt.NDArray[np.float64]
@@ -41,12 +42,7 @@ class Placed:
 
         A value outside outranks all inside, whatever their distances.
         """
-        found, largest = 0, -1.0
-        for start, distance in self._blocks():
-            index = int(distance.argmax())
-            here = float(distance.flat[index])
-            if here > largest:
-                found, largest = start * distance.shape[1] + index, here
+        found = furthest(self.low, self.high, self.measured, self.inside, self.unit)
         row, component = divmod(found, self.measured.shape[1])
         return row, component
 
@@ -60,7 +56,7 @@ class Placed:
         """Of each row's components the largest distance, as (count,): negative below the middle,
         at most 1 in size inside, infinite outside."""
         signed = np.empty(len(self.measured))
-        for start, distance in self._blocks():
+        for start, distance in self.blocks():
             rows = slice(start, start + len(distance))
             distance[~self.inside[rows]] = np.inf
             at = distance.argmax(axis=1) + np.arange(0, distance.size, distance.shape[1])
@@ -71,7 +67,7 @@ class Placed:
             signed[rows] = np.where(below, -size, size)
         return signed
 
-    def _blocks(self) -> Iterator[tuple[int, Distances]]:
+    def blocks(self) -> Iterator[tuple[int, Distances]]:
         """The first row and the distances of each block: at most 1 inside, at least 1 outside.
         The next block may overwrite the array."""
         alike = self.measured.dtype == self.low.dtype == self.high.dtype == np.float32
@@ -96,6 +92,21 @@ class Placed:
         bounds = low.astype(np.float64), high.astype(np.float64)
         distance = widths(*bounds, inside, value, self.unit or 0.0)
         return np.where(inside, np.minimum(distance, 1.0), np.maximum(distance, 1.0))
+
+
+@compiled
+def furthest(
+    low: Array, high: Array, measured: Array, inside: npt.NDArray[np.bool_], unit: float | None
+) -> int:
+    """The number of what `Placed.furthest` finds."""
+    placed = Placed(measured=measured, low=low, high=high, inside=inside, unit=unit)
+    found, largest = 0, -1.0
+    for start, distance in placed.blocks():
+        index = int(distance.argmax())
+        here = float(distance.flat[index])
+        if here > largest:
+            found, largest = start * distance.shape[1] + index, here
+    return found
 
 
 @np.errstate(all="ignore")

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from shaderlab.bands.compiled import compiled
 from shaderlab.frame import Array
 from shaderlab.judging.formats import FLOAT_FORMATS, INTEGER_FORMATS
 
@@ -68,11 +69,18 @@ class Plausible:
         if not low.size:
             return 1.0
         least, greatest = self.low.astype(low.dtype), self.high.astype(low.dtype)
-        count = 0
-        for start in range(0, len(low), BLOCK):
-            one, other = low[start : start + BLOCK], high[start : start + BLOCK]
-            width = other - one
-            leaves_out = (one > least) | (other < greatest)
-            narrow = np.where(self.varies, leaves_out, width < greatest)
-            count += int(np.count_nonzero(narrow & (width < np.inf)))
-        return count / low.size
+        return informative(low, high, least, greatest, self.varies) / low.size
+
+
+@compiled
+def informative(low: Array, high: Array, least: Array, greatest: Array, varies: Array) -> int:
+    """How many bands leave out some of what lies between `least` and `greatest` where the
+    component `varies`, and elsewhere are narrower than `greatest`; all with two ends."""
+    count = 0
+    for start in range(0, len(low), BLOCK):
+        one, other = low[start : start + BLOCK], high[start : start + BLOCK]
+        width = other - one
+        leaves_out = (one > least) | (other < greatest)
+        narrow = np.where(varies, leaves_out, width < greatest)
+        count += int(np.count_nonzero(narrow & (width < np.inf)))
+    return count

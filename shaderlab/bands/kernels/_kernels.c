@@ -9,6 +9,7 @@
 #include <structmember.h>
 #define NPY_NO_DEPRECATED_API NPY_2_0_API_VERSION
 #include <numpy/arrayobject.h>
+#include <numpy/arrayscalars.h>
 
 #include <fenv.h>
 #include <math.h>
@@ -34,6 +35,7 @@
 #include "directions.h"
 #include "shapes.h"
 #include "texels.h"
+#include "judged.h"
 
 /* Changes with what Python expects of the passes; the same number stands in compiled.py. */
 #define INTERFACE 2
@@ -51,7 +53,9 @@ static PyMethodDef kernels[] = {
     METHOD(mixed_texels, mixed_texels), METHOD(smaller, smaller_band),
     METHOD(larger, larger_band), METHOD(clamped, clamped), METHOD(absolute, absolute),
     METHOD(union, union_of), METHOD(select, select_band), METHOD(dot, dot), METHOD(times_vector, times_vector),
-    METHOD(direction, direction), METHOD(__getitem__, indexed), METHOD(ordinary, ordinary), METHOD(joined, joined), METHOD(texels_at, texels_at), {0}};
+    METHOD(direction, direction), METHOD(__getitem__, indexed), METHOD(ordinary, ordinary), METHOD(joined, joined), METHOD(texels_at, texels_at),
+    METHOD(contains, contained), METHOD(furthest, furthest_of_all), METHOD(informative, informative),
+    {0}};
 
 #include "operations.h"
 
