@@ -156,7 +156,8 @@ class Integer(IntegerOperators, Swizzled):
     def __array__(self, dtype: Any = None, copy: Any = None) -> Any:
         if self.rules is not None:
             raise FormulaError(
-                "a NumPy array cannot take integers of a band", remedy="the bounds are .lo and .hi"
+                "a NumPy array cannot take integers of a band",
+                remedy="glslmath.array(table)[i] chooses from a table; the bounds are .lo and .hi",
             )
         return self.lo.astype(dtype or np.int64)
 
@@ -185,7 +186,8 @@ class Integer(IntegerOperators, Swizzled):
             return int(self.lo.reshape(-1)[0])
         raise FormulaError(
             "a loop or a list cannot take integers that differ from value to value",
-            remedy="loop as often as the largest needs, and choose with glslmath.where",
+            remedy="loop as often as the largest needs, and choose with glslmath.where; "
+            "glslmath.array(table)[i] chooses from a table",
         )
 
     def __pos__(self) -> Integer:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import inspect
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,9 +13,9 @@ from shaderlab.frame import Array
 from shaderlab.functions.binding import Call
 from shaderlab.functions.laws import Finding, Law
 from shaderlab.functions.parts import Part, Reference, parts
-from shaderlab.functions.types import Type
+from shaderlab.functions.reference_inputs import leaves, reference_inputs
 from shaderlab.judging.banded import judge_band
-from shaderlab.judging.inputs import Inputs, parameter_name
+from shaderlab.judging.inputs import Inputs
 from shaderlab.records import Outcome, SourceText
 from shaderlab.report.plain_text import numbers, outcome_details
 
@@ -46,7 +45,8 @@ def judged(function: Function, law: Law | Reference, call: Call) -> list[Outcome
         mask = np.ma.getmaskarray(found[0].values)
         kept = np.asarray(~mask.all(axis=tuple(range(len(call.batch), mask.ndim))))
     if not isinstance(law, Law):
-        return [_of_reference(function, law, call, part, kept) for part in found]
+        inputs = reference_inputs(law, call, kept.reshape(-1), function.folder)
+        return [_of_reference(function, law, call, part, inputs, kept) for part in found]
     if not isinstance(got, np.ndarray | np.generic):
         names = ", ".join(part.name for part in found)
         raise CallError(
@@ -72,10 +72,14 @@ def source_of_glsl(function: Function, call: Call) -> SourceText:
 
 
 def _of_reference(
-    function: Function, reference: Reference, call: Call, part: Part, kept: Array
+    function: Function,
+    reference: Reference,
+    call: Call,
+    part: Part,
+    inputs: Inputs,
+    kept: Array,
 ) -> Outcome:
     measured = part.rows(kept)
-    inputs = _named_for(reference, _inputs(call, kept.reshape(-1)), call)
     banded = judge_band(measured, part.of(reference), inputs, rules=None)
     status, message = banded.verdict()
     return Outcome(
@@ -138,88 +142,8 @@ def _shown(call: Call, finding: Finding, index: int) -> Iterator[str]:
 def inputs_at(call: Call, index: int) -> dict[str, tuple[float, ...]]:
     """The numbers that an element of a call got, by name."""
     found = {}
-    for name, leaf in _leaves(call):
+    for name, leaf in leaves(call):
         rows = np.broadcast_to(leaf, (*call.batch, leaf.shape[-1])).reshape(-1, leaf.shape[-1])
         values = rows[index]
         found[name] = tuple(float(np.float32(v)) if values.dtype.kind == "f" else v for v in values)
     return found
-
-
-def _leaves(call: Call) -> Iterator[tuple[str, Array]]:
-    """Each number or vector that a call has, with its name: "light.constant"."""
-    for name, given in call.values.items():
-        yield from zip(_names(name, given.type), given.leaves, strict=True)
-
-
-def _names(name: str, kind: Type) -> Iterator[str]:
-    if kind.members and kind.dims:
-        for n in range(kind.dims[0]):
-            yield from _names(f"{name}[{n}]", kind.element)
-    elif kind.members:
-        for member, its in kind.members:
-            yield from _names(f"{name}.{member}", its)
-    else:
-        yield name
-
-
-def _inputs(call: Call, kept: Array) -> Inputs:
-    """What a call's function got, for references: as the very numbers that it got."""
-    shared: dict[str, Array] = {}
-    each: dict[str, Array] = {}
-    arrays = set()
-    for name, given in call.values.items():
-        for word, leaf, kind in zip(
-            _names(name, given.type), given.leaves, _kinds(given.type), strict=True
-        ):
-            exact = leaf.astype(np.float32) if leaf.dtype.kind in "fb" else leaf
-            if kind.kind == "float":
-                exact = leaf.astype(np.float32)
-            own = kind.shape or (1,)
-            if kind.dims:
-                arrays.add(word)
-                own = (*kind.dims, *(kind.base_shape or (1,)))
-            if math.prod(leaf.shape[:-1]) == 1:
-                shared[word] = exact.reshape(own)
-            else:
-                whole = np.broadcast_to(exact, (*call.batch, exact.shape[-1]))
-                each[word] = whole.reshape(-1, *own)[kept]
-    return Inputs(shared=shared, each=each, arrays=frozenset(arrays))
-
-
-def _kinds(kind: Type) -> Iterator[Type]:
-    if kind.members and kind.dims:
-        for _ in range(kind.dims[0]):
-            yield from _kinds(kind.element)
-    elif kind.members:
-        for _, its in kind.members:
-            yield from _kinds(its)
-    else:
-        yield kind
-
-
-def _named_for(reference: Reference, inputs: Inputs, call: Call) -> Inputs:
-    """The inputs under the names that the reference has for them: the function's own, or in the
-    order of the parameters."""
-    wanted = [p for p in inspect.signature(reference).parameters.values()]
-    required = [p.name for p in wanted if p.default is p.empty]
-    known = inputs.parameters()
-    if all(name in known for name in required):
-        return inputs
-    names = [n for n, _ in _leaves(call)]
-    if len(required) != len(names) and len(wanted) != len(names):
-        shown = ", ".join(parameter_name(n) for n in names)
-        raise CallError(
-            f"{reference.__name__} takes {', '.join(p.name for p in wanted)}; "
-            f"{call.signature.name} gets {shown}",
-            remedy="name the reference's parameters so, or take as many in the same order",
-        )
-    new = {old: parameter.name for old, parameter in zip(names, wanted, strict=False)}
-    return Inputs(
-        shared=_renamed(inputs.shared, new),
-        each=_renamed(inputs.each, new),
-        arrays=frozenset(new[name] for name in inputs.arrays),
-    )
-
-
-def _renamed(values: Mapping[str, Array], new: Mapping[str, str]) -> dict[str, Array]:
-    return {new[name]: array for name, array in values.items()}

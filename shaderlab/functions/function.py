@@ -49,6 +49,11 @@ class Function:
         return self._overloads
 
     @property
+    def folder(self) -> str:
+        """What paths of textures are relative to."""
+        return self._folder
+
+    @property
     def place(self) -> tuple[str, int]:
         """The file and the line of its first definition."""
         return self.place_of(self._overloads[0])

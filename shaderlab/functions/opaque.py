@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from shaderlab.errors import CallError
-from shaderlab.frame import Array
+from shaderlab.frame import Array, Texels
 from shaderlab.functions.arguments import argument
+from shaderlab.functions.binding import Call
 from shaderlab.functions.types import Type
 from shaderlab.model import CompressedTexture, CubeTexture, Texture, TextureArray
+from shaderlab.programs.textures import contents, kind_of
 
 _ARRAY = "give a shaderlab.Texture, or an array (height, width, channels)"
 _REMEDIES = {
@@ -53,6 +57,64 @@ def spread(
             raise CallError(f"{label} is in a struct with samplers: it has one value for a call")
         array = given.leaves[0].reshape(kind.shape or (1,))
         uniforms[name] = array.astype(np.float32) if kind.kind == "float" else array
+
+
+@dataclass(frozen=True)
+class Opaque:
+    """What a call's samplers, and structs with samplers, are to references.
+
+    Attributes:
+        uniforms: the numbers beside samplers in structs, by name.
+        textures: those whose texels are known without a driver, by name.
+        unread: why the others can't be read, by name.
+    """
+
+    uniforms: Mapping[str, Array]
+    textures: Mapping[str, Texels]
+    unread: Mapping[str, CallError]
+
+
+def of_references(call: Call, folder: Path) -> Opaque:
+    """A call's textures, as references sample them.
+
+    Args:
+        call: the function's arguments.
+        folder: what paths of textures are relative to.
+
+    Raises:
+        CaseError, AssetError: as `shaderlab.programs.textures.contents`.
+    """
+    uniforms: dict[str, Array] = {}
+    sources: dict[str, tuple[str, Any]] = {}
+    for one in (*call.signature.given, *call.signature.globals):
+        if one.name in call.opaque:
+            label = f"{call.signature.name}: {one.name}"
+            spread(one.name, call.opaque[one.name], one.type, label, uniforms, sources)
+    textures, unread = {}, {}
+    for name, (_, source) in sources.items():
+        try:
+            textures[name] = _texels(source, f"{call.signature.name}: {name}", folder)
+        except CallError as error:
+            unread[name] = error
+    return Opaque(uniforms, textures, unread)
+
+
+def _texels(source: Any, label: str, folder: Path) -> Texels:
+    depth = getattr(source, "format", "").startswith("depth") and source.format != "depth32f"
+    if depth or isinstance(source, CompressedTexture) or source.mipmaps is True:
+        raise CallError(
+            f"{label}: a reference can't read mipmaps, blocks or depths that the driver makes",
+            remedy="give levels as arrays, without compression, depths as depth32f; or write a "
+            "case, where the driver's texels are read back",
+        )
+    made = contents(source, folder, {})
+    single = kind_of(source, "", 0) == "2D"
+    return Texels(
+        made.layers[0] if single else np.stack(made.layers),
+        source.filter, source.wrap, source.border,
+        kind=kind_of(source, "", 0), format=source.format, smaller=tuple(made.smaller),
+        compare=source.compare, lod=source.lod, seamless=getattr(source, "seamless", True),
+    )  # fmt: skip
 
 
 def _texture(value: Any, kind: Type, label: str) -> Any:

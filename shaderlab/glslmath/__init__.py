@@ -7,6 +7,7 @@ float (1,) broadcast against a per-pixel vec3 (N, 3); matrices are (…, row, co
 Source: the OpenGL Shading Language 4.60 (Khronos), chapter 8 "Built-In Functions".
 """
 
+from shaderlab.glslmath.arrays import array as array
 from shaderlab.glslmath.bits import (
     bitCount as bitCount,
     bitfieldExtract as bitfieldExtract,

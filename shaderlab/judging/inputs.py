@@ -23,6 +23,7 @@ from shaderlab.bands.swizzles import Vector
 from shaderlab.bands.truth import Truth
 from shaderlab.errors import FormulaError, ShaderlabError, nearest
 from shaderlab.frame import Array, Bindings, Texels
+from shaderlab.glslmath.arrays import Elements
 from shaderlab.judging.as_written import as_written
 from shaderlab.records import SourceText
 from shaderlab.sampling import Sampler
@@ -30,6 +31,8 @@ from shaderlab.sampling import Sampler
 Reference = Callable[..., Any]
 _SOURCES: WeakKeyDictionary[FunctionType, SourceText] = WeakKeyDictionary()
 _TAKEN: WeakKeyDictionary[FunctionType, tuple[inspect.Parameter, ...]] = WeakKeyDictionary()
+# NumPy's words of a product by component that was meant as a matrix's: shapes such as (2,2) (50,2).
+_MATRIX = re.compile(r"broadcast together.*\(([234]),\1\)")
 _INDEXED = re.compile(r"\[(\d+)\]")
 
 
@@ -182,12 +185,12 @@ def evaluate(
             return _number(values, rules, whole=whole)
         # What differs from value to value has the array's own axis behind theirs.
         pieces = np.moveaxis(values, 1, 0) if name in inputs.each else values
-        return [_number(piece, rules, whole=whole) for piece in pieces]
+        return Elements(_number(piece, rules, whole=whole) for piece in pieces)
 
     arguments = {}
     for parameter, names in (asked or wanted(reference, inputs)).items():
         several = len(names) > 1 or parameter != parameter_name(names[0])
-        arguments[parameter] = [convert(n) for n in names] if several else convert(names[0])
+        arguments[parameter] = Elements(map(convert, names)) if several else convert(names[0])
     try:
         with doing("reference"), np.errstate(all="ignore"):
             formula = reference if rules is None else as_written(reference, rules)
@@ -202,7 +205,7 @@ def evaluate(
         ) from error
     except Exception as error:
         remedy = "references use + − * / and the functions of shaderlab.glslmath only"
-        if "matmul" in str(error):
+        if "matmul" in str(error) or _MATRIX.search(str(error)):
             remedy = "a matrix times a vector is glslmath.mul(m, v), times a matrix matmul(a, b)"
         raise located(reference, error, remedy) from error
 

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
 
-from shaderlab import glsl
+from shaderlab import Texture, glsl
 from shaderlab.errors import CallError, FormulaError
-from shaderlab.glslmath import cos, dot, mat2, sin, sqrt, vec2, vec3
+from shaderlab.glslmath import array, cos, dot, floor, int, mat2, sin, sqrt, vec2, vec3, vec4
 from shaderlab.reference.attenuation import attenuation
 from shaderlab.reference.gamma import srgb_encode
 from shaderlab.reference.tone_mapping import reinhard
+from shaderlab.sampling import texture
 
 SHADER = """
 struct Light { float constant; float linear; float quadratic; };
@@ -53,6 +55,14 @@ float sum(float x, int terms) {
     for (int i = 0; i < terms; ++i) found += x;
     return found;
 }
+const float TABLE[4] = float[](0.1, 0.7, 0.3, 0.9);
+uniform vec2 kernel[3];
+float chosen(float x) { return 0.3 * TABLE[int(floor(x * 4.0))]; }
+vec2 weighed(int i, float x) { return kernel[i] * x; }
+int permuted(int i) { const int p[4] = int[](3, 1, 0, 2); return p[p[i & 3]] / 2; }
+struct Surface { sampler2D color; float gain; };
+vec4 painted(sampler2D image, vec2 at) { return 0.5 * texture(image, at); }
+vec4 shone(Surface surface, vec2 at) { return surface.gain * texture(surface.color, at); }
 """
 EYES = np.random.default_rng(4).uniform((-0.5, -0.5, 4.0), (0.5, 0.5, 5.0), (64, 3))
 SPHERE = EYES, (0.0, 0.0, -1.0), 1.0
@@ -64,7 +74,7 @@ UNIT = np.linspace(0.001, 1.0, 301)
 
 @pytest.fixture(scope="module")
 def shader() -> glsl.Library:
-    return glsl.load(SHADER)
+    return glsl.load(SHADER, kernel=KERNEL)
 
 
 def decoded(y: Any) -> Any:
@@ -105,6 +115,23 @@ def added(x: Any, terms: Any) -> Any:
 
 BITS = np.array([0, 5, 2**24 + 1, 2**32 - 1], np.uint32)
 
+TABLE = array(0.1, 0.7, 0.3, 0.9)
+FOURTHS = np.array([0.1, 0.3, 0.6, 0.9])
+KERNEL = np.array([(0.1, 0.2), (0.3, 0.7), (0.9, 0.4)])
+IMAGE = np.random.default_rng(5).random((4, 4, 4)).astype(np.float32)
+PLACES = np.random.default_rng(6).random((64, 2))
+SMOOTH = Texture(image=IMAGE, format="rgba32f", filter=("linear", "linear"))
+
+
+def permuted(i: Any) -> Any:
+    p = array(3, 1, 0, 2)
+    return p[p[i & 3]] / 2
+
+
+def shone(surface_color: Any, surface_gain: Any, at: Any) -> Any:
+    return surface_gain * texture(surface_color, at)
+
+
 PASS: list[tuple[str, Any, tuple[Any, ...]]] = [
     ("fades", attenuation, (D, *LAMP)),
     ("attenuation", attenuation, ({"constant": 1.0, "linear": 0.09, "quadratic": 0.032}, D)),
@@ -124,6 +151,14 @@ PASS: list[tuple[str, Any, tuple[Any, ...]]] = [
     ("odds", lambda n: [n | 1, n * 3], (BITS,)),
     ("lit", lambda x: x > 0.5, (X,)),
     ("sum", added, (X, 3)),
+    ("chosen", lambda x: 0.3 * TABLE[int(floor(x * 4.0))], (FOURTHS,)),
+    ("chosen", lambda x: 0.3 * array(np.array(TABLE))[int(floor(x * 4.0))], (FOURTHS,)),
+    ("weighed", lambda i, x, kernel: kernel[i] * x, (np.arange(41) % 3, X)),
+    ("permuted", permuted, (np.arange(-4, 9),)),
+    ("painted", lambda image, at: 0.5 * texture(image, at), (IMAGE, PLACES)),
+    ("painted", lambda map, uv: 0.5 * texture(map, uv), (SMOOTH, PLACES)),
+    ("painted", lambda uv: vec4(0.5), (np.ones((2, 2, 4)), PLACES)),
+    ("shone", shone, ({"color": IMAGE, "gain": 0.7}, PLACES)),
     ("fades", glsl.monotone("d", rising=False, strictly=True), (D, *LAMP)),
     ("fades", glsl.monotone("d", rising=False), (D[::-1], *LAMP)),
     ("fades", glsl.bounded(0.0, 1.0), (D, *LAMP)),
@@ -165,6 +200,14 @@ FAIL: list[tuple[str, Any, tuple[Any, ...], list[str]]] = [
     ("turned", lambda x: mat2(cos(x), -sin(x), sin(x), cos(x)), (X,), ["80 of 164 values"]),
     ("powers", lambda x: [x, x * x, x], (X,), ["component b"]),
     ("odds", lambda n: [n | 1, n], (BITS,), ["odds[1]:", "3 of 4 values"]),
+    ("chosen", lambda x: 0.3 * array(0.1, 0.7, 0.3, 0.91)[int(floor(x * 4.0))], (FOURTHS,),
+     ["1 of 4 values", "x = 0.899999976"]),
+    ("chosen", lambda x: 0.3 * TABLE[int(floor(x * 4.0)) + 1], ([0.9],), ["anything"]),
+    ("weighed", lambda i, x, kernel: kernel[2 - i] * x, (np.arange(3), X[:3]), ["4 of 6 values"]),
+    ("permuted", lambda i: permuted(i + 1), (np.arange(4),), ["of 4 values"]),
+    ("painted", lambda image, at: 0.5 * texture(image, at.yx), (IMAGE, PLACES), ["of 256 values"]),
+    ("shone", lambda surface_color, at: texture(surface_color, at),
+     ({"color": IMAGE, "gain": 0.7}, PLACES), ["256 of 256 values"]),
     ("lit", lambda x: x > 1.0, (X,), ["5 of 41 values"]),
     ("steps", glsl.monotone("d", rising=False), (D, *LAMP), ["of 1 of 1001", "d = 49.9"]),
     ("still", glsl.monotone("x"), (X,), ["could hardly fail: it is the same at all values"]),
@@ -223,8 +266,16 @@ def test_a_check_that_makes_no_sense_is_refused(
         ("sum", added, (X, np.arange(41)), "differ from value to value"),
         ("turned", lambda x: mat2(x, x, x), (X,), "mat2 of 3 components in 3 arguments"),
         ("turned", lambda x: mat2(1.0) @ vec2(x, x), (X,), "glslmath.mul(m, v)"),
+        ("turned", lambda x: mat2(1.0) * vec2(x, x), (X,), "glslmath.mul(m, v)"),
+        ("permuted", lambda i: np.arange(4)[i], (np.arange(4),), "glslmath.array(table)[i]"),
+        ("permuted", lambda i: [3, 1, 0, 2][i], (np.arange(4),), "glslmath.array(table)[i]"),
+        ("chosen", lambda x: TABLE[x], (FOURTHS,), "index by int(x)"),
+        ("painted", lambda image, at: texture(image, at),
+         (dataclasses.replace(SMOOTH, mipmaps=True), PLACES), "can't read mipmaps"),
+        ("painted", lambda map, uv: texture(map, uv),
+         (dataclasses.replace(SMOOTH, mipmaps=True), PLACES), "can't read mipmaps"),
     ],
-)
+)  # fmt: skip
 def test_a_reference_of_other_parts_is_told_what_to_give(
     shader: glsl.Library, name: str, reference: Any, arguments: tuple[Any, ...], says: str
 ) -> None:

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from shaderlab import glslmath as g
-from shaderlab.bands import Band, Rules
+from shaderlab.bands import Band, Integer, Rules
 from shaderlab.bands.rounding import ulp
 from shaderlab.errors import FormulaError
 
@@ -255,6 +255,21 @@ def test_constructors() -> None:
     columns = g.mat3(*(Band.exact(row) for row in per_pixel.T[:, [0, 0, 1]]))
     assert columns.lo[:, 0].tolist() == [0.0, 0.0, 3.0]
     for wrong in (lambda: g.vec3(1.0, 2.0), lambda: g.vec2(1.0, 2.0, 3.0), lambda: g.vec4()):
+        with pytest.raises(FormulaError):
+            wrong()
+
+
+def test_an_array_gives_all_that_an_uncertain_index_may_choose() -> None:
+    table = g.array(0.1, 0.7, 0.3)
+    low, high, anything = np.array([(0, 1, 2, 0, 2), (0, 2, 2, 3, 2), (0, 0, 0, 0, 1)])[..., None]
+    n = Integer(low, high, rules=Rules(), anything=anything > 0)
+    got = table[n]
+    assert got.lo[:3, 0] == pytest.approx([0.1, 0.3, 0.3]) and got.hi[1, 0] == pytest.approx(0.7)
+    assert np.isneginf(got.lo[3:]).all() and np.isposinf(got.hi[3:]).all()
+    whole = g.array([4, 9], [2, 7])[Integer([[0], [1]], rules=Rules())]
+    assert [column.lo.tolist() for column in whole] == [[[4], [2]], [[9], [7]]]
+    assert g.array(np.arange(3, dtype=np.uint32))[2].unsigned
+    for wrong in (lambda: g.array(), lambda: table[1.0], lambda: table[Band.exact([1.0])]):
         with pytest.raises(FormulaError):
             wrong()
 
