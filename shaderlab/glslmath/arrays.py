@@ -42,8 +42,8 @@ class Elements(list[Any]):
 
 
 def array(*elements: Value) -> Elements:
-    """GLSL's float[](…), vec3[](…), int[](…): a table to index; `array(table)` of a list or of a
-    NumPy array's rows. Python's integers are `int`s.
+    """A table to index, as `float[]`, `vec3[]` and `int[]` make in GLSL; of one list or NumPy array
+    its elements. Python's integers are `int`s.
 
     >>> array(0.25, 0.5, 1.0)[1]
     0.5
