@@ -7,7 +7,8 @@ import platform
 import struct
 import sys
 from collections.abc import Iterator
-from dataclasses import dataclass
+
+from shaderlab.lazy_dataclass import dataclass
 
 from .errors import ShaderlabError
 

@@ -4,7 +4,9 @@ attributed by."""
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
+
+from shaderlab.lazy_dataclass import dataclass
 
 Pixel = tuple[int, int]
 

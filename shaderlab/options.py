@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from contextvars import ContextVar
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
+
+from shaderlab.lazy_dataclass import dataclass
 
 
 @dataclass(frozen=True, kw_only=True)

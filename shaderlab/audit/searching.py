@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -14,6 +13,7 @@ from shaderlab.equivalence.interface import Input
 from shaderlab.equivalence.roles import Role
 from shaderlab.frame import Array
 from shaderlab.interpreter import Program
+from shaderlab.lazy_dataclass import dataclass
 
 _GENERATIONS = 18
 _PARENTS = 6

@@ -6,7 +6,7 @@ import contextlib
 import datetime
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -26,6 +26,7 @@ from shaderlab.cli.replacing import unread
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.execution.journal import FILE_NAME, Journal, RunPlan, read
 from shaderlab.files import display_path
+from shaderlab.lazy_dataclass import dataclass
 from shaderlab.options import Limits, RunOptions
 from shaderlab.records import CodeCoverage, Record, Run
 from shaderlab.settings import settings_of

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from itertools import pairwise
 
 from shaderlab.compiler.dialects import in_dialect, with_interface
@@ -17,6 +17,7 @@ from shaderlab.compiler.targets import ALL_TARGETS, TARGETS
 from shaderlab.compiler.text import STAGES
 from shaderlab.compiler.verdicts import Result, check_stages, link_stages, to_spirv
 from shaderlab.errors import ShaderError, nearest
+from shaderlab.lazy_dataclass import dataclass
 from shaderlab.records import Verdict
 
 

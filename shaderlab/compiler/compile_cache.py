@@ -19,7 +19,7 @@ import sys
 import time
 import zlib
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +31,7 @@ from shaderlab.compiler.library import files
 from shaderlab.compiler.sources import Source
 from shaderlab.errors import ShaderError
 from shaderlab.files import cache_root
+from shaderlab.lazy_dataclass import dataclass
 from shaderlab.records import Diagnostic, Verdict
 
 _LARGEST = 64 << 20  # bytes that an entry may inflate to

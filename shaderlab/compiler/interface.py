@@ -7,8 +7,10 @@ of a varying block with an instance name.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Literal
+
+from shaderlab.lazy_dataclass import dataclass
 
 Interpolation = Literal["smooth", "flat", "noperspective"]
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
+
+from shaderlab.lazy_dataclass import dataclass
 
 _SPV_RULES, _VULKAN_RULES = 1 << 3, 1 << 4
 _MAP_BINDINGS, _MAP_LOCATIONS, _RELAXED = 1 << 0, 1 << 1, 1 << 2

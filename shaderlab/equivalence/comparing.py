@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,6 +14,7 @@ from shaderlab.equivalence.noise import Noisy
 from shaderlab.frame import Array
 from shaderlab.interpreter import Program, interpret
 from shaderlab.interpreter.memory import Flags
+from shaderlab.lazy_dataclass import dataclass
 
 COPIES = 3
 """Runs with noise, besides the one without."""

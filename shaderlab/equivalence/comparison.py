@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Any
 
 import numpy as np
@@ -23,6 +23,7 @@ from shaderlab.equivalence.varying import learned, varied
 from shaderlab.errors import UsageError, nearest
 from shaderlab.files import display_path
 from shaderlab.interpreter import Program
+from shaderlab.lazy_dataclass import dataclass
 
 _SMALL = 1024  # invocations; sets of no more than so many are run together
 _ENDS = 1e-6  # what stored values may differ by where a step is called the same

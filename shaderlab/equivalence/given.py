@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from shaderlab.frame import Array, Bindings, Fragments, Samples
 from shaderlab.interpreter import Program
+from shaderlab.lazy_dataclass import dataclass
 
 _DERIVATIVES = range(207, 216)  # OpDPdx to OpFwidthCoarse
 

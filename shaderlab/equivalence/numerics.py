@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,6 +14,7 @@ from shaderlab.equivalence.locating import Step, first
 from shaderlab.errors import FormulaError, NotInterpretedError
 from shaderlab.frame import Array
 from shaderlab.interpreter import Bands, Program, interpret
+from shaderlab.lazy_dataclass import dataclass
 
 MOST = 512
 """Invocations whose bands are looked at."""

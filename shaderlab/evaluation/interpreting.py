@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -15,6 +14,7 @@ from shaderlab.evaluation.evaluation import Evaluation
 from shaderlab.expectations.needs import CapturedFragments, CapturedVertices
 from shaderlab.frame import Array, Bindings, PassDraw
 from shaderlab.interpreter import Program, load
+from shaderlab.lazy_dataclass import dataclass
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import lru_cache
 from typing import Any
 
@@ -27,6 +27,7 @@ from shaderlab.frame import PassDraw
 from shaderlab.interpreter import Bands, Interpreted, Program, interpret, read
 from shaderlab.interpreter.memory import Flags
 from shaderlab.judging.formats import stored
+from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Judgement
 from shaderlab.programs.formats import for_output
 from shaderlab.records import ModulesRecord, Row

@@ -6,7 +6,7 @@ import hashlib
 import os
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +15,7 @@ from shaderlab import pictures
 from shaderlab.compiler.spirv_tools import disassemble
 from shaderlab.files import write_bytes
 from shaderlab.frame import Array, Image
+from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Pass, Scene
 from shaderlab.records import Attachment, PassRecord
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -16,6 +15,7 @@ from shaderlab.interpreter.memory import Flags
 from shaderlab.interpreter.program import Instruction
 from shaderlab.interpreter.types import Type
 from shaderlab.interpreter.values import component
+from shaderlab.lazy_dataclass import dataclass
 from shaderlab.programs.instrument import VALUE, Watch
 from shaderlab.programs.watch_points import WatchPoint, watch_points
 

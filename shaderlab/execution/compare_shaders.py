@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,6 +11,7 @@ from shaderlab.compiler.sources import Shaders, Source
 from shaderlab.equivalence import Answer, Plan, compare_programs
 from shaderlab.errors import in_file
 from shaderlab.interpreter import Program, load
+from shaderlab.lazy_dataclass import dataclass
 from shaderlab.options import RunOptions
 
 if TYPE_CHECKING:

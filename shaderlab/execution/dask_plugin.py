@@ -12,7 +12,7 @@ import shutil
 import tempfile
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +22,7 @@ from shaderlab.discovery import data_folder
 from shaderlab.execution.dask_bundles import SHIPPED, Address, Bundle, homes, identity, renamed
 from shaderlab.execution.executor import ProcessExecutor
 from shaderlab.execution.jobs import About, CaseFacts, Job
+from shaderlab.lazy_dataclass import dataclass
 from shaderlab.options import Limits, RunOptions
 
 IDLE_SECONDS = 120.0

@@ -11,13 +11,13 @@ import errno
 import fcntl
 import json
 import os
-from dataclasses import dataclass
 from pathlib import Path
 from typing import IO
 
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.execution.jobs import Job
 from shaderlab.files import NO_ROOM, open_regular, read_regular
+from shaderlab.lazy_dataclass import dataclass
 from shaderlab.options import RunOptions
 from shaderlab.records import Record
 

@@ -6,12 +6,12 @@ import itertools
 import math
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from shaderlab.errors import UsageError, nearest
 from shaderlab.execution.jobs import CaseFacts, Job, Point
+from shaderlab.lazy_dataclass import dataclass
 
 SIZE = "size"
 """The parameter that sets the side of the judged frame in pixels; it is not a shader input."""

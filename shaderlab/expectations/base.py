@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +11,7 @@ from shaderlab.backends import Session
 from shaderlab.compiler.sources import Source
 from shaderlab.errors import CaseError, nearest
 from shaderlab.frame import Bindings, PassDraw
+from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Expectation, Judgement, Programs, Read, Scene
 from shaderlab.programs.prepare import Preparer, step
 from shaderlab.programs.vertices import vertex_outputs

@@ -5,9 +5,10 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from shaderlab.functions.scanner import Item, Scanner
+from shaderlab.lazy_dataclass import dataclass
 
 
 @dataclass(frozen=True)

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from shaderlab.compiler.sources import Source
+from shaderlab.lazy_dataclass import dataclass
 from shaderlab.records import Outcome, SourceText
 
 

@@ -19,11 +19,12 @@ from shaderlab.frame import Array
 from shaderlab.functions.types import Type
 from shaderlab.glslmath.choice import where
 from shaderlab.glslmath.shape import stacked
+from shaderlab.lazy_dataclass import dataclass
 
 Reference = Callable[..., Any]
 
 
-@dataclasses.dataclass(frozen=True)
+@dataclass(frozen=True)
 class _Step:
     """From a result to one of its parts: `name` is number `index` of all `names`."""
 
@@ -32,7 +33,7 @@ class _Step:
     names: tuple[str, ...]
 
 
-@dataclasses.dataclass(frozen=True)
+@dataclass(frozen=True)
 class Part:
     """A part of a call's result.
 

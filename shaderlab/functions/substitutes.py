@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 from shaderlab.compiler.sources import Source
+from shaderlab.lazy_dataclass import dataclass
 
 
 @dataclass

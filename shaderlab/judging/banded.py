@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -18,6 +17,7 @@ from shaderlab.judging.formats import FLOAT_FORMATS
 from shaderlab.judging.informative import MAX_UNDECIDED, MIN_INFORMATIVE, Plausible
 from shaderlab.judging.inputs import Inputs, Reference, evaluate, source_of
 from shaderlab.judging.reference_bands import ReferenceBand, reference_band
+from shaderlab.lazy_dataclass import dataclass
 from shaderlab.records import Row, SourceText, Worst
 
 MAX_VACUOUS = 0.01

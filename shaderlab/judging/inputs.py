@@ -9,7 +9,7 @@ from __future__ import annotations
 import inspect
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import lru_cache
 from types import FunctionType
 from typing import Any
@@ -25,6 +25,7 @@ from shaderlab.errors import FormulaError, ShaderlabError, nearest
 from shaderlab.frame import Array, Bindings, Texels
 from shaderlab.glslmath.arrays import Elements
 from shaderlab.judging.as_written import as_written
+from shaderlab.lazy_dataclass import dataclass
 from shaderlab.records import SourceText
 from shaderlab.sampling import Sampler
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -17,6 +16,7 @@ from shaderlab.judging.chunks import PLACE, chunks, quad_rows
 from shaderlab.judging.formats import FLOAT_FORMATS, as_result, in_format, stored
 from shaderlab.judging.inputs import Inputs, Reference, evaluate, name_of, source_of, wanted
 from shaderlab.judging.remembered import digest, remembered_bands
+from shaderlab.lazy_dataclass import dataclass
 
 Flags = npt.NDArray[np.bool_]
 

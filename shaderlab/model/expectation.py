@@ -12,10 +12,11 @@ import os
 import sys
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
 from shaderlab.frame import Array, Frame, PassDraw
+from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model.checked import Checked
 from shaderlab.model.scene import Pixel
 from shaderlab.records import Curve, Outcome, Plot

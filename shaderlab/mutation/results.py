@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, Literal
 
+from shaderlab.lazy_dataclass import dataclass
 from shaderlab.mutation.mutants import Mutant
 from shaderlab.mutation.states import STATE
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from shaderlab.errors import CaseError, UnsupportedError
+from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Scene
 from shaderlab.mutation.mutants import Effect
 from shaderlab.mutation.subjects import with_what_they_read

@@ -22,11 +22,12 @@ from __future__ import annotations
 import json
 import zlib
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from shaderlab.lazy_dataclass import dataclass
 
 Floats = NDArray[np.float64]
 _REST = 65535.0

@@ -4,12 +4,13 @@ what they wrote put together. No device: the caller draws."""
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from shaderlab.errors import ShaderError, UnsupportedError
 from shaderlab.frame import Array, Fragments
+from shaderlab.lazy_dataclass import dataclass
 from shaderlab.programs import formats, stages
 from shaderlab.programs.prepare import PreparedDraw
 from shaderlab.programs.varyings import Piece, assembled

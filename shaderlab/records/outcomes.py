@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Literal
 
+from shaderlab.lazy_dataclass import dataclass
 from shaderlab.records.programs import SourceText
 
 Status = Literal["pass", "fail", "error", "unsupported", "timeout", "crash"]

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Literal
 
+from shaderlab.lazy_dataclass import dataclass
 from shaderlab.records.outcomes import Plot, Status
 from shaderlab.records.scenes import Record
 

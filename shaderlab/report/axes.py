@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+
+from shaderlab.lazy_dataclass import dataclass
 
 _SMALLEST, _LARGEST = 1e-307, 1e308
 

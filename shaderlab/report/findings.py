@@ -5,10 +5,11 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path
 
 from shaderlab.files import read_regular
+from shaderlab.lazy_dataclass import dataclass
 from shaderlab.records import Diagnostic, Outcome, Record, Run, Severity, Verdict
 from shaderlab.report.grouping import PASSABLE, STATUS_WORDS
 from shaderlab.report.plain_text import label, outcome_details, printable

@@ -9,7 +9,6 @@ from __future__ import annotations
 import base64
 import os
 import struct
-from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from urllib.parse import quote
@@ -18,6 +17,7 @@ from markupsafe import Markup
 
 from shaderlab import pictures
 from shaderlab.files import read_regular
+from shaderlab.lazy_dataclass import dataclass
 
 _SIGNATURE = b"\x89PNG\r\n\x1a\n"
 # Below this a picture is a table of pixels, to be enlarged with hard edges.

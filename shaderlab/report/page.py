@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from shaderlab.lazy_dataclass import dataclass
 from shaderlab.records import (
     CodeCoverage,
     Declared,

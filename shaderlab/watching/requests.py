@@ -6,7 +6,6 @@ import contextlib
 import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,6 +14,7 @@ from shaderlab.execution.jobs import CaseFacts, Job
 from shaderlab.function_tests.running import RunTestFile
 from shaderlab.functions.calling import called_in
 from shaderlab.functions.library import load
+from shaderlab.lazy_dataclass import dataclass
 from shaderlab.options import RunOptions
 from shaderlab.watching.opened import OpenedFiles
 

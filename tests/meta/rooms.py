@@ -16,8 +16,9 @@ BEGIN, END = "<!-- rooms: generated -->", "<!-- end of rooms -->"
 
 # Bottom to top: a room may import those before it.
 ORDER = (
-    "errors", "files", "activity", "packages", "module_path", "options", "observations", "records",
-    "frame", "bands", "sampling", "glslmath", "pictures", "model", "assets", "reference",
+    "lazy_dataclass", "errors", "files", "activity", "packages", "module_path", "options",
+    "observations", "records", "frame", "bands", "sampling", "glslmath", "pictures", "model",
+    "assets", "reference",
     "compiler", "interpreter", "equivalence", "audit", "programs", "backends", "judging",
     "expectations", "discovery", "settings", "catalogue", "evaluation", "report", "execution",
     "mutation", "code_coverage", "functions", "glsl",

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from shaderlab.backends.vulkan.api import NULL, Structs, check, ffi, lib
@@ -17,6 +16,7 @@ from shaderlab.compiler.reflection import reflect
 from shaderlab.compiler.types import unwrap
 from shaderlab.compiler.variables import own_variables
 from shaderlab.errors import UnsupportedError
+from shaderlab.lazy_dataclass import dataclass
 
 SAMPLED, UNIFORM, STORED = 1, 6, 7
 """Kinds of descriptors: a texture with its sampler, a uniform buffer, a storage buffer."""

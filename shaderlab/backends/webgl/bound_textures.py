@@ -4,7 +4,6 @@ them; what they hold as exact values, and the samplers that read them."""
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +24,7 @@ from shaderlab.backends.webgl.target import RenderTarget
 from shaderlab.compiler.interface import Variable
 from shaderlab.errors import UnsupportedError
 from shaderlab.frame import Array, Image
+from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import CompressedTexture, Output, TextureSource
 from shaderlab.model.textures import Sampling, level_sizes
 from shaderlab.programs.compressed import blocks_of
