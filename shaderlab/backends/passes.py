@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
@@ -70,9 +70,10 @@ class PassSession(Session, Generic[Kind, Made]):
         # They draw by this session: it and all its images would stay until cycles are collected.
         stack.callback(self._captures.clear)
 
-    def draw(self) -> Drawn:
+    def draw(self, only: Container[str] | None = None) -> Drawn:
         for description in self.scene.passes:
-            self._run_pass(description)
+            if only is None or description.name in only:
+                self._run_pass(description)
         return Drawn(
             images=self.images,
             bindings=self.bindings,

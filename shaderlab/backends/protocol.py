@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Container, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import field
 
@@ -86,8 +86,8 @@ class Session(ABC):
         self.programs = programs
 
     @abstractmethod
-    def draw(self) -> Drawn:
-        """Draw all passes in order and read their attachments.
+    def draw(self, only: Container[str] | None = None) -> Drawn:
+        """Draw the passes in order, all or only these, and read their attachments.
 
         Raises:
             CaseError: the scene's data do not fit its programs or each other.

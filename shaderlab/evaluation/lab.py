@@ -8,7 +8,6 @@ from collections.abc import Container, Mapping, Sequence
 from dataclasses import replace
 
 from shaderlab.activity import Activity, doing
-from shaderlab.backends import Drawn
 from shaderlab.compiler.es_precision import below_highp
 from shaderlab.errors import (
     CaseError,
@@ -19,6 +18,7 @@ from shaderlab.errors import (
 )
 from shaderlab.evaluation import modules, stored_images
 from shaderlab.evaluation.drawing import SceneDrawer, require_compiled
+from shaderlab.evaluation.enlarging import enlarged
 from shaderlab.evaluation.evaluation import Evaluation
 from shaderlab.evaluation.failures import failure_of, unless_unwritable
 from shaderlab.evaluation.picture_writer import PictureFiles, PictureWriter
@@ -29,7 +29,6 @@ from shaderlab.expectations.reads import unread_outputs
 from shaderlab.frame import Image
 from shaderlab.model import Judgement, Scene
 from shaderlab.observations import Look, Observation
-from shaderlab.programs.prepare import Programs
 from shaderlab.programs.textures import forget_made
 from shaderlab.records import Explanation, Outcome, Record
 
@@ -137,7 +136,9 @@ class Lab(SceneDrawer):
             builder.add_outcome(of_modules.outcome, of_modules)
         if folder is not None:
             with doing("picture", "drawing the picture"):
-                images = self._enlarged(scene, programs, drawn).images
+                images = drawn.images
+                if (side := self.options.picture_size) != self.options.size:
+                    images = enlarged(self.backend, scene, programs, images, side)
                 picture = images[_picture_of(scene, images)]
                 with unless_unwritable(builder):
                     builder.set_pictures(
@@ -225,14 +226,6 @@ class Lab(SceneDrawer):
         if found is None or not lower:
             return found
         return replace(found, verdict="; ".join(filter(None, (found.verdict, lower[0]))))
-
-    def _enlarged(self, scene: Scene, programs: Programs, drawn: Drawn) -> Drawn:
-        """The scene in the size for people: drawn once more, but where it has one size only."""
-        side = self.options.picture_size
-        if side == self.options.size or all(p.target.size or p.computes for p in scene.passes):
-            return drawn
-        with self.backend.session(scene, programs, (side, side)) as session:
-            return session.draw()
 
 
 def _picture_of(scene: Scene, images: Mapping[tuple[str, str], Image]) -> tuple[str, str]:

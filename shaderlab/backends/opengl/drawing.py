@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from contextlib import ExitStack, nullcontext
 from typing import Any
 
@@ -42,10 +42,10 @@ class Drawing(PassSession[RenderTarget, Linker]):
         self._blocks = UniformBuffers(self.device, stack)
         self._arrays: dict[tuple[int, int], tuple[Any, Mesh | None, VertexArray]] = {}
 
-    def draw(self) -> Drawn:
+    def draw(self, only: Container[str] | None = None) -> Drawn:
         recorder = self.device.recorder
         with nullcontext() if recorder is None else recorder.recording():
-            return super().draw()
+            return super().draw(only)
 
     def make_target(self, description: Pass, colors: dict[str, str], extent: Size) -> RenderTarget:
         return RenderTarget(self.device, description.target, colors, extent)
