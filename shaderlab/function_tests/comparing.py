@@ -39,8 +39,7 @@ class Difference:
 def difference(worker: LabWorker, source: Source, text: str, names: Collection[str]) -> Difference:
     """Compare these functions of a source and of another text for it, bit by bit.
 
-    Functions of structs, of matrices in structs and of samplers can't be asked for their values at
-    random arguments.
+    A function that reads other samplers than a `sampler2D` can't be asked at random arguments.
     """
     other = replace(source, text=text, stripped=None)
     count, unasked = 0, []
@@ -48,7 +47,7 @@ def difference(worker: LabWorker, source: Source, text: str, names: Collection[s
         before, after = (Library(one, "", {}) for one in (source, other))
         for name in sorted(names):
             for signature in before[name].signatures:
-                if not all(map(_is_plain, _inputs(signature).values())):
+                if not all(map(_is_sampled, _inputs(signature).values())):
                     unasked.append(name)
                     continue
                 types = ", ".join(str(p.type) for p in signature.parameters)
@@ -66,17 +65,34 @@ def _inputs(signature: Signature) -> dict[str, Type]:
     return {one.name: one.type for one in (*signature.given, *signature.globals)}
 
 
-def _is_plain(kind: Type) -> bool:
-    return bool(kind.kind) and not kind.opaque
+def _is_sampled(kind: Type) -> bool:
+    if kind.members:
+        return all(_is_sampled(its) for _, its in kind.members)
+    return bool(kind.kind) or kind.name == "sampler2D"
 
 
-def _arguments(signature: Signature, text: str) -> Iterator[dict[str, Array]]:
+def _arguments(signature: Signature, text: str) -> Iterator[dict[str, Any]]:
     rng, hints = np.random.default_rng(0), hints_of(text)
+    # What is in a struct with samplers has one value for a call.
     for reach in _REACHES:
         yield {
-            name: _domain(kind, reach).sample(rng, (SAMPLES, *kind.shape), hints)
+            name: _sample(kind, reach, () if kind.opaque else (SAMPLES,), rng, hints)
             for name, kind in _inputs(signature).items()
         }
+
+
+def _sample(
+    kind: Type, reach: float, batch: tuple[int, ...], rng: np.random.Generator, hints: Array
+) -> Any:
+    """Random values of a type, for each element of a batch; an image for a sampler."""
+    if kind.dims and not kind.kind:
+        return [_sample(kind.element, reach, batch, rng, hints) for _ in range(kind.dims[0])]
+    if kind.members:
+        return {name: _sample(its, reach, batch, rng, hints) for name, its in kind.members}
+    if kind.opaque:
+        return rng.random((4, 4, 4), np.float32)
+    found = _domain(kind, reach).sample(rng, (*(batch or (8,)), *kind.shape), hints)
+    return found if batch else found[-1]
 
 
 def _domain(kind: Type, reach: float) -> Domain:

@@ -10,8 +10,10 @@ import pytest
 from click.testing import CliRunner
 
 from shaderlab.cli import cli, selecting
+from shaderlab.compiler.sources import Shaders
 from shaderlab.errors import CaseError
 from shaderlab.execution.lab_worker import LabWorker
+from shaderlab.function_tests.comparing import difference
 from shaderlab.function_tests.mutants import (
     FunctionMutant,
     JudgeFunctionMutant,
@@ -123,6 +125,30 @@ def test_mutants_are_of_functions_that_tests_ask_for(worker: LabWorker, folder: 
     # What no compiler takes is no mistake that a test has to notice.
     wrong = GLSL.replace("2.0 * x", "2.0 * nothing")
     assert fate("2.0 * x", "2.02 * x", text=wrong)[0] == "invalid"
+
+
+def test_structures_and_textures_are_asked_for_other_values(worker: LabWorker) -> None:
+    text = """
+        struct Light { vec3 at; float reach; };
+        struct Surface { sampler2D color; float gain; };
+        float near(Light light, vec3 p) { return distance(light.at, p) / light.reach * 1.0; }
+        vec4 shone(Surface surface, vec2 p) { return surface.gain * texture(surface.color, p); }
+        vec4 texel(sampler2D image, ivec2 p) { return texelFetch(image, p & 3, 0) + 0.0; }
+        float cube(samplerCube sky, vec3 p) { return texture(sky, p).r * 1.0; }
+    """
+    source = Shaders([]).from_text(text, "fragment", "text")
+    for name, before, after, expected in [
+        ("near", "light.reach *", "(light.reach + 0.01) *", True),
+        ("near", "light.reach * 1.0", "light.reach / 1.0", False),
+        ("shone", "surface.gain *", "1.01 * surface.gain *", True),
+        ("texel", "p & 3", "p & 1", True),
+        ("texel", "0) + 0.0", "0) - 0.0", False),
+        ("cube", ".r * 1.0", ".g * 1.0", None),
+    ]:
+        changed = text.replace(before, after)
+        assert changed != text
+        found = difference(worker, source, changed, [name])
+        assert found.differs is expected, (name, after, found.said)
 
 
 def test_texts_and_values_of_the_import_are_mutated_too(worker: LabWorker, folder: Path) -> None:
