@@ -3,6 +3,7 @@ half the size, and nothing is left empty."""
 
 from __future__ import annotations
 
+import functools
 from typing import Any
 
 import numpy as np
@@ -84,10 +85,18 @@ def holes(large: npt.NDArray[Any], small: npt.NDArray[Any]) -> npt.NDArray[Any]:
     [[False, True]]
     """
     (height, width), by = small.shape[:2], len(large) // len(small)
-    blocks = (large != 0.0).any(axis=-1).reshape(height, by, width, by).all(axis=(1, 3))
-    around = np.pad((small != 0.0).any(axis=-1), 1, constant_values=True)
-    inside = np.asarray(sliding_window_view(around, (3, 3)).all(axis=(2, 3)))
-    return np.asarray(inside & ~np.asarray(blocks))
+    filled = _drawn_on(large).reshape(height, by, width, by).all(axis=(1, 3))
+    empty = np.asarray(~filled)
+    if empty.any():
+        around = np.pad(_drawn_on(small), 1, constant_values=True)
+        empty &= sliding_window_view(around, (3, 3)).all(axis=(2, 3))
+    return empty
+
+
+def _drawn_on(picture: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
+    """Pixels that have a channel which is not 0."""
+    channels = [picture[..., k] != 0.0 for k in range(picture.shape[-1])]
+    return np.asarray(functools.reduce(np.logical_or, channels))
 
 
 def filled_check(of: str) -> Any:
@@ -216,7 +225,7 @@ def softened_check(of: str = "scene", name: str = "picture") -> Any:
     )
 
 
-ROWS_AT_ONCE = 8
+ROWS_AT_ONCE = 16
 
 
 def furthest_from_mean(scene: npt.NDArray[Any], picture: npt.NDArray[Any]) -> float:
@@ -228,12 +237,16 @@ def furthest_from_mean(scene: npt.NDArray[Any], picture: npt.NDArray[Any]) -> fl
     0.02026
     """
     furthest = 0.0
-    # What lies side by side and stays in the processor's cache takes half the time, or less.
+    # Some rows at a time stay in the processor's cache, and a channel lies side by side.
     for row in range(0, len(picture), ROWS_AT_ONCE):
-        part = picture[row : row + ROWS_AT_ONCE].astype(np.float64)
-        light = scene[2 * row : 2 * (row + len(part)), :, :3].astype(np.float64, order="C") ** 2.2
-        rows = light[0::2] + light[1::2]
-        mean = 0.25 * (rows[:, 0::2] + rows[:, 1::2])
-        furthest = np.maximum(furthest, np.abs(mean ** (1.0 / 2.2) - part[..., :3]).max())
-        furthest = np.maximum(furthest, np.abs(part[..., 3:] - 1.0).max(initial=0.0))
+        part = _channels(picture[row : row + ROWS_AT_ONCE])
+        light = _channels(scene[2 * row : 2 * (row + ROWS_AT_ONCE), :, :3]) ** 2.2
+        rows = light[:, 0::2] + light[:, 1::2]
+        mean = 0.25 * (rows[..., 0::2] + rows[..., 1::2])
+        furthest = np.maximum(furthest, np.abs(mean ** (1.0 / 2.2) - part[:3]).max())
+        furthest = np.maximum(furthest, np.abs(part[3:] - 1.0).max(initial=0.0))
     return float(furthest)
+
+
+def _channels(rows: npt.NDArray[Any]) -> npt.NDArray[np.float64]:
+    return np.moveaxis(rows, -1, 0).astype(np.float64, order="C")

@@ -130,10 +130,19 @@ def _in_sight(side: int) -> tuple[tuple[int, int], ...]:
     places = np.insert(geometry["attributes"]["aPos"], 3, 1.0, axis=1)
     corners = geometry["indices"].reshape(-1, 3)
     clip = (places @ functools.reduce(np.matmul, matrices).T)[corners]
-    colors = geometry["attributes"]["aColor"][corners[:, 0]]
+    # What a closed solid turns away lies behind what it turns here.
+    here = _turned_here(clip)
+    clip, colors = clip[here], geometry["attributes"]["aColor"][corners[here, 0]]
     of = [np.isclose(colors, hue).all(axis=1) for hue in HUES.values()]
     draws = [*(clip[mine] for mine in of), clip[~np.any(of, axis=0)]]
     return samples_seen(draws, (side, side))[: len(HUES)]
+
+
+def _turned_here(clip: Array) -> Array:
+    """Which triangles, given in clip coordinates, have their corners counter-clockwise."""
+    a, b, c = np.moveaxis(clip[..., :2] / clip[..., 3:], 1, 0)
+    u, v = b - a, c - a
+    return np.asarray(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0] > 0.0)
 
 
 def _count(picture: Array, of: Array) -> int:

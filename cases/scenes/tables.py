@@ -157,32 +157,30 @@ def _to_stroke(at: Value, start: tuple[float, float], end: tuple[float, float]) 
 
 def _written(at: Value, number: Value) -> Value:
     """1 on the dots of a number of up to three figures in the middle of a field."""
-    ink: Value = 0.0
-    for count, least in ((1, -1.0), (2, 9.5), (3, 99.5)):
-        here: Value = 0.0
-        for k in range(count):
-            left = 0.5 - 0.5 * (PITCH * (count - 1) + WIDE) + PITCH * k
-            dots = (at - vec2(left, 0.5 - 0.5 * HIGH)) * vec2(3.0 / WIDE, 5.0 / HIGH)
-            tens = floor((number + 0.5) / 10.0 ** (count - 1 - k))
-            # Sums in another order may be off a whole number: then no dot would be decided.
-            digit = floor(tens - 10.0 * floor((tens + 0.5) / 10.0) + 0.5)
-            here = max(here, _lit(floor(dots), digit))
-        ink = where(number > least, here, ink)
-    return ink
+    more = [where(number > least, 1.0, 0.0) for least in (9.5, 99.5)]
+    left = 0.5 - 0.5 * WIDE - 0.5 * PITCH * (more[0] + more[1])
+    across = swizzle(at, "x") - left
+    # Which figure of the number; the next one begins where there is nothing between the two.
+    place = min(max(floor(across / PITCH + 0.1), 0.0), more[0] + more[1])
+    power = more[0] + more[1] - place
+    tens = floor((number + 0.5) / where(power > 1.5, 100.0, where(power > 0.5, 10.0, 1.0)))
+    # Sums in another order may be off a whole number: then no dot would be decided.
+    digit = floor(tens - 10.0 * floor((tens + 0.5) / 10.0) + 0.5)
+    column = floor((across - PITCH * place) * (3.0 / WIDE))
+    row = floor((swizzle(at, "y") - (0.5 - 0.5 * HIGH)) * (5.0 / HIGH))
+    return _lit(column, row, digit)
 
 
-def _lit(dot_: Value, digit: Value) -> Value:
+def _lit(column: Value, row: Value, digit: Value) -> Value:
     """1 where a figure has a dot in this column from the left and row from below."""
-    x, y = swizzle(dot_, "x"), swizzle(dot_, "y")
     whole: Value = 0.0  # all dots of the figure: the bit 3·row + column of each
     for number in range(10):
         rows = [line.split()[number] for line in reversed(DIGITS)]
         bits = sum(1 << k for k, mark in enumerate("".join(rows)) if mark == "#")
         whole = where(digit == number, float(bits), whole)
-    bit: Value = 1.0
-    place = floor(3.0 * y + x + 0.5)
-    for k in range(1, 15):
-        bit = where(place == k, float(1 << k), bit)
+    bit: Value = where(column == 1.0, 2.0, where(column == 2.0, 4.0, 1.0))
+    for k in range(1, 5):
+        bit = where(row == k, 8.0**k, 1.0) * bit
     half = floor((whole + 0.5) / bit)
-    inside = (x >= 0.0) & (x <= 2.0) & (y >= 0.0) & (y <= 4.0)
+    inside = (column >= 0.0) & (column <= 2.0) & (row >= 0.0) & (row <= 4.0)
     return where(inside & (half - 2.0 * floor(0.5 * half + 0.25) > 0.5), 1.0, 0.0)
