@@ -71,6 +71,9 @@ def brick_maps(size, **sampling):
     }
 
 
+BRICKS = brick_maps(512, **SMOOTH)
+
+
 def lit_wall(lamp, model, mesh, maps, *, flat=False, cell=None):
     """The wall under one lamp."""
     shaders = tuple(f"ch05_lighting/normal_map.{stage}" for stage in ("vert", "geom", "frag"))
@@ -81,8 +84,7 @@ def lit_wall(lamp, model, mesh, maps, *, flat=False, cell=None):
 
 def quarter(k, lamp, flat=False):
     """One quarter of the picture."""
-    maps = brick_maps(512, **SMOOTH)
-    return lit_wall(lamp, TURNED, wall(), maps, flat=flat, cell=cell(k, 2, 2))
+    return lit_wall(lamp, TURNED, wall(), BRICKS, flat=flat, cell=cell(k, 2, 2))
 
 
 def judged(name, lamp, repeat=1.0, flat=False):

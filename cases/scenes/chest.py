@@ -5,6 +5,7 @@ Each map is a float32 array (height, width, 4) in 0…1, linear light, row 0 at 
 
 from __future__ import annotations
 
+import functools
 from typing import Any
 
 import numpy as np
@@ -23,7 +24,7 @@ def chest_diffuse(size: int = 256) -> Array:
     >>> chest_diffuse(64).shape
     (64, 64, 4)
     """
-    wood = np.asarray(crate(size)[..., :3], float) ** 1.6
+    wood = _wood(size) ** 1.6
     iron, rivet, edge = _iron(size)
     grey = 0.055 + 0.03 * rivet - 0.03 * edge
     color = np.where(iron[..., None], grey[..., None] * np.array([0.95, 1.0, 1.1]), wood)
@@ -37,7 +38,7 @@ def chest_specular(size: int = 256) -> Array:
     >>> bool(shine[20, 32] < 0.1 < shine[32, 32])
     True
     """
-    wood = np.asarray(crate(size)[..., :3], float)
+    wood = _wood(size)
     iron, rivet, edge = _iron(size)
     t, s = _coordinates(size)
     scratches = 0.5 + 0.5 * np.sin(260.0 * s + 3.0 * np.sin(41.0 * t))
@@ -47,6 +48,12 @@ def chest_specular(size: int = 256) -> Array:
     return _rgba(np.where(iron, shine, dull)[..., None] * np.ones(3))
 
 
+@functools.lru_cache(maxsize=1)
+def _wood(size: int) -> Array:
+    return np.asarray(crate(size)[..., :3], float)
+
+
+@functools.lru_cache(maxsize=1)
 def _iron(size: int) -> tuple[Array, Array, Array]:
     """Where there is iron (bool), rivets (0…1) and the shadow along its edges (0…1)."""
     t, s = _coordinates(size)

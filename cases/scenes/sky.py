@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -73,11 +74,20 @@ def _noise(place: Array, seed: int) -> Array:
         low = np.floor(point).astype(int)
         part = point - low
         part = part * part * (3.0 - 2.0 * part)
-        for corner in np.ndindex(2, 2, 2):
-            index = tuple((low[..., k] + corner[k]) % 32 for k in range(3))
-            x, y, z = (part[..., k] if corner[k] else 1.0 - part[..., k] for k in range(3))
-            total += x * y * z * lattice[index] * 0.5 ** (octave + 1)
+        # Along each axis both neighbours: where in the lattice, and how much of them.
+        near = [
+            [((low[..., k] + side) % 32 * step, abs(1 - side - part[..., k])) for side in (0, 1)]
+            for k, step in enumerate((32 * 32, 32, 1))
+        ]
+        for (i, x), (j, y) in product(*near[:2]):
+            row, share = i + j, x * y
+            for k, z in near[2]:
+                total += share * z * lattice.take(row + k) * 0.5 ** (octave + 1)
     return np.asarray(total / 0.875)
+
+
+# The same functions for all, so that what they make is made once.
+_MORNING = [partial(sky_face, k) for k in range(6)]
 
 
 def skies(seed: int) -> tuple[CubeTexture, CubeTexture]:
@@ -89,6 +99,6 @@ def skies(seed: int) -> tuple[CubeTexture, CubeTexture]:
     smooth = ("linear", "linear")
     random = np.random.default_rng(seed).random((6, 8, 8, 4))
     return (
-        CubeTexture(faces=[partial(sky_face, k) for k in range(6)], filter=smooth),
+        CubeTexture(faces=_MORNING, filter=smooth),
         CubeTexture(faces=list(random), filter=smooth),
     )
