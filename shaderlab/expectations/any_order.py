@@ -4,7 +4,8 @@ A scene is drawn twice, the second time in reverse: its last draw first or, with
 last triangle first. Unless depth alone decides which surface a pixel shows, the images differ. A
 mistake in both of them may not: so the pass is drawn small once more, by its own depth tests and by
 those that show the nearest surface; and, as nearest surfaces need no test to be seen, with the
-farthest in front. Where draws cull, the nearest surfaces of either side are drawn, too: what is
+farthest in front. Where its own tests are such tests, all of one kind, there is nothing to compare.
+Where draws cull, the nearest surfaces of either side are drawn, too: what is
 culled of closed solids lies behind what is not.
 
 Two faces that meet in an edge have one depth there. Where both lie on the same side of it, as at an
@@ -116,8 +117,8 @@ class AnyOrder(Exact):
 
     def _drawn_anew(self, scene: Scene) -> Mapping[str, tuple[Need, ...]]:
         """For what is to be in front the pass by its own tests, and by tests for that, which let
-        the first of equally far surfaces through, or the last; none without a depth buffer of the
-        pass's own."""
+        the first of equally far surfaces through, or the last; none where its own are one of the
+        two, and without a depth buffer of the pass's own."""
         (name, _), output = self.key(scene), self.own_name(scene)
         description = scene.find_pass(name)
         if not self.tested or description.target.depth is None or description.onto:
@@ -125,21 +126,19 @@ class AnyOrder(Exact):
         near, far = ("less", "lequal"), ("greater", "gequal")
         if description.target.clear_depth < 0.5:
             near, far = far, near
-        fronts = {
-            "nearest surface": (near, False),
-            "farthest surface, tests turned round": (far, True),
-        }
-        found = {
-            front: tuple(
-                DrawnAnew(name, output, turned, test)
-                for test in (_own_test(description, tests, turned=turned), *tests)
-            )
-            for front, (tests, turned) in fronts.items()
-        }
+        own, found = _one_test(description, near), {}
+        if not own:
+            fronts = {
+                "nearest surface": (near, False),
+                "farthest surface, tests turned round": (far, True),
+            }
+            found = {
+                front: tuple(DrawnAnew(name, output, turned, test) for test in ("", *tests))
+                for front, (tests, turned) in fronts.items()
+            }
         if any(draw.state.cull for draw in description.draws):
-            own, *_ = found["nearest surface"]
             either = (DrawnAnew(name, output, False, test, culled=False) for test in near)
-            found[EITHER_SIDE] = (own, *either)
+            found[EITHER_SIDE] = (DrawnAnew(name, output, False, own), *either)
         return found
 
 
@@ -222,9 +221,9 @@ def _depth(draw: Draw, *, turned: bool) -> Depth | None:
     return replace(test, func=_OPPOSITE.get(test.func, test.func))
 
 
-def _own_test(description: Pass, tests: Sequence[str], *, turned: bool) -> str:
-    """That of some tests which is each draw's own, so that both are drawn once; else ""."""
-    own = [_depth(draw, turned=turned) for draw in description.draws]
+def _one_test(description: Pass, tests: Sequence[str]) -> str:
+    """That of some tests which each draw has, and writes by; else ""."""
+    own = [draw.state.depth for draw in description.draws]
     return next((test for test in tests if all(one == Depth(func=test) for one in own)), "")
 
 

@@ -48,10 +48,10 @@ def test_what_is_compared() -> None:
     assert check.equals == Output("scene-backwards.FragColor")
 
 
-def test_a_pass_whose_own_depth_tests_are_those_it_is_drawn_with_is_drawn_once_with_each() -> None:
-    def drawn(*tests: str) -> int:
+def test_a_pass_is_drawn_anew_unless_its_own_depth_tests_show_the_nearest_surface() -> None:
+    def drawn(*tests: str, cull: str | None = None) -> int:
         draws = [
-            replace(draw(f"{i}.vert"), state=State(depth=Depth(func=t)))
+            replace(draw(f"{i}.vert"), state=State(depth=Depth(func=t), cull=cull))
             for i, t in enumerate(tests)
         ]
         target = Target(depth="depth24")
@@ -63,7 +63,8 @@ def test_a_pass_whose_own_depth_tests_are_those_it_is_drawn_with_is_drawn_once_w
         needs = case.scene("default").expect[0].needs(case.scene("default"), {})
         return len({need for need in needs if isinstance(need, DrawnAnew)})
 
-    assert drawn("less", "less") == drawn("lequal", "lequal") == 4
+    assert drawn("less", "less") == drawn("lequal", "lequal") == 0
+    assert drawn("less", "less", cull="back") == 3
     assert drawn("less", "lequal") == drawn("less", "always") == drawn("greater", "greater") == 6
 
 
