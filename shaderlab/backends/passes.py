@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Container, Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence, Set
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
@@ -97,6 +97,10 @@ class PassSession(Session, Generic[Kind, Made]):
         `shaderlab.programs.captures`)."""
         same = captures.identity(self.scene, self.programs, key, self.size)
         return self.cache.get(same, lambda: self._capture(key[0]).fragments(key[1]))
+
+    def release_captures(self, kept: Set[str]) -> None:
+        for name in self._captures.keys() - kept:
+            del self._captures[name]
 
     def written(self, key: PassDraw, text: str, outputs: Mapping[str, str]) -> Mapping[str, Array]:
         return self._capture(key[0]).written(key[1], text, outputs)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Container, Mapping, Sequence
+from collections.abc import Callable, Container, Mapping, Sequence, Set
 from contextlib import AbstractContextManager
 from dataclasses import field
 
@@ -97,6 +97,9 @@ class Session(ABC):
     def fragments(self, key: PassDraw) -> Fragments:
         """What the fragment shader of a draw got, at each pixel that it was the last to write."""
         raise UnsupportedError("capturing fragments: this backend can't")
+
+    def release_captures(self, kept: Set[str]) -> None:  # noqa: B027
+        """Release what is kept for further fragments of the same passes, but for some passes."""
 
     def written(self, key: PassDraw, text: str, outputs: Mapping[str, str]) -> Mapping[str, Array]:
         """What the fragments that are seen of a draw write to some outputs (format by name), where

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Set
 from dataclasses import replace
 from typing import Any
 
 from shaderlab.activity import doing
 from shaderlab.backends import Backend, Session
-from shaderlab.errors import DriverError, UnsupportedError
+from shaderlab.errors import DriverError
 from shaderlab.expectations.base import Context
 from shaderlab.expectations.discards import KeptOut
+from shaderlab.expectations.needs import CapturedFragments
 from shaderlab.frame import Frame
 from shaderlab.model import Expectation, Judgement, Need, error_name
 from shaderlab.programs.prepare import Preparer
@@ -79,16 +80,41 @@ class Evaluation:
         yield from expectation.needs(self.scene, self.programs)
         yield from self._kept_out.needed(expectation)
 
-    def gather_all(self) -> dict[int, UnsupportedError]:
-        """Ask for all that the scene's expectations need. Returns the numbers of those that the
-        driver has no answer for, and why; the others are judged all the same."""
-        unanswered = {}
+    def by_turns(
+        self, before_release: Callable[[Set[Need]], None] | None = None
+    ) -> Iterator[tuple[int, Expectation]]:
+        """The scene's expectations with their numbers, in order, each to be gathered and judged
+        before the next one is asked for. What none after it needs is let go then: captures are as
+        large as pictures.
+
+        Args:
+            before_release: is called before anything is let go, with what is still needed.
+        """
+        own, kept = self._last
         for index, expectation in enumerate(self.scene.expect):
-            try:
-                self.gather(expectation)
-            except UnsupportedError as error:
-                unanswered[index] = error
-        return unanswered
+            yield index, expectation
+            needed = {need for need, last in own.items() if last > index}
+            needed |= {
+                n for n, last in kept.items() if last > index and not self._kept_out.knows(n)
+            }
+            if before_release is not None:
+                before_release(needed)
+            self.forget([need for need in self.answers if need not in needed])
+            self.session.release_captures(passes_captured(needed))
+
+    @functools.cached_property
+    def _last(self) -> tuple[dict[Need, int], dict[CapturedFragments, int]]:
+        """The number of the last expectation that has each need; and of the last that asks whether
+        a draw keeps anything out."""
+        expect = list(enumerate(self.scene.expect))
+        own = {need: i for i, e in expect for need in e.needs(self.scene, self.programs)}
+        return own, {need: i for i, e in expect for need in self._kept_out.needed(e)}
+
+    @property
+    def asked(self) -> Set[Need]:
+        """All that the scene's expectations need."""
+        own, kept = self._last
+        return own.keys() | kept.keys()
 
     def answer(self, need: Need) -> Any:
         """What a need asks for, asked for once. Raises ShaderlabError if there is no answer."""
@@ -130,3 +156,8 @@ class Evaluation:
         ):
             return like.answers[need]
         return need.answer(self._context)
+
+
+def passes_captured(needs: Iterable[Need]) -> set[str]:
+    """The passes of which some needs are captured fragments."""
+    return {need.key[0] for need in needs if isinstance(need, CapturedFragments)}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Container, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from shaderlab.activity import Activity, doing
@@ -14,13 +14,15 @@ from shaderlab.errors import (
     DeviceLostError,
     OtherApiError,
     ShaderlabError,
+    UnsupportedError,
     nearest,
 )
-from shaderlab.evaluation import modules, stored_images
+from shaderlab.evaluation import stored_images
 from shaderlab.evaluation.drawing import SceneDrawer, require_compiled
 from shaderlab.evaluation.enlarging import enlarged
 from shaderlab.evaluation.evaluation import Evaluation
 from shaderlab.evaluation.failures import failure_of, unless_unwritable
+from shaderlab.evaluation.modules import JudgedDraws
 from shaderlab.evaluation.picture_writer import PictureFiles, PictureWriter
 from shaderlab.evaluation.record_builder import RecordBuilder, told
 from shaderlab.expectations.formula import Formula
@@ -104,24 +106,26 @@ class Lab(SceneDrawer):
             builder.add_driver_verdicts(self.driver_verdict)
         picture_size = 0 if folder is None else self.options.picture_size
         builder.set_device(self.driver, self.options.size, picture_size)
+        of_modules = None
         with self.evaluation(scene, programs) as evaluation:
-            unanswered = evaluation.gather_all()
+            drawn = evaluation.drawn
+            if self.options.frames is not None:
+                with unless_unwritable(builder, "the values that drivers are compared by"):
+                    stored_images.save(
+                        self.options.frames, scene.case.id, scene.variant, drawn.images
+                    )
+                builder.set_drawn(drawn.images)
+            builder.add_inactive_uniforms(drawn.inactive)
+            evaluation.require_no_other_errors()
             if self.options.gl_calls:
                 builder.set_gl_calls(evaluation.answer(Traced()))
-            of_modules = None
+            draws = None
             if self.options.modules is not False:
-                every = bool(self.options.modules)
-                with doing("judge", "judging each draw by its shader"):
-                    found, of_modules = modules.judge_modules(evaluation, every=every)
+                draws = JudgedDraws(evaluation, every=bool(self.options.modules))
+            unanswered = self.judge_all(evaluation, builder, writer, draws)
+            if draws is not None:
+                found, of_modules = draws.judgement()
                 builder.set_modules(found)
-        drawn = evaluation.drawn
-        if self.options.frames is not None:
-            with unless_unwritable(builder, "the values that drivers are compared by"):
-                stored_images.save(self.options.frames, scene.case.id, scene.variant, drawn.images)
-            builder.set_drawn(drawn.images)
-        builder.add_inactive_uniforms(drawn.inactive)
-        evaluation.require_no_other_errors()
-        self.judge_all(evaluation, builder, writer, unanswered)
         evaluation.forget(tuple(evaluation.answers))  # pictures take as much memory as they do
         if unanswered:
             names = {index: scene.expect[index].name for index in unanswered}
@@ -150,57 +154,72 @@ class Lab(SceneDrawer):
         evaluation: Evaluation,
         builder: RecordBuilder,
         writer: PictureWriter,
-        unanswered: Container[int] = (),
-    ) -> None:
-        """Judge all expectations of a scene that was drawn, but for those with these numbers, and
-        write the pictures of each."""
+        draws: JudgedDraws | None = None,
+    ) -> dict[int, UnsupportedError]:
+        """Judge all expectations of a scene that was drawn, one after the other, and write the
+        pictures of each; and its `draws`, those that expectations capture.
+
+        Returns the numbers of the expectations that the driver has no answer for, and why.
+        """
         explained = False
-        wanted = {
-            need: index
-            for index, expectation in enumerate(evaluation.scene.expect)
-            if index not in unanswered
-            for need in evaluation.needs(expectation)
-        }
-        for index, expectation in enumerate(evaluation.scene.expect):
-            # What no later expectation asks for is let go: captures are as large as pictures.
-            evaluation.forget(need for need, last in wanted.items() if last < index)
-            if index in unanswered:
-                continue
-            files = PictureFiles()
+        unanswered = {}
+        before_release = None if draws is None else draws.judge_captured
+        for index, expectation in evaluation.by_turns(before_release):
             try:
-                judgement = evaluation.judge(expectation)
-                worst = judgement.outcome.worst
-                with doing("picture"), unless_unwritable(builder):
-                    files = writer.write_comparison(
-                        f"{index}-{expectation.name}",
-                        judgement.pictures,
-                        worst.pixel if worst else None,
-                        passed=judgement.outcome.status == "pass",
-                    )
-            except ShaderlabError as error:  # in a picture: of values that nothing else looked at
-                judgement = Judgement(
-                    outcome=Outcome(
-                        name=expectation.name,
-                        kind=expectation.kind,
-                        status="error",
-                        message=told(error),
-                    )
+                evaluation.gather(expectation)
+            except UnsupportedError as error:
+                unanswered[index] = error
+                continue
+            # The first failure is explained: others mostly fail for the same reason.
+            explained |= self._judge(evaluation, builder, writer, index, explain=not explained)
+        return unanswered
+
+    def _judge(
+        self,
+        evaluation: Evaluation,
+        builder: RecordBuilder,
+        writer: PictureWriter,
+        index: int,
+        *,
+        explain: bool,
+    ) -> bool:
+        """Judge one expectation and write its pictures. Returns whether it is a formula that fails,
+        which gets an explanation if asked for one."""
+        files, explanation = PictureFiles(), None
+        expectation = evaluation.scene.expect[index]
+        try:
+            judgement = evaluation.judge(expectation)
+            worst = judgement.outcome.worst
+            with doing("picture"), unless_unwritable(builder):
+                files = writer.write_comparison(
+                    f"{index}-{expectation.name}",
+                    judgement.pictures,
+                    worst.pixel if worst else None,
+                    passed=judgement.outcome.status == "pass",
                 )
-            explanation = None
-            failed = judgement.outcome.status == "fail"
-            if failed and isinstance(expectation, Formula) and not explained:
-                # The first one: others mostly fail for the same reason.
-                explained = True
-                explanation = self._explanation(evaluation, expectation, judgement.outcome)
-            outcome = replace(
-                judgement.outcome,
-                explanation=explanation,
-                images=files.files,
-                captions=files.captions,
-                values=files.values,
-                line=expectation.line_in(evaluation.scene.case.file),
+        except ShaderlabError as error:  # in a picture: of values that nothing else looked at
+            judgement = Judgement(
+                outcome=Outcome(
+                    name=expectation.name,
+                    kind=expectation.kind,
+                    status="error",
+                    message=told(error),
+                )
             )
-            builder.add_outcome(outcome, judgement)
+        failed = judgement.outcome.status == "fail" and isinstance(expectation, Formula)
+        if failed and explain:
+            assert isinstance(expectation, Formula)
+            explanation = self._explanation(evaluation, expectation, judgement.outcome)
+        outcome = replace(
+            judgement.outcome,
+            explanation=explanation,
+            images=files.files,
+            captions=files.captions,
+            values=files.values,
+            line=expectation.line_in(evaluation.scene.case.file),
+        )
+        builder.add_outcome(outcome, judgement)
+        return failed
 
     def _explanation(
         self, evaluation: Evaluation, expectation: Formula, outcome: Outcome

@@ -9,17 +9,18 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence, Set
 from dataclasses import field, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
 
+from shaderlab.activity import doing
 from shaderlab.bands import Band
 from shaderlab.compiler.sources import Source
 from shaderlab.errors import DeviceLostError, NotInterpretedError, ShaderlabError
-from shaderlab.evaluation.evaluation import Evaluation
+from shaderlab.evaluation.evaluation import Evaluation, passes_captured
 from shaderlab.evaluation.interpreting import Invocations, fragments, program_of, stage_of
 from shaderlab.expectations import judge_rows
 from shaderlab.expectations.needs import CapturedFragments
@@ -28,7 +29,7 @@ from shaderlab.interpreter import Bands, Interpreted, Program, interpret, read
 from shaderlab.interpreter.memory import Flags
 from shaderlab.judging.formats import stored
 from shaderlab.lazy_dataclass import dataclass
-from shaderlab.model import Judgement
+from shaderlab.model import Judgement, Need
 from shaderlab.programs.formats import for_output
 from shaderlab.records import ModulesRecord, Row
 
@@ -47,23 +48,64 @@ class _Found:
     message: str = ""
 
 
-def judge_modules(
-    evaluation: Evaluation, *, every: bool = False
-) -> tuple[ModulesRecord, Judgement]:
-    """Whether the driver drew what each draw's fragment shader allows; asked while the scene is on
-    the device.
+class JudgedDraws:
+    """The draws of a scene, held against their own shaders; asked while it is on the device.
 
     Args:
         evaluation: the scene.
         every: look at all pixels of all draws. Otherwise at some of each program's first draw,
-            and of those whose inputs are captured already, of one in each pass.
+            and of those whose inputs expectations capture, of one in each pass.
     """
-    found = _Found()
-    for key in _keys(evaluation, every=every):
+
+    def __init__(self, evaluation: Evaluation, *, every: bool = False) -> None:
+        self._evaluation = evaluation
+        self._every = every
+        self._found: dict[PassDraw, _Found] = {}
+        self._captured: set[Need] = set()
+
+    def judge_captured(self, needed: Set[Need]) -> None:
+        """Judge the draws whose captured inputs are not `needed` any more, and all others of a pass
+        of which nothing is: they are captured with those."""
+        answers = self._evaluation.answers
+        self._captured |= answers.keys()
+        later = passes_captured(needed)
+        ended = passes_captured(self._evaluation.asked) - later
+        for key in self._planned:
+            need = CapturedFragments(key)
+            if key[0] in ended or (need in answers and need not in needed):
+                self._judge(key)
+
+    def judgement(self) -> tuple[ModulesRecord, Judgement]:
+        """Whether the driver drew what each draw's fragment shader allows."""
+        whole = _Found()
+        self._captured |= self._evaluation.answers.keys()
+        for key in _keys(self._evaluation, self._captured, every=self._every):
+            found = self._judge(key)
+            whole.rows += found.rows
+            whole.left_out |= found.left_out
+            whole.outputs |= found.outputs
+            whole.judged += found.judged
+            whole.message = whole.message or found.message
+        record = ModulesRecord(
+            judged=whole.judged, outputs=tuple(whole.outputs), left_out=tuple(whole.left_out)
+        )
+        judgement = judge_rows(_NAME, "module", whole.rows, whole.message, judged=whole.judged)
+        return record, judgement
+
+    @cached_property
+    def _planned(self) -> Sequence[PassDraw]:
+        return list(_keys(self._evaluation, self._evaluation.asked, every=self._every))
+
+    def _judge(self, key: PassDraw) -> _Found:
+        """What was found of a draw, which is judged once."""
+        if key in self._found:
+            return self._found[key]
+        evaluation, found = self._evaluation, self._found.setdefault(key, _Found())
         need = CapturedFragments(key)
         known = need in evaluation.answers
         try:
-            _judge(evaluation, key, found, every=every)
+            with doing("judge", "judging each draw by its shader"):
+                _judge(evaluation, key, found, every=self._every)
         except DeviceLostError:
             raise
         except ShaderlabError as error:
@@ -77,10 +119,7 @@ def judge_modules(
         finally:
             if not known:  # of many draws, all are more than fits into memory
                 evaluation.answers.pop(need, None)
-    record = ModulesRecord(
-        judged=found.judged, outputs=tuple(found.outputs), left_out=tuple(found.left_out)
-    )
-    return record, judge_rows(_NAME, "module", found.rows, found.message, judged=found.judged)
+        return found
 
 
 def _judge(evaluation: Evaluation, key: PassDraw, found: _Found, *, every: bool) -> None:
@@ -166,8 +205,8 @@ def outside(given: Invocations, name: str, band: Any) -> Flags | None:
     return found
 
 
-def _keys(evaluation: Evaluation, *, every: bool) -> Iterator[PassDraw]:
-    """The draws that are judged."""
+def _keys(evaluation: Evaluation, known: Set[Need], *, every: bool) -> Iterator[PassDraw]:
+    """The draws that are judged, where these needs are answered anyway."""
     groups: dict[tuple[Source, ...], dict[str, list[PassDraw]]] = {}
     for name, draws in evaluation.programs.items():
         for i, draw in enumerate(draws):
@@ -175,8 +214,7 @@ def _keys(evaluation: Evaluation, *, every: bool) -> Iterator[PassDraw]:
                 groups.setdefault(draw.sources, {}).setdefault(name, []).append((name, i))
 
     def cost(key: PassDraw) -> tuple[bool, bool]:
-        captured = CapturedFragments(key) in evaluation.answers
-        return not captured, not shows_what_is_written(evaluation, key)
+        return CapturedFragments(key) not in known, not shows_what_is_written(evaluation, key)
 
     for passes in groups.values():
         if every:

@@ -51,7 +51,14 @@ class KeptOut:
         }
 
     def needed(self, expectation: Expectation) -> Iterator[CapturedFragments]:
-        """Those among the draws that make what an expectation reads."""
+        """Those that make what an expectation reads and were not looked at yet."""
+        return (need for need in self._draws_of(expectation) if not self.knows(need))
+
+    def knows(self, need: CapturedFragments) -> bool:
+        """Whether a draw was looked at: what was captured of it isn't asked for again."""
+        return need.key in self._faults
+
+    def _draws_of(self, expectation: Expectation) -> Iterator[CapturedFragments]:
         if not any(self._draws.values()):
             return
         reads = tuple(expectation.reads(self._scene))
@@ -78,7 +85,7 @@ class KeptOut:
                     f"the shader discards {samples.discarded} of the samples, "
                     "and gives no value there"
                 )
-        for need in self.needed(expectation):
+        for need in self._draws_of(expectation):
             if need.key not in self._faults:
                 self._faults[need.key] = self._fault_of(need.key, frame)
             if self._faults[need.key]:

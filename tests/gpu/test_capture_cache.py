@@ -12,6 +12,7 @@ import pytest
 
 from shaderlab import Case, Draw, Mesh, Pass, Ramp, State, Target, across, formula, mesh_pass
 from shaderlab.backends.opengl.backend import OpenGLBackend
+from shaderlab.errors import UnsupportedError
 from shaderlab.evaluation import Evaluation, Lab
 from shaderlab.expectations.formula import Formula
 from shaderlab.expectations.needs import CapturedFragments
@@ -55,13 +56,16 @@ class Watched(Lab):
         self.captures = self.backend.captures = Counting(room)
         self.seen: dict[tuple[str, str], Mapping[PassDraw, Fragments]] = {}
 
-    def judge_all(self, evaluation: Evaluation, *_: Any) -> None:
+    def judge_all(self, evaluation: Evaluation, *_: Any) -> dict[int, UnsupportedError]:
         scene = evaluation.scene
+        for expectation in scene.expect:
+            evaluation.gather(expectation)
         self.seen[scene.case.id, scene.variant] = {
             need.key: answer
             for need, answer in evaluation.answers.items()
             if isinstance(need, CapturedFragments)
         }
+        return {}
 
 
 @pytest.fixture

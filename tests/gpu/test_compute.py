@@ -31,7 +31,7 @@ from shaderlab.catalogue import load_case
 from shaderlab.errors import CaseError, NotInterpretedError, UnsupportedError
 from shaderlab.evaluation import Lab
 from shaderlab.evaluation.interpreting import fragments
-from shaderlab.evaluation.modules import judge_modules
+from shaderlab.evaluation.modules import JudgedDraws
 from shaderlab.mutation.judging import Judge
 from shaderlab.mutation.subjects import glsl_mutants
 from shaderlab.options import RunOptions
@@ -357,7 +357,7 @@ def test_kinds_that_need_a_fragment_stage_say_so(lab: Lab, tmp_path: Path) -> No
             fragments(evaluation, ("main", 0))
         with pytest.raises(UnsupportedError, match="it is a dispatch"):
             evaluation.session.time("main", 1)
-        (row,) = judge_modules(evaluation, every=True)[1].outcome.rows
+        (row,) = JudgedDraws(evaluation, every=True).judgement()[1].outcome.rows
         assert row.measured == "not interpreted: compute stage"
 
 

@@ -11,7 +11,7 @@ import pytest
 from shaderlab import Blend, Case, Ramp, State, coverage, fullscreen
 from shaderlab.backends.opengl import linking
 from shaderlab.evaluation import Lab, modules
-from shaderlab.evaluation.modules import judge_modules
+from shaderlab.evaluation.modules import JudgedDraws
 from shaderlab.options import RunOptions
 from shaderlab.records import ModulesRecord
 
@@ -59,7 +59,7 @@ def test_one_wrong_pixel_is_found_and_named(lab: Lab, case: Case) -> None:
         values[5, 3, 2] += 1e-6
         wrong = {key: replace(evaluation.drawn.images[key], values=values)}
         evaluation.drawn = replace(evaluation.drawn, images={**evaluation.drawn.images, **wrong})
-        outcome = judge_modules(evaluation, every=True)[1].outcome
+        outcome = JudgedDraws(evaluation, every=True).judgement()[1].outcome
     assert (outcome.status, outcome.outside) == ("fail", 1)
     assert "second is 0." in outcome.message and "at pixel (3, 5)" in outcome.message
 

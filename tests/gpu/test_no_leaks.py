@@ -13,7 +13,7 @@ import gc
 import hashlib
 import random
 import weakref
-from collections.abc import Container, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -22,14 +22,28 @@ import numpy as np
 import pytest
 
 from shaderlab.backends.opengl import state as fixed
-from shaderlab.errors import ShaderlabError
+from shaderlab.backends.opengl.backend import OpenGLSession
+from shaderlab.errors import ShaderlabError, UnsupportedError
 from shaderlab.evaluation import Evaluation, Lab
+from shaderlab.evaluation.modules import JudgedDraws
 from shaderlab.evaluation.picture_writer import PictureWriter
 from shaderlab.evaluation.record_builder import RecordBuilder
 from shaderlab.expectations.coverage import coverage
 from shaderlab.expectations.exact import exact
-from shaderlab.frame import Timing
-from shaderlab.model import Case, Expectation, Judgement, Mesh, Scene, State, Target, mesh_pass
+from shaderlab.expectations.formula import formula
+from shaderlab.frame import Array, Fragments, PassDraw, Timing
+from shaderlab.glslmath import vec4
+from shaderlab.model import (
+    Case,
+    Expectation,
+    Judgement,
+    Mesh,
+    Pass,
+    Scene,
+    State,
+    Target,
+    mesh_pass,
+)
 from shaderlab.options import RunOptions
 from shaderlab.records import Record
 from tests.catalogue import shipped
@@ -52,9 +66,15 @@ class Watched(Lab):
         evaluation: Evaluation,
         builder: RecordBuilder,
         writer: PictureWriter,
-        unanswered: Container[int] = (),
-    ) -> None:
+        draws: JudgedDraws | None = None,
+    ) -> dict[int, UnsupportedError]:
         scene, frame = evaluation.scene, evaluation.frame
+        unanswered = {}
+        for index, expectation in enumerate(scene.expect):
+            try:
+                evaluation.gather(expectation)
+            except UnsupportedError as error:
+                unanswered[index] = error
         found = {each.name: getattr(frame, each.name) for each in fields(frame)}
         found["answers"] = [
             (type(need).__name__, answer)
@@ -66,7 +86,8 @@ class Watched(Lab):
             for name, value in found.items()
         }
         if scene.case.id in self._judged:
-            super().judge_all(evaluation, builder, writer, unanswered)
+            super().judge_all(evaluation, builder, writer, draws)
+        return unanswered
 
 
 def parts(value: Any) -> Iterator[bytes]:
@@ -202,10 +223,46 @@ def test_what_no_later_expectation_asks_for_is_let_go(tmp_path: Path) -> None:
 
     with Lab() as lab, lab.evaluation(scene, lab.prepare(scene)) as evaluation:
         evaluation.__class__ = Looking
-        for expectation in checks:
-            evaluation.gather(expectation)
         lab.judge_all(evaluation, RecordBuilder(scene), PictureWriter(None, "kept", ""))
     assert list(left.values()) == [1, 1, 0]
+
+
+def test_captures_are_held_for_one_pass_at_a_time_and_drawn_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of a scene with many captures all would be held at once."""
+    scene = triangle(tmp_path, "turns", State())
+    (tmp_path / "near.frag").write_text(
+        "#version 330 core\nout vec4 FragColor;\n"
+        "void main() { if (gl_FragCoord.x < 0.0) discard; FragColor = vec4(1.0); }\n"
+    )
+    passes = tuple(replace(scene.passes[0], name=name) for name in "abc")
+    checks = tuple(
+        formula(f"{name}.FragColor", lambda: vec4(1.0, 1.0, 1.0, 1.0), name=f"{name}, {again}")
+        for name in "abc"
+        for again in ("once", "again")
+    )
+    held: list[weakref.ref[Any]] = []
+    others, redraws = [], list[str]()
+
+    def fragments(session: OpenGLSession, key: PassDraw) -> Fragments:
+        others.append(sum(each() is not None for each in held))
+        found = captured(session, key)
+        held.append(weakref.ref(found.covered))
+        return found
+
+    def redrawn(session: OpenGLSession, description: Pass, *rest: Any) -> Mapping[str, Array]:
+        redraws.append(description.name)
+        return drawn(session, description, *rest)
+
+    captured, drawn = OpenGLSession.fragments, OpenGLSession.redrawn
+    monkeypatch.setattr(OpenGLSession, "fragments", fragments)
+    monkeypatch.setattr(OpenGLSession, "redrawn", redrawn)
+    with Lab() as lab:
+        record = lab.run(replace(scene, passes=passes, expect=checks))
+    assert [o.status for o in record.expectations] == ["pass"] * 6, record.message
+    assert record.modules is not None and record.modules.judged > 0
+    assert others == [0, 0, 0] and redraws == [*"aabbcc"]
 
 
 @pytest.mark.parametrize("leak", [None, *LEAKS])
