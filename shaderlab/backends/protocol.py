@@ -220,6 +220,11 @@ class Backend(ABC):
             DriverError: the driver has no such stage.
         """
 
+    def verdict_before_draw(self, sources: Sequence[Source]) -> Verdict:
+        """As `driver_verdict`, of a program that compiles and is drawn next: what is linked for the
+        verdict may be kept for the draw."""
+        return self.driver_verdict(sources)
+
     def require_compute(self) -> None:
         """Raise UnsupportedError where there are no compute passes."""
         raise UnsupportedError("compute passes run on OpenGL drivers only")

@@ -153,9 +153,9 @@ class SceneDrawer:
         return {p.name: tuple(preparer.prepare(d, targets) for d in p.draws) for p in scene.passes}
 
     def driver_verdict(self, sources: tuple[Source, ...]) -> Verdict:
-        """The driver's own verdict on a program, asked for once."""
+        """The driver's own verdict on a program that compiles, asked for once."""
         if sources not in self._verdicts:
-            self._verdicts[sources] = self.backend.driver_verdict(sources)
+            self._verdicts[sources] = self.backend.verdict_before_draw(sources)
         return self._verdicts[sources]
 
     def _new_preparer(self, folder: str) -> Preparer:

@@ -72,21 +72,23 @@ def fragments(
     program = program or program_of(stage_of(evaluation, key, "fragment"))
     captured = evaluation.answer(CapturedFragments(key))
     bindings = evaluation.drawn.bindings[key]
-    y, x = np.nonzero(captured.covered)
-    rows = np.arange(len(x))
-    if most is not None and len(x) > most:
-        ends = _extremes([values[y, x] for values in captured.inputs.values()])
+    places = np.flatnonzero(captured.covered)
+    rows = np.arange(len(places))
+    if most is not None and len(places) > most:
+        ends = _extremes([_at(places, values) for values in captured.inputs.values()])
         if asks_for_neighbours(program, bindings):
+            y, x = np.nonzero(captured.covered)
             rows = whole_quads(x, y, most, ends)
         else:
-            chosen = np.zeros(len(x), np.bool_)
-            chosen[scattered(len(x), most)] = chosen[ends] = True
+            chosen = np.zeros(len(places), np.bool_)
+            chosen[scattered(len(places), most)] = chosen[ends] = True
             rows = np.flatnonzero(chosen)
+    side = captured.covered.shape[1]
     if among is not None:
         quads = among >> 1
-        side = captured.covered.shape[1]
+        y, x = np.nonzero(captured.covered)
         rows = np.flatnonzero(np.isin((y >> 1) * side + (x >> 1), quads[:, 1] * side + quads[:, 0]))
-    at = (y[rows], x[rows])
+    y, x = at = np.divmod(places[rows], side)
     images = {n: i for (name, n), i in evaluation.drawn.images.items() if name == key[0]}
     return Invocations(
         program=program,
@@ -97,7 +99,7 @@ def fragments(
         bindings=bindings,
         measured={name: image.values[at] for name, image in images.items()},
         formats={name: image.format for name, image in images.items()},
-        pixels=np.stack([x[rows], y[rows]], axis=-1),
+        pixels=np.stack([x, y], axis=-1),
     )
 
 
@@ -117,6 +119,13 @@ def vertices(evaluation: Evaluation, key: PassDraw, most: int | None = None) -> 
         measured={name: values[:most] for name, values in captured.outputs.items()},
         formats=dict.fromkeys(captured.outputs, "rgba32f"),
     )
+
+
+def _at(places: Array, values: Array) -> Array:
+    """A picture's values at the pixels of these numbers, which ascend."""
+    flat = values.reshape(-1, *values.shape[2:])
+    # Most draws cover everything; then nothing need be copied.
+    return flat if len(places) == len(flat) else flat[places]
 
 
 def _extremes(inputs: Sequence[Array]) -> list[int]:

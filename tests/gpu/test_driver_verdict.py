@@ -13,6 +13,7 @@ from click.testing import CliRunner
 from shaderlab.backends import Backend, open_backend
 from shaderlab.backends.opengl.backend import OpenGLBackend
 from shaderlab.backends.opengl.device import Device
+from shaderlab.backends.opengl.pyopengl import GL
 from shaderlab.cli import cli
 from shaderlab.compiler import WORK, Shaders, compile_glsl, compile_program
 from shaderlab.compiler.driver_verdict import mark_disagreement, parse_driver_log
@@ -68,8 +69,6 @@ def test_stages_that_do_not_fit_are_refused_by_the_link(device: Backend) -> None
 
 
 def test_nothing_is_left_in_the_context(device: Backend) -> None:
-    from OpenGL import GL
-
     def alive() -> int:
         return sum(bool(GL.glIsShader(n) or GL.glIsProgram(n)) for n in range(1, 500))
 
@@ -79,6 +78,27 @@ def test_nothing_is_left_in_the_context(device: Backend) -> None:
         device.driver_verdict(program(vertex=VERTEX, fragment=FRAGMENT))
     assert alive() == before
     assert GL.glGetError() == 0
+
+
+@pytest.mark.parametrize("stages", [
+    {"vertex": VERTEX, "fragment": FRAGMENT}, {"vertex": VERTEX, "fragment": BROKEN},
+    {"vertex": VERTEX, "fragment": FRAGMENT.replace("vec3 n", "vec4 n").replace("n, 1.0", "n")},
+    {"fragment": FRAGMENT}, {"compute": COMPUTE},
+])  # fmt: skip
+def test_a_program_that_the_driver_takes_is_linked_once(
+    device: Backend, stages: dict[str, str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert isinstance(device, OpenGLBackend)
+    made = program(**stages)
+    # Mesa's own warnings come only where its shader cache has nothing yet.
+    monkeypatch.setattr(GL, "glGetShaderInfoLog", lambda shader: b"0:2(1): warning: said\n")
+    asked = device.driver_verdict(made)
+    assert len(asked.diagnostics) >= len(stages)
+    assert device.verdict_before_draw(made) == asked
+    if asked.ok and len(stages) > 1:
+        monkeypatch.setattr(device._linker, "_new", None)
+        with device.device.in_use():
+            device._linker.link(stages)
 
 
 def test_a_stage_that_the_driver_lacks_is_no_verdict() -> None:

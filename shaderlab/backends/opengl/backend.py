@@ -94,6 +94,11 @@ class OpenGLBackend(DeviceBackend):
         with self.device.in_use():
             return verdict.driver_verdict(self.device, sources)
 
+    def verdict_before_draw(self, sources: Sequence[Source]) -> Verdict:
+        with self.device.in_use():
+            found = verdict.verdict_of_linked(self._linker, sources)
+        return found or self.driver_verdict(sources)
+
     def require_compute(self) -> None:
         if not dispatch.has_compute(self.device):
             raise UnsupportedError("compute passes: this driver has no compute shaders")

@@ -6,10 +6,11 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 
 from shaderlab.backends.opengl.device import Device
+from shaderlab.backends.opengl.linking import Linker, has_names
 from shaderlab.backends.opengl.pyopengl import GL, GLError, named
 from shaderlab.compiler.driver_verdict import DRIVER, parse_driver_log
 from shaderlab.compiler.sources import Source
-from shaderlab.errors import DriverError, UnsupportedError
+from shaderlab.errors import DriverError, ShaderError, UnsupportedError
 from shaderlab.records import Diagnostic, Verdict
 
 _NEEDS = {"tess_control": 400, "tess_evaluation": 400, "compute": 430}
@@ -30,9 +31,7 @@ def driver_verdict(device: Device, sources: Sequence[Source]) -> Verdict:
     Raises:
         UnsupportedError: the driver has no such stage; glslang's verdict is then the only one.
     """
-    for source in sources:
-        if device.version < _NEEDS.get(source.stage, 0):
-            raise UnsupportedError(f"this driver has no {source.stage} stage", file=source.path)
+    _require_stages(device, sources)
     modules: Mapping[str, bytes] = {}
     if device.takes_spirv:
         from shaderlab.backends.opengl.spirv_program import modules_of, specialise
@@ -71,6 +70,47 @@ def driver_verdict(device: Device, sources: Sequence[Source]) -> Verdict:
             GL.glDeleteShader(shader)
         while GL.glGetError():
             pass
+
+
+def verdict_of_linked(linker: Linker, sources: Sequence[Source]) -> Verdict | None:
+    """The verdict on a program that the linker links, and keeps, as `driver_verdict` has it; None
+    where that is not the same: of a program that is refused, of modules, of some stages only.
+
+    Args:
+        linker: of an open device, current in this thread.
+        sources: the stages, each once.
+
+    Raises:
+        UnsupportedError: as `driver_verdict`.
+    """
+    _require_stages(linker.device, sources)
+    texts = {source.stage: source.text for source in sources}
+    if "compute" not in texts and not {"vertex", "fragment"} <= texts.keys():
+        return None
+    try:
+        program = linker.link(texts)
+    except ShaderError:
+        return None
+    if not has_names(program):
+        return None
+    shaders = {
+        int(GL.glGetShaderiv(shader, GL.GL_SHADER_TYPE)): shader
+        for shader in GL.glGetAttachedShaders(program.glo)
+    }
+    logs = [GL.glGetShaderInfoLog(shaders[named(f"{source.stage}_shader")]) for source in sources]
+    logs.append(GL.glGetProgramInfoLog(program.glo))
+    found = [
+        diagnostic
+        for log, source in zip(logs, (*sources, sources[-1]), strict=True)
+        for diagnostic in parse_driver_log(_text(log), source, ok=True)
+    ]
+    return Verdict(target=DRIVER, ok=True, diagnostics=tuple(dict.fromkeys(found)))
+
+
+def _require_stages(device: Device, sources: Sequence[Source]) -> None:
+    for source in sources:
+        if device.version < _NEEDS.get(source.stage, 0):
+            raise UnsupportedError(f"this driver has no {source.stage} stage", file=source.path)
 
 
 def _text(log: bytes | str) -> str:
