@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from shaderlab.bands.integer import Integer
 
 Integers = npt.NDArray[np.int64]
+WHOLE = "glslmath.int(x) makes an integer; where(c, 1, 2) and abs(3) of numbers alone give floats"
 RANGE = 2**32
 # Products of bounds below this are exact in float64, and far from int64's ends.
 _EXACT = 2.0**53
@@ -122,7 +123,7 @@ def _both_ways(name: str) -> tuple[Any, Any]:
         if lifted is not None:
             return of(self, lifted) if left else of(lifted, self)
         if floating is None:
-            raise FormulaError(f"GLSL has no {name} of an integer and a float")
+            raise FormulaError(f"GLSL has no {name} of an integer and a float", remedy=WHOLE)
         number = self.to_float()
         return floating(number, other) if left else floating(other, number)
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from shaderlab.bands import arithmetic, exact, sums
 from shaderlab.bands.compiled import operators
+from shaderlab.bands.integer_operators import WHOLE
 from shaderlab.bands.truth import Truth
 from shaderlab.errors import FormulaError
 
@@ -37,16 +38,19 @@ REFLECTED = {
 }
 _BOUNDS = "use shaderlab.glslmath's functions; the bounds are .lo and .hi"
 # What would take one number for a band: what the error calls it, and what to write instead.
+_OF_BITS = {"and": "&", "or": "|", "xor": "^", "lshift": "<<", "rshift": ">>"}
 _REFUSED = {
     "__array__": ("a NumPy array", _BOUNDS),
     "__bool__": ("a Python condition", "choose with glslmath.where(condition, a, b)"),
     "__float__": ("float() or math", _BOUNDS),
-    "__int__": ("int()", "use glslmath.trunc or glslmath.floor"),
+    "__int__": ("Python's int()", "use glslmath.int, glslmath.trunc or glslmath.floor"),
     "__round__": ("Python's round()", "use glslmath.round or glslmath.roundEven"),
     "__iter__": ("a loop", "take components with glslmath.swizzle(v, 'xyz') or v[..., 0:1]"),
     "__pow__": ("**", "use glslmath.pow(x, y), which has GLSL's precision; or multiply"),
     "__mod__": ("%", "use glslmath.mod(x, y)"),
     "__floordiv__": ("//", "use glslmath.floor(x / y)"),
+    **{f"__{word}__": (sign, WHOLE) for word, sign in _OF_BITS.items()},
+    **{f"__r{word}__": (sign, WHOLE) for word, sign in _OF_BITS.items()},
 }
 
 

@@ -11,7 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from shaderlab.bands import Integer
+from shaderlab.bands import Band, Integer, Literal
+from shaderlab.bands.integer_operators import WHOLE
+from shaderlab.errors import FormulaError
 from shaderlab.glslmath.dispatch import Value
 
 _RANGE = 2**32
@@ -145,6 +147,8 @@ def _highest(bits: Any) -> Any:
 
 
 def _whole(value: Value, *, unsigned: bool | None = None) -> Integer:
+    if isinstance(value, Band | Literal):
+        raise FormulaError("functions of bits take integers, not floats", remedy=WHOLE)
     whole = value if isinstance(value, Integer) else Integer(value)
     kind = whole.unsigned if unsigned is None else unsigned
     if not isinstance(value, Integer):

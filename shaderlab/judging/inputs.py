@@ -19,6 +19,7 @@ import numpy as np
 
 from shaderlab.activity import doing
 from shaderlab.bands import Band, Integer, Rules
+from shaderlab.bands.integer_operators import WHOLE
 from shaderlab.bands.swizzles import Vector
 from shaderlab.bands.truth import Truth
 from shaderlab.errors import FormulaError, ShaderlabError, nearest
@@ -208,6 +209,8 @@ def evaluate(
         remedy = "references use + − * / and the functions of shaderlab.glslmath only"
         if "matmul" in str(error) or _MATRIX.search(str(error)):
             remedy = "a matrix times a vector is glslmath.mul(m, v), times a matrix matmul(a, b)"
+        if "bitwise_" in str(error) or "_shift" in str(error):
+            remedy = WHOLE
         raise located(reference, error, remedy) from error
 
 

@@ -11,7 +11,22 @@ import pytest
 
 from shaderlab import Texture, glsl
 from shaderlab.errors import CallError, FormulaError
-from shaderlab.glslmath import array, cos, dot, floor, int, mat2, sin, sqrt, vec2, vec3, vec4
+from shaderlab.glslmath import (
+    abs,
+    array,
+    bitCount,
+    cos,
+    dot,
+    floor,
+    int,
+    mat2,
+    sin,
+    sqrt,
+    vec2,
+    vec3,
+    vec4,
+    where,
+)  # fmt: skip
 from shaderlab.reference.attenuation import attenuation
 from shaderlab.reference.gamma import srgb_encode
 from shaderlab.reference.tone_mapping import reinhard
@@ -269,6 +284,11 @@ def test_a_check_that_makes_no_sense_is_refused(
         ("turned", lambda x: mat2(1.0) * vec2(x, x), (X,), "glslmath.mul(m, v)"),
         ("permuted", lambda i: np.arange(4)[i], (np.arange(4),), "glslmath.array(table)[i]"),
         ("permuted", lambda i: [3, 1, 0, 2][i], (np.arange(4),), "glslmath.array(table)[i]"),
+        ("permuted", lambda i: i & where(i < 1, 2, 3), (np.arange(4),), "glslmath.int(x)"),
+        ("permuted", lambda i: where(i < 1, 2, 3) ^ i, (np.arange(4),), "glslmath.int(x)"),
+        ("permuted", lambda i: i + (6 & abs(-2)), (np.arange(4),), "glslmath.int(x)"),
+        ("permuted", lambda i: bitCount(where(i < 1, 2, 3)), (np.arange(4),), "glslmath.int(x)"),
+        ("permuted", lambda i: where(i < 1, 2, 3) | 4, (np.arange(4),), "glslmath.int(x)"),
         ("chosen", lambda x: TABLE[x], (FOURTHS,), "index by int(x)"),
         ("painted", lambda image, at: texture(image, at),
          (dataclasses.replace(SMOOTH, mipmaps=True), PLACES), "can't read mipmaps"),
