@@ -79,6 +79,14 @@ class Attachments(ABC):
         """Release all of its memory on the device; the target is of no use afterwards."""
 
 
+COVERING = """#version 330 core
+void main() {
+    vec2 corner = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);
+    gl_Position = vec4(corner, 0.0, 1.0);
+}
+"""
+"""A vertex stage of one triangle over the whole target."""
+
 UNREADABLE = "Target(samples=0): the depth of several samples a pixel has no one value"
 
 

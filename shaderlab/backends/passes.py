@@ -117,12 +117,12 @@ class PassSession(Session, Generic[Kind, Made]):
             self._captures[name] = PassCapture(draws, redrawn)
         return self._captures[name]
 
+    @abstractmethod
     def redrawn(
         self, description: Pass, target: Target, texts: Sequence[str]
     ) -> Mapping[str, Array]:
         """The attachments of a pass that is drawn once more, each draw with another fragment text
         and in its `plain_state`."""
-        raise UnsupportedError("capturing fragments: this backend can't")
 
     def vertices(self, key: PassDraw) -> Samples:
         draw = self.programs[key[0]][key[1]]
@@ -134,6 +134,7 @@ class PassSession(Session, Generic[Kind, Made]):
         draw = self.programs[key[0]][key[1]]
         return vertex_capture.probe(draw, bindings, inputs, self.vertex_outputs)
 
+    @abstractmethod
     def vertex_outputs(
         self,
         draw: PreparedDraw,
@@ -143,7 +144,6 @@ class PassSession(Session, Generic[Kind, Made]):
         count: int | None,
     ) -> Mapping[Piece, Array]:
         """As `shaderlab.programs.vertex_capture.Capture`."""
-        raise UnsupportedError("capturing vertices: this backend can't")
 
     def drawn_anew(self, changed: Pass, output: str, largest: int) -> Array:
         name, (width, height) = changed.name, self.extent(changed)

@@ -9,12 +9,12 @@ from typing import Generic
 
 from shaderlab.backends import Size
 from shaderlab.backends.passes import Kind, Made, PassSession, plain_state
-from shaderlab.errors import ShaderError
+from shaderlab.errors import ShaderError, UnsupportedError
 from shaderlab.frame import Array, Bindings, PassDraw, Samples
 from shaderlab.model import Pass, State, Target
 from shaderlab.programs.fragment_capture import numbered
 from shaderlab.programs.fragment_probe import fragment_probe, refused
-from shaderlab.programs.prepare import PreparedDraw
+from shaderlab.programs.prepare import PreparedDraw, pass_colors
 
 
 class RedrawingSession(PassSession[Kind, Made], Generic[Kind, Made]):
@@ -47,6 +47,19 @@ class RedrawingSession(PassSession[Kind, Made], Generic[Kind, Made]):
             UnsupportedError: the API, or the device, has no such thing; the message names it.
         """
 
+    def numbered(self, text: str, bindings: Bindings, index: int) -> tuple[str, Bindings]:
+        """A text that is to have its draw's number in its pass, and the draw's bindings."""
+        return numbered(text, index), bindings
+
+    def fresh_target(self, pass_name: str) -> Kind:
+        """A further target like that of a pass. Raises UnsupportedError for one that draws
+        nothing."""
+        description = self.scene.find_pass(pass_name)
+        if description.computes:
+            raise UnsupportedError(f"drawing pass {pass_name!r} once more: it is a dispatch")
+        colors = pass_colors(description, self.programs[pass_name])
+        return self.new_target(description.target, colors, self.extent(description))
+
     def make_target(self, description: Pass, colors: dict[str, str], extent: Size) -> Kind:
         return self.new_target(description.target, colors, extent)
 
@@ -74,9 +87,7 @@ class RedrawingSession(PassSession[Kind, Made], Generic[Kind, Made]):
         name, colors = description.name, dict(target.colors or {})
         with self.new_target(target, colors, self.extent(description)) as made:
             for index, (draw, text) in enumerate(zip(self.programs[name], texts, strict=True)):
-                self.render(
-                    draw, self.bindings[name, index], made,
-                    texts={**draw.texts, "fragment": numbered(text, index)},
-                    fixed_state=plain_state(draw),
-                )  # fmt: skip
+                own, bindings = self.numbered(text, self.bindings[name, index], index)
+                stages = {**draw.texts, "fragment": own}
+                self.render(draw, bindings, made, texts=stages, fixed_state=plain_state(draw))
             return {name: made.read(name).values for name in colors}

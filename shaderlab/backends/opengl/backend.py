@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 
+import numpy as np
+
 from shaderlab.backends import Evaluation, Size
 from shaderlab.backends.device_backend import DeviceBackend
 from shaderlab.backends.opengl import (
     calls,
-    capture,
     dispatch,
     feedback,
     queries,
-    storage,
     tracing,
     verdict,
 )
@@ -21,6 +21,7 @@ from shaderlab.backends.opengl.device import Device
 from shaderlab.backends.opengl.drawing import Drawing
 from shaderlab.backends.opengl.evaluating import Evaluator
 from shaderlab.backends.opengl.linking import Linker
+from shaderlab.backends.opengl.pyopengl import GL
 from shaderlab.compiler.sources import Source
 from shaderlab.errors import UnsupportedError
 from shaderlab.frame import Array, Fragments, PassDraw, Reply
@@ -35,9 +36,7 @@ from shaderlab.records import Verdict
 class OpenGLSession(Drawing):
     """One scene on an OpenGL device."""
 
-    redrawn = capture.redrawn
     vertex_outputs = feedback.vertex_outputs
-    probe_fragments = capture.probe_fragments
     count = queries.counted
     time = queries.timed
     attributes = queries.attributes
@@ -103,8 +102,22 @@ class OpenGLBackend(DeviceBackend):
         if not dispatch.has_compute(self.device):
             raise UnsupportedError("compute passes: this driver has no compute shaders")
 
-    def storage(self, count: int) -> AbstractContextManager[Callable[[], Array]]:
-        return storage.bound(self.device, count)
+    @contextmanager
+    def storage(self, count: int) -> Iterator[Callable[[], Array]]:
+        for name in ("GL_ARB_shader_storage_buffer_object", "GL_ARB_shader_image_load_store"):
+            if name not in self.device.context.extensions:
+                raise UnsupportedError(f"storage buffers: this driver lacks {name}")
+        buffer = self.device.context.buffer(np.zeros(count, np.uint32))
+
+        def read() -> Array:
+            GL.glMemoryBarrier(GL.GL_BUFFER_UPDATE_BARRIER_BIT)
+            return np.frombuffer(buffer.read(), np.uint32)
+
+        try:
+            buffer.bind_to_storage_buffer(0)
+            yield read
+        finally:
+            buffer.release()
 
     def evaluate(self, evaluation: Evaluation, inputs: Array, outputs: Array) -> None:
         with self.device.in_use():

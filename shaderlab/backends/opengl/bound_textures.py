@@ -32,14 +32,11 @@ from shaderlab.programs.textures import contents, find_image, kind_of, layers_of
 
 
 class BoundTextures(SceneTextures[RenderTarget]):
-    """What a scene's samplers read.
+    """What a scene's samplers read. Arguments as of `SceneTextures`, and besides:
 
     Args:
         device: where they are.
-        folder: what the paths of their files are relative to.
         stack: releases device memory at the end.
-        images: what passes have drawn so far.
-        targets: the passes' targets.
     """
 
     def __init__(

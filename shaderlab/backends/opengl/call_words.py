@@ -68,10 +68,7 @@ def word(function: str, name: str, value: Any) -> str:
 
 
 def _number(function: str, name: str, value: int) -> str:
-    if name in ("flag", "normalized", "transpose", "red", "green", "blue", "alpha") and value in (
-        0,
-        1,
-    ):
+    if name in _FLAGS and value in (0, 1):
         return ("GL_FALSE", "GL_TRUE")[value]
     if function in _MASKS and name in ("mask", "access"):
         return _bits(function, value)
@@ -112,19 +109,9 @@ def _bits(function: str, value: int) -> str:
     found: dict[int, str] = {}
     for word, number in constants().items():
         single = number and not number & (number - 1)
-        if word.startswith(like) and word.endswith("_BIT") and single and value & number:
-            ours = (
-                "COLOR",
-                "DEPTH",
-                "STENCIL",
-                "READ",
-                "WRITE",
-                "INVALIDATE",
-                "UNSYNCHRONIZED",
-                "FLUSH",
-            )
-            if any(part in word for part in ours):
-                found.setdefault(number, word)
+        ours = word.startswith(like) and word.endswith("_BIT") and any(b in word for b in _BITS)
+        if ours and single and value & number:
+            found.setdefault(number, word)
     return " | ".join(found.values()) or str(value)
 
 

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Container, Mapping
 from contextlib import ExitStack, nullcontext
+from dataclasses import replace
 from typing import Any
+
+import numpy as np
 
 from shaderlab.activity import doing
 from shaderlab.backends import Drawn, Size
@@ -18,17 +21,16 @@ from shaderlab.backends.opengl.pyopengl import GL, named
 from shaderlab.backends.opengl.target import RenderTarget
 from shaderlab.backends.opengl.uniform_buffers import UniformBuffers
 from shaderlab.backends.opengl.vertices import VertexArray, vertex_array
-from shaderlab.backends.passes import PassSession
+from shaderlab.backends.redrawing import RedrawingSession
 from shaderlab.errors import ShaderError, UnsupportedError
 from shaderlab.frame import Bindings, PassDraw
-from shaderlab.model import Mesh, Pass, Scene, State
+from shaderlab.model import Mesh, Scene, State, Target
 from shaderlab.programs import bind, blocks, storage
 from shaderlab.programs.prepare import PreparedDraw, Programs, step
+from shaderlab.programs.stages import NUMBER
 
-NO_TEXTS: Mapping[str, str] = {}
 
-
-class Drawing(PassSession[RenderTarget, Linker]):
+class Drawing(RedrawingSession[RenderTarget, Linker]):
     """One scene on the device: its targets and textures, kept until the session ends."""
 
     device: Device
@@ -47,8 +49,8 @@ class Drawing(PassSession[RenderTarget, Linker]):
         with nullcontext() if recorder is None else recorder.recording():
             return super().draw(only)
 
-    def make_target(self, description: Pass, colors: dict[str, str], extent: Size) -> RenderTarget:
-        return RenderTarget(self.device, description.target, colors, extent)
+    def new_target(self, target: Target, colors: Mapping[str, str], size: Size) -> RenderTarget:
+        return RenderTarget(self.device, target, colors, size)
 
     def at(self, pass_name: str, draw: int | None = None) -> None:
         self.device.at(pass_name, draw)
@@ -65,7 +67,7 @@ class Drawing(PassSession[RenderTarget, Linker]):
             given = self.bind(draw)
             found = storage.bound(draw.draw, draw.interface, given, self.folder, self.images)
             self.bindings[key] = found
-            program = self._linked(draw)
+            program = self._linked(draw, draw.texts)
             self.use(program, draw, found)
             drain_errors()
             left = dispatch(self.device, program, draw, found)
@@ -109,43 +111,50 @@ class Drawing(PassSession[RenderTarget, Linker]):
         if errors:
             self._gl_errors[key] = errors
 
+    def render(
+        self,
+        draw: PreparedDraw,
+        bindings: Bindings,
+        target: RenderTarget,
+        *,
+        texts: Mapping[str, str] | None = None,
+        fixed_state: State | None = None,
+    ) -> None:
+        program, vao = self.ready(draw, bindings, target, texts=texts, fixed_state=fixed_state)
+        submit(vao, program, draw)
+        drain_errors()
+
+    def numbered(self, text: str, bindings: Bindings, index: int) -> tuple[str, Bindings]:
+        if self.device.takes_spirv:
+            return super().numbered(text, bindings, index)
+        # Draws of one text have one program.
+        number = np.array(index + 1, np.float32)
+        return text, replace(bindings, uniforms={**bindings.uniforms, NUMBER: number})
+
     def ready(
         self,
         draw: PreparedDraw,
         bindings: Bindings,
         target: RenderTarget,
         *,
-        fragment: str | None = None,
-        fixed: State | None = None,
-        only_active: bool = False,
+        texts: Mapping[str, str] | None = None,
+        fixed_state: State | None = None,
     ) -> tuple[Any, VertexArray]:
         """Bind and set everything for a draw, which `submit` then issues: its program and vertex
-        array.
-
-        Args:
-            draw: what to draw.
-            bindings: its uniforms and textures.
-            target: what to draw into.
-            fragment: the text of another fragment shader in place of its own.
-            fixed: another state in place of its own.
-            only_active: see `use`.
-
-        Raises:
-            ShaderError: the driver refuses the program.
-        """
+        array. Arguments and errors as of `render`."""
         require_inputs(self.device, draw)
-        program = self._linked(draw, {"fragment": fragment} if fragment else {})
-        self.use(program, draw, bindings, only_active=only_active)
+        program = self._linked(draw, texts or draw.texts)
+        self.use(program, draw, bindings, only_active=texts is not None)
         vao = self._vertex_array(program, draw.draw.mesh)
         target.bind(output_locations(program, target.colors))
-        state.apply(fixed or draw.draw.state, target.size, self.device.version)
+        state.apply(fixed_state or draw.draw.state, target.size, self.device.version)
         return program, vao
 
-    def _linked(self, draw: PreparedDraw, other: Mapping[str, str] = NO_TEXTS) -> Any:
-        """A draw's program, with `other` texts in place of its own."""
+    def _linked(self, draw: PreparedDraw, texts: Mapping[str, str]) -> Any:
+        """A draw's program, its stages having these texts."""
         require_glsl(self.device, draw)
         try:
-            return self.linker.link({**draw.texts, **other})
+            return self.linker.link(texts)
         except ShaderError as error:
             raise ShaderError(
                 error.message, file=draw.authored[-1].path, remedy=error.remedy

@@ -12,6 +12,7 @@ import moderngl
 import numpy as np
 
 from shaderlab.backends import Evaluation, Size
+from shaderlab.backends.attachments import COVERING
 from shaderlab.backends.opengl.bound_textures import BoundTextures
 from shaderlab.backends.opengl.device import Device
 from shaderlab.backends.opengl.linking import Linker, set_uniforms
@@ -22,12 +23,6 @@ from shaderlab.compiler.sources import Source
 from shaderlab.errors import DriverError, ShaderError
 from shaderlab.frame import Array
 
-_TRIANGLE = """#version 330 core
-void main()
-{
-    gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0);
-}
-"""
 _CACHED = 4  # grids whose textures are kept; calls come with the same size again and again
 
 
@@ -69,7 +64,7 @@ class Evaluator:
 
     def _linked(self, source: Source) -> Any:
         try:
-            return self._linker.link({"vertex": _TRIANGLE, "fragment": source.text})
+            return self._linker.link({"vertex": COVERING, "fragment": source.text})
         except ShaderError as error:
             said = parse_driver_log(error.message.partition("\n")[2], source, ok=False)
             errors = [d for d in said if d.severity == "error"]

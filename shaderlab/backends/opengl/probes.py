@@ -6,17 +6,12 @@ import re
 
 import numpy as np
 
+from shaderlab.backends.attachments import COVERING
 from shaderlab.backends.opengl.device import Device
 from shaderlab.backends.opengl.pyopengl import GL
 from shaderlab.errors import UnsupportedError
 from shaderlab.programs.prepare import PreparedDraw
 
-_COVERING = """#version 330 core
-void main() {
-    vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0;
-    gl_Position = vec4(corner, 0.0, 1.0);
-}
-"""
 _NUMBERED = """#version 330 core
 out float number;
 void main() { number = float(gl_PrimitiveID) + 1.0; }
@@ -44,7 +39,7 @@ def require_inputs(device: Device, draw: PreparedDraw) -> None:
 def _numbers_primitives(device: Device) -> bool:
     """Whether a fragment stage without a geometry stage before it can read gl_PrimitiveID."""
     context = device.context
-    program = context.program(vertex_shader=_COVERING, fragment_shader=_NUMBERED)
+    program = context.program(vertex_shader=COVERING, fragment_shader=_NUMBERED)
     texture = context.texture((1, 1), 1, dtype="f4")
     framebuffer = context.framebuffer([texture])
     nothing = context.vertex_array(program, [])

@@ -19,7 +19,7 @@ from shaderlab.backends.opengl.uniform_buffers import read_block
 from shaderlab.backends.opengl.vertices import read_layout
 from shaderlab.errors import UnsupportedError
 from shaderlab.frame import AttributeReading, BlockReading, PassDraw, Timing
-from shaderlab.programs.prepare import PreparedDraw, pass_colors
+from shaderlab.programs.prepare import PreparedDraw
 from shaderlab.programs.stages import PREFIX
 
 # Source: OpenGL 4.6 core profile specification, tables 4.1 and 4.2; ARB_pipeline_statistics_query.
@@ -39,7 +39,7 @@ def counted(drawing: Drawing, key: PassDraw, counter: str) -> int:
         raise UnsupportedError(f"counting {counter}: the driver has no {_STATISTICS}")
     made, what = np.atleast_1d(GL.glGenQueries(1)), named(_SPELT.get(counter, counter))
     try:
-        with _again(drawing, key[0]) as target:
+        with drawing.fresh_target(key[0]) as target:
             for index, draw in enumerate(drawing.programs[key[0]][: key[1] + 1]):
                 program, vao = drawing.ready(draw, drawing.bindings[key[0], index], target)
                 if index == key[1]:
@@ -62,7 +62,7 @@ def timed(drawing: Drawing, pass_name: str, repeats: int) -> Timing:
     prepared = drawing.programs[pass_name]
     context = drawing.device.context
     seconds = []
-    with _again(drawing, pass_name) as target:
+    with drawing.fresh_target(pass_name) as target:
         calls = []
         vertices = 0
         before: PreparedDraw | None = None
@@ -91,7 +91,7 @@ def attributes(drawing: Drawing, key: PassDraw) -> Mapping[str, AttributeReading
     draw = drawing.programs[key[0]][key[1]]
     if draw.draw.mesh is None:
         return {}
-    with _again(drawing, key[0]) as target:
+    with drawing.fresh_target(key[0]) as target:
         program, vao = drawing.ready(draw, drawing.bindings[key], target)
         return read_layout(program, vao, draw.draw.mesh)
 
@@ -116,16 +116,6 @@ def locations(drawing: Drawing, key: PassDraw) -> dict[str, int]:
         for name in draw.interface.uniforms
         if not name.startswith(PREFIX)
     }
-
-
-def _again(drawing: Drawing, pass_name: str) -> RenderTarget:
-    """A fresh target like that of a pass. Raises UnsupportedError for one that draws nothing."""
-    description = drawing.scene.find_pass(pass_name)
-    if description.computes:
-        raise UnsupportedError(f"drawing pass {pass_name!r} once more: it is a dispatch")
-    colors = pass_colors(description, drawing.programs[pass_name])
-    extent = drawing.extent(description)
-    return RenderTarget(drawing.device, description.target, colors, extent)
 
 
 def _settings(

@@ -8,7 +8,7 @@ from typing import Any
 import moderngl
 import numpy as np
 
-from shaderlab.backends.attachments import UNREADABLE, Attachments
+from shaderlab.backends.attachments import COVERING, UNREADABLE, Attachments
 from shaderlab.backends.opengl import state
 from shaderlab.backends.opengl.depth import (
     NO_TEXTURE,
@@ -17,7 +17,6 @@ from shaderlab.backends.opengl.depth import (
     read_depth,
 )
 from shaderlab.backends.opengl.device import Device
-from shaderlab.backends.opengl.multisample import read_samples
 from shaderlab.backends.opengl.pyopengl import GL, named
 from shaderlab.backends.opengl.textures import DeviceTexture
 from shaderlab.errors import UnsupportedError
@@ -176,3 +175,44 @@ class RenderTarget(Attachments):
         if GL.GL_OUT_OF_MEMORY in iter(GL.glGetError, GL.GL_NO_ERROR) or wanted >= 1 << 30:
             return MemoryError(f"{what} takes {wanted / (1 << 30):.3g} GB")
         return UnsupportedError(f"{what}: {said}")
+
+
+_FETCH = """#version 330 core
+uniform sampler2DMS image;
+uniform int number;
+out vec4 color;
+void main() { color = texelFetch(image, ivec2(gl_FragCoord.xy), number); }
+"""
+
+
+def read_samples(
+    device: Device, texture: DeviceTexture, size: tuple[int, int], samples: int
+) -> Array:
+    """All samples of a float or normalised texture, as float32 (samples, height, width, 4).
+
+    Raises:
+        UnsupportedError: the driver can't fetch single samples.
+    """
+    context = device.context
+    try:
+        program = context.program(vertex_shader=COVERING, fragment_shader=_FETCH)
+    except moderngl.Error as error:
+        raise UnsupportedError(f"fetching single samples: {str(error).strip()}") from error
+    target = context.texture(size, 4, dtype="f4")
+    framebuffer = context.framebuffer([target])
+    corners = context.vertex_array(program, [])
+    values = np.empty((samples, size[1], size[0], 4), np.float32)
+    framebuffer.use()
+    state.apply(State(), size, device.version)
+    GL.glActiveTexture(GL.GL_TEXTURE0)
+    GL.glBindTexture(texture.target, texture.glo)
+    GL.glUseProgram(program.glo)
+    GL.glUniform1i(GL.glGetUniformLocation(program.glo, b"image"), 0)
+    for number in range(samples):
+        GL.glUniform1i(GL.glGetUniformLocation(program.glo, b"number"), number)
+        corners.render(4, vertices=3)
+        target.read_into(values[number], alignment=1)
+    GL.glBindTexture(texture.target, 0)
+    for made in (corners, framebuffer, target, program):
+        made.release()
+    return values

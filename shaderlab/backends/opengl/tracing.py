@@ -47,7 +47,7 @@ def trace(session: Drawing) -> Sequence[TracedCall]:
     if recorder is None:
         with recording_device(session.device) as device, ExitStack() as stack:
             linker = Linker(device)
-            Drawing(linker, session.scene, session.programs, session.size, stack).draw()
+            type(session)(linker, session.scene, session.programs, session.size, stack).draw()
             recorder = device.recorder
     assert recorder is not None
     files = _program_files(recorder.calls, session)

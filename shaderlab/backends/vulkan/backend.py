@@ -11,8 +11,10 @@ from shaderlab.backends.vulkan.device import Device
 from shaderlab.backends.vulkan.drawing import Drawing
 from shaderlab.backends.vulkan.evaluating import evaluate
 from shaderlab.backends.vulkan.linking import Linker
-from shaderlab.backends.vulkan.verdict import driver_verdict
+from shaderlab.backends.vulkan.modules import check_capabilities, modules_of
+from shaderlab.compiler.driver_verdict import DRIVER
 from shaderlab.compiler.sources import Source
+from shaderlab.errors import DriverError, ShaderError
 from shaderlab.frame import Array
 from shaderlab.records import Verdict
 
@@ -36,7 +38,17 @@ class VulkanBackend(DeviceBackend):
     _linker: Linker
 
     def driver_verdict(self, sources: Sequence[Source]) -> Verdict:
-        return driver_verdict(self.device, sources)
+        """The device takes a program if it has each capability of its modules: it has no compiler
+        for GLSL."""
+        try:
+            modules = modules_of(sources)
+        except ShaderError as error:
+            raise DriverError(
+                "a Vulkan driver takes no GLSL, and of this program there are no modules",
+                file=error.file, line=error.line,
+            ) from error  # fmt: skip
+        check_capabilities(self.device, modules)
+        return Verdict(target=DRIVER, ok=True)
 
     def evaluate(self, evaluation: Evaluation, inputs: Array, outputs: Array) -> None:
         evaluate(self._linker, evaluation, inputs, outputs)

@@ -9,7 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from shaderlab.backends.attachments import UNREADABLE
 from shaderlab.backends.scene_textures import DeviceTexels, SceneTextures
+from shaderlab.backends.vulkan.api import Structs
 from shaderlab.backends.vulkan.descriptors import Image as BoundImage
 from shaderlab.backends.vulkan.device import Device
 from shaderlab.backends.vulkan.fetching import fetched
@@ -26,13 +28,13 @@ from shaderlab.backends.vulkan.images import (
 )
 from shaderlab.backends.vulkan.linking import Linker
 from shaderlab.backends.vulkan.memory import Resources
-from shaderlab.backends.vulkan.samplers import new_sampler
 from shaderlab.backends.vulkan.target import RenderTarget
 from shaderlab.compiler.interface import Variable
 from shaderlab.errors import UnsupportedError
 from shaderlab.frame import Array, Image
 from shaderlab.model import CompressedTexture, Output, TextureSource
-from shaderlab.model.textures import level_sizes
+from shaderlab.model.state import COMPARISONS
+from shaderlab.model.textures import WRAPS, Sampling, level_sizes
 from shaderlab.programs.compressed import blocks_of
 from shaderlab.programs.formats import DEPTH, format_of
 from shaderlab.programs.textures import contents, find_image, kind_of
@@ -41,14 +43,11 @@ _USES = ("sampled", "transfer_src", "transfer_dst")
 
 
 class BoundTextures(SceneTextures[RenderTarget]):
-    """What a scene's samplers read.
+    """What a scene's samplers read. Arguments as of `SceneTextures`, and besides:
 
     Args:
         resources: where they are made, to be released with the scene.
         linker: makes the programs that read texels.
-        folder: what the paths of their files are relative to.
-        images: what passes have drawn so far.
-        targets: the passes' targets.
     """
 
     def __init__(
@@ -94,7 +93,7 @@ class BoundTextures(SceneTextures[RenderTarget]):
         if source.name not in target.colors and target.samples > 1:
             raise UnsupportedError(
                 f"sampling the {source.name} of this target",
-                remedy="Target(samples=0): the depth of several samples a pixel has no one value",
+                remedy=UNREADABLE,
             )
         if source.name == "stencil":
             raise UnsupportedError("sampling the stencil of this target")
@@ -187,3 +186,48 @@ class BoundTextures(SceneTextures[RenderTarget]):
         """The levels below the first, as the device has them."""
         levels = range(1, image.levels)
         return tuple(self._read(image, level)[..., :channels] for level in levels)
+
+
+_NOT_SEAMLESS = 4
+_BORDERS = {(0.0, 0.0, 0.0, 0.0): 0, (0.0, 0.0, 0.0, 1.0): 2, (1.0, 1.0, 1.0, 1.0): 4}
+_CUSTOM_BORDER = 1000287003
+# A texture without mipmaps has no level but the first; up to here its filters are told apart by
+# the level of detail, as the specification recommends for OpenGL's two filters without mipmaps.
+_ONE_LEVEL = 0.25
+
+
+def new_sampler(resources: Resources, sampling: Sampling, *, seamless: bool = True) -> Any:
+    """A sampler of these filters and wraps.
+
+    Raises:
+        UnsupportedError: the device has no such border, or filters every cube across its edges.
+    """
+    device, structs = resources.device, Structs()
+    smaller, larger = sampling.filter
+    mipmaps = "mipmap" in smaller
+    lod = sampling.lod if mipmaps else tuple(min(max(v, 0.0), _ONE_LEVEL) for v in sampling.lod)
+    if not seamless and "nonSeamlessCubeMap" not in device.features:
+        raise UnsupportedError("seamless=False: this device has no VK_EXT_non_seamless_cube_map")
+    chain, border = {}, _BORDERS.get(sampling.border, 0)
+    if "clamp_to_border" in sampling.wrap and sampling.border not in _BORDERS:
+        chain, border = {"pNext": _custom_border(device, structs, sampling)}, _CUSTOM_BORDER
+    across, up, *along_r = (WRAPS.index(word) for word in sampling.wrap)
+    return resources.create("Sampler", structs(
+        "SamplerCreateInfo", **chain, flags=0 if seamless else _NOT_SEAMLESS,
+        magFilter=larger.startswith("linear"), minFilter=smaller.startswith("linear"),
+        mipmapMode=smaller.endswith("mipmap_linear"), addressModeU=across, addressModeV=up,
+        addressModeW=(*along_r, up)[0], minLod=lod[0], maxLod=lod[1], borderColor=border,
+        compareEnable=sampling.compare is not None,
+        compareOp=COMPARISONS.index(sampling.compare or "lequal"),
+    ))  # fmt: skip
+
+
+def _custom_border(device: Device, structs: Structs, sampling: Sampling) -> Any:
+    needed = ("customBorderColors", "customBorderColorWithoutFormat")
+    if not device.features.issuperset(needed):
+        raise UnsupportedError(
+            f"a border of {sampling.border}: this device has no VK_EXT_custom_border_color"
+        )
+    return structs(
+        "SamplerCustomBorderColorCreateInfoEXT", customBorderColor={"float32": sampling.border}
+    )

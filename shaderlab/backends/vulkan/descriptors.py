@@ -6,9 +6,11 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+import numpy as np
+
 from shaderlab.backends.vulkan.api import NULL, Structs, check, ffi, lib
 from shaderlab.backends.vulkan.commands import GENERAL
-from shaderlab.backends.vulkan.memory import Resources
+from shaderlab.backends.vulkan.memory import Buffer, Resources
 from shaderlab.compiler.interface import Block
 from shaderlab.compiler.interstage import interface_name
 from shaderlab.compiler.module import Decoration, Module, Storage, parse
@@ -16,7 +18,9 @@ from shaderlab.compiler.reflection import reflect
 from shaderlab.compiler.types import unwrap
 from shaderlab.compiler.variables import own_variables
 from shaderlab.errors import UnsupportedError
+from shaderlab.frame import Array
 from shaderlab.lazy_dataclass import dataclass
+from shaderlab.programs import blocks
 
 SAMPLED, UNIFORM, STORED = 1, 6, 7
 """Kinds of descriptors: a texture with its sampler, a uniform buffer, a storage buffer."""
@@ -145,3 +149,45 @@ def new_set(
     changed = structs.array("VkWriteDescriptorSet", writes)
     lib.vkUpdateDescriptorSets(resources.device.handle, len(writes), changed, 0, NULL)
     return made[0]
+
+
+_NONE: Mapping[str, Buffer] = {}
+
+
+def block_buffers(
+    own: Resources,
+    bindings: Mapping[str, Binding],
+    values: Mapping[str, Array],
+    stored: Mapping[str, Buffer] = _NONE,
+) -> dict[str, Any]:
+    """A buffer's handle for each block.
+
+    Args:
+        own: what the buffers are released with.
+        bindings: a program's.
+        values: uniforms and members of blocks by the names that OpenGL has for them.
+        stored: storage buffers by the names of their blocks.
+
+    Raises:
+        UnsupportedError: a storage block has no buffer.
+    """
+    found = {}
+    for name, binding in bindings.items():
+        if binding.kind == STORED:
+            if name not in stored:
+                raise UnsupportedError(f"{name}: storage buffers have no values here")
+            found[name] = stored[name].handle
+        elif binding.kind == UNIFORM:
+            assert binding.block is not None
+            data = _packed(binding.block, values)
+            found[name] = own.buffer("uniform_buffer", data).handle
+    return found
+
+
+def _packed(block: Block, values: Mapping[str, Array]) -> bytes:
+    """A block's bytes; what a struct got for the samplers that were lifted out of it is 0."""
+    given = dict(values)
+    for member in block.members.values():
+        if block.name == DEFAULT_BLOCK and member.name not in given:
+            given[member.name] = np.zeros(1, np.float32)
+    return blocks.packed(block, given)

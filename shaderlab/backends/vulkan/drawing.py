@@ -12,7 +12,12 @@ from shaderlab.backends.redrawing import RedrawingSession
 from shaderlab.backends.vulkan import state as fixed
 from shaderlab.backends.vulkan.bound_textures import BoundTextures
 from shaderlab.backends.vulkan.commands import Commands, recording
-from shaderlab.backends.vulkan.descriptors import Image as BoundImage, new_set, sampler_place
+from shaderlab.backends.vulkan.descriptors import (
+    Image as BoundImage,
+    block_buffers,
+    new_set,
+    sampler_place,
+)
 from shaderlab.backends.vulkan.device import Device
 from shaderlab.backends.vulkan.linking import Linker
 from shaderlab.backends.vulkan.memory import Buffer, Resources
@@ -20,7 +25,6 @@ from shaderlab.backends.vulkan.modules import for_vulkan
 from shaderlab.backends.vulkan.program import Layout, Program
 from shaderlab.backends.vulkan.ready import Ready
 from shaderlab.backends.vulkan.target import RenderTarget
-from shaderlab.backends.vulkan.uniforms import block_buffers
 from shaderlab.backends.vulkan.vertices import layout_of, upload
 from shaderlab.errors import UnsupportedError
 from shaderlab.frame import Array, Bindings

@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 
 from shaderlab.backends import Evaluation
+from shaderlab.backends.attachments import COVERING
 from shaderlab.backends.vulkan.api import Structs
 from shaderlab.backends.vulkan.bound_textures import BoundTextures
 from shaderlab.backends.vulkan.commands import recording
-from shaderlab.backends.vulkan.descriptors import Image, new_set, sampler_place
-from shaderlab.backends.vulkan.fetching import CORNERS
+from shaderlab.backends.vulkan.descriptors import Image, block_buffers, new_set, sampler_place
 from shaderlab.backends.vulkan.images import fill, new_image, new_view
 from shaderlab.backends.vulkan.linking import Linker
 from shaderlab.backends.vulkan.memory import Resources
@@ -19,7 +19,6 @@ from shaderlab.backends.vulkan.modules import for_vulkan
 from shaderlab.backends.vulkan.program import Layout
 from shaderlab.backends.vulkan.ready import Ready
 from shaderlab.backends.vulkan.target import RenderTarget
-from shaderlab.backends.vulkan.uniforms import block_buffers
 from shaderlab.backends.vulkan.vertices import VertexBuffers, VertexLayout
 from shaderlab.compiler.interface import Variable
 from shaderlab.compiler.sources import Source
@@ -45,7 +44,7 @@ def _drawn(
     linker: Linker, evaluation: Evaluation, source: Source, images: dict[str, Image]
 ) -> Array:
     """What one pass writes: (words, height, width, lanes)."""
-    texts = {"vertex": CORNERS, "fragment": for_vulkan(source.text)}
+    texts = {"vertex": COVERING, "fragment": for_vulkan(source.text)}
     program = linker.link(texts, [source])
     word = "r32ui" if evaluation.lanes == 1 else "rgba32ui"
     colors = dict.fromkeys(program.outputs, word)

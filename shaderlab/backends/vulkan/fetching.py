@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from shaderlab.backends.attachments import COVERING
 from shaderlab.backends.vulkan.api import Structs
 from shaderlab.backends.vulkan.commands import recording
 from shaderlab.backends.vulkan.descriptors import DEFAULT_BLOCK, Image, new_set
@@ -17,13 +18,6 @@ from shaderlab.backends.vulkan.vertices import VertexBuffers, VertexLayout
 from shaderlab.frame import Array
 from shaderlab.model import State, Target
 
-CORNERS = """#version 330 core
-void main() {
-    vec2 corner = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);
-    gl_Position = vec4(corner, 0.0, 1.0);
-}
-"""
-"""A vertex stage of one triangle over the whole target."""
 _FETCH = """#version 330 core
 uniform sampler{kind} texels;
 uniform int number;
@@ -48,7 +42,7 @@ def fetched(
     Returns:
         (height, width, channels)
     """
-    texts = {"vertex": CORNERS, "fragment": _FETCH.format(kind=kind)}
+    texts = {"vertex": COVERING, "fragment": _FETCH.format(kind=kind)}
     program = linker.link(texts)
     colors = {"color": word}
     with Resources(linker.device) as own, RenderTarget(linker.device, Target(), colors, size) as to:

@@ -9,12 +9,10 @@ from shaderlab.backends.vulkan.api import Structs, check, constant, ffi, lib
 from shaderlab.backends.vulkan.commands import Commands, recording
 from shaderlab.backends.vulkan.drawing import Drawing
 from shaderlab.backends.vulkan.memory import Resources
-from shaderlab.backends.vulkan.target import RenderTarget
 from shaderlab.backends.vulkan.vertices import layout_of, readings
 from shaderlab.errors import UnsupportedError
 from shaderlab.frame import AttributeReading, BlockReading, PassDraw, Timing
 from shaderlab.programs.blocks import uniform_blocks
-from shaderlab.programs.prepare import pass_colors
 
 # Source: Vulkan 1.3 Specification, chapter Queries.
 _STATISTICS = {
@@ -47,7 +45,7 @@ def counted(drawing: Drawing, key: PassDraw, counter: str) -> int:
     if feature not in drawing.device.features:
         raise UnsupportedError(f"counting {counter}: this device has no {feature}")
     precise = _PRECISE if kind == _OCCLUSION else 0
-    with Resources(drawing.device) as own, _again(drawing, key[0]) as target:
+    with Resources(drawing.device) as own, drawing.fresh_target(key[0]) as target:
         pool = own.create("QueryPool", Structs()(
             "QueryPoolCreateInfo", queryType=kind, queryCount=1, pipelineStatistics=bits
         ))  # fmt: skip
@@ -78,7 +76,7 @@ def timed(drawing: Drawing, pass_name: str, repeats: int) -> Timing:
     """
     prepared = drawing.programs[pass_name]
     seconds = []
-    with Resources(drawing.device) as own, _again(drawing, pass_name) as target:
+    with Resources(drawing.device) as own, drawing.fresh_target(pass_name) as target:
         ready = [
             drawing.ready(own, draw, drawing.bindings[pass_name, index], target)
             for index, draw in enumerate(prepared)
@@ -122,11 +120,3 @@ def block_readings(drawing: Drawing, key: PassDraw) -> Mapping[str, BlockReading
             placed_size=placed.size,
         )
     return found
-
-
-def _again(drawing: Drawing, pass_name: str) -> RenderTarget:
-    """A fresh target like that of a pass."""
-    description = drawing.scene.find_pass(pass_name)
-    colors = pass_colors(description, drawing.programs[pass_name])
-    extent = drawing.extent(description)
-    return RenderTarget(drawing.device, description.target, colors, extent)

@@ -7,12 +7,14 @@ from contextlib import AbstractContextManager
 
 from shaderlab.backends.device_backend import DeviceBackend
 from shaderlab.backends.webgl import feedback, queries
+from shaderlab.backends.webgl.calls import Objects
 from shaderlab.backends.webgl.device import Device
 from shaderlab.backends.webgl.drawing import Drawing
-from shaderlab.backends.webgl.linking import Linker
-from shaderlab.backends.webgl.verdict import driver_verdict
+from shaderlab.backends.webgl.essl import translated
+from shaderlab.backends.webgl.linking import Linker, refusal
+from shaderlab.compiler.driver_verdict import DRIVER
 from shaderlab.compiler.sources import Source
-from shaderlab.errors import UnsupportedError
+from shaderlab.errors import DriverError, ShaderError, UnsupportedError
 from shaderlab.frame import PassDraw
 from shaderlab.programs.module_texts import as_drawn
 from shaderlab.records import Verdict
@@ -54,7 +56,21 @@ class WebGLBackend(DeviceBackend):
         return super().in_use()
 
     def driver_verdict(self, sources: Sequence[Source]) -> Verdict:
-        return driver_verdict(self.device, sources)
+        """Of the ESSL that SPIRV-Cross makes of a program. A stage alone is only compiled."""
+        texts = {source.stage: source.text for source in sources}
+        try:
+            made = translated(texts, sources)
+        except UnsupportedError:
+            raise
+        except ShaderError as error:
+            raise DriverError(
+                "WebGL2 gets ESSL made of a module, and of this program there is none",
+                file=error.file, line=error.line,
+            ) from error  # fmt: skip
+        with Objects(self.device.gl) as own:
+            refused = refusal(self.device.gl, own.new("Program"), made.texts)
+        said = (sources[0].diagnostic(refused),) if refused else ()
+        return Verdict(target=DRIVER, ok=not refused, diagnostics=said)
 
     def close(self) -> None:
         self.device.close()

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from shaderlab.backends.attachments import UNREADABLE
 from shaderlab.backends.scene_textures import DeviceTexels, SceneTextures
 from shaderlab.backends.webgl.calls import Object, Objects
 from shaderlab.backends.webgl.device import Device
@@ -52,14 +53,11 @@ class DeviceTexture:
 
 
 class BoundTextures(SceneTextures[RenderTarget]):
-    """What a scene's samplers read.
+    """What a scene's samplers read. Arguments as of `SceneTextures`, and besides:
 
     Args:
         device: where they are made.
         own: what they are released with.
-        folder: what the paths of their files are relative to.
-        images: what passes have drawn so far.
-        targets: the passes' targets.
     """
 
     def __init__(
@@ -103,7 +101,7 @@ class BoundTextures(SceneTextures[RenderTarget]):
         if drawn is None:
             raise UnsupportedError(
                 f"sampling the {source.name} of this target",
-                remedy="Target(samples=0): the depth of several samples a pixel has no one value",
+                remedy=UNREADABLE,
             )
         texture = DeviceTexture(drawn, "2D", image.format, target.size)
         if not source.mipmaps:

@@ -12,7 +12,6 @@ from shaderlab.backends.webgl.vertices import vertex_array
 from shaderlab.frame import AttributeReading, BlockReading, PassDraw, Timing
 from shaderlab.programs.blocks import uniform_blocks
 from shaderlab.programs.module_texts import as_drawn
-from shaderlab.programs.prepare import pass_colors
 
 
 def attributes(drawing: Drawing, key: PassDraw) -> Mapping[str, AttributeReading]:
@@ -58,14 +57,12 @@ def timed(drawing: Drawing, pass_name: str, repeats: int) -> Timing:
     """How long a pass takes to draw, with all that this takes in Python and on the way to the
     browser. The first time through, when the browser compiles, does not count."""
     prepared = drawing.programs[pass_name]
-    description = drawing.scene.find_pass(pass_name)
-    colors = pass_colors(description, prepared)
     seconds, vertices = [], 0
     for draw in prepared:
         mesh = draw.draw.mesh
         count = 3 if mesh is None else mesh.vertices if mesh.indices is None else len(mesh.indices)
         vertices += count * draw.draw.instances
-    with drawing.new_target(description.target, colors, drawing.extent(description)) as target:
+    with drawing.fresh_target(pass_name) as target:
         for turn in range(repeats + 1):
             target.clear()
             start = time.perf_counter()

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from shaderlab.backends.attachments import COVERING
 from shaderlab.backends.webgl.calls import Object, Objects, decoded
 from shaderlab.backends.webgl.device import Device
 from shaderlab.backends.webgl.formats import READ_TYPES, read_as
@@ -16,12 +17,7 @@ from shaderlab.programs.formats import format_of
 
 Size = tuple[int, int]
 
-_CORNERS = """#version 300 es
-void main() {
-    vec2 corner = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);
-    gl_Position = vec4(corner, 0.0, 1.0);
-}
-"""
+_CORNERS = COVERING.replace("330 core", "300 es")
 _FETCH = """#version 300 es
 precision highp float;
 uniform highp sampler2D texels;
