@@ -28,6 +28,7 @@ def main() -> None:
     """
     import signal
 
+    ending = _Ending()
     sys.unraisablehook = _interrupt_again
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, _interrupt)
@@ -40,10 +41,13 @@ def main() -> None:
             begin_server()
         # A command makes few cycles, and each look for some goes over all that was imported.
         gc.set_threshold(_OBJECTS_PER_LOOK)
-        atexit.register(_end_without_a_look)
         from shaderlab.cli import main as command_line
 
-        command_line()
+        try:
+            command_line()
+        except SystemExit as ended:
+            ending.status = 0 if ended.code is None else ended.code
+            raise
     except KeyboardInterrupt:
         print("\nshaderlab: interrupted", file=sys.stderr)
         sys.exit(130)
@@ -52,11 +56,29 @@ def main() -> None:
             signal.signal(signal.SIGINT, signal.SIG_DFL)  # nothing is left that it could cut short
 
 
-def _end_without_a_look() -> None:
-    """Have Python end without looking for cycles in all that was imported, which takes as long as
-    half of the imports. OpenImageIO reports what it finds at the end as leaked."""
-    if "OpenImageIO" not in sys.modules:
-        gc.freeze()
+class _Ending:
+    """Has Python end without taking down all that was imported, which takes as long as half of the
+    imports: when threads and whatever else waits for the end are done, nothing is left to do.
+
+    Attributes:
+        status: the exit status, once the command says so.
+    """
+
+    status: object = None
+
+    def __init__(self) -> None:
+        # What was registered before this, by coverage say, runs after it.
+        self._last = atexit._ncallbacks() == 0
+        atexit.register(self._end)
+
+    def _end(self) -> None:
+        if self._last and isinstance(self.status, int):
+            for stream in (sys.stdout, sys.stderr):
+                if stream is not None:
+                    stream.flush()
+            os._exit(self.status & 0xFF)
+        if "OpenImageIO" not in sys.modules:  # it reports what it finds at the end as leaked
+            gc.freeze()
 
 
 def _will_run(words: Sequence[str]) -> bool:

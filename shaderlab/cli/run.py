@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Mapping, Sequence
+import threading
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,6 +15,7 @@ from shaderlab.cli import FAILED, OK
 from shaderlab.cli.files import output_options, uses_stdout
 from shaderlab.cli.options import make_executor, running_options
 from shaderlab.errors import UsageError
+from shaderlab.execution.fork_server import close_servers
 from shaderlab.execution.jobs import checked_driver
 from shaderlab.options import Limits, RunOptions
 
@@ -163,7 +165,9 @@ def command(
         options = plan.options
 
     # Workers get ready while what follows is imported.
-    with contextlib.closing(make_executor(options.driver, limits, workers, scheduler)) as executor:
+    with contextlib.ExitStack() as workers_end:
+        executor = make_executor(options.driver, limits, workers, scheduler)
+        workers_end.callback(executor.close)
         from shaderlab.cli.recorded_run import finish, new_plan, run_plan, with_coverage
         from shaderlab.cli.replacing import named, parsed
         from shaderlab.cli.selecting import choose
@@ -191,16 +195,33 @@ def command(
         show_drivers(recorded.run, show.console)
         if profile:
             show.profile(recorded.run)
-    is_latest = folder is None and resume is None
-    return finish(
-        recorded,
-        show,
-        "run",
-        verdict=_status(recorded.run),
-        is_latest=is_latest,
-        outputs=outputs,
-        open_report=open_report,
-    )
+        is_latest = folder is None and resume is None
+        with _beside(workers_end.close, close_servers):
+            return finish(
+                recorded,
+                show,
+                "run",
+                verdict=_status(recorded.run),
+                is_latest=is_latest,
+                outputs=outputs,
+                open_report=open_report,
+            )
+
+
+@contextlib.contextmanager
+def _beside(*tasks: Callable[[], None]) -> Iterator[None]:
+    """Have tasks done, one after the other, beside what goes on: ending processes is waiting."""
+
+    def work() -> None:
+        for task in tasks:
+            task()
+
+    thread = threading.Thread(target=work, daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        thread.join()
 
 
 def _renames(words: Sequence[str], files: Sequence[Path]) -> dict[str, str]:

@@ -29,6 +29,7 @@ from shaderlab.compiler.engines import COMMAND_VARIABLE, choose
 from shaderlab.compiler.interface import Block, Interface, Member, SpecConstant, Variable
 from shaderlab.compiler.library import files
 from shaderlab.compiler.sources import Source
+from shaderlab.compiler.spirv_tools import disassemble
 from shaderlab.errors import ShaderError
 from shaderlab.files import cache_root
 from shaderlab.lazy_dataclass import dataclass
@@ -61,6 +62,21 @@ def compiled_with_lines(source: Source) -> Compiled:
     """
     folder = cache_folder()
     return _with_lines(source) if folder is None else _cache(folder).compile_with_lines(source)
+
+
+def assembly(modules: Mapping[str, bytes]) -> str:
+    """A program's SPIR-V modules, by stage, as assembly with readable names, behind the compile
+    cache: a process that finds it there loads no library.
+
+    Raises:
+        ShaderError: as `shaderlab.compiler.spirv_tools.disassemble`.
+    """
+    folder = cache_folder()
+    return _disassembled(modules) if folder is None else _cache(folder).assembly(modules)
+
+
+def _disassembled(modules: Mapping[str, bytes]) -> str:
+    return "\n".join(f"; {stage}\n{disassemble(data)}" for stage, data in modules.items())
 
 
 def _with_lines(source: Source) -> Compiled:
@@ -116,6 +132,23 @@ class CompileCache:
             found = _with_lines(source)
             self._store.put(key, encode(Entry(found.verdicts, found.spirv, found.logs)))
         return found
+
+    def assembly(self, modules: Mapping[str, bytes]) -> str:
+        """See `assembly`."""
+        compilers = self._compilers()
+        if compilers is None:
+            return _disassembled(modules)
+        stages = {stage: hashlib.sha256(data).hexdigest() for stage, data in modules.items()}
+        key = _digest(["assembly", compilers, stages])
+        try:
+            packed = zlib.decompressobj().decompress(self._store.get(key) or b"", _LARGEST)
+            text = packed.decode("utf-8")
+        except (zlib.error, UnicodeDecodeError):
+            text = ""
+        if not text:
+            text = _disassembled(modules)
+            self._store.put(key, zlib.compress(text.encode("utf-8"), 1))
+        return text
 
     def _load(
         self, key: str, ordered: tuple[Source, ...], targets: Sequence[str]

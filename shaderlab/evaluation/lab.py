@@ -22,6 +22,7 @@ from shaderlab.evaluation.drawing import SceneDrawer, require_compiled
 from shaderlab.evaluation.enlarging import enlarged
 from shaderlab.evaluation.evaluation import Evaluation
 from shaderlab.evaluation.failures import failure_of, unless_unwritable
+from shaderlab.evaluation.file_thread import FileThread
 from shaderlab.evaluation.modules import JudgedDraws
 from shaderlab.evaluation.picture_writer import PictureFiles, PictureWriter
 from shaderlab.evaluation.record_builder import RecordBuilder, told
@@ -51,8 +52,8 @@ class Lab(SceneDrawer):
         builder = RecordBuilder(scene)
         activity = Activity(self._notice)
         try:
-            with activity.watch():
-                self._run(scene, builder)
+            with activity.watch(), FileThread(builder) as files:
+                self._run(scene, builder, files)
         except KeyboardInterrupt:
             raise
         except BaseException as error:
@@ -84,11 +85,11 @@ class Lab(SceneDrawer):
         """Free what is kept for scenes that are run again: the textures that functions made."""
         forget_made()
 
-    def _run(self, scene: Scene, builder: RecordBuilder) -> None:
+    def _run(self, scene: Scene, builder: RecordBuilder, files: FileThread) -> None:
         with doing("compile", "compiling"):
             programs = self.prepare(scene)
         folder = self.options.picture_folder
-        writer = PictureWriter(folder, scene.case.id, scene.variant)
+        writer = PictureWriter(folder, scene.case.id, scene.variant, files.submit)
 
         def assembly(modules: Mapping[str, bytes]) -> str:
             file = ""

@@ -5,14 +5,14 @@ from __future__ import annotations
 import hashlib
 import os
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import field, replace
 from pathlib import Path
 
 import numpy as np
 
 from shaderlab import pictures
-from shaderlab.compiler.spirv_tools import disassemble
+from shaderlab.compiler.compile_cache import assembly
 from shaderlab.files import write_bytes
 from shaderlab.frame import Array, Image
 from shaderlab.lazy_dataclass import dataclass
@@ -47,10 +47,22 @@ class PictureWriter:
     """Writes pictures below `folder`/images; without a folder it writes nothing.
 
     Names are made of the case's id, the variant and a label, and always end up inside the folder.
+
+    Args:
+        folder: of the run.
+        case_id, variant: what is in the files' names.
+        run: runs what packs and writes a file, now or later.
     """
 
-    def __init__(self, folder: Path | None, case_id: str, variant: str) -> None:
+    def __init__(
+        self,
+        folder: Path | None,
+        case_id: str,
+        variant: str,
+        run: Callable[[Callable[[], None]], None] = lambda task: task(),
+    ) -> None:
         self._folder = folder
+        self._run = run
         self._stem = f"{_safe(case_id)}--{_safe(variant)}"
         self._saved: dict[tuple[bytes, tuple[int, ...], int], str] = {}
         self._picture: tuple[Image, str] | None = None
@@ -62,7 +74,8 @@ class PictureWriter:
         display = _display(image)
         file = self._save("picture", display.image, 256)
         if min(display.image.shape[:2]) >= 256 and max(display.image.shape[:2]) > PREVIEW_SIDE:
-            pictures.save_preview(self._folder / file, display.image, PREVIEW_SIDE)
+            path = self._folder / file
+            self._run(lambda: pictures.save_preview(path, display.image, PREVIEW_SIDE))
         self._picture = image, file
         return PictureFiles({"picture": file}, {"picture": display.caption})
 
@@ -140,12 +153,7 @@ class PictureWriter:
             )
             files["distance"] = self._save(f"{label}-distance", seen, COMPARISON_SIDE, palette)
         relative, path = self._file(label, "values")
-        numbers = _numbers(arrays)
-        packed = pictures.pack(pictures.judged_part(numbers, worst))
-        if "covered" not in arrays and len(packed) > LARGE and not numbers["outside"].any():
-            # Every bit is equal, and the data do not compress: a corner is enough.
-            packed = pictures.pack(pictures.judged_part(numbers, worst, pictures.WINDOW // 2))
-        write_bytes(path, packed)
+        self._run(lambda: _write_numbers(path, arrays, worst))
         return PictureFiles(files, captions, relative)
 
     def write_assembly(self, modules: Mapping[str, bytes]) -> str:
@@ -161,9 +169,8 @@ class PictureWriter:
         path = self._folder / relative
         if not path.exists():
             path.parent.mkdir(parents=True, exist_ok=True)
-            stages = (f"; {stage}\n{disassemble(data)}" for stage, data in modules.items())
             # Other workers may write the same file at the same time.
-            write_bytes(path, "\n".join(stages).encode("utf-8"))
+            self._run(lambda: write_bytes(path, assembly(modules).encode("utf-8")))
         return relative
 
     def _save(self, label: str, image: Array, side: int, palette: Array | None = None) -> str:
@@ -172,7 +179,7 @@ class PictureWriter:
         key = hashlib.blake2b(pixels.data, digest_size=16).digest(), pixels.shape, side
         if key not in self._saved:
             relative, path = self._file(label, "png")
-            pictures.save_png(path, pixels, min_side=side, palette=palette)
+            self._run(lambda: pictures.save_png(path, pixels, min_side=side, palette=palette))
             self._saved[key] = relative
         return self._saved[key]
 
@@ -182,6 +189,15 @@ class PictureWriter:
         path = self._folder / relative
         path.parent.mkdir(parents=True, exist_ok=True)
         return relative, path
+
+
+def _write_numbers(path: Path, arrays: Mapping[str, Array], worst: tuple[int, int] | None) -> None:
+    numbers = _numbers(arrays)
+    packed = pictures.pack(pictures.judged_part(numbers, worst))
+    if "covered" not in arrays and len(packed) > LARGE and not numbers["outside"].any():
+        # Every bit is equal, and the data do not compress: a corner is enough.
+        packed = pictures.pack(pictures.judged_part(numbers, worst, pictures.WINDOW // 2))
+    write_bytes(path, packed)
 
 
 def _numbers(arrays: Mapping[str, Array]) -> Mapping[str, Array]:

@@ -201,6 +201,13 @@ def fork_server(environment: Mapping[str, str], work: str, *, copied: bool = Fal
     return found
 
 
+def close_servers() -> None:
+    """End all servers of this process; it needs no more workers."""
+    with _lock():
+        for server in _servers().values():
+            server.close()
+
+
 @functools.cache
 def _servers() -> dict[Any, ForkServer]:
     return {}

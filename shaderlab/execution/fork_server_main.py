@@ -15,7 +15,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from shaderlab.execution import worker_main
+from shaderlab.execution import driver_libraries, worker_main
 from shaderlab.lazy_dataclass import dataclass
 
 HEADER = 8
@@ -81,7 +81,10 @@ def serve(control: socket.socket) -> None:
     worker_main.adopt_orphans()
     work, _ = received(control)
     if work:
+        loading = driver_libraries.load()
         worker_main.prepared(work)
+        if loading is not None:
+            loading.join()  # a copy of this process has no other thread, and its locks for good
     as_worker = _Server(control).run()
     if as_worker is None:
         os._exit(0)  # what was imported is not worth taking down

@@ -438,6 +438,19 @@ def test_pictures_are_written_where_the_record_says(folder: Path, tmp_path: Path
         assert (tmp_path / file).read_bytes().startswith(b"\x89PNG")
 
 
+def test_a_picture_that_cannot_be_written_changes_no_verdict(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(pixels: Any, palette: Any = None) -> bytes:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("shaderlab.pictures.files.encode", full)
+    with Lab(RunOptions(size=16, picture_size=32, folder=tmp_path)) as lab:
+        record = run(lab, folder, ramp(), formula("product", product))
+    assert record.status == "pass"
+    assert any("can't write the picture (No space left" in notice for notice in record.notices)
+
+
 def test_the_same_scene_gives_the_same_bytes(lab: Lab, folder: Path) -> None:
     def once() -> Record:
         return run(lab, folder, ramp(), formula("product", product), exact("FragColor", 0.0))

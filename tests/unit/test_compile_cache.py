@@ -185,6 +185,23 @@ def test_another_process_finds_it_without_a_compiler(
     assert whole(again) == whole(true)
 
 
+def test_assembly_is_made_once_for_a_program(
+    tmp_path: Path, store: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made: list[bytes] = []
+    disassemble = compile_cache.disassemble
+    monkeypatch.setattr(compile_cache, "disassemble", lambda m: made.append(m) or disassemble(m))
+    stages, targets = programs(tmp_path)["two stages"]
+    caches = [CompileCache(store, lambda by=by: by) for by in (FINGERPRINT, FINGERPRINT, "others")]
+    modules = caches[0].compile(stages, targets).spirv["opengl"]
+    first, again = (each.assembly(modules) for each in caches[:2])
+    assert first == again == "\n".join(f"; {s}\n{disassemble(m)}" for s, m in modules.items())
+    assert made == [*modules.values()]
+    caches[2].assembly(modules)
+    caches[0].assembly({"vertex": modules["fragment"]})
+    assert len(made) == 5
+
+
 def test_a_cached_plain_verdict_still_has_an_interface(
     tmp_path: Path, cache: CompileCache, compiled: list[Sequence[Source]]
 ) -> None:

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from shaderlab.execution import WorkerPool
+from shaderlab.execution import WorkerPool, driver_libraries
 from shaderlab.execution.fork_server import fork_server
 from shaderlab.execution.pool import ItemResult
 from shaderlab.execution.worker_process import LAB_WORK, environment
@@ -99,7 +99,8 @@ def test_modules_of_others_are_not_kept(work: str, tmp_path: Path) -> None:
 
 @pytest.mark.skipif(not os.path.isdir("/proc/self"), reason="threads are looked up in /proc")
 def test_the_server_of_labs_has_one_thread_and_no_device() -> None:
-    """A thread would not be copied, and what it holds stays held; of a context two would draw."""
+    """A thread would not be copied, and what it holds stays held; of a context two would draw. The
+    driver's libraries are there, and nothing that opening it maps."""
     made = environment()
     server = fork_server(made, LAB_WORK)
     server.ends(-1, 0.0)  # it answers when it has imported everything
@@ -107,7 +108,21 @@ def test_the_server_of_labs_has_one_thread_and_no_device() -> None:
     assert len(os.listdir(f"/proc/{number}/task")) == 1
     mapped = Path(f"/proc/{number}/maps").read_text()
     assert "mgl" in mapped and "_umath" in mapped
-    assert "_dri.so" not in mapped and "libgallium" not in mapped
+    assert "_dri.so" in mapped or "libgallium" in mapped
+    assert "mesa_shader_cache" not in mapped
+
+
+@pytest.mark.parametrize(("driver", "loads"), [("llvmpipe", True), ("lavapipe", False)])
+def test_only_the_driver_that_is_meant_is_loaded(
+    driver: str, loads: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    tasks: list[object] = []
+    monkeypatch.setattr(driver_libraries, "_load", lambda: tasks.append(1))
+    monkeypatch.setenv("SHADERLAB_DRIVER", driver)
+    thread = driver_libraries.load()
+    if thread is not None:
+        thread.join()
+    assert bool(tasks) == loads
 
 
 def test_a_server_that_died_is_said_and_started_anew(work: str) -> None:

@@ -89,3 +89,21 @@ def test_other_errors_in_callbacks_are_printed(
 
     Callback()
     assert "ValueError: so it is" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("status", "others", "ends"),
+    [(0, 0, [0]), (3, 0, [3]), (0, 1, []), (None, 0, []), ("a message", 0, [])],
+)
+def test_the_process_ends_at_once_where_nothing_else_waits_for_its_end(
+    status: object, others: int, ends: list[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ended: list[int] = []
+    monkeypatch.setattr("os._exit", ended.append)
+    monkeypatch.setattr("atexit._ncallbacks", lambda: others)
+    monkeypatch.setattr("atexit.register", lambda function: None)
+    monkeypatch.setattr(gc, "freeze", lambda: None)
+    ending = program._Ending()
+    ending.status = status
+    ending._end()
+    assert ended == ends

@@ -1,0 +1,50 @@
+"""A thread that writes a scene's files while the scene is judged: packing them takes no lock of
+Python's."""
+
+from __future__ import annotations
+
+import contextlib
+import queue
+import threading
+from collections.abc import Callable
+
+from shaderlab.evaluation.failures import unless_unwritable
+from shaderlab.evaluation.record_builder import RecordBuilder
+
+Task = Callable[[], None]
+_WAITING = 8
+"""Tasks hold what they write: whoever has more of them waits."""
+
+
+class FileThread(contextlib.AbstractContextManager["FileThread"]):
+    """Runs tasks in order, in a thread that is started with the first one. All are done when it is
+    left; the record gets a notice of files that can't be written."""
+
+    def __init__(self, builder: RecordBuilder) -> None:
+        self._builder = builder
+        self._tasks: queue.Queue[Task | None] = queue.Queue(_WAITING)
+        self._thread: threading.Thread | None = None
+        self._errors: list[BaseException] = []
+
+    def submit(self, task: Task) -> None:
+        """Have a task run."""
+        if self._thread is None:
+            self._thread = threading.Thread(target=self._run, daemon=True)
+            self._thread.start()
+        self._tasks.put(task)
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        if self._thread is None:
+            return
+        self._tasks.put(None)
+        self._thread.join()
+        for error in self._errors if kind is None else ():
+            with unless_unwritable(self._builder, "a file for the report"):
+                raise error
+
+    def _run(self) -> None:
+        while (task := self._tasks.get()) is not None:
+            try:
+                task()
+            except BaseException as error:
+                self._errors.append(error)
