@@ -61,13 +61,14 @@ def replacing(path: str | Path) -> Iterator[Path]:
     try:
         yield draft
         os.replace(draft, target)
-    finally:
+    except BaseException:
         if draft.is_dir() and not draft.is_symlink():
             import shutil  # few drafts are folders
 
             shutil.rmtree(draft, ignore_errors=True)
         else:
             draft.unlink(missing_ok=True)
+        raise
 
 
 def open_regular(path: str | Path, flags: int = os.O_RDONLY) -> int:

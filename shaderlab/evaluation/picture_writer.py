@@ -5,9 +5,10 @@ from __future__ import annotations
 import hashlib
 import os
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import field, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -115,7 +116,7 @@ class PictureWriter:
     def write_comparison(
         self,
         label: str,
-        arrays: Mapping[str, Array],
+        arrays: Mapping[str, Any],
         worst: tuple[int, int] | None = None,
         *,
         passed: bool = False,
@@ -131,29 +132,33 @@ class PictureWriter:
         """
         if self._folder is None or not arrays:
             return PictureFiles()
-        shown = {what: arrays[what] for what in ("measured", "reference")}
-        covered = arrays.get("covered", np.ones(arrays["distance"].shape, bool))
-        partly = not covered.all()
-        span = _common_range(*(values[covered] if partly else values for values in shown.values()))
-        if passed:
-            del shown["reference"]
+        names = ("measured",) if passed else ("measured", "reference")
+        shown = {what: np.asarray(arrays[what]) for what in names}
+        covered = arrays.get("covered")
+        if covered is not None and covered.all():
+            covered = None
+        span = _common_range(tuple(shown.values()), covered)
         files: dict[str, str] = {}
         captions: dict[str, str] = {}
         for what, values in shown.items():
-            drawn = np.where(covered[..., None], values, 0) if partly else values
-            display = pictures.to_display(drawn, value_range=span)
-            if partly:
-                display.image[~covered, :3] = pictures.UNCOVERED
+            display = pictures.to_display(values, value_range=span)
+            seen = display.image
+            if covered is not None:
+                seen = np.where(covered[..., None], seen, np.array(pictures.UNCOVERED, np.uint8))
             captions[what] = display.caption
-            files[what] = self._save(f"{label}-{what}", display.image, COMPARISON_SIDE)
+            files[what] = self._save(f"{label}-{what}", seen, COMPARISON_SIDE)
         if not passed:
-            distance = arrays["distance"]
+            distance = np.asarray(arrays["distance"])
             seen, palette = pictures.distance_picture(
                 distance, np.abs(distance) > 1.0, min_side=COMPARISON_SIDE
             )
             files["distance"] = self._save(f"{label}-distance", seen, COMPARISON_SIDE, palette)
         relative, path = self._file(label, "values")
-        self._run(lambda: _write_numbers(path, arrays, worst))
+        numbers = pictures.judged_part(arrays, worst)
+        corner = None
+        if "covered" not in arrays and not numbers.outside.any():
+            corner = pictures.judged_part(arrays, worst, pictures.WINDOW // 2)
+        self._run(lambda: _write_numbers(path, numbers, corner))
         return PictureFiles(files, captions, relative)
 
     def write_assembly(self, modules: Mapping[str, bytes]) -> str:
@@ -176,7 +181,8 @@ class PictureWriter:
     def _save(self, label: str, image: Array, side: int, palette: Array | None = None) -> str:
         """Write a picture; equal ones of a scene are one file, named by the first label."""
         pixels = np.ascontiguousarray(image)
-        key = hashlib.blake2b(pixels.data, digest_size=16).digest(), pixels.shape, side
+        factor = max(1, -(-side // min(pixels.shape[:2])))
+        key = hashlib.blake2b(pixels.data, digest_size=16).digest(), pixels.shape, factor
         if key not in self._saved:
             relative, path = self._file(label, "png")
             self._run(lambda: pictures.save_png(path, pixels, min_side=side, palette=palette))
@@ -191,28 +197,12 @@ class PictureWriter:
         return relative, path
 
 
-def _write_numbers(path: Path, arrays: Mapping[str, Array], worst: tuple[int, int] | None) -> None:
-    numbers = _numbers(arrays)
-    packed = pictures.pack(pictures.judged_part(numbers, worst))
-    if "covered" not in arrays and len(packed) > LARGE and not numbers["outside"].any():
-        # Every bit is equal, and the data do not compress: a corner is enough.
-        packed = pictures.pack(pictures.judged_part(numbers, worst, pictures.WINDOW // 2))
+def _write_numbers(path: Path, numbers: pictures.Values, corner: pictures.Values | None) -> None:
+    """Write numbers, or those of a corner where every bit is equal and the data do not compress."""
+    packed = pictures.pack(numbers)
+    if corner is not None and len(packed) > LARGE:
+        packed = pictures.pack(corner)
     write_bytes(path, packed)
-
-
-def _numbers(arrays: Mapping[str, Array]) -> Mapping[str, Array]:
-    """All that `judged_part` needs; in an exact comparison each band is its reference alone."""
-    if "covered" in arrays:
-        return arrays
-    measured, reference = (arrays[what].astype(np.float64) for what in ("measured", "reference"))
-    same = (measured == reference) | (np.isnan(measured) & np.isnan(reference))
-    return {
-        "measured": measured,
-        **dict.fromkeys(("exact", "low", "high"), reference),
-        "outside": ~same,
-        "covered": ~np.isnan(arrays["distance"]),
-        "unit": np.float64(arrays["measured"].dtype.kind in "iu"),
-    }
 
 
 def _read(description: Pass) -> Iterable[str]:
@@ -239,11 +229,11 @@ def _colours(image: Image) -> Array:
     return image.values[..., :3] if image.values.shape[-1] == 4 else image.values
 
 
-def _common_range(measured: Array, reference: Array) -> tuple[float, float] | None:
-    """One range of values for both pictures, so that equal colours mean equal values."""
-    if measured.shape[-1] != 1:
+def _common_range(shown: Sequence[Array], covered: Array | None) -> tuple[float, float] | None:
+    """One range of values for all pictures, so that equal colours mean equal values."""
+    if shown[0].shape[-1] != 1:
         return None
-    both = np.concatenate([np.ravel(measured), np.ravel(reference)]).astype(np.float64)
+    both = np.concatenate([np.ravel(v if covered is None else v[covered]) for v in shown])
     finite = both[np.isfinite(both)]
     return (float(finite.min()), float(finite.max())) if finite.size else None
 

@@ -11,6 +11,7 @@ import numpy as np
 from shaderlab.bands import Rules
 from shaderlab.errors import CaseError
 from shaderlab.expectations.base import OfOutput
+from shaderlab.expectations.laid_out import LaidOut
 from shaderlab.expectations.needs import CapturedFragments, CapturedVertices
 from shaderlab.expectations.subject import subject_of
 from shaderlab.frame import Array, Frame, Image
@@ -117,7 +118,7 @@ class Formula(OfReference):
         if status == "pass" and not all(row.ok for row in rows):
             status, message = "fail", "an independent implementation leaves the band"
         covered, image = subject.covered, subject.image
-        pictures: Mapping[str, Array] = {}
+        pictures: Mapping[str, Any] = {}
         if image is not None and covered is not None:
             pictures = LazyArrays(lambda: _pictures(image, covered, banded))
         return self.judgement(
@@ -125,30 +126,24 @@ class Formula(OfReference):
         )
 
 
-def _pictures(image: Image, covered: Array, banded: Banded) -> dict[str, Array]:
-    whole = bool(covered.all())
+def _pictures(image: Image, covered: Array, banded: Banded) -> dict[str, Any]:
+    def laid_out(values: Array, nothing: float) -> LaidOut:
+        return LaidOut(covered, values.__getitem__, nothing)
 
-    def laid_out(values: Array, nothing: float) -> Array:
-        """Judged values at their pixels; `nothing` elsewhere."""
-        if whole:  # as most draws are: then nothing need be copied
-            return values.reshape(*covered.shape, *values.shape[1:])
-        full = np.full((*covered.shape, *values.shape[1:]), nothing, values.dtype)
-        full[covered] = values
-        return full
+    def reference(rows: Array | slice) -> Array:
+        exact = banded.band.at(rows)
+        kind = image.values.dtype
+        return np.nan_to_num(np.rint(exact)).astype(kind) if kind.kind in "iu" else exact
 
-    exact = laid_out(banded.reference, np.nan)
-    reference, kind = exact, image.values.dtype
-    if kind.kind in "iu":
-        reference = np.nan_to_num(np.rint(exact)).astype(kind)
     return {
-        "measured": laid_out(banded.measured, 0),
-        "reference": reference,
-        "distance": laid_out(banded.signed(), np.nan),
+        "measured": np.asarray(laid_out(banded.measured, 0)),
+        "reference": LaidOut(covered, reference, 0),
+        "distance": LaidOut(covered, lambda rows: banded.signed()[rows], np.nan),
         "covered": covered,
-        "exact": exact,
+        "exact": LaidOut(covered, banded.band.at, np.nan),
         "low": laid_out(banded.low, np.nan),
         "high": laid_out(banded.high, np.nan),
-        "outside": laid_out(~banded.inside, False),
+        "outside": LaidOut(covered, lambda rows: ~banded.inside[rows], False),
         "unit": np.asarray(banded.unit or 0.0),
     }
 

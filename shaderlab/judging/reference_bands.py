@@ -46,6 +46,14 @@ class Exact:
         """Some rows, (count, components). Raises FormulaError."""
         return self._parts([(start, count)])[0]
 
+    def at(self, rows: Array) -> Array:
+        """Some rows by their ascending numbers. Raises FormulaError."""
+        if PLACE not in self.asked:
+            return self._values(rows)
+        first, last = (int(rows[end]) for end in (0, -1)) if rows.size else (0, -1)
+        found: Array = self.part(first, last - first + 1)[rows - first]
+        return found
+
     def _parts(self, parts: Sequence[tuple[int, int]]) -> list[Array]:
         """As `part`, of several (start, count), which are evaluated together."""
         wanted = [slice(start, min(start + count, self.shape[0])) for start, count in parts]
@@ -121,6 +129,12 @@ class ReferenceBand:
     def values(self) -> Array:
         """What the formula gives in float64, as the attachment would hold it, unrounded."""
         return self.exact.whole()
+
+    def at(self, rows: Array | slice) -> Array:
+        """As `values`, of some rows, ascending; few of them are evaluated alone."""
+        if isinstance(rows, slice) or len(rows) > CHUNK or "values" in self.__dict__:
+            return self.values[rows]
+        return self.exact.at(rows)
 
     def sample(self, row: int) -> tuple[Array, Array]:
         """What the formula gives in float64 in rows from all over, and in one row."""

@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import field
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
-from shaderlab.frame import Array, Frame, PassDraw
+from shaderlab.frame import Frame, PassDraw
 from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model.checked import Checked
 from shaderlab.model.scene import Pixel
@@ -65,26 +65,28 @@ class Judgement:
     (height, width: the distance in half band widths, NaN where nothing was judged), or is empty
     where the judged values are no picture. The numbers behind them are there too: "exact" (the
     reference, unrounded), "low", "high" and "outside" in the shape of "measured", "covered"
-    (height, width), and "unit", the size of one code of a fixed-point format or 0.
+    (height, width), and "unit", the size of one code of a fixed-point format or 0. "measured" and
+    "covered" are arrays; the others become arrays, or parts of them (`[ys, xs]`), when they are
+    looked at.
 
     `output` is the output that a shader assigns, by its draw and its own name; the report shows
     the line where it does.
     """
 
     outcome: Outcome
-    pictures: Mapping[str, Array] = field(default_factory=dict)
+    pictures: Mapping[str, Any] = field(default_factory=dict)
     curve: Curve | None = None
     plot: Plot | None = None
     output: tuple[PassDraw, str] | None = None
 
 
-class LazyArrays(Mapping[str, Array]):
+class LazyArrays(Mapping[str, Any]):
     """Arrays that are made when the first of them is looked at: most runs look at none."""
 
-    def __init__(self, make: Callable[[], Mapping[str, Array]]) -> None:
+    def __init__(self, make: Callable[[], Mapping[str, Any]]) -> None:
         self._arrays = functools.cache(make)
 
-    def __getitem__(self, name: str) -> Array:
+    def __getitem__(self, name: str) -> Any:
         return self._arrays()[name]
 
     def __iter__(self) -> Iterator[str]:

@@ -152,18 +152,23 @@ def _as_rgb(levels: Bytes) -> Bytes:
 
 
 def _clipped(pixels: NDArray[Any]) -> Display:
-    shown = np.ascontiguousarray(pixels[:, :, :3])
+    wanted = np.float32 if pixels.dtype == np.float16 else pixels.dtype  # processors add no halves
+    shown = np.array(pixels[:, :, :3], wanted)
     low, high = _finite_range(shown)
     finite = np.isfinite(shown)
-    levels = np.clip(shown if finite.all() else np.where(finite, shown, 0), 0, 1)
-    levels *= 255
-    image = _as_rgb(np.rint(levels, out=levels).astype(np.uint8))
-    broken = np.zeros(image.shape[:2], bool) if finite.all() else ~finite.all(axis=2)
+    broken = np.zeros(shown.shape[:2], bool) if finite.all() else ~finite.all(axis=2)
+    count = int(np.count_nonzero(broken))
+    if count:
+        shown[~finite] = 0
+    if low < 0 or high > 1:
+        np.clip(shown, 0, 1, out=shown)
+    shown *= 255
+    image = _as_rgb(np.rint(shown, out=shown).astype(np.uint8))
     image[broken] = NOT_FINITE
     words = "red and green, 0 to 1" if shown.shape[2] == 2 else "colours as drawn, 0 to 1"
     if low < 0 or high > 1:
         words += f"; clipped, values run from {low:.6g} to {high:.6g}"
-    return Display(image, 0.0, 1.0, words + _magenta(int(broken.sum())))
+    return Display(image, 0.0, 1.0, words + _magenta(count))
 
 
 def _false_colour(values: NDArray[Any], value_range: tuple[float, float] | None) -> Display:

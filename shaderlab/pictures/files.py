@@ -5,7 +5,7 @@ Files have the top row first, OpenGL the lowest; the flip happens here and nowhe
 
 from __future__ import annotations
 
-import functools
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -150,10 +150,20 @@ def coarse(values: NDArray[Any], side: int) -> NDArray[Any]:
     height, width = values.shape[0] // down * down, values.shape[1] // across * across
     if values.dtype.kind != "f" or values.shape[2] == 1:
         return values[:height:down, :width:across]
+    if values.dtype == np.float16:
+        values = values.astype(np.float32)  # processors add no halves
     with np.errstate(all="ignore"):
-        rows = functools.reduce(np.add, (values[start:height:down] for start in range(down)))
-        columns = (rows[:, start:width:across] for start in range(across))
-        return np.asarray(functools.reduce(np.add, columns) / (down * across))
+        rows = _sum([values[start:height:down] for start in range(down)])
+        mean = _sum([rows[:, start:width:across] for start in range(across)])
+        return np.asarray(mean / (down * across))
+
+
+def _sum(parts: Sequence[NDArray[Any]]) -> NDArray[Any]:
+    """Their sum, in an array of its own."""
+    found = np.array(parts[0])
+    for part in parts[1:]:
+        found += part
+    return found
 
 
 def _damaged(path: Path, problem: str) -> AssetError:

@@ -94,32 +94,42 @@ def judged_part(
 
     Args:
         arrays: of shape (height, width, components): "measured", "exact", "low", "high" and
-            "outside"; "covered" (height, width), and "unit".
+            "outside"; "covered" (height, width), and "unit". Of an exact comparison "measured" and
+            "reference" alone: each band is its reference. Only the part is looked at.
         worst: (x, y) of the value to keep where the picture is too large to be kept whole.
         window: how many pixels of it are kept then in each direction.
     """
-    height, width = arrays["covered"].shape
-    ys, xs = (np.flatnonzero(arrays["covered"].any(axis=axis)) for axis in (1, 0))
+    height, width, components = arrays["measured"].shape
+    covered = arrays.get("covered", np.True_)
+    covered = np.broadcast_to(covered, (height, width))
+    ys, xs = (np.flatnonzero(covered.any(axis=axis)) for axis in (1, 0))
     box = [(int(a[0]), int(a[-1]) + 1) if a.size else (0, 1) for a in (xs, ys)]
-    components = arrays["measured"].shape[2]
     whole = (box[0][1] - box[0][0]) * (box[1][1] - box[1][0]) * components <= 4 * window**2
     if not whole:
         centre = worst or (box[0][0], box[1][0])
         box = [_window(*ends, at, window) for ends, at in zip(box, centre, strict=True)]
     part = slice(*box[1]), slice(*box[0])
     measured = arrays["measured"][part].astype(np.float64)
-    judged = np.broadcast_to(arrays["covered"][part][..., None], measured.shape)
+    if "exact" in arrays:
+        reference, low, high, outside = (
+            arrays[name][part] for name in ("exact", "low", "high", "outside")
+        )
+        unit = float(arrays["unit"])
+    else:
+        low = high = reference = arrays["reference"][part].astype(np.float64)
+        outside = (measured != reference) & ~(np.isnan(measured) & np.isnan(reference))
+        unit = float(arrays["measured"].dtype.kind in "iu")
     return Values(
         size=(width, height),
         origin=(box[0][0], box[1][0]),
-        unit=float(arrays["unit"]),
+        unit=unit,
         whole=whole,
         measured=measured,
-        reference=arrays["exact"][part],
-        low=arrays["low"][part],
-        high=arrays["high"][part],
-        judged=judged,
-        outside=arrays["outside"][part],
+        reference=reference,
+        low=low,
+        high=high,
+        judged=np.broadcast_to(covered[part][..., None], measured.shape),
+        outside=outside,
     )
 
 
@@ -130,26 +140,29 @@ def _window(start: int, stop: int, centre: int, size: int) -> tuple[int, int]:
 
 def _columns(values: Values) -> list[bytes]:
     judged = np.moveaxis(values.judged, -1, 0)
+    all_judged = bool(judged.all())
 
-    def planes(array: Floats) -> NDArray[np.float32]:
+    def planes(array: NDArray[Any], wanted: type = np.float32) -> NDArray[Any]:
         with np.errstate(over="ignore"):
-            narrow = np.moveaxis(array, -1, 0).astype(np.float32)
-        return np.where(judged, narrow, np.float32(0))
+            found: NDArray[Any] = np.ascontiguousarray(np.moveaxis(array, -1, 0), wanted)
+        return found if all_judged else np.where(judged, found, wanted(0))
 
     measured, nearest, low, high = (
         _ordered(planes(a)) for a in (values.measured, values.reference, values.low, values.high)
     )
-    exact = np.where(judged, np.moveaxis(values.reference, -1, 0), 0.0)
+    exact = planes(values.reference, np.float64)
     with np.errstate(invalid="ignore", over="ignore"):
-        near = exact.astype(np.float32).astype(np.float64)
-        left = np.nan_to_num((exact - near) / _ulp(near))
+        near = exact.astype(np.float32)
+        left = (exact - near) / np.spacing(np.abs(near))
+        left[~np.isfinite(left)] = 0.0
     unit = 1 if values.fine else _COARSE
     whole = np.rint(np.clip(left, -0.5, 0.5) * (_REST / unit)) * unit
     rest = whole.clip(-32768, 32767).astype(np.int16)
     steps = measured.copy()
     steps[:, :, 1:] -= measured[:, :, :-1]
     steps[:, 1:, 0] -= measured[:, :-1, 0]
-    flags = judged.astype(np.uint8) + 2 * np.moveaxis(values.outside, -1, 0).astype(np.uint8)
+    flags = judged.astype(np.uint8)
+    flags += np.moveaxis(values.outside, -1, 0).astype(np.uint8) << 1
     return [
         flags.tobytes(),
         _fold(steps),
@@ -172,9 +185,3 @@ def _fold(numbers: NDArray[np.int32]) -> bytes:
 def _split(numbers: NDArray[Any]) -> bytes:
     little = np.ascontiguousarray(numbers).astype(numbers.dtype.newbyteorder("<"))
     return little.view(np.uint8).reshape(-1, numbers.dtype.itemsize).T.tobytes()
-
-
-def _ulp(values: Floats) -> Floats:
-    """float32's unit in the last place at values that it holds."""
-    with np.errstate(invalid="ignore", over="ignore"):
-        return np.spacing(np.abs(values).astype(np.float32)).astype(np.float64)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from shaderlab.errors import FormulaError
-from shaderlab.glslmath import dot, max, normalize, pow, vec3, where
+from shaderlab.glslmath import dFdx, dFdy, dot, max, normalize, pow, vec3, where
 from shaderlab.judging import reference_bands
 from shaderlab.judging.banded import judge_band
 from shaderlab.judging.inputs import Inputs
@@ -102,3 +102,30 @@ def test_a_large_frame_takes_megabytes() -> None:
     tracemalloc.stop()
     result = 5 * values.size * 8  # what the judgement itself holds: five arrays of numbers
     assert peak < result + 150 * 2**20
+
+
+def test_some_rows_are_evaluated_alone() -> None:
+    """Of a formula that sees a pixel's neighbours whole rows of quads are."""
+    asked: list[int] = []
+
+    def plain(x: Any) -> Any:
+        if isinstance(x, np.ndarray):
+            asked.append(len(x))
+        return x * 2.0
+
+    def seeing(x: Any, frag_coord: Any) -> Any:
+        return plain(x) + dFdx(x, frag_coord) * dFdy(x, frag_coord)
+
+    x = np.random.default_rng(3).random((12 * 8, 1)).astype(np.float32)
+    places = np.stack([*np.divmod(np.arange(12 * 8), 8)][::-1], axis=1) + 0.5
+    given = Inputs(shared={}, each={"x": x, "frag_coord": places.astype(np.float32)})
+    rows = np.array([17, 18, 25, 26])
+    for formula, least in ((plain, 4), (seeing, 16)):
+        judged = judge_band(2 * x, formula, given, rules=None)
+        asked.clear()
+        found = judged.band.at(rows)
+        assert asked == [least]
+        np.testing.assert_array_equal(found, judged.reference[rows])
+        asked.clear()
+        judged.band.at(rows)
+        assert asked == []  # all are there now

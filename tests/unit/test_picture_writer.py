@@ -64,6 +64,18 @@ def test_equal_pictures_of_a_scene_are_encoded_once(tmp_path: Path, encoded: lis
     assert (tmp_path / picture.files["picture"]).is_file()
 
 
+def test_a_judged_picture_that_is_large_enough_is_the_case_s_as_well(
+    tmp_path: Path, encoded: list[str]
+) -> None:
+    writer = PictureWriter(tmp_path, "case", "v")
+    values = noise(1).repeat(16, axis=0).repeat(16, axis=1)
+    shown = writer.write_comparison("0-a", compared(values, values), passed=True)
+    assert (
+        writer.write_picture(Image(values, "rgba32f")).files["picture"] == shown.files["measured"]
+    )
+    assert encoded == ["case--v--0-a-measured.png"]
+
+
 def test_a_pixel_makes_another_picture(tmp_path: Path, encoded: list[str]) -> None:
     writer = PictureWriter(tmp_path, "case", "v")
     values, other = noise(1), noise(1)
