@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Mapping, Sequence
+import posixpath
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import field, replace
 from itertools import pairwise
 
 from shaderlab.compiler.dialects import in_dialect, with_interface
 from shaderlab.compiler.engines import Engine, choose
-from shaderlab.compiler.include_notes import with_include_notes
 from shaderlab.compiler.interface import Interface
 from shaderlab.compiler.reflection import reflect
 from shaderlab.compiler.sources import Source
@@ -18,7 +19,7 @@ from shaderlab.compiler.text import STAGES
 from shaderlab.compiler.verdicts import Result, check_stages, link_stages, to_spirv
 from shaderlab.errors import ShaderError, nearest
 from shaderlab.lazy_dataclass import dataclass
-from shaderlab.records import Verdict
+from shaderlab.records import Diagnostic, Verdict
 
 
 @dataclass(frozen=True)
@@ -167,3 +168,35 @@ def in_order(stages: Sequence[Source], targets: Sequence[str]) -> list[Source]:
             remedy="make it a program of its own",
         )
     return ordered
+
+
+_MISSING = ("undeclared identifier", "no matching overloaded function found")
+_INCLUDE = re.compile(r"^[ \t]*#[ \t]*include[ \t]*[\"<]([^\">]+)[\">]", re.MULTILINE)
+
+
+def with_include_notes(verdict: Verdict, sources: Sequence[Source]) -> Verdict:
+    """The verdict with a note for each name that an included file lacks, at the `#include` that the
+    declaration has to precede."""
+    notes: dict[Diagnostic, None] = {}
+    for diagnostic in verdict.diagnostics:
+        if diagnostic.severity == "error" and diagnostic.message.endswith(_MISSING):
+            for source in sources:
+                notes |= dict.fromkeys(_notes(diagnostic, source))
+    return replace(verdict, diagnostics=(*verdict.diagnostics, *notes)) if notes else verdict
+
+
+def _notes(diagnostic: Diagnostic, source: Source) -> Iterator[Diagnostic]:
+    parts = dict(source.parts)
+    if diagnostic.file == source.path or diagnostic.file not in parts:
+        return
+    name = posixpath.basename(diagnostic.file)
+    for file, text in parts.items():
+        for found in _INCLUDE.finditer(text):
+            if posixpath.basename(found[1]) == name:
+                yield Diagnostic(
+                    file=file,
+                    line=text.count("\n", 0, found.start()) + 1,
+                    severity="info",
+                    message=f"{name}, included here, needs {diagnostic.token!r} declared before it",
+                    token=diagnostic.token,
+                )

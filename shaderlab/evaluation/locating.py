@@ -3,18 +3,22 @@ allows, or else the first value that has a name in the reference and another num
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Callable, Mapping
 from dataclasses import replace
+from pathlib import Path
+from types import FrameType
 from typing import Any
 
 import numpy as np
 
 from shaderlab.evaluation.evaluation import Evaluation
 from shaderlab.evaluation.explaining import explain
-from shaderlab.evaluation.reference_locals import compared, reference_locals
 from shaderlab.expectations.formula import Formula
 from shaderlab.expectations.needs import CapturedFragments
 from shaderlab.expectations.subject import subject_of
 from shaderlab.files import display_path
+from shaderlab.judging.inputs import Inputs, evaluate
 from shaderlab.records import Explanation, Outcome, Step
 
 
@@ -109,3 +113,62 @@ def _agrees(step: Step, values: Any) -> bool:
 def _shown(values: Any) -> str:
     numbers = [f"{float(v):.9g}" for v in np.ravel(values)]
     return numbers[0] if len(numbers) == 1 else f"({', '.join(numbers)})"
+
+
+_LAB = str(Path(__file__).parents[1])
+_FORMULAS = str(Path(_LAB) / "reference")
+
+
+def compared(name: str) -> str:
+    """A name as shaders and references are compared by it: `lightDir` is `light_dir`.
+
+    >>> compared("lightDir") == compared("light_dir")
+    True
+    """
+    return name.replace("_", "").lower()
+
+
+def reference_locals(
+    reference: Callable[..., Any], inputs: Inputs
+) -> tuple[Mapping[str, list[Any]], Any]:
+    """What the functions of a reference, and those that it calls, assign and return, in float64.
+
+    Returns:
+        Values by `compared` name, those of a function's result by "name()"; and the reference's
+        own result. Its parameters are left out: they are what the shader gets.
+
+    Raises:
+        FormulaError: the reference fails.
+    """
+    found: dict[str, list[Any]] = {}
+
+    def note(frame: FrameType, event: str, result: Any) -> None:
+        code = frame.f_code
+        if event != "return" or not _is_formula(code.co_filename):
+            return
+        given = set(code.co_varnames[: code.co_argcount + code.co_kwonlyargcount])
+        for name, value in frame.f_locals.items():
+            if name not in given and _is_number(value):
+                found.setdefault(compared(name), []).append(value)
+        if _is_number(result):
+            found.setdefault(compared(code.co_name) + "()", []).append(result)
+
+    before = sys.getprofile()
+    sys.setprofile(note)
+    try:
+        result = evaluate(reference, inputs, rules=None, decimal=False)
+    finally:
+        sys.setprofile(before)
+    return found, result
+
+
+def _is_formula(file: str) -> bool:
+    """Whether a file is a case's or holds formulas of the lab: neither Python's nor NumPy's, nor
+    the lab's other files."""
+    if file.startswith("<") or "site-packages" in file:
+        return False
+    return not file.startswith((_LAB, sys.base_prefix)) or file.startswith(_FORMULAS)
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, float | int | np.ndarray) and not isinstance(value, bool)

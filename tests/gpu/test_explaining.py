@@ -18,7 +18,7 @@ from shaderlab.compiler import Shaders
 from shaderlab.errors import UsageError
 from shaderlab.evaluation import Lab, interpreting
 from shaderlab.evaluation.explaining import explain, widest_pixel
-from shaderlab.evaluation.reference_locals import reference_locals
+from shaderlab.evaluation.locating import reference_locals
 from shaderlab.glslmath import dot, max, normalize, vec3, vec4, where
 from shaderlab.interpreter import load
 from shaderlab.judging.inputs import Inputs

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from shaderlab import Mesh, Target, exact, formula
-from shaderlab.backends.vulkan.manifests import manifest_of
+from shaderlab.backends.vulkan.__init__ import manifest_of
 from shaderlab.errors import DriverError
 from shaderlab.evaluation import Lab
 from shaderlab.options import RunOptions
@@ -102,7 +102,7 @@ def test_a_driver_that_is_not_there_is_an_error_with_its_remedy(
 ) -> None:
     for name in ("XDG_DATA_DIRS", "XDG_CONFIG_DIRS", "PATH"):
         monkeypatch.setenv(name, str(tmp_path))
-    monkeypatch.setattr("shaderlab.backends.vulkan.manifests._ELSEWHERE", ())
+    monkeypatch.setattr("shaderlab.backends.vulkan.__init__._ELSEWHERE", ())
     for driver, package in (("lavapipe", "mesa-vulkan-drivers"), ("swiftshader", "chromium")):
         with pytest.raises(DriverError, match=f"(?s)no manifest.*{driver}.*{package}"):
             manifest_of(driver)

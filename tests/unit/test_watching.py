@@ -15,7 +15,7 @@ import pytest
 from shaderlab.discovery import imported_files
 from shaderlab.report.live import live_report
 from shaderlab.watching.changes import Changes, Contents
-from shaderlab.watching.opened import OpenedFiles
+from shaderlab.watching.requests import OpenedFiles
 
 
 @pytest.fixture

@@ -13,11 +13,12 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from shaderlab.backends.variables import mesa_variables, variables_set
-from shaderlab.backends.vulkan.manifests import manifest_of
 from shaderlab.errors import DriverError
 
 if TYPE_CHECKING:
     from shaderlab.backends.vulkan.backend import VulkanBackend
+import shutil
+from pathlib import Path
 
 # The second name is what loaders before 1.3.207 read.
 _VARIABLES = ("VK_DRIVER_FILES", "VK_ICD_FILENAMES")
@@ -61,3 +62,48 @@ def _variables(driver: str) -> dict[str, str]:
     manifest = manifest_of(driver)
     found = {} if manifest is None else dict.fromkeys(_VARIABLES, str(manifest))
     return found | mesa_variables()
+
+
+_NAMES = {"lavapipe": "lvp_icd*.json", "swiftshader": "vk_swiftshader_icd.json"}
+_INSTALL = {
+    "lavapipe": (
+        "Debian/Ubuntu: apt-get install mesa-vulkan-drivers · Fedora: dnf install "
+        "mesa-vulkan-drivers · Arch: pacman -S vulkan-swrast"
+    ),
+    "swiftshader": (
+        "it comes with Chromium: Debian: apt-get install chromium · Fedora: dnf install chromium "
+        "· Arch: pacman -S chromium"
+    ),
+}
+_ELSEWHERE = (
+    "/etc/vulkan/icd.d", "/usr/share/vulkan/icd.d", "/usr/lib/chromium", "/usr/lib64/chromium",
+    "/usr/lib64/chromium-browser", "/opt/google/chrome",
+)  # fmt: skip
+_BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+
+
+def manifest_of(driver: str) -> Path | None:
+    """The manifest of a software driver; None for "vulkan", whose drivers the loader finds.
+
+    Raises:
+        DriverError: the driver is not installed; says how to get it.
+    """
+    if driver not in _NAMES:
+        return None
+    for folder in _folders():
+        for found in sorted(folder.glob(_NAMES[driver])):
+            return found
+    raise DriverError(f"no manifest of the Vulkan driver {driver}", remedy=_INSTALL[driver])
+
+
+def _folders() -> Iterator[Path]:
+    """Where drivers are registered, and then where browsers that bring one are."""
+    data = os.environ.get("XDG_DATA_DIRS") or "/usr/local/share:/usr/share"
+    config = os.environ.get("XDG_CONFIG_DIRS") or "/etc/xdg"
+    for parent in (*config.split(":"), *data.split(":")):
+        yield Path(parent) / "vulkan" / "icd.d"
+    for name in _BROWSERS:
+        command = shutil.which(name)
+        if command is not None:
+            yield Path(command).resolve().parent
+    yield from map(Path, _ELSEWHERE)
