@@ -68,7 +68,6 @@ class Watcher:
         self.found: dict[Place, Watched] = {}
 
     def __call__(self, run: Run, at: Instruction, world: World, result: Any) -> Any:
-        """See `shaderlab.interpreter.running.Watch`."""
         checks = CHECKS.get(number_of(at.op, at.operands), ())
         if at.op in _WRAPPING and isinstance(result, Integer) and result.unsigned:
             checks = ()  # hashes wrap around on purpose

@@ -58,7 +58,7 @@ def command(
     includes: tuple[Path, ...],
     driver: str | None,
     limits: Limits,
-    workers: int | None,
+    workers: int,
     json_file: str | None,
     outputs: Mapping[str, str],
 ) -> int:
@@ -83,7 +83,6 @@ def command(
     files = dict(outputs) if json_file is None else {**outputs, "json": json_file}
     to_stderr = uses_stdout(files)
     audits: list[Audit] = []
-    workers = 1 if workers is None else workers
     with contextlib.closing(make_local_executor(driver, limits, workers, early=False)) as executor:
         options = RunOptions(driver=driver, include=includes, limits=limits)
         requests = list(

@@ -18,6 +18,9 @@ from shaderlab.discovery import place
 from shaderlab.execution.jobs import CaseFacts
 from shaderlab.files import cache_root, read_regular, write_bytes
 
+KEPT = ("id", "section", "title", "variants", "file")
+"""What is kept of each case's facts."""
+
 
 def kept_facts(course: Path, load: Callable[[], list[CaseFacts]]) -> list[CaseFacts]:
     """The facts of the course's cases, without those on formulas and parameters.
@@ -38,28 +41,12 @@ def kept_facts(course: Path, load: Callable[[], list[CaseFacts]]) -> list[CaseFa
         kept = json.loads(read_regular(file))
         if kept["key"] == key:
             return [
-                CaseFacts(
-                    file=each["file"],
-                    id=each["id"],
-                    title=each["title"],
-                    section=each["section"],
-                    variants=tuple(each["variants"]),
-                )
-                for each in kept["cases"]
+                CaseFacts(**{**each, "variants": tuple(each["variants"])}) for each in kept["cases"]
             ]
     found = _in_order(load())
     if any(each.error is not None for each in found):
         return found
-    cases = [
-        {
-            "file": each.file,
-            "id": each.id,
-            "title": each.title,
-            "section": each.section,
-            "variants": each.variants,
-        }
-        for each in found
-    ]
+    cases = [{name: getattr(each, name) for name in KEPT} for each in found]
     with suppress(OSError):  # a folder that can't be written to
         root.mkdir(parents=True, exist_ok=True)
         write_bytes(file, json.dumps({"key": key, "cases": cases}).encode())

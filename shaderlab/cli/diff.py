@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,6 +16,7 @@ from shaderlab.cli.options import INCLUDE, JSON, jobs_option, limits_option, mak
 from shaderlab.cli.shader_inputs import RANGES, shader_of_file
 from shaderlab.compiler.text import STAGES
 from shaderlab.errors import ShaderlabError, UsageError
+from shaderlab.lazy_dataclass import dataclass
 from shaderlab.options import Limits, RunOptions
 
 if TYPE_CHECKING:
@@ -56,7 +57,7 @@ def command(
     show_inputs: bool,
     includes: tuple[Path, ...],
     limits: Limits,
-    workers: int | None,
+    workers: int,
     json_file: str | None,
 ) -> int:
     """Whether the shader NEW computes what OLD does, without a formula: both are interpreted on
@@ -104,24 +105,16 @@ def command(
     return NO_ANSWER if None in found else OK
 
 
+@dataclass(frozen=True)
 class _Asking:
     """How two shaders are compared, whichever they are."""
 
-    def __init__(
-        self,
-        case: str | None,
-        stage: str | None,
-        includes: tuple[Path, ...],
-        plan: Plan,
-        limits: Limits,
-        workers: int | None,
-    ) -> None:
-        self.case = case
-        self.stage = stage
-        self.includes = includes
-        self.plan = plan
-        self.limits = limits
-        self.workers = 1 if workers is None else workers
+    case: str | None
+    stage: str | None
+    includes: tuple[Path, ...]
+    plan: Plan
+    limits: Limits
+    workers: int
 
     def about(
         self, old: Path, new: Path, then: Callable[[Path], Path] | None = None
@@ -212,10 +205,5 @@ def _print(answer: Answer, inputs: bool, err: bool, heading: bool) -> None:
         click.echo(f"{answer.old} → {answer.new}", err=err)
     for line in answer.lines():
         click.echo(line, err=err)
-    if inputs:
-        _print_inputs(answer.inputs, err)
-
-
-def _print_inputs(inputs: Mapping[str, str], err: bool) -> None:
-    for name, role in inputs.items():
+    for name, role in answer.inputs.items() if inputs else ():
         click.echo(f"  {name}: {role}", err=err)

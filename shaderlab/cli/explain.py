@@ -67,7 +67,7 @@ def command(
     includes: tuple[Path, ...],
     driver: str | None,
     limits: Limits,
-    workers: int | None,
+    workers: int,
     json_file: str | None,
 ) -> int:
     """Show what each line of a case's fragment shader stores at one pixel: the driver's value, what
@@ -92,7 +92,6 @@ def command(
     from shaderlab.cli.selecting import one
     from shaderlab.equivalence.answer import shown
 
-    workers = 1 if workers is None else workers
     with contextlib.closing(make_local_executor(driver, limits, workers, early=False)) as executor:
         from shaderlab.execution.executor import error_text
         from shaderlab.execution.explain_pixel import ExplainFile, ExplainPixel

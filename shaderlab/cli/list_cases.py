@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 import click
 
 from shaderlab.cli import FAILED, OK
+from shaderlab.cli.case_index import KEPT
 from shaderlab.cli.options import JSON, make_local_executor
 from shaderlab.errors import UsageError, nearest
 from shaderlab.execution.jobs import CaseFacts
@@ -43,7 +44,7 @@ def command(targets: tuple[str, ...], chapter: int | None, json_file: str | None
     if json_file is not None:
         from shaderlab.cli.files import write_json
 
-        write_json([_entry(case) for case in cases], json_file)
+        write_json([{name: getattr(case, name) for name in KEPT} for case in cases], json_file)
     if json_file != "-" and cases:
         click.echo("\n".join(_lines(cases)))
     for line in _problems(found):
@@ -105,16 +106,6 @@ def _loaded(targets: Sequence[str]) -> list[CaseFacts]:
 
 def _chapter(case: CaseFacts) -> str:
     return case.section.partition(".")[0]
-
-
-def _entry(case: CaseFacts) -> dict[str, object]:
-    return {
-        "id": case.id,
-        "section": case.section,
-        "title": case.title,
-        "variants": list(case.variants),
-        "file": case.file,
-    }
 
 
 def _lines(cases: Sequence[CaseFacts]) -> list[str]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import contextlib
 import json
-import sys
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -29,6 +28,7 @@ from shaderlab.options import Limits
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from shaderlab.cli.showing import Show
     from shaderlab.execution.executor import LocalExecutor
     from shaderlab.mutation import Campaign, CaseResult, MutationPlan, Subject
 
@@ -105,6 +105,7 @@ def command(
     Exit code: 0 measured, 1 a case fails as it is or --fail-under is not reached, 2 wrong usage,
     130 interrupted.
     """
+    from shaderlab.cli.showing import Show
     from shaderlab.mutation import Campaign, MutationPlan, as_json, score
 
     if api and folder is not None:
@@ -115,10 +116,13 @@ def command(
     plan = MutationPlan(
         variants=variants, state=state, api=api, limit=limit, seed=seed, locate=locate
     )
-    console = _console(json_file == "-")
+    shown = Show(to_stderr=json_file == "-")
+    console = shown.console
+    if not console.is_terminal:
+        console.width = 120  # a file has no width, and cut numbers are of no use
     with contextlib.closing(make_local_executor(None, limits, workers, early=False)) as executor:
         campaign = Campaign(_subjects(targets, every, plan, executor), executor)
-        stopped = not _judge(campaign, console)
+        stopped = not _judge(campaign, shown)
     results = campaign.whole_results() if stopped else campaign.results()
     if locate:
         _show_traced(console, results)
@@ -198,34 +202,10 @@ def _cases(
     return {Path(job.file): job.id for job in jobs}
 
 
-def _console(to_stderr: bool) -> Console:
-    from rich.console import Console
-
-    console = Console(file=sys.stderr if to_stderr else sys.stdout, highlight=False, soft_wrap=True)
-    if not console.is_terminal:
-        console.width = 120  # a file has no width, and cut numbers are of no use
-    return console
-
-
-def _judge(campaign: Campaign, console: Console) -> bool:
+def _judge(campaign: Campaign, show: Show) -> bool:
     """Judge all mutants; on a terminal with a bar, and with what has survived so far. False where
     Ctrl-C came before the last one."""
-    from rich.progress import (
-        BarColumn,
-        MofNCompleteColumn,
-        Progress,
-        TextColumn,
-        TimeElapsedColumn,
-    )
-
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(bar_width=30),
-        MofNCompleteColumn(),
-        TimeElapsedColumn(),
-    )
-    terminal = console.is_terminal
-    with Progress(*columns, console=console, transient=True, disable=not terminal) as progress:
+    with show.bar() as progress:
         task = progress.add_task("", total=campaign.total)
         survived = 0
         try:
@@ -238,16 +218,12 @@ def _judge(campaign: Campaign, console: Console) -> bool:
 
 
 def _show(console: Console, results: Sequence[CaseResult], mutated: str) -> None:
-    from rich.table import Table
-
+    from shaderlab.cli.rows import plain_table
     from shaderlab.mutation import score
 
-    table = Table(box=None, pad_edge=False, header_style="dim")
-    table.add_column("case", no_wrap=True)
     headings = ("mutants", "killed", "survived", "score", "of state", "equivalent",
-                "no difference", "invalid")  # fmt: skip
-    for heading in (*headings, "seconds"):
-        table.add_column(heading, justify="right")
+                "no difference", "invalid", "seconds")  # fmt: skip
+    table = plain_table("case", *headings, right=headings)
     for result in results:
         table.add_row(
             result.id,
@@ -263,21 +239,20 @@ def _show(console: Console, results: Sequence[CaseResult], mutated: str) -> None
     console.print(table)
     for result in results:
         if result.message:
-            console.print(f"\n{result.id}: {result.message}", style="red", markup=False)
+            console.print(f"\n{result.id}: {result.message}", style="red")
         if result.survivors:
-            console.print(f"\nsurvived in {result.id}:", style="bold", markup=False)
+            console.print(f"\nsurvived in {result.id}:", style="bold")
         for tried in result.survivors:
-            console.print(f"  {tried.mutant}\n      {tried.fate.by}", markup=False)
+            console.print(f"  {tried.mutant}\n      {tried.fate.by}")
         if result.noticed:
-            console.print(f"\nnoticed in {result.id}, by test:", style="bold", markup=False)
+            console.print(f"\nnoticed in {result.id}, by test:", style="bold")
         for name, count in result.noticed.items():
-            console.print(f"  {count:>5}  {name}", markup=False)
+            console.print(f"  {count:>5}  {name}")
     of_state = score(results, state=True)
     console.print(
         f"\nmistakes in {mutated} noticed: {_percent(score(results))}"
         + ("" if of_state is None else f" · in state: {_percent(of_state)}"),
         style="bold",
-        markup=False,
     )
 
 
@@ -285,9 +260,9 @@ def _show_traced(console: Console, results: Sequence[CaseResult]) -> None:
     for result in results:
         traced = [tried for tried in result.with_status("killed") if tried.fate.traced]
         if traced:
-            console.print(f"traced in {result.id}:", style="bold", markup=False)
+            console.print(f"traced in {result.id}:", style="bold")
         for tried in traced:
-            console.print(f"  {tried.mutant}\n      to {tried.fate.traced}", markup=False)
+            console.print(f"  {tried.mutant}\n      to {tried.fate.traced}")
 
 
 def _percent(share: float | None) -> str:

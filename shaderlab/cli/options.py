@@ -81,7 +81,7 @@ def jobs_option(default: str = WORDS) -> Callable[[Command], Command]:
         "--jobs",
         "workers",
         type=click.IntRange(min=0),
-        default=None,
+        default=int(default) if default.isdigit() else None,
         show_default=default,
         envvar="SHADERLAB_JOBS",
         metavar="N",

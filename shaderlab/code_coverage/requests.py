@@ -24,7 +24,6 @@ class CoverCase:
     options: RunOptions
 
     def perform(self, worker: LabWorker) -> CodeCoverage:
-        """See `shaderlab.execution.jobs.Request`."""
         from shaderlab.code_coverage.measure import code_coverage
 
         scenes = worker.scenes(str(self.file))

@@ -122,7 +122,6 @@ class CompileCache:
         return self._load(key, ordered, targets) or self._compile(key, ordered, targets)
 
     def compile_with_lines(self, source: Source) -> Compiled:
-        """See `compiled_with_lines`."""
         compilers = None if os.environ.get(COMMAND_VARIABLE) else self._compilers()
         if compilers is None:
             return _with_lines(source)

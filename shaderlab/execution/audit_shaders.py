@@ -34,7 +34,6 @@ class AuditFile:
         return self.shader.file.path
 
     def perform(self, worker: LabWorker) -> list[Audit]:
-        """See `shaderlab.execution.jobs.Request`."""
         worker.note("compiling")
         with in_file(self.shader.file.path):
             program = load(self.shader.source(self.stage))
@@ -59,7 +58,6 @@ class AuditCase:
         return str(self.case)
 
     def perform(self, worker: LabWorker) -> list[Audit]:
-        """See `shaderlab.execution.jobs.Request`."""
         from shaderlab.evaluation.rewriting import stages
 
         worker.note("drawing the case")

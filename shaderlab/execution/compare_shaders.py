@@ -44,7 +44,6 @@ class CompareFiles:
     plan: Plan
 
     def perform(self, worker: LabWorker) -> list[Answer]:
-        """See `shaderlab.execution.jobs.Request`."""
         worker.note("compiling")
         old, new = (_program(shader.source(self.stage)) for shader in (self.old, self.new))
         worker.note("interpreting")
@@ -67,7 +66,6 @@ class CompareInCase:
     options: RunOptions
 
     def perform(self, worker: LabWorker) -> list[Answer]:
-        """See `shaderlab.execution.jobs.Request`."""
         from shaderlab.evaluation.rewriting import rewritten
 
         worker.note("drawing the case")

@@ -71,13 +71,11 @@ class LocalExecutor(Executor):
         raise NotImplementedError
 
     def load(self, files: Sequence[Path]) -> list[CaseFacts]:
-        """See `Executor`."""
         results = self.perform([LoadCase(file) for file in files], batch=loads(len(files)))
         found = {result.number: _facts(files[result.number], result) for result in results}
         return [found[number] for number in range(len(files))]
 
     def run(self, jobs: Sequence[Job], options: RunOptions) -> Generator[tuple[Job, Record]]:
-        """See `Executor`."""
         for job in jobs:
             if job.broken:
                 yield job, failed_record(job, job.broken, job.trouble)
@@ -147,7 +145,6 @@ class ProcessExecutor(LocalExecutor):
         return self._asked.result()
 
     def run(self, jobs: Sequence[Job], options: RunOptions) -> Generator[tuple[Job, Record]]:
-        """See `Executor`."""
         if not self._early:
             self.about()  # now, while workers are free: a failed job's record names the driver
         yield from super().run(jobs, options)
@@ -155,14 +152,12 @@ class ProcessExecutor(LocalExecutor):
     def perform(
         self, requests: Iterable[Any], *, batch: int = 1, key: Key | None = None
     ) -> Generator[ItemResult]:
-        """See `LocalExecutor`."""
         requests = list(requests)
         if not self._sized:
             self._pool.widen(suitable(len(requests)))
         yield from self._pool.run(requests, batch, key)
 
     def close(self) -> None:
-        """See `Executor`."""
         self._pool.close()
         self._thread.shutdown(wait=True, cancel_futures=True)
 
@@ -199,7 +194,6 @@ class InProcessExecutor(LocalExecutor):
         return self._given or LabWorker()
 
     def about(self) -> About:
-        """See `Executor`."""
         about = DescribeDriver(self._driver).perform(self._worker)
         return replace(about, versions=packages.versions())
 
@@ -217,7 +211,6 @@ class InProcessExecutor(LocalExecutor):
                 yield ItemResult(number, request, "done", value, seconds=time.monotonic() - began)
 
     def close(self) -> None:
-        """See `Executor`."""
         if "_worker" in self.__dict__:
             self._worker.close()
 

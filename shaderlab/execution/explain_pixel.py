@@ -31,7 +31,6 @@ class ExplainPixel:
     options: RunOptions
 
     def perform(self, worker: LabWorker) -> Explanation:
-        """See `shaderlab.execution.jobs.Request`."""
         from shaderlab.evaluation.explaining import explain, widest_pixel
 
         lab, scene = worker.lab(self.options), worker.scenes(str(self.file))[self.variant]
@@ -49,7 +48,6 @@ class ExplainFile:
     ranges: Mapping[str, str]
 
     def perform(self, worker: LabWorker) -> tuple[Explanation, Mapping[str, tuple[float, ...]]]:
-        """See `shaderlab.execution.jobs.Request`."""
         from shaderlab.evaluation.explaining import explain_file
         from shaderlab.interpreter import load
 

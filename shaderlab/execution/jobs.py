@@ -108,7 +108,6 @@ class DescribeDriver:
     driver: str | None
 
     def perform(self, worker: LabWorker) -> About:
-        """See `Request`."""
         return About(driver=dict(worker.lab(RunOptions(driver=self.driver)).driver))
 
 
@@ -119,7 +118,6 @@ class LoadCase:
     file: Path
 
     def perform(self, worker: LabWorker) -> CaseFacts:
-        """See `Request`."""
         return worker.facts(self.file)
 
 
@@ -131,7 +129,6 @@ class RunJob:
     options: RunOptions
 
     def perform(self, worker: LabWorker) -> Record:
-        """See `Request`."""
         return worker.run(self.job, self.options)
 
 

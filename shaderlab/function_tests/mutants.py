@@ -62,7 +62,6 @@ class MakeFunctionMutants:
     plan: MutationPlan
 
     def perform(self, worker: LabWorker) -> Sequence[Mutant]:
-        """See `shaderlab.execution.jobs.Request`."""
         worker.restart_limit(_OPENING_SECONDS)
         result = RunTestFile(self.file, alike=True).perform(worker)
         names = ", ".join(r.variant for r in result.records if failed(r))
@@ -92,7 +91,6 @@ class JudgeFunctionMutant:
     mutant: FunctionMutant
 
     def perform(self, worker: LabWorker) -> Fate:
-        """See `shaderlab.execution.jobs.Request`."""
         mutant = self.mutant
         texts = {mutant.source.text: mutant.text}
         result = RunTestFile(self.file, texts, mutant.tests, alike=True).perform(worker)

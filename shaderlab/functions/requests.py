@@ -30,7 +30,6 @@ class Preprocess:
     source: Source
 
     def perform(self, worker: LabWorker) -> str:
-        """See `shaderlab.execution.jobs.Request`."""
         worker.note("preprocessing")
         text = choose().preprocess(self.source)
         if text is None:

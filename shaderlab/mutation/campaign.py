@@ -45,11 +45,9 @@ class CaseSubject:
     plan: MutationPlan
 
     def make(self) -> MakeMutants:
-        """See `Subject`."""
         return MakeMutants(self.file, self.plan)
 
     def judge(self, mutant: Mutant) -> JudgeMutant:
-        """See `Subject`."""
         return JudgeMutant(self.file, self.plan.variants, mutant, self.plan.locate)
 
 

@@ -55,7 +55,6 @@ class MakeMutants:
     plan: MutationPlan
 
     def perform(self, worker: LabWorker) -> Sequence[Mutant]:
-        """See `shaderlab.execution.jobs.Request`."""
         case = worker.case(str(self.file))
         if not self.plan.api:
             return mutants_of_case(case, self.plan)
@@ -79,7 +78,6 @@ class JudgeMutant:
     locate: bool = False
 
     def perform(self, worker: LabWorker) -> Fate:
-        """See `shaderlab.execution.jobs.Request`."""
         judge: Judge = worker.keep(
             "judge", (self.file, self.variants, self.locate), lambda: self._open(worker)
         )

@@ -54,7 +54,6 @@ class PassCapture:
         return replace(found, undiscarded=self._alone(index, keep_all=True).fragments(index))
 
     def written(self, index: int, text: str, outputs: Mapping[str, str]) -> Mapping[str, Array]:
-        """See `shaderlab.backends.Session.written`."""
         ending, _ = stages.capture_fragment(text, (), calls=True)
         images = self._redraw(
             self._among_blank({index: ending}), {**outputs, stages.COORD: "rgba32f"}

@@ -32,7 +32,6 @@ class WarmUp:
     """Asks for a call and its judgement, so that what the first of them takes is done before."""
 
     def perform(self, worker: LabWorker) -> None:
-        """See `shaderlab.execution.jobs.Request`."""
         with called_in(worker):
             same = load("float same(float x) { return x; }").same
             same.check(lambda x: x, [1.0, 2.0])
@@ -55,7 +54,6 @@ class LoadWatched:
     file: Path
 
     def perform(self, worker: LabWorker) -> tuple[CaseFacts | CaseError, set[Path]]:
-        """See `shaderlab.execution.jobs.Request`."""
         with _files(worker) as files:
             try:
                 found: CaseFacts | CaseError = worker.facts(self.file)

@@ -36,7 +36,6 @@ class Evaluator:
         self._target = lru_cache(_CACHED)(self._new_target)
 
     def evaluate(self, evaluation: Evaluation, inputs: Array, outputs: Array) -> None:
-        """See `shaderlab.backends.Backend.evaluate`."""
         context = self._device.context
         context.enable_only(moderngl.NOTHING)
         if len(inputs):
