@@ -184,7 +184,7 @@ def program_key(ordered: Sequence[Source], targets: Sequence[str], compilers: st
 
 
 # What the code around the compilers imports of the lab.
-_SHARED = ("errors.py", "files.py", "observations.py", "records/*.py")
+_SHARED = ("errors.py", "files.py", "lazy_dataclass.py", "observations.py", "records/*.py")
 
 
 def compilers_digest(store: Store) -> str | None:
