@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from shaderlab.bands import Band, Rules
+from shaderlab.bands import Allowed, Band, Rules
 from shaderlab.errors import FormulaError
 from shaderlab.frame import Array
 from shaderlab.judging.chunks import PLACE, chunks, quad_rows
@@ -202,11 +202,12 @@ def _evaluated(
         allowed = stored(band, format, shape[1])
         unit = None if isinstance(allowed, Band) else float(allowed.unit) or None
         low[rows], high[rows] = allowed.lo, allowed.hi
-        if np.any(allowed.nan):
+        may_be_nan, anything, both = _marks(allowed)
+        if np.any(may_be_nan):
             nan = np.zeros(shape, np.bool_) if nan.ndim == 0 else nan
-            nan[rows] = allowed.nan  # type: ignore[index]
-        vacuous += _count(allowed.vacuous, part)
-        undecided += _count(allowed.undecided, part)
+            nan[rows] = may_be_nan  # type: ignore[index]
+        vacuous += _count(anything, part)
+        undecided += _count(both, part)
     return ReferenceBand(
         exact=exact,
         low=low,
@@ -235,6 +236,16 @@ def _check_shape(reference: Reference, given: tuple[int, ...], measured: tuple[i
         line=place.line,
         remedy="v.x is one component of a vector, vec4(v, 0.0, 1.0) adds the missing ones",
     )
+
+
+def _marks(allowed: Band | Allowed) -> tuple[Flags, Flags, Flags]:
+    """Where NaN is legal, where anything is, and where a branch went both ways; 0-d for nowhere."""
+    if isinstance(allowed, Allowed):
+        return allowed.nan, allowed.vacuous, allowed.undecided
+    nan, vacuous, undecided = allowed.flags
+    if allowed.lo.size and not allowed.lo.min() > -np.inf:  # NaN too
+        vacuous = allowed.vacuous
+    return nan, vacuous, undecided
 
 
 def _count(flags: Flags, shape: tuple[int, ...]) -> int:
