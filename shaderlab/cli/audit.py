@@ -19,7 +19,7 @@ from shaderlab.cli.options import (
     limits_option,
     make_local_executor,
 )
-from shaderlab.cli.shader_inputs import RANGES, shaders_of_paths
+from shaderlab.cli.shader_inputs import RANGES, is_of_functions, shaders_of_paths
 from shaderlab.compiler.text import EXTENSIONS, STAGES
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.options import Limits, RunOptions
@@ -68,7 +68,8 @@ def command(
 
     A case gives its shaders the inputs of its draws. Those of a shader file are made up by name and
     type, and searched; say what they are where a guess won't do: --range distance=0:50, or
-    a comment where one is declared, `uniform float distance; // range: 0..50`.
+    a comment where one is declared, `uniform float distance; // range: 0..50`. Of a file
+    without `main` each function is audited.
 
     Exit code: 0 no hazard was shown, 1 one was, 2 it can't be said, or wrong usage.
 
@@ -76,6 +77,7 @@ def command(
     Examples:
       shaderlab audit lamp.frag
       shaderlab audit shaders/ --range exposure=0:8 --sarif hazards.sarif
+      shaderlab audit lighting.glsl
       shaderlab audit specular my_case.py
     """
     from shaderlab.audit import Plan
@@ -114,7 +116,12 @@ def _requests(
 
     shaders = [Path(t) for t in targets if _is_shader(t)]
     for shader in shaders_of_paths(shaders, options.include):
-        yield AuditFile(shader, stage, plan)
+        if is_of_functions(shader, stage):
+            from shaderlab.functions.interpreting import AuditFunctions
+
+            yield AuditFunctions(shader, plan)
+        else:
+            yield AuditFile(shader, stage, plan)
     cases = [target for target in targets if not _is_shader(target)]
     if cases and plan.ranges:
         raise UsageError("--range does not go with a case, whose inputs are known")

@@ -13,7 +13,7 @@ import click
 from shaderlab.cli import FAILED, OK, USAGE
 from shaderlab.cli.files import write_json
 from shaderlab.cli.options import INCLUDE, JSON, jobs_option, limits_option, make_local_executor
-from shaderlab.cli.shader_inputs import RANGES, shader_of_file
+from shaderlab.cli.shader_inputs import RANGES, is_of_functions, shader_of_file
 from shaderlab.compiler.text import STAGES
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.lazy_dataclass import dataclass
@@ -64,7 +64,8 @@ def command(
     the same inputs. They are made up by the inputs' names and types, or a case's and varied.
 
     Say what an input is where a guess won't do: --range distance=0:50, or a comment where it
-    is declared, `uniform float distance; // range: 0..50` (or `// range: unit`).
+    is declared, `uniform float distance; // range: 0..50` (or `// range: unit`). Of files
+    without `main` each function is compared.
 
     Exit code: 0 the same mathematics, 1 different, 2 it can't be said, or wrong usage.
 
@@ -147,12 +148,12 @@ class _Asking:
         from shaderlab.execution import compare_shaders as requests
 
         if self.case is None:
-            return requests.CompareFiles(
-                shader_of_file(old, self.includes, then),
-                shader_of_file(new, self.includes),
-                self.stage,
-                self.plan,
-            )
+            shaders = shader_of_file(old, self.includes, then), shader_of_file(new, self.includes)
+            if all(is_of_functions(shader, self.stage) for shader in shaders):
+                from shaderlab.functions.interpreting import CompareFunctions
+
+                return CompareFunctions(*shaders, self.plan)
+            return requests.CompareFiles(*shaders, self.stage, self.plan)
         from shaderlab.cli.replacing import named
         from shaderlab.cli.selecting import one
         from shaderlab.execution.jobs import jobs_of

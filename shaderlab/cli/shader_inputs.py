@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
+from shaderlab.compiler.text import EXTENSIONS
 from shaderlab.errors import UsageError
 
 if TYPE_CHECKING:
@@ -40,6 +42,15 @@ def shader_of_file(
         raise UsageError("this is a folder: name a shader file", file=path)
     (found,) = shaders_of_paths([path], includes, then)
     return found
+
+
+def is_of_functions(shader: ShaderOfFile, stage: str | None) -> bool:
+    """Whether a file has functions for others to include, and neither a stage nor a `main`."""
+    path = Path(shader.file.path)
+    if stage is not None or path.suffix in EXTENSIONS or not path.is_file():
+        return False
+    text = path.read_text(encoding="utf-8", errors="replace")
+    return not re.search(r"#pragma\s+shader_stage|\bvoid\s+main\s*\(", text)
 
 
 def shaders_of_paths(

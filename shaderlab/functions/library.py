@@ -96,13 +96,7 @@ class Library:
 
     @cached_property
     def _read(self) -> Source:
-        """The file's source as it is read: with a `#version`."""
-        source = self._source
-        if version_of(source.code) is not None:
-            return source
-        lines = LineMap(((source.path, 1, 1), *source.lines.spans))
-        text = f"#version {_READ_AS} core\n{source.text}"
-        return replace(source, text=text, lines=lines, stripped=None)
+        return readable(self._source)
 
     @cached_property
     def _functions(self) -> dict[str, list[Signature]]:
@@ -112,6 +106,15 @@ class Library:
         except ShaderError as error:
             file, line = self._read.place(error.line or 1)
             raise ShaderError(error.message, file=file, line=line) from None
+
+
+def readable(source: Source) -> Source:
+    """A source with a `#version`, its own or a late one, as its functions are read."""
+    if version_of(source.code) is not None:
+        return source
+    lines = LineMap(((source.path, 1, 1), *source.lines.spans))
+    text = f"#version {_READ_AS} core\n{source.text}"
+    return replace(source, text=text, lines=lines, stripped=None)
 
 
 def _find(path: Path, beside: Path | None) -> Path:
