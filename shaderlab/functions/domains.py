@@ -43,7 +43,8 @@ class Domain(ABC):
 
 @dataclass(frozen=True)
 class Floats(Domain):
-    """float32 values from `low` to `high`, both included."""
+    """float32 values from `low` to `high`, both included; of vectors and matrices, each
+    component's."""
 
     low: float
     high: float
@@ -164,14 +165,7 @@ def _with_corners(values: Array, low: float, high: float) -> Array:
     return values
 
 
-def floats(low: float, high: float) -> Domain:
-    """float32 values from `low` to `high`; of vectors and matrices, each component's."""
-    return Floats(low, high)
-
-
-def ints(low: int, high: int) -> Domain:
-    """Whole numbers from `low` to `high`."""
-    return Ints(low, high)
+floats, ints, directions = Floats, Ints, Directions
 
 
 def bools() -> Domain:
@@ -182,11 +176,6 @@ def bools() -> Domain:
 def one_of(*values: Any) -> Domain:
     """One of these values, numbers or arrays; the simplest first."""
     return OneOf(values)
-
-
-def directions() -> Domain:
-    """Vectors of length 1."""
-    return Directions()
 
 
 def hints_of(code: str) -> Array:

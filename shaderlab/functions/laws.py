@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
+from dataclasses import KW_ONLY
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -57,6 +58,7 @@ class Law(ABC):
 class Close:
     """How far two values may lie apart: so many units in the last place, or that much."""
 
+    _: KW_ONLY
     ulp: float = 0.0
     within: float = 0.0
 
@@ -80,7 +82,8 @@ def _over(holds: Array, batch: tuple[int, ...]) -> Array:
 
 @dataclass(frozen=True)
 class Bounded(Law):
-    """Every value lies from `low` to `high`, both included; so NaN fails."""
+    """Every value lies from `low` to `high`, both included; so NaN fails. They are numbers, or
+    arrays of one for each component."""
 
     low: Any = -np.inf
     high: Any = np.inf
@@ -101,6 +104,7 @@ class Monotone(Law):
     """The values never fall as the argument `along` grows; with `rising=False` they never rise."""
 
     along: str
+    _: KW_ONLY
     rising: bool = True
     strictly: bool = False
 
@@ -135,8 +139,8 @@ class Monotone(Law):
 class Symmetric(Close, Law):
     """The value is the same with two arguments exchanged."""
 
-    first: str = ""
-    second: str = ""
+    first: str
+    second: str
 
     def judge(self, function: Function, call: Call, got: Any) -> Finding:
         a, b = (_plain(function, call, name) for name in (self.first, self.second))
@@ -150,8 +154,8 @@ class Symmetric(Close, Law):
 class Mirrored(Close, Law):
     """f(−x) = sign · f(x)."""
 
-    argument: str = ""
-    sign: int = 1
+    argument: str
+    sign: int
 
     @property
     def name(self) -> str:
@@ -168,11 +172,10 @@ class Mirrored(Close, Law):
 class Inverse(Close, Law):
     """`other` gives an argument back: other(f(x)) = x, for the first parameter or `argument`."""
 
-    other: Callable[..., Any] | None = None
+    other: Callable[..., Any]
     argument: str = ""
 
     def judge(self, function: Function, call: Call, got: Any) -> Finding:
-        assert self.other is not None
         name = self.argument or call.signature.given[0].name
         x = np.asarray(_plain(function, call, name))
         back = np.asarray(self.other(got))
@@ -199,10 +202,9 @@ class Idempotent(Close, Law):
 class SameAs(Close, Law):
     """The value of another function, of GLSL or of Python, for the same arguments."""
 
-    other: Callable[..., Any] | None = None
+    other: Callable[..., Any]
 
     def judge(self, function: Function, call: Call, got: Any) -> Finding:
-        assert self.other is not None
         from shaderlab.functions.function import Function
 
         values = {**call.opaque, **{name: a.value for name, a in call.values.items()}}
@@ -221,7 +223,8 @@ class Table(Close, Law):
     """Known values, one for each element. With `digits`, they are figures printed so: a value
     has to round to its figure."""
 
-    values: Any = ()
+    values: Any
+    _: KW_ONLY
     digits: int | None = None
 
     def judge(self, function: Function, call: Call, got: Any) -> Finding:
@@ -236,52 +239,18 @@ class Table(Close, Law):
         return Finding(close.holds(measured, expected, call.batch), measured, expected)
 
 
-def bounded(low: Any = -np.inf, high: Any = np.inf) -> Law:
-    """Every value lies from `low` to `high`; numbers, or an array of one for each component."""
-    return Bounded(low, high)
-
-
-def monotone(along: str, *, rising: bool = True, strictly: bool = False) -> Law:
-    """The values never fall as the argument `along` grows; see `Monotone`."""
-    return Monotone(along, rising, strictly)
-
-
-def symmetric(first: str, second: str, *, ulp: float = 0.0, within: float = 0.0) -> Law:
-    """The value is the same with two arguments exchanged, but for so many units in the last place
-    or that much; as for the laws below."""
-    return Symmetric(ulp, within, first, second)
+bounded, monotone, symmetric, inverse = Bounded, Monotone, Symmetric, Inverse
+idempotent, same_as, table = Idempotent, SameAs, Table
 
 
 def even(argument: str, *, ulp: float = 0.0, within: float = 0.0) -> Law:
     """f(−x) = f(x)."""
-    return Mirrored(ulp, within, argument, 1)
+    return Mirrored(argument, 1, ulp=ulp, within=within)
 
 
 def odd(argument: str, *, ulp: float = 0.0, within: float = 0.0) -> Law:
     """f(−x) = −f(x)."""
-    return Mirrored(ulp, within, argument, -1)
-
-
-def inverse(
-    other: Callable[..., Any], argument: str = "", *, ulp: float = 0.0, within: float = 0.0
-) -> Law:
-    """other(f(x)) = x, where x is the first argument or the one that is named."""
-    return Inverse(ulp, within, other, argument)
-
-
-def idempotent(argument: str = "", *, ulp: float = 0.0, within: float = 0.0) -> Law:
-    """f(f(x)) = f(x), where x is the first argument or the one that is named."""
-    return Idempotent(ulp, within, argument)
-
-
-def same_as(other: Callable[..., Any], *, ulp: float = 0.0, within: float = 0.0) -> Law:
-    """f(…) = other(…); `other` is a GLSL function or one of Python over arrays."""
-    return SameAs(ulp, within, other)
-
-
-def table(values: Any, *, digits: int | None = None, ulp: float = 0.0, within: float = 0.0) -> Law:
-    """Known values, as many as the function gives; `digits` says how many decimals they have."""
-    return Table(ulp, within, values, digits)
+    return Mirrored(argument, -1, ulp=ulp, within=within)
 
 
 def _plain(function: Function, call: Call, name: str) -> Any:

@@ -15,7 +15,6 @@ from shaderlab.frame import Array
 from shaderlab.functions.binding import Call
 from shaderlab.functions.opaque import Opaque, of_references
 from shaderlab.functions.parts import Reference
-from shaderlab.functions.types import Type
 from shaderlab.judging.inputs import Inputs, parameter_name
 
 Input = TypeVar("Input")
@@ -74,28 +73,14 @@ def _by_order(
 def leaves(call: Call) -> Iterator[tuple[str, Array]]:
     """Each number or vector that a call has, with its name: "light.constant"."""
     for name, given in call.values.items():
-        yield from zip(_names(name, given.type), given.leaves, strict=True)
+        for (word, _), leaf in zip(given.type.leaves(name), given.leaves, strict=True):
+            yield word, leaf
 
 
 def _in_order(call: Call, known: Sequence[str]) -> Iterator[str]:
     """The inputs in the order of the function's parameters, then the others'."""
     for one in (*call.signature.given, *call.signature.globals):
-        for name in _names(one.name, one.type):
-            if name in known:
-                yield name
-
-
-def _names(name: str, kind: Type) -> Iterator[str]:
-    if kind.members and kind.dims:
-        for n in range(kind.dims[0]):
-            yield from _names(f"{name}[{n}]", kind.element)
-    elif kind.members:
-        for member, its in kind.members:
-            yield from _names(f"{name}.{member}", its)
-    elif kind.opaque and kind.dims:
-        yield from (f"{name}[{n}]" for n in range(kind.dims[0]))
-    else:
-        yield name
+        yield from (name for name, _ in one.type.leaves(one.name) if name in known)
 
 
 def _inputs(call: Call, kept: Array, opaque: Opaque) -> Inputs:
@@ -103,9 +88,7 @@ def _inputs(call: Call, kept: Array, opaque: Opaque) -> Inputs:
     each: dict[str, Array] = {}
     arrays = set()
     for name, given in call.values.items():
-        for word, leaf, kind in zip(
-            _names(name, given.type), given.leaves, _kinds(given.type), strict=True
-        ):
+        for (word, kind), leaf in zip(given.type.leaves(name), given.leaves, strict=True):
             exact = leaf.astype(np.float32) if leaf.dtype.kind in "fb" else leaf
             if kind.kind == "float":
                 exact = leaf.astype(np.float32)
@@ -124,17 +107,6 @@ def _inputs(call: Call, kept: Array, opaque: Opaque) -> Inputs:
         textures=opaque.textures,
         arrays=frozenset(arrays),
     )
-
-
-def _kinds(kind: Type) -> Iterator[Type]:
-    if kind.members and kind.dims:
-        for _ in range(kind.dims[0]):
-            yield from _kinds(kind.element)
-    elif kind.members:
-        for _, its in kind.members:
-            yield from _kinds(its)
-    else:
-        yield kind
 
 
 def _renamed(values: Mapping[str, Input], new: Mapping[str, str]) -> dict[str, Input]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Iterator
 from functools import cached_property
 
 from shaderlab.lazy_dataclass import dataclass
@@ -85,3 +86,14 @@ class Type:
         """How many 32-bit words a value takes."""
         inner = sum(t.words for _, t in self.members)
         return math.prod(self.dims) * (inner or math.prod(self.base_shape))
+
+    def leaves(self, name: str) -> Iterator[tuple[str, Type]]:
+        """The whole name and the type of each member that is no struct: "lights[0].power"."""
+        if self.dims and (self.members or self.opaque):
+            for n in range(self.dims[0]):
+                yield from self.element.leaves(f"{name}[{n}]")
+        elif self.members:
+            for member, its in self.members:
+                yield from its.leaves(f"{name}.{member}")
+        else:
+            yield name, self

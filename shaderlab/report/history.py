@@ -18,7 +18,6 @@ from shaderlab.lazy_dataclass import dataclass
 from shaderlab.records import Record, Run, Status, Worst
 from shaderlab.report.grouping import STATUSES, group_cases
 from shaderlab.report.plain_text import summary
-from shaderlab.report.text import day
 
 FILE_NAME = "summary.json"
 LONGEST = 20
@@ -54,11 +53,6 @@ class PastRun:
     name: str
     started: str
     entries: Entries
-
-    @property
-    def day(self) -> str:
-        """When it began, for people."""
-        return day(self.started)
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,6 @@ from shaderlab.lazy_dataclass import dataclass
 from shaderlab.report import html, parts
 from shaderlab.report.grouping import STATUSES
 from shaderlab.report.history import FILE_NAME
-from shaderlab.report.text import day
 
 _MARK = "shaderlab: all runs"
 """The page's generator, as it says itself: what tells it from one that somebody else put there."""
@@ -31,11 +30,6 @@ class Line:
     interrupted: bool
     renderer: str
     replaced: tuple[str, ...]
-
-    @property
-    def day(self) -> str:
-        """When it began, for people."""
-        return day(self.started)
 
     @property
     def link(self) -> str:
