@@ -6,21 +6,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import KW_ONLY
 
 from shaderlab.errors import CaseError
-from shaderlab.expectations.base import Context, OfDraw, judge_rows
-from shaderlab.frame import AttributeReading, Frame, PassDraw
+from shaderlab.expectations.base import Asked, OfDraw, judge_rows
+from shaderlab.frame import Frame
 from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Judgement, Need, Programs, Scene
 from shaderlab.records import Row
-
-
-@dataclass(frozen=True)
-class ReadAttributes(Need):
-    """Where OpenGL says that the attributes of a draw lie."""
-
-    key: PassDraw
-
-    def answer(self, context: Context) -> Mapping[str, AttributeReading]:
-        return context.session.attributes(self.key)
 
 
 @dataclass(frozen=True)
@@ -49,10 +39,10 @@ class AttributeLayout(OfDraw):
                 )
 
     def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
-        yield ReadAttributes(self.key(scene))
+        yield Asked("attributes", (self.key(scene),))
 
     def judge(self, scene: Scene, frame: Frame) -> Judgement:
-        readings = frame.answers[ReadAttributes(self.key(scene))]
+        readings = frame.answers[Asked("attributes", (self.key(scene),))]
         rows = []
         for name, entry in self.attributes.items():
             place = (*entry, 0)[:3]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +12,7 @@ from shaderlab.compiler.sources import Source
 from shaderlab.errors import CaseError, nearest
 from shaderlab.frame import Bindings, PassDraw
 from shaderlab.lazy_dataclass import dataclass
-from shaderlab.model import Expectation, Judgement, Programs, Read, Scene
+from shaderlab.model import Expectation, Judgement, Need, Programs, Read, Scene
 from shaderlab.programs.prepare import Preparer, step
 from shaderlab.programs.vertices import vertex_outputs
 from shaderlab.records import Outcome, Row, Verdict
@@ -51,6 +51,18 @@ class Context:
         named = (Path(self.session.scene.case.file).parent, *self.preparer.folders)
         found = {str(f) for folder in named for f in (folder, folder.resolve()) if f.parts}
         return sorted(found, key=len, reverse=True)
+
+
+@dataclass(frozen=True)
+class Asked(Need):
+    """What the session answers to a question: the name of a method of `shaderlab.backends.Session`,
+    and its arguments."""
+
+    question: str
+    about: tuple[Hashable, ...]
+
+    def answer(self, context: Context) -> Any:
+        return getattr(context.session, self.question)(*self.about)
 
 
 @dataclass(frozen=True, kw_only=True)

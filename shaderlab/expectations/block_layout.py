@@ -7,21 +7,11 @@ from dataclasses import KW_ONLY
 
 from shaderlab.errors import CaseError, nearest
 from shaderlab.expectations.attribute_layout import memory_table
-from shaderlab.expectations.base import Context, OfDraw
-from shaderlab.frame import BlockReading, Frame, PassDraw
+from shaderlab.expectations.base import Asked, OfDraw
+from shaderlab.frame import BlockReading, Frame
 from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Judgement, Need, Programs, Scene
 from shaderlab.records import Row
-
-
-@dataclass(frozen=True)
-class ReadBlocks(Need):
-    """Where the driver has the members of a draw's uniform blocks, by block."""
-
-    key: PassDraw
-
-    def answer(self, context: Context) -> Mapping[str, BlockReading]:
-        return context.session.blocks(self.key)
 
 
 @dataclass(frozen=True)
@@ -43,10 +33,10 @@ class BlockLayout(OfDraw):
         self.name_by_default(f"layout of {self.block}")
 
     def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
-        yield ReadBlocks(self.key(scene))
+        yield Asked("blocks", (self.key(scene),))
 
     def judge(self, scene: Scene, frame: Frame) -> Judgement:
-        readings = frame.answers[ReadBlocks(self.key(scene))]
+        readings = frame.answers[Asked("blocks", (self.key(scene),))]
         if self.block not in readings:
             raise CaseError(
                 f"there is no uniform block {self.block!r}", remedy=nearest(self.block, readings)

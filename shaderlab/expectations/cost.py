@@ -9,26 +9,15 @@ from dataclasses import KW_ONLY, field, replace
 from typing import Any
 
 from shaderlab.errors import CaseError
-from shaderlab.expectations.base import Context
+from shaderlab.expectations.base import Asked, judge_rows
 from shaderlab.frame import Frame, Timing
 from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Expectation, Judgement, Need, Programs, Scene, one_of
-from shaderlab.records import Outcome, Plot, PlotPoint, Row
+from shaderlab.records import Plot, PlotPoint, Row
 
 Number = Callable[[float], int]
 Best = Mapping[tuple[str, float], float]
 """The best time of each series at each N, in seconds."""
-
-
-@dataclass(frozen=True)
-class Timed(Need):
-    """How long a pass takes, drawn several times."""
-
-    pass_name: str
-    repeats: int
-
-    def answer(self, context: Context) -> Timing:
-        return context.session.time(self.pass_name, self.repeats)
 
 
 @dataclass(frozen=True)
@@ -87,7 +76,7 @@ class Cost(Expectation):
         for row in self.series.values():
             for names in row.values():
                 for name in names:
-                    yield Timed(scene.find_pass(name).name, self.repeats)
+                    yield Asked("time", (scene.find_pass(name).name, self.repeats))
 
     def judge(self, scene: Scene, frame: Frame) -> Judgement:
         rows = []
@@ -95,25 +84,18 @@ class Cost(Expectation):
         for number in sorted({n for row in self.series.values() for n in row}):
             for label, row in self.series.items():
                 if number in row:
-                    taken = [frame.answers[Timed(name, self.repeats)] for name in row[number]]
+                    taken = [
+                        frame.answers[Asked("time", (name, self.repeats))] for name in row[number]
+                    ]
                     best[label, number] = sum(min(t.seconds) for t in taken)
                     rows.append(self._row(label, number, taken))
         wrong = [row.label for row in rows if not row.ok]
         rows = _with_ratios(rows, best)
         if self.cheaper is not None:
             rows.append(self._claim(best, *self.cheaper))
-        return Judgement(
-            plot=self._times(best),
-            outcome=Outcome(
-                name=self.name,
-                kind=self.kind,
-                status="fail" if wrong else "pass",
-                message=f"other counts than expected: {', '.join(wrong)}" if wrong else "",
-                judged=len(best),
-                outside=sum(not row.ok for row in rows),
-                rows=tuple(rows),
-            ),
-        )
+        message = f"other counts than expected: {', '.join(wrong)}" if wrong else ""
+        found = judge_rows(self.name, self.kind, rows, message, judged=len(best))
+        return replace(found, plot=self._times(best))
 
     def _row(self, label: str, number: float, taken: list[Timing]) -> Row:
         calls, vertices = sum(t.draw_calls for t in taken), sum(t.vertices for t in taken)

@@ -4,21 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from shaderlab.expectations.base import Context, OfDraw, judge_rows
+from shaderlab.expectations.base import Asked, OfDraw, judge_rows
 from shaderlab.frame import Frame, PassDraw
 from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import GL_ERRORS, Judgement, Need, Programs, Scene, error_name, one_of
 from shaderlab.records import Row
-
-
-@dataclass(frozen=True)
-class Raised(Need):
-    """The errors that a draw raised."""
-
-    key: PassDraw
-
-    def answer(self, context: Context) -> Sequence[int]:
-        return context.session.gl_errors(self.key)
 
 
 @dataclass(frozen=True)
@@ -37,10 +27,10 @@ class GlError(OfDraw):
         return frozenset({self.key(scene)})
 
     def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
-        yield Raised(self.key(scene))
+        yield Asked("gl_errors", (self.key(scene),))
 
     def judge(self, scene: Scene, frame: Frame) -> Judgement:
-        errors: Sequence[int] = frame.answers[Raised(self.key(scene))]
+        errors: Sequence[int] = frame.answers[Asked("gl_errors", (self.key(scene),))]
         want = GL_ERRORS[self.error]
         ok = list(errors) == ([want] if want else [])
         measured = ", ".join(error_name(e) for e in errors) or error_name(0)

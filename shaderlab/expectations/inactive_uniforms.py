@@ -5,23 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from shaderlab.errors import CaseError, nearest
-from shaderlab.expectations.base import Context, OfDraw, judge_rows
-from shaderlab.frame import Frame, PassDraw
+from shaderlab.expectations.base import Asked, OfDraw, judge_rows
+from shaderlab.frame import Frame
 from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Judgement, Need, Programs, Scene
 from shaderlab.model.checked import checked_arguments
 from shaderlab.records import Row
-
-
-@dataclass(frozen=True)
-class Located(Need):
-    """Where the driver put each uniform that a draw's program declares; −1 for one without
-    effect."""
-
-    key: PassDraw
-
-    def answer(self, context: Context) -> Mapping[str, int]:
-        return context.session.locations(self.key)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,10 +22,10 @@ class InactiveUniforms(OfDraw):
     uniforms: tuple[str, ...]
 
     def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
-        yield Located(self.key(scene))
+        yield Asked("locations", (self.key(scene),))
 
     def judge(self, scene: Scene, frame: Frame) -> Judgement:
-        locations: Mapping[str, int] = frame.answers[Located(self.key(scene))]
+        locations: Mapping[str, int] = frame.answers[Asked("locations", (self.key(scene),))]
         for name in self.uniforms:
             if name not in locations:
                 raise CaseError(

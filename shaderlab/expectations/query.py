@@ -6,22 +6,11 @@ from collections.abc import Iterable
 from dataclasses import KW_ONLY
 
 from shaderlab.errors import CaseError
-from shaderlab.expectations.base import Context, OfDraw, judge_rows
-from shaderlab.frame import Frame, PassDraw
+from shaderlab.expectations.base import Asked, OfDraw, judge_rows
+from shaderlab.frame import Frame
 from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import COUNTERS, Judgement, Need, Programs, Scene, one_of
 from shaderlab.records import Row
-
-
-@dataclass(frozen=True)
-class Counted(Need):
-    """What the driver counts while one draw of a pass is drawn once more."""
-
-    key: PassDraw
-    counter: str
-
-    def answer(self, context: Context) -> int:
-        return context.session.count(self.key, self.counter)
 
 
 @dataclass(frozen=True)
@@ -53,10 +42,10 @@ class Query(OfDraw):
         self.name_by_default(self.counter.replace("_", " "))
 
     def needs(self, scene: Scene, programs: Programs) -> Iterable[Need]:
-        yield Counted(self.key(scene), self.counter)
+        yield Asked("count", (self.key(scene), self.counter))
 
     def judge(self, scene: Scene, frame: Frame) -> Judgement:
-        count = frame.answers[Counted(self.key(scene), self.counter)]
+        count = frame.answers[Asked("count", (self.key(scene), self.counter))]
         low, high = self.at_least or 0, self.at_most
         if self.equals is not None:
             low = high = int(self.equals)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from shaderlab.errors import CaseError
+from shaderlab.expectations.base import judge_rows
 from shaderlab.expectations.formula import Formula, OfReference, Reference
 from shaderlab.expectations.needs import CapturedFragments, Probe
 from shaderlab.expectations.subject import decimal_inputs, find_image, inputs_of, pixel_inputs
@@ -19,7 +20,7 @@ from shaderlab.judging.figures import figure_row, rounds_to, shown
 from shaderlab.judging.inputs import evaluate
 from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Judgement, Need, Pixel, Programs, Read, Scene, UniformValue
-from shaderlab.records import Outcome, Row
+from shaderlab.records import Row
 
 Figure = float | Sequence[float]
 
@@ -95,17 +96,9 @@ class Value(OfReference):
         else:
             measured = frame.answers[Probe(self)].outputs[self.own_name(scene)][0]
         ok = rounds_to(measured, self.equals, self.digits)
-        return Judgement(
-            outcome=Outcome(
-                name=self.name,
-                kind=self.kind,
-                status="pass" if ok else "fail",
-                message="" if ok else f"measured {shown(measured)}",
-                judged=int(np.size(measured)),
-                outside=0 if ok else 1,
-                rows=(self._row(measured, measured, ok),),
-            )
-        )
+        message = "" if ok else f"measured {shown(measured)}"
+        row = self._row(measured, measured, ok)
+        return judge_rows(self.name, self.kind, [row], message, judged=int(np.size(measured)))
 
     def _reference(self, scene: Scene) -> Any:
         """The value's own reference, or that of the formula of the same output."""

@@ -24,7 +24,7 @@ from shaderlab import (
     value,
 )
 from shaderlab.errors import CaseError, FormulaError
-from shaderlab.expectations.gl_error import Raised
+from shaderlab.expectations.base import Asked
 from shaderlab.expectations.needs import CapturedFragments, Probe
 from shaderlab.frame import Bindings, Fragments, Frame, Image, Samples, Texels
 from shaderlab.glslmath import pow, sin
@@ -332,7 +332,7 @@ def test_a_gl_error_must_be_the_expected_one_and_the_only_one() -> None:
     check = gl_error("invalid_operation")
     wrong = (((0x500,), "fail"), ((0x502, 0x500), "fail"), ((), "fail"))
     for errors, status in (((0x502,), "pass"), *wrong):
-        made = replace(frame(XS), answers={Raised(("main", 0)): errors})
+        made = replace(frame(XS), answers={Asked("gl_errors", (("main", 0),)): errors})
         assert judged(check, made).outcome.status == status
 
 
