@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import field, replace
@@ -20,12 +21,13 @@ from shaderlab.equivalence.noise import Noisy
 from shaderlab.equivalence.numerics import MOST, accuracy, bands_of
 from shaderlab.equivalence.roles import Role, roles_of, unknown_names
 from shaderlab.equivalence.varying import learned, varied
-from shaderlab.errors import UsageError, nearest
+from shaderlab.errors import NotInterpretedError, UsageError, nearest
 from shaderlab.files import display_path
 from shaderlab.interpreter import Program
 from shaderlab.lazy_dataclass import dataclass
 
 _SMALL = 1024  # invocations; sets of no more than so many are run together
+_BITS = range(194, 206)  # SPIR-V's instructions from OpShiftRightLogical to OpBitCount
 _ENDS = 1e-6  # what stored values may differ by where a step is called the same
 
 
@@ -136,7 +138,7 @@ class _Comparison:
         self.rounds = plan.rounds
         self.accuracy = plan.accuracy
         self._in_bands: tuple[Mapping[str, Any] | None, ...] = ()
-        self._freed: dict[tuple[str, ...], _Set] = {}
+        self._freed: dict[tuple[str, ...], list[_Set]] = {}
 
     def outputs(self, captured: Sequence[Given]) -> Iterator[OutputAnswer]:
         """An answer for each output, on captured inputs and on rounds of others."""
@@ -280,9 +282,27 @@ class _Comparison:
     def _differs_without(self, freed: tuple[str, ...], name: str, other: str) -> bool:
         """Whether an output differs without what is assumed of some inputs."""
         if freed not in self._freed:
-            roles = {n: (n in freed and role.freed) or role for n, role in self.roles.items()}
-            self._freed[freed] = self._run(self.make(roles, self.rounds))
-        return bool(self._compared(self._freed[freed], name, other).different.any())
+            self._freed[freed] = list(self._sets_without(freed))
+        sets = self._freed[freed]
+        return any(self._compared(one, name, other).different.any() for one in sets)
+
+    def _sets_without(self, freed: tuple[str, ...]) -> Iterator[_Set]:
+        roles = {n: (n in freed and role.freed) or role for n, role in self.roles.items()}
+        yield self._run(self.make(roles, self.rounds))
+        whole = {
+            n: Role("number", -(2.0**31), 2.0**31 - 1.0)
+            for n in freed
+            if n in self.inputs and self.inputs[n].whole and roles[n].source == "assumed"
+        }
+        if whole and any(map(_works_on_bits, self.programs)):
+            # Where a loop goes on for as long as such a number says, nothing is said.
+            with contextlib.suppress(NotInterpretedError):
+                yield self._run(self.make({**roles, **whole}, self.rounds))
+
+
+def _works_on_bits(program: Program) -> bool:
+    """Whether it shifts integers, or does anything else with their bits, as hashes do."""
+    return any(map(program.line_of, _BITS))
 
 
 def _is_unwritten(sets: Sequence[_Set], name: str) -> bool:

@@ -61,7 +61,10 @@ def _numbers(type_: str, role: Role, count: int, rng: np.random.Generator) -> Ar
         return found
     if type_.startswith(("int", "ivec", "uint", "uvec", "bool", "bvec")):
         whole = rng.integers(int(role.low), int(role.high) + 1, (count, size))
-        return whole if "i" in type_[:1] else np.abs(whole) if "u" in type_[:1] else whole > 0
+        if role.high - role.low > 2.0**16:  # of each magnitude as many
+            whole = whole >> rng.integers(0, 32, (count, size))
+            return whole % 2**32 if type_[0] == "u" else whole
+        return whole if type_[0] == "i" else np.abs(whole) if type_[0] == "u" else whole > 0
     x = rng.uniform(role.low, role.high, (count, size))
     if role.low > 0.0 and role.high > 20.0 * role.low:  # of each magnitude as many
         x = np.exp(rng.uniform(np.log(role.low), np.log(role.high), (count, size)))

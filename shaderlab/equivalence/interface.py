@@ -36,6 +36,11 @@ class Input:
     uniform: bool
     workgroup: tuple[int, int, int] | None = None
 
+    @property
+    def whole(self) -> bool:
+        """Whether its numbers are integers."""
+        return self.type.startswith(("int", "ivec", "uint", "uvec"))
+
 
 def inputs_of(program: Program) -> dict[str, Input]:
     """What a program's functions read, by name, in the order of declaration."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -178,6 +179,32 @@ def test_what_does_not_change_in_a_loop_is_computed_once(monkeypatch: pytest.Mon
     for _ in range(50):
         expected += x * y * expected + y
     assert np.allclose(outputs["o"], expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "condition"),
+    [
+        ("n ^ (n >> 16)", "n ^ (n >> 17)", "0 <= n <= 4"),
+        ("bitfieldReverse(n) & 15", "0", "0 <= n <= 4"),
+        ("(n & 255) | (n & ~255)", "n", ""),
+        ("min(n & 65535, 9)", "n > 65535 ? min(n & 65535, 9) : clamp(n & 65535, 0, 9)", ""),
+    ],
+)
+@pytest.mark.parametrize("kind", ["int", "uint"])
+def test_numbers_of_which_bits_are_taken_are_large_ones_too(
+    kind: str, old: str, new: str, condition: str
+) -> None:
+    text = f"#version 450 core\nflat in {kind} n; out {kind} o; void main() {{ o = {kind}(%s); }}"
+    if kind == "uint":
+        old, new = (re.sub(r"\b\d+\b", r"\g<0>u", line) for line in (old, new))
+    (output,) = compared(text % old, text % new).outputs
+    assert output.same is True and output.conditions == ((condition,) if condition else ())
+
+
+def test_a_loop_as_long_as_an_input_says_ends() -> None:
+    text = "uniform int n; out int o; void main() { for (int i = 0; i < n; ++i) o ^= i << %d; }"
+    assert compared(text % 1, text % 1).outputs[0].same is True
+    assert compared(text % 1, text % 2).outputs[0].same is False
 
 
 def test_an_assumption_that_matters_is_said() -> None:
