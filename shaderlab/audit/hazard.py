@@ -50,11 +50,7 @@ class Hazard:
     def data(self) -> dict[str, Any]:
         """The hazard as JSON."""
         return {
-            "file": self.file,
-            "line": self.line,
-            "kind": self.kind,
-            "message": self.message,
-            "evident": self.evident,
+            **vars(self),
             "inputs": {name: _numbers(values) for name, values in self.inputs.items()},
             "outputs": {name: _numbers(values) for name, values in self.outputs.items()},
             "calls": list(self.calls),

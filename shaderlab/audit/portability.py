@@ -74,14 +74,9 @@ class Spread:
     def data(self) -> dict[str, Any]:
         """The spread as JSON."""
         return {
-            "output": self.output,
-            "precision": self.precision,
+            **vars(self),
             "codes": self.codes if np.isfinite(self.codes) else None,
-            "ulp": self.ulp,
             "near": {name: list(values) for name, values in self.near.items()},
-            "file": self.file,
-            "line": self.line,
-            "unbounded": self.unbounded,
         }
 
 

@@ -135,13 +135,12 @@ def _traced(result: CaseResult) -> list[dict[str, Any]]:
     ]
 
 
+_PLACED = ("file", "line", "operator", "before", "after")
+
+
 def _entry(tried: Tried) -> dict[str, Any]:
     return {
-        "file": tried.mutant.file,
-        "line": tried.mutant.line,
-        "operator": tried.mutant.operator,
-        "before": tried.mutant.before,
-        "after": tried.mutant.after,
+        **{name: getattr(tried.mutant, name) for name in _PLACED},
         "program": list(tried.mutant.program),
         **({"note": tried.fate.by} if tried.fate.by else {}),
         **({"unread": True} if tried.fate.unread else {}),
