@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 
-from shaderlab.programs.stages import may_keep_out
+from shaderlab.programs.stages import after_directives, may_keep_out
 
 WORD = 32
 """Bits of one number of the buffer."""
-_DIRECTIVES = re.compile(r"^[ \t]*#[ \t]*(?:version|extension)[^\n]*\n", re.MULTILINE)
 _VECTORS = {"float": "vec", "int": "ivec", "uint": "uvec"}
 _MATRICES = tuple(f"mat{c}x{r}" for c in (2, 3, 4) for r in (2, 3, 4))
 # A direction that was normalised before is off by rounding alone.
@@ -28,7 +26,7 @@ def watched(text: str, stage: str, first: int, words: int) -> str:
         first: the number in the buffer where the stage's bits begin.
         words: how many numbers it has there.
     """
-    end = max((found.end() for found in _DIRECTIVES.finditer(text)), default=0)
+    end = after_directives(text)
     early = stage == "fragment" and not may_keep_out(text)
     before = "\n".join(_before(first, words, early))
     zeros = " ".join(f"shaderlab_own[{i}] = 0u;" for i in range(words))

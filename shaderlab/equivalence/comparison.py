@@ -120,25 +120,17 @@ def _file(program: Program) -> str:
     return "" if program.source is None else program.source.path
 
 
+@dataclass(eq=False)
 class _Comparison:
     """Two programs, and where their inputs come from."""
 
-    def __init__(
-        self,
-        programs: tuple[Program, Program],
-        inputs: Mapping[str, Input],
-        roles: Mapping[str, Role],
-        make: Callable[[Mapping[str, Role], int], Given],
-        plan: Plan,
-    ) -> None:
-        self.programs = programs
-        self.inputs = inputs
-        self.roles = roles
-        self.make = make
-        self.rounds = plan.rounds
-        self.accuracy = plan.accuracy
-        self._in_bands: tuple[Mapping[str, Any] | None, ...] = ()
-        self._freed: dict[tuple[str, ...], list[_Set]] = {}
+    programs: tuple[Program, Program]
+    inputs: Mapping[str, Input]
+    roles: Mapping[str, Role]
+    make: Callable[[Mapping[str, Role], int], Given]
+    plan: Plan
+    _in_bands: tuple[Mapping[str, Any] | None, ...] = ()
+    _freed: dict[tuple[str, ...], list[_Set]] = field(default_factory=dict)
 
     def outputs(self, captured: Sequence[Given]) -> Iterator[OutputAnswer]:
         """An answer for each output, on captured inputs and on rounds of others."""
@@ -154,9 +146,9 @@ class _Comparison:
                 yield OutputAnswer(name=name or other, why="missing")
                 continue
             answer = self._answer(sets, name, other)
-            if answer.same and self.accuracy:
+            if answer.same and self.plan.accuracy:
                 answer = replace(answer, numerics=self._numerics(sets[0], name, other))
-            if answer.same and self.rounds:
+            if answer.same and self.plan.rounds:
                 answer = replace(answer, conditions=tuple(self._conditions(name, other)))
             yield answer
 
@@ -165,14 +157,14 @@ class _Comparison:
         given = None
         for given in itertools.chain(captured, self._made()):
             yield given
-        if given is not None and self.rounds:
+        if given is not None and self.plan.rounds:
             around = jumps(self.programs, given, self.roles)
             if around is not None:
                 yield around
 
     def _made(self) -> Iterator[Given]:
         """The rounds of inputs: one after the other, or small ones together where they can be."""
-        rounds = (self.make(self.roles, seed) for seed in range(self.rounds))
+        rounds = (self.make(self.roles, seed) for seed in range(self.plan.rounds))
         small: list[Given] = []
         for given in rounds:
             alone = bool(given.bindings.textures) or given.count > _SMALL
@@ -288,7 +280,7 @@ class _Comparison:
 
     def _sets_without(self, freed: tuple[str, ...]) -> Iterator[_Set]:
         roles = {n: (n in freed and role.freed) or role for n, role in self.roles.items()}
-        yield self._run(self.make(roles, self.rounds))
+        yield self._run(self.make(roles, self.plan.rounds))
         whole = {
             n: Role("number", -(2.0**31), 2.0**31 - 1.0)
             for n in freed
@@ -297,7 +289,7 @@ class _Comparison:
         if whole and any(map(_works_on_bits, self.programs)):
             # Where a loop goes on for as long as such a number says, nothing is said.
             with contextlib.suppress(NotInterpretedError):
-                yield self._run(self.make({**roles, **whole}, self.rounds))
+                yield self._run(self.make({**roles, **whole}, self.plan.rounds))
 
 
 def _works_on_bits(program: Program) -> bool:

@@ -14,7 +14,7 @@ from shaderlab.expectations.base import Context, OfOutput
 from shaderlab.frame import Array, Bindings, Fragments, PassDraw, Samples
 from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import Need, Programs
-from shaderlab.programs.bind import declared, exact_inputs, uniform_arrays
+from shaderlab.programs.bind import declared, exact_inputs, value_arrays
 from shaderlab.programs.prepare import PreparedDraw
 from shaderlab.programs.stages import may_keep_out
 from shaderlab.programs.varyings import elements
@@ -143,7 +143,7 @@ def _with_uniforms(bindings: Bindings, draw: PreparedDraw, values: Mapping[str, 
     exact, decimal = dict(bindings.uniforms), dict(bindings.decimal)
     known = declared(draw.interface)
     for name, value in values.items():
-        exact[name], decimal[name] = uniform_arrays(known[name], value)
+        exact[name], decimal[name] = value_arrays(known[name], value)
     return replace(bindings, uniforms=exact, decimal=decimal)
 
 

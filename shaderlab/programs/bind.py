@@ -60,7 +60,7 @@ def bind(draw: Draw, interface: Interface, texels: Contents) -> Bindings:
     values = {**draw.uniforms, **blocks.given(draw, interface)}
     exact, decimal = {}, {}
     for name, value in values.items():
-        exact[name], decimal[name] = uniform_arrays(known[name], value)
+        exact[name], decimal[name] = value_arrays(known[name], value)
     return Bindings(
         uniforms=exact,
         decimal=decimal,
@@ -77,8 +77,9 @@ def declared(interface: Interface) -> dict[str, Variable]:
     return {**interface.uniforms, **blocks.variables(interface)}
 
 
-def uniform_arrays(variable: Variable, value: Any) -> tuple[Array, Array]:
-    """A uniform's value as the shader gets it, and as written, both of one shape.
+def value_arrays(variable: Variable, value: Any, what: str = "uniform") -> tuple[Array, Array]:
+    """A value as the shader gets it, and as written, both of one shape; errors call the variable
+    `what`.
 
     Shapes: a number (1,), a vector (n,), a matrix (rows, columns); arrays have one more axis in
     front.
@@ -86,11 +87,6 @@ def uniform_arrays(variable: Variable, value: Any) -> tuple[Array, Array]:
     Raises:
         CaseError: `value` is not numbers, has another shape, or is out of the type's range.
     """
-    return value_arrays("uniform", variable, value)
-
-
-def value_arrays(what: str, variable: Variable, value: Any) -> tuple[Array, Array]:
-    """As `uniform_arrays`, for a variable that errors call `what`."""
     shape = shape_of(variable.type)
     if variable.array is not None:
         shape = (variable.array, *shape)
@@ -161,7 +157,7 @@ def ramp_uniforms(draw: Draw, inputs: Mapping[str, Variable]) -> dict[str, Array
             if part != "origin" and given.ndim == 0:
                 given = np.broadcast_to(given, size)
             probe = Variable(name=f"{PREFIX}{name}_{part}", type=variable.type, location=None)
-            values[probe.name] = uniform_arrays(probe, given)[0]
+            values[probe.name] = value_arrays(probe, given)[0]
     return values
 
 
@@ -170,7 +166,7 @@ def exact_inputs(variables: Mapping[str, Variable], values: Mapping[str, Any]) -
     the shader gets."""
     known = {v.name: v for v in elements(variables.values())}
     return {
-        name: uniform_arrays(known[name], value)[0][None]
+        name: value_arrays(known[name], value)[0][None]
         for name, value in values.items()
         if name in known
     }

@@ -15,6 +15,7 @@ from shaderlab.compiler.interface import Block, Interface, Member, Variable
 from shaderlab.errors import CaseError, UnsupportedError, nearest
 from shaderlab.frame import Array
 from shaderlab.model import Draw, UniformBuffer
+from shaderlab.programs.formats import numpy_type, shape_of
 
 _PLACE = attrgetter("offset", "size", "array_stride", "matrix_stride")
 
@@ -121,17 +122,25 @@ class SharedLayouts:
 
 def packed(block: Block, uniforms: Mapping[str, Array]) -> bytes:
     """A block's bytes, all gaps zero; `uniforms` are its members' values as shaders get them."""
-    data = np.zeros(block.size, np.uint8)
+    data = bytearray(block.size)
     for member in block.members.values():
         values = uniforms[spelt(block, member.name)]
-        for index, element in enumerate(values if member.array is not None else values[None]):
-            # A matrix is an array of its columns, or of its rows.
-            turned = element.T if element.ndim == 2 and not member.row_major else element
-            for number, vector in enumerate(np.atleast_2d(turned)):
-                at = member.offset + index * member.array_stride + number * member.matrix_stride
-                raw = np.ascontiguousarray(vector).view(np.uint8)
-                data[at : at + raw.size] = raw
-    return data.tobytes()
+        whole = values if member.array is not None else values[None]
+        placed(member, data, len(whole))[...] = whole
+    return bytes(data)
+
+
+def placed(member: Member, data: bytearray, count: int) -> Array:
+    """A member's elements where they lie in a block's bytes: (count, components) or
+    (count, rows, columns)."""
+    kind = np.dtype(numpy_type(member.type))
+    shape = (count, *shape_of(member.type))
+    steps: tuple[int, ...] = (kind.itemsize,)
+    if len(shape) == 3:  # a matrix is an array of its columns, or of its rows
+        steps = (kind.itemsize, member.matrix_stride)
+        steps = steps[::-1] if member.row_major else steps
+    strides = (member.record_stride or member.array_stride, *steps)
+    return np.ndarray(shape, kind, data, member.offset, strides)
 
 
 def _variable(name: str, member: Member) -> Variable:

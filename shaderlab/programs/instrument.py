@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from typing import Literal
 
 from shaderlab.compiler.syntax import Syntax, field
 from shaderlab.lazy_dataclass import dataclass
-from shaderlab.programs.stages import MOST_OUTPUTS, PREFIX
+from shaderlab.programs.stages import MOST_OUTPUTS, PREFIX, after_directives
 from shaderlab.programs.watch_points import WatchPoint
 
 SEEN = PREFIX + "seen"
@@ -16,7 +15,6 @@ VALUE = PREFIX + "value"
 """What a `return` gives, and what a condition is, where a `Watch` is written."""
 _TURN = PREFIX + "turn"
 _CONDITION = PREFIX + "condition"
-_DIRECTIVE = re.compile(r"^[ \t]*#[ \t]*(?:version|extension)[^\n]*\n?", re.MULTILINE)
 _VALUES = 3  # in an output, whose last component says which of them were written
 
 
@@ -83,7 +81,7 @@ def instrumented(text: str, watched: Sequence[Watch]) -> tuple[str, list[Written
     zeros = "".join(f" {name} = vec4(0.0);" for name in outputs)
     edits.append(_Edit(body, body, zeros, -len(text)))
     made = _edited(text, edits)
-    top = max((found.end() for found in _DIRECTIVE.finditer(made)), default=0)
+    top = after_directives(made)
     declared = "".join(f"out highp vec4 {name};\n" for name in outputs)
     declared += "".join(f"int {_TURN}{number} = 0;\n" for number in range(len(watched)))
     return made[:top] + declared + functions + made[top:], found

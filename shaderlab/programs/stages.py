@@ -27,6 +27,11 @@ _CHANGE_INPUTS = ("mediump", "lowp", "origin_upper_left", "pixel_center_integer"
 _BUILT_IN = {"gl_FrontFacing": "float", "gl_PointCoord": "vec2", "gl_PrimitiveID": "int"}
 
 
+def after_directives(text: str) -> int:
+    """Where a text goes on behind its last #version or #extension."""
+    return max((found.end() for found in _DIRECTIVE.finditer(text)), default=0)
+
+
 def input_pieces(text: str, inputs: Iterable[Variable]) -> list[Piece]:
     """All that a fragment shader gets, in pieces that fit an attachment: its inputs, and the
     built-in ones that its text names."""
@@ -203,7 +208,7 @@ def _emitting(text: str, written: Sequence[str], declared: Sequence[str]) -> str
         f"#define EmitVertex {PREFIX}emit",
         "",
     ]
-    at = max((found.end() for found in _DIRECTIVE.finditer(text)), default=0)
+    at = after_directives(text)
     # The function needs the layout of the inputs' array, so it follows the author's own.
     layout = re.search(r"\blayout\s*\([^)]*\)\s*in\s*;", text[at:])
     at += layout.end() if layout else 0

@@ -17,7 +17,7 @@ from shaderlab.errors import CaseError, UnsupportedError
 from shaderlab.frame import Array, Bindings, Fragments, Image
 from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import BufferValue, Draw, Output
-from shaderlab.programs import bind, formats, images as stored_images
+from shaderlab.programs import bind, blocks, formats, images as stored_images
 from shaderlab.programs.textures import Images, find_image
 
 INVOCATION = "gl_GlobalInvocationID"
@@ -170,7 +170,7 @@ def _values(slot: Slot, value: BufferValue, images: Images) -> tuple[Array, Arra
         if not count:
             raise CaseError(f"buffer {slot.name!r} is {variable.type}[]: it takes an array")
         variable = replace(variable, array=count)
-    return bind.value_arrays("buffer", variable, value)
+    return bind.value_arrays(variable, value, "buffer")
 
 
 def _left(variable: Variable, image: Image, source: Output) -> Array:
@@ -206,27 +206,14 @@ def packed(block: Block, members: Mapping[str, Slot], values: Mapping[str, Array
     data = bytearray(size)
     for name, slot in members.items():
         whole = values[name] if slot.variable.array is not None else values[name][None]
-        _placed(slot, data, len(whole))[...] = whole
+        blocks.placed(slot.member, data, len(whole))[...] = whole
     return data
 
 
 def unpacked(slot: Slot, data: bytearray, like: Array) -> Array:
     """What a member holds in a block's bytes, in the shape of what it held before."""
     count = len(like) if slot.variable.array is not None else 1
-    return _placed(slot, data, count).reshape(like.shape).copy()
-
-
-def _placed(slot: Slot, data: bytearray, count: int) -> Array:
-    """A member's elements where they lie: (count, components) or (count, rows, columns)."""
-    member = slot.member
-    kind = np.dtype(formats.numpy_type(member.type))
-    shape = (count, *formats.shape_of(member.type))
-    steps: tuple[int, ...] = (kind.itemsize,)
-    if len(shape) == 3:
-        steps = (kind.itemsize, member.matrix_stride)
-        steps = steps[::-1] if member.row_major else steps
-    strides = (slot.stride, *steps)
-    return np.ndarray(shape, kind, data, member.offset, strides)
+    return blocks.placed(slot.member, data, count).reshape(like.shape).copy()
 
 
 def image_of(slot: Slot, values: Array) -> Image:
