@@ -67,6 +67,15 @@ def test_a_worker_loads_nothing_that_starts_or_watches_workers() -> None:
     assert not loaded & (DEVICE | HEAVY | PRINTING | {"click", "cattrs", "logging"})
 
 
+def test_a_device_is_opened_without_pyopengls_wrappers() -> None:
+    """They take three times as long to import as the functions that they wrap."""
+    names = modules_after(
+        "from shaderlab import backends\nbackends.preload()\n"
+        "sys.modules = {n.removeprefix('OpenGL.'): m for n, m in sys.modules.items()}"
+    )
+    assert {"moderngl", "raw"} <= names and "GL" not in names
+
+
 def test_a_command_starts_its_worker_before_it_loads_anything_large() -> None:
     """Not even NumPy: what the report needs is loaded while the worker gets ready."""
     loaded = modules_after("import shaderlab.cli.run, shaderlab.execution.executor")

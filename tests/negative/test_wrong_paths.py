@@ -272,7 +272,7 @@ FAULTS: Mapping[str, tuple[Plant, str, str]] = {
     "the outputs exchanged": (
         method(drawing, "output_locations", _swapped), "sheet.marks", "fragment stage"),
     "cleared to another colour": (
-        call("glClearBufferfv", lambda what, n, values: (what, n, values + 0.25 * (values != 0))),
+        call("glClearBufferfv", lambda what, n, at: (what, n, at + np.float32(0.25) * (at != 0))),
         "sheet.color", "clear"),
     "an instance too few": (
         call("glDrawElementsInstanced", lambda *given: (*given[:-1], given[-1] - 1)),

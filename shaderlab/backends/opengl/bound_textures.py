@@ -133,9 +133,7 @@ def _read_smaller(texture: DeviceTexture, format: str, values: Array) -> tuple[A
 
 def _new_sampler(sampling: Sampling) -> int:
     """A sampler object. Source: OpenGL 4.5 core profile, table 8.15."""
-    sampler = np.zeros(1, np.uint32)
-    GL.glGenSamplers(1, sampler)
-    name = int(sampler[0])
+    name = int(GL.glGenSamplers(1))
     compare = GL.GL_NONE if sampling.compare is None else GL.GL_COMPARE_REF_TO_TEXTURE
     along_r = [(GL.GL_TEXTURE_WRAP_R, named(word)) for word in sampling.wrap[2:]]
     for what, number in (

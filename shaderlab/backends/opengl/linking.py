@@ -105,7 +105,10 @@ def set_uniforms(program: Any, values: Mapping[str, Array]) -> list[str]:
 def _set_nowhere(program: Any, array: Array) -> None:
     """Set a uniform that has no location, by the function for its type."""
     GL.glUseProgram(program.glo)
-    kind = {"f": "f", "u": "ui"}.get(array.dtype.kind, "i")
+    kind, own = {"f": ("f", np.float32), "u": ("ui", np.uint32)}.get(
+        array.dtype.kind, ("i", np.int32)
+    )
+    array = np.ascontiguousarray(array, own)
     if array.ndim >= 2 and kind == "f":
         rows, columns = array.shape[-2:]
         if 2 <= rows <= 4 and 2 <= columns <= 4:
