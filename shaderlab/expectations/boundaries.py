@@ -162,8 +162,10 @@ def beside_boundaries(
         t = low + np.linspace(0.0, 1.0, parts + 1)[:, None] * (high - low)
         found = np.nan_to_num(values(at(t)).reshape(parts + 1, WAYS, -1).astype(np.float64))
         steepness = np.abs(np.diff(found, axis=0)).max(axis=-1)
-        order = np.argsort(-steepness, axis=0, kind="stable")
-        chosen = order[0] if number else order[way % STEEPEST, way]
+        if number:
+            chosen = np.argmax(steepness, axis=0)
+        else:
+            chosen = np.argsort(-steepness, axis=0, kind="stable")[way % STEEPEST, way]
         low, high = t[chosen, way], t[chosen + 1, way]
     width = high - low
     return at(np.clip(np.stack([low - width, high + width]), 0.0, 1.0))

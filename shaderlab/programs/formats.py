@@ -5,6 +5,7 @@ Source: OpenGL 4.5 core profile specification, tables 8.10 to 8.13 (sized intern
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -67,7 +68,7 @@ def components_of(glsl_type: str) -> int:
     >>> components_of("vec3"), components_of("float"), components_of("mat3")
     (3, 1, 9)
     """
-    return int(np.prod(shape_of(glsl_type)))
+    return math.prod(shape_of(glsl_type))
 
 
 def shape_of(glsl_type: str) -> tuple[int, ...]:

@@ -77,7 +77,7 @@ def fragment_probe(draw: PreparedDraw, inputs: Mapping[str, Array]) -> FragmentP
     count = max((len(values) for values in inputs.values()), default=1)
     width = min(count, WIDTH)
     text = draw.text("fragment") or ""
-    vertex, columns = vertex_stages.probe_vertex(text, draw.interface.varyings.values())
+    vertex, columns = vertex_stages.probe_vertex(text, tuple(draw.interface.varyings.values()))
     if len(columns) > _MAX_ATTRIBUTES:
         raise UnsupportedError(
             f"running {draw.draw.fragment} on given inputs: it reads {len(columns)} vectors, "

@@ -3,7 +3,8 @@ shader given inputs."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from functools import lru_cache
 
 from shaderlab.compiler.interface import Variable
 from shaderlab.errors import UnsupportedError
@@ -58,19 +59,20 @@ def domain_vertex(text: str, inputs: Iterable[Variable]) -> str:
     return "\n".join([version_line(text), *declared, *body, ""])
 
 
-def probe_vertex(text: str, inputs: Iterable[Variable]) -> tuple[str, dict[Piece, str]]:
+@lru_cache(maxsize=256)
+def probe_vertex(text: str, inputs: tuple[Variable, ...]) -> tuple[str, Mapping[Piece, str]]:
     """A vertex stage that puts vertex i on pixel i of a row-by-row target, feeding `inputs` from
     attributes: a point has one vertex, so nothing is interpolated.
 
     Returns:
         Its text, and the attribute of each piece.
     """
-    variables, shader = list(inputs), Declared(text)
-    parts = [piece for variable in elements(variables) for piece in pieces(variable)]
+    shader = Declared(text)
+    parts = [piece for variable in elements(inputs) for piece in pieces(variable)]
     attributes = {piece: f"{PREFIX}in{i}" for i, piece in enumerate(parts)}
     declared = ["uniform ivec2 shaderlab_size;"]
     declared += [f"in {piece.type} {name};" for piece, name in attributes.items()]
-    declared += _outputs(shader, variables)
+    declared += _outputs(shader, inputs)
     body = [
         "void main() {",
         *(f"    {_given(p.name, shader)}{p.path} = {name};" for p, name in attributes.items()),

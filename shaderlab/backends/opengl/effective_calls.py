@@ -99,7 +99,8 @@ class StateTracker:
 
     def _is_off(self, function: str) -> bool:
         """Whether a function sets state of a test that is off."""
-        return any(self._state.get(("cap", cap)) != ("glEnable",) for cap in _tests(function))
+        tests = _tests(function)
+        return bool(tests) and any(self._state.get(("cap", t)) != ("glEnable",) for t in tests)
 
     def _place(self, function: str, arguments: Mapping[str, str]) -> tuple[str, ...]:
         """What a call of this function sets."""
