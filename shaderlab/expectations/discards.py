@@ -136,7 +136,8 @@ def _faults(
         # Another order of the surfaces may be meant, but not that none is seen.
         missing = everything.covered & (found.frag_coord[..., 3] == 0.0)
     elif everything is not None:
-        missing = everything.covered & ~_seen_alike(found, everything)
+        at = np.flatnonzero(everything.covered)
+        missing.flat[at] = ~_seen_alike(found, everything, at)
     if rule is not None:
         if everything is not None:
             missing[missing] = _truth(rule, frame, key, everything, missing).all_false
@@ -145,14 +146,14 @@ def _faults(
     return missing, surplus
 
 
-def _seen_alike(found: Fragments, everything: Fragments) -> Array:
-    """Where the very fragment is seen that would be if none were discarded."""
+def _seen_alike(found: Fragments, everything: Fragments, at: Array) -> Array:
+    """At which of some pixels the very fragment is seen that would be if none were discarded."""
     pairs = [(found.frag_coord, everything.frag_coord)]
     pairs += [(values, everything.inputs[name]) for name, values in found.inputs.items()]
-    seen: Array = found.covered.copy()
-    for one, other in pairs:
-        same = (one == other) | ((one != one) & (other != other))
-        seen &= every_component(same.reshape(*seen.shape, -1))
+    seen: Array = found.covered.reshape(-1)[at]
+    for pair in pairs:
+        one, other = (values.reshape(found.covered.size, -1)[at] for values in pair)
+        seen &= every_component((one == other) | ((one != one) & (other != other)))
     return seen
 
 

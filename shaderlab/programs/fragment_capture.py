@@ -133,10 +133,15 @@ class _Captured:
         coord, covered = self.coord, self.coord[..., 3] > 0.0
         if self.number is not None:
             covered &= self.number == index + 1
-            coord = np.zeros_like(self.coord)
-            coord[self.coord[..., 3] != 0.0, 3] = -1.0
-            coord[covered] = self.coord[covered]
+            others = np.where(coord[..., 3] != 0.0, _SEEN, 0.0)
+            whole = np.ascontiguousarray(coord).view(_SEEN.dtype)[..., 0]
+            coord = np.where(covered, whole, others).view(coord.dtype).reshape(coord.shape)
         return Fragments(covered=covered, frag_coord=coord, inputs=assembled(self.values))
+
+
+# What `gl_FragCoord` is where another draw is seen: four floats, which are moved as one number of as
+# many bytes in a quarter of the time.
+_SEEN = np.array([0.0, 0.0, 0.0, -1.0], np.float32).view(np.complex128)[0]
 
 
 def numbered(text: str, index: int) -> str:
