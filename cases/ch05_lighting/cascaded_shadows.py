@@ -158,7 +158,7 @@ def depth_of(place, view=VIEW):
 def wrong(shadow, place, upright, within):
     """The share of places that face the sun of which the maps tell something else than rays."""
     there = shadow_stage.faces(upright, SUN) & (depth_of(place) < within)
-    return np.mean((shadow[..., 0] > 0.5)[there] != blocked(place, SUN, BOXES)[there])
+    return np.mean((shadow[..., 0] > 0.5)[there] != blocked(place[there], SUN, BOXES))
 
 
 def wrong_of(shadow, other, place, upright, within):

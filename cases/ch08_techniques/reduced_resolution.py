@@ -100,6 +100,7 @@ def table(label, statistic, y_label, *laws):
             *laws,
         ],
         y_label=y_label,
+        own_types=True,
     )
 
 

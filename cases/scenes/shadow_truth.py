@@ -39,7 +39,7 @@ def blocked(
     >>> blocked([(0.2, 0.0, 0.0), (0.9, 0.0, 0.0)], (0.0, 1.0, 0.0), box).tolist()
     [True, False]
     """
-    direction = np.broadcast_to(np.asarray(to_light, np.float64), np.shape(places))
+    direction = np.asarray(to_light, np.float64)
     start = np.asarray(places, np.float64) + _OFF * direction
     found = np.zeros(start.shape[:-1], bool)
     for model in models:
@@ -203,7 +203,7 @@ def hidden_share(eye: ArrayLike, models: Sequence[Matrix], step: int = 1) -> Cal
     def share(FragColor: Matrix, place: Matrix, subpixel_step: float = 2.0**-8) -> float:
         drawn, places = FragColor[::step, ::step, 3] > 0.0, place[::step, ::step, :3]
         to_eye = np.asarray(eye, np.float64) - places
-        hidden = blocked(places, to_eye, models, reach=1.0)[drawn]
+        hidden = blocked(places[drawn], to_eye[drawn], models, reach=1.0)
         return at_edges(float(hidden.mean()), subpixel_step)
 
     return share
@@ -235,8 +235,9 @@ def against_rays(
     def found(shadow: Matrix, place: Matrix, upright: Matrix) -> float:
         towards = np.asarray(light) - place if lamp else np.asarray(light)
         there = (upright * towards).sum(axis=-1) > 0.0
-        truth = blocked(place, towards, models, reach=1.0 if lamp else np.inf)
-        return statistic(shadow[..., 0][there], truth[there])
+        seen = towards[there] if lamp else towards
+        truth = blocked(place[there], seen, models, reach=1.0 if lamp else np.inf)
+        return statistic(shadow[..., 0][there], truth)
 
     return found
 

@@ -139,8 +139,8 @@ class _Captured:
         return Fragments(covered=covered, frag_coord=coord, inputs=assembled(self.values))
 
 
-# What `gl_FragCoord` is where another draw is seen: four floats, which are moved as one number of as
-# many bytes in a quarter of the time.
+# `gl_FragCoord` where another draw is seen: four floats, which are moved as one number of as many
+# bytes in a quarter of the time.
 _SEEN = np.array([0.0, 0.0, 0.0, -1.0], np.float32).view(np.complex128)[0]
 
 
