@@ -12,7 +12,6 @@ from shaderlab.audit.auditing import (
     Plan as Plan,
     audit_program as audit_program,
     spread as spread,
-    widest as widest,
 )
 from shaderlab.audit.hazard import Audit as Audit, Hazard as Hazard
 from shaderlab.audit.portability import Spread as Spread

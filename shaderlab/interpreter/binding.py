@@ -20,6 +20,7 @@ from shaderlab.interpreter.arithmetic import Arithmetic
 from shaderlab.interpreter.program import INPUTS, Program
 from shaderlab.interpreter.types import Type
 from shaderlab.interpreter.values import Missing, Value, broadcast, component, undefined
+from shaderlab.lazy_dataclass import dataclass
 
 
 def memory_of(
@@ -102,15 +103,13 @@ def called(program: Program, id_: int) -> str:
     return module.names.get(element, "") if name else ""
 
 
+@dataclass(frozen=True, eq=False)
 class _Giver:
     """Finds values by name and turns them into an arithmetic's."""
 
-    def __init__(
-        self, each: Mapping[str, Array], bindings: Bindings, arithmetic: Arithmetic
-    ) -> None:
-        self._each = each
-        self._bindings = bindings
-        self._arithmetic = arithmetic
+    _each: Mapping[str, Array]
+    _bindings: Bindings
+    _arithmetic: Arithmetic
 
     def value(self, type_: Type, name: str) -> Value:
         """The value of a name, put together of its parts where only those are given."""

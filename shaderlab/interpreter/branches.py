@@ -95,7 +95,7 @@ def _return_value(
     run: Run, function: Function, label: int, at: Instruction, world: World
 ) -> Leaving:
     value = run.value(at.operands[0])
-    if run.is_traced:
+    if run.trace is not None:
         name = run.program.name(function.id).partition("(")[0]
         run.stored(at, f"{name}()", run.program.types[function.result], value, world)
     world.memory[function.id] = value

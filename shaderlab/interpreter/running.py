@@ -9,6 +9,7 @@ still compute the same.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import KW_ONLY
 from typing import Any
 
 import numpy as np
@@ -26,6 +27,7 @@ from shaderlab.interpreter.program import Function, Instruction, Program
 from shaderlab.interpreter.stored import Stored, Trace
 from shaderlab.interpreter.types import Kind, Type
 from shaderlab.interpreter.values import Missing, NotGivenError, UnchoosableError, Value, component
+from shaderlab.lazy_dataclass import dataclass
 
 TURNS = 4096
 """How often a loop may turn each time that it is entered, unless a caller says otherwise."""
@@ -40,6 +42,7 @@ Watch = Callable[["Run", Instruction, World, Value], Value]
 the result that counts."""
 
 
+@dataclass(eq=False)
 class Run:
     """One run of a program. For instruction handlers: what they read and write.
 
@@ -47,6 +50,7 @@ class Run:
         program, arithmetic, count: what is run, in what, for how many invocations.
         places: gl_FragCoord of each invocation, if it is given.
         lanes: how many invocations share variables, those of a workgroup one after the other.
+        turns, blocks, trace, flow, watch: as of `interpret`.
         shared: what variables of workgroups hold by id, on whatever path an invocation is.
         emission: the vertices that a geometry stage emitted.
         results: each instruction's result by id, as of its last execution, and each constant.
@@ -55,42 +59,31 @@ class Run:
         undecided: by line, the invocations that took both sides of a branch there.
     """
 
-    def __init__(
-        self,
-        program: Program,
-        arithmetic: Arithmetic,
-        count: int,
-        *,
-        places: Array | None = None,
-        lanes: int = 1,
-        turns: int = TURNS,
-        blocks: int = BLOCKS,
-        trace: Trace | None = None,
-        flow: Trace | None = None,
-        watch: Watch | None = None,
-    ) -> None:
-        self.program = program
-        self.arithmetic = arithmetic
-        self.count = count
-        self.places = places
-        self.lanes = lanes
+    program: Program
+    arithmetic: Arithmetic
+    count: int
+    _: KW_ONLY
+    places: Array | None = None
+    lanes: int = 1
+    turns: int = TURNS
+    blocks: int = BLOCKS
+    trace: Trace | None = None
+    flow: Trace | None = None
+    watch: Watch | None = None
+
+    def __post_init__(self) -> None:
         self.shared: dict[int, Value] = {}
-        self.emission = Emission(count)
+        self.emission = Emission(self.count)
         self.results: dict[int, Value] = {}
         self.calls: list[int] = []
-        self.killed: Flags = np.zeros(count, np.bool_)
+        self.killed: Flags = np.zeros(self.count, np.bool_)
         self.undecided: dict[int, Flags] = {}
-        self._turns = turns
-        self._most_blocks = blocks
+        self.units: dict[int, tuple[Value, float]] = {}
         self._blocks = 0
         self._reads: list[Value] = []
-        self._trace = trace
-        self._flow = flow
-        self._watch = watch
         self._steps: dict[int, Steps] = {}
         self._parts: dict[tuple[int, Any], tuple[Value, Value]] = {}
         self._repeated: dict[int, tuple[list[int], list[Value], Value]] = {}
-        self.units: dict[int, tuple[Value, float]] = {}
 
     def value(self, id_: int) -> Value:
         """What an operand's id stands for."""
@@ -141,27 +134,22 @@ class Run:
             self.units.clear()
         self.units[id(value)] = value, unit
 
-    @property
-    def is_traced(self) -> bool:
-        """Whether anyone is told of what is stored."""
-        return self._trace is not None
-
     def stored(self, at: Instruction, name: str, type_: Type, value: Value, world: World) -> None:
         """Tell the trace of a value that was stored; "param" is what glslang calls an argument."""
-        if self._trace is not None and name not in ("", "param"):
-            self._trace(self._event(at, name, type_, value, world))
+        if self.trace is not None and name not in ("", "param"):
+            self.trace(self._event(at, name, type_, value, world))
             self._reads.clear()
 
     def branched(self, at: Instruction, value: Value, world: World) -> None:
         """Tell who asked of what a branch is taken by."""
-        if self._flow is not None:
+        if self.flow is not None:
             kind: Kind = "bool" if isinstance(value, Truth) else "int"
             name = "condition" if kind == "bool" else "selector"
-            self._flow(self._event(at, name, Type(kind), value, world))
+            self.flow(self._event(at, name, Type(kind), value, world))
 
     def passed(self, at: Instruction, function: Function, world: World) -> None:
         """Tell who asked of what a function is passed; it was not given anything for `out`."""
-        if self._flow is None:
+        if self.flow is None:
             return
         called = self.program.name(function.id).partition("(")[0]
         for id_, of in function.parameters.items():
@@ -172,7 +160,7 @@ class Run:
                 value = fetch(world.memory.get(value.variable), value.path, world.mask)
             if type_.kind != "image" and not isinstance(value, Missing | None):
                 name = f"{called}({self.program.name(id_)})"
-                self._flow(self._event(at, name, type_, value, world))
+                self.flow(self._event(at, name, type_, value, world))
 
     def _event(self, at: Instruction, name: str, type_: Type, value: Value, world: World) -> Stored:
         calls, reads = tuple(self.calls), tuple(self._reads)
@@ -180,7 +168,7 @@ class Run:
 
     def loaded(self, value: Value) -> None:
         """Note for the trace what the next value may be computed of."""
-        if self._trace is not None:
+        if self.trace is not None:
             self._reads.append(value)
 
     def note_undecided(self, line: int, invocations: Flags) -> None:
@@ -219,10 +207,10 @@ class Run:
         """Count a block's run, and give up where there are too many."""
         visits[label] = visits.get(label, 0) + 1
         self._blocks += 1
-        if visits[label] > self._turns + 1:
-            what = f"a loop that goes on after {self._turns} turns"
-        elif self._blocks > self._most_blocks:
-            what = f"a program that goes on after {self._most_blocks} blocks"
+        if visits[label] > self.turns + 1:
+            what = f"a loop that goes on after {self.turns} turns"
+        elif self._blocks > self.blocks:
+            what = f"a program that goes on after {self.blocks} blocks"
         else:
             return
         raise self.program.not_interpreted(what, line)
@@ -233,7 +221,7 @@ class Run:
         if label not in self._steps:
             self._steps[label] = steps_of(function.blocks[label])
         steps, branch, last = self._steps[label]
-        results, watch = self.results, self._watch
+        results, watch = self.results, self.watch
         for handler, at, is_call in steps:
             try:
                 result = handler(self, at, world)

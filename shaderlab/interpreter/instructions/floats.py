@@ -35,13 +35,6 @@ def _from_integer(run: Run, at: Instruction, world: World) -> Any:
     return band
 
 
-def _to_integer(unsigned: bool) -> Handler:
-    def handler(run: Run, at: Instruction, world: World) -> Any:
-        return run.arithmetic.call("uint" if unsigned else "int", run.value(at.operands[0]))
-
-    return handler
-
-
 def _bitcast(run: Run, at: Instruction, world: World) -> Any:
     value, to = run.value(at.operands[0]), run.program.types[at.type].base
     if to.kind == "float":
@@ -52,8 +45,8 @@ def _bitcast(run: Run, at: Instruction, world: World) -> Any:
 
 
 HANDLERS: Mapping[int, Handler] = {
-    109: _to_integer(unsigned=True),
-    110: _to_integer(unsigned=False),
+    109: calling("uint"),
+    110: calling("int"),
     111: _from_integer,
     112: _from_integer,
     124: _bitcast,

@@ -4,27 +4,17 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from shaderlab import glslmath
 from shaderlab.bands import Truth
 from shaderlab.bands.truth import as_truth
 from shaderlab.interpreter.instructions.handler import Handler, of_values
-from shaderlab.interpreter.memory import World
-from shaderlab.interpreter.program import Instruction
 from shaderlab.interpreter.values import select
-
-if TYPE_CHECKING:
-    from shaderlab.interpreter.running import Run
 
 
 def _comparing(function: Any) -> Handler:
     return of_values(lambda *values: as_truth(function(*values)))
-
-
-def _select(run: Run, at: Instruction, world: World) -> Any:
-    condition, a, b = run.values(at.operands)
-    return select(condition, a, b)
 
 
 def _different(a: Truth, b: Truth) -> Truth:
@@ -41,7 +31,7 @@ HANDLERS: Mapping[int, Handler] = {
     166: of_values(operator.or_),
     167: of_values(operator.and_),
     168: of_values(operator.invert),
-    169: _select,
+    169: of_values(select),
     180: _comparing(operator.eq),
     182: _comparing(operator.ne),
     183: _comparing(operator.ne),

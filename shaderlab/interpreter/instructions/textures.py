@@ -16,6 +16,7 @@ from shaderlab.interpreter.instructions.handler import Handler
 from shaderlab.interpreter.instructions.lookup import Lookup, answer
 from shaderlab.interpreter.memory import World
 from shaderlab.interpreter.program import Instruction
+from shaderlab.interpreter.types import Type
 from shaderlab.interpreter.values import component, composed, select
 from shaderlab.sampling import Sampler
 from shaderlab.sampling.functions import COORDINATES
@@ -66,13 +67,7 @@ def _sample(*, compared: bool = False, projected: bool = False) -> Handler:
 
 
 def _joined(parts: list[Any]) -> Any:
-    return parts[0] if len(parts) == 1 else composed_vector(parts)
-
-
-def composed_vector(parts: list[Any]) -> Any:
     """Floats one after the other, as a vector."""
-    from shaderlab.interpreter.types import Type
-
     return composed(Type("vector", Type("float")), parts)
 
 
@@ -129,8 +124,7 @@ def _fetch(run: Run, at: Instruction, world: World) -> Any:
     offset = np.zeros(place.shape[-1], np.int64)
     offset[:2] = _offset(rest)
     low, high = place.lo + offset, place.hi + offset
-    sizes = sampling.textureSize(Sampler(texels), level).lo
-    most = np.concatenate([sizes, sizes[:0]]) - 1
+    most = sampling.textureSize(Sampler(texels), level).lo - 1
     wide = (low != high).any(axis=-1)
     outside = ((low < 0) | (low > most)).any(axis=-1) | wide
     inside = np.clip(low, 0, most)
@@ -156,7 +150,7 @@ def _gather(*, compared: bool) -> Handler:
             p = select(Truth.known(world.mask[:, None]), p, middle)
         sampler = Sampler(texels, run.arithmetic.rules)
         part = 0 if compared else int(last.lo.flat[0])
-        place = composed_vector([p[..., :2], last]) if compared else p
+        place = _joined([p[..., :2], last]) if compared else p
         if _OFFSETS in rest:
             offsets = [tuple(map(int, part.lo[0])) for part in rest[_OFFSETS][0]]
             found = sampling.textureGatherOffsets(sampler, place, offsets, part)  # type: ignore[arg-type]

@@ -76,7 +76,7 @@ def _store(run: Run, at: Instruction, world: World) -> None:
         else:
             stored = changed(old, type_, pointer.path, value, world.mask)
     memory[pointer.variable] = stored
-    name = run.program.name(pointer.variable) if run.is_traced else ""
+    name = run.program.name(pointer.variable) if run.trace is not None else ""
     if name:
         part = part_type(type_, pointer.path)
         run.stored(at, spelt(name, type_, pointer.path), part, value, world)
