@@ -24,6 +24,7 @@ from shaderlab.cli.options import (
 )
 from shaderlab.errors import UsageError
 from shaderlab.files import display_path
+from shaderlab.lazy_dataclass import dataclass
 from shaderlab.options import Limits, RunOptions
 from shaderlab.settings import FILE, settings_changed, settings_of
 
@@ -162,20 +163,16 @@ class _Wanted:
         ]
 
 
+@dataclass(frozen=True)
 class _Watch:
     """The loop: what changed, what that asks for, what came of it."""
 
-    def __init__(
-        self,
-        session: Session,
-        changes: Changes,
-        contents: Contents,
-        wanted: _Wanted,
-        show: Show,
-        page: LivePage | None,
-    ) -> None:
-        self._session, self._changes, self._contents = session, changes, contents
-        self._wanted, self._show, self._page = wanted, show, page
+    _session: Session
+    _changes: Changes
+    _contents: Contents
+    _wanted: _Wanted
+    _show: Show
+    _page: LivePage | None
 
     def run(self, case_files: Collection[Path], test_files: Collection[Path]) -> None:
         """Judge all files, then wait for changes, until the settings are other ones."""

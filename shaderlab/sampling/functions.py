@@ -149,10 +149,7 @@ def _of_plane(sampler: Sampler, p: Any, lod: Span | None, offset: Offset) -> Spa
                 found = reading.wrapped(sampler, level, column, row, number[at])
                 return compared(sampler, reference, found, at)
 
-            if word == "nearest":
-                found.append(filters.nearest(texel, x, y))
-            else:
-                found.append(_linear(sampler, texel, x, y))
+            found.append(_filtered(sampler, word, texel, x, y))
         return hull(found)
 
     return levels.at_level(sampler, filtered, lod)
@@ -181,10 +178,7 @@ def _of_cube(sampler: Sampler, p: Any, lod: Span | None) -> Span:
             x, y = (
                 (e[0] * size,) * 2 if e[0] is e[1] else (e[0] * size, e[1] * size) for e in (s, t)
             )
-            if word == "nearest":
-                part = filters.nearest(texel, x, y)
-            else:
-                part = _linear(sampler, texel, x, y)
+            part = _filtered(sampler, word, texel, x, y)
             low = np.where(may[..., None], np.minimum(low, part[0]), low)
             high = np.where(may[..., None], np.maximum(high, part[1]), high)
         return low, high
@@ -192,7 +186,9 @@ def _of_cube(sampler: Sampler, p: Any, lod: Span | None) -> Span:
     return levels.at_level(sampler, filtered, lod)
 
 
-def _linear(sampler: Sampler, texel: filters.Texel, x: Span, y: Span) -> Span:
+def _filtered(sampler: Sampler, word: str, texel: filters.Texel, x: Span, y: Span) -> Span:
+    if word == "nearest":
+        return filters.nearest(texel, x, y)
     compared = sampler.texels.compare is not None
     return filters.linear(texel, x, y, exact=sampler.rules is None, compared=compared)
 
