@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
+from dataclasses import field
 from pathlib import Path
 from typing import Any, Generic, Protocol, TypeVar
 
@@ -44,6 +45,7 @@ class DeviceTexels:
 Kind = TypeVar("Kind", bound=Sampled)
 
 
+@dataclass(eq=False)
 class SceneTextures(ABC, Generic[Kind]):
     """The textures of one scene on a device, each made once, attachments of earlier passes among
     them.
@@ -54,13 +56,10 @@ class SceneTextures(ABC, Generic[Kind]):
         targets: the passes' targets.
     """
 
-    def __init__(
-        self, folder: Path, images: Mapping[tuple[str, str], Image], targets: Mapping[str, Kind]
-    ) -> None:
-        self.folder = folder
-        self.images = images
-        self.targets = targets
-        self._uploaded: dict[int, DeviceTexels] = {}
+    folder: Path
+    images: Mapping[tuple[str, str], Image]
+    targets: Mapping[str, Kind]
+    _uploaded: dict[int, DeviceTexels] = field(default_factory=dict, init=False)
 
     def texels(self, program: str, variable: Variable, source: TextureSource) -> Texels:
         """What a sampler will read, exactly.

@@ -3,9 +3,8 @@ them; what they hold as exact values, and their binding to a program's samplers.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from contextlib import ExitStack
-from pathlib import Path
+from dataclasses import field
 from typing import Any
 
 import numpy as np
@@ -23,7 +22,8 @@ from shaderlab.backends.opengl.textures import (
 )
 from shaderlab.backends.scene_textures import DeviceTexels, SceneTextures
 from shaderlab.compiler.interface import Variable
-from shaderlab.frame import Array, Image
+from shaderlab.frame import Array
+from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import CompressedTexture, CubeTexture, Output, Texture, TextureSource
 from shaderlab.model.textures import Sampling, level_sizes
 from shaderlab.programs.compressed import blocks_of
@@ -31,6 +31,7 @@ from shaderlab.programs.formats import DEPTH
 from shaderlab.programs.textures import contents, find_image, kind_of, layers_of
 
 
+@dataclass(eq=False)
 class BoundTextures(SceneTextures[RenderTarget]):
     """What a scene's samplers read. Arguments as of `SceneTextures`, and besides:
 
@@ -39,21 +40,12 @@ class BoundTextures(SceneTextures[RenderTarget]):
         stack: releases device memory at the end.
     """
 
-    def __init__(
-        self,
-        device: Device,
-        folder: Path,
-        stack: ExitStack,
-        images: Mapping[tuple[str, str], Image],
-        targets: Mapping[str, RenderTarget],
-    ) -> None:
-        super().__init__(folder, images, targets)
-        self._device = device
-        self._stack = stack
-        self._levels: dict[tuple[str, str], tuple[Array, ...]] = {}
-        self._samples: dict[tuple[str, str], Array] = {}
-        # A sampler keeps filters and wraps apart from the images: one attachment can have several.
-        self._samplers: dict[tuple[Any, ...], int] = {}
+    _device: Device
+    _stack: ExitStack
+    _levels: dict[tuple[str, str], tuple[Array, ...]] = field(default_factory=dict, init=False)
+    _samples: dict[tuple[str, str], Array] = field(default_factory=dict, init=False)
+    # A sampler keeps filters and wraps apart from the images: one attachment can have several.
+    _samplers: dict[tuple[Any, ...], int] = field(default_factory=dict, init=False)
 
     def bind(self, program: Any, unit: int, variable: Variable, source: TextureSource) -> bool:
         """Bind a texture to a unit, and the sampler to that; False if the program lacks it."""

@@ -40,7 +40,7 @@ class Drawing(RedrawingSession[RenderTarget, Linker]):
         self, linker: Linker, scene: Scene, programs: Programs, size: Size, stack: ExitStack
     ) -> None:
         super().__init__(linker, scene, programs, size, stack)
-        self._textures = BoundTextures(self.device, self.folder, stack, self.images, self.targets)
+        self._textures = BoundTextures(self.folder, self.images, self.targets, self.device, stack)
         self._blocks = UniformBuffers(self.device, stack)
         self._arrays: dict[tuple[int, int], tuple[Any, Mesh | None, VertexArray]] = {}
 

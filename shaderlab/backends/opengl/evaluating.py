@@ -82,7 +82,7 @@ class Evaluator:
             shared.write(evaluation.shared[: shared.array_length].tobytes())
         set_uniforms(program, values)
         if evaluation.textures:
-            textures = BoundTextures(self._device, Path(evaluation.folder), stack, {}, {})
+            textures = BoundTextures(Path(evaluation.folder), {}, {}, self._device, stack)
             for unit, (name, (kind, source)) in enumerate(evaluation.textures.items(), start=1):
                 variable = Variable(name=name, type=kind)
                 textures.texels("the function", variable, source)  # raises where they don't fit

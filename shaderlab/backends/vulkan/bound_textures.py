@@ -3,8 +3,7 @@ them; what they hold as exact values, and their views and samplers."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from pathlib import Path
+from dataclasses import field
 from typing import Any
 
 import numpy as np
@@ -32,6 +31,7 @@ from shaderlab.backends.vulkan.target import RenderTarget
 from shaderlab.compiler.interface import Variable
 from shaderlab.errors import UnsupportedError
 from shaderlab.frame import Array, Image
+from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import CompressedTexture, Output, TextureSource
 from shaderlab.model.state import COMPARISONS
 from shaderlab.model.textures import WRAPS, Sampling, level_sizes
@@ -42,6 +42,7 @@ from shaderlab.programs.textures import contents, find_image, kind_of
 _USES = ("sampled", "transfer_src", "transfer_dst")
 
 
+@dataclass(eq=False)
 class BoundTextures(SceneTextures[RenderTarget]):
     """What a scene's samplers read. Arguments as of `SceneTextures`, and besides:
 
@@ -50,19 +51,12 @@ class BoundTextures(SceneTextures[RenderTarget]):
         linker: makes the programs that read texels.
     """
 
-    def __init__(
-        self,
-        resources: Resources,
-        linker: Linker,
-        folder: Path,
-        images: Mapping[tuple[str, str], Image],
-        targets: Mapping[str, RenderTarget],
-    ) -> None:
-        super().__init__(folder, images, targets)
-        self._resources = resources
-        self._linker = linker
-        self._attachments: dict[tuple[str, str, str, bool], DeviceTexels] = {}
-        self._samplers: dict[tuple[Any, ...], Any] = {}
+    _resources: Resources
+    _linker: Linker
+    _attachments: dict[tuple[str, str, str, bool], DeviceTexels] = field(
+        default_factory=dict, init=False
+    )
+    _samplers: dict[tuple[Any, ...], Any] = field(default_factory=dict, init=False)
 
     @property
     def _device(self) -> Device:

@@ -47,7 +47,7 @@ class Drawing(RedrawingSession[RenderTarget, Linker]):
         self.subpixel_step = 2.0**-self.device.limits.subPixelPrecisionBits
         self._resources = stack.enter_context(Resources(self.device))
         self._textures = BoundTextures(
-            self._resources, linker, self.folder, self.images, self.targets
+            self.folder, self.images, self.targets, self._resources, linker
         )
         self._shared = blocks.SharedLayouts()
 

@@ -82,7 +82,7 @@ def _input(own: Resources, evaluation: Evaluation, inputs: Array) -> Image:
 
 
 def _textures(linker: Linker, own: Resources, evaluation: Evaluation) -> dict[str, Image]:
-    textures = BoundTextures(own, linker, Path(evaluation.folder), {}, {})
+    textures = BoundTextures(Path(evaluation.folder), {}, {}, own, linker)
     found = {}
     for name, (kind, source) in evaluation.textures.items():
         variable = Variable(name=name, type=kind)

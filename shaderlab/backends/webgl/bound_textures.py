@@ -3,8 +3,8 @@ them; what they hold as exact values, and the samplers that read them."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from pathlib import Path
+from collections.abc import Sequence
+from dataclasses import field
 from typing import Any
 
 import numpy as np
@@ -24,7 +24,7 @@ from shaderlab.backends.webgl.reading import attached, fetched
 from shaderlab.backends.webgl.target import RenderTarget
 from shaderlab.compiler.interface import Variable
 from shaderlab.errors import UnsupportedError
-from shaderlab.frame import Array, Image
+from shaderlab.frame import Array
 from shaderlab.lazy_dataclass import dataclass
 from shaderlab.model import CompressedTexture, Output, TextureSource
 from shaderlab.model.textures import Sampling, level_sizes
@@ -52,6 +52,7 @@ class DeviceTexture:
         return _TARGETS[self.kind]
 
 
+@dataclass(eq=False)
 class BoundTextures(SceneTextures[RenderTarget]):
     """What a scene's samplers read. Arguments as of `SceneTextures`, and besides:
 
@@ -60,22 +61,16 @@ class BoundTextures(SceneTextures[RenderTarget]):
         own: what they are released with.
     """
 
-    def __init__(
-        self,
-        device: Device,
-        own: Objects,
-        folder: Path,
-        images: Mapping[tuple[str, str], Image],
-        targets: Mapping[str, RenderTarget],
-    ) -> None:
-        super().__init__(folder, images, targets)
-        self._device, self._own, self._gl = device, own, device.gl
-        self._attachments: dict[tuple[str, str, bool], DeviceTexels] = {}
-        self._samplers: dict[tuple[Any, ...], Object] = {}
+    _device: Device
+    _own: Objects
+    _attachments: dict[tuple[str, str, bool], DeviceTexels] = field(
+        default_factory=dict, init=False
+    )
+    _samplers: dict[tuple[Any, ...], Object] = field(default_factory=dict, init=False)
 
     def bind(self, unit: int, variable: Variable, source: TextureSource) -> None:
         """Bind a texture that `texels` has looked at to a unit, and its sampler."""
-        gl, found = self._gl, self.find(source, self.kind(source, variable))
+        gl, found = self._device.gl, self.find(source, self.kind(source, variable))
         require_filtered(self._device, found.format, source.filter, source.compare is not None)
         if "clamp_to_border" in source.wrap:
             raise UnsupportedError("clamp_to_border: textures have no border in WebGL2")
@@ -144,7 +139,7 @@ class BoundTextures(SceneTextures[RenderTarget]):
         return DeviceTexels(source, texture, word, values, smaller)
 
     def _compressed(self, source: CompressedTexture) -> DeviceTexels:
-        gl, blocks = self._gl, blocks_of(source, self.folder)
+        gl, blocks = self._device.gl, blocks_of(source, self.folder)
         name, extension = COMPRESSED[blocks.format]
         self._device.require(extension, blocks.format)
         texture = DeviceTexture(self._own.new("Texture"), "2D", "rgba8", blocks.size)
@@ -164,7 +159,7 @@ class BoundTextures(SceneTextures[RenderTarget]):
     def _new(
         self, kind: str, word: str, size: tuple[int, int], levels: int, layers: int = 1
     ) -> DeviceTexture:
-        gl = self._gl
+        gl = self._device.gl
         texture = DeviceTexture(self._own.new("Texture"), kind, word, size, layers)
         gl.activeTexture(gl.TEXTURE0)
         target = getattr(gl, texture.target)
@@ -178,7 +173,7 @@ class BoundTextures(SceneTextures[RenderTarget]):
 
     def _write(self, texture: DeviceTexture, level: int, layer: int, values: Array) -> None:
         """Write a level of one layer or face of the texture that is bound."""
-        gl, word = self._gl, stored(texture.word)
+        gl, word = self._device.gl, stored(texture.word)
         height, width = values.shape[:2]
         how = (getattr(gl, word.format), getattr(gl, word.type), values)
         if texture.kind == "2DArray":
@@ -190,7 +185,7 @@ class BoundTextures(SceneTextures[RenderTarget]):
 
     def _copy(self, drawn: Object, texture: DeviceTexture) -> None:
         """Copy an attachment to the first level of a texture, which is bound."""
-        gl = self._gl
+        gl = self._device.gl
         with Objects(gl) as own:
             gl.bindFramebuffer(gl.FRAMEBUFFER, own.new("Framebuffer"))
             gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, drawn, 0)
@@ -198,7 +193,7 @@ class BoundTextures(SceneTextures[RenderTarget]):
 
     def _generate(self, texture: DeviceTexture) -> None:
         """Halve each level into the next one."""
-        gl = self._gl
+        gl = self._device.gl
         if texture.word in _NO_LEVELS or texture.word in DEPTH:
             raise UnsupportedError(f"mipmaps=True: WebGL2 makes no levels of {texture.word}")
         require_filtered(self._device, texture.word, ("linear", "linear"), False)
@@ -230,7 +225,7 @@ class BoundTextures(SceneTextures[RenderTarget]):
         return self._samplers[key]
 
     def _new_sampler(self, sampling: Sampling) -> Object:
-        gl, made = self._gl, self._own.new("Sampler")
+        gl, made = self._device.gl, self._own.new("Sampler")
         compare = "NONE" if sampling.compare is None else "COMPARE_REF_TO_TEXTURE"
         for what, word in (
             ("MIN_FILTER", sampling.filter[0]), ("MAG_FILTER", sampling.filter[1]),

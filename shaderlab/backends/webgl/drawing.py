@@ -36,7 +36,7 @@ class Drawing(RedrawingSession[RenderTarget, Linker]):
         super().__init__(linker, scene, programs, size, stack)
         self.subpixel_step = 2.0 ** -self.device.gl.about["subpixel"]
         own = stack.enter_context(Objects(self.device.gl))
-        self._textures = BoundTextures(self.device, own, self.folder, self.images, self.targets)
+        self._textures = BoundTextures(self.folder, self.images, self.targets, self.device, own)
         self._shared = blocks.SharedLayouts()
 
     def new_target(self, target: Target, colors: Mapping[str, str], size: Size) -> RenderTarget:
