@@ -21,6 +21,8 @@ from shaderlab.pictures.files import (
     load as load,
     save_png as save_png,
 )
+from shaderlab.pictures.packing import repacked as repacked
+from shaderlab.pictures.png import SIGNATURE as SIGNATURE
 from shaderlab.pictures.previews import preview as preview, save_preview as save_preview
 from shaderlab.pictures.values import (
     WINDOW as WINDOW,

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 Bytes = NDArray[np.uint8]
 
-_SIGNATURE = b"\x89PNG\r\n\x1a\n"
+SIGNATURE = b"\x89PNG\r\n\x1a\n"
 _COLOUR_TYPES = {1: 0, 3: 2, 4: 6}  # by the number of channels: grey, RGB, RGBA
 _INDEXED = 3
 _UP = 2  # the filter "each byte less the one above it"
@@ -32,10 +32,11 @@ def encode(pixels: Bytes, palette: Bytes | None = None) -> bytes:
     np.subtract(rows[1:], rows[:-1], out=lines[1:, 1:])
     colours = _COLOUR_TYPES[channels] if palette is None else _INDEXED
     head = struct.pack(">IIBBBBB", width, height, 8, colours, 0, 0, 0)
-    table = b"" if palette is None else _chunk(b"PLTE", palette.tobytes())
-    data = _chunk(b"IDAT", zlib.compress(lines.data, _LEVEL))
-    return _SIGNATURE + _chunk(b"IHDR", head) + table + data + _chunk(b"IEND", b"")
+    table = b"" if palette is None else chunk(b"PLTE", palette.tobytes())
+    data = chunk(b"IDAT", zlib.compress(lines.data, _LEVEL))
+    return SIGNATURE + chunk(b"IHDR", head) + table + data + chunk(b"IEND", b"")
 
 
-def _chunk(kind: bytes, data: bytes) -> bytes:
+def chunk(kind: bytes, data: bytes) -> bytes:
+    """One of the parts that a file consists of."""
     return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))

@@ -20,7 +20,7 @@ from shaderlab.report.build import build
 from shaderlab.report.compare import compare
 from shaderlab.report.drivers import driver_table
 from shaderlab.report.history import history, save
-from shaderlab.report.inline import Pictures
+from shaderlab.report.inline import Pictures, Repeated
 from shaderlab.report.page import Page
 from shaderlab.report.search import script
 
@@ -97,6 +97,7 @@ def write_single(run: Run, folder: str | Path, path: str | Path) -> None:
         policy=parts.single_policy(),
         style=parts.style(),
         script=parts.script(),
+        repeated=Repeated(page.shown_apart()),
         against=None,
         drivers=driver_table(run, links),
         links=links,

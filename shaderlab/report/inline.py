@@ -9,6 +9,8 @@ from __future__ import annotations
 import base64
 import os
 import struct
+from collections import Counter
+from collections.abc import Callable, Iterable
 from functools import lru_cache
 from pathlib import Path
 from urllib.parse import quote
@@ -19,7 +21,6 @@ from shaderlab import pictures
 from shaderlab.files import read_regular
 from shaderlab.lazy_dataclass import dataclass
 
-_SIGNATURE = b"\x89PNG\r\n\x1a\n"
 # Below this a picture is a table of pixels, to be enlarged with hard edges.
 _TABLE = 200
 # The size of copies: the overview's, those of several variants side by side, a single file's.
@@ -61,28 +62,53 @@ class Picture:
 
     @property
     def small_uri(self) -> Markup:
-        """As `uri`, of the small copy where there is one."""
-        return self._data(self.side or SMALL)
+        """As `uri`, of the small copy where there is one, in few bytes."""
+        return self._data(self.side or SMALL, pictures.repacked)
 
-    def _data(self, side: int) -> Markup:
+    def _data(self, side: int, pack: Callable[[bytes], bytes] = bytes) -> Markup:
         try:
-            data = read_regular(pictures.preview(self.path, side))
+            data = pack(read_regular(pictures.preview(self.path, side)))
         except OSError:
             data = b""
         return "data:image/png;base64," + in_base64(data)
 
 
-def numbers(path: Path) -> Markup:
-    """The bytes of a file of packed values in base64; empty if the file has gone."""
+def numbers(path: Path, small: bool = False) -> Markup:
+    """The bytes of a file of packed values in base64, or `small` fewer of the same contents; empty
+    if the file has gone."""
     try:
-        return in_base64(read_regular(path))
+        data = read_regular(path)
     except OSError:
         return Markup()
+    return in_base64(pictures.repacked(data) if small else data)
 
 
 def in_base64(data: bytes) -> Markup:
     """Bytes in base64, marked as safe: there is nothing to escape."""
     return Markup(base64.b64encode(data).decode("ascii"))
+
+
+class Repeated:
+    """The pictures that a page of one file shows more than once: the first time it is in the page,
+    with an id, and elsewhere drawn from there.
+
+    Args:
+        shown: all pictures that the page shows, each as often as it does.
+    """
+
+    def __init__(self, shown: Iterable[Picture]) -> None:
+        times = Counter(picture.path for picture in shown if not picture.missing)
+        several = (path for path, count in times.items() if count > 1)
+        self._ids = {path: f"picture-{n}" for n, path in enumerate(several, start=1)}
+        self._placed: dict[Path, Picture] = {}
+
+    def id(self, picture: Picture) -> str:
+        """The picture's id on the page, or "" where it is shown once."""
+        return self._ids.get(picture.path, "")
+
+    def first(self, picture: Picture) -> Picture:
+        """The picture as it was shown where it is; that is here if none of its file was yet."""
+        return self._placed.setdefault(picture.path, picture)
 
 
 class Pictures:
@@ -103,7 +129,7 @@ class Pictures:
             head = read_regular(path, 24)
         except (OSError, ValueError) as error:
             return Picture(missing=f"{name}: {_reason(error)}")
-        if head[:8] != _SIGNATURE or len(head) < 24:
+        if not head.startswith(pictures.SIGNATURE) or len(head) < 24:
             return Picture(missing=f"{name}: is no PNG file")
         width, height = struct.unpack(">II", head[16:24])
         longest = max(width, height, 1)

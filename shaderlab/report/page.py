@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -180,6 +181,12 @@ class Page:
             for case in self.cases
             for variant in case.variants
         }
+
+    def shown_apart(self) -> Iterator[Picture]:
+        """Every picture of the overview, of cases and of their passes, as often as it is shown."""
+        for case in self.cases:
+            plates = (*case.plates, *(plate for step in case.passes for plate in step.plates))
+            yield from filter(None, (case.thumbnail, *(plate.picture for plate in plates)))
 
     @property
     def failed(self) -> list[tuple[CaseView, VariantView]]:

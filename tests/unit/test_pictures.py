@@ -274,3 +274,19 @@ def test_indices_are_written_as_their_colours(tmp_path: Path) -> None:
     large = np.rint(pictures.load(tmp_path / "i.png") * 255).astype(np.uint8)
     assert np.array_equal(large[::2, ::2], colours[indices[..., 0]])
     assert np.array_equal(large[1::2, 1::2], colours[indices[..., 0]])
+
+
+def test_repacked_files_hold_the_same_in_fewer_bytes(tmp_path: Path) -> None:
+    colours = np.array([[7, 8, 9], [255, 0, 0]], np.uint8)
+    rows = np.arange(90)[:, None, None] * np.arange(60)[:, None] // 50 % 2
+    pictures.save_png(tmp_path / "i.png", rows.astype(np.uint8), palette=colours)
+    data = (tmp_path / "i.png").read_bytes()
+    (tmp_path / "s.png").write_bytes(pictures.repacked(data))
+    assert (tmp_path / "s.png").stat().st_size < len(data)
+    before, after = (pictures.load(tmp_path / name) for name in ("i.png", "s.png"))
+    assert np.array_equal(before, after)
+    packed = zlib.compress(data * 9, 1)
+    assert len(pictures.repacked(packed)) < len(packed)
+    assert zlib.decompress(pictures.repacked(packed)) == data * 9
+    for damaged in (b"", data[:-9], data[:60] + b"no" + data[62:], packed[:-5]):
+        assert pictures.repacked(damaged) == damaged

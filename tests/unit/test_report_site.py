@@ -92,7 +92,8 @@ def test_both_forms_have_the_same_places(three: Path) -> None:
         if path.parent.name == "cases" or path.name == "index.html"
         for name in page.attributes("id")
     }
-    assert set(single.attributes("id")) - here <= {"search"}
+    own = set(single.attributes("id")) - here
+    assert all(name == "search" or name.startswith("picture-") for name in own)
 
 
 def test_a_source_that_two_cases_share_is_on_both_pages_under_one_name(three: Path) -> None:
@@ -149,3 +150,7 @@ def test_the_single_file_needs_no_other(three: Path, tmp_path: Path) -> None:
     links = page.attributes("href") + page.attributes("src")
     assert links and all(link.startswith(("#", "data:")) for link in links)
     assert {link[1:] for link in links if link[0] == "#"} <= set(page.attributes("id"))
+    shared = [str(attrs["href"]) for tag, attrs in page.tags if tag == "image"]
+    drawn = [str(attrs["href"]) for tag, attrs in page.tags if tag == "use"]
+    assert shared and len(set(shared)) == len(shared)  # each is in the file once
+    assert any(link.startswith("#picture-") for link in drawn)
