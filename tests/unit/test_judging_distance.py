@@ -48,7 +48,7 @@ def test_blocks_give_what_all_at_once_gives(
 ) -> None:
     monkeypatch.setattr(distance, "BLOCK", block)
     generator = np.random.default_rng(2)
-    for _ in range(20):
+    for _ in range(6):
         kinds = np.array(KINDS)[generator.integers(0, len(KINDS), 60)]
         seen, expected = placed(kinds, components, unit), plainly(kinds, components, unit)
         size = np.where(seen.inside, expected, INF).max(axis=1)
