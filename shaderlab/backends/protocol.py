@@ -111,9 +111,10 @@ class Session(ABC):
         raise UnsupportedError("capturing vertices: this backend can't")
 
     def probe_fragments(
-        self, key: PassDraw, bindings: Bindings, inputs: Mapping[str, Array]
-    ) -> Samples:
-        """Run a draw's fragment stage once for each row of `inputs`, (count, components)."""
+        self, key: PassDraw, runs: Sequence[Bindings], inputs: Mapping[str, Array]
+    ) -> list[Samples]:
+        """Run a draw's fragment stage once for each row of `inputs`, (count, components), with the
+        uniforms and textures of each of the `runs`."""
         raise UnsupportedError("running a fragment stage on given inputs: this backend can't")
 
     def probe_vertices(

@@ -13,7 +13,7 @@ from shaderlab.errors import ShaderError, UnsupportedError
 from shaderlab.frame import Array, Bindings, PassDraw, Samples
 from shaderlab.model import Pass, State, Target
 from shaderlab.programs.fragment_capture import numbered
-from shaderlab.programs.fragment_probe import fragment_probe, refused
+from shaderlab.programs.fragment_probe import FragmentProbe, fragment_probe, refused
 from shaderlab.programs.prepare import PreparedDraw, pass_colors
 
 
@@ -67,19 +67,24 @@ class RedrawingSession(PassSession[Kind, Made], Generic[Kind, Made]):
         self.render(draw, self.bindings[key], target)
 
     def probe_fragments(
-        self, key: PassDraw, bindings: Bindings, inputs: Mapping[str, Array]
-    ) -> Samples:
-        draw = self.programs[key[0]][key[1]]
-        probe = fragment_probe(draw, inputs)
-        with self.new_target(probe.target, probe.colors, probe.size) as target:
-            given = probe.bindings(bindings)
-            try:
-                self.render(probe.draw, given, target, texts=probe.texts)
-            except ShaderError as error:
-                raise refused(draw, error.message) from error
-            images = {name: target.read(name).values for name in probe.colors}
-            kept = target.read("stencil").values if probe.discards else None
-            return probe.samples(images, kept)
+        self, key: PassDraw, runs: Sequence[Bindings], inputs: Mapping[str, Array]
+    ) -> list[Samples]:
+        probe = fragment_probe(self.programs[key[0]][key[1]], inputs)
+        found = []
+        # Where no point is discarded, each run writes all that is read.
+        for some in [[run] for run in runs] if probe.discards else [runs]:
+            with self.new_target(probe.target, probe.colors, probe.size) as target:
+                found += [self._probed(probe, run, target) for run in some]
+        return found
+
+    def _probed(self, probe: FragmentProbe, bindings: Bindings, target: Kind) -> Samples:
+        try:
+            self.render(probe.draw, probe.bindings(bindings), target, texts=probe.texts)
+        except ShaderError as error:
+            raise refused(probe.subject, error.message) from error
+        images = {name: target.read(name).values for name in probe.colors}
+        kept = target.read("stencil").values if probe.discards else None
+        return probe.samples(images, kept)
 
     def redrawn(
         self, description: Pass, target: Target, texts: Sequence[str]

@@ -116,7 +116,8 @@ class BesideBoundaries(Need):
                     f"boundaries of {expectation.output!r}: no float input varies over the frame",
                     remedy="value judges the output of a shader that gives one colour",
                 )
-            return session.probe_fragments(key, bindings, beside_boundaries(each, values))
+            given = beside_boundaries(each, values)
+            return session.probe_fragments(key, [bindings], given)[0]
 
 
 def beside_boundaries(

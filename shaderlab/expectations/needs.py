@@ -109,29 +109,45 @@ class Probe(Need):
                     remedy=nearest(word, [*inputs, *bindings.uniforms]),
                 )
         uniforms = [name for name in steps[0] if name not in inputs]
-        run = session.probe_vertices if of_vertex else session.probe_fragments
 
-        def samples(some: Sequence[Mapping[str, Any]]) -> Samples:
-            changed = _with_uniforms(bindings, draw, {n: some[0][n] for n in uniforms})
-            given = [exact_inputs(inputs, step) for step in some]
-            joined = {n: np.concatenate([g[n] for g in given]) for n in given[0]}
-            result = run(key, changed, joined)
-            if of_vertex and expectation.own_name(scene) not in result.outputs:
+        def bound(step: Mapping[str, Any]) -> Bindings:
+            return _with_uniforms(bindings, draw, {n: step[n] for n in uniforms})
+
+        def run(runs: Sequence[Bindings], given: Mapping[str, Array]) -> list[Samples]:
+            if not of_vertex:
+                return session.probe_fragments(key, runs, given)
+            found = [session.probe_vertices(key, each, given) for each in runs]
+            if expectation.own_name(scene) not in found[0].outputs:
                 raise UnsupportedError(
                     f"running {draw.draw.geometry or draw.draw.tess_evaluation} on given inputs: "
                     "it takes whole primitives",
                     remedy="judge what it makes of the mesh (formula), with a mesh that has these "
                     "inputs",
                 )
-            exact = {n: _repeated(changed.uniforms[n], len(some)) for n in uniforms}
-            decimal = {n: _repeated(changed.decimal[n], len(some)) for n in uniforms}
-            for n in joined:
+            return found
+
+        def samples(some: Sequence[Mapping[str, Any]], given: Bindings, got: Samples) -> Samples:
+            exact = {n: _repeated(given.uniforms[n], len(some)) for n in uniforms}
+            decimal = {n: _repeated(given.decimal[n], len(some)) for n in uniforms}
+            for n in (name for name in steps[0] if name not in uniforms):
                 decimal[n] = np.array([np.atleast_1d(np.asarray(s[n], np.float64)) for s in some])
-            return replace(result, inputs={**result.inputs, **exact}, decimal=decimal)
+            return replace(got, inputs={**got.inputs, **exact}, decimal=decimal)
 
         if not uniforms:
-            return samples(steps)
-        return _joined([samples([step]) for step in steps])
+            given = [exact_inputs(inputs, step) for step in steps]
+            joined = {n: np.concatenate([g[n] for g in given]) for n in given[0]}
+            changed = bound(steps[0])
+            return samples(steps, changed, run([changed], joined)[0])
+        changes = [bound(step) for step in steps]
+        if len(uniforms) == len(steps[0]):
+            found = run(changes, {})
+        else:
+            found = [
+                run([change], exact_inputs(inputs, step))[0]
+                for change, step in zip(changes, steps, strict=True)
+            ]
+        each = zip(steps, changes, found, strict=True)
+        return _joined([samples([step], change, got) for step, change, got in each])
 
 
 def _same_stages(one: PreparedDraw, other: PreparedDraw) -> bool:

@@ -34,7 +34,7 @@ def _outputs(evaluation: Evaluation, given: Round, passes: Collection[str]) -> _
         return found
     bindings = drawn.bindings[key]
     with suppress(UnsupportedError):  # stages that can't be run on given inputs
-        made = session.probe_fragments(key, bindings, given.fragments).outputs
+        made = session.probe_fragments(key, [bindings], given.fragments)[0].outputs
         for name, values in made.items():
             image = drawn.images.get((key[0], name))
             kept = values if image is None else _stored(values, image.format)
