@@ -21,6 +21,16 @@ Array = npt.NDArray[Any]
 PassDraw = tuple[str, int]
 
 
+def differ(one: Array, other: Array) -> bool:
+    """Whether two arrays differ in any bit; one NaN is as good as another."""
+    if one.shape != other.shape or one.dtype != other.dtype:
+        return True
+    if one.dtype.kind != "f":
+        return not np.array_equal(one, other)
+    same = (one == other) & (np.signbit(one) == np.signbit(other))
+    return not bool((same | (np.isnan(one) & np.isnan(other))).all())
+
+
 def every_component(holds: Array) -> Array:
     """Where something holds of all of a value's components, (…, components) → (…).
 

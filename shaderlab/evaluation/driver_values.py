@@ -12,7 +12,7 @@ from shaderlab.errors import ShaderlabError, UnsupportedError
 from shaderlab.evaluation.evaluation import Evaluation
 from shaderlab.evaluation.interpreting import Invocations
 from shaderlab.evaluation.watches import Watched, Watches
-from shaderlab.frame import Array, PassDraw
+from shaderlab.frame import Array, PassDraw, differ
 from shaderlab.interpreter import Stored
 from shaderlab.interpreter.memory import Flags
 from shaderlab.lazy_dataclass import dataclass
@@ -163,9 +163,8 @@ class _Drawing:
             images = self._written(self._key, changed, {**self.colors, **added})
         except (ShaderlabError, KeyError, AssertionError):  # or the text can't be changed
             return None
-        for name in self.colors:
-            if not _same(images[name], self._plain[name]):
-                return None
+        if any(differ(images[name], self._plain[name]) for name in self.colors):
+            return None
         found = []
         for one in places:
             pixels = [(images[name][self._at], k) for name, k in one.components]
@@ -173,9 +172,3 @@ class _Drawing:
             image, k = pixels[0]
             found.append((values, (image[:, 3].astype(np.int64) >> k & 1).astype(np.bool_)))
         return found
-
-
-def _same(a: Array, b: Array) -> bool:
-    """Whether two images are equal to the bit, whatever kinds of NaN are in them."""
-    equal = np.ascontiguousarray(a).view(np.uint32) == np.ascontiguousarray(b).view(np.uint32)
-    return bool(equal.all()) or bool((equal | (np.isnan(a) & np.isnan(b))).all())

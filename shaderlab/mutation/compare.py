@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-import numpy as np
-
 from shaderlab.evaluation import Evaluation
 from shaderlab.expectations.needs import CapturedFragments, CapturedVertices
 from shaderlab.expectations.reads import Named
-from shaderlab.frame import Array
+from shaderlab.frame import differ
 from shaderlab.model import Pixel
 
 Judged = Mapping[Named, "frozenset[Pixel] | None"]
@@ -49,13 +47,3 @@ def changed(mutant: Evaluation, original: Evaluation) -> set[Named]:
         elif isinstance(need, CapturedFragments) and differ(answer.covered, other.covered):
             found.add((need.key[0], "coverage"))
     return found
-
-
-def differ(one: Array, other: Array) -> bool:
-    """Whether two arrays differ in any bit; one NaN is as good as another."""
-    if one.shape != other.shape or one.dtype != other.dtype:
-        return True
-    if one.dtype.kind != "f":
-        return not np.array_equal(one, other)
-    same = (one == other) & (np.signbit(one) == np.signbit(other))
-    return not bool((same | (np.isnan(one) & np.isnan(other))).all())

@@ -4,6 +4,7 @@ the band of the shader as it was."""
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 from shaderlab.errors import ShaderlabError
 from shaderlab.evaluation import Evaluation
@@ -72,13 +73,7 @@ def _leaves(wrong: Evaluation, key: PassDraw, given: Invocations, trace: Trace) 
     assert given.pixels is not None
     at = given.pixels[:, 1], given.pixels[:, 0]
     images = {n: i for (name, n), i in wrong.drawn.images.items() if name == key[0]}
-    drawn = Invocations(
-        program=given.program,
-        each=given.each,
-        bindings=given.bindings,
-        measured={name: image.values[at] for name, image in images.items()},
-        formats={name: image.format for name, image in images.items()},
-    )
+    drawn = replace(given, measured={name: image.values[at] for name, image in images.items()})
     flags = (outside(drawn, name, band) for name, band in trace.outputs.items())
     return any(found is not None and bool(found.any()) for found in flags)
 

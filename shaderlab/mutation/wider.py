@@ -10,9 +10,8 @@ import numpy as np
 from shaderlab.errors import ShaderlabError, UnsupportedError
 from shaderlab.evaluation import Evaluation, Lab
 from shaderlab.expectations.reads import Named
-from shaderlab.frame import Array
+from shaderlab.frame import Array, differ
 from shaderlab.model import Scene
-from shaderlab.mutation.compare import differ
 from shaderlab.mutation.other_inputs import Round, other_inputs
 from shaderlab.mutation.subjects import with_what_they_read
 from shaderlab.mutation.tasks import Task, part_of, sound_part
