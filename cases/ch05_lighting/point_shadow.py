@@ -159,7 +159,8 @@ def table(label, statistic, **none):
     bias it is bounded by `none`; what the others must be follows from `by_rays`."""
     bounds = {"bare": none}
     readings = [reading(n, reads=surfaces(of), **bounds.get(of, {})) for n, of in SEEN.items()]
-    return measure(label, against_rays(statistic, LAMP, BOXES, lamp=True), readings=readings)
+    against = against_rays(statistic, LAMP, BOXES, lamp=True)
+    return measure(label, against, readings=readings, own_types=True)
 
 
 PAST = {"FragPos": (0.12, 0.85, 40.0), "Normal": (0, 0, -1), "Color": (1, 1, 1)}

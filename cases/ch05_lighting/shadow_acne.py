@@ -71,6 +71,7 @@ def table(label, statistic, of, **none):
         y_label=f"share of {of} places",
         log_x=True,
         log_y=True,
+        own_types=True,
     )
 
 

@@ -263,6 +263,7 @@ def picture_checks(
             hidden_share(eye, models, step=8),
             reads=reads("scene", "FragColor", "place"),
             at_most=hidden,
+            own_types=True,
         ),
     )
 
@@ -279,6 +280,7 @@ def surface_checks(eye: Any, models: Any, name: str, others: Iterable[str] = ())
         hidden_share(eye, models, step=1),
         reads=reads(name, "FragColor", "place"),
         at_most=0.002,
+        own_types=True,
     )
     return [hidden, *(same_surfaces(other, name) for other in others)]
 

@@ -237,7 +237,7 @@ def against_rays(
         there = (upright * towards).sum(axis=-1) > 0.0
         seen = towards[there] if lamp else towards
         truth = blocked(place[there], seen, models, reach=1.0 if lamp else np.inf)
-        return statistic(shadow[..., 0][there], truth)
+        return statistic(shadow[..., 0][there].astype(np.float64), truth)
 
     return found
 

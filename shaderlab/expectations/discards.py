@@ -21,6 +21,7 @@ from shaderlab.expectations.needs import CapturedFragments, Probe
 from shaderlab.expectations.subject import inputs_of
 from shaderlab.frame import Array, Fragments, Frame, PassDraw, every_component
 from shaderlab.judging.inputs import evaluate, name_of, source_of, wanted
+from shaderlab.judging.reference_bands import CHUNK
 from shaderlab.model import Expectation, Programs, Scene
 from shaderlab.programs.stages import may_discard, writes_depth
 
@@ -169,23 +170,26 @@ def _truth(
     names = {name for names in asked.values() for name in names}
     inputs = replace(inputs, each={n: v for n, v in inputs.each.items() if n in names})
     bands = getattr(rule, "rules", None) or Rules()
-    rows = inputs.part(np.flatnonzero(where))
-    found = evaluate(reference, rows, rules=bands, decimal=False, asked=asked)
-    count = int(np.count_nonzero(where))
-    try:
-        if isinstance(found, Band):
-            raise TypeError
-        truth = as_truth(found)
-        yes, no = (np.broadcast_to(f, (count, 1)) for f in (truth.all_true, truth.all_false))
-        return Truth(yes[:, 0], no[:, 0])
-    except (TypeError, ValueError):
-        place = source_of(reference)
-        raise FormulaError(
-            f"discards of {rule.name!r}: {name_of(reference)}() is no comparison",
-            file=place.file,
-            line=place.line,
-            remedy="return one truth for each fragment, such as alpha < 0.1",
-        ) from None
+    numbers = np.flatnonzero(where)
+    yes, no = np.zeros((2, len(numbers), 1), np.bool_)
+    for start in range(0, max(len(numbers), 1), CHUNK):
+        rows = slice(start, start + CHUNK)
+        part = inputs.part(numbers[rows])
+        found = evaluate(reference, part, rules=bands, decimal=False, asked=asked)
+        try:
+            if isinstance(found, Band):
+                raise TypeError
+            truth = as_truth(found)
+            yes[rows], no[rows] = truth.all_true, truth.all_false
+        except (TypeError, ValueError):
+            place = source_of(reference)
+            raise FormulaError(
+                f"discards of {rule.name!r}: {name_of(reference)}() is no comparison",
+                file=place.file,
+                line=place.line,
+                remedy="return one truth for each fragment, such as alpha < 0.1",
+            ) from None
+    return Truth(yes[:, 0], no[:, 0])
 
 
 def _places(where: Array) -> str:
