@@ -68,7 +68,7 @@ class _Ending:
 
     def __init__(self) -> None:
         # What was registered before this, by coverage say, runs after it.
-        self._last = atexit._ncallbacks() == 0
+        self._last = getattr(atexit, "_ncallbacks", lambda: 1)() == 0
         atexit.register(self._end)
 
     def _end(self) -> None:
