@@ -13,7 +13,16 @@ from shaderlab.bands import formats
 from shaderlab.bands.allowed import Allowed, Interval
 from shaderlab.bands.compiled import compiled, use_bands
 from shaderlab.bands.operators import Operators
-from shaderlab.bands.rounding import LARGEST, Flags, Floats, down, ordinary, outward, up
+from shaderlab.bands.rounding import (
+    LARGEST,
+    Flags,
+    Floats,
+    down,
+    enclosed,
+    ordinary,
+    outward,
+    up,
+)
 from shaderlab.bands.rules import Rules
 from shaderlab.bands.swizzles import Swizzled
 from shaderlab.bands.terms import Terms
@@ -93,13 +102,15 @@ class Band(Interval, Operators, Swizzled):
         Raises:
             FormulaError: where lo > hi.
         """
-        low, high = np.broadcast_arrays(
-            np.atleast_1d(np.asarray(lo, dtype=np.float64)),
-            np.atleast_1d(np.asarray(hi, dtype=np.float64)),
-        )
-        if (low > high).any():
-            raise FormulaError("a band's lower bound lies above its upper bound")
+        low, high = (np.atleast_1d(np.asarray(bound, dtype=np.float64)) for bound in (lo, hi))
+        if low.shape != high.shape:
+            low, high = np.broadcast_arrays(low, high)
         with np.errstate(all="ignore"):
+            inside = enclosed(low, high, rules.flush)
+            if inside is not None:
+                return cls(*inside, rules)
+            if (low > high).any():
+                raise FormulaError("a band's lower bound lies above its upper bound")
             return cls._leaf(*outward(low, high, rules.flush), rules)
 
     @classmethod

@@ -16,7 +16,7 @@ from typing import Any, TypeVar, cast
 
 VARIABLE = "SHADERLAB_BANDS"
 # Stands in kernels/_kernels.c, too.
-INTERFACE = 2
+INTERFACE = 4
 
 
 def left_aside() -> bool:

@@ -78,6 +78,12 @@ def outward(lo: Floats, hi: Floats, flush: bool) -> tuple[Floats, Floats]:
 
 
 @compiled
+def enclosed(lo: Floats, hi: Floats, flush: bool) -> tuple[Floats, Floats] | None:
+    """`outward` of bounds in order; None where one is NaN or lies on the wrong side."""
+    return outward(lo, hi, flush) if (lo <= hi).all() else None
+
+
+@compiled
 def ordinary(values: NDArray[np.float32]) -> Floats | None:
     """float32 values as float64; None where one of them is a denormal or NaN."""
     wide = values.astype(np.float64)

@@ -9,6 +9,7 @@ it equals them where they are equal).
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -16,12 +17,10 @@ import numpy.typing as npt
 
 from shaderlab.frame import Array
 from shaderlab.sampling.reading import (
-    EDGE,
     Integers,
     Sampler,
     level_values,
-    looked_up,
-    stored,
+    stored_at,
     wrapped,
 )
 from shaderlab.sampling.spans import Span, component, hull
@@ -65,7 +64,7 @@ def cube_face(direction: Any) -> tuple[Integers, Array, Array]:
 
 
 def met_faces(direction: Span, exact: bool) -> Iterator[tuple[int, Flags, Span, Span]]:
-    """Each face that some directions may select: its number, which directions, and s and t of all.
+    """Each face that some directions may select: its number, which directions, and their s and t.
 
     `exact` for float64 directions, which select one face even if two components are equal.
     """
@@ -73,7 +72,8 @@ def met_faces(direction: Span, exact: bool) -> Iterator[tuple[int, Flags, Span, 
     if exact:
         face, s, t = cube_face(direction[0])
         for number in np.unique(face):
-            yield int(number), face == number, (s, s), (t, t)
+            on = face == number
+            yield int(number), on, (s[on],) * 2, (t[on],) * 2
         return
     sizes = [_size(axis) for axis in axes]
     for number, (axis, s_axis, t_axis) in enumerate(_TABLE):
@@ -83,10 +83,12 @@ def met_faces(direction: Span, exact: bool) -> Iterator[tuple[int, Flags, Span, 
         if not may.any():
             continue
         # Where this face is met, the major axis is no smaller than the others.
-        least = np.maximum(np.maximum(low, others), np.finfo(np.float64).tiny)
-        major = (np.where(may, least, 1.0), np.where(may, np.maximum(high, least), 1.0))
-        of_s = _on_face(axes[s_axis[0]], s_axis[1], major, may)
-        of_t = _on_face(axes[t_axis[0]], t_axis[1], major, may)
+        least = np.maximum(np.maximum(low[may], others[may]), np.finfo(np.float64).tiny)
+        major = (least, np.maximum(high[may], least))
+        of_s, of_t = (
+            _on_face((axes[axis][0][may], axes[axis][1][may]), sign, major)
+            for axis, sign in (s_axis, t_axis)
+        )
         yield number, may, of_s, of_t
 
 
@@ -97,55 +99,45 @@ def across_edges(sampler: Sampler, level: int, x: Array, y: Array, face: Integer
         return wrapped(sampler, level, x, y, face)
     size = level_values(sampler, level).shape[1]
     column, row = x.astype(np.int64), y.astype(np.int64)
-    out_x, out_y = (column < 0) | (column >= size), (row < 0) | (row >= size)
-    inside_x, inside_y = np.clip(column, 0, size - 1), np.clip(row, 0, size - 1)
-    here = looked_up(sampler, level, x, y, face, EDGE, EDGE)
-    if not (out_x | out_y).any():
-        return here
-    low = here[0].copy()
-    high = low if here[0] is here[1] else here[1].copy()
-
-    def put(where: Flags, texels: Span) -> None:
-        low[where] = texels[0]
-        if high is not low:
-            high[where] = texels[1]
-
-    for where, at in ((out_x, (column, inside_y)), (out_y, (inside_x, row))):
-        if where.any():
-            put(where, _neighbour(sampler, level, at[0][where], at[1][where], face[where], size))
+    inside_x, inside_y = (np.minimum(np.maximum(at, 0), size - 1) for at in (column, row))
+    out_x, out_y = column != inside_x, row != inside_y
+    place = (face * size + inside_y) * size + inside_x
     corner = out_x & out_y
+    own = place[corner]
+    for side, out, at, along in ((0, out_x, column, inside_y), (2, out_y, row, inside_x)):
+        # At a corner this ends with the neighbour above or below.
+        place[out] = _beyond(size)[face[out], side + (at[out] > 0), along[out]]
+    low, high = stored_at(sampler, level, place)
     if not corner.any():
         return low, high
-    three = [
-        (here[0][corner], here[1][corner]),
-        _neighbour(sampler, level, column[corner], inside_y[corner], face[corner], size),
-        _neighbour(sampler, level, inside_x[corner], row[corner], face[corner], size),
-    ]
+    beside = _beyond(size)[face[corner], (column[corner] > 0) + 0, inside_y[corner]]
+    three = [stored_at(sampler, level, places) for places in (own, beside, place[corner])]
     if sampler.rules is None:
-        put(corner, ((three[0][0] + three[1][0] + three[2][0]) / 3.0,) * 2)
-        return low, high
-    if high is low:
-        high = low.copy()
-    put(corner, hull(three))
+        low[corner] = sum(one for one, _ in three) / 3.0
+        return low, low
+    high = high.copy() if high is low else high
+    low[corner], high[corner] = hull(three)
     return low, high
 
 
-def _neighbour(
-    sampler: Sampler, level: int, column: Integers, row: Integers, face: Integers, size: int
-) -> Span:
-    """The texel of the adjacent face that a position just outside a face falls on."""
-    s, t = 2.0 * (column + 0.5) / size - 1.0, 2.0 * (row + 0.5) / size - 1.0
-    direction = np.zeros((*np.shape(s), 3))
-    for number, (axis, s_axis, t_axis) in enumerate(_TABLE):
-        on = face == number
-        for index, value in (
-            (axis, 1.0 - 2.0 * (number % 2)), (s_axis[0], s * s_axis[1]), (t_axis[0], t * t_axis[1])
-        ):  # fmt: skip
-            direction[..., index] = np.where(on, value, direction[..., index])
-    other, u, v = cube_face(direction)
-    x = np.clip(np.floor(u * size).astype(np.int64), 0, size - 1)
-    y = np.clip(np.floor(v * size).astype(np.int64), 0, size - 1)
-    return stored(sampler, level, x, y, other)
+@lru_cache(maxsize=16)
+def _beyond(size: int) -> Integers:
+    """Where the texels of adjacent faces lie, (6, 4, size): by face, then beyond its left, right,
+    lower and upper edge, along that edge."""
+    along = 2.0 * (np.arange(size) + 0.5) / size - 1.0
+    outside = 2.0 * (size + 0.5) / size - 1.0
+    found = np.empty((6, 4, size), np.int64)
+    for face, (axis, s_axis, t_axis) in enumerate(_TABLE):
+        for side in range(4):
+            direction = np.empty((size, 3))
+            ends = np.full(size, outside if side % 2 else -outside)
+            s, t = (ends, along) if side < 2 else (along, ends)
+            direction[:, axis] = 1.0 - 2.0 * (face % 2)
+            direction[:, s_axis[0]], direction[:, t_axis[0]] = s * s_axis[1], t * t_axis[1]
+            other, u, v = cube_face(direction)
+            x, y = (np.clip(np.floor(at * size).astype(np.int64), 0, size - 1) for at in (u, v))
+            found[face, side] = (other * size + y) * size + x
+    return found
 
 
 def _size(span: Span) -> Span:
@@ -155,9 +147,9 @@ def _size(span: Span) -> Span:
     return least, np.maximum(low, high)
 
 
-def _on_face(along: Span, sign: int, major: Span, may: Flags) -> Span:
-    """0.5·(±along / major) + 0.5, in 0…1; the middle where the face is not met."""
-    ends = [np.where(may, sign * a / m, 0.0) for a in along for m in major]
+def _on_face(along: Span, sign: int, major: Span) -> Span:
+    """0.5·(±along / major) + 0.5, in 0…1."""
+    ends = [sign * a / m for a in along for m in major]
     low, high = np.minimum.reduce(ends), np.maximum.reduce(ends)
     return (
         np.clip(0.5 * low + 0.5 - _ROUNDING, 0.0, 1.0),

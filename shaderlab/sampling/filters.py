@@ -19,6 +19,7 @@ import numpy as np
 
 from shaderlab.bands.compiled import compiled
 from shaderlab.frame import Array
+from shaderlab.sampling.reading import Integers, texels_at
 from shaderlab.sampling.spans import Span, hull, require_narrow, widened
 
 WEIGHT = 2.0**-8
@@ -49,6 +50,19 @@ def nearest(texel: Texel, x: Span, y: Span) -> Span:
     candidates = [texel(column, row, crossing) for column in columns for row in rows]
     low[crossing], high[crossing] = hull(candidates)
     return low, high
+
+
+@compiled
+def nearest_texels(
+    x_low: Array, x_high: Array, y_low: Array, y_high: Array,
+    values: Array, layer: Integers, *how: Any,
+) -> Span:  # fmt: skip
+    """`nearest` of texels that `texels_at` finds."""
+
+    def texel(column: Array, row: Array, at: Any) -> Span:
+        return texels_at(column, row, values, layer[at], *how)
+
+    return nearest(texel, (x_low, x_high), (y_low, y_high))
 
 
 def linear(texel: Texel, x: Span, y: Span, exact: bool, compared: bool = False) -> Span:

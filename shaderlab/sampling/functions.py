@@ -149,7 +149,10 @@ def _of_plane(sampler: Sampler, p: Any, lod: Span | None, offset: Offset) -> Spa
                 found = reading.wrapped(sampler, level, column, row, number[at])
                 return compared(sampler, reference, found, at)
 
-            found.append(_filtered(sampler, word, texel, x, y))
+            whole = None
+            if word == "nearest" and reference is None and offset == (0, 0):
+                whole = reading.lookup(sampler, level, number)
+            found.append(_filtered(sampler, word, texel, x, y, whole))
         return hull(found)
 
     return levels.at_level(sampler, filtered, lod)
@@ -164,29 +167,46 @@ def _of_cube(sampler: Sampler, p: Any, lod: Span | None) -> Span:
 
     def filtered(level: int, word: str) -> Span:
         size = reading.level_values(sampler, level).shape[1]
-        low: Any = np.inf
-        high: Any = -np.inf
+        low: Any = None
+        high: Any = None
         for face, may, s, t in faces:
-            number = np.full(np.shape(s[0]), face, np.int64)
+            depths = None if reference is None else (reference[0][may], reference[1][may])
 
-            def texel(column: Array, row: Array, at: Any, number: Integers = number) -> Span:
+            def texel(
+                column: Array, row: Array, at: Any, face: int = face, depths: Any = depths
+            ) -> Span:
+                number = np.full(column.shape, face, np.int64)
                 if word == "nearest":
-                    column, row = np.clip(column, 0, size - 1), np.clip(row, 0, size - 1)
-                found = cube.across_edges(sampler, level, column, row, number[at])
-                return compared(sampler, reference, found, at)
+                    how = reading.lookup(sampler, level, number, reading.EDGE, reading.EDGE)
+                    found = reading.texels_at(column, row, *how)
+                else:
+                    found = cube.across_edges(sampler, level, column, row, number)
+                return compared(sampler, depths, found, at)
 
             x, y = (
                 (e[0] * size,) * 2 if e[0] is e[1] else (e[0] * size, e[1] * size) for e in (s, t)
             )
-            part = _filtered(sampler, word, texel, x, y)
-            low = np.where(may[..., None], np.minimum(low, part[0]), low)
-            high = np.where(may[..., None], np.maximum(high, part[1]), high)
+            whole = None
+            if word == "nearest" and depths is None:
+                number = np.full(x[0].shape, face, np.int64)
+                whole = reading.lookup(sampler, level, number, reading.EDGE, reading.EDGE)
+            part = _filtered(sampler, word, texel, x, y, whole)
+            if low is None:
+                shape = (*may.shape, part[0].shape[-1])
+                low, high = np.full(shape, np.inf), np.full(shape, -np.inf)
+            low[may], high[may] = np.minimum(low[may], part[0]), np.maximum(high[may], part[1])
         return low, high
 
     return levels.at_level(sampler, filtered, lod)
 
 
-def _filtered(sampler: Sampler, word: str, texel: filters.Texel, x: Span, y: Span) -> Span:
+def _filtered(
+    sampler: Sampler, word: str, texel: filters.Texel, x: Span, y: Span, whole: Any = None
+) -> Span:
+    """A sample by the filter `word`; `whole` is the lookup of texels that nothing compares, which
+    NEAREST finds in one pass."""
+    if whole is not None:
+        return filters.nearest_texels(*x, *y, *whole)
     if word == "nearest":
         return filters.nearest(texel, x, y)
     compared = sampler.texels.compare is not None

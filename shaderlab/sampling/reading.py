@@ -6,6 +6,7 @@ border), §8.16 (absent components), §8.23.1 (depth comparison), §2.3.5.1 (nor
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -30,7 +31,6 @@ _CODES = np.arange(256.0) / 255.0
 _GIVE = np.where((_CODES == 0.0) | (_CODES == 1.0), 0.0, CODE_PRECISION * _CODES)
 _LOWEST, _HIGHEST = _CODES - _GIVE, _CODES + _GIVE
 
-BORDER = "clamp_to_border"
 EDGE = "clamp_to_edge"
 _MIRRORED = {"greater": "less", "gequal": "lequal"}
 
@@ -101,77 +101,78 @@ def decoding(sampler: Sampler) -> Decoding:
     return _DEPTHS if texels.format[:7] in LARGEST and sampler.rules is not None else _NUMBERS
 
 
-def looked_up(
-    sampler: Sampler, level: int, x: Array, y: Array, layer: Integers, across: str, up: str
-) -> Span:
-    """Texels at whole numbers of any size, by wrap modes across and up that know no border."""
-    how = decoding(sampler)
-    values = level_values(sampler, level)
-    return texels_at(values, x, y, layer, across, up, how.lowest, how.highest, how.error)
+def lookup(sampler: Sampler, level: int, layer: Integers, *wrap: str) -> tuple[Any, ...]:
+    """What `texels_at` takes besides whole numbers: a level, where in it, and how it is read."""
+    texels, how = sampler.texels, decoding(sampler)
+    fixed = texels.values.dtype == np.uint8 or texels.format in LARGEST
+    border = _border(tuple(texels.border[: texels.values.shape[-1]]), fixed)
+    modes = wrap or texels.wrap[:2]
+    return (
+        level_values(sampler, level), layer, *modes, how.lowest, how.highest, how.error, border
+    )  # fmt: skip
+
+
+@lru_cache(maxsize=64)
+def _border(color: tuple[float, ...], fixed: bool) -> Array:
+    """What a border's four components are, of texels that are fixed-point numbers or floats."""
+    given = np.array(color, np.float32).astype(np.float64)
+    return _completed((np.clip(given, 0.0, 1.0) if fixed else given,) * 2)[0]
 
 
 @compiled
 def texels_at(
-    values: Array,
     x: Array,
     y: Array,
+    values: Array,
     layer: Integers,
     across: str,
     up: str,
     lowest: Array | None,
     highest: Array | None,
     error: float,
+    border: Array,
 ) -> Span:
-    """`looked_up` in (layers, height, width, channels), decoded; (count, 4)."""
+    """Texels at whole numbers of any size in (layers, height, width, channels), decoded, as
+    (count, 4): absent components are 0, absent alpha is 1; the border where a layer is -1, too."""
     _, height, width, channels = values.shape
     column = wrap_index(x.astype(np.int64), width, across)
     row = wrap_index(y.astype(np.int64), height, up)
-    place = (layer * height + row) * width + column
+    outside = (column < 0) | (row < 0) | (layer < 0)
+    place = np.where(outside, 0, (layer * height + row) * width + column)
     found = values.reshape(-1, channels).take(place, axis=0)
-    return _completed(_decoded(found, Decoding(lowest, highest, error)))
+    low, high = _completed(_decoded(found, Decoding(lowest, highest, error)))
+    if not outside.any():
+        return low, high
+    same, outside = low is high, outside[..., None]
+    low = np.where(outside, border, low)
+    return low, low if same else np.where(outside, border, high)
 
 
 def stored(sampler: Sampler, level: int, x: Integers, y: Integers, layer: Integers) -> Span:
     """Texels inside a level, by column, row and layer, as (count, 4): absent components are 0,
     absent alpha is 1."""
     values = level_values(sampler, level)
-    count, height, width, channels = values.shape
+    count, height, width, _ = values.shape
     if values.flags.c_contiguous:
         place = y * width + x if count == 1 else (layer * height + y) * width + x
-        found = values.reshape(-1, channels).take(place, axis=0)
-    else:
-        found = values[layer, y, x]
+        return stored_at(sampler, level, place)
+    return _completed(_decoded(values[layer, y, x], decoding(sampler)))
+
+
+def stored_at(sampler: Sampler, level: int, place: Integers) -> Span:
+    """`stored` by the number of a texel, counted row by row and layer by layer."""
+    values = level_values(sampler, level)
+    found = values.reshape(-1, values.shape[-1]).take(place, axis=0)
     return _completed(_decoded(found, decoding(sampler)))
 
 
 def wrapped(sampler: Sampler, level: int, x: Array, y: Array, layer: Integers) -> Span:
     """Texels at any integer column and row, and layer of three dimensions, by the sampler's wrap
     modes; (count, 4)."""
-    texels = sampler.texels
-    depth, height, width, channels = level_values(sampler, level).shape
-    if texels.kind != "3D" and BORDER not in texels.wrap:
-        return looked_up(sampler, level, x, y, layer, texels.wrap[0], texels.wrap[1])
-    column = wrap_index(x.astype(np.int64), width, texels.wrap[0])
-    row = wrap_index(y.astype(np.int64), height, texels.wrap[1])
-    if texels.kind == "3D":
-        layer = wrap_index(layer, depth, texels.wrap[2])
-    if BORDER not in texels.wrap:
-        return stored(sampler, level, column, row, layer)
-    if texels.kind == "3D":
-        inside = (np.maximum(index, 0) for index in (column, row, layer))
-        low, high = stored(sampler, level, *inside)
-    else:
-        modes = (EDGE if mode == BORDER else mode for mode in texels.wrap[:2])
-        low, high = looked_up(sampler, level, x, y, layer, *modes)
-    outside = ((column < 0) | (row < 0) | (layer < 0))[..., None]
-    if outside.any():
-        border = np.asarray(texels.border[:channels], np.float32).astype(np.float64)
-        fixed = texels.values.dtype == np.uint8 or texels.format in LARGEST
-        color, _ = _completed((np.clip(border, 0.0, 1.0) if fixed else border,) * 2)
-        same = low is high
-        low = np.where(outside, color, low)
-        high = low if same else np.where(outside, color, high)
-    return low, high
+    if sampler.texels.kind == "3D":
+        depth = level_values(sampler, level).shape[0]
+        layer = wrap_index(layer, depth, sampler.texels.wrap[2])
+    return texels_at(x, y, *lookup(sampler, level, layer))
 
 
 def compared(function: str, reference: Span, texel: Span) -> Span:

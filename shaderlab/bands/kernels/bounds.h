@@ -26,8 +26,14 @@ static PyObject *two_arrays(Result *result)
     return Py_BuildValue("NN", result->lo, result->hi);
 }
 
-/* outward(lo, hi, flush): (lo, hi), one array twice where one was given and nothing was rounded. */
-static PyObject *outward(PyObject *self, PyObject *const *args, Py_ssize_t given)
+LOOP int64_t any_crossed(npy_intp count, const double *lo, const double *hi)
+{
+    int64_t found = 0;
+    for (npy_intp i = 0; i < count; i++) found |= !(lo[i] <= hi[i]) ? ODD : 0;
+    return found;
+}
+
+static PyObject *rounded_outward(PyObject *const *args, Py_ssize_t given, int in_order)
 {
     Pass pass;
     Value *a = &pass.a;
@@ -36,14 +42,28 @@ static PyObject *outward(PyObject *self, PyObject *const *args, Py_ssize_t given
     if (make_room(result, &pass.shape, 0, 0)) return NULL;
     result->flush = args[2] == Py_True;
     result->exact = a->exact;
-    for (npy_intp start = 0; start < pass.shape.size; start += BLOCK) {
+    for (npy_intp start = 0; start < pass.shape.size && !result->rare; start += BLOCK) {
         npy_intp count = pass.shape.size - start < BLOCK ? pass.shape.size - start : BLOCK;
         const double *lo = values_at(&a->lo, start, count);
-        negated(count, a->exact ? lo : values_at(&a->hi, start, count), pass.negated_hi);
+        const double *hi = a->exact ? lo : values_at(&a->hi, start, count);
+        if (in_order) result->rare = any_crossed(count, lo, hi);
+        negated(count, hi, pass.negated_hi);
         result->differ |= narrow(count, result->flush, lo, pass.negated_hi, result->low + start,
                                  result->high + start);
     }
     return two_arrays(result);
+}
+
+/* outward(lo, hi, flush): (lo, hi), one array twice where one was given and nothing was rounded. */
+static PyObject *outward(PyObject *self, PyObject *const *args, Py_ssize_t given)
+{
+    return rounded_outward(args, given, 0);
+}
+
+/* enclosed(lo, hi, flush): the same of bounds in order; None where one is no number. */
+static PyObject *enclosed(PyObject *self, PyObject *const *args, Py_ssize_t given)
+{
+    return rounded_outward(args, given, 1);
 }
 
 /* Arrays of one joint shape; false where a pass can't take them. */

@@ -3,14 +3,15 @@
 #ifndef SHADERLAB_TEXELS_H
 #define SHADERLAB_TEXELS_H
 
-typedef enum { REPEAT, MIRRORED_REPEAT, CLAMP_TO_EDGE, OTHERWISE } Wrap;
+typedef enum { REPEAT, MIRRORED_REPEAT, CLAMP_TO_EDGE, CLAMP_TO_BORDER, OTHERWISE } Wrap;
 
 static Wrap wrap_of(PyObject *mode)
 {
+    static const char *const names[] = {
+        "repeat", "mirrored_repeat", "clamp_to_edge", "clamp_to_border"};
     if (!PyUnicode_Check(mode)) return OTHERWISE;
-    if (PyUnicode_CompareWithASCIIString(mode, "repeat") == 0) return REPEAT;
-    if (PyUnicode_CompareWithASCIIString(mode, "mirrored_repeat") == 0) return MIRRORED_REPEAT;
-    if (PyUnicode_CompareWithASCIIString(mode, "clamp_to_edge") == 0) return CLAMP_TO_EDGE;
+    for (int k = 0; k < OTHERWISE; k++)
+        if (PyUnicode_CompareWithASCIIString(mode, names[k]) == 0) return k;
     return OTHERWISE;
 }
 
@@ -25,7 +26,8 @@ static inline int64_t folded(int64_t index, int64_t size)
     return index < size ? index : 2 * size - 1 - index;
 }
 
-/* The texels that whole numbers stand for; nonzero where one is no number of a sensible size. */
+/* The texels that whole numbers stand for, -1 for the border; nonzero where one is no number of a
+ * sensible size. */
 LOOP int64_t wrap(
     npy_intp count, const double *at, int64_t size, Wrap mode, int64_t *restrict to)
 {
@@ -41,6 +43,8 @@ LOOP int64_t wrap(
             int64_t least = to[i] > 0 ? to[i] : 0;
             to[i] = least < size ? least : size - 1;
         }
+    else if (mode == CLAMP_TO_BORDER)
+        for (npy_intp i = 0; i < count; i++) to[i] = (to[i] < 0) | (to[i] >= size) ? -1 : to[i];
     else if (!(period & (period - 1)))
         for (npy_intp i = 0; i < count; i++) to[i] &= period - 1;
     else
@@ -50,21 +54,52 @@ LOOP int64_t wrap(
     return rare;
 }
 
-/* Four components of each texel: absent ones are 0, absent alpha 1. */
-#define COPY_TEXELS(type, read)                                                     \
+/* A number of 16 bits: five of the exponent, ten of the fraction. */
+static inline double of_half(uint16_t bits)
+{
+    uint64_t moved = (uint64_t)(bits & 0x7FFF) << 42;
+    double size, beyond = bits & 0x3FF ? NAN : INFINITY;
+    memcpy(&size, &moved, sizeof size);
+    size = (bits & 0x7C00) == 0x7C00 ? beyond : size * 0x1p1008;
+    return bits >> 15 ? -size : size;
+}
+
+/* A level of a texture, how its numbers are read, and where. */
+typedef struct {
+    const void *data;
+    int type;
+    npy_intp layers, height, width, channels;
+    Wrap across, up;
+    const double *tables[2], *border;
+    double error;
+    const int64_t *layer;
+    npy_intp count;
+} Level;
+
+/* Four components of each texel, of the border for -1: absent ones are 0, absent alpha 1. */
+#define COPY_TEXELS(type, channels, read)                                           \
     for (npy_intp i = 0; i < count; i++) {                                          \
-        const type *texel = (const type *)values + place[i] * channels;             \
-        for (npy_intp k = 0; k < 4; k++)                                            \
-            to[4 * i + k] = k < channels ? (read) : k == 3 ? 1.0 : 0.0;             \
+        const type *texel = (const type *)level->data + place[i] * channels;        \
+        if (place[i] < 0) memcpy(to + 4 * i, level->border, 4 * sizeof *to);        \
+        else                                                                        \
+            for (npy_intp k = 0; k < 4; k++)                                        \
+                to[4 * i + k] = k < channels ? (read) : k == 3 ? 1.0 : 0.0;         \
+    }
+#define COPY_ANY(type, read)                                                        \
+    {                                                                               \
+        if (level->channels == 4) COPY_TEXELS(type, 4, read)                        \
+        else if (level->channels == 1) COPY_TEXELS(type, 1, read)                   \
+        else COPY_TEXELS(type, level->channels, read)                               \
     }
 
-static void copy_texels(
-    npy_intp count, const void *values, int type, npy_intp channels, const double *table,
-    const int64_t *place, double *restrict to)
+LOOP void copy_texels(
+    const Level *level, npy_intp count, const double *table, const int64_t *place,
+    double *restrict to)
 {
-    if (type == NPY_UBYTE) COPY_TEXELS(uint8_t, table[texel[k]])
-    else if (type == NPY_FLOAT) COPY_TEXELS(float, (double)texel[k])
-    else COPY_TEXELS(double, texel[k])
+    if (level->type == NPY_UBYTE) COPY_ANY(uint8_t, table[texel[k]])
+    else if (level->type == NPY_HALF) COPY_ANY(uint16_t, of_half(texel[k]))
+    else if (level->type == NPY_FLOAT) COPY_ANY(float, (double)texel[k])
+    else COPY_ANY(double, texel[k])
 }
 
 /* Numbers neither 0 nor 1 moved by a relative error. */
@@ -78,6 +113,35 @@ LOOP void err(npy_intp count, double error, double *restrict low, double *restri
     }
 }
 
+/* What is stored at some places, as bounds. */
+static void read_texels(
+    const Level *level, npy_intp count, const int64_t *place, double *restrict low,
+    double *restrict high)
+{
+    const double *lowest = level->tables[0], *highest = level->tables[1];
+    copy_texels(level, count, lowest, place, low);
+    if (level->error != 0.0) err(4 * count, level->error, low, high);
+    else if (lowest != highest) copy_texels(level, count, highest, place, high);
+    else memcpy(high, low, 4 * count * sizeof *low);
+}
+
+/* The places of whole numbers across and up; nonzero where there is none. */
+LOOP int64_t places_at(
+    const Level *level, npy_intp start, npy_intp count, const double *x, const double *y,
+    int64_t *restrict place)
+{
+    int64_t row[BLOCK], rare = wrap(count, x, level->width, level->across, place);
+    rare |= wrap(count, y, level->height, level->up, row);
+    int64_t width = level->width, height = level->height, layers = level->layers;
+    const int64_t *layer = level->layer + start;
+    for (npy_intp i = 0; i < count; i++) {
+        int64_t inside = (layer[i] * height + row[i]) * width + place[i];
+        rare |= (layer[i] < -1) | (layer[i] >= layers) ? ODD : 0;
+        place[i] = (layer[i] < 0) | (row[i] < 0) | (place[i] < 0) ? -1 : inside;
+    }
+    return rare;
+}
+
 /* An array of one axis of this length, or none. */
 static const void *row_of(PyObject *object, int type, npy_intp *length)
 {
@@ -89,47 +153,133 @@ static const void *row_of(PyObject *object, int type, npy_intp *length)
     return PyArray_DIM(array, 0) == *length ? PyArray_DATA(array) : NULL;
 }
 
-/* texels_at(values, x, y, layer, wrap of x, wrap of y, lowest, highest, error):
+/* Reads (values, layer, wrap of x, wrap of y, lowest, highest, error, border); false where NumPy
+ * must do it. */
+static int read_level(Level *level, PyObject *const *args)
+{
+    npy_intp codes = 256, four = 4;
+    if (!PyArray_Check(args[0])) return 0;
+    PyArrayObject *values = (PyArrayObject *)args[0];
+    int type = level->type = PyArray_TYPE(values), coded = type == NPY_UBYTE;
+    if (PyArray_NDIM(values) != 4 || !PyArray_ISCARRAY_RO(values)) return 0;
+    if (!coded && type != NPY_HALF && type != NPY_FLOAT && type != NPY_DOUBLE) return 0;
+    level->count = -1;
+    level->layer = row_of(args[1], NPY_INT64, &level->count);
+    level->across = wrap_of(args[2]);
+    level->up = wrap_of(args[3]);
+    if (!level->layer || level->across == OTHERWISE || level->up == OTHERWISE) return 0;
+    for (int k = 0; k < 2; k++) {
+        level->tables[k] = coded ? row_of(args[4 + k], NPY_DOUBLE, &codes) : NULL;
+        if (coded && !level->tables[k]) return 0;
+    }
+    level->error = PyFloat_Check(args[6]) ? PyFloat_AS_DOUBLE(args[6]) : 0.0;
+    level->border = row_of(args[7], NPY_DOUBLE, &four);
+    const npy_intp *dims = PyArray_DIMS(values);
+    level->data = PyArray_DATA(values);
+    level->layers = dims[0];
+    level->height = dims[1];
+    level->width = dims[2];
+    level->channels = dims[3];
+    return level->border && level->count && dims[1] && dims[2] && dims[3] <= 4;
+}
+
+/* Makes room for four components of each place. */
+static int room_for_texels(Result *result, const Level *level)
+{
+    Shape shape = {.ndim = 2, .dims = {level->count, 4}, .size = 4 * level->count};
+    result->exact = level->tables[0] == level->tables[1] && level->error == 0.0;
+    return make_room(result, &shape, 0, 0);
+}
+
+static npy_intp texels_in(const Level *level, npy_intp start)
+{
+    return level->count - start < BLOCK ? level->count - start : BLOCK;
+}
+
+/* texels_at(x, y, values, layer, wrap of x, wrap of y, lowest, highest, error, border):
  * (low, high). */
 static PyObject *texels_at(PyObject *self, PyObject *const *args, Py_ssize_t given)
 {
     Result result = {0};
-    npy_intp count = -1, codes = 256;
-    if (given != 9 || !PyArray_Check(args[0])) Py_RETURN_NONE;
-    PyArrayObject *values = (PyArrayObject *)args[0];
-    int type = PyArray_TYPE(values), coded = type == NPY_UBYTE;
-    if (PyArray_NDIM(values) != 4 || !PyArray_ISCARRAY_RO(values)) Py_RETURN_NONE;
-    if (!coded && type != NPY_FLOAT && type != NPY_DOUBLE) Py_RETURN_NONE;
-    const double *x = row_of(args[1], NPY_DOUBLE, &count), *y = row_of(args[2], NPY_DOUBLE, &count);
-    const int64_t *layer = row_of(args[3], NPY_INT64, &count);
-    Wrap across = wrap_of(args[4]), up = wrap_of(args[5]);
-    if (!x || !y || !layer || across == OTHERWISE || up == OTHERWISE) Py_RETURN_NONE;
-    const double *tables[] = {NULL, NULL};
-    for (int k = 0; k < 2 && coded; k++)
-        if (!(tables[k] = row_of(args[6 + k], NPY_DOUBLE, &codes))) Py_RETURN_NONE;
-    const npy_intp *dims = PyArray_DIMS(values);
-    npy_intp layers = dims[0], height = dims[1], width = dims[2], channels = dims[3];
-    if (!count || channels > 4 || !width || !height) Py_RETURN_NONE;
-    Shape shape = {.ndim = 2, .dims = {count, 4}, .size = 4 * count};
-    double error = PyFloat_Check(args[8]) ? PyFloat_AS_DOUBLE(args[8]) : 0.0;
-    result.exact = tables[0] == tables[1] && error == 0.0;
-    if (make_room(&result, &shape, 0, 0)) return NULL;
-    for (npy_intp start = 0; start < count && !result.rare; start += BLOCK) {
-        int64_t column[BLOCK], row[BLOCK];
-        npy_intp some = count - start < BLOCK ? count - start : BLOCK;
-        result.rare = wrap(some, x + start, width, across, column);
-        result.rare |= wrap(some, y + start, height, up, row);
-        for (npy_intp i = 0; i < some; i++) {
-            int64_t number = layer[start + i];
-            if (number < 0 || number >= layers) result.rare = ODD;
-            column[i] += (number * height + row[i]) * width;
-        }
+    Level level;
+    if (given != 10 || !read_level(&level, args + 2)) Py_RETURN_NONE;
+    const double *x = row_of(args[0], NPY_DOUBLE, &level.count);
+    const double *y = row_of(args[1], NPY_DOUBLE, &level.count);
+    if (!x || !y) Py_RETURN_NONE;
+    if (room_for_texels(&result, &level)) return NULL;
+    for (npy_intp start = 0; start < level.count && !result.rare; start += BLOCK) {
+        int64_t place[BLOCK];
+        npy_intp some = texels_in(&level, start);
+        result.rare = places_at(&level, start, some, x + start, y + start, place);
+        if (!result.rare)
+            read_texels(&level, some, place, result.low + 4 * start, result.high + 4 * start);
+    }
+    return two_arrays(&result);
+}
+
+/* The whole numbers below both ends of coordinates; nonzero where those are too far apart. */
+LOOP int64_t floors(
+    npy_intp count, const double *lo, const double *hi, double *restrict first,
+    double *restrict last)
+{
+    int64_t rare = 0;
+    for (npy_intp i = 0; i < count; i++) {
+        first[i] = floor(lo[i]);
+        last[i] = floor(hi[i]);
+        rare |= !(hi[i] - lo[i] <= 1.0) ? ODD : 0;
+    }
+    return rare;
+}
+
+/* Joins what some places hold with the other candidates there. */
+static int64_t join_candidates(
+    const Level *level, npy_intp count, const npy_intp *at, const int64_t *place,
+    double *restrict low, double *restrict high)
+{
+    double one[4 * BLOCK], other[4 * BLOCK];
+    int64_t rare = 0;
+    read_texels(level, count, place, one, other);
+    for (npy_intp i = 0; i < 4 * count; i++) {
+        double *to_low = low + 4 * at[i / 4] + i % 4, *to_high = high + 4 * at[i / 4] + i % 4;
+        rare |= (*to_low != *to_low) | (one[i] != one[i]) ? ODD : 0;
+        *to_low = smaller(*to_low, one[i]);
+        *to_high = larger(*to_high, other[i]);
+    }
+    return rare;
+}
+
+/* nearest_texels(lowest x, highest x, of y, then as texels_at): (low, high). */
+static PyObject *nearest_texels(PyObject *self, PyObject *const *args, Py_ssize_t given)
+{
+    Result result = {0};
+    Level level;
+    const double *ends[4];
+    int candidates = given == 12 && args[0] == args[1] && args[2] == args[3] ? 1 : 4;
+    if (given != 12 || !read_level(&level, args + 4)) Py_RETURN_NONE;
+    Operand operands[4];
+    Shape shape;
+    if (!read_operands(operands, args, 4, &shape)) Py_RETURN_NONE;
+    if (shape.ndim != 1 || shape.size != level.count) Py_RETURN_NONE;
+    if (room_for_texels(&result, &level)) return NULL;
+    for (npy_intp start = 0; start < level.count && !result.rare; start += BLOCK) {
+        double whole[4][BLOCK];
+        int64_t place[4][BLOCK], rest[BLOCK];
+        npy_intp some = texels_in(&level, start), at[BLOCK], crossing = 0;
+        double *low = result.low + 4 * start, *high = result.high + 4 * start;
+        for (int k = 0; k < 4; k++) ends[k] = values_at(&operands[k], start, some);
+        for (int k = 0; k < 4; k += 2)
+            result.rare |= floors(some, ends[k], ends[k + 1], whole[k], whole[k + 1]);
+        for (int k = 0; k < candidates; k++)
+            result.rare |= places_at(&level, start, some, whole[k & 1], whole[2 + k / 2], place[k]);
         if (result.rare) break;
-        const void *data = PyArray_DATA(values);
-        copy_texels(some, data, type, channels, tables[0], column, result.low + 4 * start);
-        if (error != 0.0) err(4 * some, error, result.low + 4 * start, result.high + 4 * start);
-        if (!coded || result.exact) continue;
-        copy_texels(some, data, type, channels, tables[1], column, result.high + 4 * start);
+        read_texels(&level, some, place[0], low, high);
+        for (npy_intp i = 0; i < some; i++)
+            if ((whole[0][i] != whole[1][i]) | (whole[2][i] != whole[3][i])) at[crossing++] = i;
+        for (int k = 1; k < 4 && crossing; k++) {
+            for (npy_intp i = 0; i < crossing; i++) rest[i] = place[k][at[i]];
+            result.rare |= join_candidates(&level, crossing, at, rest, low, high);
+        }
+        result.differ |= crossing;
     }
     return two_arrays(&result);
 }
