@@ -242,7 +242,9 @@ def test_common_values_are_not_left_to_numpy() -> None:
             assert getattr(compiled.KERNELS, name)(*operands) is not None
     for vector in (x, x * x + 1.0, tiny * x):
         assert compiled.KERNELS.dot(x, vector) is not None
-        assert compiled.KERNELS.times_vector(Band.exact(np.full((2, 3), 0.3)), vector) is not None
+        for matrix in (np.full((2, 3), 0.3), np.array([[0.3, 0.0, 0.0], [0.0, 0.0, 0.0]])):
+            assert compiled.KERNELS.times_vector(Band.exact(matrix), vector) is not None
+            assert_numpy_s(sums.times_vector, Band.exact(matrix), vector)
     assert compiled.KERNELS.direction(x) is not None
     assert compiled.KERNELS.joined([x * x, x + 1.0, zero], -1) is not None
     assert compiled.KERNELS.ordinary(x.lo.astype(np.float32)) is not None
@@ -270,6 +272,12 @@ def test_what_a_pass_can_t_take_is_left_to_numpy() -> None:
     assert compiled.KERNELS.within_ends(x + 0.3, infinite, x, x) is None
     assert compiled.KERNELS.joined_last([x.lo, np.ones(1, np.float32)]) is None
     assert compiled.KERNELS.mixed_texels(*[x.lo] * 8, *[infinite.lo] * 4) is None
+    assert compiled.KERNELS.times_vector(Band.exact(np.diag([0.3] * 3)), x * infinite) is None
+    assert compiled.KERNELS.enclosed(x.hi + 1.0, x.lo, True) is None
+    assert compiled.KERNELS.enclosed(x.lo, x.lo * np.nan, True) is None
+    texel = (np.ones((1, 2, 2, 1)), np.zeros(4, np.int64), *["repeat"] * 2, None, None, 0.0)
+    ends = (np.zeros(4), np.full(4, 1.5), *[np.zeros(4)] * 2)
+    assert compiled.KERNELS.nearest_texels(*ends, *texel, np.zeros(4)) is None
     with pytest.raises(ValueError, match="broadcast"):
         x + Band.exact([1.0, 2.0])
 
@@ -278,29 +286,42 @@ def test_what_a_pass_can_t_take_is_left_to_numpy() -> None:
 @settings(max_examples=40, deadline=None)
 @given(data=st.data())
 def test_texels_are_looked_up_as_numpy_does(data: Any) -> None:
-    kind = data.draw(st.sampled_from([np.uint8, np.float32, np.float64]))
-    layers, height, width, channels = data.draw(st.tuples(*[st.integers(1, 4)] * 3, st.just(3)))
-    size = (layers, height, width, channels)
+    kind = data.draw(st.sampled_from([np.uint8, np.float16, np.float32, np.float64]))
+    size = data.draw(st.tuples(*[st.integers(1, 4)] * 4))
     values = (np.arange(np.prod(size)) * 37 % 256).reshape(size).astype(kind)
     count = data.draw(st.sampled_from([1, 7, 800]))
     place = st.lists(st.integers(-9, 9), min_size=1, max_size=9)
     x, y = (np.resize(np.array(data.draw(place), np.float64), count) for _ in range(2))
-    layer = np.arange(count) % layers
-    modes = data.draw(
-        st.tuples(*[st.sampled_from(["repeat", "mirrored_repeat", "clamp_to_edge"])] * 2)
-    )
+    layer = np.arange(count) % (size[0] + 1) - 1
+    mode = st.sampled_from(["repeat", "mirrored_repeat", "clamp_to_edge", "clamp_to_border"])
     tables = np.arange(256.0) - 0.5, np.arange(256.0) + 0.5
-    given = (
+    decoded = (
         (None, None) if kind != np.uint8 else data.draw(st.sampled_from([tables, tables[:1] * 2]))
     )
     error = 0.0 if kind == np.uint8 else data.draw(st.sampled_from([0.0, 0.25]))
-    assert compiled.KERNELS.texels_at(values, x, y, layer, *modes, *given, error) is not None
-    got = reading.texels_at(values, x, y, layer, *modes, *given, error)
-    with compiled.numpy_alone():
-        expected = reading.texels_at(values, x, y, layer, *modes, *given, error)
-    for ours, theirs in zip(got, expected, strict=True):
-        np.testing.assert_array_equal(ours, theirs, strict=True)
-    assert (got[0] is got[1]) == (expected[0] is expected[1])
+    border = np.array([0.5, -2.0, 3.0, 1.0])
+    how = (values, layer, data.draw(mode), data.draw(mode), *decoded, error, border)
+    wide = np.resize([0.0, 0.25, 1.0], count)
+    for name, module, operands in (
+        ("texels_at", reading, (x, y, *how)),
+        ("nearest_texels", filters, (x / 2, x / 2, y / 2, y / 2, *how)),
+        ("nearest_texels", filters, (x / 4, x / 4 + wide, y - wide, y, *how)),
+    ):
+        got = getattr(compiled.KERNELS, name)(*operands)
+        with compiled.numpy_alone():
+            expected = getattr(module, name)(*operands)
+        for ours, theirs in zip(got, expected, strict=True):
+            np.testing.assert_array_equal(ours, theirs, strict=True)
+        assert (got[0] is got[1]) == (expected[0] is expected[1])
+
+
+@needs_kernels
+def test_half_floats_are_numpy_s() -> None:
+    every = np.arange(2**16, dtype=np.uint16).view(np.float16).reshape(1, 1, -1, 1)
+    x, zero = np.arange(2.0**16), np.zeros(2**16)
+    how = (zero.astype(np.int64), "repeat", "repeat", None, None, 0.0, np.zeros(4))
+    got, _ = compiled.KERNELS.texels_at(x, zero, every, *how)
+    np.testing.assert_array_equal(got[:, 0], every.ravel().astype(np.float64))
 
 
 def test_passes_of_older_sources_are_left_aside(monkeypatch: pytest.MonkeyPatch) -> None:

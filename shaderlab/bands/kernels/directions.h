@@ -29,7 +29,8 @@ LOOP int64_t any_less(npy_intp count, const double *x, double least)
 /* Lengths and their inverses, of squared lengths. */
 static int64_t lengths(Line *line, const Value *squared, npy_intp count, Value *root, Value *inverse)
 {
-    double *lo = line->lo, *negated_hi = line->negated_hi, least[BLOCK], greatest[BLOCK];
+    double *lo = line->lo, *negated_hi = line->negated_hi;
+    ALIGNED double least[BLOCK], greatest[BLOCK];
     int64_t rare = any_less(count, squared->low, SMALLEST_NORMAL);
     rare |= inverse_root_bounds(count, squared, SMALLEST_NORMAL, lo, negated_hi);
     narrow(count, line->flush, lo, negated_hi, inverse->blocks[0], inverse->blocks[1]);
@@ -50,7 +51,8 @@ static int64_t directed(Line *line, Result *result, npy_intp start, npy_intp cou
 {
     Value *squared = &line->a.value, root, inverse;
     root.count = inverse.count = 1.0;
-    double quotient[2][BLOCK], product[2][BLOCK], *lo = line->lo, *negated_hi = line->negated_hi;
+    double *lo = line->lo, *negated_hi = line->negated_hi;
+    ALIGNED double quotient[2][BLOCK], product[2][BLOCK];
     const double *const both[] = {quotient[0], quotient[1], product[0], product[1]};
     load_vectors(line, start, count);
     int64_t rare = add_up(line, 0, start, count, squared->blocks[0], squared->blocks[1]);
@@ -83,6 +85,7 @@ static PyObject *direction(PyObject *self, PyObject *const *args, Py_ssize_t giv
     npy_intp rows = line.b.rows;
     broadcast(&pass.shape, &line.b.value.lo);
     line.steps = 0.0;
+    line.skips = 0;
     if (make_room(result, &pass.shape, 0, 0)) return NULL;
     for (;;) {
         result->rare = 0;

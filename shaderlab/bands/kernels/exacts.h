@@ -171,7 +171,7 @@ static PyObject *union_of(PyObject *self, PyObject *const *args, Py_ssize_t give
         if (sums) result->rare |= maxima(count, a->size, b->size, result->size + start);
         if (pass.tiny) maxima(count, a->reached, b->reached, result->reached + start);
         if (!slack) continue;
-        static const double none[BLOCK];
+        static const ALIGNED double none[BLOCK];
         const double *one = a->slackened ? values_at(&a->slack, start, count) : none;
         const double *other = b->slackened ? values_at(&b->slack, start, count) : none;
         maxima(count, one, other, result->step + start);

@@ -85,7 +85,7 @@ static PyObject *within_ends(PyObject *self, PyObject *const *args, Py_ssize_t g
     Pass pass;
     Value x, y, a, *found = &pass.a, *all[] = {found, &x, &y, &a};
     Result *result = &pass.result;
-    double zeros[BLOCK] = {0}, ones[BLOCK];
+    ALIGNED double zeros[BLOCK] = {0}, ones[BLOCK];
     if (given != 4 || !begin(&pass, args, 1, 1) || found->exact) Py_RETURN_NONE;
     for (int k = 1; k < 4; k++)
         if (!read_value(all[k], args[k]) || !broadcast_value(&pass.shape, all[k])) Py_RETURN_NONE;
@@ -163,7 +163,7 @@ LOOP int64_t move_out(
 static int64_t mix_texels(
     npy_intp count, const double *const *at, double *restrict lo, double *restrict hi)
 {
-    double size[BLOCK], other[BLOCK];
+    ALIGNED double size[BLOCK], other[BLOCK];
     int64_t rare = mix_ends_of_texels(
         count, at[0], at[1], at[2], at[3], at[8], at[9], at[10], at[11], 1.0, lo, size);
     rare |= mix_ends_of_texels(

@@ -8,6 +8,8 @@
 
 /* A dozen blocks fit into a first-level cache; a multiple of 2, 3, 4, 8, 12, 16. */
 #define BLOCK 384
+/* A register of 64 bytes never lies across two lines of the cache. */
+#define ALIGNED _Alignas(64)
 #define MAX_DIMS 6
 
 typedef struct {
@@ -23,7 +25,7 @@ typedef struct {
     /* Of the gathered: dimensions that can't be joined to one, strides in values. */
     int ndim;
     npy_intp dims[MAX_DIMS], strides[MAX_DIMS];
-    double block[BLOCK];
+    ALIGNED double block[BLOCK];
 } Operand;
 
 /* Whether this is an array that the loops can read; the operand borrows it. */

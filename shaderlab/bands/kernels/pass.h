@@ -14,7 +14,7 @@ typedef struct {
     double steps;
     Value *scaled;
     int64_t more;
-    double lo[BLOCK], negated_hi[BLOCK];
+    ALIGNED double lo[BLOCK], negated_hi[BLOCK];
 } Pass;
 
 /* Reads one or two bands; false where the NumPy code must do it. */

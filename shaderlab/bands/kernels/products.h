@@ -5,10 +5,11 @@
 
 /* `steps` times the rounding among the terms is added; 0 for plain values, which have none. */
 VERSION int64_t multiplied(
-    npy_intp count, const Value *a, const Value *b, double steps, int tiny, double *restrict lo,
-    double *restrict negated_hi, double *restrict size, double *restrict reach)
+    npy_intp count, const Value *a, const Value *b, double steps, int exact, int tiny,
+    double *restrict lo, double *restrict negated_hi, double *restrict size,
+    double *restrict reach)
 {
-    const double *a_lo = a->settled_low, *a_hi = a->settled_high, *a_size = a->size;
+    const double *a_lo = a->settled_low, *a_hi = exact ? a_lo : a->settled_high, *a_size = a->size;
     const double *b_lo = b->settled_low, *b_hi = b->settled_high, *b_size = b->size;
     const double *a_reach = a->reached, *b_reach = b->reached;
     double uncancelled = steps > 1.0 ? UNCANCELLED : 0.0;
@@ -32,26 +33,43 @@ VERSION int64_t multiplied(
         lo[i] = (out_low < 0.0) & positive ? 0.0 : out_low;
         negated_hi[i] = (out_high > 0.0) & negative ? 0.0 : -out_high;
         size[i] = mag;
-        /* Infinity times 0 is NaN, which minima and maxima may lose. */
-        int odd = unbounded(a_lo[i], a_hi[i]) | unbounded(b_lo[i], b_hi[i]);
-        odd |= unbounded(low, high) | !(mag < INFINITY);
+        /* Infinity times 0 is NaN, which minima and maxima may lose, but no sum does. */
+        int odd = !(fabs(first + second + (third + fourth) + mag) < INFINITY);
         rare |= rare_of(odd, tiny ? 0.0 : mag);
     }
     return rare;
 }
 
-LOOP int64_t multiply_block(
+LOOP int64_t multiply_bands(
     npy_intp count, const Value *a, const Value *b, double steps, double *restrict lo,
     double *restrict negated_hi, double *restrict size)
 {
-    return multiplied(count, a, b, steps, 0, lo, negated_hi, size, NULL);
+    return multiplied(count, a, b, steps, 0, 0, lo, negated_hi, size, NULL);
+}
+
+LOOP int64_t multiply_exact(
+    npy_intp count, const Value *a, const Value *b, double steps, double *restrict lo,
+    double *restrict negated_hi, double *restrict size)
+{
+    return multiplied(count, a, b, steps, 1, 0, lo, negated_hi, size, NULL);
+}
+
+static int64_t multiply_block(
+    npy_intp count, const Value *a, const Value *b, double steps, double *lo, double *negated_hi,
+    double *size)
+{
+    if (a->settled_low == a->settled_high)
+        return multiply_exact(count, a, b, steps, lo, negated_hi, size);
+    if (b->settled_low == b->settled_high)
+        return multiply_exact(count, b, a, steps, lo, negated_hi, size);
+    return multiply_bands(count, a, b, steps, lo, negated_hi, size);
 }
 
 LOOP int64_t multiply_tiny(
     npy_intp count, const Value *a, const Value *b, double steps, double *restrict lo,
     double *restrict negated_hi, double *restrict size, double *restrict reach)
 {
-    return multiplied(count, a, b, steps, 1, lo, negated_hi, size, reach);
+    return multiplied(count, a, b, steps, 0, 1, lo, negated_hi, size, reach);
 }
 
 static int64_t product_block(Pass *pass, npy_intp start)

@@ -8,14 +8,13 @@
 #define INVERSESQRT_ULPS 2.0
 
 VERSION int64_t divided(
-    npy_intp count, const Value *a, const Value *b, int tiny, double *restrict lo,
+    npy_intp count, const Value *a, const Value *b, int plain, int tiny, double *restrict lo,
     double *restrict negated_hi, double *restrict size, double *restrict reach)
 {
     const double *a_lo = a->settled_low, *a_hi = a->settled_high, *a_size = a->size;
     const double *b_lo = b->low, *b_hi = b->high;
     const double *a_reach = a->reached;
-    double steps = a->plain ? 0.0 : DIVISION_ULPS, unit = SMALLEST_NORMAL * a->count;
-    double terms = a->plain ? 0.0 : 1.0;
+    double unit = SMALLEST_NORMAL * a->count;
     int64_t rare = 0;
     for (npy_intp i = 0; i < count; i++) {
         double below = b_lo[i], above = b_hi[i];
@@ -30,41 +29,60 @@ VERSION int64_t divided(
         double low = less / under, high = more / over;
         int odd = unbounded(low, high) | outside;
         widen(&low, &high, DIVISION_ULPS, DIVISION_ULPS);
+        if (plain) {
+            lo[i] = low;
+            negated_hi[i] = -high;
+            rare |= odd ? ODD : 0;
+            continue;
+        }
         double mag = a_size[i] / nearer, flushed = 0.0;
         if (tiny) {
             reach[i] = a_reach[i] * larger(1.0 / nearer, 1.0);
             flushed = unit * reach[i];
         }
-        double step = steps * step_of(mag, flushed, tiny);
+        double step = DIVISION_ULPS * step_of(mag, flushed, tiny);
         double out_low = low - step, out_high = high + step;
         int safe = !tiny || (RELATIVE_STEP * mag >= flushed) | (mag == 0.0);
         lo[i] = (out_low < 0.0) & (low >= 0.0) & safe ? 0.0 : out_low;
         negated_hi[i] = (out_high > 0.0) & (high <= 0.0) & safe ? 0.0 : -out_high;
         size[i] = mag;
-        odd |= (terms > 0.0) & !(mag < INFINITY);
-        rare |= rare_of(odd, tiny ? 0.0 : terms * mag);
+        rare |= rare_of(odd | !(mag < INFINITY), tiny ? 0.0 : mag);
     }
     return rare;
 }
 
-LOOP int64_t divide_block(
+LOOP int64_t divide_plain(
+    npy_intp count, const Value *a, const Value *b, double *restrict lo,
+    double *restrict negated_hi)
+{
+    return divided(count, a, b, 1, 0, lo, negated_hi, NULL, NULL);
+}
+
+LOOP int64_t divide_terms(
     npy_intp count, const Value *a, const Value *b, double *restrict lo,
     double *restrict negated_hi, double *restrict size)
 {
-    return divided(count, a, b, 0, lo, negated_hi, size, NULL);
+    return divided(count, a, b, 0, 0, lo, negated_hi, size, NULL);
+}
+
+static int64_t divide_block(
+    npy_intp count, const Value *a, const Value *b, double *lo, double *negated_hi, double *size)
+{
+    return a->plain ? divide_plain(count, a, b, lo, negated_hi)
+                    : divide_terms(count, a, b, lo, negated_hi, size);
 }
 
 LOOP int64_t divide_tiny(
     npy_intp count, const Value *a, const Value *b, double *restrict lo,
     double *restrict negated_hi, double *restrict size, double *restrict reach)
 {
-    return divided(count, a, b, 1, lo, negated_hi, size, reach);
+    return divided(count, a, b, 0, 1, lo, negated_hi, size, reach);
 }
 
 static int64_t quotient_block(Pass *pass, npy_intp start)
 {
     Result *result = &pass->result;
-    double *lo = pass->lo, *negated_hi = pass->negated_hi, *size = result->size + start;
+    double *lo = pass->lo, *negated_hi = pass->negated_hi, *size = result->size + (pass->a.plain ? 0 : start);
     if (pass->tiny)
         return divide_tiny(pass->count, &pass->a, &pass->b, lo, negated_hi, size,
                            result->reached + start);
@@ -76,10 +94,9 @@ static PyObject *divide(PyObject *self, PyObject *const *args, Py_ssize_t given)
     Pass pass;
     if (!begin(&pass, args, given, 2)) Py_RETURN_NONE;
     Result *result = &pass.result;
-    if (make_room(result, &pass.shape, 1, 0)) return NULL;
+    if (make_room(result, &pass.shape, !pass.a.plain, 0)) return NULL;
     result->count = pass.a.count;
     if (run(&pass, 2, quotient_block, pass.a.reaching)) return NULL;
-    if (pass.a.plain) drop_terms(result);
     return finished(&pass);
 }
 
@@ -165,7 +182,7 @@ static PyObject *square_root(PyObject *self, PyObject *const *args, Py_ssize_t g
 {
     Pass pass;
     Result *result = &pass.result;
-    double least[BLOCK], greatest[BLOCK];
+    ALIGNED double least[BLOCK], greatest[BLOCK];
     if (!begin(&pass, args, given, 1)) Py_RETURN_NONE;
     if (make_room(result, &pass.shape, 0, 0)) return NULL;
     for (npy_intp start = 0; at_block(&pass, start, 1); start += BLOCK) {

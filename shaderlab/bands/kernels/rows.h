@@ -94,10 +94,12 @@ static void load_element(
 typedef struct {
     Rows a, b;
     int squares, tiny, flush;
+    /* Whether factors of 0, which leave nothing of a finite number, are passed over. */
+    int skips;
     double steps;
     Value element, elements[MAX_TERMS], product;
     Total total;
-    double lo[BLOCK], negated_hi[BLOCK], size[BLOCK], slack[BLOCK];
+    ALIGNED double lo[BLOCK], negated_hi[BLOCK], size[BLOCK], slack[BLOCK];
 } Line;
 
 /* Makes the product of two elements, or the square of one, the current block of `product`. */
@@ -119,10 +121,30 @@ static int64_t multiply_element(Line *line, const Value *a, const Value *b, npy_
     return rare;
 }
 
-static void load_vectors(Line *line, npy_intp start, npy_intp count)
+LOOP int64_t any_infinite(npy_intp count, const Value *a)
 {
-    for (npy_intp j = 0; j < line->b.terms; j++)
+    const double *low = a->settled_low, *high = a->settled_high, *size = a->size;
+    int64_t found = 0;
+    for (npy_intp i = 0; i < count; i++)
+        found |= !(fabs(low[i]) + fabs(high[i]) + size[i] < INFINITY) ? ODD : 0;
+    return found;
+}
+
+/* Makes the elements of a block of rows the current ones; what is rare in them. */
+static int64_t load_vectors(Line *line, npy_intp start, npy_intp count)
+{
+    int64_t rare = 0;
+    for (npy_intp j = 0; j < line->b.terms; j++) {
         load_element(&line->b, 0, j, start, count, line->tiny, &line->elements[j]);
+        if (line->skips) rare |= any_infinite(count, &line->elements[j]);
+    }
+    return rare;
+}
+
+static int is_skipped(const Line *line, npy_intp number, npy_intp term)
+{
+    const Place *place = &line->a.lo;
+    return line->skips && place->data[number * place->line + term * place->along] == 0.0;
 }
 
 /* The sums of one line of a block of rows, rounded outward into `low` and `high`; what is rare. */
@@ -131,13 +153,15 @@ static int64_t add_up(
 {
     int64_t rare = 0;
     Total *total = &line->total;
-    npy_intp terms = line->b.terms;
+    npy_intp terms = line->b.terms, added = 0;
     for (npy_intp j = 0; j < terms; j++) {
+        if (is_skipped(line, number, j)) continue;
         if (!line->squares)
             load_element(&line->a, number, j, start, count, line->tiny, &line->element);
         rare |= multiply_element(line, &line->element, &line->elements[j], count);
-        add_term(total, &line->product, count, j == 0, line->tiny);
+        add_term(total, &line->product, count, added++ == 0, line->tiny);
     }
+    if (!added) memset(total, 0, sizeof *total);
     rare |= end_sum(count, total, line->tiny ? SMALLEST_NORMAL * (double)terms : 0.0, line->lo,
                     line->negated_hi, line->size, line->slack);
     narrow(count, line->flush, line->lo, line->negated_hi, low, high);
@@ -191,10 +215,10 @@ LOOP void spread(npy_intp count, const double *from, npy_intp stride, double *re
 static int64_t add_up_all(Line *line, Result *result, npy_intp rows, npy_intp lines)
 {
     int64_t rare = 0;
-    double low[BLOCK], high[BLOCK];
+    ALIGNED double low[BLOCK], high[BLOCK];
     for (npy_intp start = 0; start < rows && !rare; start += BLOCK) {
         npy_intp count = rows - start < BLOCK ? rows - start : BLOCK;
-        load_vectors(line, start, count);
+        rare = load_vectors(line, start, count);
         for (npy_intp number = 0; number < lines; number++) {
             rare |= add_up(line, number, start, count, low, high);
             npy_intp at = start * lines + number;
@@ -225,6 +249,8 @@ static PyObject *sum_products(PyObject *const *args, Py_ssize_t given, int lines
     if (make_room(result, &pass.shape, 1, 1)) return NULL;
     result->count = (double)line.b.terms;
     for (;;) {
+        const Value *a = &line.a.value;
+        line.skips = !line.squares && !line.tiny && !line.a.lo.down && a->exact && a->plain;
         if (line.tiny && reach_too(&pass)) return NULL;
         result->rare = add_up_all(&line, result, rows, line.a.lines);
         if (line.tiny || result->rare != TINY_TERMS) return finished(&pass);

@@ -3,6 +3,28 @@
 #ifndef SHADERLAB_SELECTS_H
 #define SHADERLAB_SELECTS_H
 
+/* Sides of two booleans; whether one is undecided. */
+LOOP int weigh(
+    npy_intp count, const npy_bool *true_, const npy_bool *false_, double *restrict side,
+    npy_bool *restrict open)
+{
+    npy_bool any = 0;
+    for (npy_intp i = 0; i < count; i++) {
+        open[i] = !(true_[i] | false_[i]);
+        any |= open[i];
+    }
+    for (npy_intp i = 0; i < count; i++) side[i] = (int)true_[i] - (int)false_[i];
+    return any;
+}
+
+LOOP int64_t any_nan(npy_intp count, const double *one, const double *other)
+{
+    int64_t found = 0;
+    for (npy_intp i = 0; i < count; i++)
+        found |= (one[i] != one[i]) | (other[i] != other[i]) ? ODD : 0;
+    return found;
+}
+
 /* The side that a condition takes, 1, -1 or undecided 0, as an array; `undecided` where that is,
  * or NULL for nowhere. NULL with an exception, or without one where NumPy must do it. */
 static PyArrayObject *sides_of(PyObject *condition, PyArrayObject **undecided)
@@ -23,15 +45,10 @@ static PyArrayObject *sides_of(PyObject *condition, PyArrayObject **undecided)
         Py_CLEAR(side);
         goto end;
     }
-    const npy_bool *t = PyArray_DATA(true_), *f = PyArray_DATA(false_);
-    npy_bool *open = PyArray_DATA(neither), any = 0;
-    double *to = PyArray_DATA(side);
-    for (npy_intp i = 0; i < PyArray_SIZE(side); i++) {
-        to[i] = (double)t[i] - (double)f[i];
-        open[i] = !(t[i] | f[i]);
-        any |= open[i];
-    }
-    if (any) *undecided = (PyArrayObject *)Py_NewRef((PyObject *)neither);
+    npy_intp count = PyArray_SIZE(side);
+    if (weigh(count, PyArray_DATA(true_), PyArray_DATA(false_), PyArray_DATA(side),
+              PyArray_DATA(neither)))
+        *undecided = (PyArrayObject *)Py_NewRef((PyObject *)neither);
 end:
     Py_XDECREF(neither);
     Py_XDECREF(yes);
@@ -51,7 +68,7 @@ static PyObject *flags_of(PyArrayObject *undecided)
 /* Does all blocks of a choice. */
 static void choose_all(Pass *pass, Operand *sides, int sums, int slack)
 {
-    static const double none[BLOCK];
+    static const ALIGNED double none[BLOCK];
     Value *a = &pass->a, *b = &pass->b;
     Result *result = &pass->result;
     for (npy_intp start = 0; at_block(pass, start, 2); start += BLOCK) {
@@ -67,8 +84,7 @@ static void choose_all(Pass *pass, Operand *sides, int sums, int slack)
             take_greater(count, side, a->slackened ? values_at(&a->slack, start, count) : none,
                          b->slackened ? values_at(&b->slack, start, count) : none,
                          result->step + start);
-        for (npy_intp i = 0; i < count; i++)
-            if ((low[i] != low[i]) | (high[i] != high[i])) result->rare = ODD;
+        result->rare = any_nan(count, low, high);
     }
 }
 

@@ -31,7 +31,8 @@ static PyArrayObject *components_of(PyArrayObject *array, const npy_intp *compon
     npy_intp rows = ndim == 2 ? PyArray_DIM(array, 0) : 1;
     Shape shape = {.ndim = ndim, .dims = {rows, width}};
     if (ndim == 1) shape.dims[0] = width;
-    double *to, block[BLOCK];
+    double *to;
+    ALIGNED double block[BLOCK];
     PyArrayObject *made = new_array(&shape, &to);
     for (npy_intp start = 0; made && start < rows; start += BLOCK) {
         npy_intp count = rows - start < BLOCK ? rows - start : BLOCK;

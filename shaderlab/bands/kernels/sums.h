@@ -125,7 +125,7 @@ static int64_t sum_block(Pass *pass, npy_intp start)
     Value *a = &pass->a, *b = &pass->b;
     Result *result = &pass->result;
     double *lo = pass->lo, *negated_hi = pass->negated_hi, *size = result->size + start;
-    double opposite[4][BLOCK];
+    ALIGNED double opposite[4][BLOCK];
     if (pass->minus) negate(b, count, opposite);
     sum(count, a->settled_low, a->settled_high, b->settled_low, b->settled_high, lo, negated_hi);
     if (!pass->rearrange) return check_bounds(count, lo, negated_hi);

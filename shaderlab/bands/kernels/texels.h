@@ -120,8 +120,12 @@ static void read_texels(
 {
     const double *lowest = level->tables[0], *highest = level->tables[1];
     copy_texels(level, count, lowest, place, low);
-    if (level->error != 0.0) err(4 * count, level->error, low, high);
-    else if (lowest != highest) copy_texels(level, count, highest, place, high);
+    if (level->error != 0.0) {
+        err(4 * count, level->error, low, high);
+        for (npy_intp i = 0; i < count; i++)
+            for (npy_intp k = 0; k < 4 && place[i] < 0; k++)
+                low[4 * i + k] = high[4 * i + k] = level->border[k];
+    } else if (lowest != highest) copy_texels(level, count, highest, place, high);
     else memcpy(high, low, 4 * count * sizeof *low);
 }
 
@@ -262,7 +266,7 @@ static PyObject *nearest_texels(PyObject *self, PyObject *const *args, Py_ssize_
     if (shape.ndim != 1 || shape.size != level.count) Py_RETURN_NONE;
     if (room_for_texels(&result, &level)) return NULL;
     for (npy_intp start = 0; start < level.count && !result.rare; start += BLOCK) {
-        double whole[4][BLOCK];
+        ALIGNED double whole[4][BLOCK];
         int64_t place[4][BLOCK], rest[BLOCK];
         npy_intp some = texels_in(&level, start), at[BLOCK], crossing = 0;
         double *low = result.low + 4 * start, *high = result.high + 4 * start;

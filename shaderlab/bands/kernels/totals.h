@@ -5,7 +5,7 @@
 
 /* What the terms of sums over the last axis come to. */
 typedef struct {
-    double lo[BLOCK], negated_hi[BLOCK], size[BLOCK], terms[BLOCK], positive[BLOCK],
+    ALIGNED double lo[BLOCK], negated_hi[BLOCK], size[BLOCK], terms[BLOCK], positive[BLOCK],
     negative[BLOCK], reach[BLOCK];
 } Total;
 

@@ -10,7 +10,7 @@ typedef struct {
     /* Of the current block: bounds, bounds with the slack paid, the size of the terms, and by what
      * a flushed product among them may be multiplied. */
     const double *low, *high, *settled_low, *settled_high, *size, *reached;
-    double blocks[4][BLOCK];
+    ALIGNED double blocks[4][BLOCK];
 } Value;
 
 typedef struct {
