@@ -6,17 +6,26 @@
 /* What rounding may add to a component of a unit vector, in both of its expansions. */
 #define BEYOND_UNIT (1.0 + 16 * 0x1p-23)
 
-/* The hull of both expansions of a component, cut. */
-LOOP void either_component(
-    npy_intp count, const double *const *at, npy_intp stride, double *restrict low,
-    double *restrict high)
+/* The hull of both expansions of a component, cut; rounding it outward is rounding each. */
+LOOP int64_t either_component(
+    npy_intp count, const Value *v, const Value *root, const Value *inverse, double *restrict lo,
+    double *restrict negated_hi)
 {
-    const double *q_lo = at[0], *q_hi = at[1], *p_lo = at[2], *p_hi = at[3];
+    const double *v_lo = v->settled_low, *v_hi = v->settled_high;
+    const double *by_lo = root->low, *by_hi = root->high, *of_lo = inverse->low;
+    const double *of_hi = inverse->high;
+    int64_t rare = 0;
     for (npy_intp i = 0; i < count; i++) {
-        double least = smaller(q_lo[i], p_lo[i]), most = larger(q_hi[i], p_hi[i]);
-        low[i * stride] = smaller(larger(least, -BEYOND_UNIT), BEYOND_UNIT);
-        high[i * stride] = smaller(larger(most, -BEYOND_UNIT), BEYOND_UNIT);
+        double nearer = smaller(fabs(by_lo[i]), fabs(by_hi[i])), low, high;
+        int odd = quotient_of(v_lo[i], v_hi[i], by_lo[i], by_hi[i], nearer, &low, &high);
+        /* The inverse of a length is positive. */
+        double least = v_lo[i] * (v_lo[i] < 0.0 ? of_hi[i] : of_lo[i]);
+        double most = v_hi[i] * (v_hi[i] < 0.0 ? of_lo[i] : of_hi[i]);
+        lo[i] = smaller(larger(smaller(low, least), -BEYOND_UNIT), BEYOND_UNIT);
+        negated_hi[i] = -smaller(larger(larger(high, most), -BEYOND_UNIT), BEYOND_UNIT);
+        rare |= odd | unbounded(least, most) | !(of_lo[i] > 0.0) ? ODD : 0;
     }
+    return rare;
 }
 
 LOOP int64_t any_less(npy_intp count, const double *x, double least)
@@ -38,10 +47,8 @@ static int64_t lengths(Line *line, const Value *squared, npy_intp count, Value *
     roots(count, squared, least, greatest, lo, negated_hi);
     narrow(count, line->flush, lo, negated_hi, root->blocks[0], root->blocks[1]);
     for (Value *value = root;; value = inverse) {
-        value->settled_low = value->low = value->blocks[0];
-        value->settled_high = value->high = value->blocks[1];
-        value->size = value->blocks[2];
-        sizes(count, value->low, value->high, value->blocks[2]);
+        value->low = value->blocks[0];
+        value->high = value->blocks[1];
         if (value == inverse) return rare;
     }
 }
@@ -50,10 +57,8 @@ static int64_t lengths(Line *line, const Value *squared, npy_intp count, Value *
 static int64_t directed(Line *line, Result *result, npy_intp start, npy_intp count)
 {
     Value *squared = &line->a.value, root, inverse;
-    root.count = inverse.count = 1.0;
     double *lo = line->lo, *negated_hi = line->negated_hi;
-    ALIGNED double quotient[2][BLOCK], product[2][BLOCK];
-    const double *const both[] = {quotient[0], quotient[1], product[0], product[1]};
+    ALIGNED double low[BLOCK], high[BLOCK];
     load_vectors(line, start, count);
     int64_t rare = add_up(line, 0, start, count, squared->blocks[0], squared->blocks[1]);
     squared->low = squared->blocks[0];
@@ -62,12 +67,11 @@ static int64_t directed(Line *line, Result *result, npy_intp start, npy_intp cou
     npy_intp terms = line->b.terms;
     for (npy_intp j = 0; j < terms; j++) {
         const Value *v = &line->elements[j];
-        rare |= divide_block(count, v, &root, lo, negated_hi, line->size) & ODD;
-        narrow(count, line->flush, lo, negated_hi, quotient[0], quotient[1]);
-        rare |= multiply_block(count, v, &inverse, 0.0, lo, negated_hi, line->size) & ODD;
-        narrow(count, line->flush, lo, negated_hi, product[0], product[1]);
         npy_intp at = start * terms + j;
-        either_component(count, both, terms, result->low + at, result->high + at);
+        rare |= either_component(count, v, &root, &inverse, lo, negated_hi);
+        narrow(count, line->flush, lo, negated_hi, low, high);
+        spread(count, low, terms, result->low + at);
+        spread(count, high, terms, result->high + at);
     }
     return rare;
 }

@@ -7,6 +7,23 @@
 #define LARGEST_DIVISOR 0x1p126
 #define INVERSESQRT_ULPS 2.0
 
+/* A quotient's bounds; nonzero where they or the divisor are none that the loops know. */
+VERSION int quotient_of(
+    double a_lo, double a_hi, double below, double above, double nearer, double *low, double *high)
+{
+    double further = larger(fabs(below), fabs(above));
+    int outside = (nearer < SMALLEST_NORMAL) | (further > LARGEST_DIVISOR)
+        | ((below <= 0.0) & (above >= 0.0));
+    /* A quotient grows with the dividend where the divisor is positive. */
+    double less = below > 0.0 ? a_lo : a_hi, more = below > 0.0 ? a_hi : a_lo;
+    double under = less >= 0.0 ? above : below, over = more >= 0.0 ? below : above;
+    *low = less / under;
+    *high = more / over;
+    int odd = unbounded(*low, *high) | outside;
+    widen(low, high, DIVISION_ULPS, DIVISION_ULPS);
+    return odd;
+}
+
 VERSION int64_t divided(
     npy_intp count, const Value *a, const Value *b, int plain, int tiny, double *restrict lo,
     double *restrict negated_hi, double *restrict size, double *restrict reach)
@@ -17,18 +34,8 @@ VERSION int64_t divided(
     double unit = SMALLEST_NORMAL * a->count;
     int64_t rare = 0;
     for (npy_intp i = 0; i < count; i++) {
-        double below = b_lo[i], above = b_hi[i];
-        double nearer = smaller(fabs(below), fabs(above));
-        double further = larger(fabs(below), fabs(above));
-        int outside = (nearer < SMALLEST_NORMAL) | (further > LARGEST_DIVISOR)
-            | ((below <= 0.0) & (above >= 0.0));
-        /* A quotient grows with the dividend where the divisor is positive. */
-        double first = a_lo[i], second = a_hi[i];
-        double less = below > 0.0 ? first : second, more = below > 0.0 ? second : first;
-        double under = less >= 0.0 ? above : below, over = more >= 0.0 ? below : above;
-        double low = less / under, high = more / over;
-        int odd = unbounded(low, high) | outside;
-        widen(&low, &high, DIVISION_ULPS, DIVISION_ULPS);
+        double nearer = smaller(fabs(b_lo[i]), fabs(b_hi[i])), low, high;
+        int odd = quotient_of(a_lo[i], a_hi[i], b_lo[i], b_hi[i], nearer, &low, &high);
         if (plain) {
             lo[i] = low;
             negated_hi[i] = -high;
