@@ -78,23 +78,32 @@ def sqrt(a: Band) -> Band:
 def exponential(a: Band, function: Any) -> Band:
     """exp or exp2 within (3 + 2·|a|) ULP, and not negative."""
     lo, hi = _evaluated(a, function)
-    ulps_lo = 3.0 + 2.0 * np.minimum(np.abs(a.lo), LARGEST)
-    ulps_hi = 3.0 + 2.0 * np.minimum(np.abs(a.hi), LARGEST)
+    return a.made(*exponentials_widened(a.lo, a.hi, lo, hi))
+
+
+@compiled
+def exponentials_widened(
+    a_lo: Floats, a_hi: Floats, lo: Floats, hi: Floats
+) -> tuple[Floats, Floats]:
+    """The exponentials of both ends, moved out by their error."""
+    ulps_lo = 3.0 + 2.0 * np.minimum(np.abs(a_lo), LARGEST)
+    ulps_hi = 3.0 + 2.0 * np.minimum(np.abs(a_hi), LARGEST)
     lo, hi = widened_by_ulps(lo, hi, ulps_lo, ulps_hi)
     # The true value is positive however small: the last step above zero stays legal.
-    return a.made(np.maximum(lo, 0.0), np.maximum(hi, 2.0**-149))
+    return np.maximum(lo, 0.0), np.maximum(hi, 2.0**-149)
 
 
 @np.errstate(all="ignore")
 def logarithm(a: Band, function: Any) -> Band:
     """log or log2: 2^-21 absolute where ½ ≤ a ≤ 2, 3 ULP elsewhere; a ≤ 0 is undefined."""
-    lo, hi = _log_bounds(a.lo, a.hi, function)
+    low = np.maximum(a.lo, 0.0)
+    lo, hi = _log_bounds(low, low if a.lo is a.hi else np.maximum(a.hi, 0.0), function)
     return a.made(lo, hi, anything=a.lo <= 0.0)
 
 
 def _log_bounds(a_lo: Floats, a_hi: Floats, function: Any) -> tuple[Floats, Floats]:
-    lo: Floats = function(np.maximum(a_lo, 0.0))
-    hi: Floats = lo if a_lo is a_hi else function(np.maximum(a_hi, 0.0))
+    lo: Floats = function(a_lo)
+    hi: Floats = lo if a_lo is a_hi else function(a_hi)
     return logarithms_widened(a_lo, a_hi, lo, hi)
 
 
@@ -120,15 +129,15 @@ def power(x: Band, y: Band) -> Band:
     At x = 0, y > 0 the result is exp2(-inf) = 0; because a denormal x is as good as zero, all of
     x in [0, 2^-126] is taken together.
     """
-    x_lo, x_hi = np.broadcast_arrays(x.lo, x.hi)
-    reaches_zero = x_lo < SMALLEST_NORMAL
-    undefined = (x_lo < 0.0) | (reaches_zero & (y.lo <= 0.0))
-    logs = _log_bounds(
-        np.maximum(x_lo, SMALLEST_NORMAL), np.maximum(x_hi, SMALLEST_NORMAL), np.log2
-    )
-    logarithms = x.made(*logs)
+    x_lo = np.maximum(x.lo, SMALLEST_NORMAL)
+    x_hi = x_lo if x.lo is x.hi else np.maximum(x.hi, SMALLEST_NORMAL)
+    logarithms = x.made(*_log_bounds(x_lo, x_hi, np.log2))
     result = exponential(arithmetic.multiply(y, logarithms), np.exp2)
-    lo = np.where(reaches_zero, np.zeros(1), result.lo) if reaches_zero.any() else result.lo
+    reaches_zero = x.lo < SMALLEST_NORMAL
+    if not reaches_zero.any():
+        return result
+    undefined = (x.lo < 0.0) | (reaches_zero & (y.lo <= 0.0))
+    lo = np.where(reaches_zero, np.zeros(1), result.lo)
     return result.made(lo, result.hi, anything=undefined)
 
 

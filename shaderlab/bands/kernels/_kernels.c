@@ -54,7 +54,8 @@ static PyMethodDef kernels[] = {
     METHOD(larger, larger_band), METHOD(clamped, clamped), METHOD(absolute, absolute),
     METHOD(union, union_of), METHOD(select, select_band), METHOD(dot, dot), METHOD(times_vector, times_vector),
     METHOD(direction, direction), METHOD(__getitem__, indexed), METHOD(ordinary, ordinary), METHOD(joined, joined), METHOD(texels_at, texels_at),
-    METHOD(nearest_texels, nearest_texels), METHOD(contains, contained),
+    METHOD(nearest_texels, nearest_texels), METHOD(exponentials_widened, exponentials_widened),
+    METHOD(contains, contained),
     METHOD(furthest, furthest_of_all), METHOD(informative, informative), {0}};
 
 #include "operations.h"

@@ -139,7 +139,7 @@ static inline double log_error(double a, double logarithm)
     return (a >= 0.5) & (a <= 2.0) ? LOG_ERROR_NEAR_ONE : error;
 }
 
-LOOP void widen_logarithms(
+LOOP int64_t widen_logarithms(
     npy_intp count, const double *a_lo, const double *a_hi, const double *from, const double *to,
     double *restrict lo, double *restrict hi)
 {
@@ -152,10 +152,34 @@ LOOP void widen_logarithms(
         lo[i] = from[i] - (error + FLOAT64_ERROR * fabs(from[i]));
         hi[i] = to[i] + (error + FLOAT64_ERROR * fabs(to[i]));
     }
+    return 0;
 }
 
-/* logarithms_widened(a_lo, a_hi, lo, hi): (lo, hi), the logarithms of both ends moved out. */
-static PyObject *logarithms_widened(PyObject *self, PyObject *const *args, Py_ssize_t given)
+#define EXP_ULPS 3.0
+
+LOOP int64_t widen_exponentials(
+    npy_intp count, const double *a_lo, const double *a_hi, const double *from, const double *to,
+    double *restrict lo, double *restrict hi)
+{
+    int64_t rare = 0;
+    for (npy_intp i = 0; i < count; i++) {
+        double low = from[i], high = to[i];
+        double ulps_lo = EXP_ULPS + 2.0 * smaller(fabs(a_lo[i]), LARGEST);
+        double ulps_hi = EXP_ULPS + 2.0 * smaller(fabs(a_hi[i]), LARGEST);
+        rare |= unbounded(low, low) | unbounded(high, high) ? ODD : 0;
+        widen(&low, &high, ulps_lo, ulps_hi);
+        lo[i] = larger(low, 0.0);
+        hi[i] = larger(high, SMALLEST_DENORMAL);
+    }
+    return rare;
+}
+
+typedef int64_t (*Widener)(
+    npy_intp, const double *, const double *, const double *, const double *, double *restrict,
+    double *restrict);
+
+/* The function's values at both ends, moved out: (lo, hi). */
+static PyObject *widened_ends(PyObject *const *args, Py_ssize_t given, Widener widen_ends)
 {
     Operand operands[4];
     const double *at[4];
@@ -163,13 +187,25 @@ static PyObject *logarithms_widened(PyObject *self, PyObject *const *args, Py_ss
     Result result = {0};
     if (given != 4 || !read_operands(operands, args, 4, &shape)) Py_RETURN_NONE;
     if (make_room(&result, &shape, 0, 0)) return NULL;
-    for (npy_intp start = 0; start < shape.size; start += BLOCK) {
+    for (npy_intp start = 0; start < shape.size && !result.rare; start += BLOCK) {
         npy_intp count = shape.size - start < BLOCK ? shape.size - start : BLOCK;
         for (int k = 0; k < 4; k++) at[k] = values_at(&operands[k], start, count);
-        widen_logarithms(
+        result.rare = widen_ends(
             count, at[0], at[1], at[2], at[3], result.low + start, result.high + start);
     }
     return two_arrays(&result);
+}
+
+/* logarithms_widened(a_lo, a_hi, lo, hi). */
+static PyObject *logarithms_widened(PyObject *self, PyObject *const *args, Py_ssize_t given)
+{
+    return widened_ends(args, given, widen_logarithms);
+}
+
+/* exponentials_widened(a_lo, a_hi, lo, hi). */
+static PyObject *exponentials_widened(PyObject *self, PyObject *const *args, Py_ssize_t given)
+{
+    return widened_ends(args, given, widen_exponentials);
 }
 
 #endif
