@@ -44,7 +44,7 @@ def assemblies(
                 repeated = verdict.assembly in packed
                 if not repeated:
                     data = pictures.text(verdict.assembly)
-                    text = in_base64(zlib.compress(data, 9)) if data else Markup()
+                    text = in_base64(zlib.compress(data, 6)) if data else Markup()
                     packed[verdict.assembly] = (anchors.short() if text else "", text)
                 by_file[verdict.assembly] = Assembly(
                     target=verdict.target,
