@@ -49,6 +49,11 @@ class DeviceBackend(Backend):
             session.cache = self.captures
             yield session
 
+    def release_caches(self) -> None:
+        with self.in_use():
+            self.captures.clear()
+            self._linker.release()
+
     def in_use(self) -> AbstractContextManager[object]:
         """What a scene is drawn inside of, so that this thread may use the device."""
         return nullcontext()

@@ -16,7 +16,7 @@ from shaderlab.backends.program_cache import ProgramCache
 from shaderlab.backends.scene_textures import SceneTextures
 from shaderlab.errors import UnsupportedError
 from shaderlab.frame import Array, Bindings, Fragments, Image, PassDraw, Samples
-from shaderlab.model import Pass, Scene, State, Target
+from shaderlab.model import Output, Pass, Scene, State, Target
 from shaderlab.programs import bind, captures, vertex_capture
 from shaderlab.programs.formats import components_of
 from shaderlab.programs.fragment_capture import PassCapture
@@ -62,10 +62,18 @@ class PassSession(Session, Generic[Kind, Made]):
         self.bindings: dict[PassDraw, Bindings] = {}
         self.images: dict[tuple[str, str], Image] = {}
         self.targets: dict[str, Kind] = {}
+        self._unreleased: dict[str, Kind] = {}
         self._named = scene.outputs_named()
         self._gl_errors: dict[PassDraw, tuple[int, ...]] = {}
         self._inactive: set[str] = set()
         self._sample_positions: dict[str, Array] = {}
+        self._needed_later = {p.onto for p in scene.passes} | {
+            source.pass_name
+            for description in scene.passes
+            for draw in description.draws
+            for source in draw.textures.values()
+            if isinstance(source, Output)
+        }
         self._captures: dict[str, PassCapture] = {}
         # They draw by this session: it and all its images would stay until cycles are collected.
         stack.callback(self._captures.clear)
@@ -85,6 +93,9 @@ class PassSession(Session, Generic[Kind, Made]):
     def attachment(self, pass_name: str, name: str) -> Image:
         if (pass_name, name) in self.images:
             return self.images[pass_name, name]
+        description = self.scene.find_pass(pass_name)
+        if self._can_go(description):
+            return self._drawn_again(description, name, self.extent(description))
         self.reading()
         return self.targets[pass_name].read(name)
 
@@ -146,21 +157,26 @@ class PassSession(Session, Generic[Kind, Made]):
         """As `shaderlab.programs.vertex_capture.Capture`."""
 
     def drawn_anew(self, changed: Pass, output: str, largest: int) -> Array:
-        name, (width, height) = changed.name, self.extent(changed)
+        width, height = self.extent(changed)
         share = min(1.0, largest / max(width, height))
         if not any(draw.state.in_pixels for draw in changed.draws):
             width, height = round(width * share) or 1, round(height * share) or 1
+        return self._drawn_again(changed, output, (width, height)).values
+
+    def _drawn_again(self, description: Pass, output: str, size: Size) -> Image:
+        """One attachment of a pass that is drawn once more, as described and in this size."""
+        name = description.name
         colors, errors = dict(self.targets[name].colors), self._gl_errors
-        target = self.make_target(changed, colors, (width, height))
+        target = self.make_target(description, colors, size)
         self._gl_errors = {}  # they were raised before, in the pass itself
         try:
             self.reading()
             target.clear()
             for index, draw in enumerate(self.programs[name]):
-                state = changed.draws[index].state
+                state = description.draws[index].state
                 other = replace(draw, draw=replace(draw.draw, state=state))
                 self.issue((name, index), other, target)
-            return target.read(output).values
+            return target.read(output)
         finally:
             self._gl_errors = errors
             target.release()
@@ -215,6 +231,25 @@ class PassSession(Session, Generic[Kind, Made]):
         with doing("read", f"reading pass {description.name!r}"):
             self.reading()
             self._read(description, target)
+        if self._can_go(description):
+            self._release(description.name)  # targets take as much memory as what is read from them
+
+    def _can_go(self, description: Pass) -> bool:
+        """Whether a pass's target is its own, and neither sampled nor drawn on in by another."""
+        return not (self.keeps_targets or description.onto) and (
+            description.name not in self._needed_later
+        )
+
+    def _release(self, name: str) -> None:
+        """Release a pass's own target, once."""
+        target = self._unreleased.pop(name, None)
+        if target is not None:
+            target.release()
+
+    @property
+    def keeps_targets(self) -> bool:
+        """Whether all targets are released at the scene's end only."""
+        return False
 
     def _target(self, description: Pass) -> Kind:
         """A target of the pass's own, cleared, or the one that it goes on in."""
@@ -226,7 +261,8 @@ class PassSession(Session, Generic[Kind, Made]):
             target = self.targets[description.onto]
         else:
             target = self.make_target(description, colors, self.extent(description))
-            self.stack.callback(target.release)
+            self._unreleased[description.name] = target
+            self.stack.callback(self._release, description.name)
             target.clear()
         self.targets[description.name] = target
         if description.target.samples:

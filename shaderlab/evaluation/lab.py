@@ -84,6 +84,8 @@ class Lab(SceneDrawer):
     def release_caches(self) -> None:
         """Free what is kept for scenes that are run again: the textures that functions made."""
         forget_made()
+        if self._backend is not None:
+            self._backend.release_caches()
 
     def _run(self, scene: Scene, builder: RecordBuilder, files: FileThread) -> None:
         with doing("compile", "compiling"):

@@ -153,6 +153,8 @@ def _seen_alike(found: Fragments, everything: Fragments, at: Array) -> Array:
     pairs += [(values, everything.inputs[name]) for name, values in found.inputs.items()]
     seen: Array = found.covered.reshape(-1)[at]
     for pair in pairs:
+        if pair[0] is pair[1]:
+            continue  # what is the same was captured into the same array
         one, other = (values.reshape(found.covered.size, -1)[at] for values in pair)
         seen &= every_component((one == other) | ((one != one) & (other != other)))
     return seen

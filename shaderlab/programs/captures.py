@@ -43,6 +43,10 @@ class CaptureCache:
             self._kept[identity] = found  # the last one used is the last one to go
         return found
 
+    def clear(self) -> None:
+        """Let go of all that is kept."""
+        self._kept.clear()
+
     def _make_room(self, wanted: int) -> None:
         """Evict the least recently used entries; none for one that never fits."""
         taken = sum(map(_size, self._kept.values()))

@@ -51,7 +51,8 @@ class PassCapture:
         text = self._draws[index].text("fragment") or ""
         if not (stages.may_discard(text) or stages.writes_depth(text)):
             return found
-        return replace(found, undiscarded=self._alone(index, keep_all=True).fragments(index))
+        everything = self._alone(index, keep_all=True).fragments(index)
+        return replace(found, undiscarded=_shared(everything, found))
 
     def written(self, index: int, text: str, outputs: Mapping[str, str]) -> Mapping[str, Array]:
         ending, _ = stages.capture_fragment(text, (), calls=True)
@@ -142,6 +143,21 @@ class _Captured:
 # `gl_FragCoord` where another draw is seen: four floats, which are moved as one number of as many
 # bytes in a quarter of the time.
 _SEEN = np.array([0.0, 0.0, 0.0, -1.0], np.float32).view(np.complex128)[0]
+
+
+def _shared(fragments: Fragments, other: Fragments) -> Fragments:
+    """The fragments in the other's arrays where they are the same, so that both take no more memory
+    than one: few shaders throw anything away."""
+
+    def one(array: Array, same: Array) -> Array:
+        words = f"u{array.itemsize}"
+        return same if np.array_equal(array.view(words), same.view(words)) else array
+
+    return Fragments(
+        covered=one(fragments.covered, other.covered),
+        frag_coord=one(fragments.frag_coord, other.frag_coord),
+        inputs={name: one(array, other.inputs[name]) for name, array in fragments.inputs.items()},
+    )
 
 
 def numbered(text: str, index: int) -> str:

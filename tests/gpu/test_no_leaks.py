@@ -35,9 +35,12 @@ from shaderlab.frame import Array, Fragments, PassDraw, Timing
 from shaderlab.glslmath import vec4
 from shaderlab.model import (
     Case,
+    Depth,
+    Draw,
     Expectation,
     Judgement,
     Mesh,
+    Output,
     Pass,
     Scene,
     State,
@@ -263,6 +266,33 @@ def test_captures_are_held_for_one_pass_at_a_time_and_drawn_once(
     assert [o.status for o in record.expectations] == ["pass"] * 6, record.message
     assert record.modules is not None and record.modules.judged > 0
     assert others == [0, 0, 0] and redraws == [*"aabbcc"]
+
+
+def test_a_target_that_no_pass_reads_is_released_once_it_is_read(tmp_path: Path) -> None:
+    scene = triangle(tmp_path, "targets", State(depth=Depth()))
+    (tmp_path / "copy.frag").write_text(
+        "#version 330 core\nuniform sampler2D image;\nout vec4 FragColor;\n"
+        "void main() { FragColor = texelFetch(image, ivec2(gl_FragCoord.xy), 0); }\n"
+    )
+    (drawn,) = scene.passes
+    deep = replace(drawn, target=replace(drawn.target, depth="depth24"))
+    copy = Draw(fragment="copy.frag", domain={}, textures={"image": Output("read.FragColor")})
+    passes = (
+        replace(drawn, name="first"),
+        replace(drawn, name="onto", onto="first"),
+        replace(deep, name="alone"),
+        replace(deep, name="read"),
+        Pass(name="copy", target=Target(), draws=(copy,)),
+    )
+    scene = replace(scene, passes=passes, expect=())
+    with Lab() as lab, lab.evaluation(scene, lab.prepare(scene)) as evaluation:
+        session = evaluation.session
+        assert isinstance(session, OpenGLSession)
+        assert sorted(session._unreleased) == ["first", "read"]
+        depths = [session.attachment(name, "depth").values for name in ("read", "alone")]
+        assert np.array_equal(*depths) and depths[0].min() < 1.0
+        assert sorted(session._unreleased) == ["first", "read"]
+    assert not session._unreleased
 
 
 @pytest.mark.parametrize("leak", [None, *LEAKS])
