@@ -21,14 +21,15 @@ from shaderlab.catalogue import load_case
 from shaderlab.errors import CaseError
 from shaderlab.evaluation import Lab
 from shaderlab.execution.jobs import CaseFacts, Job, Request, bare_record
-from shaderlab.execution.worker_main import Channel, release_freed_memory
+from shaderlab.execution.worker_main import Channel, freed_memory, release_freed_memory
 from shaderlab.model import Case, Ramp, Scene
 from shaderlab.options import RunOptions
 from shaderlab.records import Record
 
-LARGE = 512 << 20
-"""A worker that holds so many bytes of its own gives back what it can spare before its next scene;
-one that then still holds three quarters of it gives way to a fresh one."""
+GROWTH = 64 << 20
+"""A worker that uses so many bytes more than before its first scene, or holds three times as many
+more, gives back what it can spare before its next scene; one that then still holds three quarters
+of that more gives way to a fresh one."""
 
 
 class LabWorker:
@@ -43,6 +44,7 @@ class LabWorker:
         self._channel = channel
         self._lab: Lab | None = None
         self._driver = ""
+        self._start = 0  # the bytes in use before the first scene
         self._scenes: dict[str, Mapping[str, Scene]] = {}
         self._kept: dict[str, tuple[Hashable, Any]] = {}
 
@@ -105,11 +107,11 @@ class LabWorker:
 
     def run(self, job: Job, options: RunOptions) -> Record:
         """Run one job. Raises CaseError where the case file is wrong."""
-        if self._channel is not None and self._lab is not None and _own_memory() > LARGE:
+        if self._channel is not None and self._lab is not None and self._has_grown():
             self._lab.release_caches()
             gc.collect()
             release_freed_memory()
-            if _own_memory() > LARGE // 4 * 3:
+            if _own_memory() - self._start > GROWTH // 4 * 3:
                 # Drivers keep a little of every scene. The parent starts another process and asks
                 # that one.
                 os._exit(0)
@@ -119,8 +121,13 @@ class LabWorker:
         scene = _scene_of(job, self.scenes(job.file))
         if job.looks:
             return replace(bare_record(job, "pass"), observed=lab.observe(scene, job.looks))
+        self._start = self._start or _own_memory() - freed_memory()
         record = lab.run(scene)
         return replace(record, driver_name=job.driver) if job.driver else record
+
+    def _has_grown(self) -> bool:
+        more = _own_memory() - self._start if self._start else 0
+        return more > 3 * GROWTH or more - freed_memory() > GROWTH
 
     def keep(self, slot: str, key: Hashable, make: Callable[[], Any]) -> Any:
         """The value in `slot`, made now unless it was made for the same key."""

@@ -194,6 +194,21 @@ def release_freed_memory() -> None:
         ctypes.CDLL(None).malloc_trim(0)
 
 
+def freed_memory() -> int:
+    """How many bytes malloc holds that are free to be used again; 0 where it does not say."""
+    import ctypes
+
+    class Counts(ctypes.Structure):  # glibc's mallinfo2
+        _fields_ = [(f"count_{n}", ctypes.c_size_t) for n in range(10)]
+
+    try:
+        ask = ctypes.CDLL(None).mallinfo2
+    except (OSError, AttributeError, TypeError):
+        return 0
+    ask.restype = Counts
+    return int(ask().count_8)  # fordblks
+
+
 def _limit_memory(size: int) -> None:
     with contextlib.suppress(ValueError, OSError):
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from shaderlab.errors import ShaderError, UnsupportedError
-from shaderlab.frame import Array, Fragments
+from shaderlab.frame import Array, Fragments, differ
 from shaderlab.lazy_dataclass import dataclass
 from shaderlab.programs import formats, stages
 from shaderlab.programs.prepare import PreparedDraw
@@ -150,8 +150,7 @@ def _shared(fragments: Fragments, other: Fragments) -> Fragments:
     than one: few shaders throw anything away."""
 
     def one(array: Array, same: Array) -> Array:
-        words = f"u{array.itemsize}"
-        return same if np.array_equal(array.view(words), same.view(words)) else array
+        return array if differ(array, same) else same
 
     return Fragments(
         covered=one(fragments.covered, other.covered),

@@ -12,6 +12,7 @@ import pytest
 from shaderlab.errors import CaseError
 from shaderlab.execution import lab_worker
 from shaderlab.execution.jobs import Job
+from shaderlab.execution.worker_main import freed_memory
 from shaderlab.options import RunOptions
 
 JOB = Job(file="nowhere.py", id="nowhere", variant="default")
@@ -30,43 +31,54 @@ def ends(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(lab_worker, "prepare_process", lambda driver: None)
 
 
-def worker(channel: Any) -> lab_worker.LabWorker:
+MIB = 1 << 20
+START = 80 * MIB
+
+
+def worker(channel: Any, start: int = START) -> lab_worker.LabWorker:
     made = lab_worker.LabWorker(channel)
     made.lab(RunOptions())
+    made._start = start  # as before its first scene
     return made
 
 
-@pytest.mark.parametrize(("large", "error"), [(0, EndedError), (1 << 50, CaseError)])
-def test_a_large_worker_ends(
-    monkeypatch: pytest.MonkeyPatch, large: int, error: type[Exception]
+@pytest.mark.parametrize(
+    ("held", "free", "after", "error"),
+    [
+        (143, 0, None, CaseError),
+        (145, 0, 127, CaseError),
+        (145, 0, 129, EndedError),
+        (271, 128, None, CaseError),  # what is free will be used again
+        (271, 126, 129, EndedError),
+        (273, 190, 127, CaseError),
+        (273, 190, 129, EndedError),
+    ],
+)
+def test_a_worker_that_has_grown_and_can_spare_little_ends(
+    monkeypatch: pytest.MonkeyPatch, held: int, free: int, after: int | None, error: type[Exception]
 ) -> None:
-    monkeypatch.setattr(lab_worker, "LARGE", large)
-    with pytest.raises(error):
-        worker(SimpleNamespace(note=lambda step: None)).run(JOB, RunOptions())
-
-
-@pytest.mark.parametrize(("after", "error"), [(0.7, CaseError), (0.8, EndedError)])
-def test_a_large_worker_that_can_spare_a_quarter_goes_on(
-    monkeypatch: pytest.MonkeyPatch, after: float, error: type[Exception]
-) -> None:
-    sizes = iter([lab_worker.LARGE + 1, int(after * lab_worker.LARGE)])
+    sizes = iter([held * MIB] if after is None else [held * MIB, after * MIB])
     monkeypatch.setattr(lab_worker, "_own_memory", lambda: next(sizes))
+    monkeypatch.setattr(lab_worker, "freed_memory", lambda: free * MIB)
     with pytest.raises(error):
         worker(SimpleNamespace(note=lambda step: None)).run(JOB, RunOptions())
 
 
-def test_the_first_scene_is_run_however_large_the_process_is(
-    monkeypatch: pytest.MonkeyPatch,
+@pytest.mark.parametrize(("channel", "start"), [(SimpleNamespace(note=print), 0), (None, START)])
+def test_a_first_scene_is_run_and_a_process_that_asks_itself_goes_on(
+    monkeypatch: pytest.MonkeyPatch, channel: Any, start: int
 ) -> None:
-    monkeypatch.setattr(lab_worker, "LARGE", 0)
+    monkeypatch.setattr(lab_worker, "_own_memory", lambda: 1 << 40)
     with pytest.raises(CaseError):
-        lab_worker.LabWorker(SimpleNamespace(note=lambda step: None)).run(JOB, RunOptions())
+        worker(channel, start).run(JOB, RunOptions())
 
 
-def test_a_process_that_asks_itself_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(lab_worker, "LARGE", 0)
-    with pytest.raises(CaseError):
-        worker(None).run(JOB, RunOptions())
+def test_freed_memory_is_counted() -> None:
+    held = [bytes(1000) for _ in range(20_000)]
+    before = freed_memory()
+    keep = held[-1]
+    del held
+    assert keep and freed_memory() - before > 10 << 20
 
 
 def test_memory_is_that_of_this_process() -> None:
