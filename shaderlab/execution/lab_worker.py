@@ -26,10 +26,10 @@ from shaderlab.model import Case, Ramp, Scene
 from shaderlab.options import RunOptions
 from shaderlab.records import Record
 
-GROWTH = 64 << 20
-"""A worker that uses so many bytes more than before its first scene, or holds three times as many
-more, gives back what it can spare before its next scene; one that then still holds three quarters
-of that more gives way to a fresh one."""
+GROWTH = 88 << 20
+"""A worker that uses so many bytes more than before its first scene, or holds two and a half times
+as many more, gives back what it can spare before its next scene; one that then still holds three
+quarters of that more gives way to a fresh one."""
 
 
 class LabWorker:
@@ -127,7 +127,7 @@ class LabWorker:
 
     def _has_grown(self) -> bool:
         more = _own_memory() - self._start if self._start else 0
-        return more > 3 * GROWTH or more - freed_memory() > GROWTH
+        return more > GROWTH // 2 * 5 or more - freed_memory() > GROWTH
 
     def keep(self, slot: str, key: Hashable, make: Callable[[], Any]) -> Any:
         """The value in `slot`, made now unless it was made for the same key."""

@@ -45,13 +45,13 @@ def worker(channel: Any, start: int = START) -> lab_worker.LabWorker:
 @pytest.mark.parametrize(
     ("held", "free", "after", "error"),
     [
-        (143, 0, None, CaseError),
-        (145, 0, 127, CaseError),
-        (145, 0, 129, EndedError),
-        (271, 128, None, CaseError),  # what is free will be used again
-        (271, 126, 129, EndedError),
-        (273, 190, 127, CaseError),
-        (273, 190, 129, EndedError),
+        (167, 0, None, CaseError),
+        (169, 0, 145, CaseError),
+        (169, 0, 147, EndedError),
+        (299, 132, None, CaseError),  # what is free will be used again
+        (299, 130, 147, EndedError),
+        (301, 190, 145, CaseError),
+        (301, 190, 147, EndedError),
     ],
 )
 def test_a_worker_that_has_grown_and_can_spare_little_ends(
