@@ -45,13 +45,13 @@ def worker(channel: Any, start: int = START) -> lab_worker.LabWorker:
 @pytest.mark.parametrize(
     ("held", "free", "after", "error"),
     [
-        (167, 0, None, CaseError),
-        (169, 0, 145, CaseError),
-        (169, 0, 147, EndedError),
-        (299, 132, None, CaseError),  # what is free will be used again
-        (299, 130, 147, EndedError),
-        (301, 190, 145, CaseError),
-        (301, 190, 147, EndedError),
+        (179, 0, None, CaseError),
+        (181, 0, 154, CaseError),
+        (181, 0, 156, EndedError),
+        (329, 150, None, CaseError),  # what is free will be used again
+        (329, 148, 156, EndedError),
+        (331, 190, 154, CaseError),
+        (331, 190, 156, EndedError),
     ],
 )
 def test_a_worker_that_has_grown_and_can_spare_little_ends(
