@@ -36,13 +36,13 @@ ALARM = "signal.setitimer(signal.ITIMER_REAL, 0.3)"
 HANG = f"{ALARM}; __import__('time').sleep(600)"
 IN_DRAW = """
 import os, signal
-from shaderlab.backends.opengl import drawing
-submit = drawing.submit
-def shot(vao, program, draw):
+from shaderlab.backends.opengl.drawing import Drawing
+issue = Drawing.issue
+def shot(self, key, draw, target):
     if draw.draw.fragment == "{name}.frag":
         {act}
-    submit(vao, program, draw)
-drawing.submit = shot
+    issue(self, key, draw, target)
+Drawing.issue = shot
 """
 
 
