@@ -13,7 +13,7 @@ from shaderlab.evaluation.record_builder import RecordBuilder
 
 Task = Callable[[], None]
 _WAITING = 8
-"""Tasks hold what they write: whoever has more of them waits."""
+"""Tasks that may wait, as they hold what they write; `submit` waits for room."""
 
 
 class FileThread(contextlib.AbstractContextManager["FileThread"]):

@@ -45,13 +45,13 @@ def worker(channel: Any, start: int = START) -> lab_worker.LabWorker:
 @pytest.mark.parametrize(
     ("held", "free", "after", "error"),
     [
-        (179, 0, None, CaseError),
-        (181, 0, 154, CaseError),
-        (181, 0, 156, EndedError),
-        (329, 150, None, CaseError),  # what is free will be used again
-        (329, 148, 156, EndedError),
-        (331, 190, 154, CaseError),
-        (331, 190, 156, EndedError),
+        (335, 0, None, CaseError),
+        (337, 0, 271, CaseError),
+        (337, 0, 273, EndedError),
+        (719, 384, None, CaseError),  # what is free will be used again
+        (719, 382, 273, EndedError),
+        (721, 400, 271, CaseError),
+        (721, 400, 273, EndedError),
     ],
 )
 def test_a_worker_that_has_grown_and_can_spare_little_ends(
