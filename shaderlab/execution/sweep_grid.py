@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 import re
+from collections import Counter
 from collections.abc import Iterator, Sequence
 
 import numpy as np
@@ -57,11 +58,11 @@ class Parameter:
             numbers = _sizes(word, numbers)
         return cls(name, tuple(dict.fromkeys(numbers)), bool(found and found["log"]))
 
-    def spelt(self, value: float) -> str:
-        """A value with six digits, or with all digits if the others would look the same."""
-        short = f"{value:.6g}"
-        alike = sum(f"{other:.6g}" == short for other in self.values)
-        return short if alike == 1 else repr(value)
+    def spelt(self) -> list[str]:
+        """The values with six digits, or with all digits where others would look the same."""
+        short = [f"{value:.6g}" for value in self.values]
+        alike = Counter(short)
+        return [s if alike[s] == 1 else repr(v) for s, v in zip(short, self.values, strict=True)]
 
 
 def parameters(words: Sequence[str]) -> tuple[Parameter, ...]:
@@ -102,15 +103,16 @@ def grid(facts: CaseFacts, variant: str, swept: Sequence[Parameter]) -> list[Job
     for parameter in swept:
         _check(facts, parameter)
     jobs = []
-    for values in itertools.product(*(parameter.values for parameter in swept)):
-        given = dict(zip((p.name for p in swept), values, strict=True))
+    axes = [zip(p.spelt(), p.values, strict=True) for p in swept]
+    for values in itertools.product(*axes):
+        given = {p.name: value for p, (_, value) in zip(swept, values, strict=True)}
         size = int(given.pop(SIZE, 0))
         jobs.append(
             Job(
                 file=facts.file,
                 id=facts.id,
                 variant=", ".join(
-                    f"{p.name}={p.spelt(v)}" for p, v in zip(swept, values, strict=True)
+                    f"{p.name}={spelt}" for p, (spelt, _) in zip(swept, values, strict=True)
                 ),
                 title=facts.title,
                 section=facts.section,

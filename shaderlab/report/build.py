@@ -219,7 +219,8 @@ def _steps(group: CaseGroup, pictures: Pictures) -> Iterator[Step]:
 
 def _thumbnail(group: CaseGroup, pictures: Pictures) -> Picture | None:
     """A small picture of the variant that gives the case its status, or of any that has one."""
-    records = sorted(group.records, key=lambda record: record.status != group.status)
+    status = group.status  # that of all records
+    records = sorted(group.records, key=lambda record: record.status != status)
     files = [_main_image(record.images) for record in records]
     files += [_main_image(outcome.images) for record in records for outcome in record.expectations]
     for file in files:
