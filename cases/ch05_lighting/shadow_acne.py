@@ -75,8 +75,7 @@ def table(label, statistic, of, **none):
     )
 
 
-# From the lower left.
-QUARTERS = [(512, "constant"), (512, "slope"), (512, "none"), (2048, "none")]
+QUARTERS = [(512, "constant"), (512, "slope"), (512, "none"), (2048, "none")]  # from the lower left
 
 case = Case(
     title="Shadow acne",
