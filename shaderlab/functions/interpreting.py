@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, TypeVar
 
 from shaderlab.audit import Audit, Plan as AuditPlan, audit_program
 from shaderlab.equivalence import Answer, OutputAnswer, Plan as ComparisonPlan, compare_programs
-from shaderlab.errors import ShaderError, ShaderlabError, UsageError, in_file, nearest
+from shaderlab.equivalence.interface import inputs_of
+from shaderlab.equivalence.roles import unknown_names
+from shaderlab.errors import ShaderError, ShaderlabError, UsageError, nearest
 from shaderlab.execution.compare_shaders import ShaderOfFile
 from shaderlab.functions.entry_points import EntryPoint, entry_points
 from shaderlab.functions.library import readable
@@ -43,7 +46,10 @@ class AuditFunctions:
         for function in functions:
             worker.note(f"interpreting {function.signature.name}")
             try:
-                audit = audit_program(_program(function), _plan_of(self.plan, function))
+                program = _program(function)
+                audit = audit_program(program, _plan_of(self.plan, program))
+            except UsageError:
+                raise
             except ShaderlabError as error:
                 why = f"{self.shader.file.path}: {function.signature.name}: {error}"
                 refused.append(Audit(file=self.shader.file.path, hazards=(), tried=0, refused=why))
@@ -77,10 +83,16 @@ class CompareFunctions:
                 outputs.append(OutputAnswer(name=str(one.signature), why="missing"))
                 continue
             worker.note(f"interpreting {one.signature.name}")
-            with in_file(self.old.file.path):
-                pair = _program(one), _program(other)
-                answer = compare_programs(*pair, _plan_of(self.plan, one))
             name = one.signature.name
+            try:
+                pair = _program(one), _program(other)
+                answer = compare_programs(*pair, _plan_of(self.plan, *pair))
+            except UsageError:
+                raise
+            except ShaderlabError as error:
+                outputs.append(OutputAnswer(name=name))
+                notes.append(f"can't say of {name}: {error}")
+                continue
             alone = len(answer.outputs) == 1
             outputs += [
                 replace(o, name=name if alone else f"{name}: {o.name}") for o in answer.outputs
@@ -125,22 +137,21 @@ def _program(function: EntryPoint) -> Program:
     raise errors[0]
 
 
-def _parameters(functions: Sequence[EntryPoint]) -> set[str]:
-    signatures = [one.signature for one in functions]
-    return {i.name for s in signatures for i in (*s.parameters, *s.globals)}
-
-
 def _check_ranges(ranges: Mapping[str, str], functions: Sequence[EntryPoint]) -> None:
-    for name in ranges.keys() - _parameters(functions):
-        raise UsageError(
-            f"no function takes {name!r}", remedy=nearest(name, _parameters(functions))
-        )
+    """Raise UsageError where a range is of an input that no function has."""
+    known: set[str] = set()
+    for function in functions if ranges else ():
+        with contextlib.suppress(ShaderlabError):
+            known |= inputs_of(_program(function)).keys()
+    for name in unknown_names(list(ranges), known):
+        raise UsageError(f"no function takes {name!r}", remedy=nearest(name, known))
 
 
-def _plan_of(plan: Plan, function: EntryPoint) -> Plan:
-    """The plan with the ranges of what this function takes."""
-    known = _parameters([function])
-    return replace(plan, ranges={n: r for n, r in plan.ranges.items() if n in known})
+def _plan_of(plan: Plan, *programs: Program) -> Plan:
+    """The plan with the ranges of what these programs read."""
+    known = [name for program in programs for name in inputs_of(program)]
+    unknown = unknown_names(list(plan.ranges), known)
+    return replace(plan, ranges={n: r for n, r in plan.ranges.items() if n not in unknown})
 
 
 def _one(file: str, audits: Sequence[Audit]) -> Iterator[Audit]:

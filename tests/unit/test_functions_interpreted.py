@@ -109,6 +109,30 @@ def test_the_same_functions_are_the_same(folder: Path, monkeypatch: pytest.Monke
     assert status == 1 and "int more(): only one of the two" in output
 
 
+def test_members_of_structures_have_ranges(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    words = "audit", "law.glsl", "--range", "light_reach=1:2"
+    assert run(folder, monkeypatch, *words)[0] == 0
+    status, output = run(folder, monkeypatch, *words, "--range", "x=1:0")
+    assert status == 2 and "is no range" in output and "can't say" not in output
+
+
+def test_a_function_that_is_not_interpreted_leaves_the_others_their_answers(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    texts = [
+        "float deep(sampler3D solid, vec3 p) { return texture(solid, p).r; }\n"
+        f"float half_of(float x) {{ return {x} * x; }}\n"
+        for x in ("0.5", "0.25")
+    ]
+    for name, text in zip(("law.glsl", "other.glsl"), texts, strict=True):
+        (folder / name).write_text(text)
+    status, output = run(folder, monkeypatch, "diff", "law.glsl", "other.glsl")
+    assert status == 1 and "half_of: different" in output
+    assert "can't say of deep: " in output and "sampler3D" in output
+    (folder / "other.glsl").write_text(texts[0])
+    assert run(folder, monkeypatch, "diff", "law.glsl", "other.glsl")[0] == 2
+
+
 def test_a_file_without_functions_is_refused(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (folder / "law.glsl").write_text("const float x = 1.0;\n")
     status, output = run(folder, monkeypatch, "audit", "law.glsl")
