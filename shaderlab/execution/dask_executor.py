@@ -1,12 +1,14 @@
 """An `Executor` on a running Dask cluster: it sends jobs and receives records and pictures.
 
-Each job is one Dask task. Dask reassigns the tasks of a lost worker, and each record is taken once,
-so a scene may run on any worker, and more than once.
+A Dask task runs a few jobs. Dask reassigns the tasks of a lost worker, and each record is taken
+once, so a scene may run on any worker, and more than once. Where a task has lost several workers,
+its jobs are sent once more, each by itself, so that only the one to blame is a crash.
 """
 
 from __future__ import annotations
 
 import contextlib
+import itertools
 import os
 import queue
 import uuid
@@ -39,6 +41,11 @@ if TYPE_CHECKING:
     from distributed import Future
 
 PATIENCE_SECONDS = 60.0
+TURNS = 16
+"""Each of the cluster's threads gets tasks so often, where there are many jobs, lest one waits for
+another's last task."""
+TOGETHER = 16
+"""The most jobs of a task: a task costs the cluster as much as a small case."""
 LOOK_SECONDS = 2.0
 _RESUME = "finished results are saved: resume with shaderlab run --resume"
 
@@ -69,6 +76,7 @@ class DaskExecutor:
         self._name = f"shaderlab-{uuid.uuid4().hex[:12]}"
         self._sent: dict[str, Any] = {}  # bundles as Dask's tasks, by the bundle's name
         self._packed = cache(packed_folder)
+        self._homes = {what: _shown(folder) for what, folder in homes().items()}
         self._client = connected(address)
         try:
             check_workers(self._client, address)
@@ -93,9 +101,13 @@ class DaskExecutor:
         """See `Executor`. Files are imported by workers, never here."""
         jobs = [Job(file=str(file), id=file.stem, variant="") for file in files]
         with self._translating_errors():
-            asked = [self._submit("load", *self._remote(job, RunOptions())) for job in jobs]
-            found: list[CaseFacts] = [self._wait_for(future.result) for future in asked]
-        return [replace(facts, file=str(f)) for f, facts in zip(files, found, strict=True)]
+            asked = [
+                self._submit("load", *self._remote(some, RunOptions()))
+                for some in self._together(jobs)
+            ]
+            found: list[list[CaseFacts]] = [self._wait_for(future.result) for future in asked]
+        facts = {one.file: one for one in itertools.chain(*found)}
+        return [facts[str(file)] for file in files]
 
     def run(self, jobs: Sequence[Job], options: RunOptions) -> Generator[tuple[Job, Record]]:
         """See `Executor`.
@@ -103,23 +115,42 @@ class DaskExecutor:
         Raises:
             ShaderlabError: the cluster is gone.
         """
+        from distributed.scheduler import KilledWorker
+
         _ = self.about()
-        finished: queue.SimpleQueue[int] = queue.SimpleQueue()
-        futures: dict[int, Future[Any]] = {}
+        finished: queue.SimpleQueue[object] = queue.SimpleQueue()
+        unfinished: dict[object, tuple[Sequence[Job], Future[Any]]] = {}
+
+        def send(some: Sequence[Job]) -> None:
+            remote = self._remote(some, options)
+            future = self._submit("run", identity(), *remote, retries=1)
+            unfinished[future.key] = some, future
+            future.add_done_callback(lambda done: finished.put(done.key))
+
         with self._translating_errors():
-            for number, job in enumerate(jobs):
-                if not job.broken:
-                    remote = self._remote(job, options)
-                    futures[number] = self._submit("run", identity(), *remote, retries=1)
-                    futures[number].add_done_callback(lambda _, n=number: finished.put(n))
+            for some in self._together([job for job in jobs if not job.broken]):
+                send(some)
             for job in jobs:
                 if job.broken:
                     yield job, failed_record(job, job.broken, job.trouble)
-            while futures:
-                number = self._wait_for(lambda seconds: finished.get(timeout=seconds))
-                if number in futures:  # a task that was run twice is done twice
-                    record = self._record(jobs[number], options, futures.pop(number))
-                    yield jobs[number], record
+            while unfinished:
+                key = self._wait_for(lambda seconds: finished.get(timeout=seconds))
+                if key not in unfinished:
+                    continue  # a task that was run twice is done twice
+                some, future = unfinished.pop(key)
+                try:
+                    result = self._wait_for(future.result)
+                except KilledWorker:
+                    if len(some) > 1:
+                        for job in some:
+                            send([job])
+                    else:
+                        lost = "every Dask worker that ran it was lost"
+                        yield some[0], failed_record(some[0], "crash", lost)
+                else:
+                    yield from self._records(some, options, result)
+                finally:
+                    future.release()
 
     def close(self) -> None:
         """See `Executor`. The cluster keeps running."""
@@ -136,29 +167,34 @@ class DaskExecutor:
         key = f"{self._name}-{method}-{uuid.uuid4().hex}"
         return self._client.submit(call, self._name, method, *arguments, key=key, **how)
 
-    def _record(self, job: Job, options: RunOptions, future: Future[Any]) -> Record:
-        """A job's record; its files are written here first, so that a record never names a file
-        that is not there."""
-        from distributed.scheduler import KilledWorker
+    def _together(self, jobs: Sequence[Job]) -> Iterator[Sequence[Job]]:
+        """The jobs by tasks. A task's are of one driver, for which a worker has a process."""
+        turns = TURNS * max(sum(self._client.nthreads().values()), 1)
+        most = max(1, min(len(jobs) // turns, TOGETHER))
+        for _, of_driver in itertools.groupby(jobs, key=lambda job: job.driver):
+            rest = list(of_driver)
+            while rest:
+                some, rest = rest[:most], rest[most:]
+                yield some
 
+    def _records(
+        self, jobs: Sequence[Job], options: RunOptions, result: Any
+    ) -> Iterator[tuple[Job, Record]]:
+        """The jobs' records; their files are written here first, so that a record never names a
+        file that is not there."""
         from shaderlab.report import store
 
-        try:
-            result = self._wait_for(future.result)
-        except KilledWorker:
-            return failed_record(job, "crash", "every Dask worker that ran it was lost")
-        finally:
-            future.release()
         if isinstance(result, Mapping):
             raise other_version(self._address, "a worker that came later", result)
-        record = store.parse(result.record, Record)
         problem = ""
         for folder, files in ((options.folder, result.files), (options.frames, result.frames)):
             if folder is not None:
                 problem = problem or write_files(files, folder)
-        if problem:
-            record = replace(record, notices=(*record.notices, problem))
-        return record
+        for number, plain in result.records.items():
+            record = store.parse(plain, Record)
+            if problem:
+                record = replace(record, notices=(*record.notices, problem))
+            yield jobs[number], record
 
     def _wait_for(self, get: Callable[[float], Any]) -> Any:
         """The result of `get`, retried when it times out, while the cluster has workers."""
@@ -189,34 +225,35 @@ class DaskExecutor:
     def _gone(self, how: str) -> ShaderlabError:
         return ShaderlabError(f"Dask cluster {self._address}: {how}", remedy=_RESUME)
 
-    def _remote(self, job: Job, options: RunOptions) -> list[Any]:
-        """A job as any machine can run it, and after it the bundles it needs, on their way."""
-        from shaderlab.execution.dask_plugin import RemoteJob
+    def _remote(self, jobs: Sequence[Job], options: RunOptions) -> list[Any]:
+        """Jobs as any machine can run them, and after them the bundles they need, on their way."""
+        from shaderlab.execution.dask_plugin import RemoteJobs
 
-        bundles: list[Bundle] = []
-        local_names = {what: _shown(folder) for what, folder in homes().items()}
+        bundles: dict[str, Bundle] = {}
+        local_names = dict(self._homes)
 
         def bundled(bundle: Bundle, folder: Path, name: str) -> Address:
-            bundles.append(bundle)
+            bundles[bundle.name] = bundle
             local_names[bundle.name] = _shown(folder)
             return Address(bundle.name, name)
 
-        file = Path(job.file)
-        shipped = shipped_path(file)
-        if shipped is not None:
-            address = Address(SHIPPED, shipped)
-        else:
-            tree = tree_of(file)
+        def address(file: str) -> Address:
+            shipped = shipped_path(Path(file))
+            if shipped is not None:
+                return Address(SHIPPED, shipped)
+            tree = tree_of(Path(file))
             inside = Path(os.path.abspath(file)).relative_to(tree).as_posix()
-            address = bundled(self._packed(tree), tree, inside)
+            return bundled(self._packed(tree), tree, inside)
+
+        files = {file: address(file) for file in dict.fromkeys(job.file for job in jobs)}
         shaders = tuple(
             (name, bundled(packed({path.name: path.read_bytes()}), path.parent, path.name))
             for name, path in options.shaders.items()
         )
-        remote = RemoteJob(
-            options=options, job=job, file=address, shaders=shaders, local_names=local_names
+        remote = RemoteJobs(
+            options=options, jobs=jobs, files=files, shaders=shaders, local_names=local_names
         )
-        return [remote, *map(self._send, bundles)]
+        return [remote, *map(self._send, bundles.values())]
 
     def _send(self, bundle: Bundle) -> Any:
         """The bundle as a task, which Dask runs again where the worker that held it is lost."""

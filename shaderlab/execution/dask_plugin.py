@@ -19,6 +19,7 @@ from typing import Any
 from distributed import Worker, WorkerPlugin, get_worker
 
 from shaderlab.discovery import data_folder
+from shaderlab.errors import CaseError
 from shaderlab.execution.dask_bundles import SHIPPED, Address, Bundle, homes, identity, renamed
 from shaderlab.execution.executor import ProcessExecutor
 from shaderlab.execution.jobs import About, CaseFacts, Job
@@ -30,31 +31,31 @@ IDLE_SECONDS = 120.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class RemoteJob:
-    """A job in a form that any machine can run.
+class RemoteJobs:
+    """Jobs in a form that any machine can run.
 
     Attributes:
         options: as for a local run; of its folders only whether they are set counts.
-        job: what to run.
-        file: the case file.
+        jobs: what to run.
+        files: the case files, by the jobs' names of them.
         shaders: replacements, by shader name.
         local_names: this machine's paths of the lab's folders "package", "cases" and "shaders",
             and of each bundle, by name; results are returned with these paths.
     """
 
     options: RunOptions
-    job: Job
-    file: Address
+    jobs: Sequence[Job]
+    files: Mapping[str, Address]
     shaders: tuple[tuple[str, Address], ...] = ()
     local_names: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, kw_only=True)
 class RemoteResult:
-    """A record as plain data, and the files written for it, by their paths inside the run's folder
-    and inside the folder of frames."""
+    """Records as plain data by the job's number, and the files written for them, by their paths
+    inside the run's folder and inside the folder of frames."""
 
-    record: Any
+    records: Mapping[int, Any]
     files: Mapping[str, bytes]
     frames: Mapping[str, bytes]
 
@@ -76,9 +77,6 @@ class DaskPlugin(WorkerPlugin):
     def setup(self, worker: Worker) -> None:
         """Create folders; processes start with the first job."""
         self._folder = Path(os.path.realpath(tempfile.mkdtemp(prefix="shaderlab-")))
-        # An empty working directory, so that no path in a record is shortened by this one.
-        self._home = self._folder / "home"
-        self._home.mkdir()
         self._threads = worker.state.nthreads
         self._unpacking = threading.Lock()
         self._lock = threading.Lock()  # for all below
@@ -98,23 +96,20 @@ class DaskPlugin(WorkerPlugin):
         with self._processes() as executor:
             return executor.about()
 
-    def load(self, remote: RemoteJob, *bundles: Bundle) -> CaseFacts:
-        """The facts of a case file, with the paths of the machine that sent it."""
-        folders, names = self._unpacked(remote, bundles)
+    def load(self, remote: RemoteJobs, *bundles: Bundle) -> list[CaseFacts]:
+        """The facts of the case files, with the paths of the machine that sent them."""
+        names = self._unpacked(remote, bundles)
         with self._processes() as executor:
-            (found,) = executor.load([_path(remote.file, folders)])
-        error = found.error
-        if error is not None:
-            file = None if error.file is None else renamed(error.file, names)
-            error = type(error)(
-                renamed(error.message, names), file=file, line=error.line, remedy=error.remedy
-            )
-        return replace(found, error=error)
+            found = executor.load([_path(address) for address in remote.files.values()])
+        return [
+            replace(facts, file=file, error=_renamed_error(facts.error, names))
+            for file, facts in zip(remote.files, found, strict=True)
+        ]
 
     def run(
-        self, expected: Mapping[str, str], remote: RemoteJob, *bundles: Bundle
+        self, expected: Mapping[str, str], remote: RemoteJobs, *bundles: Bundle
     ) -> RemoteResult | dict[str, str]:
-        """Run a job, and leave no files on this machine.
+        """Run jobs, and leave no files on this machine.
 
         A worker that joined later, with other versions, returns its own `identity` instead.
         """
@@ -122,7 +117,7 @@ class DaskPlugin(WorkerPlugin):
 
         if identity() != expected:
             return identity()
-        folders, names = self._unpacked(remote, bundles)
+        names = self._unpacked(remote, bundles)
         with (
             self._processes() as executor,
             tempfile.TemporaryDirectory(dir=self._folder) as folder,
@@ -133,12 +128,16 @@ class DaskPlugin(WorkerPlugin):
                 remote.options,
                 folder=drawn,
                 frames=None if remote.options.frames is None else frames,
-                shaders={name: _path(at, folders) for name, at in remote.shaders},
+                shaders={name: _path(at) for name, at in remote.shaders},
             )
-            job = replace(remote.job, file=str(_path(remote.file, folders)))
-            ((_, record),) = executor.run([job], options)
+            files = {name: str(_path(address)) for name, address in remote.files.items()}
+            jobs = [replace(job, file=files[job.file]) for job in remote.jobs]
+            numbers = {id(job): number for number, job in enumerate(jobs)}
             return RemoteResult(
-                record=renamed(store.plain(record), names),
+                records={
+                    numbers[id(job)]: renamed(store.plain(record), names)
+                    for job, record in executor.run(jobs, options)
+                },
                 files=_contents(drawn),
                 frames=_contents(frames),
             )
@@ -149,7 +148,7 @@ class DaskPlugin(WorkerPlugin):
             self._running += 1
             if self._executor is None:
                 self._executor = ProcessExecutor(
-                    self._driver, self._limits, self._threads, self._home, early=False
+                    self._driver, self._limits, self._threads, self._folder, early=False
                 )
             executor = self._executor
         try:
@@ -168,10 +167,12 @@ class DaskPlugin(WorkerPlugin):
                 self._executor.close()
                 self._executor = None
 
-    def _unpacked(
-        self, remote: RemoteJob, bundles: Sequence[Bundle]
-    ) -> tuple[dict[str, Path], list[tuple[str, str]]]:
-        """The folders of bundles and of the lab, and pairs of a path here and the sender's path."""
+    def _unpacked(self, remote: RemoteJobs, bundles: Sequence[Bundle]) -> list[tuple[str, str]]:
+        """Unpack bundles; returns pairs of a path here and the sender's path.
+
+        Processes work where bundles are, so that their messages name a bundle's files the same way
+        in every run, and the compile cache knows them again.
+        """
         with self._unpacking:
             folders = {bundle.name: bundle.unpack(self._folder) for bundle in bundles}
         names = []
@@ -180,9 +181,10 @@ class DaskPlugin(WorkerPlugin):
             if local is not None:
                 names.append((f"{folder}{os.sep}", local))
                 names.append((str(folder), local.rstrip("/") or "."))
+        names += [(f"{bundle.name}{os.sep}", remote.local_names[bundle.name]) for bundle in bundles]
         # The longer first: shaders may lie inside the package.
         names.sort(key=lambda pair: -len(pair[0]))
-        return {**folders, SHIPPED: data_folder("cases")}, names
+        return names
 
 
 def call(plugin: str, method: str, *arguments: Any) -> Any:
@@ -211,8 +213,17 @@ def identify_worker() -> Callable[[], dict[str, str]]:
     return identify
 
 
-def _path(address: Address, folders: Mapping[str, Path]) -> Path:
-    return folders[address.bundle] / address.path
+def _renamed_error(error: CaseError | None, names: Sequence[tuple[str, str]]) -> CaseError | None:
+    if error is None:
+        return None
+    file = None if error.file is None else renamed(error.file, names)
+    message = renamed(error.message, names)
+    return type(error)(message, file=file, line=error.line, remedy=error.remedy)
+
+
+def _path(address: Address) -> Path:
+    """The file as processes name it, which work in the folder where bundles are."""
+    return Path(data_folder("cases") if address.bundle == SHIPPED else address.bundle, address.path)
 
 
 def _contents(folder: Path) -> dict[str, bytes]:

@@ -11,6 +11,7 @@ import sys
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -18,9 +19,18 @@ from click.testing import CliRunner, Result
 
 from shaderlab.cli import cli
 from shaderlab.errors import ShaderlabError, UsageError
-from shaderlab.execution import Job, dask_bundles, dask_connection, dask_executor
+from shaderlab.execution import (
+    Job,
+    dask_bundles,
+    dask_connection,
+    dask_executor,
+    dask_plugin,
+    jobs,
+)
 from shaderlab.execution.dask_executor import DaskExecutor
+from shaderlab.files import cache_root
 from shaderlab.options import Limits, RunOptions
+from shaderlab.report import store
 from tests.gpu import faulty
 
 distributed = pytest.importorskip("distributed")
@@ -127,6 +137,71 @@ def test_a_worker_that_is_lost_costs_no_record_and_none_comes_twice(
     finally:
         executor.close()
     assert sorted(found) == [(variant, "pass") for variant in "012345"]
+
+
+def test_of_a_task_that_lost_its_workers_only_the_job_to_blame_is_a_crash(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    from distributed.scheduler import KilledWorker
+
+    class Task:
+        def __init__(self, remote: Any) -> None:
+            self.jobs, self.key = remote, "+".join(job.variant for job in remote)
+
+        def add_done_callback(self, done: Callable[[Task], None]) -> None:
+            done(self)
+
+        def result(self, timeout: float) -> Any:
+            if "4" in self.key:
+                raise KilledWorker(self.key, None, 3)
+            records = {n: jobs.failed_record(job, "pass", "") for n, job in enumerate(self.jobs)}
+            plain = {number: store.plain(record) for number, record in records.items()}
+            return dask_plugin.RemoteResult(records=plain, files={}, frames={})
+
+        def release(self) -> None:
+            asked.append(self.key)
+
+    asked: list[str] = []
+    executor = object.__new__(DaskExecutor)
+    monkeypatch.setattr(executor, "about", lambda: None, raising=False)
+    monkeypatch.setattr(executor, "_submit", lambda *given, **_: Task(given[2]))
+    monkeypatch.setattr(executor, "_remote", lambda some, options: [some])
+    monkeypatch.setattr(
+        executor, "_together", lambda all_of_them: [all_of_them[:3], all_of_them[3:]]
+    )
+    ran = executor.run(jobs_of(Path("slow.py")), RunOptions())
+    found = {job.variant: (record.status, record.message) for job, record in ran}
+    assert asked == ["0+1+2", "3+4+5", "3", "4", "5"]
+    assert found.pop("4") == ("crash", "every Dask worker that ran it was lost")
+    assert found == dict.fromkeys("01235", ("pass", ""))
+
+
+def test_many_jobs_share_a_task_and_each_thread_gets_several() -> None:
+    executor = object.__new__(DaskExecutor)
+    executor._client = SimpleNamespace(nthreads=lambda: {"one": 1, "two": 1})
+    many = [Job(file="slow.py", id="slow", variant=f"{n}") for n in range(1000)]
+    tasks = list(executor._together([*many, replace(many[0], driver="softpipe")]))
+    assert [job.variant for some in tasks for job in some] == [f"{n}" for n in range(1000)] + ["0"]
+    assert {len(some) for some in tasks[:-2]} == {dask_executor.TOGETHER} and len(tasks[-1]) == 1
+    assert {len(some) for some in executor._together(many[:40])} == {1}
+
+
+def test_what_a_cluster_compiled_once_it_knows_again(
+    dask: Any, case_folder: Path, tmp_path: Path
+) -> None:
+    kept = []
+    for _ in range(2):
+        executor = DaskExecutor(dask.scheduler_address)
+        try:
+            near = Job(file=str(case_folder / "lamp.py"), id="lamp", variant="near")
+            options = RunOptions(folder=tmp_path, pictures=False)
+            assert [record.status for _, record in executor.run([near], options)] == ["pass"]
+        finally:
+            executor.close()
+        root = cache_root()
+        assert root is not None
+        kept.append({path for path in root.rglob("*") if path.is_file()})
+    assert kept[0] and kept[0] == kept[1]
 
 
 def test_a_wrong_file_and_a_hang_are_known_by_their_own_names(
