@@ -170,7 +170,7 @@ FILES: dict[str, tuple[dict[str, bytes], str, int | None, str, str]] = {
         {"attenuation.frag": b"x"},
         "a.frag",
         None,
-        "no shader 'a.frag' in ROOT",
+        "no shader 'a.frag' in shaders",
         "",
     ),
     "a directory": (
