@@ -58,7 +58,7 @@ class Image:
     layers: int = 0
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Fragments:
     """What one draw's fragment shader got, at each pixel where it was the last to write.
 

@@ -324,9 +324,10 @@ def _literal(data: bytes, shape: tuple[int, ...], flush: bool) -> tuple[Floats, 
     given = np.frombuffer(data, np.float64).reshape(shape)
     low, high = _neighbours(given)
     if low is not high:
-        computed = np.reshape([float(f"{x:.9g}") != x for x in given.flat], given.shape)
-        wide = np.where(computed & (low != high), 2.0 * (high - low), 0.0)
-        low, high = low - wide, high + wide
+        computed = [float(f"{x:.9g}") != x for x in given.flat]
+        if any(computed):
+            wide = np.where(np.reshape(computed, shape) & (low != high), 2.0 * (high - low), 0.0)
+            low, high = low - wide, high + wide
     low, high = outward(low, high, flush)
     low.flags.writeable = high.flags.writeable = False
     return low, high, bool(np.isnan(given).any())

@@ -148,11 +148,10 @@ def _imports_lab(module: _Module) -> tuple[bool, bool]:
         for level, name, taken in _imports(module)
         if level == 0 and name.split(".")[0] == "shaderlab"
     ]
-    if not taken:
-        return False, False
+    if not taken or {"Case", "*"} & set(taken):
+        return bool(taken), bool(taken)
     nodes = (node for statement in module.body for node in ast.walk(statement))
-    by_attribute = any(isinstance(n, ast.Attribute) and n.attr == "Case" for n in nodes)
-    return True, by_attribute or bool({"Case", "*"} & set(taken))
+    return True, any(isinstance(n, ast.Attribute) and n.attr == "Case" for n in nodes)
 
 
 def _neighbours_take(module: _Module, depth: int) -> bool:

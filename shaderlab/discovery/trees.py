@@ -36,8 +36,12 @@ def tree_of(file: Path) -> Path:
 
     The tree is one package: its modules import each other by relative imports.
     """
-    folders = Path(os.path.abspath(file)).parents
-    return next((folder for folder in folders if (folder / TREE_FILE).is_file()), folders[0])
+    own = folder = os.path.dirname(os.path.abspath(file))
+    while not os.path.isfile(os.path.join(folder, TREE_FILE)):
+        below, folder = folder, os.path.dirname(folder)
+        if folder == below:
+            return Path(own)
+    return Path(folder)
 
 
 def chapter_title(file: str | Path, section: str) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from shaderlab.equivalence.given import asks_for_neighbours, scattered, whole_qu
 from shaderlab.errors import NotInterpretedError
 from shaderlab.evaluation.evaluation import Evaluation
 from shaderlab.expectations.needs import CapturedFragments, CapturedVertices
-from shaderlab.frame import Array, Bindings, PassDraw
+from shaderlab.frame import Array, Bindings, Fragments, PassDraw
 from shaderlab.interpreter import Program, load
 from shaderlab.lazy_dataclass import dataclass
 
@@ -72,35 +73,67 @@ def fragments(
     program = program or program_of(stage_of(evaluation, key, "fragment"))
     captured = evaluation.answer(CapturedFragments(key))
     bindings = evaluation.drawn.bindings[key]
-    places = np.flatnonzero(captured.covered)
-    rows = np.arange(len(places))
-    if most is not None and len(places) > most:
-        ends = _extremes([_at(places, values) for values in captured.inputs.values()])
-        if asks_for_neighbours(program, bindings):
-            y, x = np.nonzero(captured.covered)
-            rows = whole_quads(x, y, most, ends)
-        else:
-            chosen = np.zeros(len(places), np.bool_)
-            chosen[scattered(len(places), most)] = chosen[ends] = True
-            rows = np.flatnonzero(chosen)
-    side = captured.covered.shape[1]
-    if among is not None:
-        quads = among >> 1
-        y, x = np.nonzero(captured.covered)
-        rows = np.flatnonzero(np.isin((y >> 1) * side + (x >> 1), quads[:, 1] * side + quads[:, 0]))
-    y, x = at = np.divmod(places[rows], side)
+    if most is not None and among is None:
+        known = _SAMPLES.setdefault(captured, {})
+        how = most, asks_for_neighbours(program, bindings)
+        seen = known[how] = known.get(how) or _Seen.of(captured, _sample(captured, *how))
+    else:
+        seen = _Seen.of(captured, None if among is None else _in_quads(captured, among))
+    x, y = seen.pixels.T
     images = {n: i for (name, n), i in evaluation.drawn.images.items() if name == key[0]}
     return Invocations(
         program=program,
-        each={
-            **{name: values[at] for name, values in captured.inputs.items()},
-            "gl_FragCoord": captured.frag_coord[at],
-        },
+        each=seen.each,
         bindings=bindings,
-        measured={name: image.values[at] for name, image in images.items()},
+        measured={name: image.values[y, x] for name, image in images.items()},
         formats={name: image.format for name, image in images.items()},
-        pixels=np.stack([x, y], axis=-1),
+        pixels=seen.pixels,
     )
+
+
+@dataclass(frozen=True, eq=False)
+class _Seen:
+    """Pixels (count, 2), and what the fragment shader got there."""
+
+    pixels: Array
+    each: Mapping[str, Array]
+
+    @classmethod
+    def of(cls, captured: Fragments, rows: Array | None) -> _Seen:
+        """Those of the covered pixels with these numbers, all by default; to be read only."""
+        places = np.flatnonzero(captured.covered)
+        at = y, x = np.divmod(places if rows is None else places[rows], captured.covered.shape[1])
+        inputs = {**captured.inputs, "gl_FragCoord": captured.frag_coord}
+        found = cls(np.stack([x, y], axis=-1), {name: v[at] for name, v in inputs.items()})
+        for array in (found.pixels, *found.each.values()):
+            array.flags.writeable = False
+        return found
+
+
+# Draws that must get the same share what was captured, and what is taken of it.
+_SAMPLES: WeakKeyDictionary[Fragments, dict[tuple[int, bool], _Seen]] = WeakKeyDictionary()
+
+
+def _sample(captured: Fragments, most: int, whole: bool) -> Array | None:
+    """About `most` of the covered pixels, by their numbers; `whole` quads; None for all."""
+    places = np.flatnonzero(captured.covered)
+    if len(places) <= most:
+        return None
+    ends = _extremes([_at(places, values) for values in captured.inputs.values()])
+    if whole:
+        y, x = np.nonzero(captured.covered)
+        return whole_quads(x, y, most, ends)
+    chosen = np.zeros(len(places), np.bool_)
+    chosen[scattered(len(places), most)] = chosen[ends] = True
+    return np.flatnonzero(chosen)
+
+
+def _in_quads(captured: Fragments, among: Array) -> Array:
+    """The covered pixels of the quads that have some pixels (count, 2), by their numbers."""
+    quads, side = among >> 1, captured.covered.shape[1]
+    y, x = np.nonzero(captured.covered)
+    cells = (y >> 1) * side + (x >> 1)
+    return np.flatnonzero(np.isin(cells, quads[:, 1] * side + quads[:, 0]))
 
 
 def vertices(evaluation: Evaluation, key: PassDraw, most: int | None = None) -> Invocations:

@@ -239,12 +239,13 @@ def _program(draw: PreparedDraw, assembly: Assembly) -> ProgramRecord:
     parts: dict[str, str] = {}
     for source in draw.authored:
         parts.update(dict(source.parts))
+    sources = [
+        SourceText(file=display_path(path), line=1, language="glsl", text=text)
+        for path, text in parts.items()
+    ]
     return ProgramRecord(
-        files=tuple(display_path(path) for path in parts),
-        sources=tuple(
-            SourceText(file=display_path(path), line=1, language="glsl", text=text)
-            for path, text in parts.items()
-        ),
+        files=tuple(source.file for source in sources),
+        sources=tuple(sources),
         verdicts=tuple(
             replace(_for_display(verdict), assembly=assembly(modules.get(verdict.target, {})))
             for verdict in draw.compiled.verdicts
