@@ -1,4 +1,4 @@
-"""The floor: a bare loop over the compilers' C interface, with nothing of the lab around it.
+"""The floor: a bare loop over the compilers' functions, with nothing of the lab around it.
 
 It makes the calls that have to be made for three targets, and looks at no message.
 """
@@ -12,33 +12,31 @@ from shaderlab.compiler.library import Input, SpirvDiagnostic, glslang, spirv_to
 
 _STAGES = {"vert": 0, "tesc": 1, "tese": 2, "geom": 3, "frag": 4, "comp": 5}
 # client, its version, messages, options, SPIRV-Tools' environment
-_TARGETS = ((2, 450, 8, 3, 9), (1, 1 << 22, 24, 7, 1))
+_TARGETS = ((0, 0, 0, 0, None), (2, 450, 8, 3, 9), (1, 1 << 22, 24, 7, 1))
 
 
 def compile_all(shaders: Sequence[tuple[str, bytes]]) -> int:
     """Compile texts for all three targets; each comes with its extension. How many were good."""
     lib, tools = glslang(), spirv_tools()
     front, back = lib.front, lib.back
-    contexts = {target[4]: tools.spvContextCreate(target[4]) for target in _TARGETS}
+    contexts = {target[4]: tools.spvContextCreate(target[4]) for target in _TARGETS if target[4]}
     good = 0
     for extension, text in shaders:
         stage = _STAGES[extension]
-        compiler = front.ShConstructCompiler(stage, 0)
-        length = (c.c_int * 1)(len(text))
-        good += front.ShCompile(
-            compiler, (c.c_char_p * 1)(text), 1, length, 0, lib.limits, 0, 110, False, 0
-        )
-        front.ShGetInfoLog(compiler)
-        front.ShDestruct(compiler)
         for client, version, messages, flags, environment in _TARGETS:
-            given = Input(1, stage, client, version, 1, 1 << 16, text, 110, 1, 0, 0, messages)
+            spirv = (1, 1 << 16) if environment is not None else (0, 0)
+            given = Input(1, stage, client, version, *spirv, text, 110, 1, 0, 0, messages)
             given.resource = lib.limits
             shader = front.glslang_shader_create(c.byref(given))
             front.glslang_shader_set_options(shader, flags)
+            parsed = lib.parse(shader, given)
+            if environment is None:
+                good += parsed
+                front.glslang_shader_delete(shader)
+                continue
             program = front.glslang_program_create()
             if (
-                front.glslang_shader_preprocess(shader, c.byref(given))
-                and front.glslang_shader_parse(shader, c.byref(given))
+                parsed
                 and not front.glslang_program_add_shader(program, shader)
                 and front.glslang_program_link(program, messages)
                 and front.glslang_program_map_io(program)

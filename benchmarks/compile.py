@@ -116,7 +116,7 @@ def compare_commands(paths: Sequence[Path], rounds: int, folder: Path) -> None:
 def compare_inside(paths: Sequence[Path], rounds: int) -> None:
     with WorkerPool(WORK) as pool:
         ways: dict[str, Callable[[], None]] = {
-            "bare loop over the C interface": lambda: bare(paths),
+            "bare loop over the compilers": lambda: bare(paths),
             "compile_glsl in this process": lambda: lab(paths),
             "compile_glsl in one worker": lambda: lab(paths, pool),
         }
@@ -129,7 +129,7 @@ def compare_inside(paths: Sequence[Path], rounds: int) -> None:
             wall[name].append(seconds(ways[name]))
             processor[name].append(time.process_time() - start)
     print("  inside the process: the clock's seconds, and this process's processor seconds")
-    floor = [min(times["bare loop over the C interface"]) for times in (wall, processor)]
+    floor = [min(times["bare loop over the compilers"]) for times in (wall, processor)]
     for name in ways:
         clock, used = min(wall[name]), min(processor[name])
         row = f"  {name:<50} {clock:7.3f}   {clock / floor[0]:.2f} x"

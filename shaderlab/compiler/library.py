@@ -9,7 +9,7 @@ from __future__ import annotations
 import ctypes as c
 import functools
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -90,6 +90,12 @@ _Signatures = Mapping[str, tuple[Any, ...]]
 _P, _TEXT, _INPUT, _INT = c.c_void_p, c.c_char_p, c.POINTER(Input), c.c_int
 _TEXT_OUT, _DIAGNOSTIC_OUT = (c.POINTER(c.POINTER(t)) for t in (SpirvText, SpirvDiagnostic))
 
+# C++ functions for what the C interface lacks: `TShader::setStrings`, and `TShader::parse`, which
+# preprocesses while it parses. Then the table of virtual functions of `TShader::ForbidIncluder`.
+_SET_TEXT = "_ZN7glslang7TShader10setStringsEPKPKci"
+_PARSE = "_ZN7glslang7TShader5parseEPK16TBuiltInResourcei8EProfilebb11EShMessagesRNS0_8IncluderE"
+_NO_INCLUDES = "_ZTVN7glslang7TShader14ForbidIncluderE"
+
 _GLSLANG: _Signatures = {
     "ShInitialize": (_INT,),
     "ShConstructCompiler": (_P, _INT, _INT),
@@ -115,6 +121,11 @@ _GLSLANG: _Signatures = {
     "glslang_program_link": (_INT, _P, _INT),
     "glslang_program_map_io": (_INT, _P),
     "glslang_program_get_info_log": (_TEXT, _P),
+    _SET_TEXT: (None, _P, c.POINTER(_TEXT), _INT),
+    # resource limits; version and profile if the text has none; whether these hold in any case;
+    # forward compatible; messages; what includes files
+    _PARSE: (c.c_bool, _P, _P, _INT, _INT, c.c_bool, c.c_bool, c.c_uint, _P),
+    _NO_INCLUDES: (None,),
 }
 _SPIRV: _Signatures = {
     "glslang_program_SPIRV_generate_with_options": (None, _P, _INT, c.POINTER(SpirvOptions)),
@@ -136,11 +147,16 @@ _TOOLS: _Signatures = {
 
 @dataclass(frozen=True)
 class Glslang:
-    """The loaded compiler: its front end, its SPIR-V generator and the default limits."""
+    """The loaded compiler: its front end, its SPIR-V generator and the default limits.
+
+    `parse` takes a shader of the C interface and its `Input` and parses the input's text, where
+    `glslang_shader_parse` needs what `glslang_shader_preprocess` has made of it, in twice the time.
+    """
 
     front: c.CDLL
     back: c.CDLL
     limits: int
+    parse: Callable[[int, Input], bool]
 
 
 def find(wheel: str, name: str, folder: str = "lib") -> Path:
@@ -185,7 +201,8 @@ def glslang() -> Glslang:
     resource = _load(_RESOURCE, _LIMITS, c.RTLD_LOCAL)
     front.glslang_initialize_process()
     front.ShInitialize()
-    return Glslang(front, back, int(resource.glslang_default_resource()))
+    limits = int(resource.glslang_default_resource())
+    return Glslang(front, back, limits, _direct_parse(front))
 
 
 @functools.cache
@@ -205,6 +222,23 @@ def files() -> tuple[Path, ...]:
         ShaderError: a wheel is missing; the remedy names it.
     """
     return tuple(find(*library) for library in (_FRONT, _BACK, _RESOURCE, _SPIRV_TOOLS))
+
+
+def _direct_parse(front: c.CDLL) -> Callable[[int, Input], bool]:
+    set_text, parse = getattr(front, _SET_TEXT), getattr(front, _PARSE)
+    # An object without data is the address of its class's functions, after two words of the table.
+    table = c.cast(getattr(front, _NO_INCLUDES), _P).value or 0
+    no_includes = _P(table + 2 * c.sizeof(_P))
+
+    def parsed(handle: int, given: Input) -> bool:
+        shader = _P.from_address(handle)  # a handle's first word is its TShader
+        text = (_TEXT * 1)(given.code)  # which the shader does not copy
+        set_text(shader, text, 1)
+        default = given.default_version, given.default_profile
+        rules = False, False, given.messages
+        return bool(parse(shader, given.resource, *default, *rules, c.byref(no_includes)))
+
+    return parsed
 
 
 def _load(named: tuple[str, str], functions: _Signatures, mode: int) -> c.CDLL:

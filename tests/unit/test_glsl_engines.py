@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import random
 import stat
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -13,7 +14,8 @@ from benchmarks.trees import mutant, own_shaders
 from shaderlab.compiler import ALL_TARGETS, Shaders, compile_glsl, compile_program
 from shaderlab.compiler.commands import Commands, Executables, locate
 from shaderlab.compiler.engines import CompilerDiedError, choose
-from shaderlab.compiler.library import GLSLANG_WHEEL, find
+from shaderlab.compiler.library import GLSLANG_WHEEL, Input, find, glslang
+from shaderlab.compiler.library_engine import Library
 from shaderlab.doctor import examine
 from shaderlab.errors import ShaderError
 
@@ -76,6 +78,38 @@ def test_a_tree_has_the_same_results(tmp_path: Path, repository: Path) -> None:
     process = list(compile_glsl([tmp_path], engine="process", keep=True))
     assert process == library
     assert 5 < sum(result.ok for result in library) < 35
+
+
+def test_each_stage_is_read_once_for_each_target(monkeypatch: pytest.MonkeyPatch) -> None:
+    program = PROGRAMS["two stages"]
+    stages = [Shaders([]).from_text(text, stage, f"p.{stage}") for stage, text in program.items()]
+    engine, read = Library(), list[str]()
+
+    def counted(handle: int, given: Input) -> bool:
+        read.append(given.code.decode())
+        return glslang().parse(handle, given)
+
+    class Front:
+        def __getattr__(self, name: str) -> object:
+            assert "preprocess" not in name and "ShCompile" not in name
+            return getattr(glslang().front, name)
+
+    monkeypatch.setattr(engine, "_glslang", replace(glslang(), front=Front(), parse=counted))
+    assert compile_program(stages, engine=engine).ok
+    assert sorted(read) == sorted(3 * [stage.text for stage in stages])
+
+
+def test_a_stage_that_was_linked_is_as_good_as_fresh() -> None:
+    # glslang counts a link's errors in the stages, so they can't be linked again.
+    shaders, used = Shaders([]), Library()
+    kinds = ["two stages", "stages that do not fit", "two stages"]
+    for stages in (
+        [shaders.from_text(text, stage, f"p.{stage}") for stage, text in PROGRAMS[kind].items()]
+        for kind in kinds
+    ):
+        expected = compile_program(stages, engine=Library())
+        assert compile_program(stages, engine=used) == expected
+        assert [used.link(stages, "glsl").ok for _ in range(2)] == [expected.ok] * 2
 
 
 def test_the_variable_names_the_command(monkeypatch: pytest.MonkeyPatch) -> None:
