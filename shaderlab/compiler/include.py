@@ -14,7 +14,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from shaderlab.compiler.shader_files import OUTSIDE_REMEDY, File, OutsideError, Roots, inside
 from shaderlab.compiler.text import version_of, without_comments
 from shaderlab.errors import ShaderError, nearest
-from shaderlab.files import display_path
 from shaderlab.lazy_dataclass import dataclass
 
 MAX_DEPTH = 64
@@ -210,4 +209,4 @@ def _error(message: str, trail: _Trail, remedy: str) -> ShaderError:
 
 
 def _chain(trail: Iterable[tuple[File, int]]) -> str:
-    return " → ".join(display_path(file.path, line) for file, line in trail)
+    return " → ".join(f"{file.path}:{line}" for file, line in trail)

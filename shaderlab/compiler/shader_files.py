@@ -11,7 +11,6 @@ from pathlib import Path
 
 from shaderlab.compiler.text import EXTENSIONS, normalise, read_shader, stage_of
 from shaderlab.errors import ShaderError, UsageError, nearest
-from shaderlab.files import display_path
 from shaderlab.lazy_dataclass import dataclass
 
 _SHADER_SUFFIXES = re.compile(r"\.(vert|vs|frag|fs|geom|gs|tesc|tcs|tese|tes|comp|cs|glsl|inc|h)")
@@ -61,7 +60,7 @@ class Roots:
         except OutsideError as error:
             raise ShaderError(f"shader {name!r}: {error}", remedy=OUTSIDE_REMEDY) from None
         if file is None:
-            where = ", ".join(map(display_path, self.folders)) or "no folder"
+            where = ", ".join(str(folder) for folder in self.folders) or "no folder"
             raise ShaderError(
                 f"no shader {name!r} in {where}", file=name, remedy=nearest(name, self.names())
             )

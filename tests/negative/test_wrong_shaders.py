@@ -170,7 +170,7 @@ FILES: dict[str, tuple[dict[str, bytes], str, int | None, str, str]] = {
         {"attenuation.frag": b"x"},
         "a.frag",
         None,
-        "no shader 'a.frag' in shaders",
+        "no shader 'a.frag' in ROOT",
         "",
     ),
     "a directory": (
@@ -221,7 +221,7 @@ FILES: dict[str, tuple[dict[str, bytes], str, int | None, str, str]] = {
         {"a.frag": b'#include "x.glsl"\n', "x.glsl": b'\n\n#include "no.glsl"\n'},
         "x.glsl",
         3,
-        "no file to #include: 'no.glsl' (included by shaders/a.frag:1)",
+        "no file to #include: 'no.glsl' (included by ROOT/a.frag:1)",
         "",
     ),
     "an include of itself": (
@@ -239,7 +239,7 @@ FILES: dict[str, tuple[dict[str, bytes], str, int | None, str, str]] = {
         },
         "y.glsl",
         3,
-        "'x.glsl' includes itself (included by shaders/a.frag:1 → shaders/x.glsl:2)",
+        "'x.glsl' includes itself (included by ROOT/a.frag:1 → ROOT/x.glsl:2)",
         "break the cycle",
     ),
     "an include out of the root": (
@@ -281,14 +281,14 @@ FILES: dict[str, tuple[dict[str, bytes], str, int | None, str, str]] = {
         {"a.frag": b'#include "lib"\n', "lib/x.glsl": b"x"},
         "lib",
         None,
-        "is a directory, not a shader (included by shaders/a.frag:1)",
+        "is a directory, not a shader (included by ROOT/a.frag:1)",
         "",
     ),
     "an included file that is empty": (
         {"a.frag": b'\n#include "x.glsl"\n', "x.glsl": b""},
         "x.glsl",
         None,
-        "the shader is empty (included by shaders/a.frag:2)",
+        "the shader is empty (included by ROOT/a.frag:2)",
         "",
     ),
     "a stage nobody knows": (
@@ -309,10 +309,7 @@ FILES: dict[str, tuple[dict[str, bytes], str, int | None, str, str]] = {
 
 
 @pytest.mark.parametrize("kind", FILES)
-def test_a_wrong_file_is_named_with_its_line_and_a_remedy(
-    tmp_path: Path, kind: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_a_wrong_file_is_named_with_its_line_and_a_remedy(tmp_path: Path, kind: str) -> None:
     files, file, line, words, remedy = FILES[kind]
     (tmp_path / "secret.glsl").write_text("secret\n")
     root = tmp_path / "shaders"
@@ -323,7 +320,7 @@ def test_a_wrong_file_is_named_with_its_line_and_a_remedy(
     with pytest.raises(ShaderError) as raised:
         Shaders([root]).load(asked)
     error = raised.value
-    assert error.message == words
+    assert error.message.replace(str(root), "ROOT") == words
     assert remedy in (error.remedy or "")
     assert (error.file or "").endswith(file)
     assert error.line == line
