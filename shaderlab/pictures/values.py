@@ -20,7 +20,6 @@ reference, so most of those bytes are zero.
 from __future__ import annotations
 
 import json
-import zlib
 from collections.abc import Mapping
 from typing import Any
 
@@ -28,11 +27,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shaderlab.lazy_dataclass import dataclass
+from shaderlab.pictures.deflate import deflated
 
 Floats = NDArray[np.float64]
 _REST = 65535.0
 _COARSE = 2048
-_LEVEL = 1  # of zlib: half the default's time, for files a twentieth larger
 # Pictures with more pixels than a square of this side, at four components, are cut to such a
 # square around their worst value.
 WINDOW = 64
@@ -84,7 +83,7 @@ def pack(values: Values) -> bytes:
         "fine": values.fine,
     }
     text = json.dumps(head, separators=(",", ":")) + "\n"
-    return zlib.compress(text.encode("ascii") + b"".join(columns), _LEVEL)
+    return deflated(b"".join((text.encode("ascii"), *columns)))
 
 
 def judged_part(

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import os
 import resource
+import runpy
 import struct
+import sys
 import zlib
 from collections.abc import Callable
 from pathlib import Path
@@ -14,6 +16,7 @@ import pytest
 
 from shaderlab import pictures
 from shaderlab.errors import AssetError
+from shaderlab.pictures import deflate
 
 
 def test_three_channels_are_clipped_without_gamma() -> None:
@@ -274,6 +277,15 @@ def test_indices_are_written_as_their_colours(tmp_path: Path) -> None:
     large = np.rint(pictures.load(tmp_path / "i.png") * 255).astype(np.uint8)
     assert np.array_equal(large[::2, ::2], colours[indices[..., 0]])
     assert np.array_equal(large[1::2, 1::2], colours[indices[..., 0]])
+
+
+def test_without_isa_l_zlib_packs_the_same_pixels(monkeypatch: pytest.MonkeyPatch) -> None:
+    data = np.random.default_rng(5).integers(0, 9, 3000, np.uint8).tobytes()
+    quick = deflate.deflated(data)
+    monkeypatch.setitem(sys.modules, "isal.isal_zlib", None)
+    slow = runpy.run_path(deflate.__file__)["deflated"](data)
+    assert slow == zlib.compress(data, 1)
+    assert zlib.decompress(quick) == zlib.decompress(slow) == data
 
 
 def test_repacked_files_hold_the_same_in_fewer_bytes(tmp_path: Path) -> None:
