@@ -32,6 +32,8 @@
 #include "selects.h"
 #include "mixes.h"
 #include "rows.h"
+#include "lines.h"
+#include "vectors.h"
 #include "directions.h"
 #include "shapes.h"
 #include "texels.h"

@@ -8,10 +8,9 @@
 
 /* The hull of both expansions of a component, cut; rounding it outward is rounding each. */
 LOOP int64_t either_component(
-    npy_intp count, const Value *v, const Value *root, const Value *inverse, double *restrict lo,
-    double *restrict negated_hi)
+    npy_intp count, const double *v_lo, const double *v_hi, const Value *root, const Value *inverse,
+    double *restrict lo, double *restrict negated_hi)
 {
-    const double *v_lo = v->settled_low, *v_hi = v->settled_high;
     const double *by_lo = root->low, *by_hi = root->high, *of_lo = inverse->low;
     const double *of_hi = inverse->high;
     int64_t rare = 0;
@@ -38,14 +37,15 @@ LOOP int64_t any_less(npy_intp count, const double *x, double least)
 /* Lengths and their inverses, of squared lengths. */
 static int64_t lengths(Line *line, const Value *squared, npy_intp count, Value *root, Value *inverse)
 {
-    double *lo = line->lo, *negated_hi = line->negated_hi;
-    ALIGNED double least[BLOCK], greatest[BLOCK];
+    double *lo = line->sums.low, *negated_hi = line->sums.negated_high;
+    int flush = line->how.flush;
+    ALIGNED double least[ROWS], greatest[ROWS];
     int64_t rare = any_less(count, squared->low, SMALLEST_NORMAL);
     rare |= inverse_root_bounds(count, squared, SMALLEST_NORMAL, lo, negated_hi);
-    narrow(count, line->flush, lo, negated_hi, inverse->blocks[0], inverse->blocks[1]);
+    narrow(count, flush, lo, negated_hi, inverse->blocks[0], inverse->blocks[1]);
     narrow(count, 0, lo, negated_hi, least, greatest);
     roots(count, squared, least, greatest, lo, negated_hi);
-    narrow(count, line->flush, lo, negated_hi, root->blocks[0], root->blocks[1]);
+    narrow(count, flush, lo, negated_hi, root->blocks[0], root->blocks[1]);
     for (Value *value = root;; value = inverse) {
         value->low = value->blocks[0];
         value->high = value->blocks[1];
@@ -57,22 +57,24 @@ static int64_t lengths(Line *line, const Value *squared, npy_intp count, Value *
 static int64_t directed(Line *line, Result *result, npy_intp start, npy_intp count)
 {
     Value *squared = &line->a.value, root, inverse;
-    double *lo = line->lo, *negated_hi = line->negated_hi;
-    ALIGNED double low[BLOCK], high[BLOCK];
-    load_vectors(line, start, count);
-    int64_t rare = add_up(line, 0, start, count, squared->blocks[0], squared->blocks[1]);
+    const Elements *v = &line->elements.at;
+    double *lo = line->sums.low, *negated_hi = line->sums.negated_high;
+    ALIGNED double low[MAX_TERMS][ROWS], high[MAX_TERMS][ROWS], unused[3][ROWS];
+    npy_intp terms = line->b.terms;
+    line->sums.size = unused[0];
+    line->sums.slack = unused[1];
+    line->sums.reach = unused[2];
+    int64_t rare = load_vectors(line, start, count);
+    rare |= sum_line(line, 0, start, count, squared->blocks[0], squared->blocks[1]);
     squared->low = squared->blocks[0];
     squared->high = squared->blocks[1];
     rare |= lengths(line, squared, count, &root, &inverse);
-    npy_intp terms = line->b.terms;
     for (npy_intp j = 0; j < terms; j++) {
-        const Value *v = &line->elements[j];
-        npy_intp at = start * terms + j;
-        rare |= either_component(count, v, &root, &inverse, lo, negated_hi);
-        narrow(count, line->flush, lo, negated_hi, low, high);
-        spread(count, low, terms, result->low + at);
-        spread(count, high, terms, result->high + at);
+        rare |= either_component(count, v->low[j], v->high[j], &root, &inverse, lo, negated_hi);
+        narrow(count, line->how.flush, lo, negated_hi, low[j], high[j]);
     }
+    put_together(count, terms, low, result->low + start * terms);
+    put_together(count, terms, high, result->high + start * terms);
     return rare;
 }
 
@@ -88,13 +90,12 @@ static PyObject *direction(PyObject *self, PyObject *const *args, Py_ssize_t giv
     pass.bands[1] = NULL;
     npy_intp rows = line.b.rows;
     broadcast(&pass.shape, &line.b.value.lo);
-    line.steps = 0.0;
-    line.skips = 0;
+    find_shared(&line);
     if (make_room(result, &pass.shape, 0, 0)) return NULL;
     for (;;) {
         result->rare = 0;
-        for (npy_intp start = 0; start < rows && !result->rare; start += BLOCK) {
-            npy_intp count = rows - start < BLOCK ? rows - start : BLOCK;
+        for (npy_intp start = 0; start < rows && !result->rare; start += ROWS) {
+            npy_intp count = rows - start < ROWS ? rows - start : ROWS;
             result->rare = directed(&line, result, start, count);
         }
         if (line.tiny || result->rare != TINY_TERMS) return finished(&pass);

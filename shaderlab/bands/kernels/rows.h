@@ -1,10 +1,11 @@
-/* Sums of products along rows, without the products in memory: a dot product, a matrix times a
- * vector. Each row has a vector or matrix of its own, or all have the same. */
+/* Vectors and matrices, one for each row or one for all of them, taken apart into their elements. */
 
 #ifndef SHADERLAB_ROWS_H
 #define SHADERLAB_ROWS_H
 
 #define MAX_TERMS 4
+/* Rows of a block: of two vectors and their products all elements fit into a first-level cache. */
+#define ROWS 192
 
 /* Where an array's elements lie: steps from row to row, line to line, and along a line. */
 typedef struct {
@@ -40,7 +41,8 @@ static int find_rows(Rows *rows, int lines)
     rows->terms = PyArray_DIM(lo, ndim - 1);
     rows->lines = lines ? PyArray_DIM(lo, ndim - 2) : 1;
     rows->rows = row < 0 ? 1 : PyArray_DIM(lo, row);
-    if (rows->terms < 2 || rows->terms > MAX_TERMS || !rows->rows || !rows->lines) return 0;
+    if (rows->terms < 2 || rows->terms > MAX_TERMS || !rows->rows) return 0;
+    if (!rows->lines || rows->lines > MAX_TERMS) return 0;
     rows->lo = place_of(&value->lo, lines);
     if (!value->exact) rows->hi = place_of(&value->hi, lines);
     if (!value->plain) rows->mag = place_of(&value->mag, lines);
@@ -62,145 +64,7 @@ static const double *picked(
     return block;
 }
 
-/* Makes one element of a block of rows the current block of `to`, which has the memory for it. */
-static void load_element(
-    const Rows *from, npy_intp line, npy_intp term, npy_intp start, npy_intp count, int tiny,
-    Value *to)
-{
-    const Value *value = &from->value;
-    to->low = picked(&from->lo, line, term, start, count, to->lo.block);
-    to->high = value->exact ? to->low : picked(&from->hi, line, term, start, count, to->hi.block);
-    to->count = value->count;
-    to->plain = value->plain;
-    to->settled_low = to->low;
-    to->settled_high = to->high;
-    if (value->slackened) {
-        const double *slack = picked(&from->slack, line, term, start, count, to->slack.block);
-        settle(count, to->low, to->high, slack, to->blocks[0], to->blocks[1]);
-        to->settled_low = to->blocks[0];
-        to->settled_high = to->blocks[1];
-    }
-    to->size = to->blocks[2];
-    if (value->plain) sizes(count, to->low, to->high, to->blocks[2]);
-    else to->size = picked(&from->mag, line, term, start, count, to->mag.block);
-    if (!tiny) return;
-    to->reached = to->blocks[3];
-    if (value->reaching)
-        to->reached = picked(&from->reach, line, term, start, count, to->reach.block);
-    else at_least_one(count, to->size, to->blocks[3]);
-}
-
-/* What a line's products are added up in; and the product itself. */
-typedef struct {
-    Rows a, b;
-    int squares, tiny, flush;
-    /* Whether factors of 0, which leave nothing of a finite number, are passed over. */
-    int skips;
-    double steps;
-    Value element, elements[MAX_TERMS], product;
-    Total total;
-    ALIGNED double lo[BLOCK], negated_hi[BLOCK], size[BLOCK], slack[BLOCK];
-} Line;
-
-/* Makes the product of two elements, or the square of one, the current block of `product`. */
-static int64_t multiply_element(Line *line, const Value *a, const Value *b, npy_intp count)
-{
-    Value *product = &line->product;
-    double *lo = line->lo, *negated_hi = line->negated_hi, *size = product->blocks[2];
-    double *reach = product->blocks[3], steps = line->steps;
-    int64_t rare = 0;
-    if (line->squares && line->tiny) rare = square_tiny(count, b, steps, lo, negated_hi, size, reach);
-    else if (line->squares) rare = square_block(count, b, steps, lo, negated_hi, size);
-    else if (line->tiny) rare = multiply_tiny(count, a, b, steps, lo, negated_hi, size, reach);
-    else rare = multiply_block(count, a, b, steps, lo, negated_hi, size);
-    narrow(count, line->flush, lo, negated_hi, product->blocks[0], product->blocks[1]);
-    product->settled_low = product->blocks[0];
-    product->settled_high = product->blocks[1];
-    product->size = size;
-    product->reached = reach;
-    return rare;
-}
-
-LOOP int64_t any_infinite(npy_intp count, const Value *a)
-{
-    const double *low = a->settled_low, *high = a->settled_high, *size = a->size;
-    int64_t found = 0;
-    for (npy_intp i = 0; i < count; i++)
-        found |= !(fabs(low[i]) + fabs(high[i]) + size[i] < INFINITY) ? ODD : 0;
-    return found;
-}
-
-/* Makes the elements of a block of rows the current ones; what is rare in them. */
-static int64_t load_vectors(Line *line, npy_intp start, npy_intp count)
-{
-    int64_t rare = 0;
-    for (npy_intp j = 0; j < line->b.terms; j++) {
-        load_element(&line->b, 0, j, start, count, line->tiny, &line->elements[j]);
-        if (line->skips) rare |= any_infinite(count, &line->elements[j]);
-    }
-    return rare;
-}
-
-static int is_skipped(const Line *line, npy_intp number, npy_intp term)
-{
-    const Place *place = &line->a.lo;
-    return line->skips && place->data[number * place->line + term * place->along] == 0.0;
-}
-
-/* The sums of one line of a block of rows, rounded outward into `low` and `high`; what is rare. */
-static int64_t add_up(
-    Line *line, npy_intp number, npy_intp start, npy_intp count, double *low, double *high)
-{
-    int64_t rare = 0;
-    Total *total = &line->total;
-    npy_intp terms = line->b.terms, added = 0;
-    for (npy_intp j = 0; j < terms; j++) {
-        if (is_skipped(line, number, j)) continue;
-        if (!line->squares)
-            load_element(&line->a, number, j, start, count, line->tiny, &line->element);
-        rare |= multiply_element(line, &line->element, &line->elements[j], count);
-        add_term(total, &line->product, count, added++ == 0, line->tiny);
-    }
-    if (!added) memset(total, 0, sizeof *total);
-    rare |= end_sum(count, total, line->tiny ? SMALLEST_NORMAL * (double)terms : 0.0, line->lo,
-                    line->negated_hi, line->size, line->slack);
-    narrow(count, line->flush, line->lo, line->negated_hi, low, high);
-    return rare;
-}
-
-/* Reads both operands; false where the pass can't take them. */
-static int begin_rows(
-    Line *line, Pass *pass, PyObject *const *args, Py_ssize_t given, int lines)
-{
-    memset(&pass->shape, 0, sizeof pass->shape);
-    memset(&pass->result, 0, sizeof pass->result);
-    if (given != 2 || !read_value(&line->a.value, args[0])) return 0;
-    if (!read_value(&line->b.value, args[1])) return 0;
-    PyObject *rules = SLOT(args[0], bands.rules);
-    if (!Py_IS_TYPE(rules, rule_sets.type) || !is_rule(rules, rule_sets.rearrange)) return 0;
-    for (int k = 0; k < 2; k++) {
-        pass->bands[k] = args[k];
-        if (!flagless(SLOT(args[k], bands.flags))) return 0;
-    }
-    if (!find_rows(&line->a, lines) || !find_rows(&line->b, 0)) return 0;
-    npy_intp a_rows = line->a.rows, b_rows = line->b.rows;
-    if (line->a.terms != line->b.terms) return 0;
-    if (a_rows != b_rows && a_rows != 1 && b_rows != 1) return 0;
-    line->flush = is_rule(rules, rule_sets.flush);
-    line->squares = args[0] == args[1];
-    line->tiny = line->a.value.reaching || line->b.value.reaching;
-    return 1;
-}
-
-/* How many roundings a product of these takes among its terms. */
-static double steps_of(const Line *line)
-{
-    const Value *a = &line->a.value, *b = &line->b.value;
-    if (line->squares) return !b->plain && !b->exact ? 1.0 : 0.0;
-    if (a->plain && b->plain) return 0.0;
-    return a->plain || b->plain ? 1.0 : larger(3.0, a->count * b->count - 1.0);
-}
-
+/* One in so many values, from here on. */
 LOOP void spread(npy_intp count, const double *from, npy_intp stride, double *restrict to)
 {
     switch (stride) {
@@ -211,63 +75,105 @@ LOOP void spread(npy_intp count, const double *from, npy_intp stride, double *re
     }
 }
 
-/* All lines of all rows. */
-static int64_t add_up_all(Line *line, Result *result, npy_intp rows, npy_intp lines)
+/* Vectors of three or four that lie one after the other, taken apart and put together. */
+LOOP void take_apart(npy_intp count, npy_intp width, const double *from, double (*restrict to)[ROWS])
 {
-    int64_t rare = 0;
-    ALIGNED double low[BLOCK], high[BLOCK];
-    for (npy_intp start = 0; start < rows && !rare; start += BLOCK) {
-        npy_intp count = rows - start < BLOCK ? rows - start : BLOCK;
-        rare = load_vectors(line, start, count);
-        for (npy_intp number = 0; number < lines; number++) {
-            rare |= add_up(line, number, start, count, low, high);
-            npy_intp at = start * lines + number;
-            spread(count, low, lines, result->low + at);
-            spread(count, high, lines, result->high + at);
-            spread(count, line->size, lines, result->size + at);
-            spread(count, line->slack, lines, result->step + at);
-            if (line->tiny) spread(count, line->total.reach, lines, result->reached + at);
+    if (width == 3)
+        for (npy_intp i = 0; i < count; i++) {
+            to[0][i] = from[3 * i];
+            to[1][i] = from[3 * i + 1];
+            to[2][i] = from[3 * i + 2];
         }
+    else
+        for (npy_intp i = 0; i < count; i++) {
+            to[0][i] = from[4 * i];
+            to[1][i] = from[4 * i + 1];
+            to[2][i] = from[4 * i + 2];
+            to[3][i] = from[4 * i + 3];
+        }
+}
+
+LOOP void put_together(npy_intp count, npy_intp width, double (*from)[ROWS], double *restrict to)
+{
+    if (width == 3)
+        for (npy_intp i = 0; i < count; i++) {
+            to[3 * i] = from[0][i];
+            to[3 * i + 1] = from[1][i];
+            to[3 * i + 2] = from[2][i];
+        }
+    else if (width == 4)
+        for (npy_intp i = 0; i < count; i++) {
+            to[4 * i] = from[0][i];
+            to[4 * i + 1] = from[1][i];
+            to[4 * i + 2] = from[2][i];
+            to[4 * i + 3] = from[3][i];
+        }
+    else
+        for (npy_intp j = 0; j < width; j++)
+            for (npy_intp i = 0; i < count; i++) to[i * width + j] = from[j][i];
+}
+
+/* A line's elements in a block of rows: their bounds, the sizes of their terms, and by what a flushed
+ * product among those may be multiplied. */
+typedef struct {
+    const double *low[MAX_TERMS], *high[MAX_TERMS], *size[MAX_TERMS], *reach[MAX_TERMS];
+} Elements;
+
+/* The same with the memory for them. */
+typedef struct {
+    Elements at;
+    ALIGNED double blocks[4][MAX_TERMS][ROWS];
+} Loaded;
+
+static void pick_all(
+    const Place *place, npy_intp line, npy_intp terms, npy_intp start, npy_intp count,
+    double (*blocks)[ROWS], const double **to)
+{
+    if (place->along == 1 && place->down == terms && terms > 2) {
+        take_apart(count, terms, place->data + start * terms, blocks);
+        for (npy_intp j = 0; j < terms; j++) to[j] = blocks[j];
+    } else
+        for (npy_intp j = 0; j < terms; j++)
+            to[j] = picked(place, line, j, start, count, blocks[j]);
+}
+
+/* Takes a block of a line's elements, their pending slack paid where `settled`. */
+static void load_elements(
+    const Rows *from, npy_intp line, npy_intp start, npy_intp count, int settled, int tiny,
+    Loaded *loaded)
+{
+    const Value *value = &from->value;
+    Elements *to = &loaded->at;
+    npy_intp terms = from->terms;
+    pick_all(&from->lo, line, terms, start, count, loaded->blocks[0], to->low);
+    if (value->exact) memcpy(to->high, to->low, sizeof to->low);
+    else pick_all(&from->hi, line, terms, start, count, loaded->blocks[1], to->high);
+    if (!value->plain) pick_all(&from->mag, line, terms, start, count, loaded->blocks[2], to->size);
+    for (npy_intp j = 0; j < terms && value->plain; j++) {
+        sizes(count, to->low[j], to->high[j], loaded->blocks[2][j]);
+        to->size[j] = loaded->blocks[2][j];
     }
-    return rare;
-}
-
-static PyObject *sum_products(PyObject *const *args, Py_ssize_t given, int lines)
-{
-    Pass pass;
-    Line line;
-    Result *result = &pass.result;
-    if (!begin_rows(&line, &pass, args, given, lines)) Py_RETURN_NONE;
-    /* Factors that round nothing leave more of the terms as they are. */
-    if (!line.squares && (is_scale(&line.a.value) || is_scale(&line.b.value))) Py_RETURN_NONE;
-    npy_intp rows = line.a.rows > line.b.rows ? line.a.rows : line.b.rows;
-    int single = PyArray_NDIM(line.a.value.lo.array) == 1 + lines
-        && PyArray_NDIM(line.b.value.lo.array) == 1;
-    pass.shape = (Shape){.ndim = 2, .dims = {rows, line.a.lines}, .size = rows * line.a.lines};
-    if (single) pass.shape = (Shape){.ndim = 1, .dims = {line.a.lines}, .size = line.a.lines};
-    line.steps = steps_of(&line);
-    if (make_room(result, &pass.shape, 1, 1)) return NULL;
-    result->count = (double)line.b.terms;
-    for (;;) {
-        const Value *a = &line.a.value;
-        line.skips = !line.squares && !line.tiny && !line.a.lo.down && a->exact && a->plain;
-        if (line.tiny && reach_too(&pass)) return NULL;
-        result->rare = add_up_all(&line, result, rows, line.a.lines);
-        if (line.tiny || result->rare != TINY_TERMS) return finished(&pass);
-        line.tiny = 1;
+    if (tiny && value->reaching)
+        pick_all(&from->reach, line, terms, start, count, loaded->blocks[3], to->reach);
+    for (npy_intp j = 0; j < terms && tiny && !value->reaching; j++) {
+        at_least_one(count, to->size[j], loaded->blocks[3][j]);
+        to->reach[j] = loaded->blocks[3][j];
+    }
+    for (npy_intp j = 0; j < terms && settled && value->slackened; j++) {
+        ALIGNED double block[ROWS], low[ROWS], high[ROWS];
+        const double *slack = picked(&from->slack, line, j, start, count, block);
+        settle(count, to->low[j], to->high[j], slack, low, high);
+        to->low[j] = memcpy(loaded->blocks[0][j], low, count * sizeof *low);
+        to->high[j] = memcpy(loaded->blocks[1][j], high, count * sizeof *high);
     }
 }
 
-/* dot(a, b) of vectors. */
-static PyObject *dot(PyObject *self, PyObject *const *args, Py_ssize_t given)
+/* Terms of 0 from the last one on, up to `to`. */
+static void fill_up(Elements *elements, npy_intp from, npy_intp to)
 {
-    return sum_products(args, given, 0);
-}
-
-/* times_vector(m, v), of a matrix and a vector. */
-static PyObject *times_vector(PyObject *self, PyObject *const *args, Py_ssize_t given)
-{
-    return sum_products(args, given, 1);
+    static const ALIGNED double zeros[ROWS];
+    for (npy_intp j = from; j < to; j++)
+        elements->low[j] = elements->high[j] = elements->size[j] = elements->reach[j] = zeros;
 }
 
 #endif
