@@ -5,7 +5,7 @@ from __future__ import annotations
 import errno
 import os
 import stat
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from itertools import islice
 from pathlib import Path
@@ -130,7 +130,11 @@ def write_bytes(path: str | Path, data: bytes) -> None:
         draft.write_bytes(data)
 
 
-def write_named(path: str | Path, data: bytes, *, append: bool = False) -> None:
+Contents = bytes | Callable[[BinaryIO], object]
+"""What is to be in a file: its bytes, or what writes them to it, perhaps a second time."""
+
+
+def write_named(path: str | Path, data: Contents, *, append: bool = False) -> None:
     """Write a file that a person named, whole or not at all where it is a regular file.
 
     Links stay: the file that they lead to is written. A pipe, a terminal or another device is
@@ -140,7 +144,8 @@ def write_named(path: str | Path, data: bytes, *, append: bool = False) -> None:
 
     Args:
         path: of the file.
-        data: what is to be in it.
+        data: what is to be in it. A function is given the open file; where the first attempt fails
+            since the file can't be replaced, it is called again.
         append: after what is in it already.
 
     Raises:
@@ -154,7 +159,8 @@ def write_named(path: str | Path, data: bytes, *, append: bool = False) -> None:
         there = os.stat(target)
     except FileNotFoundError:
         target.parent.mkdir(parents=True, exist_ok=True)
-        write_bytes(target, data)
+        with replacing(target) as draft, draft.open("wb") as file:
+            _put(file, data)
         return
     if stat.S_ISBLK(there.st_mode):
         raise OSError(errno.EINVAL, "this is a disk, not a file")
@@ -182,11 +188,12 @@ def _followed(path: Path) -> tuple[Path, int | None]:
     return path, None
 
 
-def _write_over(target: Path, there: os.stat_result, data: bytes) -> None:
+def _write_over(target: Path, there: os.stat_result, data: Contents) -> None:
     """Replace a regular file, or else overwrite it."""
     try:
         with replacing(target) as draft:
-            draft.write_bytes(data)
+            with draft.open("wb") as new:
+                _put(new, data)
             with suppress(OSError):  # root's file would lock out the one whose file it was
                 os.chown(draft, there.st_uid, there.st_gid)
             os.chmod(draft, stat.S_IMODE(there.st_mode))
@@ -194,13 +201,20 @@ def _write_over(target: Path, there: os.stat_result, data: bytes) -> None:
         if error.errno not in _HELD:
             raise
         with os.fdopen(os.open(target, os.O_WRONLY), "wb") as file:
-            file.write(data)
+            _put(file, data)
             file.truncate()
 
 
-def _write_to(descriptor: int, data: bytes) -> None:
+def _write_to(descriptor: int, data: Contents) -> None:
     with os.fdopen(descriptor, "wb") as file:
+        _put(file, data)
+
+
+def _put(file: BinaryIO, data: Contents) -> None:
+    if isinstance(data, bytes):
         file.write(data)
+    else:
+        data(file)
 
 
 def write_text(path: str | Path, text: str | Iterable[str]) -> None:

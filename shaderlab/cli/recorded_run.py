@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import datetime
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -25,6 +25,7 @@ from shaderlab.cli.old_runs import KEEP, mark_named, remove_old
 from shaderlab.cli.replacing import unread
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.execution.journal import FILE_NAME, Journal, RunPlan, read
+from shaderlab.execution.sweep_grid import Grid
 from shaderlab.files import display_path
 from shaderlab.lazy_dataclass import dataclass
 from shaderlab.options import Limits, RunOptions
@@ -32,7 +33,7 @@ from shaderlab.records import CodeCoverage, Record, Run
 from shaderlab.settings import settings_of
 
 if TYPE_CHECKING:
-    from shaderlab.cli.showing import Show
+    from shaderlab.cli.showing import Reporter, Show
     from shaderlab.execution import Executor, Job
 
 
@@ -54,11 +55,14 @@ class RecordedRun:
     records: tuple[Record, ...] = ()
 
 
-def new_plan(jobs: Sequence[Job], options: RunOptions, folder: str | None) -> RunPlan:
-    """A plan to run these jobs now, in `folder` or a new one, which is made."""
+def new_plan(jobs: Sequence[Job] | Grid, options: RunOptions, folder: str | None) -> RunPlan:
+    """A plan to run these jobs, or points, now, in `folder` or a new one, which is made."""
     made = new_run_folder() if folder is None else report_folder(Path(folder))
     now = datetime.datetime.now().astimezone().isoformat(timespec="seconds")
-    return RunPlan(started=now, options=replace(options, folder=made), jobs=tuple(jobs))
+    options = replace(options, folder=made)
+    if isinstance(jobs, Grid):
+        return RunPlan(started=now, options=options, grid=jobs)
+    return RunPlan(started=now, options=options, jobs=tuple(jobs))
 
 
 def resumed_plan(word: str, limits: Limits) -> tuple[RunPlan, list[Record]]:
@@ -77,12 +81,31 @@ def resumed_plan(word: str, limits: Limits) -> tuple[RunPlan, list[Record]]:
     if word:
         mark_named(folder)
     plan, done, damaged = read(folder)
-    for line in damaged:
-        place = display_path(folder / FILE_NAME, line)
-        click.echo(f"shaderlab: {place}: this record is damaged; it is made again", err=True)
+    tell_damaged(folder, damaged)
     frames = plan.options.frames and folder / plan.options.frames.name
     options = replace(plan.options, folder=folder, limits=limits, frames=frames)
     return replace(plan, options=options), done
+
+
+def tell_damaged(folder: Path, lines: Iterable[int]) -> None:
+    """Say of each damaged line of a journal that its record is made again."""
+    for line in lines:
+        place = display_path(folder / FILE_NAME, line)
+        click.echo(f"shaderlab: {place}: this record is damaged; it is made again", err=True)
+
+
+def each_record(
+    executor: Executor, jobs: Sequence[Job], options: RunOptions, progress: Reporter
+) -> Iterator[tuple[Job, Record]]:
+    """The jobs with their records as they come, with their progress shown."""
+    waiting = {job.key: job for job in jobs}
+    results = executor.run(jobs, options)
+    while waiting:
+        progress.starts(*next(iter(waiting)))
+        job, record = next(results)
+        yield job, record
+        del waiting[job.key]
+        progress.ends(record)
 
 
 def run_plan(
@@ -101,21 +124,16 @@ def run_plan(
     """
     assert plan.options.folder is not None
     records = {record.key: record for record in done or ()}
-    waiting = {job.key: job for job in plan.jobs if job.key not in records}
+    waiting = [job for job in plan.jobs if job.key not in records]
     with (
         Journal(plan.options.folder, plan if done is None else None) as journal,
         show.progress(len(waiting)) as progress,
         contextlib.suppress(KeyboardInterrupt),
     ):
         clock = time.perf_counter()
-        results = executor.run(list(waiting.values()), plan.options)
-        while waiting:
-            progress.starts(*next(iter(waiting)))
-            job, record = next(results)
+        for job, record in each_record(executor, waiting, plan.options, progress):
             records[job.key] = record
             journal.add(record)
-            del waiting[job.key]
-            progress.ends(record)
     about = executor.about()
     made = tuple(records[job.key] for job in plan.jobs if job.key in records)
     first = plan.jobs[0].driver if plan.jobs else ""
@@ -126,11 +144,11 @@ def run_plan(
         seconds=time.perf_counter() - clock,
         records=tuple(record for record in made if record.driver_name == first),
         replaced={name: display_path(file) for name, file in plan.options.shaders.items()},
-        missing=len(waiting),
+        missing=len(plan.jobs) - len(made),
     )
-    ignored = () if waiting else unread(plan.options.shaders, run.records)
+    ignored = () if run.missing else unread(plan.options.shaders, run.records)
     problems = [ShaderlabError(journal.problem)] if journal.problem else []
-    return RecordedRun(run, plan.options.folder, not waiting, (*problems, *ignored), made)
+    return RecordedRun(run, plan.options.folder, not run.missing, (*problems, *ignored), made)
 
 
 def with_coverage(

@@ -163,6 +163,12 @@ def command(
 
         plan, done = resumed_plan(resume, limits)
         options = plan.options
+        if plan.grid is not None:
+            raise UsageError(
+                "this is a sweep",
+                file=options.folder,
+                remedy=f"use shaderlab sweep --resume {options.folder}",
+            )
 
     # Workers get ready while what follows is imported.
     with contextlib.ExitStack() as workers_end:

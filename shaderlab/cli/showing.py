@@ -12,7 +12,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
 from rich.text import Text
 
 from shaderlab.cli.rows import STYLES, case_table, plain_table
@@ -21,6 +28,7 @@ from shaderlab.records import Record, Run
 from shaderlab.report.plain_text import (
     MARKS,
     conditions,
+    counted,
     coverage_lines,
     failed,
     failure,
@@ -33,7 +41,7 @@ from shaderlab.report.plain_text import (
 from shaderlab.report.text import duration
 
 if TYPE_CHECKING:
-    from shaderlab.execution.sweep_table import Row
+    from shaderlab.execution.sweep_table import SweepTable
 
 HEARTBEAT = 10.0
 MOST_ROWS = 40
@@ -54,10 +62,11 @@ class Show:
         )
 
     @contextmanager
-    def progress(self, total: int) -> Iterator[Reporter]:
-        """A bar on a terminal; elsewhere a line for each failure, and one now and then."""
+    def progress(self, total: int, most_said: float = math.inf) -> Iterator[Reporter]:
+        """A bar on a terminal; elsewhere a line for each failure, at most so many of them, and one
+        now and then."""
         with self.bar() as bar:
-            yield Reporter(self.console, bar, total)
+            yield Reporter(self.console, bar, total, most_said)
 
     def bar(self) -> Progress:
         """A progress bar, drawn on a terminal only."""
@@ -66,6 +75,8 @@ class Show:
             BarColumn(bar_width=30),
             MofNCompleteColumn(),
             TimeElapsedColumn(),
+            TextColumn("left", style="dim"),
+            TimeRemainingColumn(),
             console=self.console,
             transient=True,
             disable=not self.console.is_terminal,
@@ -86,7 +97,7 @@ class Show:
         if len(notes) > MOST_ROWS:
             self.console.print(f"… and {len(notes) - MOST_ROWS} more", style="yellow")
         self.console.print()
-        self._summary(run, summary(run.records, run.seconds, run.missing))
+        self._summary(run, summary(run), bad=any(map(failed, run.records)))
 
     def verdict(self, record: Record) -> None:
         """A record's verdict as soon as it is there: a line, or a failure in full."""
@@ -107,9 +118,8 @@ class Show:
             style = "red" if line.lstrip().startswith(MARKS["fail"]) else None
             self.console.print(line, style=style)
 
-    def _summary(self, run: Run, words: str) -> None:
+    def _summary(self, run: Run, words: str, *, bad: bool) -> None:
         """The line that sums up: red for a failure, green where all was run and passed."""
-        bad = any(failed(record) for record in run.records)
         style = "bold red" if bad else "bold yellow" if run.missing else "bold green"
         self.console.print(words, style=style)
         if renderer := run.driver.get("renderer"):
@@ -131,15 +141,11 @@ class Show:
             for gap in gaps:
                 self.console.print(f"  {gap}")
 
-    def sweep(self, rows: Sequence[Row], run: Run) -> None:
+    def sweep(self, points: SweepTable, run: Run) -> None:
         """A sweep's table; of a long one the worst points, and how many there are."""
-        shown = rows
-        if len(rows) > MOST_ROWS:
-            worst = sorted(
-                range(len(rows)), key=lambda n: (rows[n]["status"] == "pass", -_width(rows[n]))
-            )
-            shown = [rows[n] for n in sorted(worst[:MOST_ROWS])]
-        swept = list(rows[0])[: list(rows[0]).index("status")] if rows else []
+        count = points.statuses.total()
+        shown = [points.row(point) for point in sorted(points.worst(MOST_ROWS))]
+        swept = list(shown[0])[: list(shown[0]).index("status")] if shown else []
         numbers = ("half widths", "ulp", "outside", "vacuous", "seconds")
         table = plain_table(*swept, "status", *numbers, right=(*swept, *numbers))
         for row in shown:
@@ -154,13 +160,12 @@ class Show:
                 f"{row['seconds']:.3f}",
             )
         self.console.print(table)
-        if len(shown) < len(rows):
-            self.console.print(f"the {len(shown)} worst of {len(rows)} points", style="dim")
-        messages = {str(row["message"]) for row in rows if row["message"]}
-        for message in sorted(messages)[:MOST_MESSAGES]:
+        if len(shown) < count:
+            self.console.print(f"the {len(shown)} worst of {count} points", style="dim")
+        for message in points.messages[:MOST_MESSAGES]:
             self.console.print(message, style="red")
-        words = summary(run.records, run.seconds, run.missing).partition(": ")[2]
-        self._summary(run, f"\n{len(rows)} points: {words}")
+        words = f"{count} points: {counted(points.statuses, run.missing)} in {run.seconds:.1f} s"
+        self._summary(run, f"\n{words}", bad=points.failed > 0)
 
     def where(self, page: Path) -> None:
         """The path of the page."""
@@ -185,36 +190,43 @@ class Show:
             self.console.print(f"{record.seconds:8.3f} s  {label(record.id, record.variant)}")
 
 
-def _width(row: Row) -> float:
-    widths = row["widths"]
-    return math.inf if widths is None else float(widths)
-
-
 class Reporter:
     """The progress of a run: in a bar, or in lines where that is not drawn."""
 
-    def __init__(self, console: Console, bar: Progress, total: int) -> None:
+    def __init__(self, console: Console, bar: Progress, total: int, most_said: float) -> None:
         self._console = console
         self._bar = bar
         self._task = bar.add_task("", total=total)
         self._total = total
         self._done = 0
-        self._next = time.monotonic() + HEARTBEAT
+        self._failed = 0
+        self._most_said = most_said
+        self._began = time.monotonic()
+        self._next = self._began + HEARTBEAT
 
     def starts(self, case_id: str, variant: str, driver: str = "") -> None:
         """A scene starts."""
         name = label(case_id, variant) + (f" on {driver}" if driver else "")
         self._bar.update(self._task, description=f"{name:<32}")
-        if time.monotonic() >= self._next:
-            self._next = time.monotonic() + HEARTBEAT
-            self._say(f"{self._done} of {self._total} done; running {name}")
+        now = time.monotonic()
+        if now >= self._next:
+            self._next = now + HEARTBEAT
+            left = ""
+            if self._done:
+                seconds = (now - self._began) / self._done * (self._total - self._done)
+                left = f", about {duration(seconds)} left"
+            self._say(f"{self._done} of {self._total} done{left}; running {name}")
 
     def ends(self, record: Record) -> None:
         """A scene is done."""
         self.advance()
         if failed(record):
+            self._failed += 1
             where = f" on {record.driver_name}" if record.driver_name else ""
-            self._say(f"{record.status}: {label(record.id, record.variant)}{where}")
+            if self._failed <= self._most_said:
+                self._say(f"{record.status}: {label(record.id, record.variant)}{where}")
+            elif self._failed == self._most_said + 1:
+                self._say("more do not pass, which are not named here")
 
     def advance(self) -> None:
         """A scene, or something else, is done."""

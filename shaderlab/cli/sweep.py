@@ -12,7 +12,6 @@ from shaderlab.cli import FAILED, OK
 from shaderlab.cli.options import make_executor, running_options
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.options import Limits, RunOptions
-from shaderlab.records import Record
 
 TABLE = "sweep.csv"
 
@@ -79,15 +78,14 @@ def command(
         driver=driver,
         limits=limits,
     )
-    done: list[Record] | None = None
     if resume is not None:
         from shaderlab.cli.recorded_run import resumed_plan
 
         if target or params:
             raise UsageError("--resume takes neither a case nor parameters: the sweep has its own")
-        plan, done = resumed_plan(resume, limits)
+        plan, _ = resumed_plan(resume, limits)
         options = plan.options
-        if not all(job.point for job in plan.jobs):
+        if plan.grid is None:
             raise UsageError(
                 "this run is not a sweep", file=resume, remedy="use shaderlab run --resume"
             )
@@ -98,32 +96,30 @@ def command(
             "no parameter to sweep", remedy="such as --param light.linear=0.01:1:50log"
         )
     with contextlib.closing(make_executor(options.driver, limits, workers, scheduler)) as executor:
-        from shaderlab.cli.recorded_run import finish, new_plan, run_plan
+        from shaderlab.cli.recorded_run import finish, new_plan
+        from shaderlab.cli.running_sweeps import run_points, with_points
         from shaderlab.cli.selecting import one
         from shaderlab.cli.showing import Show
+        from shaderlab.execution.journal import FILE_NAME
         from shaderlab.execution.sweep_grid import grid, parameters
-        from shaderlab.execution.sweep_table import plots, rows
         from shaderlab.report.html import load_libraries
-        from shaderlab.report.plain_text import failed
 
+        swept = parameters(params)
         load_libraries()
         show = Show()
         if target is not None:
-            swept = parameters(params)
             facts, variant = one(target, executor.load)
             plan = new_plan(grid(facts, variant, swept), options, folder)
-        recorded = run_plan(executor, plan, show, done)
-    found = rows(plan.jobs, recorded.run.records)
-    run = replace(recorded.run, plots=plots(plan.jobs, found))
-    show.sweep(found, run)
+        recorded, points = run_points(executor, plan, show, resume=resume is not None)
+    show.sweep(points, recorded.run)
     file = recorded.folder / TABLE if table is None else Path(table)
-    problems = recorded.problems
     try:
-        tables.write_table(found, file)
+        tables.write_table(points.rows, file)
         show.console.print(f"table: {file}")
     except ShaderlabError as error:  # the report is written all the same
-        problems = (*problems, error)
-    recorded = replace(recorded, run=run, problems=problems)
+        recorded = replace(recorded, problems=(*recorded.problems, error))
+        file = recorded.folder / FILE_NAME
+    recorded = with_points(recorded, points, file)
     is_latest = folder is None and resume is None
-    verdict = FAILED if any(map(failed, run.records)) else OK
+    verdict = FAILED if points.failed else OK
     return finish(recorded, show, "sweep", verdict=verdict, is_latest=is_latest)

@@ -2,6 +2,7 @@
 
 `records.jsonl` begins with one line about the run (what was asked for), then has a line for each
 record, in the order in which they came. A line that was cut short counts as not written.
+Lines are read one at a time: a sweep has a hundred thousand (`shaderlab.execution.sweep_records`).
 """
 
 from __future__ import annotations
@@ -11,26 +12,30 @@ import errno
 import fcntl
 import json
 import os
+from collections.abc import Iterator
 from pathlib import Path
-from typing import IO
+from typing import IO, Any
 
 from shaderlab.errors import ShaderlabError, UsageError
 from shaderlab.execution.jobs import Job
-from shaderlab.files import NO_ROOM, open_regular, read_regular
+from shaderlab.execution.sweep_grid import Grid
+from shaderlab.files import NO_ROOM, open_regular
 from shaderlab.lazy_dataclass import dataclass
 from shaderlab.options import RunOptions
 from shaderlab.records import Record
 
 FILE_NAME = "records.jsonl"
+_BLOCK = 1 << 16
 
 
 @dataclass(frozen=True, kw_only=True)
 class RunPlan:
-    """What was asked for, so that it can be resumed."""
+    """What was asked for, so that it can be resumed: jobs, or the points of a sweep."""
 
     started: str
     options: RunOptions
-    jobs: tuple[Job, ...]
+    jobs: tuple[Job, ...] = ()
+    grid: Grid | None = None
 
 
 class Journal(contextlib.AbstractContextManager["Journal"]):
@@ -63,8 +68,7 @@ class Journal(contextlib.AbstractContextManager["Journal"]):
         try:
             _lock(self._file, folder)
             if plan is None:
-                whole = read_regular(self._path)
-                self._file.truncate(whole.rfind(b"\n") + 1)  # a line that was cut short
+                self._file.truncate(_end_of_lines(self._path))  # a line that was cut short
             else:
                 self._file.truncate(0)
                 self.add(plan)
@@ -79,10 +83,14 @@ class Journal(contextlib.AbstractContextManager["Journal"]):
         """Append one line. If the disk is full the run goes on, and `problem` says so."""
         from shaderlab.report import store  # not before workers get ready: it takes its time
 
+        if not self.problem:
+            self.write(as_line(store.plain(value)))
+
+    def write(self, line: bytes) -> int | None:
+        """Append a line that `as_line` made, as `add` does; returns where in the file it begins,
+        None if it is not there."""
         if self.problem:
-            return
-        text = json.dumps(store.plain(value), allow_nan=False, separators=(",", ":"))
-        line = (text + "\n").encode("utf-8", "replace")
+            return None
         start = os.fstat(self._file.fileno()).st_size
         try:
             while line:
@@ -91,31 +99,56 @@ class Journal(contextlib.AbstractContextManager["Journal"]):
             self.problem = f"can't write {self._path}: {error.strerror}"
             with contextlib.suppress(OSError):
                 os.ftruncate(self._file.fileno(), start)
+            return None
+        return start
+
+
+def as_line(data: Any) -> bytes:
+    """Plain data as a line of a journal."""
+    text = json.dumps(data, allow_nan=False, separators=(",", ":"))
+    return (text + "\n").encode("utf-8", "replace")
 
 
 def read(folder: Path) -> tuple[RunPlan, list[Record], list[int]]:
-    """What a journal holds: what was asked for, the records that there are, and the numbers of
-    lines that are damaged.
+    """What the journal of a run holds: what was asked for, the records that there are, and the
+    numbers of lines that are damaged.
 
     Raises:
         UsageError: there is none, or not even its first line is whole.
         ShaderlabError: it was written by another version.
     """
+    from shaderlab.report import store
+
+    plan = read_plan(folder)
+    records: list[Record] = []
+    damaged: list[int] = []
+    if plan.grid is None:
+        for number, _, line in lines(folder):
+            try:
+                records.append(store.parse(json.loads(line), Record))
+            except (ValueError, ShaderlabError):
+                damaged.append(number)
+    return plan, records, damaged
+
+
+def read_plan(folder: Path) -> RunPlan:
+    """What was asked for. Raises as `read`."""
     path = folder / FILE_NAME
     try:
-        lines = read_regular(path).split(b"\n")[:-1]
+        with open(open_regular(path), "rb") as file:
+            line = file.readline()
     except (FileNotFoundError, NotADirectoryError) as error:
         raise UsageError(
             "there is no run to go on with", file=path, remedy="name the folder of one"
         ) from error
     except OSError as error:
         raise UsageError(f"can't go on with this: {error.strerror}", file=path) from error
-    if not lines:
+    if not line.endswith(b"\n"):
         raise UsageError("this run did not get to begin", file=path, remedy="run it anew")
     from shaderlab.report import store
 
     try:
-        first = json.loads(lines[0])
+        first = json.loads(line)
     except ValueError as error:
         raise UsageError(
             "the first line is damaged, which says what was to be run",
@@ -123,15 +156,30 @@ def read(folder: Path) -> tuple[RunPlan, list[Record], list[int]]:
             line=1,
             remedy="run it anew",
         ) from error
-    plan = store.parse(first, RunPlan, path)
-    records: list[Record] = []
-    damaged: list[int] = []
-    for number, line in enumerate(lines[1:], 2):
-        try:
-            records.append(store.parse(json.loads(line), Record))
-        except (ValueError, ShaderlabError):
-            damaged.append(number)
-    return plan, records, damaged
+    return store.parse(first, RunPlan, path)
+
+
+def lines(folder: Path) -> Iterator[tuple[int, int, bytes]]:
+    """Whole lines after the first: their numbers, where they begin, their bytes."""
+    with open(open_regular(folder / FILE_NAME), "rb") as file:
+        start = len(file.readline())
+        for number, line in enumerate(file, 2):
+            if line.endswith(b"\n"):
+                yield number, start, line
+            start += len(line)
+
+
+def _end_of_lines(path: Path) -> int:
+    """The length of a file up to the end of its last whole line."""
+    with open(open_regular(path), "rb") as file:
+        end = file.seek(0, os.SEEK_END)
+        while end > 0:
+            start = file.seek(max(0, end - _BLOCK))
+            last = file.read(end - start).rfind(b"\n")
+            if last >= 0:
+                return start + last + 1
+            end = start
+    return 0
 
 
 def _lock(file: IO[bytes], folder: Path) -> None:

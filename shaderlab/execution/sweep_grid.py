@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
-
-import numpy as np
+from functools import cached_property
 
 from shaderlab.errors import UsageError, nearest
 from shaderlab.execution.jobs import CaseFacts, Job, Point
@@ -17,8 +15,10 @@ from shaderlab.lazy_dataclass import dataclass
 SIZE = "size"
 """The parameter that sets the side of the judged frame in pixels; it is not a shader input."""
 LARGEST_SIZE = 4096
-MOST_POINTS = 10_000
+MOST_POINTS = 100_000
+"""So many were measured: docs/internals/measurements.md has their time and memory."""
 _RANGE = re.compile(r"(?P<start>[^:]+):(?P<stop>[^:]+):(?P<count>\d+)(?P<log>log)?")
+_PARTS = "take fewer values, or sweep in parts, each into its own --report FOLDER"
 _RIGHT = "write NAME=START:STOP:COUNT, NAME=START:STOP:COUNTlog or NAME=A,B,C"
 
 
@@ -58,6 +58,7 @@ class Parameter:
             numbers = _sizes(word, numbers)
         return cls(name, tuple(dict.fromkeys(numbers)), bool(found and found["log"]))
 
+    @cached_property
     def spelt(self) -> list[str]:
         """The values with six digits, or with all digits where others would look the same."""
         short = [f"{value:.6g}" for value in self.values]
@@ -76,14 +77,74 @@ def parameters(words: Sequence[str]) -> tuple[Parameter, ...]:
             )
     points = math.prod(len(parameter.values) for parameter in found)
     if points > MOST_POINTS:
+        sides = " × ".join(f"{len(parameter.values):,}" for parameter in found)
         raise UsageError(
-            f"the grid has {points} points, the limit is {MOST_POINTS}", remedy="sweep in parts"
+            f"the grid has {points:,} points ({sides}), the limit is {MOST_POINTS:,}",
+            remedy=_PARTS,
         )
     return found
 
 
-def grid(facts: CaseFacts, variant: str, swept: Sequence[Parameter]) -> list[Job]:
-    """A job for each point, the last parameter varying fastest.
+@dataclass(frozen=True, kw_only=True)
+class Grid:
+    """The points that parameters of one case span, the last parameter varying fastest. Each is
+    made when it is asked for.
+
+    Attributes:
+        file, id, title, section: of the case.
+        variant: whose inputs all points have, except the swept ones.
+        parameters: those that are swept.
+    """
+
+    file: str
+    id: str
+    title: str
+    section: str
+    variant: str
+    parameters: tuple[Parameter, ...]
+
+    def __len__(self) -> int:
+        return math.prod(len(parameter.values) for parameter in self.parameters)
+
+    def __iter__(self) -> Iterator[Job]:
+        return map(self.__getitem__, range(len(self)))
+
+    def __getitem__(self, number: int) -> Job:
+        """The job of a point."""
+        places = self.places(number)
+        swept = list(zip(self.parameters, places, strict=True))
+        given = {p.name: p.values[place] for p, place in swept}
+        size = int(given.pop(SIZE, 0))
+        return Job(
+            file=self.file,
+            id=self.id,
+            variant=", ".join(f"{p.name}={p.spelt[place]}" for p, place in swept),
+            title=self.title,
+            section=self.section,
+            point=Point(variant=self.variant, changes=given, size=size),
+        )
+
+    def places(self, number: int) -> list[int]:
+        """Where a point is among each parameter's values. Raises IndexError."""
+        if not 0 <= number < len(self):
+            raise IndexError(number)
+        places = []
+        for parameter in reversed(self.parameters):
+            number, place = divmod(number, len(parameter.values))
+            places.append(place)
+        return places[::-1]
+
+    def coordinates(self, number: int) -> dict[str, float]:
+        """The parameters of a point and their values; a size is a whole number."""
+        places = zip(self.parameters, self.places(number), strict=True)
+        found = {parameter.name: parameter.values[place] for parameter, place in places}
+        if SIZE in found:  # as the last one
+            found[SIZE] = int(found.pop(SIZE))
+        return found
+
+
+def grid(facts: CaseFacts, variant: str, swept: Sequence[Parameter]) -> Grid:
+    """The grid of a case's parameters.
 
     Args:
         facts: of the case.
@@ -102,32 +163,14 @@ def grid(facts: CaseFacts, variant: str, swept: Sequence[Parameter]) -> list[Job
         )
     for parameter in swept:
         _check(facts, parameter)
-    jobs = []
-    axes = [zip(p.spelt(), p.values, strict=True) for p in swept]
-    for values in itertools.product(*axes):
-        given = {p.name: value for p, (_, value) in zip(swept, values, strict=True)}
-        size = int(given.pop(SIZE, 0))
-        jobs.append(
-            Job(
-                file=facts.file,
-                id=facts.id,
-                variant=", ".join(
-                    f"{p.name}={spelt}" for p, (spelt, _) in zip(swept, values, strict=True)
-                ),
-                title=facts.title,
-                section=facts.section,
-                point=Point(variant=variant, changes=given, size=size),
-            )
-        )
-    return jobs
-
-
-def coordinates(job: Job) -> Iterator[tuple[str, float]]:
-    """The parameters of a point and their values; nothing for a job that is not a point."""
-    if job.point is not None:
-        yield from job.point.changes.items()
-        if job.point.size:
-            yield SIZE, job.point.size
+    return Grid(
+        file=facts.file,
+        id=facts.id,
+        title=facts.title,
+        section=facts.section,
+        variant=variant,
+        parameters=tuple(swept),
+    )
 
 
 def _check(facts: CaseFacts, parameter: Parameter) -> None:
@@ -165,12 +208,16 @@ def _range(word: str, start: float, stop: float, count: int, *, log: bool) -> tu
     if count < 2:
         raise UsageError(f"--param {word}: a range needs 2 values or more", remedy=_RIGHT)
     if count > MOST_POINTS:
-        raise UsageError(f"--param {word}: the limit is {MOST_POINTS} points")
+        raise UsageError(
+            f"--param {word}: {count:,} values, the limit is {MOST_POINTS:,} points", remedy=_PARTS
+        )
     if log and not start * stop > 0.0:
         raise UsageError(
             f"--param {word}: a logarithmic range can't go from {start:g} to {stop:g}",
             remedy="both ends must be above 0, or both below",
         )
+    import numpy as np  # not for whoever only resumes a run
+
     space = np.geomspace if log else np.linspace
     # Twelve digits, so that 0.3 does not become 0.30000000000000004.
     return tuple(float(f"{value:.12g}") for value in space(start, stop, count))

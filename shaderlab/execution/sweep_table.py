@@ -1,118 +1,140 @@
-"""The results of a sweep: a row for each point, and plots over a parameter."""
+"""The results of a sweep as a table: a row for each point, in columns of numbers, a hundred bytes a
+point."""
 
 from __future__ import annotations
 
+import heapq
 import math
-from collections.abc import Mapping, Sequence
+from array import array
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any
 
 from shaderlab.activity import PHASES
-from shaderlab.execution.jobs import Job
-from shaderlab.execution.sweep_grid import coordinates
-from shaderlab.records import Plot, PlotPoint, Record
+from shaderlab.execution.sweep_grid import Grid
+from shaderlab.records import Points, Status
+from shaderlab.report.grouping import PASSABLE, STATUSES
 
-MOST_SERIES = 6
-"""The number of colours that a plot has for series."""
+ALL_LISTED = 1000
+"""Points of a sweep that has no more are all in its report."""
+FAILURES_LISTED, OTHERS_LISTED = 200, 50
+"""Of a larger sweep so many points are that did not pass, and of the others, the worst of each."""
 
 Cell = str | float | int | None
 Row = Mapping[str, Cell]
+_WHOLE = ("outside", "judged")
+_FIGURES = ("widths", "ulp", *_WHOLE, "vacuous", "seconds", *PHASES)
 
 
-def rows(jobs: Sequence[Job], records: Sequence[Record]) -> list[Row]:
-    """A row for each point that was run, in the order of the jobs, all with the same columns.
+class SweepTable:
+    """A row for each point of a grid that was run, all with the same columns.
 
     The parameters come first, by name. `widths` (half band widths) and `ulp` are the largest
     distances from the reference over all formulas, None if nothing was judged. `outside` and
     `judged` count values; `vacuous` is the largest share of values whose band allows any value.
     Then come the seconds, in total and in each phase.
     """
-    found = {record.key: record for record in records}
-    return [
-        {**dict(coordinates(job)), **_figures(found[job.key])} for job in jobs if job.key in found
-    ]
+
+    def __init__(self, grid: Grid) -> None:
+        self.grid = grid
+        self._status = bytearray(len(grid))  # 0 where it was not run, else a status's number and 1
+        self._columns = {name: array("d", [math.nan]) * len(grid) for name in (*_FIGURES, "checks")}
+        self._messages: dict[int, str] = {}
+        self._texts: dict[str, str] = {}
+
+    def add(self, point: int, record: Mapping[str, Any]) -> None:
+        """Take a point's record, as plain data. Raises ValueError or LookupError: it is none."""
+        outcomes = record["expectations"]
+        worst = [outcome["worst"] for outcome in outcomes if outcome["worst"] is not None]
+        found = {
+            "widths": max((_distance(each["widths"]) for each in worst), default=math.nan),
+            "ulp": max((_distance(each["ulp"]) for each in worst), default=math.nan),
+            "outside": sum(outcome["outside"] for outcome in outcomes),
+            "judged": sum(outcome["judged"] for outcome in outcomes),
+            "vacuous": max((float(outcome["vacuous"]) for outcome in outcomes), default=math.nan),
+            "seconds": record["seconds"],
+            **{phase: record["timings"].get(phase, 0.0) for phase in PHASES},
+            "checks": len(outcomes),
+        }
+        status = 1 + STATUSES.index(record["status"])
+        for name, value in found.items():
+            self._columns[name][point] = value
+        if message := record["message"]:
+            self._messages[point] = self._texts.setdefault(message, message)
+        self._status[point] = status
+
+    def __contains__(self, point: int) -> bool:
+        """Whether a point was run."""
+        return self._status[point] > 0
+
+    @property
+    def statuses(self) -> Counter[Status]:
+        """How many points have each status."""
+        counts = Counter(self._status)
+        return Counter({s: counts[n] for n, s in enumerate(STATUSES, 1) if counts[n]})
+
+    @property
+    def failed(self) -> int:
+        """How many points did not pass; lacking a feature of the driver is no failure."""
+        return sum(count for status, count in self.statuses.items() if status not in PASSABLE)
+
+    @property
+    def messages(self) -> list[str]:
+        """What points said that did not pass, each text once."""
+        return sorted(self._texts)
+
+    def points(self) -> Iterator[int]:
+        """The points that were run."""
+        return (point for point, status in enumerate(self._status) if status)
+
+    def rows(self) -> Iterator[Row]:
+        """The rows of all points that were run."""
+        return map(self.row, self.points())
+
+    def row(self, point: int) -> Row:
+        """The row of a point that was run."""
+        cells: dict[str, Cell] = {**self.grid.coordinates(point), "status": self._status_of(point)}
+        for name in _FIGURES:
+            value = self._columns[name][point]
+            cells[name] = None if math.isnan(value) else int(value) if name in _WHOLE else value
+        return {**cells, "message": self._messages.get(point, "")}
+
+    def worst(self, count: int, among: Iterable[int] | None = None) -> list[int]:
+        """The `count` worst points of all, or of some, the worst one first: those that did not
+        pass, then by their distance from the reference."""
+        widths = self._columns["widths"]
+
+        def rank(point: int) -> tuple[bool, float, int]:
+            # What was not judged at all is further away than anything.
+            distance = math.inf if math.isnan(widths[point]) else widths[point]
+            return self._status_of(point) == "pass", -distance, point
+
+        return heapq.nsmallest(count, self.points() if among is None else among, key=rank)
+
+    def listed(self) -> list[int]:
+        """The points that the report shows one by one: all, or the worst ones first."""
+        if len(self.grid) <= ALL_LISTED:
+            return list(self.points())
+        passed = {point for point in self.points() if self._status_of(point) in PASSABLE}
+        failed = (point for point in self.points() if point not in passed)
+        return [*self.worst(FAILURES_LISTED, failed), *self.worst(OTHERS_LISTED, passed)]
+
+    def summary(self, file: str) -> Points:
+        """What a report says of all points, which are in a file."""
+        sums = {
+            name: int(sum(value for value in self._columns[name] if not math.isnan(value)))
+            for name in (*_WHOLE, "checks")
+        }
+        return Points(statuses=self.statuses, file=file, **sums)
+
+    def column(self, name: str) -> Sequence[float]:
+        """A column of numbers, NaN where there is none."""
+        return self._columns[name]
+
+    def _status_of(self, point: int) -> Status:
+        return STATUSES[self._status[point] - 1]
 
 
-def plots(jobs: Sequence[Job], table: Sequence[Row]) -> tuple[Plot, ...]:
-    """The largest distances over the parameter with the most values. Another parameter with few
-    values, if there is one, gives the series; the maximum is taken over all others."""
-    if not table or not jobs:
-        return ()
-    names = [name for name, _ in coordinates(jobs[0])]
-    different = {name: sorted({_float(row[name]) for row in table}) for name in names}
-    across = max(names, key=lambda name: len(different[name]))
-    if len(different[across]) < 2:
-        return ()
-    few = [n for n in names if n != across and 2 <= len(different[n]) <= MOST_SERIES]
-    series = few[0] if few else ""
-    least, most = different[across][0], different[across][-1]
-    log_x = least > 0.0 and most / least >= 50.0
-    titles = {
-        "widths": ("Worst distance from the band's middle", "half band widths", 1.0),
-        "ulp": ("Worst distance from the reference", "ULP", math.inf),
-    }
-    drawn = []
-    for column, (title, label, high) in titles.items():
-        points = _largest(table, across, series, column, high)
-        heights = [point.y for point in points]
-        if not heights:
-            continue
-        log_y = min(heights) > 0.0 and max(heights) / min(heights) >= 1000.0
-        over = [n for n in names if n not in (across, series) and len(different[n]) > 1]
-        drawn.append(
-            Plot(
-                title=title + (f", largest over {' and '.join(over)}" if over else ""),
-                x_label=across,
-                y_label=label,
-                points=points,
-                log_x=log_x,
-                log_y=log_y,
-            )
-        )
-    return tuple(drawn)
-
-
-def _largest(
-    table: Sequence[Row], across: str, series: str, column: str, high: float
-) -> tuple[PlotPoint, ...]:
-    worst: dict[tuple[float, float], float] = {}
-    for row in table:
-        if row[column] is None:
-            continue
-        key = (_float(row[series]) if series else 0.0, _float(row[across]))
-        worst[key] = max(worst.get(key, 0.0), _float(row[column]))
-    return tuple(
-        PlotPoint(
-            series=f"{series} {of:g}" if series else column,
-            x=x,
-            y=y,
-            low=-math.inf,
-            high=high,
-            ok=y <= high,
-        )
-        for (of, x), y in sorted(worst.items())
-    )
-
-
-def _figures(record: Record) -> dict[str, Cell]:
-    outcomes = record.expectations
-    worst = [outcome.worst for outcome in outcomes if outcome.worst is not None]
-    return {
-        "status": record.status,
-        "widths": max((_or_infinite(w.widths) for w in worst), default=None),
-        "ulp": max((_or_infinite(w.ulp) for w in worst), default=None),
-        "outside": sum(outcome.outside for outcome in outcomes),
-        "judged": sum(outcome.judged for outcome in outcomes),
-        "vacuous": max((outcome.vacuous for outcome in outcomes), default=None),
-        "seconds": record.seconds,
-        **{phase: record.timings.get(phase, 0.0) for phase in PHASES},
-        "message": record.message,
-    }
-
-
-def _or_infinite(distance: float) -> float:
+def _distance(number: float | str) -> float:
     """A NaN counts as infinitely far away."""
-    return math.inf if math.isnan(distance) else distance
-
-
-def _float(cell: Cell) -> float:
-    assert cell is not None
-    return float(cell)
+    return math.inf if math.isnan(float(number)) else float(number)

@@ -30,6 +30,7 @@ from shaderlab.records.runs import (
     CoverageGap as CoverageGap,
     Disagreement as Disagreement,
     DriverResult as DriverResult,
+    Points as Points,
     Run as Run,
 )
 from shaderlab.records.scenes import (

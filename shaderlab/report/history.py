@@ -121,7 +121,7 @@ def save(run: Run, folder: Path) -> None:
         "started": run.started,
         "status": _status(run),
         "missing": run.missing,
-        "said": summary(run.records, run.seconds, run.missing),
+        "said": summary(run),
         **_alike(run),
         "cases": cases,
     }

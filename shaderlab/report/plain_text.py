@@ -20,6 +20,7 @@ from shaderlab.records import (
     Worst,
     significant,
 )
+from shaderlab.report.text import count
 
 DEFAULT_VARIANT = "default"
 MARKS: Mapping[Status, str] = {
@@ -180,7 +181,8 @@ def gl_call_lines(record: Record) -> Iterator[str]:
 
 def conditions(run: Run) -> Iterator[str]:
     """A line for each thing that makes a run another one than its cases were written for: files
-    that stood in a shader's place, and another size where something failed."""
+    that stood in a shader's place, and another size where something failed; and what of a sweep
+    is not listed."""
     for name, file in run.replaced.items():
         yield printable(f"{file} was judged in place of {name}")
     usual = RunOptions.size
@@ -191,23 +193,51 @@ def conditions(run: Run) -> Iterator[str]:
             "figures that are measured on them belong to a size, so what failed may have failed "
             "for that alone; run it without --size, or give the target of the case a size"
         )
+    if run.points is not None:
+        yield listed(run)
 
 
-def summary(records: Iterable[Record], seconds: float, missing: int = 0) -> str:
-    """`12 cases: 40 passed, 2 failed in 3.1 s`, counting variants; `missing` were not run."""
-    return f"{tally(records, missing)} in {seconds:.1f} s"
+def listed(run: Run) -> str:
+    """Which points of a sweep its report lists, where there are more."""
+    assert run.points is not None
+    named = sum(map(failed, run.records))
+    others = len(run.records) - named
+    parts = []
+    if bad := run.points.failed:
+        of = "all" if named == bad else f"the {count(named)} worst of"
+        parts.append(f"{of} {count(bad)} that did not pass")
+    if others:
+        parts.append(f"the {count(others)} worst of {count(run.points.count - bad)} that passed")
+    return printable(
+        f"{count(len(run.records))} of {count(run.points.count)} points are listed: "
+        f"{' and '.join(parts) or 'none could be written'}; all are in {run.points.file}"
+    )
+
+
+def summary(run: Run) -> str:
+    """`12 cases: 40 passed, 2 failed in 3.1 s`, counting variants, or the points of a sweep."""
+    said = tally(run.records, run.missing)
+    if run.points is not None:
+        said = f"{run.points.count} points: {counted(run.points.statuses, run.missing)}"
+    return f"{said} in {run.seconds:.1f} s"
 
 
 def tally(records: Iterable[Record], missing: int = 0) -> str:
     """A `summary` without the time."""
     some = list(records)
     cases = {(record.id, record.file) for record in some}
-    counts = Counter(record.status for record in some)
-    words = {"pass": "passed", "fail": "failed", "error": "in error", "crash": "crashed"}
-    parts = [f"{counts[s]} {words.get(s, s)}" for s in MARKS if counts.get(s)]
-    parts += [f"{missing} not run"] if missing else []
     noun = "case" if len(cases) == 1 else "cases"
     left = [len(r.not_asked) for r in some if r.status == "pass" and r.not_asked]
+    without = ""
     if left:
-        parts[0] += f" ({len(left)} of them without {sum(left)} checks of OpenGL's own calls)"
-    return f"{len(cases)} {noun}: {', '.join(parts) or 'nothing run'}"
+        without = f" ({len(left)} of them without {sum(left)} checks of OpenGL's own calls)"
+    said = counted(Counter(record.status for record in some), missing, without)
+    return f"{len(cases)} {noun}: {said}"
+
+
+def counted(counts: Mapping[Status, int], missing: int, without: str = "") -> str:
+    """`40 passed, 2 failed, 3 not run`; `without` goes after those that passed."""
+    words = {"pass": f"passed{without}", "fail": "failed", "error": "in error", "crash": "crashed"}
+    parts = [f"{counts[s]} {words.get(s, s)}" for s in MARKS if counts.get(s)]
+    parts += [f"{missing} not run"] if missing else []
+    return ", ".join(parts) or "nothing run"

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Iterator
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -28,8 +30,18 @@ def save(run: Run, folder: str | Path) -> Path:
         ShaderlabError: the file can't be written.
     """
     path = Path(folder) / FILE_NAME
-    write_text(path, json.dumps(plain(run), allow_nan=False, separators=(",", ":")) + "\n")
+    write_text(path, _pieces(run))
     return path
+
+
+def _pieces(run: Run) -> Iterator[str]:
+    """A run's JSON, one record at a time: the whole of it takes several times its size."""
+    encode = json.JSONEncoder(allow_nan=False, separators=(",", ":")).encode
+    before, _, after = encode(plain(replace(run, records=()))).partition('"records":[]')
+    yield f'{before}"records":['
+    for number, record in enumerate(run.records):
+        yield f"{',' if number else ''}{encode(plain(record))}"
+    yield f"]{after}\n"
 
 
 def load(folder: str | Path) -> Run:

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from itertools import islice
 from pathlib import Path
+from typing import BinaryIO
 
 from shaderlab.errors import ShaderlabError, UsageError, extra
 from shaderlab.files import write_named
 
 FORMATS = (".csv", ".parquet")
 Row = Mapping[str, str | float | int | None]
+_ROWS_AT_ONCE = 4096
 
 
 def check(path: Path) -> None:
@@ -29,36 +32,45 @@ def check(path: Path) -> None:
             import pyarrow.parquet  # noqa: F401
 
 
-def write_table(rows: Sequence[Row], path: Path) -> None:
-    """Write rows of the same columns; None is an empty cell, or null.
+def write_table(rows: Callable[[], Iterator[Row]], path: Path) -> None:
+    """Write rows of the same columns, a few thousand at a time; None is an empty cell, or null.
+
+    Args:
+        rows: gives the rows, from the first one on each time it is called.
+        path: the file, whose suffix says the format.
 
     Raises:
         UsageError: as `check`.
         ShaderlabError: the file can't be written.
     """
     check(path)
-    data = _csv(rows) if path.suffix == ".csv" else _parquet(rows)
+    write = _csv if path.suffix == ".csv" else _parquet
     try:
-        write_named(path, data)
+        write_named(path, lambda file: write(rows(), file))
     except OSError as error:
         raise ShaderlabError(
             f"can't write the table ({error.strerror or error})", file=path
         ) from error
 
 
-def _csv(rows: Sequence[Row]) -> bytes:
-    text = io.StringIO()
-    columns = list(rows[0]) if rows else []
-    writer = csv.DictWriter(text, columns, lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
-    return text.getvalue().encode("utf-8", errors="replace")
+def _csv(rows: Iterable[Row], file: BinaryIO) -> None:
+    text = io.TextIOWrapper(file, "utf-8", errors="replace", newline="", write_through=False)
+    writer = None
+    for row in rows:
+        if writer is None:
+            writer = csv.DictWriter(text, list(row), lineterminator="\n")
+            writer.writeheader()
+        writer.writerow(row)
+    text.detach()
 
 
-def _parquet(rows: Sequence[Row]) -> bytes:
+def _parquet(rows: Iterator[Row], file: BinaryIO) -> None:
     import pyarrow as arrow
     from pyarrow import parquet
 
-    data = io.BytesIO()
-    parquet.write_table(arrow.Table.from_pylist([dict(row) for row in rows]), data)
-    return data.getvalue()
+    parts = []
+    while some := [dict(row) for row in islice(rows, _ROWS_AT_ONCE)]:
+        parts.append(arrow.Table.from_pylist(some))
+    # A column without any value in one part has a type in the others.
+    whole = arrow.concat_tables(parts, promote_options="permissive") if parts else arrow.table({})
+    parquet.write_table(whole, file)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import io
+import re
 
 import pytest
 from rich.console import Console
@@ -129,7 +130,9 @@ def test_a_long_run_says_that_it_is_alive(
         progress.starts("lamp", "default")
         progress.ends(passing)
         progress.starts("sun", "9")
-    assert "1 of 2 done; running sun[9]" in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert "0 of 2 done; running lamp\n" in said
+    assert re.search(r"^1 of 2 done, about [0-9.]+ ms left; running sun\[9\]$", said, re.MULTILINE)
 
 
 def test_on_a_terminal_there_is_a_live_line(

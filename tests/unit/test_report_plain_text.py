@@ -74,7 +74,7 @@ def test_a_long_table_is_cut(failing: Record) -> None:
 
 def test_summary_counts_variants_by_outcome(passing: Record, failing: Record) -> None:
     other = dataclasses.replace(passing, id="sun")
-    text = summary([passing, failing, other], 3.14)
+    text = summary(replace(run(passing, failing, other), seconds=3.14))
     assert text == "2 cases: 2 passed, 1 failed in 3.1 s"
 
 
@@ -82,7 +82,7 @@ def test_every_report_counts_what_was_not_asked(tmp_path: Path) -> None:
     """Checks of OpenGL's own calls, where another API draws: the case passes without them."""
     plain, without = record("a"), record("b", not_asked=("two calls", "no error"))
     made = run(plain, without)
-    said = summary(made.records, 1.0)
+    said = summary(replace(made, seconds=1.0))
     assert said == "2 cases: 2 passed (1 of them without 2 checks of OpenGL's own calls) in 1.0 s"
     console = Console(width=120, record=True, file=StringIO())
     console.print(case_table(made.records, 120))

@@ -17,10 +17,11 @@ from click.testing import CliRunner, Result
 from shaderlab.cli import cli
 from shaderlab.errors import CaseError, UsageError
 from shaderlab.execution.jobs import CaseFacts
-from shaderlab.execution.sweep_grid import Parameter, coordinates, grid, parameters
-from shaderlab.execution.sweep_table import plots, rows
+from shaderlab.execution.sweep_grid import Grid, Parameter, grid, parameters
+from shaderlab.execution.sweep_plots import plots
+from shaderlab.execution.sweep_table import SweepTable
 from shaderlab.records import Outcome, Record, Worst
-from shaderlab.report import table
+from shaderlab.report import store, table
 
 FACTS = CaseFacts(
     file="lamp.py",
@@ -66,7 +67,7 @@ def test_ranges(word: str, values: tuple[float, ...], log: bool) -> None:
         ("x=1:2:1", "2 values or more", "NAME=START"),
         ("x=0:1:5log", "logarithmic", "above 0"),
         ("x=-1:1:5log", "logarithmic", "above 0"),
-        ("x=0:1:99999", "the limit is", ""),
+        ("x=0:1:1000000000000", "the limit is 100,000", "in parts"),
         ("size=0,8", "1…4096", ""),
         ("size=8,5000", "1…4096", ""),
     ],
@@ -82,7 +83,9 @@ def test_a_grid_is_the_product_of_its_parameters() -> None:
     assert [job.variant for job in jobs] == [
         "reach=1, size=8", "reach=1, size=16", "reach=2, size=8", "reach=2, size=16",
     ]  # fmt: skip
-    assert [dict(coordinates(job)) for job in jobs][2] == {"reach": 2.0, "size": 8.0}
+    assert [jobs.coordinates(n) for n in range(4)][2] == {"reach": 2.0, "size": 8}
+    with pytest.raises(IndexError):
+        jobs[4]
     assert {job.point.variant for job in jobs if job.point} == {"near"}
 
 
@@ -102,8 +105,10 @@ def test_what_a_case_does_not_have_is_named() -> None:
         assert remedy in (raised.value.remedy or "")
     with pytest.raises(UsageError, match="given twice"):
         parameters(["x=1", "x=2"])
-    with pytest.raises(UsageError, match="the limit is 10000"):
-        parameters(["x=0:1:200", "y=0:1:200"])
+    with pytest.raises(
+        UsageError, match=r"1,000,000 points \(1,000 × 1,000\), the limit is 100,000"
+    ):
+        parameters(["x=0:1:1000", "y=0:1:1000"])
     with pytest.raises(UsageError, match="has no formula"):
         grid(FACTS, "far", parameters(["reach=1,2"]))
     fixed = dataclasses.replace(FACTS, sized=False)
@@ -128,11 +133,19 @@ def measured(template: Record, variant: str, widths: float, ulp: float) -> Recor
     )  # fmt: skip
 
 
+def filled(jobs: Grid, records: Mapping[int, Record]) -> SweepTable:
+    """The table of some points."""
+    made = SweepTable(jobs)
+    for point, record in records.items():
+        made.add(point, store.plain(record))
+    return made
+
+
 def test_a_row_has_the_worst_of_all_formulas(passing: Record) -> None:
     jobs = grid(FACTS, "near", parameters(["reach=1,2", "size=8"]))
     lost = dataclasses.replace(passing, variant="reach=2, size=8", status="crash", message="gone",
                                expectations=())  # fmt: skip
-    table = rows(jobs, [lost, measured(passing, "reach=1, size=8", math.nan, 3.0)])
+    table = list(filled(jobs, {1: lost, 0: measured(passing, "", math.nan, 3.0)}).rows())
     assert [row["reach"] for row in table] == [1.0, 2.0]
     assert list(table[0])[:5] == ["reach", "size", "status", "widths", "ulp"]
     assert (table[0]["widths"], table[0]["ulp"], table[0]["judged"]) == (math.inf, 3.0, 10)
@@ -143,22 +156,35 @@ def test_a_row_has_the_worst_of_all_formulas(passing: Record) -> None:
 
 def test_plots_are_over_the_longest_parameter_with_few_series(passing: Record) -> None:
     jobs = grid(FACTS, "near", parameters(["size=8,16", "reach=1,10,100", "light.linear=1,2"]))
-    records = [
-        measured(
-            passing, job.variant, 0.001 * dict(coordinates(job))["reach"] * (1 + number % 2), 4.0
-        )
-        for number, job in enumerate(jobs)
-    ]
-    widths, ulp = plots(jobs, rows(jobs, records))
+    records = {
+        n: measured(passing, "", 0.001 * jobs.coordinates(n)["reach"] * (1 + n % 2), 4.0)
+        for n in range(len(jobs))
+    }
+    widths, ulp = plots(filled(jobs, records))
     assert (widths.x_label, widths.log_x, widths.y_label) == ("reach", True, "half band widths")
     assert widths.title.endswith("largest over size")
     assert {point.series for point in widths.points} == {"light.linear 1", "light.linear 2"}
     assert [point.y for point in widths.points[:3]] == pytest.approx([0.001, 0.01, 0.1])
     assert all(point.high == 1.0 for point in widths.points)
     assert all(point.high == math.inf for point in ulp.points)
-    bad = plots(jobs, rows(jobs, [measured(passing, jobs[0].variant, 2.0, 4.0), *records[1:]]))
+    bad = plots(filled(jobs, {**records, 0: measured(passing, "", 2.0, 4.0)}))
     assert [point.ok for point in bad[0].points].count(False) == 1
-    assert plots(jobs[:1], rows(jobs[:1], records)) == ()
+    assert plots(filled(jobs, {0: records[0]})) == ()
+
+
+def test_a_plot_of_many_points_has_the_worst_of_each_part(
+    passing: Record, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("shaderlab.execution.sweep_plots.MOST_DOTS", 5)
+    monkeypatch.setattr("shaderlab.execution.sweep_plots.PARTS", 3)
+    jobs = grid(FACTS, "near", parameters(["reach=1:6:6"]))
+    far = {4: 1.5}
+    made = {n: measured(passing, "", far.get(n, 0.1 + 0.01 * n), 1.0) for n in range(6)}
+    widths, _ = plots(filled(jobs, made))
+    assert widths.title.endswith("middle, largest in each of 3 parts")
+    assert [(p.x, p.y, p.ok) for p in widths.points] == [
+        (2.0, pytest.approx(0.11), True), (4.0, pytest.approx(0.13), True), (5.0, 1.5, False),
+    ]  # fmt: skip
 
 
 def test_tables_are_csv_or_parquet(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -166,14 +192,14 @@ def test_tables_are_csv_or_parquet(tmp_path: Path, monkeypatch: pytest.MonkeyPat
         {"x": 0.1, "status": "pass", "widths": None},
         {"x": 1.0, "status": "a\nb", "widths": 2.0},
     ]
-    table.write_table(data, tmp_path / "sub" / "t.csv")
+    table.write_table(lambda: iter(data), tmp_path / "sub" / "t.csv")
     with open(tmp_path / "sub" / "t.csv", newline="") as file:
         assert list(csv.DictReader(file)) == [
             {"x": "0.1", "status": "pass", "widths": ""},
             {"x": "1.0", "status": "a\nb", "widths": "2.0"},
         ]
     parquet = pytest.importorskip("pyarrow.parquet")
-    table.write_table(data, tmp_path / "t.parquet")
+    table.write_table(lambda: iter(data), tmp_path / "t.parquet")
     assert parquet.read_table(tmp_path / "t.parquet").to_pylist() == data
     with pytest.raises(UsageError, match=r"not \.xlsx"):
         table.check(tmp_path / "t.xlsx")
@@ -188,14 +214,6 @@ def call(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Callable[..., Resul
     """Calls `shaderlab sweep` in an empty folder."""
     monkeypatch.chdir(tmp_path)
     return lambda *args: CliRunner().invoke(cli, ["sweep", *map(str, args)], catch_exceptions=False)
-
-
-@pytest.fixture
-def ramp(case_folder: Path) -> Path:
-    text = (case_folder / "lamp.py").read_text().replace("exact, ", "exact, formula, ")
-    text = text.replace("expect=[", "expect=[formula('FragColor', lambda reach: reach), ")
-    (case_folder / "lamp.py").write_text(text)
-    return case_folder / "lamp.py"
 
 
 def test_each_point_is_run_and_told(

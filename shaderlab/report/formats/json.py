@@ -36,6 +36,7 @@ def render(run: Run) -> str:
         "replaced": whole["replaced"],
         "missing": whole["missing"],
         "coverage": whole["code_coverage"],
+        "points": whole["points"],
     }
     return json.dumps(public, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
