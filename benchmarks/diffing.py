@@ -19,7 +19,8 @@ import numpy as np
 from benchmarks.rewrites import Rewrite, rewrites
 from shaderlab.catalogue import load_cases
 from shaderlab.discovery import shipped_cases
-from shaderlab.equivalence import Answer, Plan, compare_programs
+from shaderlab.equivalence.answer import Answer
+from shaderlab.equivalence.comparison import Plan, compare_programs
 from shaderlab.errors import ShaderlabError
 from shaderlab.evaluation import Lab
 from shaderlab.evaluation.interpreting import program_of

@@ -6,7 +6,6 @@ Every command reads them here. What the command line says goes before them.
 from __future__ import annotations
 
 import os
-import tomllib
 from collections.abc import Callable, Iterator, Mapping
 from functools import cache
 from pathlib import Path
@@ -112,6 +111,8 @@ def _settings(folder: str) -> Settings:
 
 def _table(file: Path) -> Mapping[str, Any] | None:
     """The table of a pyproject.toml; None if it has none."""
+    import tomllib  # few folders have one
+
     try:
         text = file.read_text(encoding="utf-8")
         if TABLE not in text:

@@ -44,7 +44,7 @@ class Interval:
         return widths(self.lo, self.hi, self.nan, measured, getattr(self, "unit", 0.0))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Allowed(Interval):
     """The values that reading a format back may give: lo ≤ measured ≤ hi, in the format's units.
 

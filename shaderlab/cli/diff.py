@@ -21,7 +21,8 @@ from shaderlab.options import Limits, RunOptions
 
 if TYPE_CHECKING:
     from shaderlab.cli.revisions import Revision
-    from shaderlab.equivalence import Answer, Plan
+    from shaderlab.equivalence.answer import Answer
+    from shaderlab.equivalence.comparison import Plan
     from shaderlab.execution.executor import LocalExecutor
 
 NO_ANSWER = USAGE
@@ -76,7 +77,7 @@ def command(
       shaderlab diff lamp.frag --against HEAD~1
       shaderlab diff lib/phong.glsl my_phong.glsl --case specular
     """
-    from shaderlab.equivalence import Plan
+    from shaderlab.equivalence.comparison import Plan
 
     if (new is None) == (against is None):
         raise UsageError("name two shaders, OLD and NEW, or one and --against REV")

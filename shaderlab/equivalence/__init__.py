@@ -1,5 +1,7 @@
 """Whether two shaders compute the same: interpreted on the same inputs, with noise.
 
+    from shaderlab.equivalence.comparison import Plan, compare_programs
+
     answer = compare_programs(load(old), load(new), Plan(ranges={"distance": "0..50"}))
     answer.same                                             # True, False, or None: can't say
     "\\n".join(answer.lines())
@@ -8,6 +10,3 @@ Both run in float64, once as they are and several times with noise that is a lit
 any rounding. An output is another one where the two are further apart than 16 times the spread
 that noise makes at that invocation, or where only one of them draws, or is defined.
 """
-
-from shaderlab.equivalence.answer import Answer as Answer, OutputAnswer as OutputAnswer
-from shaderlab.equivalence.comparison import Plan as Plan, compare_programs as compare_programs

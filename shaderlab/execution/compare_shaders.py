@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 from shaderlab.compiler.shader_files import ShaderFile
 from shaderlab.compiler.sources import Shaders, Source
-from shaderlab.equivalence import Answer, Plan, compare_programs
+from shaderlab.equivalence.answer import Answer
+from shaderlab.equivalence.comparison import Plan, compare_programs
 from shaderlab.errors import in_file
 from shaderlab.interpreter import Program, load
 from shaderlab.lazy_dataclass import dataclass

@@ -50,7 +50,9 @@ class LabWorker:
 
     @staticmethod
     def preload() -> None:
-        """Import what the driver needs, without opening it."""
+        """Import what the driver needs, without opening it, and what scenes are sampled with."""
+        import numpy.random  # noqa: F401
+
         backends.preload()
 
     def __call__(self, requests: Sequence[Request]) -> Iterator[Any]:

@@ -6,7 +6,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import KW_ONLY
 
 from shaderlab.activity import doing
-from shaderlab.equivalence import Answer, Plan, compare_programs
+from shaderlab.equivalence.answer import Answer
+from shaderlab.equivalence.comparison import Plan, compare_programs
 from shaderlab.equivalence.given import given_fragments, given_vertices
 from shaderlab.errors import CaseError, nearest
 from shaderlab.expectations.base import Context, OfDraw, judge_rows

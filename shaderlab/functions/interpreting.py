@@ -8,7 +8,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, TypeVar
 
 from shaderlab.audit import Audit, Plan as AuditPlan, audit_program
-from shaderlab.equivalence import Answer, OutputAnswer, Plan as ComparisonPlan, compare_programs
+from shaderlab.equivalence.answer import Answer, OutputAnswer
+from shaderlab.equivalence.comparison import Plan as ComparisonPlan, compare_programs
 from shaderlab.equivalence.interface import inputs_of
 from shaderlab.equivalence.roles import unknown_names
 from shaderlab.errors import ShaderError, ShaderlabError, UsageError, nearest

@@ -25,7 +25,7 @@ INPUTS = (
 )
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Instruction:
     """One instruction: its opcode, the ids of its result's type and of its result (0 for none),
     its other words, and the line of the source's text that it comes from."""

@@ -14,7 +14,9 @@ from click.testing import CliRunner
 
 from shaderlab.cli.diff import command
 from shaderlab.compiler import Shaders
-from shaderlab.equivalence import Answer, Plan, compare_programs, locating
+from shaderlab.equivalence import locating
+from shaderlab.equivalence.answer import Answer
+from shaderlab.equivalence.comparison import Plan, compare_programs
 from shaderlab.equivalence.given import Given, merged
 from shaderlab.equivalence.locating import Step
 from shaderlab.equivalence.noise import Noisy

@@ -11,7 +11,8 @@ import pytest
 from benchmarks.auditing import STAGES, Planted, audit_of, is_found, planted
 from shaderlab.audit import Audit, audit_program
 from shaderlab.compiler import Shaders
-from shaderlab.equivalence import Answer, compare_programs
+from shaderlab.equivalence.answer import Answer
+from shaderlab.equivalence.comparison import compare_programs
 from shaderlab.errors import NotInterpretedError
 from shaderlab.execution.audit_shaders import AuditCase
 from shaderlab.interpreter import FLOAT64, Bands, Program, interpret, load

@@ -42,8 +42,9 @@ def preload() -> None:
     uses and that forks others."""
     _without_checks()
     from shaderlab.backends.opengl import backend, device
+    from shaderlab.backends.opengl.pyopengl import named
 
-    _ = backend, device
+    _ = backend, device, named("sample_shading")  # the newest name that each draw takes
 
 
 def _without_checks() -> None:

@@ -12,7 +12,7 @@ from typing import Any
 
 from shaderlab.backends.opengl import environment
 from shaderlab.backends.opengl.device import REQUIRED_VERSION, Device, libraries
-from shaderlab.backends.opengl.pyopengl import GL
+from shaderlab.backends.opengl.pyopengl import declarations
 from shaderlab.errors import CaseError, DriverError, nearest
 
 
@@ -40,7 +40,8 @@ def prototypes() -> Mapping[str, Any]:
 @cache
 def constants() -> Mapping[str, int]:
     """The number of each constant by its name."""
-    return {n: int(v) for n, v in vars(GL).items() if n.startswith("GL_") and isinstance(v, int)}
+    known = declarations().items()
+    return {n: int(v) for n, v in known if n.startswith("GL_") and isinstance(v, int)}
 
 
 def constant(words: str) -> int:

@@ -3,7 +3,7 @@ platform once, from the environment, as it is imported.
 
 All modules of this backend take them from here. `GL` has each C function as it is, and those that
 give something back by a pointer as functions that return it. `OpenGL.GL` has such of all functions,
-and takes three times as long to import.
+and takes five times as long to import.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import ctypes
 import functools
 import importlib
 import pkgutil
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from types import ModuleType
 from typing import Any
 
@@ -28,7 +28,35 @@ with environment():
 
 ERROR_CHECKER = _errors._error_checker
 """What PyOpenGL asks for errors after each call, or None in a process without such checks."""
-GL: Any = ModuleType("GL")
+
+
+class _Declarations(ModuleType):
+    """Each function and constant, from the first version that has it. A version is imported once a
+    name is asked for that no earlier one has."""
+
+    def __init__(self) -> None:
+        super().__init__("GL")
+        self._later = sorted(module.name for module in pkgutil.iter_modules(VERSION.__path__))
+
+    def __getattr__(self, name: str) -> Any:
+        found = vars(self)
+        while name.startswith(("gl", "GL")) and self._later:
+            module = importlib.import_module(f"{VERSION.__name__}.{self._later.pop(0)}")
+            for each, value in vars(module).items():
+                if each.startswith(("gl", "GL")) and each not in found:
+                    found[each] = _RETURNING[each](value) if each in _RETURNING else value
+            if name in found:
+                return found[name]
+        raise AttributeError(name)
+
+
+GL: Any = _Declarations()
+
+
+def declarations() -> Mapping[str, Any]:
+    """All functions and constants by their names."""
+    getattr(GL, "gl", None)  # no version has that
+    return {name: value for name, value in vars(GL).items() if name.startswith(("gl", "GL"))}
 
 
 @functools.cache
@@ -39,16 +67,6 @@ def named(word: str) -> int:
     '0x303'
     """
     return int(getattr(GL, f"GL_{word.upper()}"))
-
-
-def _declared() -> dict[str, Any]:
-    """Each function and constant, from the first version that has it."""
-    versions = sorted(module.name for module in pkgutil.iter_modules(VERSION.__path__))
-    modules = [importlib.import_module(f"{VERSION.__name__}.{version}") for version in versions]
-    found: dict[str, Any] = {}
-    for module in reversed(modules):
-        found.update((n, v) for n, v in vars(module).items() if n[:2] in ("gl", "GL"))
-    return found
 
 
 def _generator(function: Callable[..., None]) -> Callable[[int], Any]:
@@ -77,37 +95,54 @@ def _getter(function: Callable[..., None]) -> Callable[..., int]:
     return get
 
 
-def _log(function: Callable[..., None], length: Callable[..., int]) -> Callable[[int], bytes]:
-    def log(number: int) -> bytes:
-        text = ctypes.create_string_buffer(length(number, GL.GL_INFO_LOG_LENGTH) + 1)
-        function(number, len(text), None, text)
-        return text.value
+def _log(length: str) -> Callable[[Callable[..., None]], Callable[[int], bytes]]:
+    """Of a function that writes a log: returns it. `length` is the function that tells its size."""
 
-    return log
+    def returning(function: Callable[..., None]) -> Callable[[int], bytes]:
+        def log(number: int) -> bytes:
+            size = getattr(GL, length)(number, GL.GL_INFO_LOG_LENGTH)
+            text = ctypes.create_string_buffer(size + 1)
+            function(number, len(text), None, text)
+            return text.value
 
+        return log
 
-def _shader_source(shader: int, text: str) -> None:
-    given = ctypes.c_char_p(text.encode())
-    pointer = ctypes.cast(ctypes.pointer(given), ctypes.POINTER(ctypes.POINTER(ctypes.c_char)))
-    _DECLARED["glShaderSource"](shader, 1, pointer, None)
-
-
-def _attached_shaders(program: int) -> list[int]:
-    numbers = np.zeros(GL.glGetProgramiv(program, GL.GL_ATTACHED_SHADERS), np.uint32)
-    _DECLARED["glGetAttachedShaders"](program, len(numbers), None, numbers)
-    return [int(number) for number in numbers]
+    return returning
 
 
-_DECLARED = _declared()
-for _name in ("glGetString", "glGetStringi"):  # as `OpenGL.GL` does; PyOpenGL reads them so itself
-    _DECLARED[_name].restype = ctypes.c_char_p
-vars(GL).update(_DECLARED)
+def _text(function: Any) -> Any:
+    function.restype = ctypes.c_char_p  # as `OpenGL.GL` does; PyOpenGL reads them so itself
+    return function
+
+
+def _shader_source(function: Callable[..., None]) -> Callable[[int, str], None]:
+    def set_source(shader: int, text: str) -> None:
+        given = ctypes.c_char_p(text.encode())
+        pointer = ctypes.cast(ctypes.pointer(given), ctypes.POINTER(ctypes.POINTER(ctypes.c_char)))
+        function(shader, 1, pointer, None)
+
+    return set_source
+
+
+def _attached_shaders(function: Callable[..., None]) -> Callable[[int], list[int]]:
+    def attached(program: int) -> list[int]:
+        numbers = np.zeros(GL.glGetProgramiv(program, GL.GL_ATTACHED_SHADERS), np.uint32)
+        function(program, len(numbers), None, numbers)
+        return [int(number) for number in numbers]
+
+    return attached
+
+
 _OBJECTS = ("buffers", "queries", "renderbuffers", "samplers", "textures")
-for _name in map(str.capitalize, _OBJECTS):
-    setattr(GL, f"glGen{_name}", _generator(_DECLARED[f"glGen{_name}"]))
-    setattr(GL, f"glDelete{_name}", _deleter(_DECLARED[f"glDelete{_name}"]))
-for _name in ("Integerv", "Programiv", "QueryObjectuiv", "Shaderiv", "VertexAttribiv"):
-    setattr(GL, f"glGet{_name}", _getter(_DECLARED[f"glGet{_name}"]))
-GL.glGetShaderInfoLog = _log(_DECLARED["glGetShaderInfoLog"], GL.glGetShaderiv)
-GL.glGetProgramInfoLog = _log(_DECLARED["glGetProgramInfoLog"], GL.glGetProgramiv)
-GL.glShaderSource, GL.glGetAttachedShaders = _shader_source, _attached_shaders
+_ASKED = ("Integerv", "Programiv", "QueryObjectuiv", "Shaderiv", "VertexAttribiv")
+_RETURNING: Mapping[str, Callable[[Any], Any]] = {
+    **{f"glGen{name.capitalize()}": _generator for name in _OBJECTS},
+    **{f"glDelete{name.capitalize()}": _deleter for name in _OBJECTS},
+    **{f"glGet{name}": _getter for name in _ASKED},
+    "glGetString": _text,
+    "glGetStringi": _text,
+    "glGetShaderInfoLog": _log("glGetShaderiv"),
+    "glGetProgramInfoLog": _log("glGetProgramiv"),
+    "glShaderSource": _shader_source,
+    "glGetAttachedShaders": _attached_shaders,
+}
