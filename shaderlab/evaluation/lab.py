@@ -32,6 +32,7 @@ from shaderlab.expectations.reads import unread_outputs
 from shaderlab.frame import Image
 from shaderlab.model import Judgement, Scene
 from shaderlab.observations import Look, Observation
+from shaderlab.programs.prepare import Programs
 from shaderlab.programs.textures import forget_made
 from shaderlab.records import Explanation, Outcome, Record
 
@@ -125,11 +126,18 @@ class Lab(SceneDrawer):
             draws = None
             if self.options.modules is not False:
                 draws = JudgedDraws(evaluation, every=bool(self.options.modules))
+            wrong_picture = None
+            if folder is not None:  # it is packed while the scene is judged
+                try:
+                    self._write_picture(scene, programs, drawn.images, builder, writer)
+                except MemoryError:
+                    raise
+                except Exception as error:
+                    wrong_picture = error  # which changes no outcome
             unanswered = self.judge_all(evaluation, builder, writer, draws)
             if draws is not None:
                 found, of_modules = draws.judgement()
                 builder.set_modules(found)
-        evaluation.forget(tuple(evaluation.answers))  # pictures take as much memory as they do
         if unanswered:
             names = {index: scene.expect[index].name for index in unanswered}
             lacking = {i: e for i, e in unanswered.items() if not isinstance(e, OtherApiError)}
@@ -141,16 +149,26 @@ class Lab(SceneDrawer):
                 builder.set_unanswered(next(iter((lacking or unanswered).values())))
         if of_modules is not None and (self.options.modules or of_modules.outcome.message):
             builder.add_outcome(of_modules.outcome, of_modules)
-        if folder is not None:
-            with doing("picture", "drawing the picture"):
-                images = drawn.images
-                if (side := self.options.picture_size) != self.options.size:
-                    images = enlarged(self.backend, scene, programs, images, side)
-                picture = images[_picture_of(scene, images)]
-                with unless_unwritable(builder):
-                    builder.set_pictures(
-                        writer.write_picture(picture), writer.write_passes(scene, images)
-                    )
+        if wrong_picture is not None:
+            raise wrong_picture
+
+    def _write_picture(
+        self,
+        scene: Scene,
+        programs: Programs,
+        images: Mapping[tuple[str, str], Image],
+        builder: RecordBuilder,
+        writer: PictureWriter,
+    ) -> None:
+        """Write the case's picture and those of its passes, in the size for people."""
+        with doing("picture", "drawing the picture"):
+            if (side := self.options.picture_size) != self.options.size:
+                images = enlarged(self.backend, scene, programs, images, side)
+            picture = images[_picture_of(scene, images)]
+            with unless_unwritable(builder):
+                builder.set_pictures(
+                    writer.write_picture(picture), writer.write_passes(scene, images)
+                )
 
     def judge_all(
         self,
