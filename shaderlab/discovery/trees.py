@@ -4,7 +4,6 @@ folder."""
 from __future__ import annotations
 
 import os
-import tomllib
 from collections.abc import Iterator, Mapping
 from functools import cache
 from pathlib import Path
@@ -57,6 +56,8 @@ def chapter_title(file: str | Path, section: str) -> str:
 
 @cache
 def _chapters(file: Path) -> Mapping[str, str]:
+    import tomllib  # few trees of cases have chapters
+
     try:
         found = tomllib.loads(file.read_text(encoding="utf-8")) if file.is_file() else {}
     except (OSError, ValueError) as error:

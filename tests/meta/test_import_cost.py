@@ -63,17 +63,23 @@ def test_listing_cases_loads_nothing_heavy() -> None:
 
 
 def test_a_worker_loads_nothing_that_starts_or_watches_workers() -> None:
-    loaded = modules_after("import shaderlab.compiler.engines, shaderlab.execution.lab_worker")
-    assert not loaded & (DEVICE | HEAVY | PRINTING | {"click", "cattrs", "logging"})
+    loaded = modules_after(
+        "import shaderlab.compiler.engines, shaderlab.execution.lab_worker\n"
+        "sys.modules = {n.removeprefix('shaderlab.equivalence.'): 0 for n in sys.modules}"
+    )
+    assert not loaded & (DEVICE | HEAVY | PRINTING | {"click", "cattrs", "logging", "tomllib"})
+    assert "given" in loaded and "comparison" not in loaded
 
 
 def test_a_device_is_opened_without_pyopengls_wrappers() -> None:
-    """They take three times as long to import as the functions that they wrap."""
+    """They take three times as long to import as the functions that they wrap; and the versions of
+    OpenGL are imported that draws have names of."""
     names = modules_after(
         "from shaderlab import backends\nbackends.preload()\n"
-        "sys.modules = {n.removeprefix('OpenGL.'): m for n, m in sys.modules.items()}"
+        "shorter = {n.removeprefix('OpenGL.'): m for n, m in sys.modules.items()}\n"
+        "sys.modules = {n.removeprefix('raw.GL.VERSION.'): m for n, m in shorter.items()}"
     )
-    assert {"moderngl", "raw"} <= names and "GL" not in names
+    assert {"moderngl", "raw", "GL_4_0"} <= names and not {"GL", "GL_4_1"} & names
 
 
 def test_a_command_starts_its_worker_before_it_loads_anything_large() -> None:

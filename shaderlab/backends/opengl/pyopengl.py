@@ -3,7 +3,7 @@ platform once, from the environment, as it is imported.
 
 All modules of this backend take them from here. `GL` has each C function as it is, and those that
 give something back by a pointer as functions that return it. `OpenGL.GL` has such of all functions,
-and takes five times as long to import.
+and takes three times as long to import.
 """
 
 from __future__ import annotations
